@@ -189,8 +189,8 @@ SWEEP_flushed     := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=0
 SWEEP_cut         := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=1
 SWEEP_flushed_cut := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0
 SWEEP_finite      := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0 -DFP3_FINITE=1
-SWEEP_logarithmic := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1 -DFP3_LOGARITHMIC=1
-SWEEPS            := $(addprefix $(BUILD)/obj/sw/fast/sweep_,$(if $(filter x86_64-%,$(MACHINE)),v3.o v4.o) flushed.o cut.o flushed_cut.o finite.o logarithmic.o)
+SWEEP_words       := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1 -DFP3_OF_WORDS=1
+SWEEPS            := $(addprefix $(BUILD)/obj/sw/fast/sweep_,$(if $(filter x86_64-%,$(MACHINE)),v3.o v4.o) flushed.o cut.o flushed_cut.o finite.o words.o)
 LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS)
 VECTORS           := -O3 -frounding-math -Wno-psabi
 

@@ -289,7 +289,7 @@ static fp3_status write_json(const speed *s, fp3_error *error) {
 static fp3_status bench(const options *o, char **report, fp3_error *error) {
     speed s = {.o = o, .rows = json_array()};
     const fp3_program_def def = fp3_program_default();
-    fp3_status status = fp3_measure_machines_open(&s.machines, error);
+    fp3_status status = fp3_measure_machines_open(0, &s.machines, error);
     if (!status)
         status = fp3_program_open(PROGRAM, &def, &s.program, report, error);
     if (!status) {

@@ -38,6 +38,7 @@ PAGE, PICTURE = ROOT / "docs/arithmetic.md", ROOT / "docs/arithmetic.svg"
 BEGIN, END = "<!-- measured -->\n", "<!-- measured end -->\n"
 COLOURS = ("#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9")
 TARGETS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+WORTH = 0.95    # of the cost of binary32: below it another is worth the change
 
 
 def placed(rows, top, config):
@@ -53,7 +54,7 @@ def bench(fp3, model, config, integrators):
     """The points of the hardware, or why there are none."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "x.json"
-        done = subprocess.run([fp3, "bench", f"programs/{model}.ode", "--quick", "--config", config, "--json", path,
+        done = subprocess.run([fp3, "bench", f"programs/{model}.ode", "--no-times", "--config", config, "--json", path,
                                *(f"--integrator={name}" for name in integrators)], cwd=ROOT, capture_output=True, text=True)
         if done.returncode == 2:
             return [], re.sub(r"^fp3 bench: |\x1b\[[0-9;]*m", "", done.stderr.strip().splitlines()[-1])
@@ -85,7 +86,7 @@ def measure(fp3, wanted, integrators, synth):
             rows += [{"arithmetic": arithmetic, "model": model,
                       "integrator": f"{point['integrator']}, {point['arithmetic']}", "h": point["h"], "tolerance": point["tolerance"],
                       "error_median": point["error_median"], "error_worst": point["error_worst"], "cycles": point["cycles"],
-                      "lut4": of and of["lut4"], "mhz": of and of["fmax_median"], "words_differing": 0} for point in points]
+                      "lut4": of and of["lut4"], "mhz": of and of["fmax_median"], "words_differing": 0} for point in points]     # bench stops where one differs
         done.append(model)
         yield {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": integrators, "models": done, "rows": rows,
                "units": units, "left_out": left_out}
@@ -113,34 +114,57 @@ def front(rows):
     return kept
 
 
+def relative(rows, base, target):
+    """What the target costs, relative to the base; nothing if either does not reach it or was not placed."""
+    one, other = cheapest(rows, target), cheapest(base, target)
+    return cost(one) / cost(other) if one and other and cost(one) and cost(other) else None
+
+
+def best_error(rows):
+    best = min(rows, key=lambda row: row["error_median"], default=None)
+    return f"{best['error_median']:.1e} ({best['error_worst']:.1e})" if best else "–"
+
+
+def median_cost(by, models_of, name, target):
+    ratios = sorted(ratio for model in models_of if (ratio := relative(by[model, name], by[model, "binary32"], target)))
+    reached = sum(cheapest(by[model, name], target) is not None for model in models_of)
+    return f"{ratios[len(ratios) // 2]:.2f} ({reached})" if ratios else f"– ({reached})"
+
+
+def pick(by, model, names, target):
+    """The cheapest arithmetic, if it saves something; what reaches the target at all, if binary32 does not."""
+    ratios = {name: ratio for name in names if (ratio := relative(by[model, name], by[model, "binary32"], target))}
+    if not ratios:
+        others = [name for name in names if cheapest(by[model, name], target)]
+        return f"only {others[0]}" if others else "–"
+    name = min(ratios, key=ratios.get)
+    return f"{name} {ratios[name]:.2f}" if ratios[name] <= WORTH else "binary32"
+
+
+def table(head, rows):
+    yield f"| {' | '.join(head)} |\n|{'---|' * len(head)}\n"
+    for row in rows:
+        yield f"| {' | '.join(row)} |\n"
+
+
 def page(found):
     by = collections.defaultdict(list)
     for row in found["rows"]:
         by[row["model"], row["arithmetic"]].append(row)
     names = [name for name in ARITHMETICS.values() if any(key[1] == name for key in by)]
+    all_models = sorted({key[0] for key in by})
     yield f"Measured {found['measured']} by `make arithmetic`, revision `{found['revision']}`, on 64 objects that differ; integrators: " \
           f"{', '.join(f'`{name}`' for name in found['integrators'])}, plain, compensated and folded, with fixed and with adaptive steps.\n\n"
     yield "The first table has the smallest error of each model (median of the objects, relative to the size of each state) in each arithmetic, " \
           "and the worst object's, in brackets. *–*: it cannot run the model.\n\n"
-    yield f"| model | {' | '.join(names)} |\n|---|{'---|' * len(names)}\n"
-    for model in sorted({key[0] for key in by}):
-        best = [min(by[model, name], key=lambda row: row["error_median"], default=None) for name in names]
-        yield f"| `{model}` | " + " | ".join(f"{row['error_median']:.1e} ({row['error_worst']:.1e})" if row else "–" for row in best) + " |\n"
+    yield from table(["model", *names], [[f"`{model}`", *(best_error(by[model, name]) for name in names)] for model in all_models])
     yield "\nThe second table has the cost of reaching an error: the fewest cycles of an object over the model's span, times the time of a cycle, times the LUT4 of " \
           "the machine, relative to binary32. Less than 1 is cheaper. The median over the models, and in brackets how many of them reach that error.\n\n"
-    yield f"| error | {' | '.join(names)} |\n|---|{'---|' * len(names)}\n"
-    for target in TARGETS:
-        cells = []
-        for name in names:
-            ratios, reached = [], 0
-            for model in sorted({key[0] for key in by}):
-                one, base = cheapest(by[model, name], target), cheapest(by[model, "binary32"], target)
-                reached += one is not None
-                if one and base and cost(one) and cost(base):
-                    ratios.append(cost(one) / cost(base))
-            ratios.sort()
-            cells.append(f"{ratios[len(ratios) // 2]:.2f} ({reached})" if ratios else f"– ({reached})")
-        yield f"| {target:.0e} | " + " | ".join(cells) + " |\n"
+    yield from table(["error", *names], [[f"{target:.0e}", *(median_cost(by, all_models, name, target) for name in names)] for target in TARGETS])
+    yield "\nThe third table says what to pick for a model and an error: the arithmetic of the lowest cost and this cost relative to binary32, or binary32 if nothing saves " \
+          f"{1 - WORTH:.0%}. *–*: nothing reaches the error.\n\n"
+    yield from table(["model", *(f"{target:.0e}" for target in TARGETS)],
+                     [[f"`{model}`", *(pick(by, model, names, target) for target in TARGETS)] for model in all_models])
     yield "\n![Error against cost for each model, a line for each arithmetic](arithmetic.svg)\n\n"
     yield "*Error (median) against LUT4 times µs of an object over the span, the best of all integrators and steps. Further left is cheaper, further down more accurate.*\n"
 

@@ -80,10 +80,12 @@ def draw(rng):
             and all(row.get(other) for other in key.get("needs", []))}
     row["program_words"] = rng.choice([64, 128, 256, 512, 1024, 2048, 8192])
     chance = random.Random(repr(row))          # of its own: the draws above stay as they are
-    if not row["interleave"] or row.get("schedulers") != 1:
-        return row
     kind = chance.random()
-    return dual(chance, row) if kind < 0.2 else row | {"fused": 1, "chain": 0, "scale": 0} if kind > 0.8 else row
+    fraction = random.Random(repr(row) + "fraction").choice([23, 23, 7, 15, 18, 22])
+    if row["interleave"] and row.get("schedulers") == 1 and kind < 0.2:
+        return dual(chance, row)
+    row |= {"fraction": fraction}
+    return row | {"fused": 1, "chain": 0, "scale": 0} if row["interleave"] and row.get("schedulers") == 1 and kind > 0.8 else row
 
 
 def dual(rng, row):

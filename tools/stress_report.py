@@ -6,7 +6,7 @@ from plot import draw
 
 # In pictures of errors: a colour for each integrator, a dash for each arithmetic.
 COLOURS = {name: INTEGRATORS[name][0] for name in ("rk4", "verlet", "yoshida6")}
-DASHES = {"plain": "-", "compensated": "--", "truncated": ":"}
+DASHES = {"plain": "-", "compensated": "--", "cell": ":"}
 
 INTRODUCTION = """\
 The stress suite measures what integrators and arithmetics do, and compares it with what they should do: by theory, computed from the integrator's table, or
@@ -15,8 +15,9 @@ as published. A result holds if it is within its tolerance.
 - `fp3 stress` runs the suite on equations of its own, `fp3 stress MODEL` on a model. `make stress` does both, for every integrator and every model of
   `programs/`, and writes `build/results/stress.json`. `make stress-report` makes this page of it.
 - Everything runs on the engine `fast`, as `many_full` runs it. The arithmetics are *plain*, *compensated* (`-k`), *double_single* (`--double-single`, where
-  the program fits), and plain on two configurations without a name: *flushed*, without gradual underflow (the key `subnormal` is 0), and *truncated*,
-  rounded to zero (the key `nearest` is 0).
+  the program fits), and plain on the configurations with [another arithmetic](arithmetic.md): `flush` has no subnormal numbers, `cell` truncates, too, and
+  has no infinities, and `fused_full` rounds a product and the addition that uses it once. `--arithmetic NAME` tries some of them only. `flush` and
+  `fused_full` round numbers of ordinary size as *plain* does: they make a million steps only if they are asked for.
 - *In double* means the same steps without roundings, with the coefficients of the program (`fp3_compiled_exact_given`).
 
 The columns of the tables below: model, integrator and arithmetic; what is measured; the expected figure; how the measured one has to compare with it; the
@@ -35,14 +36,14 @@ show it; their figure is the step from which growth in 2^14 steps is a quarter. 
     "steps": ("Errors by step size", """\
 The equations are x'' = -x, and x'' = -x + cos(2 t) (`driven`), to t = 8, for 64 objects. Errors are root mean squares. On the left of the picture the error
 falls with the order p; its slope has to be that of the same 8 objects in double. On the right rounding errors grow with the number N of steps: with N^(1/2)
-if they are independent, with up to N otherwise (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 2.8). Truncated, all have one
+if they are independent, with up to N otherwise (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 2.8). Truncated (`cell`), all have one
 direction. With compensated updates and with double-single only a random walk of roundings at the end of the second word grows. Stoermer's method turns a
 rounding r of x into one of the velocity, r/h. Below h = u^(1/3) = 0.005, u = 2^-23, its roundings are alike from step to step where the acceleration is
 stationary: they grow with h^-3, truncated with h^-2. Compensated, it carries h v as one float, and the error is a random walk of its roundings."""),
     "events": ("Order under events", """\
 A bouncing ball, 4,096 objects. Events happen at the ends of steps ([models.md](models.md#when-it-happens)), so every integrator has order 1."""),
     "drift": ("A million steps", """\
-Kepler's problem with eccentricity 0.2, for 64 orbits that differ by a turn, so that their roundings are independent (65,536 steps in double-single). Their
+Kepler's problem with eccentricity 0.2, for 64 orbits that differ by a turn, so that their roundings are independent (65,536 steps in double-single and in `cell`). Their
 mean shows what the method does, and its coefficients, which are FP32 numbers. Their spread is the random walk of roundings. A symplectic method keeps
 energy and momentum; another drifts as in double. A rounding is 2.5e-8 of a number, root mean square, and the tolerance is four standard deviations of the
 walk. The error of a coefficient c is less than half a unit of c k; rounding may remove or double it, alike in all orbits. So the tolerance has once more
@@ -62,7 +63,7 @@ below half a unit of x. That bounds the distance from p/q, which is given as a s
 A decay by a at each step ends exactly at floor(1/(2 a)) units of 2^-149, truncated at ceil(1/a) - 1. Flushed, it ends above 2^-126."""),
     "failures": ("Overflow and NaN", """\
 One object of 600 gets a number that overflows later, a NaN or an infinity. The engine has to name the object and the step. In double-single a number
-overflows from 2^116 on, when it is split."""),
+overflows from 2^116 on, when it is split. In `cell` all three are numbers from 2^128 on, and told as that."""),
     "chaos": ("Chaos", """\
 The largest Lyapunov exponent of Lorenz's equations, from the linearised equations of 512 objects. Published: 0.9056 (Sprott, Chaos and Time-Series
 Analysis, 2003; Viswanath 1998). The tolerance is 5 %."""),

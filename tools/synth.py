@@ -137,7 +137,7 @@ def registered(name, inputs, outputs, instance, clock="clk_i"):
 
 def depths(top):
     """The core by number of cuts, each as if it were a configuration."""
-    mode = {"subnormal": 1, "nearest": 1, "finite": 0, "interleave": int(top == "fp_fma")}
+    mode = {"subnormal": 1, "nearest": 1, "finite": 0, "fraction": 23, "interleave": int(top == "fp_fma")}
     return [{"name": f"cuts{cuts.bit_count()}", **split(top, cuts), **mode} for cuts in DEPTHS[top]]
 
 
@@ -149,11 +149,12 @@ def split(top, cuts):
 def core(top, row, around):
     cuts = {"fp_add": row.get("add_cuts"), "fp_mul": row.get("mul_cuts"),
             "fp_fma": row.get("add_cuts", 0) << 4 | row.get("mul_cuts", 0) & 15}[top]
-    inputs = {"fp_add": [("sub_i", 1), ("a_i", 32), ("b_i", 32)], "fp_mul": [("a_i", 32), ("b_i", 32)],
-              "fp_fma": [("x_i", 32), ("y_i", 32), ("no_product_i", 1), ("subtract_i", 1), ("z_i", 32)]}[top]
+    width = 9 + row["fraction"]
+    inputs = {"fp_add": [("sub_i", 1), ("a_i", width), ("b_i", width)], "fp_mul": [("a_i", width), ("b_i", width)],
+              "fp_fma": [("x_i", width), ("y_i", width), ("no_product_i", 1), ("subtract_i", 1), ("z_i", width)]}[top]
     own = f".CUTS(11'd{cuts})" if top == "fp_fma" else f".FINITE({row['finite']}), .CUTS(7'd{cuts})"
-    parameters = f".SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), {own}"
-    wrapper = around("top", inputs, [("z_o", 32), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
+    parameters = f".FRAC({row['fraction']}), .SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), {own}"
+    wrapper = around("top", inputs, [("z_o", width), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
 
 

@@ -19,8 +19,10 @@ parameter integer BANK_W     = REG_W - 1,
 parameter integer LENGTH_W   = 12,
 // Of the bundle AROUND (lane/around.vh).
 parameter integer AROUND_W   = NEIGHBOURS != 0 ? 6 + LENGTH_W + STORE_W : 1,
-// Which bits of a number, from this one up, say whether it is 0.
-parameter integer NONZERO_FROM = FINITE != 0 ? 23 : 0,
+// Bits of a word below the fraction, which arithmetic reads as 0; the others; which bits of a number, from this one up, say whether it is 0.
+parameter integer BELOW        = 23 - FRACTION,
+parameter [31:0] KEPT         = 32'hffffffff << BELOW,
+parameter integer NONZERO_FROM = FINITE != 0 ? 23 : BELOW,
 // Of a word of the store; of the bundle DRAW (lane/draw.vh).
 parameter integer STORED_W   = STORAGE != 0 ? 16 : 32,
 parameter integer DRAW_W     = STORAGE != 0 ? 33 : 1,

@@ -52,7 +52,8 @@ module fp_mul_scale #(
     wire [XW-1:0] a = {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i};
     wire [XW-1:0] b = {{XW-EXP{1'b0}}, be_i[EXP-1:1], be_i[0] || !b_normal_i};
     // a + b - MID: the three bits of a place become two, so that one carry goes through, not two.
-    localparam [XW-1:0] K = -MID;
+    localparam integer LESS = -MID;
+    localparam [XW-1:0] K = LESS[XW-1:0];
     wire [XW-1:0] carry = (a & b) | (K & (a | b));
     wire [XW-1:0] sum   = (a ^ b ^ K) + {carry[XW-2:0], 1'b0};
     wire unused_carry = carry[XW-1];

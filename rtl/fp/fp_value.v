@@ -5,7 +5,8 @@
 // Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           no_product_o comes a cycle before z_o: the product beside it is to be -0.
 // Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
-//           all of this is a delay, as long as z_o is not read late enough (Z_LATE).
+//           all of this is a delay, as long as z_o is not read late enough (Z_LATE). Bits below the fraction are not 0 in
+//           z_o where an estimate has more bits: the adder reads none of them.
 //
 //     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
 `default_nettype none
@@ -30,6 +31,7 @@ module fp_value #(
             assign no_product_o = 1'b0;
             delay #(.W(32), .N(MUL_LATENCY - Z_LATE)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
+            wire [31:0] a = a_i & KEPT, b = b_i & KEPT;      // arithmetic reads what is below as 0
             wire plain = choice_i == CHOICE_NONE;
             wire minimum = choice_i == CHOICE_MIN, maximum = choice_i == CHOICE_MAX, sel = choice_i == CHOICE_SEL;
             wire lt = choice_i == CHOICE_LT, le = choice_i == CHOICE_LE;
@@ -39,23 +41,23 @@ module fp_value #(
             delay #(.W(1), .N(MUL_LATENCY-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
 
             // Magnitudes are ordered as integers; without infinities, subnormal numbers are read as zeros. What is known of the operands, and then what follows.
-            wire        a_nan = FINITE == 0 && &a_i[30:23] && |a_i[22:0], b_nan = FINITE == 0 && &b_i[30:23] && |b_i[22:0];
+            wire        a_nan = FINITE == 0 && &a[30:23] && |a[22:0], b_nan = FINITE == 0 && &b[30:23] && |b[22:0];
             reg         a_lower_q, b_lower_q, nan_q, zeros_q, true_q;
             reg         minimum_q, maximum_q, sel_q, lt_q, le_q, estimated_q, rint_q, exponent_q, made_q;
             reg  [31:0] a_q, b_q;
             always @(posedge clk_i) begin
-                a_lower_q   <= a_i[30:0] < b_i[30:0];
-                b_lower_q   <= b_i[30:0] < a_i[30:0];
+                a_lower_q   <= a[30:0] < b[30:0];
+                b_lower_q   <= b[30:0] < a[30:0];
                 nan_q       <= a_nan || b_nan;
-                zeros_q     <= {a_i[30:23], b_i[30:23]} == 16'd0 && (FINITE != 0 || {a_i[22:0], b_i[22:0]} == 46'd0);
+                zeros_q     <= {a[30:23], b[30:23]} == 16'd0 && (FINITE != 0 || {a[22:0], b[22:0]} == 46'd0);
                 true_q      <= true_i;
                 {minimum_q, maximum_q, sel_q, lt_q, le_q} <= {minimum, maximum, sel, lt, le} & {5{SELECT != 0}};
                 estimated_q <= ESTIMATE != 0 && estimated;
                 rint_q      <= rint;
                 exponent_q  <= exponent;
                 made_q      <= rint || (SELECT != 0 && (lt || le)) || ((exponent || (ESTIMATE != 0 && estimated)) && !a_nan);
-                a_q         <= {a_i[31] && !(SELECT != 0 && choice_i == CHOICE_ABS), a_i[30:0]};
-                b_q         <= b_i;
+                a_q         <= {a[31] && !(SELECT != 0 && choice_i == CHOICE_ABS), a[30:0]};
+                b_q         <= b;
             end
             wire        a_less  = !nan_q && !(FINITE != 0 && zeros_q) && (a_q[31] ? (b_q[31] ? b_lower_q : !zeros_q) : !b_q[31] && a_lower_q);
             wire        b_less  = !nan_q && !(FINITE != 0 && zeros_q) && (b_q[31] ? (a_q[31] ? a_lower_q : !zeros_q) : !a_q[31] && b_lower_q);
@@ -70,15 +72,15 @@ module fp_value #(
 
             wire [31:13] estimate;
             if (ESTIMATE != 0 && LOGARITHMIC == 0) begin : g_estimate
-                fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a_i[31:13]), .z_o(estimate));
+                fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a[31:13]), .z_o(estimate));
             end else begin : g_no_estimate
                 wire unused = root;
                 assign estimate = {LOGARITHMIC != 0, 18'd0};               // -0: log_arith adds the reciprocal
             end
             wire [31:0] rounded, scaled;
             if (ROUND != 0) begin : g_rint
-                fp_rint #(.CUT(STAGES == 3), .NEAREST(NEAREST)) u_rint (.clk_i(clk_i), .a_i(a_i), .z_o(rounded));
-                fp_exponent #(.CUT(STAGES == 3), .FINITE(FINITE)) u_exponent (.clk_i(clk_i), .log_i(logb), .a_i(a_i[31:16]), .z_o(scaled));
+                fp_rint #(.CUT(STAGES == 3), .NEAREST(NEAREST)) u_rint (.clk_i(clk_i), .a_i(a), .z_o(rounded));
+                fp_exponent #(.CUT(STAGES == 3), .FINITE(FINITE)) u_exponent (.clk_i(clk_i), .log_i(logb), .a_i(a[31:16]), .z_o(scaled));
             end else begin : g_no_rint
                 wire unused = logb;
                 assign rounded = 32'd0;

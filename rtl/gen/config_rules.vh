@@ -129,6 +129,9 @@ end
 if (LOGARITHMIC > 0 && ROUND != 0) begin : g_logarithmic_excludes_round
     LOGARITHMIC_excludes_ROUND u_error ();
 end
+if (LOGARITHMIC > 0 && NEIGHBOURS != 0) begin : g_logarithmic_excludes_neighbours
+    LOGARITHMIC_excludes_NEIGHBOURS u_error ();
+end
 if (SCALE < 0 || SCALE > 1) begin : g_scale_must_be_0_to_1
     SCALE_must_be_0_to_1 u_error ();
 end
@@ -203,6 +206,18 @@ if (FINITE > 0 && NEAREST != 0) begin : g_finite_excludes_nearest
 end
 if (FINITE > 0 && LOGARITHMIC != 0) begin : g_finite_excludes_logarithmic
     FINITE_excludes_LOGARITHMIC u_error ();
+end
+if (FRACTION < 7 || FRACTION > 23) begin : g_fraction_must_be_7_to_23
+    FRACTION_must_be_7_to_23 u_error ();
+end
+if (FRACTION < 23 && DUAL != 0) begin : g_fraction_excludes_dual
+    FRACTION_excludes_DUAL u_error ();
+end
+if (FRACTION < 23 && LOGARITHMIC != 0) begin : g_fraction_excludes_logarithmic
+    FRACTION_excludes_LOGARITHMIC u_error ();
+end
+if (FRACTION < 23 && FINITE != 0) begin : g_fraction_excludes_finite
+    FRACTION_excludes_FINITE u_error ();
 end
 if (ADD_LATENCY < 1 || ADD_LATENCY > 255) begin : g_add_latency_must_be_1_to_255
     ADD_LATENCY_must_be_1_to_255 u_error ();

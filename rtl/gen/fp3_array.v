@@ -76,6 +76,7 @@ module fp3_array (
         .SUBNORMAL       (1),
         .NEAREST         (1),
         .FINITE          (0),
+        .FRACTION        (23),
         .ADD_LATENCY     (8),
         .MUL_LATENCY     (8),
         .ADD_CUTS        (7'h7f),

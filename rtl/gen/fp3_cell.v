@@ -76,6 +76,7 @@ module fp3_cell (
         .SUBNORMAL       (0),
         .NEAREST         (0),
         .FINITE          (1),
+        .FRACTION        (23),
         .ADD_LATENCY     (7),
         .MUL_LATENCY     (6),
         .ADD_CUTS        (7'h3f),

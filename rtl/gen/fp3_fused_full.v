@@ -76,6 +76,7 @@ module fp3_fused_full (
         .SUBNORMAL       (1),
         .NEAREST         (1),
         .FINITE          (0),
+        .FRACTION        (23),
         .ADD_LATENCY     (8),
         .MUL_LATENCY     (5),
         .ADD_CUTS        (7'h7f),

@@ -76,6 +76,7 @@ module fp3_single (
         .SUBNORMAL       (1),
         .NEAREST         (1),
         .FINITE          (0),
+        .FRACTION        (23),
         .ADD_LATENCY     (2),
         .MUL_LATENCY     (2),
         .ADD_CUTS        (7'h04),

@@ -76,6 +76,7 @@ module fp3_small (
         .SUBNORMAL       (1),
         .NEAREST         (1),
         .FINITE          (0),
+        .FRACTION        (23),
         .ADD_LATENCY     (3),
         .MUL_LATENCY     (4),
         .ADD_CUTS        (7'h0a),

@@ -76,6 +76,7 @@ module fp3_uncut (
         .SUBNORMAL       (1),
         .NEAREST         (1),
         .FINITE          (0),
+        .FRACTION        (23),
         .ADD_LATENCY     (1),
         .MUL_LATENCY     (1),
         .ADD_CUTS        (7'h00),

@@ -76,6 +76,7 @@ module fp3_walk_slot (
         .SUBNORMAL       (1),
         .NEAREST         (1),
         .FINITE          (0),
+        .FRACTION        (23),
         .ADD_LATENCY     (14),
         .MUL_LATENCY     (13),
         .ADD_CUTS        (7'h7f),

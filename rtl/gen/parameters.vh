@@ -27,6 +27,7 @@ parameter [31:0] STATUS          = 0,   // 1: for each object, too, with the ste
 parameter [31:0] SUBNORMAL       = 1,   // 1: gradual underflow; 0: subnormal numbers are flushed to zero
 parameter [31:0] NEAREST         = 1,   // 1: rounds to nearest, ties to even; 0: truncates
 parameter [31:0] FINITE          = 0,   // 1: no infinity and no NaN, as in Cell's SPU: exponent 255 is a number's, overflow gives the largest, every zero result is +0
+parameter [31:0] FRACTION        = 23,  // fraction bits of a number: 23 is binary32; with fewer the low bits of a word are 0 (7: bfloat16)
 parameter [31:0] ADD_LATENCY     = 1,   // cycles from operands to result, adder
 parameter [31:0] MUL_LATENCY     = 1,   // cycles from operands to result, multiplier
 parameter [6:0]  ADD_CUTS        = 0,   // where the adder is cut by registers, one bit per position
@@ -34,9 +35,9 @@ parameter [6:0]  MUL_CUTS        = 0,   // where the multiplier is cut by regist
 // All of them, 32 bits each, the first in the low ones. The lint_off: each parameter is declared
 // with its width; Verilator asks it of the plain number that sets one.
 // verilator lint_off WIDTHCONCAT
-parameter [991:0] CONFIG = {
-    25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, FINITE, NEAREST, SUBNORMAL, STATUS, FLAGS,
-    EXCHANGE, NEIGHBOURS, SLEEP, ROUND, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, FUSED, CHAIN,
+parameter [1023:0] CONFIG = {
+    25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, FRACTION, FINITE, NEAREST, SUBNORMAL, STATUS,
+    FLAGS, EXCHANGE, NEIGHBOURS, SLEEP, ROUND, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, FUSED, CHAIN,
     WRITEBACK_STALL, BYPASS, STORAGE, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES, SCHEDULERS,
     TILES, INTERLEAVE},
 // verilator lint_on WIDTHCONCAT

@@ -91,7 +91,7 @@ module lane_operands #(
         if (SLEEP != 0) begin : g_less
             reg less_q;
             always @(posedge clk_i)
-                less_q <= y_q[30:0] < x_q[30:0] && !x_q[31] && (FINITE == 0 ? x_q[30:0] <= 31'h7f800000 : |x_q[30:23]);
+                less_q <= (y_q[30:0] & KEPT[30:0]) < (x_q[30:0] & KEPT[30:0]) && !x_q[31] && (FINITE == 0 ? (x_q[30:0] & KEPT[30:0]) <= 31'h7f800000 : |x_q[30:23]);
             delay #(.W(1), .N(UNIT_LATENCY-1)) u_less (.clk_i(clk_i), .rst_i(1'b0), .d_i(less_q), .q_o(less_o));
         end else begin : g_no_less
             assign less_o = 1'b0;

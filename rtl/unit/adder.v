@@ -17,10 +17,12 @@ module adder #(
     output wire [31:0] value_o,
     output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
 );
-    wire [31:0] sum;
-    wire [4:0]  flags;
-    fp_add #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
-        .sub_i(subtract_i), .a_i(a_i), .b_i(b_i), .z_o(sum), .flags_o(flags));
-    delay #(.W(37), .N(ADD_SPARE + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, sum}), .q_o({flags_o, value_o}));
+    wire [31:BELOW] sum, late;
+    wire [4:0]      flags;
+    wire            unused = &{a_i, b_i};              // what is below the fraction
+    fp_add #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
+        .sub_i(subtract_i), .a_i(a_i[31:BELOW]), .b_i(b_i[31:BELOW]), .z_o(sum), .flags_o(flags));
+    delay #(.W(37 - BELOW), .N(ADD_SPARE + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, sum}), .q_o({flags_o, late}));
+    assign value_o = {late, {BELOW{1'b0}}};
 endmodule
 `default_nettype wire

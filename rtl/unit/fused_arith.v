@@ -19,6 +19,7 @@ module fused_arith #(
     `OPERANDS_FIELDS
     assign `OPERANDS = operands_i;
     wire unused = operands_twice | operands_half;          // y says so
+    wire unused_below = &{operands_x, operands_y, z};     // bits below the fraction
 
     localparam WAIT = MUL_LATENCY - ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]});
     wire        no_product;                // in the next cycle
@@ -26,12 +27,14 @@ module fused_arith #(
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
-        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:0]), .z_o(z), .no_product_o(no_product));
+        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
 
-    wire [`RESULT_W-1:0] result;
-    fp_fma #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS({ADD_CUTS[6:0], MUL_CUTS[3:0]}), .WAIT(WAIT)) u_fma (.clk_i(clk_i),
-        .x_i(operands_x), .y_i(operands_y), .no_product_i(no_product), .subtract_i(subtract), .z_i(z),
-        .z_o(result[31:0]), .flags_o(result[36:32]));
-    delay #(.W(`RESULT_W), .N(ADD_SPARE)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(result), .q_o(result_o));
+    wire [31:BELOW] value, value_late;
+    wire [4:0]      flags, flags_late;
+    fp_fma #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS({ADD_CUTS[6:0], MUL_CUTS[3:0]}), .WAIT(WAIT)) u_fma (.clk_i(clk_i),
+        .x_i(operands_x[31:BELOW]), .y_i(operands_y[31:BELOW]), .no_product_i(no_product), .subtract_i(subtract), .z_i(z[31:BELOW]),
+        .z_o(value), .flags_o(flags));
+    delay #(.W(37 - BELOW), .N(ADD_SPARE)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, value}), .q_o({flags_late, value_late}));
+    assign result_o = {flags_late, value_late, {BELOW{1'b0}}};
 endmodule
 `default_nettype wire

@@ -18,18 +18,19 @@ module multiplier #(
     output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
 );
 `include "gen/isa.vh"
-    wire [31:0] product, product_late;
-    wire [4:0]  flags, flags_late;
-    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
-        .a_i(a_i), .b_i(b_i), .z_o(product), .flags_o(flags));
-    delay #(.W(37), .N(MUL_SPARE - 1 + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0),
+    wire [31:BELOW] product, product_late;
+    wire [4:0]      flags, flags_late;
+    wire            unused = &{a_i, b_i};              // what is below the fraction
+    fp_mul #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
+        .a_i(a_i[31:BELOW]), .b_i(b_i[31:BELOW]), .z_o(product), .flags_o(flags));
+    delay #(.W(37 - BELOW), .N(MUL_SPARE - 1 + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({flags, product}), .q_o({flags_late, product_late}));
 
-    reg [31:0] value_q;
-    reg [4:0]  flags_q;
+    reg [31:BELOW] value_q;
+    reg [4:0]      flags_q;
     always @(posedge clk_i)
-        if (no_product_i) {flags_q, value_q} <= {5'd0, BITS_MINUS_ZERO};
+        if (no_product_i) {flags_q, value_q} <= {5'd0, BITS_MINUS_ZERO[31:BELOW]};
         else        {flags_q, value_q} <= {flags_late, product_late};
-    assign {flags_o, value_o} = {flags_q, value_q};
+    assign {flags_o, value_o} = {flags_q, value_q, {BELOW{1'b0}}};
 endmodule
 `default_nettype wire

@@ -56,8 +56,10 @@ module shared_arith #(
     wire        subtract_late, chain_late;
     generate
         if (SCALE != 0) begin : g_scale
-            fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (.clk_i(clk_i), .twice_i(twice_q), .half_i(half_q),
-                .d_i(x_q), .z_o(scaled), .flags_o(scale_flags));
+            wire [31:BELOW] moved;
+            assign scaled = {moved, {BELOW{1'b0}}};
+            fp_scale #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (.clk_i(clk_i), .twice_i(twice_q), .half_i(half_q),
+                .d_i(x_q[31:BELOW]), .z_o(moved), .flags_o(scale_flags));
         end else begin : g_no_scale
             wire unused_scale = twice_q | half_q;
             assign {scaled, scale_flags} = {x_q, 5'd0};

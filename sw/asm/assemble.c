@@ -166,6 +166,7 @@ static fp3_status finish(asm_source *a, fp3_assembly *result, fp3_error *error) 
                              .last = a->last_index,
                              .constant_count = a->constant_count,
                              .symbol_count = count,
+                             .words = a->words,
                              .code = code,
                              .constants = a->constants,
                              .symbols = symbols};

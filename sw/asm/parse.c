@@ -129,9 +129,34 @@ static int parse_declaration(asm_source *a, fp3_symbol_class symbol_class) {
     return readable;
 }
 
+/* ".words floats" */
+static void parse_words(asm_source *a, fp3_token directive) {
+    fp3_image_words words = FP3_WORDS_FLOATS;
+    if (fp3_token_exists(a->words_at)) {
+        fp3_report_expected(&a->report, directive, "one '.words' only (line %u has it)",
+                            a->words_at.location.line);
+        return;
+    }
+    a->words_at = directive;
+    while (words < FP3_WORDS_KINDS && !fp3_token_is(a->next, fp3_image_words_name(words)))
+        words++;
+    if (words == FP3_WORDS_KINDS) {
+        fp3_report_expected(&a->report, a->next, "floats or logarithms");
+        return;
+    }
+    a->words = words;
+    advance(a);
+    if (a->next.kind != FP3_TOKEN_END)
+        fp3_report_expected(&a->report, a->next, "the end of the line");
+}
+
 static void parse_directive(asm_source *a) {
     fp3_token directive = a->next;
     advance(a);
+    if (fp3_token_is(directive, ".words")) {
+        parse_words(a, directive);
+        return;
+    }
     for (fp3_symbol_class symbol_class = 0; symbol_class < FP3_SYMBOL_LABEL; symbol_class++) {
         char text[16];
         snprintf(text, sizeof text, ".%s", fp3_class_name(symbol_class));
@@ -143,7 +168,7 @@ static void parse_directive(asm_source *a) {
         while (a->next.kind != FP3_TOKEN_END && !fp3_report_full(&a->report) && !a->out_of_memory);
         return;
     }
-    fp3_report_expected(&a->report, directive, ".state, .param, .temp, .shared or .const");
+    fp3_report_expected(&a->report, directive, ".state, .param, .temp, .shared, .const or .words");
 }
 
 static void parse_label(asm_source *a, fp3_token name) {

@@ -36,6 +36,8 @@ typedef struct {
     uint32_t declaration_count, statement_count, label_count;
     fp3_token first, step, last; /* their labels, if they exist */
     uint32_t step_index, last_index;
+    fp3_token words_at; /* the directive .words, if it exists */
+    fp3_image_words words;
 
     /* The second pass. */
     uint8_t taken[ASM_REGISTERS]; /* by a name, a number, or an operand that names the register */

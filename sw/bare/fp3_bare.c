@@ -174,7 +174,8 @@ fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_progr
     const uint32_t words = program->word_count - skipped - (fp3->store ? 0 : program->stores);
     if (!is_idle(fp3, scheduler))
         return FP3_E_ARGUMENT;
-    if (program->revision != fp3->revision)
+    if (program->revision != fp3->revision ||
+        fp3->features_more >> FP3_FEATURES_MORE_LOGARITHMIC_LO & 1)
         return FP3_E_MISMATCH;
     if (!has_room(fp3, program, words))
         return FP3_E_PROGRAM;

@@ -88,7 +88,8 @@ typedef enum {
  * FP3_E_MISMATCH: it is no FP3. */
 fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus);
 
-/* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the instruction set.
+/* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the instruction set, or the
+ * hardware's words are logarithms (docs/logarithmic.md), which constants would have to be converted to.
  * FP3_E_PROGRAM: there is no room for it. The objects have no values then, and nobody is listed. */
 fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_program *program);
 /* A constant that the program leaves to the host, as h. */

@@ -75,7 +75,7 @@ static fp3_status open_program(const fp3_batch_def *def, fp3_batch *b) {
     return FP3_OK;
 }
 
-static fp3_status open_engine(const fp3_batch_def *def, const fp3_config *config, fp3_batch *b) {
+static fp3_status open_engine(const fp3_batch_def *def, fp3_batch *b) {
     fp3_engine_def how = fp3_engine_default();
     how.engine = def->engine;
     how.config = b->config;
@@ -88,18 +88,17 @@ static fp3_status open_engine(const fp3_batch_def *def, const fp3_config *config
     how.tasks_user = def->tasks_user;
     how.allocator = def->allocator;
     how.error = def->error;
-    fp3_status status =
-        config ? fp3_engine_open_as(&how, config, &b->engine) : fp3_engine_open(&how, &b->engine);
+    const fp3_status status = fp3_engine_open(&how, &b->engine);
     return status ? status : fp3_engine_load(b->engine, b->image);
 }
 
-static fp3_status make(const fp3_batch_def *def, const fp3_config *config, fp3_batch *b) {
+static fp3_status make(const fp3_batch_def *def, fp3_batch *b) {
     if (!def->objects || def->objects > UINT32_MAX)
         return fp3_fail(def->error, FP3_E_ARGUMENT, "%zu objects: expected 1 to %" PRIu32,
                         def->objects, FP3_HOST_OBJECTS);
     fp3_status status = open_program(def, b);
     if (!status)
-        status = open_engine(def, config, b);
+        status = open_engine(def, b);
     if (status)
         return status;
     b->h = def->h != 0 ? def->h : b->compiled ? fp3_start_model(b->compiled)->step : 0;
@@ -118,8 +117,7 @@ static fp3_status make(const fp3_batch_def *def, const fp3_config *config, fp3_b
     return status || def->h == 0 ? status : fp3_batch_set(b, FP3_NAME_STEP, def->h);
 }
 
-fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config,
-                             fp3_batch **batch) {
+fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
     FP3_HOST;
     *batch = NULL;
     if (def->cookie != COOKIE) /* then def->error may be anything, too */
@@ -129,15 +127,11 @@ fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config,
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     b->error = def->error;
     b->objects = b->used = def->objects;
-    const fp3_status status = make(def, config, b);
+    const fp3_status status = make(def, b);
     if (status)
         fp3_batch_close(&b);
     *batch = b;
     return status;
-}
-
-fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
-    return fp3_batch_open_as(def, NULL, batch);
 }
 
 void fp3_batch_close(fp3_batch **batch) {

@@ -2,13 +2,7 @@
 #ifndef FP3_BATCH_BATCH_H
 #define FP3_BATCH_BATCH_H
 
-#include "machine/config.h"
-
 #include <fp3/batch.h>
-
-/* fp3_batch_open with a configuration that need not be a named one, in place of def->compile.config for
- * running; as of fp3_engine_open_as. NULL: the named one. */
-fp3_status fp3_batch_open_as(const fp3_batch_def *def, const fp3_config *config, fp3_batch **batch);
 
 /* Objects first .. first+count-1 from rows as a model's truth takes them: param_count and state_count numbers
  * each. What objects share is that of the first row. initial: NULL: starts stay. */

@@ -14,6 +14,8 @@
 #include <string.h>
 
 #define PATH_SIZE 4096
+/* Half a second of engine fast interpreting in its slowest arithmetic. */
+#define WORK_WITHOUT_TIMES 5e7
 
 /* ---- a table: of each way to run, what no faster point of it is as accurate as ---- */
 
@@ -128,6 +130,10 @@ static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_pr
     fp3_measure_options with = fp3_measure_default("fast", what->is_quick);
     with.integrators = what->integrator_count ? what->integrators : NULL;
     with.config = what->config;
+    if (what->has_no_times) {
+        with.has_times = 0;
+        with.most_work = WORK_WITHOUT_TIMES;
+    }
     with.say = say;
     with.user = progress;
     fp3_model *model = NULL;

@@ -15,7 +15,7 @@ typedef struct {
     int argc;
     char **argv;        /* the command, for html */
     const char *config; /* of engine and hardware, alone; NULL: those that were placed, and peers */
-    int is_quick;
+    int is_quick, has_no_times;
 } fp3_bench_models;
 
 /* Prints a table for each model, and then writes the files. *report: errors of a model's text; the

@@ -21,7 +21,7 @@ typedef struct {
     const char *not_for[FORMS]; /* the last option that a form does not have, by its long name */
 } options;
 
-enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT, KEY_HTML };
+enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT, KEY_HTML, KEY_NO_TIMES };
 
 static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0,
@@ -51,6 +51,8 @@ static const struct argp_option table[] = {
      "With MODEL: also write the printed table and its pictures as a page. Needs gnuplot", 0},
     {"quick", KEY_QUICK, NULL, 0,
      "With MODEL: measure fewer tolerances and objects, three times each; with SCENE: once", 0},
+    {"no-times", KEY_NO_TIMES, NULL, 0,
+     "With MODEL and --config: measure errors and cycles, and no nanoseconds", 0},
     {0},
 };
 
@@ -78,6 +80,7 @@ static const struct {
                {KEY_CSV, OF_MODELS},
                {KEY_PLOT, OF_MODELS},
                {KEY_HTML, OF_MODELS},
+               {KEY_NO_TIMES, OF_MODELS},
                {KEY_QUICK, OF_MODELS | OF_SCENE}};
 
 static const char *name_of(int key) {
@@ -109,9 +112,10 @@ static void check_form(struct argp_state *state, const options *o) {
     if (model && o->not_for[1])
         argp_error(state,
                    "found --%s and '%s': with MODEL there are --config, --integrator, --quick, "
-                   "--json, --csv, "
-                   "--plot and --html",
+                   "--no-times, --json, --csv, --plot and --html",
                    o->not_for[1], model);
+    if (model && o->models.has_no_times && !o->models.config)
+        argp_error(state, "found --no-times, expected --config with it");
     if (!o->scene.path && !model && o->not_for[0])
         argp_error(state, "found --%s, expected MODEL%s", o->not_for[0],
                    strcmp(o->not_for[0], "quick") == 0 ? " or SCENE" : "");
@@ -159,6 +163,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_QUICK:
         o->models.is_quick = o->scene.is_quick = 1;
+        break;
+    case KEY_NO_TIMES:
+        o->models.has_no_times = 1;
         break;
     case 'n':
         o->programs.steps = o->scene.steps =

@@ -38,7 +38,7 @@ static int needs(const fp3_image *image, fp3_key key) {
     for (uint32_t i = 0; i < image->code_count; i++)
         if (image->decoded[i].of && image->decoded[i].of->needs == key)
             return 1;
-    return 0;
+    return key == FP3_KEY_LOGARITHMIC && image->words == FP3_WORDS_LOGARITHMS;
 }
 
 /* "needs       chain scale": keys of a configuration. */
@@ -138,11 +138,16 @@ static void print_config(const fp3_config *c) {
            c->bypass ? "bypass" : "no bypass",
            c->writeback_stall ? "writeback stall" : "no writeback stall");
     print_missing(c);
+    if (c->fraction < 23)
+        printf("  numbers have %u fraction bits, not 23\n", c->fraction);
     printf("  %s, %s; %s, %s\n",
-           c->subnormal ? "subnormal numbers" : "subnormal numbers flushed to zero",
-           c->finite    ? "truncates, no infinity and no NaN"
-           : c->nearest ? "rounds to nearest"
-                        : "truncates",
+           c->logarithmic ? "words are logarithms"
+           : c->subnormal ? "subnormal numbers"
+                          : "subnormal numbers flushed to zero",
+           c->logarithmic ? "products and quotients are exact"
+           : c->finite    ? "truncates, no infinity and no NaN"
+           : c->nearest   ? "rounds to nearest"
+                          : "truncates",
            c->flags ? "flags" : "no flags",
            c->status ? "status of objects" : "no status of objects");
 }

@@ -14,10 +14,13 @@
 
 #define INTEGRATORS_MAX 64
 #define MODELS_MAX 48
+#define ARITHMETICS_MAX 64
 
 typedef struct {
     const char *integrators[INTEGRATORS_MAX + 1];
     unsigned integrator_count;
+    const char *arithmetics[ARITHMETICS_MAX + 1];
+    unsigned arithmetic_count;
     const char *models[MODELS_MAX];
     unsigned model_count;
     const char *json, *section;
@@ -97,6 +100,7 @@ static fp3_status stress(const options *o, fp3_verdicts *verdicts, char **report
                          fp3_error *error) {
     const fp3_stress_options how = {.is_quick = o->is_quick,
                                     .integrators = o->integrator_count ? o->integrators : NULL,
+                                    .arithmetics = o->arithmetic_count ? o->arithmetics : NULL,
                                     .section = o->section,
                                     .say = say,
                                     .say_user = o->progress};
@@ -110,7 +114,7 @@ static fp3_status stress(const options *o, fp3_verdicts *verdicts, char **report
 
 /* ---- the command ---- */
 
-enum { KEY_JSON = 256, KEY_QUICK, KEY_MODEL, KEY_ALL, KEY_ONLY };
+enum { KEY_JSON = 256, KEY_QUICK, KEY_MODEL, KEY_ALL, KEY_ONLY, KEY_ARITHMETIC };
 
 static const struct argp_option table[] = {
     {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
@@ -123,6 +127,10 @@ static const struct argp_option table[] = {
      0},
     {"all", KEY_ALL, NULL, 0, "Also print what holds", 0},
     {"only", KEY_ONLY, "SECTION", 0, "Without a MODEL: this section alone", 0},
+    {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
+     "Without a MODEL: plain, compensated, double_single, or a configuration with another "
+     "arithmetic; may be repeated (default: all)",
+     0},
     {0},
 };
 
@@ -147,6 +155,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_ONLY:
         o->section = text;
         break;
+    case KEY_ARITHMETIC:
+        if (o->arithmetic_count == ARITHMETICS_MAX)
+            argp_error(state, "found more than %d arithmetics", ARITHMETICS_MAX);
+        else
+            o->arithmetics[o->arithmetic_count++] = text;
+        break;
     case KEY_MODEL:
         o->is_model = 1;
         break;
@@ -159,8 +173,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
         for (unsigned i = 0; i < o->model_count; i++)
             fp3_arguments_model(state, o->models[i], o->is_model);
-        if (o->section && o->model_count)
-            argp_error(state, "found --only with a model: sections are of the suite without one");
+        if ((o->section || o->arithmetic_count) && o->model_count)
+            argp_error(state, "found --%s with a model: it is for the suite without one",
+                       o->section ? "only" : "arithmetic");
         break;
     default:
         return ARGP_ERR_UNKNOWN;

@@ -4,6 +4,7 @@
 #include "files.h"
 #include "progress.h"
 #include "run_values.h"
+#include "tune_machines.h"
 #include "tune_plot.h"
 #include "tune_print.h"
 
@@ -24,6 +25,8 @@
 typedef struct {
     const char *input, *config, *plot;
     int is_model, is_scene, has_hardware;
+    const char *arithmetics[FP3_TUNE_MACHINES_MOST];
+    size_t arithmetic_count;
     double around;
     uint32_t objects;
     fp3_run_values values;
@@ -44,6 +47,7 @@ enum {
     KEY_JSON,
     KEY_PLOT,
     KEY_HARDWARE,
+    KEY_ARITHMETIC,
     KEY_MODEL,
     KEY_OBJECTS,
     KEY_SAMPLE
@@ -56,6 +60,11 @@ static const struct argp_option table[] = {
      0},
     {"config", 'c', "NAME", 0,
      "Configuration whose cycles are the cost (default: that of the scene, or many_full)", 0},
+    {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
+     "Also tune for this configuration, which computes in another way, and choose the one that "
+     "costs least: LUTs times the time of an object; may be repeated. all: each with another "
+     "arithmetic whose LUTs and clock are known",
+     0},
     {"model", KEY_MODEL, NULL, 0, "The input is a model, whatever its name", 0},
     {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
      "A range: any value from FIRST to LAST, of a model; may be repeated", 0},
@@ -111,6 +120,12 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     switch (key) {
     case 'c':
         o->config = text;
+        break;
+    case KEY_ARITHMETIC:
+        if (o->arithmetic_count == FP3_TUNE_MACHINES_MOST)
+            argp_error(state, "found more than %d --arithmetic", FP3_TUNE_MACHINES_MOST);
+        else
+            o->arithmetics[o->arithmetic_count++] = text;
         break;
     case KEY_MODEL:
         o->is_model = 1;
@@ -192,16 +207,13 @@ static fp3_status add_ranges(const options *o, const fp3_model *model, fp3_error
 
 static void say(void *user, const char *what) { fp3_progress_say(user, "%s", what); }
 
-static fp3_status tune(options *o, fp3_error *error) {
-    fp3_tuning *tuning = NULL;
+/* What was found for the best configuration. */
+static fp3_status tell(options *o, const fp3_tune_machines *machines, fp3_error *error) {
+    const fp3_tuning *tuning = machines->list[machines->best].tuning;
     char *hardware = NULL;
-    o->def.say = say;
-    o->def.user = o->progress;
-    fp3_status status = fp3_tune(&o->def, &tuning, error);
-    fp3_progress_end(&o->progress);
-    if (status)
-        return status;
+    fp3_status status = FP3_OK;
     fp3_tune_print_all(&o->out, &o->def, tuning);
+    fp3_tune_machines_print(machines);
     if (o->has_hardware && tuning->best < tuning->row_count)
         status = fp3_tuning_hardware(&o->def, tuning, o->objects, &hardware, error);
     if (hardware)
@@ -211,9 +223,22 @@ static fp3_status tune(options *o, fp3_error *error) {
         status = fp3_tune_print_files(&o->out, &o->def, tuning, o->objects, error);
     if (!status && o->plot)
         status = fp3_tune_plot(o->plot, &o->def, tuning, error);
+    return status ? status : fp3_tune_print_judge(&o->def, tuning, error);
+}
+
+static fp3_status tune(options *o, fp3_error *error) {
+    fp3_tune_machines machines;
+    o->def.say = say;
+    o->def.user = o->progress;
+    o->out.machines = &machines;
+    fp3_status status = fp3_tune_machines_find(&machines, o->def.config, o->arithmetics,
+                                               o->arithmetic_count, error);
     if (!status)
-        status = fp3_tune_print_judge(&o->def, tuning, error);
-    fp3_tuning_free(&tuning);
+        status = fp3_tune_machines_tune(&machines, &o->def, error);
+    fp3_progress_end(&o->progress);
+    if (!status)
+        status = tell(o, &machines, error);
+    fp3_tune_machines_free(&machines);
     return status;
 }
 

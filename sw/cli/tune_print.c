@@ -220,7 +220,8 @@ static fp3_status write_json(const fp3_tune_print *out, const fp3_tune_def *def,
         "span", fp3_json_number(t->span), "ranges", (json_int_t)t->ranges, "sample",
         (json_int_t)t->sample, "held_out", (json_int_t)t->held_out, "rounds", (json_int_t)t->rounds,
         "tried", tried(t));
-    if (all && (put_steps(all, best) || put_sensitivity(all, t))) {
+    if (all && (put_steps(all, best) || put_sensitivity(all, t) ||
+                json_object_set_new(all, "arithmetics", fp3_tune_machines_json(out->machines)))) {
         json_decref(all);
         all = NULL;
     }

@@ -2,11 +2,14 @@
 #ifndef FP3_CLI_TUNE_PRINT_H
 #define FP3_CLI_TUNE_PRINT_H
 
+#include "tune_machines.h"
+
 #include <fp3/tune.h>
 
 typedef struct {
     const char *program;      /* the model's file */
     const char *scene, *json; /* NULL: not asked for */
+    const fp3_tune_machines *machines;
 } fp3_tune_print;
 
 int fp3_tune_print_has_ranges(const fp3_params *params);

@@ -132,19 +132,13 @@ static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
     k->options = options[best];
     return FP3_OK;
 }
-/* Where subnormal numbers are flushed, 1/b from 2^126 on is 0, and so is y^2 of a root: no flag tells of the quotient. */
+
+/* Elimination multiplies by reciprocals of pivots. Where subnormal numbers are flushed, those of large pivots are 0, and no
+ * flag tells of it. */
 static fp3_status warn_flushed(const fp3_config *config, fp3_compiled *made, fp3_error *error) {
-    static const char text[] = "configuration '%s' flushes what is below 2^-126 to 0: quotients of "
-                               "divisors, and roots of numbers, "
-                               "from about 2^126 on are wrong";
-    char *fit = made->warning, *all = NULL;
-    int has_estimate = 0;
-    for (uint32_t i = 0; i < made->image->code_count; i++)
-        has_estimate |= made->image->decoded[i].in.op == FP3_OP_RCP ||
-                        made->image->decoded[i].in.op == FP3_OP_RSQRT;
-    if (config->subnormal || !has_estimate)
-        return FP3_OK;
-    char own[256];
+    static const char text[] = "configuration '%s' flushes what is below 2^-126 to 0: a derivative "
+                               "of the equations that is 2^126 or more counts as infinite";
+    char *fit = made->warning, *all = NULL, own[256];
     snprintf(own, sizeof own, text, config->name);
     if (asprintf(&all, "%s%s%s", fit ? fit : "", fit ? "; " : "", own) < 0)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
@@ -158,6 +152,8 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           fp3_compiled *made, fp3_error *error) {
     fp3_status status =
         fp3_options_observe(model, def->observed, def->observed_count, &k->options.observed, error);
+    if (!status && fp3_has_pass(&k->options, FP3_PASS_EXACT_DIVISION))
+        status = fp3_options_need_ieee(k->options.config, "`exact-division`", error);
     if (!status && integrator->kind == FP3_ROSENBROCK) {
         status = fp3_differentiate(model, &k->differentiated, error);
         model = &k->differentiated.model;
@@ -178,7 +174,7 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
     if (!status)
         status = fp3_inputs_make(&k->p.step, &k->p.code, &k->names, &made->inputs,
                                  &made->input_count, error);
-    if (!status)
+    if (!status && integrator->kind == FP3_ROSENBROCK && !k->options.config->subnormal)
         status = warn_flushed(k->options.config, made, error);
     if (!status && def->finds_savings)
         fp3_savings(&k->p, integrator, &k->options, made->saved);
@@ -191,10 +187,6 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
     *compiled = NULL;
     const fp3_config *config = NULL;
     fp3_status status = fp3_config_choose(def->config, &config, error);
-    if (!status && config->logarithmic)
-        status = fp3_fail(error, FP3_E_PROGRAM,
-                          "configuration '%s' is logarithmic: models are compiled for binary32",
-                          config->name);
     if (status)
         return status;
     fp3_compiled *made = calloc(1, sizeof *made);
@@ -209,7 +201,9 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                                .arithmetic = def->arithmetic,
                                .has_notes = 1};
     made->self = k;
-    status = compile(k, model, integrator, def, made, error);
+    status = fp3_options_check(&k->options, model, error);
+    if (!status)
+        status = compile(k, model, integrator, def, made, error);
     if (status == FP3_E_LIMIT)
         status = FP3_E_PROGRAM; /* what is too large for a machine is a wrong program for it */
     if (status)

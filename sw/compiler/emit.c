@@ -171,6 +171,8 @@ static void put_head(const fp3_step *step, const conversion *c, const fp3_schedu
         if (fp3_has_pass(options, (fp3_pass)i))
             fprintf(out, " %s", fp3_pass_name((fp3_pass)i));
     fprintf(out, "\n\n");
+    if (step->words != FP3_WORDS_ANY)
+        fprintf(out, ".words  %s\n", fp3_image_words_name(step->words));
 }
 
 fp3_status fp3_emit(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,

@@ -106,6 +106,7 @@ fp3_status fp3_compiler_image(const fp3_step *step, const conversion *c,
     fp3_status status = code && symbols ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status) {
         fp3_image draft = {.code_count = words,
+                           .words = step->words,
                            .step = schedule->first_count,
                            .last = schedule->first_count + schedule->step_count,
                            .code = code,

@@ -1,11 +1,17 @@
-/* cells.c - registers and constants, by number and by name. */
+/* cells.c - registers and constants, by number and by name.
+ *
+ * Here numbers become words of the machine and words numbers: callers of fp3/engine.h see binary32, everything in this folder sees words.
+ */
 #include "cells.h"
 #include "checks.h"
+#include "machine/format.h"
 #include "machine/storage.h"
 #include "origin.h"
 
+#include <fp3/isa.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define BLOCK 512 /* words that are written at once where all are the same */
@@ -145,31 +151,20 @@ fp3_status fp3_cells_fill(fp3_engine *engine, fp3_cells cells, uint32_t bits) {
     return status;
 }
 
-fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
-                            const float *values) {
+/* ---- words ---- */
+
+fp3_status fp3_engine_write_words(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                                  const uint32_t *words) {
+    const fp3_cells cells = {FP3_CELLS_REGISTER, reg, first, count};
     const fp3_status status = check_cell(engine, first, count, reg);
-    return status ? status
-                  : fp3_cells_write(engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, count},
-                                    values);
+    return status ? status : fp3_cells_write(engine, cells, words);
 }
 
-fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
-                           float *values) {
+fp3_status fp3_engine_read_words(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                                 uint32_t *words) {
+    const fp3_cells cells = {FP3_CELLS_REGISTER, reg, first, count};
     const fp3_status status = check_cell(engine, first, count, reg);
-    return status ? status
-                  : engine->backend->read(
-                        engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, count}, values);
-}
-
-fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values) {
-    const fp3_status status = check_cell(engine, 0, 1, reg);
-    const uint32_t *words = NULL;
-    *values = NULL;
-    if (status || !engine->backend->column)
-        return status;
-    const fp3_status found = engine->backend->column(engine, reg, &words);
-    *values = (const float *)(const void *)words;
-    return found;
+    return status ? status : engine->backend->read(engine, cells, words);
 }
 
 static fp3_status check_shared(fp3_engine *engine, size_t group, uint32_t first, size_t count) {
@@ -180,18 +175,136 @@ static fp3_status check_shared(fp3_engine *engine, size_t group, uint32_t first,
                                   engine->config->registers);
 }
 
+fp3_status fp3_engine_write_shared_words(fp3_engine *engine, size_t group, uint32_t first,
+                                         size_t count, const uint32_t *words) {
+    const fp3_cells cells = {FP3_CELLS_CONSTANT, (uint32_t)group, first, count};
+    const fp3_status status = check_shared(engine, group, first, count);
+    return status ? status : fp3_cells_write(engine, cells, words);
+}
+
+fp3_status fp3_engine_read_shared_words(fp3_engine *engine, size_t group, uint32_t first,
+                                        size_t count, uint32_t *words) {
+    const fp3_cells cells = {FP3_CELLS_CONSTANT, (uint32_t)group, first, count};
+    const fp3_status status = check_shared(engine, group, first, count);
+    return status ? status : engine->backend->read(engine, cells, words);
+}
+
+/* ---- numbers ---- */
+
+/* Whether word i of these cells is none: the register of `sleep`, or what leads to a list of neighbours. */
+static int is_whole(const fp3_engine *engine, fp3_cells cells, size_t i) {
+    if (cells.kind != FP3_CELLS_REGISTER)
+        return 0;
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, cells.first + i);
+    int is_list = 0;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
+        is_list |= group->lists.lists[k].reg == cells.number;
+    return is_list || group->program.slept == (int)cells.number;
+}
+
+static const char *word_of(const fp3_engine *engine, fp3_cells cells, size_t i, float value,
+                           uint32_t *word) {
+    if (!is_whole(engine, cells, i))
+        return fp3_format_word(engine->config, value, word);
+    memcpy(word, &value, sizeof *word);
+    return NULL;
+}
+
+static fp3_status no_word(fp3_engine *engine, fp3_cells cells, size_t i, float value,
+                          const char *wrong) {
+    const int is_register = cells.kind == FP3_CELLS_REGISTER;
+    const fp3_members *group = is_register ? fp3_layout_group_of(&engine->layout, cells.first + i)
+                                           : &engine->layout.groups[cells.number];
+    const uint32_t cell = is_register ? FP3_BANK_OBJECT_BASE + cells.number
+                                      : FP3_BANK_SHARED_BASE + (uint32_t)(cells.first + i);
+    const char *name = group->image ? fp3_image_name(group->image, cell) : NULL;
+    fp3_prefix where =
+        fp3_engine_prefix((size_t)(group - engine->layout.groups), engine->layout.count);
+    if (is_register)
+        snprintf(where.text, sizeof where.text, "object %zu: ", cells.first + i);
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "%s%s is %g, which %s: configuration '%s' has no word for it", where.text,
+                    name          ? name
+                    : is_register ? "a register"
+                                  : "a constant",
+                    (double)value, wrong, engine->config->name);
+}
+
+/* All have words. */
+static fp3_status check_numbers(fp3_engine *engine, fp3_cells cells, const float *values) {
+    for (size_t i = 0; i < cells.count; i++) {
+        uint32_t word;
+        const char *wrong = word_of(engine, cells, i, values[i], &word);
+        if (wrong)
+            return no_word(engine, cells, i, values[i], wrong);
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_cells_write_numbers(fp3_engine *engine, fp3_cells cells, const float *values) {
+    uint32_t words[BLOCK];
+    if (fp3_format_is_float(engine->config))
+        return fp3_cells_write(engine, cells, values);
+    fp3_status status = check_numbers(engine, cells, values);
+    for (size_t left = cells.count; !status && left; left -= cells.count) {
+        cells.count = left < BLOCK ? left : BLOCK;
+        for (size_t i = 0; i < cells.count; i++)
+            word_of(engine, cells, i, values[i], &words[i]);
+        status = fp3_cells_write(engine, cells, words);
+        cells.first += cells.count;
+        values += cells.count;
+    }
+    return status;
+}
+
+static fp3_status read_numbers(fp3_engine *engine, fp3_cells cells, float *values) {
+    const fp3_status status = engine->backend->read(engine, cells, values);
+    for (size_t i = 0; !status && !fp3_format_is_float(engine->config) && i < cells.count; i++) {
+        uint32_t word;
+        memcpy(&word, &values[i], sizeof word);
+        if (!is_whole(engine, cells, i))
+            values[i] = fp3_format_value(engine->config, word);
+    }
+    return status;
+}
+
+fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                            const float *values) {
+    const fp3_cells cells = {FP3_CELLS_REGISTER, reg, first, count};
+    const fp3_status status = check_cell(engine, first, count, reg);
+    return status ? status : fp3_cells_write_numbers(engine, cells, values);
+}
+
+fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                           float *values) {
+    const fp3_cells cells = {FP3_CELLS_REGISTER, reg, first, count};
+    const fp3_status status = check_cell(engine, first, count, reg);
+    return status ? status : read_numbers(engine, cells, values);
+}
+
+fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values) {
+    const fp3_status status = check_cell(engine, 0, 1, reg);
+    const uint32_t *words = NULL;
+    *values = NULL;
+    if (status || !engine->backend->column || !fp3_format_is_float(engine->config))
+        return status;
+    const fp3_status found = engine->backend->column(engine, reg, &words);
+    *values = (const float *)(const void *)words;
+    return found;
+}
+
 fp3_status fp3_engine_write_shared_of(fp3_engine *engine, size_t group, uint32_t first,
                                       size_t count, const float *values) {
     const fp3_cells cells = {FP3_CELLS_CONSTANT, (uint32_t)group, first, count};
     const fp3_status status = check_shared(engine, group, first, count);
-    return status ? status : fp3_cells_write(engine, cells, values);
+    return status ? status : fp3_cells_write_numbers(engine, cells, values);
 }
 
 fp3_status fp3_engine_read_shared_of(fp3_engine *engine, size_t group, uint32_t first, size_t count,
                                      float *values) {
     const fp3_cells cells = {FP3_CELLS_CONSTANT, (uint32_t)group, first, count};
     const fp3_status status = check_shared(engine, group, first, count);
-    return status ? status : engine->backend->read(engine, cells, values);
+    return status ? status : read_numbers(engine, cells, values);
 }
 
 fp3_status fp3_engine_write_shared(fp3_engine *engine, uint32_t first, size_t count,
@@ -206,6 +319,8 @@ fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t cou
     return fp3_engine_read_shared_of(engine, 0, first, count, values);
 }
 
+/* ---- by name ---- */
+
 static fp3_status no_name(fp3_engine *engine, const char *name) {
     return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "the program has no parameter '%s'", name);
 }
@@ -213,15 +328,15 @@ static fp3_status no_name(fp3_engine *engine, const char *name) {
 static fp3_status set_symbol(fp3_engine *engine, uint32_t number, const fp3_symbol *symbol,
                              float value) {
     const fp3_members *group = &engine->layout.groups[number];
-    uint32_t bits;
     if (symbol->symbol_class == FP3_SYMBOL_SHARED)
         return fp3_engine_write_shared_of(engine, number, symbol->index, 1, &value);
+    const fp3_cells cells = fp3_cells_of(group, symbol->index, group->first, group->objects);
     const fp3_status status = check_cell(engine, group->first, group->objects, symbol->index);
-    memcpy(&bits, &value, sizeof bits);
-    return status ? status
-                  : fp3_cells_fill(engine,
-                                   fp3_cells_of(group, symbol->index, group->first, group->objects),
-                                   bits);
+    uint32_t word = 0;
+    const char *wrong = word_of(engine, cells, 0, value, &word);
+    if (status || wrong)
+        return status ? status : no_word(engine, cells, 0, value, wrong);
+    return fp3_cells_fill(engine, cells, word);
 }
 
 fp3_status fp3_engine_set(fp3_engine *engine, const char *name, float value) {

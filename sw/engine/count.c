@@ -4,7 +4,7 @@
 #include "cells.h"
 #include "checks.h"
 #include "life.h"
-#include "machine/storage.h"
+#include "machine/format.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -12,26 +12,29 @@
 
 #define BLOCK 512 /* objects that are asked at once */
 
-static fp3_status no_count(fp3_engine *engine, size_t object, float n) {
-    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                    "object %zu: '" FP3_NAME_STEPS "' is %.9g, expected a whole number from -%d to "
-                    "%d: that far FP32 counts",
-                    object, (double)n, FP3_STEPS_LIMIT, FP3_STEPS_LIMIT);
+/* What counts, in messages. */
+static const char *who(const fp3_engine *engine) {
+    return fp3_format_counts(engine->config) == FP3_STEPS_LIMIT ? "FP32" : engine->config->name;
 }
 
-/* How far records and FP32 count. */
-static int64_t limit_of(const fp3_engine *engine) { return fp3_storage_counts(engine->config); }
+static fp3_status no_count(fp3_engine *engine, size_t object, float n) {
+    const int64_t limit = fp3_format_counts(engine->config);
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "object %zu: '" FP3_NAME_STEPS "' is %.9g, expected a whole number from "
+                    "-%" PRId64 " to %" PRId64 ": that far %s counts",
+                    object, (double)n, limit, limit, who(engine));
+}
 
 static fp3_status check(fp3_engine *engine, uint32_t group, int64_t counted, uint32_t steps) {
-    if (counted + steps <= limit_of(engine))
+    const int64_t limit = fp3_format_counts(engine->config);
+    if (counted + steps <= limit)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                     "%s%" PRIu32 " steps from '" FP3_NAME_STEPS "' = %" PRId64
                     " on: the program counts its steps in %s, which ends at %" PRId64
                     " (a longer step h reaches a later time)",
                     fp3_engine_prefix(group, engine->layout.count).text, steps, counted,
-                    engine->config->storage ? fp3_storage_name(engine->config) : "FP32",
-                    limit_of(engine));
+                    who(engine), limit);
 }
 
 /* Each object makes the steps that it lives to see. */
@@ -39,23 +42,25 @@ static fp3_status note(fp3_engine *engine, uint32_t number, size_t object, float
                        uint32_t steps) {
     fp3_members *group = &engine->layout.groups[number];
     const uint32_t lives = fp3_life_steps(engine, object, steps);
-    if (!(fabsf(n) <= FP3_STEPS_LIMIT && floorf(n) == n))
+    const float off = fp3_format_is_float(engine->config) ? 0 : (float)FP3_FORMAT_OFF;
+    const float whole = rintf(n);
+    if (!(fabsf(whole) <= (float)fp3_format_counts(engine->config) && fabsf(n - whole) <= off))
         return no_count(engine, object, n);
-    group->counted = (int64_t)n > group->counted ? (int64_t)n : group->counted;
-    return engine->lives.list && lives ? check(engine, number, (int64_t)n, lives) : FP3_OK;
+    group->counted = (int64_t)whole > group->counted ? (int64_t)whole : group->counted;
+    return engine->lives.list && lives ? check(engine, number, (int64_t)whole, lives) : FP3_OK;
 }
 
 static fp3_status ask(fp3_engine *engine, uint32_t number, uint32_t steps) {
     fp3_members *group = &engine->layout.groups[number];
     const size_t end = (size_t)group->first + group->objects;
-    float n[BLOCK];
+    uint32_t n[BLOCK];
     fp3_status status = FP3_OK;
     group->counted = -FP3_STEPS_LIMIT;
     for (size_t first = group->first; !status && first < end; first += BLOCK) {
         const fp3_cells cells = fp3_cells_of(group, (uint32_t)group->counter, first, BLOCK);
         status = engine->backend->read(engine, cells, n);
         for (size_t i = 0; !status && i < cells.count; i++)
-            status = note(engine, number, first + i, n[i], steps);
+            status = note(engine, number, first + i, fp3_format_value(engine->config, n[i]), steps);
     }
     return status;
 }

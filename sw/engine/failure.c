@@ -7,6 +7,7 @@
 #include "checks.h"
 #include "life.h"
 #include "machine/ahead.h"
+#include "machine/format.h"
 #include "machine/live.h"
 #include "origin.h"
 
@@ -22,17 +23,14 @@
 
 static fp3_status look_at_state(fp3_engine *engine, const fp3_members *group, uint32_t reg,
                                 fp3_watched *watched, int *is_any) {
-    float values[COLUMN];
+    uint32_t words[COLUMN];
     fp3_status status = FP3_OK;
     for (uint32_t n = 0, now; !status && n < group->objects; n += now) {
         now = group->objects - n < COLUMN ? group->objects - n : COLUMN;
-        status = fp3_engine_read(engine, group->first + n, now, reg, values);
-        for (uint32_t i = 0; !status && i < now; i++) {
-            uint32_t bits;
-            memcpy(&bits, &values[i], sizeof bits);
-            if (!fp3_watch_is_finite(bits))
+        status = fp3_engine_read_words(engine, group->first + n, now, reg, words);
+        for (uint32_t i = 0; !status && i < now; i++)
+            if (!fp3_watch_is_finite(words[i]))
                 *is_any = watched[group->first + n + i].is_astray = 1;
-        }
     }
     return status;
 }
@@ -216,8 +214,7 @@ static fp3_failure tell(const fp3_engine *engine, const fp3_failed *which, size_
                      .is_before = when(w) == 0,
                      .flags = is_raised ? w->flags : 0,
                      .state = is_raised ? 0 : w->reg};
-    memcpy(&f.value, &w->bits, sizeof f.value);
-    f.value = is_raised ? 0 : f.value;
+    f.value = is_raised ? 0 : fp3_format_value(engine->config, w->bits);
     return f;
 }
 

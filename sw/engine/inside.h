@@ -17,6 +17,17 @@ fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *confi
  * of its own. */
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
 
+/* fp3_engine_write, _read, _write_shared_of and _read_shared_of of words as the machine has them, which are not converted: for
+ * tests that compare all bits. */
+fp3_status fp3_engine_write_words(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                                  const uint32_t *words);
+fp3_status fp3_engine_read_words(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
+                                 uint32_t *words);
+fp3_status fp3_engine_write_shared_words(fp3_engine *engine, size_t group, uint32_t first,
+                                         size_t count, const uint32_t *words);
+fp3_status fp3_engine_read_shared_words(fp3_engine *engine, size_t group, uint32_t first,
+                                        size_t count, uint32_t *words);
+
 /* What the next run goes by: the steps of earlier runs, by which it numbers its own; the definition, whose strings
  * may be gone; the configuration. Tests change them. */
 uint32_t *fp3_engine_clock(fp3_engine *engine);

@@ -3,12 +3,14 @@
 #include "checks.h"
 #include "life.h"
 #include "luggage.h"
+#include "machine/format.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
 #include "machine/storage.h"
 #include "origin.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 static fp3_needs needs_of(const fp3_image *image) {
     fp3_needs needs = {
@@ -50,12 +52,43 @@ static fp3_status check_storage(fp3_engine *engine, const fp3_image *image) {
                     engine->config->name, fp3_storage_name(engine->config));
 }
 
+/* An image may say what they have to be. */
+static fp3_status check_words(fp3_engine *engine, const fp3_image *image) {
+    const fp3_image_words has =
+        engine->config->logarithmic ? FP3_WORDS_LOGARITHMS : FP3_WORDS_FLOATS;
+    if (image->words == FP3_WORDS_ANY || image->words == has)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "the program is made for %s: words of configuration '%s' are %s",
+                    fp3_image_words_name(image->words), engine->config->name,
+                    fp3_image_words_name(has));
+}
+
+static fp3_status check_constants(fp3_engine *engine, const fp3_image *image) {
+    for (uint32_t i = 0; i < image->constant_count; i++) {
+        const fp3_constant *c = &image->constants[i];
+        uint32_t word;
+        float value;
+        memcpy(&value, &c->bits, sizeof value);
+        const char *wrong = fp3_format_word(engine->config, value, &word);
+        if (wrong)
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "the program's constant %g %s: configuration '%s' has no word for it",
+                            (double)value, wrong, engine->config->name);
+    }
+    return FP3_OK;
+}
+
 static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
     const fp3_needs needs = needs_of(image);
-    fp3_status status = fp3_needs_check(&needs, engine->config, engine->def.error);
+    fp3_status status = check_words(engine, image);
+    if (!status)
+        status = fp3_needs_check(&needs, engine->config, engine->def.error);
     if (!status)
         status = check_storage(engine, image);
-    return status ? status : check_operations(engine, image);
+    if (!status)
+        status = check_operations(engine, image);
+    return status ? status : check_constants(engine, image);
 }
 
 /* What is there besides the image's words, and what an object needs of the store. */
@@ -160,13 +193,16 @@ static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_
     return status;
 }
 
+/* In an image they are binary32, so that it is the same for all formats of words. */
 static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
     const fp3_image *image = engine->layout.groups[group].image;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < image->constant_count; i++) {
         const fp3_constant *c = &image->constants[i];
-        status =
-            fp3_cells_write(engine, (fp3_cells){FP3_CELLS_CONSTANT, group, c->index, 1}, &c->bits);
+        const fp3_cells cell = {FP3_CELLS_CONSTANT, group, c->index, 1};
+        float value;
+        memcpy(&value, &c->bits, sizeof value);
+        status = fp3_cells_write_numbers(engine, cell, &value);
     }
     return status;
 }

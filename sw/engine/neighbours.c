@@ -1,8 +1,10 @@
 /* neighbours.c - lists of neighbours as the caller gives them: checked. */
 #include "checks.h"
+#include "machine/format.h"
 #include "origin.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 
 static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const char *name,
                                 const fp3_neighbours *n) {
@@ -44,6 +46,28 @@ static fp3_status find_list(fp3_engine *engine, size_t group, const char *name, 
         return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                         "the program has no list of neighbours '%s'", name);
     *list = &lists->lists[i];
+    return FP3_OK;
+}
+
+/* Fields as words of the machine; the caller frees *words. NULL: they are already, or there are none. */
+static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const char *name,
+                                 const fp3_neighbours *n, uint32_t **words) {
+    const size_t fields = n->begin ? (size_t)n->begin[list->objects] * list->fields : 0;
+    *words = NULL;
+    if (!fields || fp3_format_is_float(engine->config))
+        return FP3_OK;
+    *words = malloc(fields * sizeof **words);
+    if (!*words)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; i < fields; i++) {
+        const char *wrong = fp3_format_word(engine->config, n->fields[i], &(*words)[i]);
+        if (wrong)
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                            "list '%s': field %zu of entry %zu is %g, which %s: configuration "
+                            "'%s' has no word for it",
+                            name, i % list->fields, i / list->fields, (double)n->fields[i], wrong,
+                            engine->config->name);
+    }
     return FP3_OK;
 }
 
@@ -104,8 +128,15 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
     else if (list->fields)
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                           "list '%s': entries have fields, so each has to be given", name);
+    fp3_neighbours as_words = *neighbours;
+    uint32_t *words = NULL;
     if (!status)
-        status = fp3_list_take(list, neighbours, engine->def.error);
+        status = convert_fields(engine, list, name, neighbours, &words);
+    if (words)
+        as_words.fields = (const float *)(const void *)words;
+    if (!status)
+        status = fp3_list_take(list, &as_words, engine->def.error);
+    free(words);
     return status ? status : changed(engine, group, list);
 }
 

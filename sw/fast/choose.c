@@ -1,10 +1,11 @@
 /* choose.c - which interpreter suits this processor and this arithmetic. */
 #include "sweep.h"
 
+#include <machine/execute.h>
 #include <string.h>
 
 extern const fp3_sweep fp3_sweep_plain, fp3_sweep_flushed, fp3_sweep_cut, fp3_sweep_flushed_cut,
-    fp3_sweep_finite, fp3_sweep_logarithmic;
+    fp3_sweep_finite, fp3_sweep_words;
 
 /* The kinds of this family, from the least on, and those among them that this processor is. */
 #if defined __x86_64__
@@ -33,8 +34,8 @@ enum { KINDS = sizeof kinds / sizeof *kinds };
 static const fp3_sweep *rare(const fp3_config *config) {
     if (config->finite)
         return &fp3_sweep_finite;
-    if (config->logarithmic)
-        return &fp3_sweep_logarithmic;
+    if (fp3_execute_is_of_words(config))
+        return &fp3_sweep_words;
     if (config->subnormal)
         return &fp3_sweep_cut;
     return config->nearest ? &fp3_sweep_flushed : &fp3_sweep_flushed_cut;
@@ -49,7 +50,7 @@ int fp3_sweep_is_kind(const char *name) {
 
 const fp3_sweep *fp3_sweep_choose(const fp3_config *config, const char *most) {
     const fp3_sweep *best = kinds[0];
-    if (!config->subnormal || !config->nearest || config->logarithmic)
+    if (!config->subnormal || !config->nearest || fp3_execute_is_of_words(config))
         return rare(config);
     for (int i = 0; i < KINDS && is_kind(i); i++) {
         best = kinds[i];

@@ -8,6 +8,7 @@
 #include "gen/registers.h"
 #include <fp3/isa.h>
 #include <machine/estimate.h>
+#include <machine/execute.h>
 #include <machine/live.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,8 +51,9 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     fp3_status status = FP3_E_SYSTEM;
     if (FP3_FPU_IS_SOFT)
         fp3_fail(&why, FP3_E_SYSTEM, "no flags here");
-    else if (f->plan.config->logarithmic)
-        fp3_fail(&why, FP3_E_SYSTEM, "of logarithmic words there is no native code");
+    else if (fp3_execute_is_of_words(f->plan.config))
+        fp3_fail(&why, FP3_E_SYSTEM, "the processor lacks arithmetic of '%s'",
+                 f->plan.config->name);
     else if (!is_interpreted && !f->native.library)
         status = fp3_fast_native_open(&f->plan, f->sweep->name, may_compile, &f->native, &why);
     if (status && !f->native.library)
@@ -62,9 +64,11 @@ static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
                  f->native.no_cache);
 }
 
-static fp3_status no_native(const char *path, fp3_error *error) {
-    return fp3_fail(error, FP3_E_ARGUMENT, "%s: of logarithmic words there is no native code",
-                    path);
+static fp3_status no_native(const fp3_fast *f, const char *path, fp3_error *error) {
+    return fp3_fail(
+        error, FP3_E_ARGUMENT,
+        "%s: configuration '%s' has no native code, as the processor lacks its arithmetic", path,
+        f->plan.config->name);
 }
 
 /* Of a lesser kind of processor than this one, maybe. */
@@ -73,8 +77,8 @@ static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
     if (FP3_FPU_IS_SOFT)
         return fp3_fail(error, FP3_E_ARGUMENT, "%s: native code needs a processor with flags",
                         path);
-    if (f->plan.config->logarithmic)
-        return no_native(path, error);
+    if (fp3_execute_is_of_words(f->plan.config))
+        return no_native(f, path, error);
     fp3_status status = fp3_fast_native_kind(path, &kind, error);
     if (status)
         return status;
@@ -124,8 +128,8 @@ fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error) {
 }
 
 fp3_status fp3_fast_write_native(const fp3_fast *f, const char *path, fp3_error *error) {
-    if (f->plan.config->logarithmic)
-        return no_native(path, error);
+    if (fp3_execute_is_of_words(f->plan.config))
+        return no_native(f, path, error);
     return fp3_fast_native_write(&f->plan, path, f->sweep->name, error);
 }
 

@@ -43,7 +43,7 @@ FP3_OPERATION fp3_i fp3_half_of(fp3_i size, fp3_i random) {
 }
 
 /* What a load gives after the store; *over: -1 where a finite number became infinite. storage: the configuration's key. */
-FP3_OPERATION fp3_v fp3_rounded(int storage, fp3_v value, fp3_i random, fp3_i *over) {
+FP3_OPERATION fp3_v fp3_rounded(unsigned storage, fp3_v value, fp3_i random, fp3_i *over) {
     const fp3_i size = fp3_magnitude(value), is_out = size >= FP3_INFINITE;
     const fp3_i end = fp3_all(storage == 1 ? FP3_INFINITE : 0x47800000);
     const fp3_i finite = ~is_out & size; /* 0 for what is no number */
@@ -55,7 +55,7 @@ FP3_OPERATION fp3_v fp3_rounded(int storage, fp3_v value, fp3_i random, fp3_i *o
 }
 
 /* The same in a run: the processor raises overflow and inexact. */
-FP3_OPERATION fp3_v fp3_stored(int storage, fp3_v value, fp3_i random) {
+FP3_OPERATION fp3_v fp3_stored(unsigned storage, fp3_v value, fp3_i random) {
     fp3_i over;
     const fp3_v kept = fp3_rounded(storage, value, random, &over);
     if (FP3_FLAGS) {

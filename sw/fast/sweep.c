@@ -1,5 +1,5 @@
 /* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL and, where it is 1,
- * FP3_FINITE or FP3_LOGARITHMIC. */
+ * FP3_FINITE or FP3_OF_WORDS. */
 #include "sweep.h"
 
 #ifndef FP3_SWEEP
@@ -10,8 +10,8 @@
 #ifndef FP3_FINITE
 #define FP3_FINITE 0
 #endif
-#ifndef FP3_LOGARITHMIC
-#define FP3_LOGARITHMIC 0
+#ifndef FP3_OF_WORDS
+#define FP3_OF_WORDS 0
 #endif
 #ifndef FP3_SWEEP_NAME
 #define FP3_SWEEP_NAME FP3_SWEEP_LEAST
@@ -20,7 +20,8 @@
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "exceptions.h"
 #include "halves.h"
-#include "logs.h"
+#include "short.h"
+#include "words.h"
 
 #include <fp3/isa.h>
 #include <machine/watch.h>
@@ -36,10 +37,10 @@ typedef struct {
 typedef struct {
     const fp3_fast_place *place;
     const fp3_fast_word *now;
-    uint32_t number; /* of the step */
-    int storage;     /* the configuration's key */
-    int is_last;     /* part: those asleep take part */
-    int is_tiny;     /* products as in tiny.h */
+    fp3_config config; /* its words' arithmetic, and its records */
+    uint32_t number;   /* of the step */
+    int is_last;       /* part: those asleep take part */
+    int is_tiny;       /* products as in tiny.h */
     fp3_i subnormal, under;
     int is_watched; /* every value is looked at: a NaN is the machine's */
     source from[3];
@@ -166,17 +167,27 @@ static void calculate(machine *m) {
 #undef CASE
 #undef OPERANDS
 
-/* Logarithmic words; their flags are raised as the processor raises those of floats. */
-static void calculate_logs(machine *m) {
+/* By the machine's own words; their flags are raised as the processor raises those of floats, and nothing that it raises itself. */
+static void calculate_words(machine *m) {
+    const uint64_t before = fp3_fpu_get();
+    const uint32_t op = m->now->in.op, sources = fp3_operation_find(op)->sources;
+    fp3_short quick = fp3_short_of(&m->config);
     fp3_i all = fp3_all(0), flags;
     EACH {
-        m->to[j] = fp3_logs(m->now->in.op, A, B, C, &flags);
+        if (!FP3_FPU_IS_SOFT && !m->config.logarithmic &&
+            fp3_short_apply(&quick, op, sources, A, B, C, m->place->table, &m->to[j]))
+            continue;
+        m->to[j] = fp3_words(&m->config, op, A, B, C, &flags);
         all |= flags;
     }
+    /* Results are there, and so are the flags of sums in double. */
+    __asm__ volatile("" ::: "memory");
+    const uint64_t inexact = op == FP3_OP_RINT ? 0 : fp3_fpu_get() & FP3_FPU_INEXACT;
     uint32_t raised = 0;
     for (int i = 0; i < FP3_LANES; i++)
         raised |= (uint32_t)all[i];
-    fp3_fpu_set(fp3_fpu_get() | fp3_logs_sticky(raised));
+    raised |= fp3_short_any(quick.lost) ? (uint32_t)FP3_FLAG_INEXACT : 0;
+    fp3_fpu_set(before | inexact | fp3_words_sticky(raised));
 }
 
 /* Where an object sleeps it keeps what it has. */
@@ -190,7 +201,7 @@ static void keep(const machine *m, const fp3_v *from, fp3_v *to) {
 
 /* What is left to do with results. */
 static void finish(machine *m) {
-    if (m->now->is_behind && !FP3_LOGARITHMIC)
+    if (m->now->is_behind && !FP3_OF_WORDS)
         EACH m->to[j] = fp3_behind(m->to[j]);
     if (m->now->is_one_nan || m->is_watched)
         EACH m->to[j] = fp3_one_nan(m->to[j]);
@@ -201,8 +212,8 @@ static void finish(machine *m) {
 static void arithmetic(machine *m) {
     m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
     find_sources(m);
-    if (FP3_LOGARITHMIC)
-        calculate_logs(m);
+    if (FP3_OF_WORDS)
+        calculate_words(m);
     else if (!FP3_FINITE && m->is_tiny && has_product(m->now->in.op))
         calculate_tiny(m);
     else
@@ -215,7 +226,8 @@ static void fall_asleep(machine *m) {
     fp3_v *d = row_of(m->place, m->now->in.d);
     find_sources(m);
     EACH {
-        const fp3_i now = awake[j] & fp3_sleeps(A, B);
+        const fp3_i now =
+            awake[j] & (FP3_OF_WORDS ? fp3_words_sleep(&m->config, A, B) : fp3_sleeps(A, B));
         d[j] = fp3_choose(now, (fp3_v)fp3_all((int)m->number), d[j]);
         awake[j] &= ~now;
     }
@@ -246,35 +258,30 @@ static void store(machine *m) {
     fp3_loose *to = record_of(m);
     EACH {
         const fp3_v whole = value_stored(m, j);
-        const fp3_v value = m->storage ? fp3_stored(m->storage, whole, draws(m, j)) : whole;
+        const fp3_v value =
+            m->config.storage ? fp3_stored(m->config.storage, whole, draws(m, j)) : whole;
         to[j] = m->is_last ? value : fp3_choose(awake[j], value, (fp3_v)to[j]);
     }
 }
 
+static int is_rounded(const machine *m) { return m->config.storage && m->now->in.op == FP3_OP_ST; }
+
 static int has_flags(const machine *m) {
-    return fp3_operation_is_arithmetic(fp3_operation_find(m->now->in.op)) ||
-           (m->storage && m->now->in.op == FP3_OP_ST);
+    return is_rounded(m) || fp3_operation_is_arithmetic(fp3_operation_find(m->now->in.op));
 }
 
 static fp3_i flags_of(machine *m, unsigned j);
-
-static int all_of(fp3_i bits) {
-    int all = 0;
-    for (int i = 0; i < FP3_LANES; i++)
-        all |= bits[i];
-    return all;
-}
 
 /* What a processor with flags would raise now. */
 static void raise(machine *m) {
     fp3_i flags = fp3_all(0);
     find_sources(m);
     EACH flags |= flags_of(m, j);
-    fp3_fpu_set(fp3_fpu_get() | (unsigned)all_of(flags));
+    fp3_fpu_set(fp3_fpu_get() | (unsigned)fp3_any(flags));
 }
 
 static void execute(machine *m) {
-    if (FP3_FPU_IS_SOFT && !FP3_LOGARITHMIC && !m->is_watched && has_flags(m))
+    if (FP3_FPU_IS_SOFT && !m->is_watched && (FP3_OF_WORDS ? is_rounded(m) : has_flags(m)))
         raise(m);
     switch (m->now->in.op) {
     case FP3_OP_SLEEP:
@@ -295,8 +302,8 @@ static void execute(machine *m) {
 static machine machine_of(const fp3_fast_plan *plan, const fp3_fast_place *place,
                           fp3_fast_part_number part, uint32_t number) {
     return (machine){.place = place,
+                     .config = fp3_words_config(plan->config),
                      .number = number,
-                     .storage = (int)plan->config->storage,
                      .is_last = part == FP3_PART_LAST};
 }
 
@@ -318,8 +325,8 @@ static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast
 }
 
 static unsigned seen_by(const machine *m) {
-    return (all_of(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
-           (all_of(m->under) ? FP3_SEEN_UNDERFLOW : 0);
+    return (fp3_any(m->subnormal) ? FP3_SEEN_SUBNORMAL : 0) |
+           (fp3_any(m->under) ? FP3_SEEN_UNDERFLOW : 0);
 }
 
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
@@ -332,7 +339,8 @@ static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
 
 static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
                       uint32_t end) {
-    machine m = {.place = place, .is_tiny = FP3_FPU_IS_EARLY};
+    machine m = machine_of(plan, place, FP3_PART_FIRST, 0);
+    m.is_tiny = FP3_FPU_IS_EARLY;
     for (uint32_t pc = first; pc < end; pc++) {
         m.now = &plan->code[pc];
         execute(&m);
@@ -346,8 +354,13 @@ static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask &
 
 static fp3_i flags_of_store(const machine *m, unsigned j) {
     fp3_i over;
-    fp3_rounded(m->storage, value_stored(m, j), draws(m, j), &over);
+    fp3_rounded(m->config.storage, value_stored(m, j), draws(m, j), &over);
     return fp3_marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT);
+}
+
+/* a b is rounded, then added to c. */
+static fp3_i flags_of_chain(fp3_v a, fp3_v b, fp3_v c) {
+    return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
 }
 
 /* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
@@ -355,14 +368,14 @@ static fp3_i flags_of_store(const machine *m, unsigned j) {
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;
-    if (FP3_LOGARITHMIC) {
+    if (m->now->in.op == FP3_OP_ST)
+        return flags_of_store(m, j);
+    if (FP3_OF_WORDS) {
         fp3_i flags;
-        fp3_logs(m->now->in.op, a, b, c, &flags);
+        fp3_words(&m->config, m->now->in.op, a, b, c, &flags);
         return flags;
     }
     switch (m->now->in.op) {
-    case FP3_OP_ST:
-        return flags_of_store(m, j);
     case FP3_OP_ADD:
         return fp3_flags_of_sum(a, b);
     case FP3_OP_SUB:
@@ -370,25 +383,21 @@ static fp3_i flags_of(machine *m, unsigned j) {
     case FP3_OP_MUL:
         return fp3_flags_of_product(a, b);
     case FP3_OP_MADD:
-        return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
+        return flags_of_chain(a, b, c);
     case FP3_OP_MSUB:
-        return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_minus(fp3_product_value(a, b)));
+        return flags_of_chain(fp3_minus(a), b, c);
     case FP3_OP_FMADD:
         return fp3_flags_of_fused(a, b, c);
     case FP3_OP_FMSUB:
         return fp3_flags_of_fused(fp3_minus(a), b, c);
     case FP3_OP_ADDH:
-        return fp3_flags_of_product(b, FP3_HALF) |
-               fp3_flags_of_sum(a, fp3_product_value(b, FP3_HALF));
+        return flags_of_chain(b, FP3_HALF, a);
     case FP3_OP_SUBH:
-        return fp3_flags_of_product(b, FP3_HALF) |
-               fp3_flags_of_sum(a, fp3_minus(fp3_product_value(b, FP3_HALF)));
+        return flags_of_chain(fp3_minus(b), FP3_HALF, a);
     case FP3_OP_ADDT:
-        return fp3_flags_of_product(b, FP3_TWO) |
-               fp3_flags_of_sum(a, fp3_product_value(b, FP3_TWO));
+        return flags_of_chain(b, FP3_TWO, a);
     case FP3_OP_SUBT:
-        return fp3_flags_of_product(b, FP3_TWO) |
-               fp3_flags_of_sum(a, fp3_minus(fp3_product_value(b, FP3_TWO)));
+        return flags_of_chain(fp3_minus(b), FP3_TWO, a);
     case FP3_OP_MIN:
         return fp3_marked(fp3_is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
     case FP3_OP_MAX:
@@ -484,17 +493,5 @@ static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast
     }
 }
 
-/* ---- rows ---- */
-
-static int is_any_astray(const float *row, unsigned count) {
-    unsigned is_any = 0;
-    for (unsigned i = 0; i < count; i++) {
-        unsigned bits;
-        __builtin_memcpy(&bits, &row[i], sizeof bits);
-        is_any |= (~bits & FP3_INFINITE) == 0;
-    }
-    return is_any != 0;
-}
-
-const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run,          run_tiny,
-                             watch,     run_words,      is_any_astray};
+const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME,   run, run_tiny, watch,
+                             run_words, fp3_is_any_astray};

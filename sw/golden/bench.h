@@ -4,7 +4,7 @@
  * state is recorded as it retires, and compared afterwards; then the registers are read back through
  * the host port and compared again. No write is skipped, reordered or forgiven.
  *
- * A ship written by hand is compared with golden, plain C that knows nothing of instructions. In a
+ * A ship written by hand, on words that are floats, is compared with golden, plain C that knows nothing of instructions. In a
  * visit of n steps its program writes v and s n times each, in the golden order; and before that the
  * value at the beginning of the visit: where objects come from a store, when it is loaded; and once
  * more if the program asks for it (it may run the position one step behind and begin with s + -0).

@@ -8,6 +8,7 @@
 #include "estimate.h"
 #include "finite.h"
 #include "lns.h"
+#include "narrow.h"
 
 #include <assert.h>
 #include <float.h>
@@ -213,54 +214,77 @@ static float calculate(const fp3_config *config, uint32_t op, const uint32_t ope
     return is_chosen ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f) : NAN;
 }
 
-/* x plus or minus y * z. */
-static uint32_t log_chained(int is_minus, uint32_t x, uint32_t y, uint32_t z, uint32_t *flags) {
-    uint32_t earlier;
-    const uint32_t product = fp3_lns_mul(y, z, &earlier);
-    const uint32_t d = (is_minus ? fp3_lns_sub : fp3_lns_add)(x, product, flags);
-    *flags |= earlier;
+/* ---- in integers: logarithmic words, and numbers with fewer fraction bits ---- */
+
+static uint32_t sum(const fp3_config *config, int is_minus, uint32_t x, uint32_t y,
+                    uint32_t *flags) {
+    uint32_t raised = 0;
+    const uint32_t d =
+        !config->logarithmic
+            ? fp3_narrow_add(config, x, is_minus ? y ^ FP3_BITS_MINUS_ZERO : y, &raised)
+            : (is_minus ? fp3_lns_sub : fp3_lns_add)(x, y, &raised);
+    *flags |= raised;
     return d;
 }
 
-/* The same operations of logarithmic words. */
-static uint32_t log_calculate(uint32_t op, const uint32_t operands[3], uint32_t *flags) {
+static uint32_t product(const fp3_config *config, uint32_t x, uint32_t y, uint32_t *flags) {
+    return config->logarithmic ? fp3_lns_mul(x, y, flags) : fp3_narrow_mul(config, x, y, flags);
+}
+
+/* What reads its operands and has no product and no sum of its own: then -0 is added. */
+static uint32_t chosen(const fp3_config *config, uint32_t op, const uint32_t operands[3],
+                       uint32_t *flags) {
+    uint32_t read[3], value;
+    if (config->logarithmic && op == FP3_OP_RCP)
+        return fp3_lns_rcp(operands[0], flags);
+    if (config->logarithmic && op == FP3_OP_RSQRT)
+        return fp3_lns_rsqrt(operands[0], flags);
+    for (int i = 0; i < 3; i++)
+        read[i] = fp3_narrow_read(config, operands[i]);
+    const int is_chosen = choose(op, read[0], read[1], read[2], &value);
+    assert(is_chosen);
+    return sum(config, 0, is_chosen ? value : FP3_BITS_NAN, FP3_BITS_MINUS_ZERO, flags);
+}
+
+static uint32_t calculate_words(const fp3_config *config, uint32_t op, const uint32_t operands[3],
+                                uint32_t *flags) {
     const uint32_t a = operands[0], b = operands[1], c = operands[2];
     const uint32_t half = 0x3f000000, two = 0x40000000;
-    uint32_t chosen;
+    *flags = 0;
     switch (op) {
     case FP3_OP_ADD:
-        return fp3_lns_add(a, b, flags);
     case FP3_OP_SUB:
-        return fp3_lns_sub(a, b, flags);
+        return sum(config, op == FP3_OP_SUB, a, b, flags);
     case FP3_OP_MUL:
-        return fp3_lns_mul(a, b, flags);
+        return product(config, a, b, flags);
     case FP3_OP_MADD:
     case FP3_OP_MSUB:
-        return log_chained(op == FP3_OP_MSUB, c, a, b, flags);
+        return sum(config, op == FP3_OP_MSUB, c, product(config, a, b, flags), flags);
+    case FP3_OP_FMADD:
+        return fp3_narrow_fma(config, a, b, c, flags);
+    case FP3_OP_FMSUB:
+        return fp3_narrow_fma(config, a ^ FP3_BITS_MINUS_ZERO, b, c, flags);
     case FP3_OP_ADDH:
     case FP3_OP_SUBH:
-        return log_chained(op == FP3_OP_SUBH, a, b, half, flags);
+        return sum(config, op == FP3_OP_SUBH, a, product(config, b, half, flags), flags);
     case FP3_OP_ADDT:
     case FP3_OP_SUBT:
-        return log_chained(op == FP3_OP_SUBT, a, b, two, flags);
-    case FP3_OP_RCP:
-        return fp3_lns_rcp(a, flags);
-    case FP3_OP_RSQRT:
-        return fp3_lns_rsqrt(a, flags);
+        return sum(config, op == FP3_OP_SUBT, a, product(config, b, two, flags), flags);
     default:
-        break;
+        return chosen(config, op, operands, flags);
     }
-    const int is_chosen = choose(op, a, b, c, &chosen);
-    assert(is_chosen);
-    return fp3_lns_add(is_chosen ? chosen : FP3_BITS_NAN, FP3_BITS_MINUS_ZERO, flags);
+}
+
+int fp3_execute_is_of_words(const fp3_config *config) {
+    return config->logarithmic || config->fraction < 23;
 }
 
 uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
                      uint32_t *flags) {
-    if (config->finite || config->logarithmic) {
+    if (config->finite || fp3_execute_is_of_words(config)) {
         uint32_t there;
         const uint32_t d = config->finite ? fp3_finite_execute(op, operands, &there)
-                                          : log_calculate(op, operands, &there);
+                                          : calculate_words(config, op, operands, &there);
         if (flags)
             *flags = config->flags ? there : 0;
         return d;
@@ -274,8 +298,9 @@ uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t opera
 }
 
 int fp3_execute_sleeps(const fp3_config *config, const uint32_t operands[3]) {
-    const uint32_t size = operands[0] & 0x7fffffffu;
-    return config->finite ? fp3_finite_is_less(size, operands[1]) : is_less(size, operands[1]);
+    const uint32_t size = fp3_narrow_read(config, operands[0] & 0x7fffffffu);
+    const uint32_t limit = fp3_narrow_read(config, operands[1]);
+    return config->finite ? fp3_finite_is_less(size, limit) : is_less(size, limit);
 }
 
 double fp3_execute_exact(uint32_t op, double a, double b, double c) {

@@ -24,12 +24,17 @@ struct fp3_measure_machines {
     unsigned count;
     kept *kept;
     size_t kept_count;
+    int is_interpreted;
     fp3_error error;
 };
 
-fp3_status fp3_measure_machines_open(fp3_measure_machines **machines, fp3_error *error) {
+fp3_status fp3_measure_machines_open(int is_interpreted, fp3_measure_machines **machines,
+                                     fp3_error *error) {
     *machines = calloc(1, sizeof **machines);
-    return *machines ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    if (!*machines)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    (*machines)->is_interpreted = is_interpreted;
+    return FP3_OK;
 }
 
 void fp3_measure_machines_close(fp3_measure_machines **machines) {
@@ -72,6 +77,7 @@ fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const cha
     def.config = config;
     def.objects = (uint32_t)objects;
     def.threads = threads;
+    def.is_interpreted = machines->is_interpreted;
     def.error = &machines->error;
     fp3_status status = fp3_engine_open(&def, &m->engine);
     if (status)

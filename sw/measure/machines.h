@@ -7,8 +7,9 @@
 
 typedef struct fp3_measure_machines fp3_measure_machines;
 
-/* *machines is NULL on failure. */
-fp3_status fp3_measure_machines_open(fp3_measure_machines **machines, fp3_error *error);
+/* is_interpreted: engine fast compiles no native code. *machines is NULL on failure. */
+fp3_status fp3_measure_machines_open(int is_interpreted, fp3_measure_machines **machines,
+                                     fp3_error *error);
 /* Also what was kept. Sets *machines to NULL, which it may be already. */
 void fp3_measure_machines_close(fp3_measure_machines **machines);
 

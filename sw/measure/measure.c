@@ -22,6 +22,8 @@ fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
                              .repeats = 5,
                              .patience = 0.15,
                              .engine = engine,
+                             .most_work = 2e9,
+                             .has_times = 1,
                              .objects = 16384,
                              .object_steps = 1 << 20,
                              .most_rungs = 35,
@@ -32,6 +34,7 @@ fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
     if (is_quick) {
         o.repeats = 3;
         o.patience = 0.2;
+        o.most_work = 1e8;
         o.objects = 1024;
         o.object_steps = 1 << 20;
         o.most_rungs = 19;
@@ -118,7 +121,7 @@ fp3_status fp3_measure_model(const fp3_model *model, const fp3_measure_options *
                            options->variants);
     fp3_status status = fp3_measure_problem_open(model, options->variants, &m->problem, error);
     if (!status)
-        status = fp3_measure_machines_open(&m->machines, error);
+        status = fp3_measure_machines_open(!options->has_times, &m->machines, error);
     if (!status)
         status = fp3_measure_add_programs(&m->points, &m->problem, options, m->machines, error);
     if (!status && options->config && !m->points.count)

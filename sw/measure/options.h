@@ -22,9 +22,11 @@ struct fp3_measure_options {
     const char *
         config; /* of engine and hardware, and nothing is measured beside; NULL: those that were placed, and peers */
     const char *const *integrators; /* ended by NULL; NULL: all that are built in */
-    uint64_t objects;               /* of a timed run */
-    uint64_t object_steps;          /* at most so many in a timed run: then of fewer objects */
-    unsigned most_rungs;            /* of fp3_measure_steps */
+    double most_work; /* instructions of the longest run that finds an error, times its objects */
+    int has_times;    /* of engine; else errors and cycles alone */
+    uint64_t objects; /* of a timed run */
+    uint64_t object_steps; /* at most so many in a timed run: then of fewer objects */
+    unsigned most_rungs;   /* of fp3_measure_steps */
     unsigned fewest_digits, most_digits, digits_apart; /* tolerances 10^-fewest ... 10^-most */
     int has_threads;                                   /* also with a thread for each processor */
     int is_flipped; /* turns a bit of what the engine gives, to see that it is noticed */

@@ -23,8 +23,7 @@
 #define RUNGS_AFTER 20 /* beyond the first time step that solves it: 1,024 times as many steps */
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
-#define SAMPLE_SECONDS 0.2 /* the run that finds the error takes no longer */
-#define HARDWARE_MOST 6e5  /* instructions of such runs of a family on one configuration */
+#define HARDWARE_MOST 6e5 /* instructions of such runs of a family on one configuration */
 #define FAR 4 /* ... of which another on the same configuration takes so many times fewer: no run */
 #define CUTS_MOST 4096 /* attempts to find events, beside steps */
 #define PACES_MOST 48
@@ -270,11 +269,18 @@ static double up(double h, uint64_t steps, double end) {
     return (double)near * (double)steps < end ? (double)nextafterf(near, INFINITY) : (double)near;
 }
 
+/* Work limits runs, and not time: so points do not depend on how fast the machine is, or engine fast in an arithmetic. */
+static double most_steps(const family *f) {
+    const fp3_measure_options *o = f->options;
+    const double step = (double)f->compiled->instructions * f->problem->variants;
+    return fmin((double)fp3_measure_steps(o->most_rungs), ceil(o->most_work / step));
+}
+
 /* Number k of those that are tried; 0: there are no more. */
 static int find_pace(const family *f, unsigned k, fp3_measure_pace *pace) {
     const fp3_measure_options *o = f->options;
     const unsigned digits = o->fewest_digits + k * o->digits_apart;
-    const uint64_t steps = fp3_measure_steps(k), most = fp3_measure_steps(o->most_rungs);
+    const uint64_t steps = fp3_measure_steps(k), most = (uint64_t)most_steps(f);
     const double end = f->problem->end, h = end / (double)steps;
     if (f->kind == ADAPTIVE)
         *pace = (fp3_measure_pace){
@@ -284,7 +290,7 @@ static int find_pace(const family *f, unsigned k, fp3_measure_pace *pace) {
             .h = up(h, steps, end), .steps = steps, .count = CUTS_MOST + 2 * steps};
     else
         *pace = (fp3_measure_pace){.h = h, .steps = steps, .count = steps};
-    return f->kind == ADAPTIVE ? digits <= o->most_digits : k < o->most_rungs;
+    return f->kind == ADAPTIVE ? digits <= o->most_digits : steps < most;
 }
 
 /* Takes what it is given, or frees it. */
@@ -331,8 +337,7 @@ static fp3_status sample(family *f, fp3_error *error) {
     for (unsigned k = 0; !status && !is_over && find_pace(f, k, &pace) && f->count < PACES_MOST;
          k++) {
         double median = INFINITY, *ends;
-        if ((f->kind == ADAPTIVE ? 1 : 2) * seconds >= SAMPLE_SECONDS || worse >= RUNGS_WORSE ||
-            k > first + RUNGS_AFTER)
+        if (worse >= RUNGS_WORSE || k > first + RUNGS_AFTER)
             break;
         status = make_ends(f, &ends, error);
         if (!status)
@@ -390,7 +395,7 @@ static fp3_status add_all(family *f, fp3_error *error) {
     for (int i = 0;
          !status && !f->options->config && i < (f->adapted ? HARDWARE_ADAPTED : HARDWARE); i++)
         status = add_hardware(f, hardware[i], error);
-    for (unsigned i = 0; !status && i < f->count; i++) {
+    for (unsigned i = 0; !status && f->options->has_times && i < f->count; i++) {
         status = add_software(f, i, 1, error);
         if (!status && cores > 1 && f->options->has_threads)
             status = add_software(f, i, (unsigned)cores, error);

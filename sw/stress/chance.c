@@ -74,6 +74,8 @@ fp3_status fp3_section_chance(const fp3_trial *trial, fp3_error *error) {
     const int is_damped = trial->run->kind != FP3_STOERMER;
     fp3_rig rig;
     count n = {0};
+    if (!fp3_trial_tries(trial, plain, 0))
+        return FP3_OK;
     fp3_status status =
         fp3_rig_open(trial, is_damped ? text : undamped, plain, 1, OBJECTS, &rig, error);
     if (!status)

@@ -58,10 +58,11 @@ static fp3_status measure(const fp3_trial *trial, fp3_rig *rig, double *exponent
 
 fp3_status fp3_section_chaos(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = FP3_OK;
-    const int count =
-        trial->options->is_quick ? 1 : FP3_LAB_DOUBLE_SINGLE; /* no matter of digits */
-    for (int i = 0; !status && i < count; i++) {
+    for (unsigned i = 0; !status && i < fp3_lab_arithmetic_count; i++) {
         fp3_rig rig;
+        if (fp3_lab_arithmetics[i].update == FP3_DOUBLE_SINGLE || /* no matter of digits */
+            !fp3_trial_tries(trial, &fp3_lab_arithmetics[i], i && trial->options->is_quick))
+            continue;
         fp3_verdict v = fp3_trial_verdict(trial, "chaos", "lorenz", &fp3_lab_arithmetics[i],
                                           "largest Lyapunov exponent");
         v.expected = PUBLISHED;

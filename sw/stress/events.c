@@ -64,7 +64,8 @@ static fp3_status judge(const fp3_trial *trial, fp3_rig *rig, fp3_error *error) 
 
 fp3_status fp3_section_events(const fp3_trial *trial, fp3_error *error) {
     fp3_rig rig;
-    if (trial->run->kind == FP3_STOERMER) /* refuses events */
+    if (trial->run->kind == FP3_STOERMER || /* refuses events */
+        !fp3_trial_tries(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 0))
         return FP3_OK;
     fp3_status status =
         fp3_rig_open(trial, text, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 1, OBJECTS, &rig, error);

@@ -2,6 +2,7 @@
 #include "lab.h"
 
 #include "batch/batch.h"
+#include "machine/config.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,14 +10,31 @@
 
 #define CONFIG "many_full"
 
-const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS] = {
-    {NULL, FP3_PLAIN, 0, 0},        {NULL, FP3_COMPENSATED, 0, 0},   {"flushed", FP3_PLAIN, 1, 0},
-    {"truncated", FP3_PLAIN, 0, 1}, {NULL, FP3_DOUBLE_SINGLE, 0, 0},
+const fp3_lab_arithmetic fp3_lab_arithmetics[] = {
+    {CONFIG, FP3_PLAIN}, {CONFIG, FP3_COMPENSATED}, {"flush", FP3_PLAIN},
+    {"cell", FP3_PLAIN}, {"fused_full", FP3_PLAIN}, {CONFIG, FP3_DOUBLE_SINGLE},
 };
+const unsigned fp3_lab_arithmetic_count = sizeof fp3_lab_arithmetics / sizeof *fp3_lab_arithmetics;
 
 const char *fp3_lab_name(const fp3_lab_arithmetic *arithmetic) {
-    return arithmetic->of_machine ? arithmetic->of_machine
-                                  : fp3_arithmetic_of(arithmetic->update)->name;
+    return strcmp(arithmetic->config, CONFIG) ? arithmetic->config
+                                              : fp3_arithmetic_of(arithmetic->update)->name;
+}
+
+int fp3_lab_flushes(const fp3_lab_arithmetic *arithmetic) {
+    return !fp3_config_find(arithmetic->config)->subnormal;
+}
+
+int fp3_lab_truncates(const fp3_lab_arithmetic *arithmetic) {
+    return !fp3_config_find(arithmetic->config)->nearest;
+}
+
+int fp3_lab_is_finite(const fp3_lab_arithmetic *arithmetic) {
+    return (int)fp3_config_find(arithmetic->config)->finite;
+}
+
+int fp3_lab_is_nearly_plain(const fp3_lab_arithmetic *arithmetic) {
+    return strcmp(arithmetic->config, CONFIG) != 0 && !fp3_lab_truncates(arithmetic);
 }
 
 struct fp3_lab {
@@ -32,15 +50,12 @@ struct fp3_lab {
 
 static fp3_status open_batch(fp3_lab *lab) {
     fp3_batch_def def = fp3_batch_default();
-    fp3_config config = *fp3_config_find(CONFIG);
-    config.subnormal = !lab->def.arithmetic->is_flushed;
-    config.nearest = !lab->def.arithmetic->is_truncated;
     def.compiled = lab->compiled;
-    def.compile.config = CONFIG;
+    def.compile.config = lab->def.arithmetic->config;
     def.objects = lab->def.objects;
     def.may_compile = lab->def.is_long;
     def.error = &lab->said;
-    return fp3_batch_open_as(&def, &config, &lab->batch);
+    return fp3_batch_open(&def, &lab->batch);
 }
 
 static void default_all(fp3_lab *lab) {
@@ -61,7 +76,7 @@ static fp3_status told(const fp3_lab *lab, fp3_status status, fp3_error *error) 
 static fp3_status make(fp3_lab *lab, fp3_error *error) {
     const fp3_lab_def *def = &lab->def;
     fp3_compile_def how = fp3_compile_default();
-    how.config = CONFIG;
+    how.config = def->arithmetic->config;
     how.arithmetic = def->arithmetic->update;
     lab->params = calloc(def->objects * def->model->param_count + 1, sizeof *lab->params);
     lab->initial = calloc(def->objects * def->model->state_count + 1, sizeof *lab->initial);

@@ -12,25 +12,22 @@
 #include <fp3/compile.h>
 #include <fp3/engine.h>
 
-/* How a state is updated, and how the machine rounds. */
+/* A configuration, and how a state is updated on it. A configuration with another arithmetic needs one more row. */
 typedef struct {
-    const char *of_machine; /* its name, where the machine is another than the usual one; or NULL */
+    const char *config;
     fp3_arithmetic update;
-    int is_flushed;   /* no gradual underflow */
-    int is_truncated; /* rounds to zero */
 } fp3_lab_arithmetic;
 
-/* Flushed and truncated are plain otherwise. */
-enum {
-    FP3_LAB_PLAIN,
-    FP3_LAB_COMPENSATED,
-    FP3_LAB_FLUSHED,
-    FP3_LAB_TRUNCATED,
-    FP3_LAB_DOUBLE_SINGLE,
-    FP3_LAB_ARITHMETICS
-};
-extern const fp3_lab_arithmetic fp3_lab_arithmetics[FP3_LAB_ARITHMETICS];
+enum { FP3_LAB_PLAIN, FP3_LAB_COMPENSATED }; /* the first two; both on the same configuration */
+extern const fp3_lab_arithmetic fp3_lab_arithmetics[];
+extern const unsigned fp3_lab_arithmetic_count;
+/* That of the update, or of a configuration other than the usual one. */
 const char *fp3_lab_name(const fp3_lab_arithmetic *arithmetic);
+int fp3_lab_flushes(const fp3_lab_arithmetic *arithmetic);   /* no gradual underflow */
+int fp3_lab_truncates(const fp3_lab_arithmetic *arithmetic); /* rounds to zero */
+int fp3_lab_is_finite(const fp3_lab_arithmetic *arithmetic); /* no infinities and no NaN */
+/* Another configuration that rounds numbers of ordinary size to nearest, as plain does: long runs show nothing new. */
+int fp3_lab_is_nearly_plain(const fp3_lab_arithmetic *arithmetic);
 
 /* The relative error of an update in double-single: its sum is off by 3.1 u^2 at most (docs/compiler.md), where a plain
  * one is off by u/2, which in the mean is ROUNDED of drift.c. */

@@ -127,7 +127,8 @@ static fp3_status judge_return(const fp3_trial *trial, const double *h, const do
 fp3_status fp3_section_reversal(const fp3_trial *trial, fp3_error *error) {
     double h[RUNGS], off[RUNGS];
     fp3_rig rig;
-    if (trial->run->kind == FP3_STOERMER) /* has no velocity to turn */
+    if (trial->run->kind == FP3_STOERMER || /* has no velocity to turn */
+        !fp3_trial_tries(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 0))
         return FP3_OK;
     fp3_status status = fp3_rig_open(trial, fp3_kepler_text, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 1,
                                      OBJECTS, &rig, error);

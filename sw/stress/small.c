@@ -52,7 +52,8 @@ static fp3_status judge_move(const fp3_trial *trial, const fp3_lab_arithmetic *h
     const double half = 0x1p-24, unit = 0x1p-23;
     const int is_pair = how->update == FP3_DOUBLE_SINGLE;
     double largest, off;
-    fp3_status status = move(trial, how, how->is_truncated ? unit : half, &largest, &off, error);
+    fp3_status status =
+        move(trial, how, fp3_lab_truncates(how) ? unit : half, &largest, &off, error);
     fp3_verdict v =
         fp3_trial_verdict(trial, "stagnation", "move", how, "%s%s",
                           is_pair || how->update == FP3_COMPENSATED
@@ -64,7 +65,7 @@ static fp3_status judge_move(const fp3_trial *trial, const fp3_lab_arithmetic *h
         v.expected = is_pair ? 0 : 0.5; /* the sum, rounded once */
         v.measured = is_pair ? off * 0x1p25 : off;
     } else {
-        v.expected = (how->is_truncated ? (double)nextafterf((float)unit, 0) : half) / half;
+        v.expected = (fp3_lab_truncates(how) ? (double)nextafterf((float)unit, 0) : half) / half;
         v.measured = largest / half;
     }
     return status ? status : fp3_verdicts_add(trial->verdicts, &v, error);
@@ -108,7 +109,7 @@ static fp3_status judge_calm(const fp3_trial *trial, const fp3_lab_arithmetic *h
     for (size_t i = 0; !status && i < OBJECTS; i++) {
         const double *at = fp3_lab_params(rig.lab, i);
         const double rounding = how->update == FP3_DOUBLE_SINGLE ? 5 * 0x1p-48
-                                : how->is_truncated              ? 0x1p-23
+                                : fp3_lab_truncates(how)         ? 0x1p-23
                                                                  : 0x1p-24;
         const double stops = how->update == FP3_COMPENSATED ? 0 : rounding / (CALM_STEP * at[1]);
         const double bound = 2 * (stops + 2 * rounding) * at[0] / at[1];
@@ -120,7 +121,9 @@ static fp3_status judge_calm(const fp3_trial *trial, const fp3_lab_arithmetic *h
 
 fp3_status fp3_section_stagnation(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++) {
+    for (unsigned i = 0; !status && i < fp3_lab_arithmetic_count; i++) {
+        if (!fp3_trial_tries(trial, &fp3_lab_arithmetics[i], 0))
+            continue;
         status = judge_move(trial, &fp3_lab_arithmetics[i], error);
         if (!status)
             status = judge_calm(trial, &fp3_lab_arithmetics[i], error);
@@ -140,10 +143,10 @@ static const char decay_text[] = "model decay\nparam a = 1\nstate x = 1e-30\nste
  * number, truncated below all of it. Flushed: a x is 0 below the smallest normal number; the last x is less than one
  * step below that. */
 static int is_right(const fp3_lab_arithmetic *how, double a, double x) {
-    if (how->is_flushed)
+    if (fp3_lab_flushes(how))
         return a * x < NORMAL * (1 + 0x1p-23) && x >= (1 - a) * NORMAL / a * (1 - 0x1p-22) &&
                x >= NORMAL;
-    const double units = how->is_truncated ? ceil(1 / a) - 1 : floor(0.5 / a);
+    const double units = fp3_lab_truncates(how) ? ceil(1 / a) - 1 : floor(0.5 / a);
     return x == units * TINY;
 }
 
@@ -184,8 +187,9 @@ static fp3_status judge_decay(const fp3_trial *trial, const fp3_lab_arithmetic *
 /* Multiplies by 1 - a once a step, and loses nothing else: by Euler's method. */
 fp3_status fp3_section_subnormal(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++)
-        if (fp3_lab_arithmetics[i].update != FP3_COMPENSATED)
+    for (unsigned i = 0; !status && i < fp3_lab_arithmetic_count; i++)
+        if (fp3_lab_arithmetics[i].update != FP3_COMPENSATED &&
+            fp3_trial_tries(trial, &fp3_lab_arithmetics[i], 0))
             status = judge_decay(trial, &fp3_lab_arithmetics[i], error);
     return status;
 }

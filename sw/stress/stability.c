@@ -222,10 +222,12 @@ fp3_status fp3_section_stability(const fp3_trial *trial, fp3_error *error) {
     const int apart = trial->options->is_quick ? 45 : 15;
     fp3_status status = draw_region(trial, error);
     for (int degrees = 0; !status && degrees <= 90; degrees += apart)
-        if (applies(trial->run, degrees))
+        if (applies(trial->run, degrees) &&
+            fp3_trial_tries(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 0))
             status = search_ray(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], degrees, error);
-    for (int i = FP3_LAB_COMPENSATED; !status && i < FP3_LAB_DOUBLE_SINGLE; i++)
-        if (!trial->options->is_quick)
+    for (unsigned i = FP3_LAB_COMPENSATED; !status && i < fp3_lab_arithmetic_count; i++)
+        if (fp3_lab_arithmetics[i].update != FP3_DOUBLE_SINGLE &&
+            fp3_trial_tries(trial, &fp3_lab_arithmetics[i], trial->options->is_quick))
             status =
                 search_ray(trial, &fp3_lab_arithmetics[i], applies(trial->run, 0) ? 0 : 90, error);
     return status;

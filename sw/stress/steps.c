@@ -135,7 +135,7 @@ static int loses_nothing(const curve *c) {
 /* What roundings make of the error at least (drift.c): see below. */
 static double least_of_roundings(const curve *c, unsigned rung) {
     const double n = c->steps[rung];
-    return loses_nothing(c) ? 0 : c->arithmetic->is_truncated ? CUT * n : ROUNDED * sqrt(n);
+    return loses_nothing(c) ? 0 : fp3_lab_truncates(c->arithmetic) ? CUT * n : ROUNDED * sqrt(n);
 }
 
 /* The slope where the method's error is far above the roundings', over the shortest such steps. What is expected is the
@@ -208,15 +208,15 @@ static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
  * as an acceleration of u/(2 h^2). */
 static double power_of_roundings(const curve *c) {
     if (c->trial->run->kind != FP3_STOERMER)
-        return c->arithmetic->is_truncated ? -1 : -0.5;
-    return c->arithmetic->is_truncated ? -2 : -3;
+        return fp3_lab_truncates(c->arithmetic) ? -1 : -0.5;
+    return fp3_lab_truncates(c->arithmetic) ? -2 : -3;
 }
 
 /* The last rung that is what is said above: of Stoermer's method cut off, while the error is small. */
 static unsigned last_of_roundings(const curve *c) {
     const int is_stoermer = c->trial->run->kind == FP3_STOERMER;
     unsigned last = c->count - 1;
-    if (c->arithmetic->is_truncated)
+    if (fp3_lab_truncates(c->arithmetic))
         while (is_stoermer && last && c->error[last] > LARGE)
             last--;
     else
@@ -241,13 +241,16 @@ static fp3_status judge_right(const curve *c, fp3_error *error) {
     return fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 
-/* Nothing here is subnormal, so short time steps show nothing new flushed; those of double-single are long. */
+/* Short time steps show nothing new of what rounds as plain does; others take long. */
 static unsigned rungs_of(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic,
                          int is_driven) {
     const int is_pair = arithmetic->update == FP3_DOUBLE_SINGLE;
     if (trial->options->is_quick)
         return is_pair ? RUNGS_LEAST : RUNGS_QUICK;
-    return is_driven || is_pair || arithmetic->is_flushed ? RUNGS_QUICK : RUNGS;
+    return is_driven || is_pair || fp3_lab_is_nearly_plain(arithmetic) ||
+                   fp3_lab_is_finite(arithmetic)
+               ? RUNGS_QUICK
+               : RUNGS;
 }
 
 static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic, int is_driven,
@@ -275,9 +278,12 @@ static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmet
 }
 
 fp3_status fp3_section_steps(const fp3_trial *trial, fp3_error *error) {
-    fp3_status status = run(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], 1, error);
-    for (int i = 0; !status && i < FP3_LAB_ARITHMETICS; i++)
-        if (i != FP3_LAB_FLUSHED || !trial->options->is_quick)
+    const fp3_lab_arithmetic *plain = &fp3_lab_arithmetics[FP3_LAB_PLAIN];
+    fp3_status status = fp3_trial_tries(trial, plain, 0) ? run(trial, plain, 1, error) : FP3_OK;
+    for (unsigned i = 0; !status && i < fp3_lab_arithmetic_count; i++)
+        if (fp3_trial_tries(trial, &fp3_lab_arithmetics[i],
+                            trial->options->is_quick &&
+                                fp3_lab_is_nearly_plain(&fp3_lab_arithmetics[i])))
             status = run(trial, &fp3_lab_arithmetics[i], 0, error);
     return status;
 }

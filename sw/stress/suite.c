@@ -66,23 +66,39 @@ static fp3_status run_section(const fp3_stress_options *options, unsigned sectio
     return status;
 }
 
-static fp3_status no_section(const char *name, fp3_error *error) {
+/* What there is instead; a section or an arithmetic. */
+static fp3_status no_such(const char *kind, const char *name, unsigned count,
+                          const char *(*name_of)(unsigned), fp3_error *error) {
     char names[256] = "";
-    for (unsigned i = 0; i < SECTIONS; i++) {
+    for (unsigned i = 0; i < count; i++) {
         strcat(names, i ? ", " : "");
-        strcat(names, sections[i].name);
+        strcat(names, name_of(i));
     }
-    return fp3_fail(error, FP3_E_ARGUMENT, "no section '%s': there are %s", name, names);
+    return fp3_fail(error, FP3_E_ARGUMENT, "no %s '%s': there are %s", kind, name, names);
+}
+
+static const char *section_name(unsigned i) { return sections[i].name; }
+static const char *arithmetic_name(unsigned i) { return fp3_lab_name(&fp3_lab_arithmetics[i]); }
+
+static fp3_status check_arithmetics(const char *const *names, fp3_error *error) {
+    for (; names && *names; names++) {
+        unsigned i = 0;
+        while (i < fp3_lab_arithmetic_count && strcmp(*names, arithmetic_name(i)) != 0)
+            i++;
+        if (i == fp3_lab_arithmetic_count)
+            return no_such("arithmetic", *names, i, arithmetic_name, error);
+    }
+    return FP3_OK;
 }
 
 fp3_status fp3_stress_suite(const fp3_stress_options *options, fp3_verdicts *verdicts,
                             fp3_error *error) {
-    fp3_status status = FP3_OK;
-    int is_found = !options->section;
+    fp3_status status = check_arithmetics(options->arithmetics, error);
+    int is_found = status || !options->section;
     for (unsigned i = 0; !status && i < SECTIONS; i++)
         if (!options->section || !strcmp(options->section, sections[i].name)) {
             is_found = 1;
             status = run_section(options, i, verdicts, error);
         }
-    return is_found ? status : no_section(options->section, error);
+    return is_found ? status : no_such("section", options->section, SECTIONS, section_name, error);
 }

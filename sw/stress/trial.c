@@ -53,6 +53,15 @@ double fp3_trial_slope(const double *x, const double *y, size_t count) {
     return count < 2 ? NAN : (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
+int fp3_trial_tries(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic, int is_left_out) {
+    const char *const *asked = trial->options->arithmetics;
+    if (!asked)
+        return !is_left_out;
+    while (*asked && strcmp(*asked, fp3_lab_name(arithmetic)) != 0)
+        asked++;
+    return *asked != NULL;
+}
+
 int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status) {
     return status == FP3_E_PROGRAM && arithmetic->update == FP3_DOUBLE_SINGLE;
 }

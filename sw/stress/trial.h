@@ -8,6 +8,7 @@
 typedef struct {
     int is_quick;                   /* three integrators, fewer steps */
     const char *const *integrators; /* ended by NULL; NULL: all that are built in */
+    const char *const *arithmetics; /* names, likewise; NULL: all */
     const char *section;            /* only this one; NULL: all */
     void (*say)(void *user, const char *section, const char *what); /* what is done now; or NULL */
     void *say_user;
@@ -34,6 +35,8 @@ fp3_status fp3_rig_open(const fp3_trial *trial, const char *text,
                         const fp3_lab_arithmetic *arithmetic, double h, size_t objects,
                         fp3_rig *rig, fp3_error *error);
 void fp3_rig_close(fp3_rig *rig);
+/* Whether an arithmetic is tried: if it was asked for, or nothing was and it is not left out. */
+int fp3_trial_tries(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic, int is_left_out);
 /* Whether a rig was refused because a program in double-single, which is long, does not fit the configuration. */
 int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status);
 

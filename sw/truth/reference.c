@@ -11,6 +11,7 @@
 #include "before.h"
 #include "compiler/compiled.h"
 #include "machine/execute.h"
+#include "machine/format.h"
 
 /* What is rounded to FP32: all; only what the host gives the program; nothing. */
 typedef enum { ROUNDED, INPUTS_ROUNDED, EXACT } rounding;
@@ -18,29 +19,46 @@ typedef enum { ROUNDED, INPUTS_ROUNDED, EXACT } rounding;
 typedef struct {
     const fp3_step *b;
     rounding rounding;
-    double *known, *variables, *next, *values;
+    const fp3_config *config; /* whose arithmetic rounds */
+    double *known, *given, *variables, *next, *values;
 } runner;
 
-static double given(const runner *r, double x) {
-    return r->rounding == EXACT ? x : (double)(float)x;
-}
-
-static uint32_t bits_of(double x) {
-    const float f = (float)x;
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
-}
-
+/* Where all is rounded, a value is a word of the machine, as a number: a double has room for it. */
 static double apply(const runner *r, uint32_t op, double a, double b, double c) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1};
     if (r->rounding != ROUNDED)
         return fp3_execute_exact(op, a, b, c);
-    const uint32_t operands[3] = {bits_of(a), bits_of(b), bits_of(c)};
-    const uint32_t bits = fp3_execute(&ieee, op, operands, NULL);
-    float d;
-    memcpy(&d, &bits, sizeof d);
-    return d;
+    const uint32_t operands[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
+    return fp3_execute(r->config, op, operands, NULL);
+}
+
+/* What the host gives the program. */
+static fp3_status give(const runner *r, double x, double *given, fp3_error *error) {
+    uint32_t word;
+    if (r->rounding != ROUNDED) {
+        *given = r->rounding == EXACT ? x : (double)(float)x;
+        return FP3_OK;
+    }
+    const char *wrong = fp3_format_word(r->config, (float)x, &word);
+    if (wrong)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%g %s: configuration '%s' has no word for it", x,
+                        wrong, r->config->name);
+    *given = word;
+    return FP3_OK;
+}
+
+/* Known values that the program has. */
+static fp3_status give_known(const runner *r, const dag *g, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < g->count; i++) {
+        const dag_node *n = &g->nodes[i];
+        if (n->op == NODE_KNOWN)
+            status = give(r, r->known[n->a], &r->given[n->a], error);
+    }
+    return status;
+}
+
+static double value_of(const runner *r, double x) {
+    return r->rounding == ROUNDED ? (double)fp3_format_value(r->config, (uint32_t)x) : x;
 }
 
 static void evaluate(const runner *r, const dag *g) {
@@ -48,7 +66,7 @@ static void evaluate(const runner *r, const dag *g) {
     for (uint32_t i = 0; i < g->count; i++) {
         const dag_node *n = &g->nodes[i];
         if (n->op == NODE_KNOWN)
-            values[i] = given(r, r->known[n->a]);
+            values[i] = r->given[n->a];
         else if (n->op == NODE_VARIABLE)
             values[i] = r->variables[n->a];
         else
@@ -73,7 +91,8 @@ static void look(const runner *r, int is_run, double *states, double *low) {
         const variable *v = &b->variables[i];
         double *to = v->role == ROLE_STATE ? states : v->role == ROLE_LOW ? low : NULL;
         if (to)
-            to[v->state] = is_run && v->last != FP3_NONE ? r->values[v->last] : r->variables[i];
+            to[v->state] =
+                value_of(r, is_run && v->last != FP3_NONE ? r->values[v->last] : r->variables[i]);
     }
 }
 
@@ -95,23 +114,31 @@ static void join_words(const fp3_step *b, double *known, double *start) {
 /* start: of each variable; it is overwritten. states: in row i, of each state of the model that is a
  * variable, its value after steps[i] steps. Where not all is rounded, estimates are what they
  * estimate. */
-static fp3_status run_from(const fp3_step *b, const double *params, double h, rounding rounding,
-                           double *start, const uint64_t *steps, size_t count, double *states,
-                           double *low, fp3_error *error) {
+static fp3_status run_from(const fp3_step *b, const fp3_config *config, const double *params,
+                           double h, rounding rounding, double *start, const uint64_t *steps,
+                           size_t count, double *states, double *low, fp3_error *error) {
     const uint32_t most = b->values.count > b->last.count ? b->values.count : b->last.count;
     runner r = {.b = b,
                 .rounding = rounding,
+                .config = config,
+                .given = calloc(b->known.count + 1u, sizeof *r.given),
                 .known = calloc(b->known.count + 1u, sizeof *r.known),
                 .variables = start,
                 .next = calloc(b->variable_count + 1u, sizeof *r.next),
                 .values = calloc(most + 1u, sizeof *r.values)};
     fp3_status status =
-        r.known && r.next && r.values
+        r.known && r.given && r.next && r.values
             ? fp3_known_evaluate(&b->known, params, h, rounding == EXACT, r.known, error)
             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     uint64_t made = 0;
     if (!status && rounding != ROUNDED)
         join_words(b, r.known, start);
+    if (!status)
+        status = give_known(&r, &b->values, error);
+    if (!status)
+        status = give_known(&r, &b->last, error);
+    for (uint32_t i = 0; !status && rounding == ROUNDED && i < b->variable_count; i++)
+        status = give(&r, start[i], &start[i], error);
     for (size_t i = 0; !status && i < count; i++) {
         for (; made < steps[i]; made++)
             step(&r);
@@ -119,19 +146,26 @@ static fp3_status run_from(const fp3_step *b, const double *params, double h, ro
         look(&r, made > 0, states + row, low ? low + row : NULL);
     }
     free(r.known);
+    free(r.given);
     free(r.next);
     free(r.values);
     return status;
 }
 
-static fp3_status run(const fp3_step *b, const double *params, const double *initial, double h,
-                      rounding rounding, const uint64_t *steps, size_t count, double *states,
-                      double *low, fp3_error *error) {
+/* IEEE 754 rounds to nearest, unless words are no floats: then the configuration does it in its way. */
+static fp3_status run(const fp3_compilation *k, const double *params, const double *initial,
+                      double h, rounding rounding, const uint64_t *steps, size_t count,
+                      double *states, double *low, fp3_error *error) {
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23};
+    const fp3_config *own = k->options.config;
+    const fp3_config *config = fp3_format_is_float(own) ? &ieee : own;
+    const fp3_step *b = &k->reference;
     const int is_counted = fp3_step_find(b, ROLE_STEPS, FP3_NONE) != FP3_NONE;
-    if (is_counted && count && steps[count - 1] > FP3_STEPS_LIMIT)
+    const uint64_t limit = (uint64_t)fp3_format_counts(config);
+    if (is_counted && count && steps[count - 1] > limit)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%" PRIu64 " steps of equations with t: FP32 counts to %d",
-                        steps[count - 1], FP3_STEPS_LIMIT);
+                        "%" PRIu64 " steps of equations with t: %s counts to %" PRIu64,
+                        steps[count - 1], config == own ? own->name : "FP32", limit);
     fp3_status status = fp3_model_check_alone(b->model, error);
     if (status)
         return status;
@@ -139,10 +173,8 @@ static fp3_status run(const fp3_step *b, const double *params, const double *ini
     status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_before_start(b, params, initial, h, 1, start, error);
-    for (uint32_t i = 0; !status && rounding == ROUNDED && i < b->variable_count; i++)
-        start[i] = (float)start[i];
     if (!status)
-        status = run_from(b, params, h, rounding, start, steps, count, states, low, error);
+        status = run_from(b, config, params, h, rounding, start, steps, count, states, low, error);
     free(start);
     return status;
 }
@@ -167,7 +199,7 @@ fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const doub
     for (size_t i = 0; i < cells; i++)
         wide[i] = states[i];
     const fp3_status status =
-        run(&k->reference, params, initial, h, ROUNDED, steps, count, wide, wide + cells, error);
+        run(k, params, initial, h, ROUNDED, steps, count, wide, wide + cells, error);
     for (size_t i = 0; !status && i < cells; i++) {
         states[i] = canonical(wide[i]);
         if (low)
@@ -190,7 +222,7 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
                               double *states, fp3_error *error) {
     FP3_HOST;
     const fp3_compilation *k = compiled->self;
-    return run(&k->reference, params, initial, h, EXACT, steps, count, states, NULL, error);
+    return run(k, params, initial, h, EXACT, steps, count, states, NULL, error);
 }
 
 fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
@@ -199,5 +231,5 @@ fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *
     FP3_HOST;
     const fp3_compilation *k = compiled->self;
     const rounding rounding = k->options.arithmetic == FP3_DOUBLE_SINGLE ? EXACT : INPUTS_ROUNDED;
-    return run(&k->reference, params, initial, h, rounding, steps, count, states, NULL, error);
+    return run(k, params, initial, h, rounding, steps, count, states, NULL, error);
 }

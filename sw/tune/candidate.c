@@ -51,11 +51,11 @@ fp3_status fp3_candidate_compile(fp3_candidate *c, const fp3_model *model, const
         model = c->adapted;
     if (!status)
         status = compile(c, model, config, &c->timed, error);
-    if (status || strcmp(config, FP3_METER_CONFIG) == 0) {
+    if (status || strcmp(config, fp3_meter_config(config)) == 0) {
         c->measured = c->timed;
         return status;
     }
-    return compile(c, model, FP3_METER_CONFIG, &c->measured, error);
+    return compile(c, model, fp3_meter_config(config), &c->measured, error);
 }
 
 double fp3_candidate_cycles(const fp3_candidate *c, const char *config, double steps) {

@@ -12,7 +12,7 @@ typedef struct {
     double maxstep;          /* the longest step, if it is; 0: none */
     fp3_model *adapted;      /* what the programs are of, if it is adaptive or cut */
     fp3_compiled *timed;     /* for the configuration that costs are of; NULL: not compiled yet */
-    fp3_compiled *measured;  /* for FP3_METER_CONFIG; the same pointer where that is it */
+    fp3_compiled *measured;  /* for fp3_meter_config of it; the same pointer where that is it */
     int is_refused;          /* by the compiler */
 } fp3_candidate;
 

@@ -2,6 +2,7 @@
 #include "meter.h"
 
 #include "batch/fields.h"
+#include "machine/config.h"
 
 #include <fp3/compile.h>
 #include <fp3/engine.h>
@@ -25,6 +26,11 @@ typedef struct {
 /* Each object has a time of its own, and sleeps at its end. */
 static int is_timed(const fp3_stepping *how) { return how->steps == 0 || how->is_cut; }
 
+const char *fp3_meter_config(const char *config) {
+    static const char usual[] = "many_full";
+    return fp3_config_computes_as(fp3_config_find(config), fp3_config_find(usual)) ? usual : config;
+}
+
 void fp3_meter_close(fp3_meter *meter) {
     fp3_engine_close(&meter->engine);
     free(meter->column);
@@ -43,7 +49,7 @@ static fp3_status open_engine(fp3_meter *m, size_t objects, fp3_error *error) {
         return FP3_OK;
     fp3_meter_close(m);
     def.engine = "fast";
-    def.config = FP3_METER_CONFIG;
+    def.config = m->config;
     def.objects = (uint32_t)objects;
     def.threads = 1;
     def.is_interpreted = 1; /* many programs, short runs */

@@ -4,10 +4,11 @@
 
 #include "sample.h"
 
-/* The machine whose bits the errors are of; all configurations with its roundings have the same. */
-#define FP3_METER_CONFIG "many_full"
+/* The configuration on which errors of another are measured: many_full, if that has the same bits, else itself. */
+const char *fp3_meter_config(const char *config);
 
 typedef struct {
+    const char *config; /* by fp3_meter_config */
     fp3_engine *engine; /* of `objects`; NULL at first */
     size_t objects;
     float *column; /* a number for each object */
@@ -33,7 +34,7 @@ typedef struct {
     int is_out; /* adaptive or cut: it takes more than the most attempts, or a number of the program has no room in FP32 */
 } fp3_meter_found;
 
-/* compiled: for FP3_METER_CONFIG; adaptive or cut: of the sample's model, adapted. */
+/* compiled: for the meter's configuration; adaptive or cut: of the sample's model, adapted. */
 fp3_status fp3_meter_read(fp3_meter *meter, const fp3_sample *sample, const fp3_compiled *compiled,
                           const fp3_stepping *how, fp3_meter_found *found, fp3_error *error);
 

@@ -3,6 +3,7 @@
 
 #include "base/host.h"
 #include "candidate.h"
+#include "hardware.h"
 #include "image/visit.h"
 #include "machine/config.h"
 #include "machine/operation.h"
@@ -12,13 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* LUT4 of docs/results.md: placed, the whole processor with the ship; and what one change saves there after
- * synthesis. tests/tune compares them with the page. */
-static const struct {
-    const char *config;
-    int luts;
-} known_luts[] = {
-    {"many", 3357}, {"many_full", 3958}, {"lanes", 11485}, {"shared", 5863}, {"dual", 6727}};
+/* What one change saves after synthesis, by docs/results.md, with which tests/tune compares it. */
 static const struct {
     fp3_key key;
     int luts;
@@ -67,7 +62,9 @@ static fp3_status trim(const fp3_compiled *c, const fp3_config *from, uint32_t o
         return status;
     const uint32_t rows = (objects + from->lanes - 1) / from->lanes;
     t->words = power_of_two(2, visit->code_count);
-    t->store = power_of_two(2, rows > from->contexts ? rows : from->contexts) << visit->log2;
+    const uint32_t records = power_of_two(2, rows > from->contexts ? rows : from->contexts);
+    const uint32_t words = power_of_two(16, 8 * from->contexts); /* tools/fp3gen/configs.py */
+    t->store = power_of_two(records << visit->log2, words > t->registers ? words : t->registers);
     fp3_visit_free(&visit);
     return FP3_OK;
 }
@@ -77,23 +74,23 @@ static int is_off(const trimmed *t, fp3_key key) {
 }
 
 static void put_luts(FILE *to, const trimmed *t) {
-    int all = 0, less = 0;
-    for (size_t i = 0; i < KNOWN(known_luts); i++)
-        if (strcmp(known_luts[i].config, t->from->name) == 0)
-            all = known_luts[i].luts;
+    const fp3_hardware *known = fp3_hardware_find(t->from->name);
+    int less = 0;
     for (size_t i = 0; i < KNOWN(known_savings); i++)
         less += is_off(t, known_savings[i].key) ? known_savings[i].luts : 0;
-    if (!all) {
-        fprintf(to, "# LUTs: not known; docs/results.md has no figure for '%s'\n", t->from->name);
+    if (!known) {
+        fprintf(to, "# LUTs: not known; there is no figure for '%s'\n", t->from->name);
         return;
     }
-    fprintf(to, "# LUTs: '%s' has %d (docs/results.md, placed)\n", t->from->name, all);
+    fprintf(to, "# LUTs: '%s' has %d (docs/%s, placed)\n", t->from->name, known->luts,
+            fp3_config_computes_as(t->from, fp3_config_find("many_full")) ? "results.md"
+                                                                          : "arithmetic.md");
     if (less)
         fprintf(
             to,
             "# ... without what is off about %d: estimated by the sum of what each change saves "
             "alone after synthesis\n",
-            all + less);
+            known->luts + less);
     if (is_off(t, FP3_KEY_ROUND) || is_off(t, FP3_KEY_SCALE))
         fprintf(to, "# ... what `round` and `scale` save is not known, and not in it\n");
 }

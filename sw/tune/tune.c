@@ -3,7 +3,7 @@
 #include "sensitivity.h"
 
 #include "base/host.h"
-#include "machine/config.h"
+#include "machine/format.h"
 #include "scene/values.h"
 
 #include <fp3/compile.h>
@@ -50,11 +50,6 @@ static fp3_status check_machine(const fp3_tune_def *def, fp3_error *error) {
     const fp3_status status = fp3_config_choose(def->config, &config, error);
     if (status)
         return status;
-    if (!config->nearest || !config->subnormal)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "configuration '%s' rounds otherwise than IEEE 754: expected one with "
-                        "`nearest` and `subnormal`",
-                        config->name);
     if (fp3_config_schedulers(config) > 1)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "configuration '%s' has several schedulers: expected one with one, whose "
@@ -387,6 +382,8 @@ static fp3_status tune(tuner *k) {
 
 static fp3_status begin(tuner *k) {
     fp3_status status = check(k);
+    if (!status)
+        k->meter.config = k->held.config = fp3_meter_config(k->def->config);
     if (!status)
         status = check_values(k);
     if (!status)

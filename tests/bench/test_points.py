@@ -187,3 +187,26 @@ def test_one_configuration_is_measured_alone(fp3, root, tmp_path):
     assert errors["cell"] > 2 * errors["many_full"]
     done = subprocess.run([fp3, "bench", root / "programs/kepler.ode", "--quick", "-c", "single", "-i", "rk4"], capture_output=True, text=True, timeout=200)
     assert done.returncode == 2 and "nothing to measure on configuration 'single': " in done.stderr, done.stderr
+
+
+def without_times(fp3, root, *arguments):
+    return subprocess.run([fp3, "bench", root / "programs/oscillator.ode", "--no-times", *arguments], capture_output=True, text=True, timeout=200)
+
+
+def test_without_times_two_runs_write_the_same(fp3, root, tmp_path):
+    """Whatever the speed of the machine: also in an arithmetic whose engine is slow, the same steps are tried."""
+    steps = {}
+    for config in ("many_full", "flush"):
+        for turn in range(2):
+            done = without_times(fp3, root, "-i", "rk4", "--config", config, "--json", tmp_path / f"{turn}.json")
+            assert done.returncode == 0, done.stderr
+        assert (tmp_path / "0.json").read_text() == (tmp_path / "1.json").read_text()
+        points = json.loads((tmp_path / "0.json").read_text())["points"]
+        assert {point["engine"] for point in points} == {"rtl"} and all(point["ns_per_object"] is None for point in points)
+        steps[config] = {point["steps"] for point in points if point["arithmetic"] == "compensated"}
+    assert len(steps["many_full"] & steps["flush"]) > 10
+
+
+def test_times_are_left_out_of_one_configuration_only(fp3, root):
+    done = without_times(fp3, root)
+    assert done.returncode == 2 and "found --no-times, expected --config" in done.stderr

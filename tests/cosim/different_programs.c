@@ -129,18 +129,14 @@ static void write_values(bench *b, uint32_t u) {
     fp3_engine *isa = one->isa;
     for (uint32_t i = 0; i < b->config->registers; i++) {
         const uint32_t bits = value(&b->c);
-        float word;
-        memcpy(&word, &bits, sizeof word);
-        told(b, fp3_engine_write_shared(isa, i, 1, &word));
+        told(b, fp3_engine_write_shared_words(isa, 0, i, 1, &bits));
         put(b, of_scheduler(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
     }
     for (uint32_t object = 0; object < one->objects; object++) {
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
             const int is_slept = (int)reg == one->s.slept;
             const uint32_t bits = is_slept && below(&b->c, 4) ? 0 : value(&b->c);
-            float word;
-            memcpy(&word, &bits, sizeof word);
-            told(b, fp3_engine_write(isa, object, 1, reg, &word));
+            told(b, fp3_engine_write_words(isa, object, 1, reg, &bits));
             put(b, cell(b, u, object, reg), bits);
         }
         if (b->config->status)
@@ -199,10 +195,8 @@ static void compare(bench *b, uint32_t u) {
     for (uint32_t object = 0; object < one->objects; object++) {
         fp3_object_status status;
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
-            uint32_t bits;
-            float word = 0;
-            told(b, fp3_engine_read(isa, object, 1, reg, &word));
-            memcpy(&bits, &word, sizeof bits);
+            uint32_t bits = 0;
+            told(b, fp3_engine_read_words(isa, object, 1, reg, &bits));
             want(b, "a word of an object", cell(b, u, object, reg), bits);
         }
         told(b, fp3_engine_status(isa, object, 1, &status));

@@ -171,10 +171,13 @@ static void open_subject(subject *s, const char *name, uint32_t objects, const f
     native += strncmp(fp3_engine_how(s->engine), "native", 6) == 0;
 }
 
+static uint32_t any_word(chance *c) {
+    return below(c, 3) ? below(c, 2) << 31 | (120 + below(c, 12)) << 23 | below(c, 1u << 23)
+                       : value(c);
+}
+
 static float number(chance *c) {
-    const uint32_t bits = below(c, 3)
-                              ? below(c, 2) << 31 | (120 + below(c, 12)) << 23 | below(c, 1u << 23)
-                              : value(c);
+    const uint32_t bits = any_word(c);
     float number;
     memcpy(&number, &bits, sizeof number);
     return number;
@@ -184,11 +187,11 @@ static float number(chance *c) {
 static void fill(chance *c, const program *p, subject *s, unsigned count, uint32_t objects) {
     static const char *const lists[LISTS] = {"l0", "l1"};
     for (uint32_t reg = 0; reg <= WORDS; reg++) {
-        float column[OBJECTS_MAX];
+        uint32_t column[OBJECTS_MAX];
         for (uint32_t i = 0; i < objects; i++)
-            column[i] = number(c);
+            column[i] = any_word(c);
         for (unsigned k = 0; k < count; k++)
-            told(fp3_engine_write(s[k].engine, 0, objects, reg, column));
+            told(fp3_engine_write_words(s[k].engine, 0, objects, reg, column));
     }
     for (uint32_t list = 0; list < LISTS; list++) {
         uint32_t begin[OBJECTS_MAX + 1], other[OBJECTS_MAX * LINKS_MAX], entries = 0;
@@ -216,13 +219,14 @@ static void compare(const program *p, const subject *isa, const subject *other, 
         printf("flags %" PRIx32 ", %s has %" PRIx32 "\n", isa->stats.flags, other->name,
                other->stats.flags);
     for (uint32_t reg = 0; reg <= WORDS; reg++) {
-        float a[OBJECTS_MAX], b[OBJECTS_MAX];
-        told(fp3_engine_read(isa->engine, 0, objects, reg, a));
-        told(fp3_engine_read(other->engine, 0, objects, reg, b));
+        uint32_t a[OBJECTS_MAX], b[OBJECTS_MAX];
+        told(fp3_engine_read_words(isa->engine, 0, objects, reg, a));
+        told(fp3_engine_read_words(other->engine, 0, objects, reg, b));
         for (uint32_t i = 0; i < objects; i++)
-            if (memcmp(&a[i], &b[i], sizeof *a) != 0 && !wrong++)
-                printf("object %" PRIu32 " of %" PRIu32 ", word %" PRIu32 ": isa %a, %s %a\n", i,
-                       objects, reg, (double)a[i], other->name, (double)b[i]);
+            if (a[i] != b[i] && !wrong++)
+                printf("object %" PRIu32 " of %" PRIu32 ", word %" PRIu32 ": isa 0x%08" PRIx32
+                       ", %s 0x%08" PRIx32 "\n",
+                       i, objects, reg, a[i], other->name, b[i]);
     }
     if (strcmp(other->name, "rtl") == 0) {
         uint64_t foreseen = 0;

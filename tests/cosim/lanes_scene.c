@@ -80,13 +80,13 @@ static void print(fp3_engine *engine, uint32_t steps, uint64_t cycles) {
 }
 
 static int compare(fp3_engine *isa, fp3_engine *rtl, size_t objects) {
-    float *x = malloc(objects * sizeof *x), *y = malloc(objects * sizeof *y);
+    uint32_t *x = malloc(objects * sizeof *x), *y = malloc(objects * sizeof *y);
     int differ = 0;
     if (!x || !y)
         exit(1);
     for (uint32_t reg = 0; reg < 1u << group_of(rtl)->log2; reg++) {
-        told(fp3_engine_read(isa, 0, objects, reg, x));
-        told(fp3_engine_read(rtl, 0, objects, reg, y));
+        told(fp3_engine_read_words(isa, 0, objects, reg, x));
+        told(fp3_engine_read_words(rtl, 0, objects, reg, y));
         differ += memcmp(x, y, objects * sizeof *x) != 0;
     }
     if (differ)

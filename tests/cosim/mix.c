@@ -250,11 +250,9 @@ static void load_all(bench *b) {
 }
 
 static void write_one(bench *b, size_t group, uint32_t object, uint32_t reg, uint32_t bits) {
-    float word;
-    memcpy(&word, &bits, sizeof word);
     for (int k = 0; k < ALONE; k++)
-        EXPECT(!fp3_engine_write(b->m[k].engine, b->first[group] + object, 1, reg, &word));
-    EXPECT(!fp3_engine_write(b->m[ALONE + group].engine, object, 1, reg, &word));
+        EXPECT(!fp3_engine_write_words(b->m[k].engine, b->first[group] + object, 1, reg, &bits));
+    EXPECT(!fp3_engine_write_words(b->m[ALONE + group].engine, object, 1, reg, &bits));
 }
 
 /* From the machines with all groups to the one with this group alone. */
@@ -262,32 +260,30 @@ static void copy_group(bench *b, size_t group) {
     fp3_engine *alone = b->m[ALONE + group].engine;
     for (uint32_t object = 0; object < b->sizes[group]; object++)
         for (uint32_t reg = 0; reg < b->words && reg < b->config->registers; reg++) {
-            float word[2];
+            uint32_t word[2];
             for (int k = 0; k < ALONE; k++)
-                EXPECT(
-                    !fp3_engine_read(b->m[k].engine, b->first[group] + object, 1, reg, &word[k]));
-            if (memcmp(&word[RTL], &word[ISA], sizeof *word) != 0)
+                EXPECT(!fp3_engine_read_words(b->m[k].engine, b->first[group] + object, 1, reg,
+                                              &word[k]));
+            if (word[RTL] != word[ISA])
                 FAIL("after a load: object %" PRIu32 " r%" PRIu32, b->first[group] + object, reg);
-            EXPECT(!fp3_engine_write(alone, object, 1, reg, &word[ISA]));
+            EXPECT(!fp3_engine_write_words(alone, object, 1, reg, &word[ISA]));
         }
     for (uint32_t i = 0; i < b->config->registers; i++) {
-        float word[2];
+        uint32_t word[2];
         for (int k = 0; k < ALONE; k++)
-            EXPECT(!fp3_engine_read_shared_of(b->m[k].engine, group, i, 1, &word[k]));
-        if (memcmp(&word[RTL], &word[ISA], sizeof *word) != 0)
+            EXPECT(!fp3_engine_read_shared_words(b->m[k].engine, group, i, 1, &word[k]));
+        if (word[RTL] != word[ISA])
             FAIL("after a load: group %zu k%" PRIu32, group, i);
-        EXPECT(!fp3_engine_write_shared(alone, i, 1, &word[ISA]));
+        EXPECT(!fp3_engine_write_shared_words(alone, 0, i, 1, &word[ISA]));
     }
 }
 
 static void write_values(bench *b, size_t group) {
     for (uint32_t i = 0; i < b->config->registers; i++) {
         const uint32_t bits = value(&b->c);
-        float word;
-        memcpy(&word, &bits, sizeof word);
         for (int k = 0; k < ALONE; k++)
-            EXPECT(!fp3_engine_write_shared_of(b->m[k].engine, group, i, 1, &word));
-        EXPECT(!fp3_engine_write_shared(b->m[ALONE + group].engine, i, 1, &word));
+            EXPECT(!fp3_engine_write_shared_words(b->m[k].engine, group, i, 1, &bits));
+        EXPECT(!fp3_engine_write_shared_words(b->m[ALONE + group].engine, 0, i, 1, &bits));
     }
     for (uint32_t object = 0; object < b->sizes[group]; object++)
         for (uint32_t reg = 0; reg < b->s[group].pool; reg++)
@@ -328,12 +324,13 @@ static void compare(bench *b, machine *got, machine *expected, size_t group, uin
         if (memcmp(&s[0], &s[1], sizeof s[0]) != 0)
             FAIL("group %zu, object %" PRIu32 ": status", group, first + n);
         for (uint32_t reg = 0; reg < b->s[group].pool; reg++) {
-            float word[2];
-            EXPECT(!fp3_engine_read(got->engine, first + n, 1, reg, &word[0]));
-            EXPECT(!fp3_engine_read(expected->engine, offset + n, 1, reg, &word[1]));
-            if (memcmp(&word[0], &word[1], sizeof word[0]) != 0)
-                FAIL("group %zu, object %" PRIu32 " r%" PRIu32 ": %a, not %a", group, first + n,
-                     reg, (double)word[0], (double)word[1]);
+            uint32_t word[2];
+            EXPECT(!fp3_engine_read_words(got->engine, first + n, 1, reg, &word[0]));
+            EXPECT(!fp3_engine_read_words(expected->engine, offset + n, 1, reg, &word[1]));
+            if (word[0] != word[1])
+                FAIL("group %zu, object %" PRIu32 " r%" PRIu32 ": 0x%08" PRIx32
+                     ", not 0x%08" PRIx32,
+                     group, first + n, reg, word[0], word[1]);
         }
         for (uint32_t reg = 0; reg < REGISTERS_MAX; reg++)
             if (got->j.hash[(size_t)(first + n) * REGISTERS_MAX + reg] !=

@@ -157,14 +157,15 @@ static fp3_members *group_of(const fp3_engine *engine) {
 static uint32_t words_of(const both *b) { return 1u << group_of(b->rtl)->log2; }
 
 static void compare(const both *b, const char *what, const char *how) {
-    float isa[OBJECTS_MAX], rtl[OBJECTS_MAX];
+    uint32_t isa[OBJECTS_MAX], rtl[OBJECTS_MAX];
     for (uint32_t reg = 0; reg < words_of(b); reg++) {
-        told(fp3_engine_read(b->isa, 0, b->objects, reg, isa));
-        told(fp3_engine_read(b->rtl, 0, b->objects, reg, rtl));
+        told(fp3_engine_read_words(b->isa, 0, b->objects, reg, isa));
+        told(fp3_engine_read_words(b->rtl, 0, b->objects, reg, rtl));
         for (uint32_t i = 0; i < b->objects; i++)
-            if (memcmp(&isa[i], &rtl[i], sizeof isa[i]) != 0)
-                FAIL("%s, %s: object %" PRIu32 " of %" PRIu32 ", word %" PRIu32 ": isa %g, rtl %g",
-                     what, how, i, b->objects, reg, (double)isa[i], (double)rtl[i]);
+            if (isa[i] != rtl[i])
+                FAIL("%s, %s: object %" PRIu32 " of %" PRIu32 ", word %" PRIu32 ": isa 0x%08" PRIx32
+                     ", rtl 0x%08" PRIx32,
+                     what, how, i, b->objects, reg, isa[i], rtl[i]);
     }
 }
 

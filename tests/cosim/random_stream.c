@@ -152,12 +152,10 @@ static void count_issue(void *user, const fp3_traced *issue) {
 /* ---- what both engines get ---- */
 
 static void set(bench *b, uint32_t object, uint32_t reg, uint32_t bits) {
-    float number;
-    memcpy(&number, &bits, sizeof number);
     if (b->is_trace)
         printf("  host: object %" PRIu32 " r%" PRIu32 " = 0x%08" PRIx32 "\n", object, reg, bits);
     for (int k = 0; k < 2; k++)
-        if (fp3_engine_write(b->engine[k], object, 1, reg, &number))
+        if (fp3_engine_write_words(b->engine[k], object, 1, reg, &bits))
             b->wrong = b->error[k].text;
 }
 
@@ -166,10 +164,8 @@ static void set_constants(bench *b, chance *c) {
         const uint32_t bits = value(c);
         if (b->is_trace)
             printf("  host: k%" PRIu32 " = 0x%08" PRIx32 "\n", reg, bits);
-        float number;
-        memcpy(&number, &bits, sizeof number);
         for (int k = 0; k < 2; k++)
-            if (fp3_engine_write_shared(b->engine[k], reg, 1, &number))
+            if (fp3_engine_write_shared_words(b->engine[k], 0, reg, 1, &bits))
                 b->wrong = b->error[k].text;
     }
 }
@@ -234,12 +230,10 @@ static void load(bench *b) {
 /* ---- what is left in the end ---- */
 
 static uint32_t kept(bench *b, int k, uint32_t object, uint32_t reg) {
-    uint32_t bits;
-    float word = 0;
-    if (fp3_engine_read(b->engine[k], object, 1, reg, &word))
+    uint32_t word = 0;
+    if (fp3_engine_read_words(b->engine[k], object, 1, reg, &word))
         b->wrong = b->error[k].text;
-    memcpy(&bits, &word, sizeof bits);
-    return bits;
+    return word;
 }
 
 static void compare_objects(bench *b, uint32_t words) {
@@ -257,12 +251,10 @@ static void compare_objects(bench *b, uint32_t words) {
 
 static void compare_constants(bench *b) {
     for (uint32_t reg = 0; reg < b->config->registers; reg++) {
-        uint32_t bits[2];
-        float words[2] = {0, 0};
+        uint32_t bits[2] = {0, 0};
         for (int k = 0; k < 2; k++)
-            if (fp3_engine_read_shared(b->engine[k], reg, 1, &words[k]))
+            if (fp3_engine_read_shared_words(b->engine[k], 0, reg, 1, &bits[k]))
                 b->wrong = b->error[k].text;
-        memcpy(bits, words, sizeof bits);
         if (bits[0] != bits[1])
             WRONG("at the end: k%" PRIu32 " got 0x%08" PRIx32 ", expected 0x%08" PRIx32, reg,
                   bits[1], bits[0]);

@@ -1,4 +1,4 @@
-"""A configuration whose words are logarithms: the hardware and the fast engine against the isa engine, and who says that it does not compute so."""
+"""A configuration whose words are logarithms: the hardware and the fast engine against the isa engine, and numbers that go in and come out."""
 
 import re
 import subprocess
@@ -6,40 +6,55 @@ import subprocess
 import pytest
 
 
-@pytest.fixture(scope="module")
-def tree(root, build, tmp_path_factory):
-    """`many_full` with this arithmetic, at the least latencies."""
-    tree = tmp_path_factory.mktemp("logs") / "tree"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(root / "tools")
-        import random_configs
-        from fp3gen.read import load
-        row = next(row for row in load(root).configs if row["name"] == "many_full")
-        row |= {"name": "logs", "logarithmic": 1, "round": 0, "mul_cuts": 0, "add_cuts": 0, "mul_latency": 2, "add_latency": 10}
-        random_configs.build(row, tree, build)
-    return tree
+@pytest.fixture
+def run(fp3, tmp_path):
+    def run(program, *options, status=0):
+        path = tmp_path / "x.s"
+        path.write_text(program)
+        done = subprocess.run([fp3, "run", path, "-c", "log", *map(str, options)], capture_output=True, text=True, timeout=300)
+        assert done.returncode == status, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    return run
 
 
-@pytest.mark.parametrize("engine", ["rtl", "fast"])
-def test_random_streams_agree(tree, engine):
-    """At every retirement; of the engine fast, what each run leaves."""
-    done = subprocess.run([tree / "random_stream", "--engine", engine, "--instructions", "60000", "--seed", "9"], env={"FP3_RTL_DIR": str(tree)},
-                          capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert re.search(r"^logs: [6-9]\d{4} instructions .* agree", done.stdout, re.M), done.stdout
+def value(out, name, of=0):
+    return float(re.search(rf"^{name} +(\S+) +0x\w+ +object {of}$", out, re.M)[1])
 
 
-def test_verilator_has_no_warning(tree):
-    rooms = [word for room in sorted((tree / "rtl").iterdir()) if room.is_dir() and room.name != "gen" for word in ("-y", room)]
-    done = subprocess.run(["verilator", "--lint-only", "-Wall", "-DFP3_CHECK", f"+incdir+{tree}/rtl", f"+incdir+{tree}/rtl/gen", "-y", tree / "rtl", *rooms,
-                           "+libext+.v", "--top-module", "fp3_logs", tree / "rtl/gen/fp3_logs.v"], capture_output=True, text=True)
-    assert done.returncode == 0 and not done.stderr, done.stderr
+@pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
+def test_the_host_speaks_binary32(run, engine):
+    """Start values, what all share, constants of the image, and what comes back; words of this arithmetic would be far off."""
+    out = run(".state x\n.state y\n.shared k\nstep:\nmul x, x, k\nmadd y, x, 0.375, y\n", "-e", engine, "-o", 2, "-n", 3, "--all",
+              "--set", "x=1.7", "--set", "y=-3", "--set", "k=-1.3")
+    x, y = [1.7 * (-1.3) ** n for n in range(1, 4)], -3 + 0.375 * sum(1.7 * (-1.3) ** n for n in range(1, 4))
+    for n in range(2):
+        assert value(out, "x", n) == pytest.approx(x[-1], rel=4e-7) and value(out, "y", n) == pytest.approx(y, rel=4e-7)
 
 
-def test_the_compiler_says_that_it_does_not_know_them(root, build, tree):
-    objects = sorted((build / "obj/sw/cli").glob("*.o"))
-    done = subprocess.run(["gcc", "-o", tree / "fp3", tree / "own.o", *objects, build / "obj/measure.a", build / "lib/libfp3.a",
-                           *"-lgsl -lgslcblas -lconfig -lz -ldl -ljansson -lm".split()], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    done = subprocess.run([tree / "fp3", "run", root / "programs/ship.ode", "-c", "logs"], capture_output=True, text=True)
-    assert done.returncode and "configuration 'logs' is logarithmic: models are compiled for binary32" in done.stderr, done.stderr
+@pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
+def test_what_has_no_word_is_refused(run, engine):
+    program = ".state x\n.shared k\nstep:\nadd x, x, {}\n"
+    out = run(program.format("k"), "-e", engine, "--set", "x=1e-39", "--set", "k=1", status=2)
+    assert "object 0: x is 1e-39, which is nearer to 0 than 2^-127: configuration 'log' has no word for it" in out, out
+    assert "k is 9.99995e-41, which" in run(program.format("k"), "-e", engine, "--set", "x=1", "--set", "k=1e-40", status=2)
+    assert "the program's constant 1e-39 is nearer to 0" in run(program.format("1e-39"), "-e", engine, status=2)
+    assert value(run(program.format("k"), "-e", engine, "--set", "x=inf", "--set", "k=1", status=3), "x") == float("inf")
+    assert value(run(program.format("k"), "-e", engine, "--set", "x=6e-39", "--set", "k=0", "--all"), "x") == pytest.approx(6e-39, rel=1e-6)
+
+
+@pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
+def test_objects_sleep_and_wake(run, engine):
+    """The word in which an object sleeps is the number of a step, on both sides."""
+    program = ".state x\n.state s\nstep:\nadd x, x, -1.0\nsleep s, x, 0.25\n"
+    out = run(program, "-e", engine, "-o", 1, "-n", 9, "--set", "x=5", "--all")
+    assert abs(value(out, "x")) < 1e-6 and re.search(r"^s +5 ", out, re.M), out
+
+
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_a_program_counts_its_steps_as_far_as_it_can(run, engine):
+    program = ".state steps\n.state x\nstep:\nadd steps, steps, 1.0\nadd x, x, 0.5\n"
+    out = run(program, "-e", engine, "-o", 1, "-n", 8192, "--set", "x=0")
+    assert value(out, "steps") == pytest.approx(8192, abs=0.0625)
+    assert "the program counts its steps in log, which ends at 8192" in run(program, "-e", engine, "-o", 1, "-n", 8193, "--set", "x=0", status=2)
+    assert "'steps' is 9000, expected a whole number from -8192" in run(program, "-e", engine, "-o", 1, "-n", 1, "--set", "steps=9000", "--set", "x=0", status=2)

@@ -29,6 +29,12 @@ def test_costs_are_relative_to_binary32(tool):
     assert "| `m` | 1.0e-05 (2.0e-05) | 1.0e-03 (2.0e-03) |" in text
     assert "| 1e-03 | 1.00 (1) | 0.12 (1) |" in text                   # half the cycles of half the LUTs at twice the clock: 1/8
     assert "| 1e-05 | 1.00 (1) | – (0) |" in text
+    assert "| `m` | Cell's 0.12 | Cell's 0.12 | binary32 | binary32 | – |" in text
+
+
+def test_what_nothing_else_reaches_is_told(tool):
+    text = "".join(tool.page(found([row("binary32", 1e-3, 200), row("fused", 1e-5, 199)])))
+    assert "| `m` | binary32 | binary32 | only fused | only fused | – |" in text
 
 
 def test_the_front_has_no_point_that_a_cheaper_one_beats(tool):

@@ -59,8 +59,11 @@ int main(int argc, char **argv) {
     for (uint32_t op = 0; op < fp3_operation_count; op++)
         for (int kind = 0; kind < 4; kind++) {
             const fp3_operation *o = &fp3_operations[op];
-            const fp3_config config = {
-                .nearest = kind & 1, .subnormal = kind >> 1, .flags = 1, .name = "any"};
+            const fp3_config config = {.nearest = kind & 1,
+                                       .subnormal = kind >> 1,
+                                       .fraction = 23,
+                                       .flags = 1,
+                                       .name = "any"};
             if (!fp3_operation_is_arithmetic(o))
                 continue;
             hash = UINT64_C(0xcbf29ce484222325);

@@ -66,12 +66,12 @@ def configured_cuts(parser, args):
     """Fill in the masks that the named configurations use, each with its format: (mask, format) pairs."""
     path = ROOT / "isa/configs.toml"
     table = tomllib.loads(path.read_text()) if path.exists() else {}
-    configs = [{"subnormal": 1, "nearest": 1, "finite": 0, **table.get("default", {}), **c} for c in table.get("config", [])]
+    configs = [{"subnormal": 1, "nearest": 1, "finite": 0, "fraction": 23, **table.get("default", {}), **c} for c in table.get("config", [])]
     for core in ("add", "mul"):
         if (given := getattr(args, f"cuts_{core}")) is not None:
             used = {(mask, format_of(args)) for mask in given}
         else:
-            used = {(c[f"{core}_cuts"], Format(args.exp, args.frac, *(bool(c[key]) for key in ("nearest", "subnormal", "finite"))))
+            used = {(c[f"{core}_cuts"], Format(args.exp, min(args.frac, c["fraction"]), *(bool(c[key]) for key in ("nearest", "subnormal", "finite"))))
                     for c in configs if f"{core}_cuts" in c}
         if not used:
             parser.error(f"{path} names no {core}_cuts: give --cuts-{core}")
@@ -118,7 +118,7 @@ def cases(args):
 def name_of(fmt):
     if fmt.finite:
         return ", Cell's"
-    return ("" if fmt.nearest else ", truncated") + ("" if fmt.subnormal else ", flushed")
+    return (f", {fmt.frac} fraction bits" if fmt.exp == 8 and fmt.frac < 23 else "") + ("" if fmt.nearest else ", truncated") + ("" if fmt.subnormal else ", flushed")
 
 
 def whole(core, make, case):

@@ -22,6 +22,7 @@ SHORT = {
     **{f"cuts in 12 bits, {mode}": ["cuts", "--exp", "5", "--frac", "6", "--cuts-add", "0x7f,0x6e", "--cuts-mul", "0x7f,0x2b", *flags]
        for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"], "both": ["--flush", "--truncate"]}.items()},
     "scale": ["scale"],
+    "bfloat16": ["add", "--only", "mul", "--exp", "8", "--frac", "7"],
     "Cell's arithmetic in 12 bits": ["add", "--only", "mul", "--cell", "--exp", "5", "--frac", "6"],
 }
 
@@ -42,6 +43,12 @@ def test_much_is_proved(root, build, name):
 @pytest.mark.parametrize("part", PARTS)
 def test_everything_is_proved(root, build, part):
     prove(root, build, part)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("fraction", ["15", "18"])
+def test_fewer_fraction_bits_are_proved(root, build, fraction):
+    prove(root, build, "add", "--only", "mul", "--frac", fraction)
 
 
 @pytest.mark.long

@@ -37,11 +37,13 @@ module ecp5_bench;
 
     // What a comparison must wait for: registers fill, and words that were read early are x.
     wire settled = cycle > 8;
+    localparam [79:0] FEWER = {5'd17, 5'd15, 5'd7, 5'd17, 5'd2, 5'd20, 5'd18};
     genvar i;
     generate
-        for (i = 0; i < 18; i = i + 1) begin : g_product
-            localparam       FRAC = i < 16 ? 23 : i == 16 ? 18 : 20;
-            localparam [3:0] CUTS = i < 16 ? i : 15;
+        // All cuts, and fewer bits: three tiles, and one.
+        for (i = 0; i < 23; i = i + 1) begin : g_product
+            localparam       FRAC = i < 16 ? 23 : FEWER[5 * (i % 16) +: 5];
+            localparam [3:0] CUTS = i < 16 ? i : i == 19 ? 5 : i == 21 ? 2 : 15;
             wire [2*FRAC+1:0] generic, device;
             fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_generic (.clk_i(clk),
                 .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(generic));

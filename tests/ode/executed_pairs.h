@@ -42,8 +42,9 @@ static inline void open_operation(operation *o, const char *name) {
     static const char source[] = "state x = 0\nstep 1\nx' = 0\n";
     char *report = NULL;
     fp3_error error;
-    *o = (operation){
-        .name = name, .unit = "u^2", .config = {.nearest = 1, .subnormal = 1, .flags = 1}};
+    *o = (operation){.name = name,
+                     .unit = "u^2",
+                     .config = {.nearest = 1, .subnormal = 1, .fraction = 23, .flags = 1}};
     if (fp3_model_read(source, strlen(source), name, &o->model, &report, &error))
         fail(name, error.text);
     fp3_known_open(&o->known, o->model, 2);

@@ -1,4 +1,4 @@
-/* function.h - a function of x, of a parameter n and of root, which is sqrt(x), as the compiler makes it:
+/* function.h - a function of x, of a, of a parameter n and of root, which is sqrt(x), as the compiler makes it:
  * compiled as a step of y' = f(x), and its operations carried out one by one. */
 #ifndef FP3_TESTS_FUNCTION_H
 #define FP3_TESTS_FUNCTION_H
@@ -27,7 +27,7 @@ typedef struct {
     const dag *g;
     uint32_t root;
     uint32_t known_bits[NODES_MAX]; /* of each node that is one */
-    uint32_t x;                     /* which variable */
+    uint32_t x, a;                  /* which variables */
 } program;
 
 static inline uint32_t bits_of(float f) {
@@ -62,8 +62,8 @@ static inline void make(program *p, const char *expression, double n, const char
     fp3_compile_def def = fp3_compile_default();
     def.config = config;
     snprintf(source, sizeof source,
-             "param n = 1\nstate x = 1\nstate y = 0\nstep 1\nspan 1\nroot = sqrt(x)\n"
-             "x' = 0\ny' = %s\n",
+             "param n = 1\nstate x = 1\nstate y = 0\nstate a = 1\nstep 1\nspan 1\nroot = sqrt(x)\n"
+             "x' = 0\na' = 0\ny' = %s\n",
              expression);
     *p = (program){0};
     if (fp3_model_read(source, strlen(source), expression, &p->model, &report, &error) ||
@@ -76,6 +76,7 @@ static inline void make(program *p, const char *expression, double n, const char
     if (p->g->count > NODES_MAX)
         fail(expression, "too many operations");
     p->x = fp3_step_find(step, ROLE_STATE, 0);
+    p->a = fp3_step_find(step, ROLE_STATE, 2);
     p->root = step->variables[fp3_step_find(step, ROLE_STATE, 1)].next;
     evaluate_known(p, n);
 }
@@ -106,22 +107,28 @@ static inline uint32_t leaf_bits(const program *p, uint32_t node, float x) {
     return n->op == NODE_KNOWN ? p->known_bits[node] : n->a == p->x ? bits_of(x) : 0x80000000u;
 }
 
-static inline float by_execute(const program *p, float x, uint32_t *flags) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .flags = 1};
+/* The bits of f of these x and a. */
+static inline uint32_t execute_on(const program *p, const fp3_config *config, uint32_t x,
+                                  uint32_t a, uint32_t *flags) {
     uint32_t value[NODES_MAX] = {0}, raised;
     *flags = 0;
     for (uint32_t i = 0; i < p->g->count; i++) {
         const dag_node *n = &p->g->nodes[i];
         if (n->op >= NODE_KNOWN) {
-            value[i] = leaf_bits(p, i, x);
+            value[i] = n->op == NODE_VARIABLE && n->a == p->a ? a : leaf_bits(p, i, float_of(x));
             continue;
         }
         const uint32_t operand[3] = {value[n->a], n->b == FP3_NONE ? 0 : value[n->b],
                                      n->c == FP3_NONE ? 0 : value[n->c]};
-        value[i] = fp3_execute(&ieee, n->op, operand, &raised);
+        value[i] = fp3_execute(config, n->op, operand, &raised);
         *flags |= raised;
     }
-    return float_of(value[p->root]);
+    return value[p->root];
+}
+
+static inline float by_execute(const program *p, float x, uint32_t *flags) {
+    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23, .flags = 1};
+    return float_of(execute_on(p, &ieee, bits_of(x), 0, flags));
 }
 
 #endif

@@ -211,7 +211,8 @@ static void open_engine(bench *b, const special *s) {
     make(&b->p, s->expression, s->n, b->config);
     const fp3_compiled *c = b->p.compiled;
     if (fp3_engine_open(&def, &b->engine) || fp3_engine_load(b->engine, c->image) ||
-        c->input_count > 16 || fp3_compiled_inputs(c, &s->n, (double[]){1, 0}, 1, values, &error))
+        c->input_count > 16 ||
+        fp3_compiled_inputs(c, &s->n, (double[]){1, 0, 1}, 1, values, &error))
         fail(s->expression, error.text);
     b->objects = def.objects;
     b->x = fp3_image_find(c->image, "x", FP3_CLASSES_HOST)->index;

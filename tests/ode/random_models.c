@@ -14,6 +14,7 @@
 #include <fp3/engine.h>
 #include <fp3/tune.h>
 #include <inttypes.h>
+#include <machine/format.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +43,13 @@ typedef struct {
 static uint32_t next(uint32_t *seed) {
     *seed = *seed * 1664525u + 1013904223u;
     return *seed >> 8;
+}
+
+/* As the configuration has it; 1 for what it has no word for. */
+static double as_word(const char *config, double x) {
+    const fp3_config *of = fp3_config_find(config);
+    uint32_t word;
+    return !of || fp3_format_word(of, (float)x, &word) ? 1 : (double)fp3_format_value(of, word);
 }
 
 static double start_of(uint32_t *seed, int is_wild) {
@@ -266,8 +274,9 @@ static int run(bench *b) {
     const int is_wild = b->j->is_wild && b->integrator->kind != FP3_STOERMER;
     for (size_t i = 0; i < OBJECTS; i++) {
         for (uint32_t s = 0; s < b->model->state_count; s++)
-            b->initial[i][s] = b->integrator->kind == FP3_STOERMER ? b->model->states[s].value
-                                                                   : start_of(&seed, is_wild);
+            b->initial[i][s] = b->integrator->kind == FP3_STOERMER
+                                   ? b->model->states[s].value
+                                   : as_word(b->j->config, start_of(&seed, is_wild));
         if (fp3_compiled_reference_pairs(b->compiled, b->params, b->initial[i], b->model->step,
                                          &b->j->steps, 1, b->wanted[i], b->low[i], &error)) {
             snprintf(b->why, sizeof b->why, "refused: %s", error.text);

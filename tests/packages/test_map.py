@@ -49,6 +49,7 @@ def expected(root, name):
     """The registers and memories of a configuration, by the tables alone."""
     isa, regs, configs = tables(root)
     config = config_of(configs, name)
+    features = config | {name: key["full"] - config[name] for name, key in configs["key"].items() if "full" in key}
     registers, memories = [], []
 
     def there(row):
@@ -57,7 +58,7 @@ def expected(root, name):
     def fields(row, reset):
         for i, (field, (high, low)) in enumerate((row.get("fields") or {"value": [31, 0]}).items()):
             value = row["shows"][i] if "shows" in row else reset
-            value = {"revision": isa["revision"], "more": 0, **config}.get(value, value)
+            value = {"revision": isa["revision"], "more": 0, **features}.get(value, value)
             clears = field in row.get("interrupt", {})
             yield [field, high, low, SW[row["access"]], value, "woclr" if clears else None, clears]
 

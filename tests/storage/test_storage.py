@@ -88,7 +88,7 @@ def test_a_store_that_overflows_is_a_failure(run, engine, how):
 def test_a_program_counts_its_steps_as_far_as_records_do(run):
     counting = ".state steps\nstep:\nadd steps, steps, 1.0\n"
     assert states(run(counting, "-e", "isa", "-o", 1, "-n", 2048, "--set", "steps=0"))[0][1] == "2048"
-    assert "the program counts its steps in binary16, which ends at 2048" in run(counting, "-e", "isa", "-o", 1, "-n", 2049, "--set", "steps=0", status=2)
+    assert "the program counts its steps in many_half, which ends at 2048" in run(counting, "-e", "isa", "-o", 1, "-n", 2049, "--set", "steps=0", status=2)
 
 
 @pytest.mark.smoke

@@ -6,6 +6,7 @@ import math
 import re
 import subprocess
 import sys
+import tomllib
 
 import pytest
 
@@ -32,6 +33,24 @@ def stress(fp3, tmp_path):
 def test_a_section_holds(stress, section):
     rows = stress("-i", "rk4", "--only", section)
     assert rows and all(set(row) == FIELDS and row["holds"] and row["section"] == section and not row["why"] for row in rows)
+
+
+@pytest.mark.parametrize("name", ["flush", "cell", "fused_full"])
+def test_another_arithmetic(stress, name):
+    """Asked for by name, it runs in the sections that are left out of the quick form, too, and nothing else does."""
+    rows = stress("-i", "rk4", "--arithmetic", name)
+    assert all(row["holds"] and row["arithmetic"] == name for row in rows)
+    assert {row["section"] for row in rows} == {"stability", "steps", "drift", "stagnation", "subnormal", "failures", "chaos"}
+
+
+def test_every_arithmetic_of_a_named_configuration_is_tried(stress, root):
+    """One row of sw/stress/lab.c for each."""
+    found = {row["arithmetic"] for row in stress("--only", "failures")}
+    said = tomllib.loads((root / "isa/configs.toml").read_text(encoding="utf-8"))
+    defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused")}
+    of = {config["name"]: tuple(config.get(key, default) for key, default in defaults.items()) for config in said["config"]}
+    assert {of[name] for name in found & of.keys()} | {of["many_full"]} == set(of.values())
+    assert found - of.keys() == {"plain", "compensated", "double_single"}
 
 
 def test_stability_limits_are_those_of_the_books(stress):
@@ -100,6 +119,8 @@ def test_bad_input(stress, tmp_path, root):
     for arguments, message in [(["--only", "nope"], "no section 'nope': there are stability, steps"),
                                (["--only", "steps", root / "programs/ship.ode"], "found --only with a model"),
                                ([tmp_path / "none.ode"], "none.ode"), ([root / "programs/ship.s"], "expected"),
+                               (["--arithmetic", "nope"], "no arithmetic 'nope': there are plain, compensated, flush"),
+                               (["--arithmetic", "cell", root / "programs/ship.ode"], "found --arithmetic with a model"),
                                (["-i", "rk5"], "no integrator 'rk5'"), ([root / "programs/ship.ode", "-i", "verlet", "--only", "x"], "--only")]:
         assert stress(*arguments, status=2) is None
         assert message in stress.said, stress.said

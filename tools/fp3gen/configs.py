@@ -44,7 +44,8 @@ def check_keys(tables, regs, root):
         where = f"key '{name}'"
         need(NAME.fullmatch(name), FILE, f"{where}: a name is lower-case letters, digits, _")
         keys(given, FILE, where, {"range": list, "meaning": str},
-             {"default": int, "lack": str, "needs": list, "excludes": list, "because": str, "power_of_two": bool, "feature": list})
+             {"default": int, "lack": str, "needs": list, "excludes": list, "because": str, "power_of_two": bool, "feature": list,
+              "full": int})
         key = known[name] = {"name": name, **given}
         if len(key["range"]) == 2 and isinstance(key["range"][1], str):
             key["range"] = [key["range"][0], most_of(key["range"][1], where, root, regs)]
@@ -61,7 +62,13 @@ def check_keys(tables, regs, root):
         low, high = key["range"]
         need(low <= key.get("default", low) <= high, FILE,
              f"key '{name}': its default {key.get('default')} is not in {low} .. {high}")
+        need(key.get("full", high) == high, FILE, f"key '{name}': full is the most, {high}, or left out")
     return known
+
+
+def plain(key):
+    """The value of a key that asks for nothing."""
+    return key.get("full", key["range"][0])
 
 
 def either(words):
@@ -78,7 +85,7 @@ def check_value(row, key, where):
     need(low <= value <= high, FILE, f"{said} is not in {config_value(name, low)} .. {config_value(name, high)}")
     need(not key.get("power_of_two") or value & (value - 1) == 0, FILE, f"{said} is not a power of two")
     because = f": {key['because']}" if "because" in key else ""
-    if value > low:
+    if value != plain(key):
         for others in key.get("needs", []):
             need(any(row[other] for other in either(others)), FILE, f"{said} needs {' = 1 or '.join(either(others))} = 1")
         for other in key.get("excludes", []):

@@ -2,7 +2,7 @@
 
 import textwrap
 
-from .configs import MASK_BITS, either, keys_of
+from .configs import MASK_BITS, either, keys_of, plain
 from .text import MARK, columns
 
 WORD = 32  # bits of CONFIG for each key, the first in the low ones
@@ -57,13 +57,14 @@ def config_rules_verilog(known):
     rules = []
     for name, key in known.items():
         this, (low, high) = name.upper(), key["range"]
+        asks = f"{this} {'<' if 'full' in key else '>'} {plain(key)}"
         if bits(name) == WORD:
             power, said = key.get("power_of_two"), f"{this}_must_be_{low}_to_{high}"
             wrong = [f"{this} < {low}", f"{this} > {high}"] + [f"({this} & ({this} - 1)) != 0"] * bool(power)
             rules.append((" || ".join(wrong), said + "_and_a_power_of_two" * bool(power)))
         for others in (either(words) for words in key.get("needs", [])):
             none = " && ".join(f"{other.upper()} == 0" for other in others)
-            rules.append((f"{this} > {low} && {none}", f"{this}_needs_{'_or_'.join(other.upper() for other in others)}"))
-        rules += [(f"{this} > {low} && {other.upper()} != 0", f"{this}_excludes_{other.upper()}") for other in key.get("excludes", [])]
+            rules.append((f"{asks} && {none}", f"{this}_needs_{'_or_'.join(other.upper() for other in others)}"))
+        rules += [(f"{asks} && {other.upper()} != 0", f"{this}_excludes_{other.upper()}") for other in key.get("excludes", [])]
     return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config_rules.v, within a generate block.",
             *(f"if ({wrong}) begin : g_{said.lower()}\n    {said} u_error ();\nend" for wrong, said in rules)]

@@ -37,7 +37,7 @@ def check_keys_named(regs, known):
     """known: the keys of configs.toml."""
     for row in regs["register"] + regs["window"] + regs["space"]:
         for name in (name for key in ("needs", "shows", "holds", "instead") for name in row.get(key, ())):
-            need(name in known or name in ("revision", "more") or isinstance(name, int), "registers.toml",
+            need(name in known or str(name).rpartition(" - ")[2] in known or name in ("revision", "more") or isinstance(name, int), "registers.toml",
                  f"'{row['name']}' needs, shows or holds '{name}', which is no key of configs.toml")
         if "range" in row:
             check_range(row, known)
@@ -116,7 +116,13 @@ def show_keys(regs, config_keys):
                 shows = dict(zip(row.get("fields", {}), row.get("shows", [])))
                 if row.get("fields", {}) | fields:
                     row["fields"] = dict(sorted((row.get("fields", {}) | fields).items(), key=lambda item: item[1]))
-                    row["shows"] = [shows.get(name, name) for name in row["fields"]]
+                    row["shows"] = [shows.get(name, less_than_full(config_keys, name)) for name in row["fields"]]
+
+
+def less_than_full(config_keys, name):
+    """What a field shows of a key: of one with `full` how much less it is."""
+    full = config_keys[name].get("full") if name in config_keys else None
+    return name if full is None else f"{full} - {name}"
 
 
 def is_setting(row):
@@ -138,7 +144,10 @@ def shown(row, regs, revision, key, choose, literal="{}"):
     def value(what):
         if what == "more":
             more = next(reg for reg in regs["register"] if reg["name"] == FEATURE_WORDS[1])
-            return choose.format(" | ".join(map(key, more["fields"]))) if "fields" in more else literal.format(0)
+            return choose.format(" | ".join(map(value, more["shows"]))) if "fields" in more else literal.format(0)
+        if isinstance(what, str) and " - " in what:
+            full, name = what.split(" - ")
+            return f"({literal.format(full)} - {key(name)})"
         return literal.format(what if isinstance(what, int) else revision) if what == "revision" or isinstance(what, int) else key(what)
 
     return [value(what) for what in row["shows"]]

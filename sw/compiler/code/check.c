@@ -1,10 +1,12 @@
 /* check.c - operations, constants and words against what a configuration has. */
 #include "check.h"
 
+#include "language/evaluate.h"
 #include "machine/config.h"
 #include "machine/operation.h"
 
 #include <fp3/isa.h>
+#include <inttypes.h>
 #include <stdio.h>
 
 /* Whether a sine or a cosine is among what the program computes: `small-angles` is for these. */
@@ -42,6 +44,46 @@ static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp
                        at->text ? at->text : "the model", config->name);
 }
 
+fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit,
+                                fp3_image_words *words, fp3_error *error) {
+    const char *what = options->arithmetic == FP3_COMPENSATED           ? "compensated arithmetic"
+                       : options->arithmetic == FP3_DOUBLE_SINGLE       ? "double-single"
+                       : fp3_has_pass(options, FP3_PASS_EXACT_DIVISION) ? "`exact-division`"
+                       : fit->control ? "time in two words, as adaptive steps have it,"
+                                      : NULL;
+    *words = what                           ? FP3_WORDS_FLOATS
+             : options->config->logarithmic ? FP3_WORDS_LOGARITHMS
+                                            : FP3_WORDS_ANY;
+    if (!what || !options->config->logarithmic)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "%s needs sums whose rounding errors are floats, and configuration '%s' is "
+                    "logarithmic",
+                    what, options->config->name);
+}
+
+/* Whether an operation is of a function with constants: those are made for 24 bits. A power has some if it is made by a logarithm. */
+static int is_of_function(const fp3_model *model, uint32_t op, const fp3_noted *at) {
+    const int is_of_power = op == FP3_OP_RINT || op == FP3_OP_EXP2 || op == FP3_OP_LOGB;
+    for (uint32_t i = 0; at->line && i < model->expr_count; i++) {
+        const fp3_expr *e = &model->exprs[i];
+        if (e->line == at->line && e->column == at->column && !e->is_known &&
+            fp3_ode_has_constants(e->op) && (e->op != FP3_EXPR_POWER || is_of_power))
+            return 1;
+    }
+    return 0;
+}
+
+static fp3_status check_bits(const fp3_model *model, const fp3_config *config, uint32_t op,
+                             const fp3_noted *at, fp3_error *error) {
+    if (config->fraction == 23 || !is_of_function(model, op, at))
+        return FP3_OK;
+    return fp3_fail_at(error, FP3_E_PROGRAM, NULL, at->line, at->column,
+                       "%s: its constants are made for numbers of 24 bits, and configuration '%s' "
+                       "has %" PRIu32,
+                       at->text, config->name, config->fraction + 1);
+}
+
 static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t count,
                             const fp3_config *config, fp3_error *error) {
     for (uint32_t i = 0; i < count; i++) {
@@ -58,7 +100,9 @@ static fp3_status check_ops(const fp3_step *step, const fp3_op *ops, uint32_t co
                                    ? " (for angles up to pi/2 the pass `small-angles` does without)"
                                    : "");
         }
-        const fp3_status status = check_rounding(config, ops[i].op, &at, error);
+        fp3_status status = check_rounding(config, ops[i].op, &at, error);
+        if (!status)
+            status = check_bits(step->model, config, ops[i].op, &at, error);
         if (status)
             return status;
     }

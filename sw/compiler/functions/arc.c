@@ -45,14 +45,19 @@ term fp3_atan(dag *g, term at) {
 }
 
 /* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by zero: it is 0/1.
- * A quarter of a divisor is never as large as those that have no estimate. */
+ * A quarter of a divisor is never as large as those that have no estimate, unless those are flushed. */
+static uint32_t tangent_of(dag *g, uint32_t above, uint32_t below) {
+    if (g->is_flushed)
+        return fp3_quotient(g, fp3_term(above), sel(g, below, below, num(g, 1))).node;
+    const uint32_t quarter = mul(g, below, num(g, 0.25));
+    return quotient(g, mul(g, above, num(g, 0.25)), sel(g, below, quarter, num(g, 1)));
+}
+
 term fp3_atan2(dag *g, term up, term along) {
     const uint32_t x = fp3_term_value(g, along), y = fp3_term_value(g, up);
     const uint32_t steep = op2(g, FP3_OP_LT, op1(g, FP3_OP_ABS, x), op1(g, FP3_OP_ABS, y));
     const uint32_t above = sel(g, steep, x, y), below = sel(g, steep, negated(g, y), x);
-    const uint32_t quarter = mul(g, below, num(g, 0.25));
-    const uint32_t tangent =
-        quotient(g, mul(g, above, num(g, 0.25)), sel(g, below, quarter, num(g, 1)));
+    const uint32_t tangent = tangent_of(g, above, below);
     const uint32_t turn = sel(g, op2(g, FP3_OP_LT, y, num(g, 0)), num(g, -PI), num(g, PI));
     const uint32_t part = sel(g, steep, num(g, 0.5), op2(g, FP3_OP_LT, x, num(g, 0)));
     return fp3_term(add(g, fp3_small_arc(g, tangent), mul(g, turn, part)));

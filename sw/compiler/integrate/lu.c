@@ -43,7 +43,7 @@ static uint32_t cheapest(const fp3_lu *lu, const char *is_done) {
 term fp3_one_over(dag *g, term x) {
     if (g->is_abstract)
         return (term){op2(g, NODE_QUOTIENT, num(g, 1), x.node), x.is_negative};
-    return (term){fp3_corrected(g, one(g), fp3_reciprocal(g, x.node)).node, x.is_negative};
+    return (term){fp3_quotient(g, one(g), x.node).node, x.is_negative};
 }
 
 /* The pivot, or 0 where it has cancelled. */

@@ -18,12 +18,7 @@ fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
             error, FP3_E_ARGUMENT,
             "`exact-division` applies to plain floats: double-single has quotients and roots of "
             "its own");
-    if (!options->config->nearest || !options->config->subnormal)
-        return fp3_fail(error, FP3_E_PROGRAM, "double-single needs %s, and configuration '%s' %s",
-                        options->config->nearest ? "subnormal numbers" : "rounding to nearest",
-                        options->config->name,
-                        options->config->nearest ? "flushes them" : "truncates");
-    return FP3_OK;
+    return fp3_options_need_ieee(options->config, "double-single", error);
 }
 
 /* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they are. What

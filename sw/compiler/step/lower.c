@@ -35,26 +35,7 @@ void fp3_lower_close(lowering *l) {
     l->is_made = l->is_wanted = l->is_inverted = NULL;
 }
 
-/* ---- powers ---- */
-
-/* x^n, n >= 0, by squares: x^3 is (x x) x. */
-static term power(dag *g, term x, unsigned n) {
-    term result = one(g);
-    int is_one = 1;
-    for (; n; n >>= 1) {
-        if (n & 1) {
-            result = is_one ? x : fp3_term_mul(g, x, result);
-            is_one = 0;
-        }
-        if (n > 1)
-            x = fp3_term_mul(g, x, x);
-    }
-    return result;
-}
-
 /* ---- expressions ---- */
-
-static uint32_t inverse_root_node(dag *g, uint32_t b) { return op1(g, NODE_INVERSE_ROOT, b); }
 
 static term at(const lowering *l, uint32_t expr) { return l->value[expr]; }
 
@@ -102,15 +83,24 @@ static int is_power(const lowering *l, uint32_t expr) {
     return expr_of(l, expr)->op == FP3_EXPR_POWER && !expr_of(l, expr)->is_known;
 }
 
+/* 1/sqrt(b) */
+static term inverse_root(lowering *l, uint32_t base) {
+    dag *g = l->g;
+    const uint32_t b = value(l, base);
+    return g->is_abstract ? fp3_term(op1(g, NODE_INVERSE_ROOT, b))
+                          : fp3_corrected(g, one(g), fp3_inverse_root(g, b));
+}
+
 /* The same as nodes that something else makes quotients of: x/b, x (1/b)^n, x (1/sqrt(b))^n. */
 static term divided_later(lowering *l, term x, uint32_t below, unsigned n, int is_root) {
     dag *g = l->g;
     const term b = at(l, below);
     if (is_root)
-        return fp3_term_mul(g, x, power(g, fp3_term(inverse_root_node(g, value(l, below))), n));
+        return fp3_times_power(g, x, inverse_root(l, below), n);
     const uint32_t above = n == 1 ? x.node : num(g, 1);
     term result = fp3_term(op2(g, NODE_QUOTIENT, above, b.node));
-    result = n == 1 ? (term){result.node, x.is_negative} : fp3_term_mul(g, x, power(g, result, n));
+    result = n == 1 ? (term){result.node, x.is_negative}
+                    : fp3_term_mul(g, x, fp3_term_power(g, result, n));
     result.is_negative ^= b.is_negative && n % 2;
     return result;
 }
@@ -124,17 +114,15 @@ static term divided(lowering *l, term x, uint32_t base, unsigned n) {
         return divided_later(l, x, below, n, is_root);
     if (is_root) {
         const fp3_series s = fp3_inverse_root(g, value(l, below));
-        return n == 1 ? fp3_corrected(g, x, s)
-                      : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
+        return n == 1 ? fp3_over_root(g, x, s)
+                      : fp3_times_power(g, x, fp3_corrected(g, one(g), s), n);
     }
     const term b = at(l, below);
     if (is_exact(l)) {
-        const term all = power(g, b, n);
+        const term all = fp3_term_power(g, b, n);
         return (term){fp3_exact_quotient(g, x.node, all.node), x.is_negative != all.is_negative};
     }
-    const fp3_series s = fp3_reciprocal(g, b.node);
-    term result = n == 1 ? fp3_corrected(g, x, s)
-                         : fp3_term_mul(g, x, power(g, fp3_corrected(g, one(g), s), n));
+    term result = n == 1 ? fp3_quotient(g, x, b.node) : fp3_over_power(g, x, b.node, n);
     result.is_negative ^= b.is_negative && n % 2;
     return result;
 }
@@ -148,17 +136,12 @@ static uint32_t root_of(lowering *l, uint32_t expr) {
     return l->is_inverted[expr] ? fp3_root_beside_inverse(l->g, b) : fp3_root(l->g, b);
 }
 
-/* x^(n/2) for an odd n: powers of x times its root, or powers of the reciprocal root. */
-static term root_power(lowering *l, uint32_t base, unsigned n, int is_below) {
+/* x^(n/2) for an odd n: powers of x times its root. */
+static term root_power(lowering *l, uint32_t base, unsigned n) {
     dag *g = l->g;
     const uint32_t b = value(l, base);
-    if (is_below)
-        return power(g,
-                     g->is_abstract ? fp3_term(inverse_root_node(g, b))
-                                    : fp3_corrected(g, one(g), fp3_inverse_root(g, b)),
-                     n);
     const term root = fp3_term(g->is_abstract ? op1(g, NODE_ROOT, b) : fp3_root(g, b));
-    return n == 1 ? root : fp3_term_mul(g, power(g, fp3_term(b), n / 2), root);
+    return n == 1 ? root : fp3_term_mul(g, fp3_term_power(g, fp3_term(b), n / 2), root);
 }
 
 static term by_logarithm(lowering *l, const fp3_expr *e, int is_denominator) {
@@ -181,8 +164,10 @@ static term times_power(lowering *l, term x, uint32_t expr, int is_denominator) 
     const way_of_power w = way_of(l, expr, is_denominator);
     if (w.way == BY_PRODUCTS && w.is_below)
         return divided(l, x, e->operand[0], w.n);
-    const term p = w.way == BY_PRODUCTS ? power(l->g, at(l, e->operand[0]), w.n)
-                   : w.way == BY_ROOT   ? root_power(l, e->operand[0], w.n, w.is_below)
+    if (w.way == BY_ROOT && w.is_below)
+        return fp3_times_power(l->g, x, inverse_root(l, e->operand[0]), w.n);
+    const term p = w.way == BY_PRODUCTS ? fp3_term_power(l->g, at(l, e->operand[0]), w.n)
+                   : w.way == BY_ROOT   ? root_power(l, e->operand[0], w.n)
                                         : by_logarithm(l, e, is_denominator);
     return fp3_dag_is_number(l->g, x.node, 1) && !x.is_negative ? p : fp3_term_mul(l->g, x, p);
 }

@@ -10,7 +10,12 @@ fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_optio
     fp3_known_open(&step->known, model, options->arithmetic == FP3_DOUBLE_SINGLE ? 2 : 1);
     fp3_dag_open(&step->values, &step->known, options->passes);
     fp3_dag_open(&step->last, &step->known, options->passes);
+    step->values.is_flushed = step->last.is_flushed =
+        !options->config->subnormal || options->config->logarithmic;
+    step->values.is_finite = step->last.is_finite = options->config->finite;
+    step->values.terms = step->last.terms = fp3_options_terms(options);
     step->values.is_abstract = step->last.is_abstract = options->arithmetic == FP3_DOUBLE_SINGLE;
+    step->values.is_logarithmic = step->last.is_logarithmic = options->config->logarithmic != 0;
     return step->known.has_failed ? fp3_fail(error, FP3_E_SYSTEM, "out of memory") : FP3_OK;
 }
 

@@ -9,7 +9,7 @@
 #include <string.h>
 
 void fp3_dag_open(dag *g, known_table *known, unsigned passes) {
-    *g = (dag){.known = known, .passes = passes, .note = FP3_NONE};
+    *g = (dag){.known = known, .passes = passes, .note = FP3_NONE, .terms = FP3_DAG_TERMS};
     memset(g->bucket, 0xff, sizeof g->bucket);
 }
 

@@ -49,3 +49,17 @@ term fp3_term_mul(dag *g, term a, term b) {
     const uint32_t product = fp3_fold(g, FP3_OP_MUL, a.node, b.node, FP3_NONE);
     return (term){product, a.is_negative != b.is_negative};
 }
+
+term fp3_term_power(dag *g, term x, unsigned n) {
+    term result = fp3_term(fp3_dag_number(g, 1));
+    int is_one = 1;
+    for (; n; n >>= 1) {
+        if (n & 1) {
+            result = is_one ? x : fp3_term_mul(g, x, result);
+            is_one = 0;
+        }
+        if (n > 1)
+            x = fp3_term_mul(g, x, x);
+    }
+    return result;
+}

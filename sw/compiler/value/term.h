@@ -14,6 +14,8 @@ term fp3_term_negated(term t);
 term fp3_term_add(dag *g, term a, term b);
 term fp3_term_sub(dag *g, term a, term b);
 term fp3_term_mul(dag *g, term a, term b);
+/* x^n by squares: x^3 is (x x) x. */
+term fp3_term_power(dag *g, term x, unsigned n);
 /* The value itself, its sign paid for. */
 uint32_t fp3_term_value(dag *g, term t);
 

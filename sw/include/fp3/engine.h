@@ -112,8 +112,7 @@ typedef struct {
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
      * not interleave has one object. */
     uint32_t objects;
-    /* Steps per visit. 0 (default): all steps of a run. Ignored if the configuration does not
-     * interleave. */
+    /* Steps per visit. 0 (default): all steps of a run. Only of configurations that interleave. */
     uint32_t visit;
     uint32_t seed; /* with `storage`: stores round at random, by draws from it; 0: to nearest */
     /* isa and rtl: called for every retirement, or NULL. Must not call the engine. */
@@ -249,8 +248,8 @@ fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, s
 size_t fp3_engine_groups(const fp3_engine *engine);
 
 /* Write or read register reg of objects first .. first+count-1. values has count floats; their bits
- * are kept, even those of a NaN. FP3_E_ARGUMENT: no such object or register, or the store has no
- * room for that register with this number of objects; nothing is read or written. */
+ * are kept, even a NaN's, where words are floats (docs/logarithmic.md). FP3_E_ARGUMENT: no such object
+ * or register, no room for it with this number of objects, or no word for a number: nothing is done. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
@@ -258,7 +257,7 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
 
 /* Where "fast" has register reg of its objects, one word each, side by side: for looking at without a copy. *values
  * shows what they hold between runs, until the engine is closed or another program is loaded. NULL: there is no such
- * place, because it is another engine, or objects see each other and stand in another order. FP3_E_ARGUMENT: no such
+ * place, because it is another engine, words are not floats, or objects see each other and stand in another order. FP3_E_ARGUMENT: no such
  * register. */
 fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values);
 
@@ -283,8 +282,9 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * the first part once, the step part once per step, and the last part once. 0 steps execute
  * nothing. An object that falls asleep still executes the last part of that visit, and nothing
  * after it.
- * FP3_E_ARGUMENT: too many steps; or an object's `steps` would pass FP3_STEPS_LIMIT; or there is a
- * cycle limit, and an object is born or gone during the run. Nothing was executed.
+ * FP3_E_ARGUMENT: too many steps; or an object's `steps` would pass FP3_STEPS_LIMIT, or what its
+ * words can count; or there is a cycle limit, and an object is born or gone during the run. Nothing
+ * was executed.
  * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
  * within a step, a few cycles late. After either, registers can be read, stats (may be NULL) is
  * filled, and the next run numbers its steps as if this run had not taken place. If the

@@ -13,7 +13,7 @@
  * A file (*.fp3) consists of 32-bit words, low byte first:
  *     0  magic            1  revision of the instruction set     2  number of words in the file
  *     3  code words       4  step     5  last     6  constants   7  symbols
- *     8  object registers used | shared constants used << 16
+ *     8  object registers used | shared constants used << 16 | words (fp3_image_words) << 24
  * Then come the code; {index, bits} of each constant, sorted by index; {class << 24 | index, name
  * in eight words padded with NULs} of each symbol, sorted by class, index and name; and the CRC-32
  * (as in zlib) of everything before it. Each image has exactly one such file.
@@ -76,10 +76,20 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_constant;
 
+/* What words have to be for the program to be right: anything, floats (it computes rounding errors of sums), or
+ * logarithms (docs/logarithmic.md; it takes rcp and rsqrt for more than estimates). */
+typedef enum {
+    FP3_WORDS_ANY,
+    FP3_WORDS_FLOATS,
+    FP3_WORDS_LOGARITHMS,
+    FP3_WORDS_KINDS
+} fp3_image_words;
+
 /* A run executes code[0..step) once, code[step..last) once a step, code[last..code_count) once. */
 typedef struct {
     uint32_t code_count, step, last;
     uint32_t constant_count, symbol_count;
+    fp3_image_words words;
     uint32_t registers; /* object registers used by code or names: the highest index + 1 */
     uint32_t shared;    /* shared constants used by code, names or values: likewise */
     const uint32_t *code;
@@ -101,10 +111,13 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
 /* The inverse. Checks nothing: a value too large for its field is truncated. */
 uint32_t fp3_word_encode(const fp3_instruction *instruction);
 
+/* "any", "floats", "logarithms", as the directive .words has them. */
+const char *fp3_image_words_name(fp3_image_words words);
+
 /* Makes a checked copy of the draft, which the caller keeps. The caller frees *image with
  * fp3_image_free. The copy's registers, shared and decoded are computed (the draft's are ignored), and
  * its constants and symbols are sorted. FP3_E_PROGRAM: step < last <= code_count <=
- * FP3_IMAGE_CODE_LIMIT does not hold; an index is outside its bank; a name is malformed or used
+ * FP3_IMAGE_CODE_LIMIT does not hold; there are no such words; an index is outside its bank; a name is malformed or used
  * twice; a register has two names or two values; a .const has no value or a .shared has one; `h` or
  * `steps` has a class other than above; sleep and lds have different destinations, or one that is a
  * .param or .temp. Illegal code words are not refused here: engines refuse them. */

@@ -104,9 +104,8 @@ typedef struct {
 
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
  * meets the tolerance: see is_met. FP3_E_ARGUMENT: the tolerance is below FP3_TUNE_LEAST or not
- * below 1; the span is not above 0, or shorter than the model's step; the configuration does not
- * round as IEEE 754 says, or its cycles cannot be predicted; the program is not a model, or has
- * adaptive steps. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
+ * below 1; the span is not above 0, or shorter than the model's step; the cycles of the configuration
+ * cannot be predicted; the program is not a model, or has adaptive steps. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
 /* Frees *tuning and sets it to NULL. *tuning may be NULL already. */
 void fp3_tuning_free(fp3_tuning **tuning);

@@ -1,0 +1,37 @@
+"""Numbers with fewer fraction bits in configurations without a name: hardware and engine fast against engine isa."""
+
+import re
+import subprocess
+
+import pytest
+
+ROWS = {"odd": {"fraction": 18, "nearest": 0, "subnormal": 0}, "fused": {"fraction": 11, "fused": 1, "chain": 0}}
+
+
+@pytest.fixture(scope="module", params=ROWS)
+def tree(request, root, build, tmp_path_factory):
+    """`many_full` with these numbers, uncut."""
+    tree = tmp_path_factory.mktemp("fraction") / "tree"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(root / "tools")
+        import random_configs
+        from fp3gen.read import load
+        row = next(row for row in load(root).configs if row["name"] == "many_full")
+        row |= {"name": request.param, "mul_cuts": 0, "add_cuts": 0, "mul_latency": 2, "add_latency": 2} | ROWS[request.param]
+        random_configs.build(row, tree, build)
+    return tree
+
+
+@pytest.mark.parametrize("engine", ["rtl", "fast"])
+def test_random_streams_agree(tree, engine):
+    """At every retirement; of the engine fast, what each run leaves."""
+    done = subprocess.run([tree / "random_stream", "--engine", engine, "--instructions", "30000", "--seed", "3"], env={"FP3_RTL_DIR": str(tree)},
+                          capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^\w+: [3-9]\d{4} instructions .* agree", done.stdout, re.M), done.stdout
+
+
+def test_comparisons_selections_and_estimates_have_their_bits(tree):
+    """Of words whose low bits are not 0, too."""
+    done = subprocess.run([tree / "chosen_values", "17"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and re.search(r"operands, \d{4,} results, .* 0 wrong", done.stdout), done.stdout + done.stderr
