@@ -6,6 +6,7 @@
 #include "machine/format.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
+#include "machine/storage.h"
 #include "origin.h"
 
 #include <inttypes.h>
@@ -41,6 +42,16 @@ static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     return FP3_OK;
 }
 
+/* With adaptive steps an object's time goes from visit to visit in its record. */
+static fp3_status check_storage(fp3_engine *engine, const fp3_image *image) {
+    if (!engine->config->storage || !fp3_adaptive_is(image))
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "the program chooses its steps: configuration '%s' keeps records in %s, which "
+                    "is too coarse for times",
+                    engine->config->name, fp3_storage_name(engine->config));
+}
+
 /* An image may say what they have to be. */
 static fp3_status check_words(fp3_engine *engine, const fp3_image *image) {
     const fp3_image_words has =
@@ -73,6 +84,8 @@ static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
     fp3_status status = check_words(engine, image);
     if (!status)
         status = fp3_needs_check(&needs, engine->config, engine->def.error);
+    if (!status)
+        status = check_storage(engine, image);
     if (!status)
         status = check_operations(engine, image);
     return status ? status : check_constants(engine, image);
