@@ -668,6 +668,8 @@ static void vary(bench *b, chance *c) {
         config->finite = !config->nearest && !config->subnormal && !config->fused && below(&own, 4);
         config->flags = config->status || below(&own, 2);
         config->storage = has_numbers_alone(config) ? below(&own, 3) : 0;
+        if (!config->finite && !config->logarithmic && !config->dual && below(&own, 4) == 0)
+            config->fraction = 7 + below(&own, 17);
         b->varied = *config;
     }
     if (!b->wrong)

@@ -144,12 +144,12 @@ def test_integers_in_records_are_refused(root, monkeypatch):
 
 
 def test_other_configurations_agree(root, build, tmp_path, monkeypatch):
-    """bfloat16, two groups of lanes, results as soon as may be: built, and tested as the named ones are."""
+    """bfloat16 records of numbers with 10 fraction bits, two groups of lanes, results as soon as may be: built, and tested as the named ones are."""
     monkeypatch.syspath_prepend(root / "tools")
     import one_config
     from fp3gen.read import load
     row = next(row for row in load(root).configs if row["name"] == "many_half") | {
-        "name": "some", "storage": 1, "lanes": 5, "contexts": 6, "store_words": 512, "registers": 16, "program_words": 512,
+        "name": "some", "storage": 1, "fraction": 10, "lanes": 5, "contexts": 6, "store_words": 512, "registers": 16, "program_words": 512,
         "add_cuts": 4, "mul_cuts": 4, "add_latency": 4, "mul_latency": 4}
     tree = tmp_path / "some"
     one_config.build(row, tree, build)
