@@ -18,7 +18,7 @@ static fp3_status add(fp3_tune_machines *m, const char *config, fp3_error *error
         return fp3_fail(error, FP3_E_ARGUMENT, "found more than %d configurations",
                         FP3_TUNE_MACHINES_MOST);
     m->list[m->count++] = (fp3_tune_machine){
-        .config = config, .hardware = fp3_hardware_find(config), .cost = INFINITY};
+        .config = config, .hardware = fp3_placed_find(config), .cost = INFINITY};
     return FP3_OK;
 }
 
@@ -28,8 +28,8 @@ static int is_other(const fp3_config *config, const char *than) {
 
 static fp3_status add_all(fp3_tune_machines *m, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (size_t i = 0; !status && i < fp3_hardware_count; i++) {
-        const fp3_config *config = fp3_config_find(fp3_hardware_known[i].config);
+    for (size_t i = 0; !status && i < fp3_placed_count; i++) {
+        const fp3_config *config = fp3_config_find(fp3_placed_known[i].config);
         if (is_other(config, m->list[0].config) && is_other(config, "many_full"))
             status = add(m, config->name, error);
     }

@@ -2,7 +2,7 @@
 #ifndef FP3_CLI_TUNE_MACHINES_H
 #define FP3_CLI_TUNE_MACHINES_H
 
-#include "tune/hardware.h"
+#include "tune/placed.h"
 
 #include <fp3/tune.h>
 #include <jansson.h>
@@ -11,7 +11,7 @@
 
 typedef struct {
     const char *config;
-    const fp3_hardware *hardware; /* NULL: not known; only if it is the one machine */
+    const fp3_placed *hardware; /* NULL: not known; only if it is the one machine */
     fp3_tuning *tuning;
     double cost; /* LUT ns of an object over the span; infinite: the tolerance is not met */
 } fp3_tune_machine;

@@ -201,7 +201,7 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                                .arithmetic = def->arithmetic,
                                .has_notes = 1};
     made->self = k;
-    status = fp3_options_check(&k->options, model, error);
+    status = fp3_options_check(&k->options, fp3_model_adapted(model) != FP3_NONE, error);
     if (!status)
         status = compile(k, model, integrator, def, made, error);
     if (status == FP3_E_LIMIT)

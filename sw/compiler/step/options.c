@@ -40,11 +40,11 @@ static fp3_status no_bits(const char *what, const fp3_config *config, fp3_error 
                     config->name, config->fraction + 1);
 }
 
-fp3_status fp3_options_check(const fp3_options *options, const fp3_model *model, fp3_error *error) {
+fp3_status fp3_options_check(const fp3_options *options, int is_adapted, fp3_error *error) {
     const fp3_config *config = options->config;
     if (config->fraction == 23)
         return FP3_OK;
-    if (fp3_model_adapted(model) != FP3_NONE)
+    if (is_adapted)
         return no_bits("a step that adapts", config, error);
     if (options->arithmetic == FP3_DOUBLE_SINGLE)
         return no_bits("double-single", config, error);

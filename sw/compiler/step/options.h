@@ -30,8 +30,8 @@ fp3_status fp3_options_need_ieee(const fp3_config *config, const char *what, fp3
 /* How many terms of its series a quotient or root needs. */
 int fp3_options_terms(const fp3_options *options);
 
-/* FP3_E_PROGRAM: what was asked for counts on numbers of 24 bits, and the configuration has fewer. */
-fp3_status fp3_options_check(const fp3_options *options, const fp3_model *model, fp3_error *error);
+/* FP3_E_PROGRAM: what was asked for counts on numbers of 24 bits, and the configuration has fewer. is_adapted: steps adapt. */
+fp3_status fp3_options_check(const fp3_options *options, int is_adapted, fp3_error *error);
 
 /* The set of these states of the model; names == NULL: all. FP3_E_ARGUMENT: no such state. */
 fp3_status fp3_options_observe(const fp3_model *model, const char *const *names, size_t count,
