@@ -54,14 +54,14 @@ static fp3_status check_storage(fp3_engine *engine, const fp3_image *image) {
 
 /* An image may say what they have to be. */
 static fp3_status check_words(fp3_engine *engine, const fp3_image *image) {
-    const fp3_image_words has =
-        engine->config->logarithmic ? FP3_WORDS_LOGARITHMS : FP3_WORDS_FLOATS;
+    const uint32_t has = fp3_config_words(engine->config);
+    char made[FP3_WORDS_NAME_SIZE], said[FP3_WORDS_NAME_SIZE];
     if (image->words == FP3_WORDS_ANY || image->words == has)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                     "the program is made for %s: words of configuration '%s' are %s",
-                    fp3_image_words_name(image->words), engine->config->name,
-                    fp3_image_words_name(has));
+                    fp3_image_words_said(image->words, made), engine->config->name,
+                    fp3_image_words_said(has, said));
 }
 
 static fp3_status check_constants(fp3_engine *engine, const fp3_image *image) {

@@ -44,16 +44,12 @@ static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp
                        at->text ? at->text : "the model", config->name);
 }
 
-fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit,
-                                fp3_image_words *words, fp3_error *error) {
+fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit, fp3_error *error) {
     const char *what = options->arithmetic == FP3_COMPENSATED           ? "compensated arithmetic"
                        : options->arithmetic == FP3_DOUBLE_SINGLE       ? "double-single"
                        : fp3_has_pass(options, FP3_PASS_EXACT_DIVISION) ? "`exact-division`"
                        : fit->control ? "time in two words, as adaptive steps have it,"
                                       : NULL;
-    *words = what                           ? FP3_WORDS_FLOATS
-             : options->config->logarithmic ? FP3_WORDS_LOGARITHMS
-                                            : FP3_WORDS_ANY;
     if (!what || !options->config->logarithmic)
         return FP3_OK;
     return fp3_fail(error, FP3_E_PROGRAM,
