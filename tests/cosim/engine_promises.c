@@ -61,13 +61,13 @@ static fp3_status reopen(bench *b) {
     return fp3_engine_open(&b->def, &b->engine);
 }
 
-/* How many objects have a register with this value, in every object from first on. */
 /* The same; where words are no floats, sums of small numbers are off by a few units in the last place. */
 static int is_nearly(const bench *b, float value, float expected) {
     return value == expected || (!fp3_format_is_float(b->config) &&
                                  fabsf(value - expected) <= 4e-6f * fmaxf(1, fabsf(expected)));
 }
 
+/* How many objects have a register with this value. */
 static size_t count_of(bench *b, size_t first, size_t count, const char *name, float expected) {
     size_t found = 0;
     for (size_t i = first; i < first + count; i++) {
