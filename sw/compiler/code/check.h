@@ -7,7 +7,7 @@
 #include "schedule/code.h"
 #include "schedule/lines.h"
 
-/* FP3_E_PROGRAM: words have to be floats, and those of the configuration are logarithms. */
+/* FP3_E_PROGRAM: what is asked for needs another arithmetic than the configuration has. */
 fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit, fp3_error *error);
 /* Before an order is searched for: operations and words. FP3_E_PROGRAM, in words. */
 fp3_status fp3_check_code(const fp3_step *step, const fp3_step_code *code, const fp3_config *config,
