@@ -162,7 +162,8 @@ def page(found):
           "and the worst object's, in brackets. *–*: it cannot run the model.\n\n"
     yield from table(["model", *names], [[f"`{model}`", *(best_error(by[model, name]) for name in names)] for model in all_models])
     yield "\nThe second table has the cost of reaching an error: the fewest cycles of an object over the model's span, times the time of a cycle, times the LUT4 of " \
-          "the machine, relative to binary32. Less than 1 is cheaper. The median over the models, and in brackets how many of them reach that error.\n\n"
+          "the machine, relative to binary32. Less than 1 is cheaper. The median over the models, and in brackets how many of them reach that error. LUT4 are not all: " \
+          "`log` has six multipliers and 61 block RAMs where `many_full` has three and 56, and `middle` and `bfloat` have one multiplier.\n\n"
     yield from table(["error", *names], [[f"{target:.0e}", *(median_cost(by, all_models, name, target) for name in names)] for target in TARGETS])
     yield "\nThe third table says what to pick for a model and an error: the arithmetic of the lowest cost and this cost relative to binary32, or binary32 if nothing saves " \
           f"{1 - WORTH:.0%}. *–*: nothing reaches the error.\n\n"
@@ -187,7 +188,8 @@ def draw(found, path):
         for name, colour in zip(ARITHMETICS.values(), COLOURS):
             points = front([row for row in by[model] if row["arithmetic"] == name])
             if points:
-                ax.loglog([cost(row) / 1e3 for row in points], [row["error_median"] for row in points], "o-", color=colour, markersize=3, linewidth=1.2, label=name)
+                ax.loglog([cost(row) / 1e3 for row in points], [row["error_median"] for row in points], color=colour, linewidth=1.2, label=name)
+        ax.minorticks_off()
         ax.set_title(model, fontsize=9)
         ax.tick_params(labelsize=7)
         ax.grid(alpha=0.3)
