@@ -33,6 +33,9 @@ typedef struct {
     fp3_status (*write)(fp3_engine *engine, fp3_cells cells, const void *words);
     /* See fp3_engine_column; *words is NULL. NULL: there is no such place. */
     fp3_status (*column)(fp3_engine *engine, uint32_t reg, const uint32_t **words);
+    /* A word of each of these objects; NULL: by `read`. */
+    void (*gather)(const fp3_engine *engine, uint32_t reg, const uint32_t *objects, size_t count,
+                   uint32_t *words);
     /* A list of neighbours has been given; NULL: the backend reads those of the layout. */
     fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
@@ -97,6 +100,8 @@ struct fp3_engine {
     double told, part; /* shares of the run: the parts before this one, and this one */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     fp3_origin *origin;                      /* of the last run */
+    fp3_exchange_fn *exchange;               /* or NULL */
+    void *exchange_user;
     fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
     void *self;           /* the backend's own */
 };
@@ -106,6 +111,9 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
+
+/* When a phase begins. */
+fp3_status fp3_engine_exchange(fp3_engine *engine);
 
 /* Tells the caller how far the run is, by the instructions that objects have executed so far. */
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);

@@ -96,7 +96,7 @@ static fp3_status place_objects(fp3_engine *engine) {
     fp3_status status = fp3_layout_make(engine->config, 1, layout, engine->def.error);
     if (status)
         return status;
-    layout->groups[0].objects = engine->objects;
+    layout->groups[0].objects = layout->groups[0].rows = engine->objects;
     layout->groups[0].program.slept = layout->groups[0].counter = -1;
     return fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
 }

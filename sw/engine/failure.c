@@ -26,12 +26,12 @@ static fp3_status look_at_state(fp3_engine *engine, const fp3_members *group, ui
     fp3_status status = FP3_OK;
     for (uint32_t n = 0, now; !status && n < group->objects; n += now) {
         now = group->objects - n < COLUMN ? group->objects - n : COLUMN;
-        status = fp3_engine_read(engine, group->first + n, now, reg, values);
+        status = fp3_engine_read(engine, fp3_members_begin(group) + n, now, reg, values);
         for (uint32_t i = 0; !status && i < now; i++) {
             uint32_t bits;
             memcpy(&bits, &values[i], sizeof bits);
             if (!fp3_watch_is_finite(bits))
-                *is_any = watched[group->first + n + i].is_astray = 1;
+                *is_any = watched[fp3_members_begin(group) + n + i].is_astray = 1;
         }
     }
     return status;
@@ -58,9 +58,13 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
     if (!groups)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < layout->count; i++)
-        groups[i] = (fp3_group){layout->groups[i].image, layout->groups[i].objects};
-    fp3_status status = fp3_engine_load_again(again, groups, layout->count);
+        groups[i] = (fp3_group){layout->groups[i].image, layout->groups[i].rows};
+    const fp3_status status = fp3_engine_load_again(again, groups, layout->count);
     free(groups);
+    for (uint32_t i = 0; !status && i < layout->count; i++)
+        fp3_members_use(&again->layout.groups[i], layout->groups[i].from,
+                        layout->groups[i].objects);
+    fp3_engine_set_exchange(again, engine->exchange, engine->exchange_user);
     return status;
 }
 
@@ -80,7 +84,7 @@ static fp3_status look_ahead(fp3_engine *again) {
 static void watch_start(const fp3_engine *engine, const fp3_members *group, fp3_watched *watched) {
     const fp3_origin *o = engine->origin;
     const uint64_t states = fp3_engine_states_of(group);
-    for (uint32_t n = group->first; n < group->first + group->objects; n++) {
+    for (uint32_t n = fp3_members_begin(group); n < fp3_members_end(group); n++) {
         uint32_t cells[FP3_BANK_OBJECT_COUNT] = {0};
         for (uint32_t reg = 0; reg < engine->config->registers; reg++)
             cells[reg] = o->registers[(size_t)reg * engine->objects + n];
@@ -104,12 +108,11 @@ static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp
     return status;
 }
 
-/* Those that make steps. */
-static uint32_t objects_of(const fp3_engine *engine) {
-    uint32_t objects = 0;
+static uint32_t rows_of(const fp3_engine *engine) {
+    uint32_t rows = 0;
     for (uint32_t i = 0; i < engine->layout.count; i++)
-        objects += engine->layout.groups[i].objects;
-    return objects;
+        rows += engine->layout.groups[i].rows;
+    return rows;
 }
 
 /* *flags: what that run raised, in all. */
@@ -119,7 +122,7 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *again = NULL;
     def.engine = "isa";
-    def.objects = objects_of(engine);
+    def.objects = rows_of(engine);
     def.visit = engine->origin->visit;
     def.error = engine->def.error;
     config.flags = 1; /* the bits are the same with and without */
