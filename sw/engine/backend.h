@@ -36,7 +36,7 @@ typedef struct {
     /* A word of each of these objects; NULL: by `read`. */
     void (*gather)(const fp3_engine *engine, uint32_t reg, const uint32_t *objects, size_t count,
                    uint32_t *words);
-    /* A list of neighbours has been given; NULL: the backend reads those of the layout. */
+    /* A list of neighbours has been given, or (list is NULL) all are made anew; NULL: the backend reads those of the layout. */
     fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
@@ -48,6 +48,7 @@ typedef struct {
     /* See fp3_engine_write_native; NULL: there is no native code. */
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
+    int is_divided; /* other engines have the objects, and know who failed */
     int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
@@ -108,6 +109,16 @@ struct fp3_engine {
 
 /* Whether a run visits the object, now. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
+
+/* What fp3_engine_open checks; the backend and the configuration that it finds. */
+fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **backend,
+                            const fp3_config **config);
+/* The rest of it. The engine has `self` then, also after a failure; *engine is NULL. */
+fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *config,
+                              const fp3_backend *backend, void *self, fp3_engine **engine);
+
+/* Who failed in the last run: engine->failures. */
+fp3_status fp3_engine_find_failures(fp3_engine *engine);
 
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);

@@ -58,12 +58,15 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
     if (!groups)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < layout->count; i++)
-        groups[i] = (fp3_group){layout->groups[i].image, layout->groups[i].rows};
+        groups[i] = (fp3_group){layout->groups[i].image,
+                                layout->count == 1 ? engine->objects : layout->groups[i].rows};
     const fp3_status status = fp3_engine_load_again(again, groups, layout->count);
     free(groups);
-    for (uint32_t i = 0; !status && i < layout->count; i++)
-        fp3_members_use(&again->layout.groups[i], layout->groups[i].from,
-                        layout->groups[i].objects);
+    for (uint32_t i = 0; !status && i < layout->count; i++) {
+        fp3_members *group = &again->layout.groups[i];
+        fp3_members_use(group, layout->groups[i].from, layout->groups[i].objects);
+        group->rows = layout->groups[i].rows;
+    }
     fp3_engine_set_exchange(again, engine->exchange, engine->exchange_user);
     return status;
 }
@@ -108,13 +111,6 @@ static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp
     return status;
 }
 
-static uint32_t rows_of(const fp3_engine *engine) {
-    uint32_t rows = 0;
-    for (uint32_t i = 0; i < engine->layout.count; i++)
-        rows += engine->layout.groups[i].rows;
-    return rows;
-}
-
 /* *flags: what that run raised, in all. */
 static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *flags) {
     fp3_stats stats = {0};
@@ -122,7 +118,7 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *again = NULL;
     def.engine = "isa";
-    def.objects = rows_of(engine);
+    def.objects = engine->objects;
     def.visit = engine->origin->visit;
     def.error = engine->def.error;
     config.flags = 1; /* the bits are the same with and without */
@@ -192,7 +188,7 @@ static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *co
     return status;
 }
 
-static fp3_status find_failures(fp3_engine *engine) {
+fp3_status fp3_engine_find_failures(fp3_engine *engine) {
     fp3_status (*const of_engine)(fp3_engine *, fp3_failed **, size_t *) =
         engine->origin->registers ? find_again : engine->backend->failures;
     const fp3_status status = of_engine(engine, &engine->failures.list, &engine->failures.count);
@@ -230,7 +226,7 @@ fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                           "no run that came to its end since something was written or loaded");
     if (!status && !engine->failures.list)
-        status = find_failures(engine);
+        status = fp3_engine_find_failures(engine);
     if (status)
         return status;
     const fp3_failed *earliest = NULL;

@@ -142,7 +142,7 @@ static fp3_status fast_connect(fp3_engine *engine, fp3_members *members, const f
     fast *self = engine->self;
     (void)list;
     fp3_around_forget(&self->groups[members - engine->layout.groups]);
-    return FP3_OK;
+    return fp3_order_undo(engine);
 }
 
 static fp3_status fast_load(fp3_engine *engine) {

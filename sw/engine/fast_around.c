@@ -31,7 +31,7 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .other = l->other,
                                       .field = l->field,
                                       .fields = l->fields,
-                                      .objects = l->objects,
+                                      .objects = l->is_near ? members->rows : l->objects,
                                       .is_fixed = !l->is_near};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);

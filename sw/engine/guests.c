@@ -33,7 +33,7 @@ fp3_status fp3_engine_set_numbers(fp3_engine *engine, const uint32_t *numbers) {
         order[i] = (uint32_t)pairs[i];
     free(pairs);
     fp3_lists_take_order(&group->lists, order);
-    return FP3_OK;
+    return engine->backend->connect ? engine->backend->connect(engine, group, NULL) : FP3_OK;
 }
 
 fp3_status fp3_engine_gather(fp3_engine *engine, uint32_t reg, const uint32_t *objects,

@@ -315,7 +315,8 @@ static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
     loop *l = &r->loop;
     if (program[pc].in.op == FP3_OP_EACH) {
         *l = (loop){.list = fp3_lists_of(lists, program[pc].in.d), .begin = pc};
-        for (uint32_t i = 0; i < l->list->objects; i++) {
+        const fp3_members *group = members(r);
+        for (uint32_t i = group->from; i < group->from + group->objects; i++) {
             const uint32_t turns = fp3_list_length(l->list, i);
             l->turns = turns > l->turns ? turns : l->turns;
         }

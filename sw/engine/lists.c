@@ -97,6 +97,12 @@ fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error
     return status;
 }
 
+fp3_status fp3_lists_astray(uint32_t object, fp3_error *error) {
+    return fp3_fail(
+        error, FP3_E_PROGRAM,
+        "the position of object %" PRIu32 " is infinite or NaN, so nobody can be near it", object);
+}
+
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
                             const uint32_t *row, size_t stride, int *is_new, fp3_error *error) {
     fp3_status status = FP3_OK;
@@ -114,10 +120,7 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
         if (!list->is_near || !fp3_near_is_stale(&list->near, &now, &astray))
             continue;
         if (astray != UINT32_MAX)
-            return fp3_fail(error, FP3_E_PROGRAM,
-                            "the position of object %" PRIu32
-                            " is infinite or NaN, so nobody can be near it",
-                            astray);
+            return fp3_lists_astray(astray, error);
         status = fp3_near_make(&list->near, &now, &begin, &other, error);
         free(list->begin);
         free(list->other);

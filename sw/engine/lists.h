@@ -48,6 +48,9 @@ fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
                             const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
 
+/* Fails: this object, of which fp3_near_is_stale has told, has no place. */
+fp3_status fp3_lists_astray(uint32_t object, fp3_error *error);
+
 static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
     return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];
 }

@@ -68,6 +68,8 @@ void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words) {
 /* Of objects that see each other no engine knows who failed. */
 static int needs_copies(const fp3_engine *engine) {
     int is_any = !engine->backend->failures;
+    if (engine->backend->is_divided)
+        return 0;
     for (uint32_t i = 0; i < engine->layout.count; i++)
         is_any |= engine->layout.groups[i].lists.shape.is_any;
     return is_any;
