@@ -210,6 +210,8 @@ size_t fp3_engine_groups(const fp3_engine *engine) { return engine->layout.count
 
 const char *fp3_engine_name(const fp3_engine *engine) { return engine->backend->name; }
 
+int fp3_engine_is_divided(const fp3_engine *engine) { return engine->backend->is_divided; }
+
 fp3_engine_def *fp3_engine_definition(fp3_engine *engine) { return &engine->def; }
 
 fp3_config *fp3_engine_config(fp3_engine *engine) { return &engine->own; }

@@ -26,6 +26,9 @@ fp3_config *fp3_engine_config(fp3_engine *engine);
 /* FP3_E_ARGUMENT: no engine has this name, which may be NULL. */
 fp3_status fp3_engine_check_name(const char *name, fp3_error *error);
 
+/* Its objects are on several ranks: cycles are those of the slowest, and other counters sums over all. */
+int fp3_engine_is_divided(const fp3_engine *engine);
+
 /* They belong to the engine. */
 const char *fp3_engine_name(const fp3_engine *engine);
 const fp3_layout *fp3_engine_layout(const fp3_engine *engine);

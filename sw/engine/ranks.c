@@ -208,7 +208,7 @@ static void add_up(fp3_engine *engine, fp3_stats *stats) {
     ranks->calls->add(ranks->world, flags, 32);
     for (unsigned i = 0; i < 32; i++)
         stats->flags |= flags[i] ? 1u << i : 0;
-    stats->schedulers = 0; /* none whose cycles its other counters add up to */
+    stats->schedulers = (uint32_t)ranks->calls->most(ranks->world, stats->schedulers);
 }
 
 static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
@@ -224,6 +224,7 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     if (status) /* the others wait for words that do not come */
         return status;
     stats->flags |= own.flags;
+    stats->schedulers = own.schedulers;
     add_up(engine, stats);
     return FP3_OK;
 }
