@@ -4,6 +4,8 @@
 #include "cli.h"
 #include "run_adaptive.h"
 
+#include "engine/inside.h"
+
 #include <fp3/trace.h>
 #include <inttypes.h>
 #include <stdio.h>
