@@ -287,8 +287,8 @@ int fp3_cmd_run(int argc, char **argv) {
         status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
         fp3_progress_end(&o.progress);
     }
-    fp3_run_ranks_end(&ranks, status, &error);
-    const int exit_code = fp3_cli_end("run", status, &error, report);
+    const int said = fp3_cli_end("run", status, &error, report);
+    const int exit_code = fp3_run_ranks_end(&ranks, status, &error) ? 0 : said;
     free(report);
     fp3_run_options_free(&o);
     return exit_code;

@@ -38,11 +38,13 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     return FP3_OK;
 }
 
-void fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
-    if (ranks->is_one || ranks->all.calls->close(ranks->all.world, status != FP3_OK) == 0)
-        return;
+int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
     fflush(stdout);
-    dprintf(ranks->speaks < 0 ? STDERR_FILENO : ranks->speaks, "fp3 run: rank %u: %s\n",
-            ranks->all.rank, error->text);
+    if (ranks->is_one || ranks->all.calls->close(ranks->all.world, status != FP3_OK) == 0)
+        return ranks->all.rank != 0;
+    if (ranks->all.rank)
+        dprintf(ranks->speaks < 0 ? STDERR_FILENO : ranks->speaks, "fp3 run: rank %u: %s\n",
+                ranks->all.rank, error->text);
     ranks->all.calls->abort(ranks->all.world, fp3_exit_code(status));
+    return 1;
 }

@@ -12,7 +12,8 @@ typedef struct {
 
 /* Rank 0 speaks: what the others print goes nowhere. */
 fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error);
-/* After a failure that not all ranks have, it ends them all, with a message of this one: then it does not return. */
-void fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error);
+/* Whether rank 0 has said how the command ended, so that this rank ends well. After a failure that not all ranks have, it ends them all, with a
+ * message of this one: then it does not return. */
+int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error);
 
 #endif
