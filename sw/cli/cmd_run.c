@@ -6,6 +6,7 @@
 #include "run_loss.h"
 #include "run_options.h"
 #include "run_print.h"
+#include "run_ranks.h"
 
 #include <fp3/trace.h>
 #include <stdio.h>
@@ -103,7 +104,8 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--cycle-limit: a limit is of one run, and adaptive steps may take "
                         "several; --steps limits attempts");
-    fp3_status status = fp3_engine_open(def, &engine);
+    fp3_status status =
+        o->ranks ? fp3_engine_open_ranks(def, o->ranks, &engine) : fp3_engine_open(def, &engine);
     if (!status)
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
                            : fp3_program_load(of->program, o->values.params, engine, error);
@@ -271,7 +273,12 @@ int fp3_cmd_run(int argc, char **argv) {
     fp3_run_options o;
     fp3_error error = {.text = ""};
     char *report = NULL;
+    fp3_run_ranks ranks = {0};
     fp3_status status = fp3_run_options_parse(argc, argv, &o, &error);
+    if (!status)
+        status = fp3_run_ranks_begin(&ranks, &error);
+    o.ranks = ranks.is_one ? NULL : &ranks.all;
+    o.record.def.is_silent = ranks.all.rank != 0;
     if (!status)
         status = check_files(&o, &error);
     if (!status) {
@@ -280,7 +287,8 @@ int fp3_cmd_run(int argc, char **argv) {
         status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
         fp3_progress_end(&o.progress);
     }
-    const int exit_code = fp3_cli_end("run", status, &error, report);
+    const int said = fp3_cli_end("run", status, &error, report);
+    const int exit_code = fp3_run_ranks_end(&ranks, status, &error) ? 0 : said;
     free(report);
     fp3_run_options_free(&o);
     return exit_code;

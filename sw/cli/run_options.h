@@ -6,6 +6,7 @@
 #include "progress.h"
 #include "run_check.h"
 #include "run_engine.h"
+#include "run_ranks.h"
 #include "run_record.h"
 #include "run_values.h"
 
@@ -25,6 +26,7 @@ typedef struct {
     fp3_files files;
     fp3_program_def how;
     fp3_progress *progress;
+    const fp3_ranks *ranks; /* NULL: one process */
 } fp3_run_options;
 
 /* Makes the defaults, and what the command line says of them. Ends the command where it is wrong. FP3_E_SYSTEM: out of

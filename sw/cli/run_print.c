@@ -4,6 +4,8 @@
 #include "cli.h"
 #include "run_adaptive.h"
 
+#include "engine/inside.h"
+
 #include <fp3/trace.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -176,7 +178,8 @@ static fp3_status counters_of(fp3_engine *engine, const fp3_cost *cost, uint32_t
 }
 
 static void print_occupancy(fp3_engine *engine, const fp3_cost *cost) {
-    for (uint32_t scheduler = 0; scheduler < cost->stats.schedulers; scheduler++) {
+    for (uint32_t scheduler = 0;
+         !fp3_engine_is_divided(engine) && scheduler < cost->stats.schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
         if (!counters_of(engine, cost, scheduler, counter))
             fp3_occupancy_print(stdout, scheduler, counter);

@@ -33,7 +33,10 @@ typedef struct {
     fp3_status (*write)(fp3_engine *engine, fp3_cells cells, const void *words);
     /* See fp3_engine_column; *words is NULL. NULL: there is no such place. */
     fp3_status (*column)(fp3_engine *engine, uint32_t reg, const uint32_t **words);
-    /* A list of neighbours has been given; NULL: the backend reads those of the layout. */
+    /* A word of each of these objects; NULL: by `read`. */
+    void (*gather)(const fp3_engine *engine, uint32_t reg, const uint32_t *objects, size_t count,
+                   uint32_t *words);
+    /* A list of neighbours has been given, or (list is NULL) all are made anew; NULL: the backend reads those of the layout. */
     fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
@@ -45,6 +48,7 @@ typedef struct {
     /* See fp3_engine_write_native; NULL: there is no native code. */
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
+    int is_divided; /* other engines have the objects, and know who failed */
     int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
@@ -97,6 +101,8 @@ struct fp3_engine {
     double told, part; /* shares of the run: the parts before this one, and this one */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     fp3_origin *origin;                      /* of the last run */
+    fp3_exchange_fn *exchange;               /* or NULL */
+    void *exchange_user;
     fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
     void *self;           /* the backend's own */
 };
@@ -107,8 +113,21 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 /* What the next run's draws begin with (machine/storage.h). */
 uint32_t fp3_engine_seed(const fp3_engine *engine);
 
+/* What fp3_engine_open checks; the backend and the configuration that it finds. */
+fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **backend,
+                            const fp3_config **config);
+/* The rest of it. The engine has `self` then, also after a failure; *engine is NULL. */
+fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *config,
+                              const fp3_backend *backend, void *self, fp3_engine **engine);
+
+/* Who failed in the last run: engine->failures. */
+fp3_status fp3_engine_find_failures(fp3_engine *engine);
+
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
+
+/* When a phase begins. */
+fp3_status fp3_engine_exchange(fp3_engine *engine);
 
 /* Tells the caller how far the run is, by the instructions that objects have executed so far. */
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);

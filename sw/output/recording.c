@@ -104,6 +104,8 @@ static fp3_status add_sink(fp3_recording *r, const fp3_recording_def *def, const
 /* A picture may be refused, so it is the first. */
 static fp3_status add_sinks(fp3_recording *r, const fp3_recording_def *def, fp3_error *error) {
     fp3_status status = FP3_OK;
+    if (def->is_silent)
+        return FP3_OK;
     if (def->plot)
         status = add_sink(r, def, def->plot, fp3_plot_open, error);
     if (!status && def->path)

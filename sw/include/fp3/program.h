@@ -258,6 +258,7 @@ typedef struct {
     const double *times;
     size_t time_count;
     int is_compressed; /* HDF5 only */
+    int is_silent;     /* writes nothing: another process of a cluster does */
 } fp3_recording_def;
 
 fp3_recording_def fp3_recording_default(void);
