@@ -31,6 +31,8 @@ fp3_status fp3_checkpoint_write(const fp3_checkpoint_def *def, fp3_state *state,
                                 fp3_error *error);
 
 typedef struct fp3_checkpoint fp3_checkpoint;
+/* *is: the file begins as a checkpoint does, whole or not. FP3_E_ARGUMENT: it cannot be read. */
+fp3_status fp3_checkpoint_is(const char *path, int *is, fp3_error *error);
 /* The caller closes *checkpoint, which is NULL on failure. FP3_E_ARGUMENT: the file is no whole checkpoint; error names path.1 if that is one. */
 fp3_status fp3_checkpoint_open(const char *path, fp3_checkpoint **checkpoint, fp3_error *error);
 /* Sets *checkpoint to NULL, which it may be already. */

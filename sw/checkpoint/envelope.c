@@ -1,7 +1,7 @@
 /* envelope.c - see envelope.h. */
 #include "envelope.h"
 
-#include "state.h"
+#include "checkpoint.h"
 
 #include "base/file.h"
 #include "base/path.h"
@@ -90,6 +90,17 @@ static fp3_status check(const fp3_hdf5_ops *calls, FILE *file, const char *path,
                         "%s: damaged: its contents do not have the SHA-256 that it names", path);
     *step = told.step;
     return FP3_OK;
+}
+
+fp3_status fp3_checkpoint_is(const char *path, int *is, fp3_error *error) {
+    char begin[sizeof MAGIC - 1] = "";
+    FILE *file;
+    const fp3_status status = fp3_file_open(path, &file, error);
+    *is =
+        !status && fread(begin, sizeof begin, 1, file) == 1 && !memcmp(begin, MAGIC, sizeof begin);
+    if (file)
+        fclose(file);
+    return status;
 }
 
 fp3_status fp3_envelope_open(const fp3_hdf5_ops *calls, const char *path, uint64_t *step,

@@ -115,7 +115,8 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
                            : fp3_program_load(of->program, o->values.params, engine, error);
     if (!status) { /* from here on there are no more groups than schedulers */
         fp3_progress_pause(o->progress);
-        warn(o, of);
+        if (!o->is_quiet)
+            warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
         status = fp3_run_record_is_asked(&o->record)
@@ -128,13 +129,13 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
                 error);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
-        if (*has_run)
+        if (*has_run && !o->is_quiet)
             fp3_run_print(engine, of, def, &cost, check, o->all, o->on.clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
         status = fp3_run_failed(engine, of, &cost, error);
-    if (!status)
+    if (!status && !o->is_quiet)
         status = judge(o, of, engine, check, error);
     fp3_run_check_free(&check);
     fp3_recording_close(&o->recording);
@@ -276,11 +277,16 @@ static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
     return status;
 }
 
+fp3_status fp3_run_make(fp3_run_options *o, char **report, fp3_error *error) {
+    fp3_progress_say(o->progress, "reading and compiling");
+    return o->scene ? run_scene(o, error) : run_program(o, report, error);
+}
+
 int fp3_cmd_run(int argc, char **argv) {
     fp3_run_options o;
     fp3_error error = {.text = ""};
     char *report = NULL;
-    fp3_run_ranks ranks = {0};
+    fp3_run_ranks ranks = {.is_one = 1};
     fp3_status status = fp3_run_options_parse(argc, argv, &o, &error);
     if (!status)
         status = fp3_run_record_command(&o.record, argc, argv, &error);
@@ -292,8 +298,7 @@ int fp3_cmd_run(int argc, char **argv) {
         status = check_files(&o, &error);
     if (!status) {
         o.progress = fp3_progress_begin("run", o.program ? o.program : o.scene);
-        fp3_progress_say(o.progress, "reading and compiling");
-        status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
+        status = fp3_run_make(&o, &report, &error);
         fp3_progress_end(&o.progress);
     }
     fp3_run_ranks_end(&ranks, status, &error);

@@ -34,7 +34,7 @@ fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine
                            .hashed = NEVER};
     const int is_hdf5 = def->path && fp3_hdf5_is_named(def->path);
     fp3_status status = fp3_past_open(engine, &c->past, error);
-    if (!status && (def->checkpoint || def->restart))
+    if (!status && (def->checkpoint || def->restart || def->expected))
         status = refuse_adaptive(engine, error);
     c->is_there = def->checkpoint || def->restart || def->expected || is_hdf5;
     if (status || !c->is_there)
