@@ -56,15 +56,16 @@ def test_another_run(start, root, world, made, tmp_path):
     assert "other start values" in told(scene.replace("origin = [0.0, 2.0, 0.0]", "origin = [0.0, 2.5, 0.0]"))
     assert "has 400 objects, and this run has 600" in told(scene.replace("[20, 20]", "[20, 30]"))
     assert "after 40 steps, and the whole run has 39" in told(scene, "--steps", 39)
-    assert "of configuration 'world', and this run has 'crowd'" in told(scene, "--steps", 40, "-c", "crowd")
 
 
-def test_other_lifetimes(start, root, tmp_path):
+def test_other_lifetimes_and_configurations(start, root, tmp_path):
     group = f'{{ program = "{root}/programs/kepler.ode"; objects = 3; gone = %d; }}'
     for name, gone in (("a", 50), ("b", 60)):
         (tmp_path / f"{name}.scene").write_text(f'config = "many_full"; engine = "fast"; steps = 40; groups = ( {group % gone} );\n')
     start("run", "--scene", "a.scene", "--checkpoint", "a.ck")
     assert "a.ck: its run began with other lifetimes" in start("run", "--scene", "b.scene", "--restart", "a.ck", code=2).stderr
+    assert "of configuration 'many_full', and this run has 'shared_full'" in \
+        start("run", "--scene", "a.scene", "-c", "shared_full", "--restart", "a.ck", code=2).stderr
 
 
 def test_a_part_that_cannot_be_cut(start, tmp_path):
