@@ -11,7 +11,7 @@ import pytest
 LIVES = """config = "many_full"; steps = 60;
 groups = ( { program = "PROGRAMS/kepler.ode"; objects = 24; spread = { v_y = [0.6, 1.2]; }; born = [0, 46]; gone = [30, 76]; } );
 """
-SLEEP = ("--params", "PROGRAMS/ship.cfg", "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-o", 6, "-c", "shared", "PROGRAMS/ship_sleep.s", "-n", 900)
+SLEEP = ("--params", "PROGRAMS/ship.cfg", "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-o", 6, "-c", "shared", "PROGRAMS/ship_sleep.s", "-n", 700)
 
 
 def spelled(root, options):
@@ -24,43 +24,51 @@ def lives(root, tmp_path):
     return ("--scene", "lives.scene")
 
 
-def agree(start, run, every, others, engine="fast"):
+def contents(path):
+    """All but what says where the run was made."""
+    with h5py.File(path) as file:
+        return ({name: data[()].tobytes() for name, data in file.items()},
+                {name: value for name, value in file.attrs.items() if name not in ("engine", "command")})
+
+
+def agree(start, folder, run, every, others, engine="fast"):
     """Cut at a checkpoint in the middle; each of the others (engine, ranks) goes on from there."""
     whole = start("run", *run, "-e", engine, "--checkpoint", "a.ck", "--checkpoint-every", every)
     assert whole.hash and whole.chain
     for engine_of, on in others:
         done = start("run", *run, "-e", engine_of, "--restart", "a.ck.1", "--checkpoint", "b.ck", "--checkpoint-every", every, on=on)
         assert (done.hash, done.chain) == (whole.hash, whole.chain), (engine_of, on)
+        assert contents(folder / "b.ck") == contents(folder / "a.ck"), (engine_of, on)
     return whole
 
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("name", ["cloth", "balls", "stars"])
-def test_objects_that_see_each_other(start, world, ranks, name):
+def test_objects_that_see_each_other(start, world, ranks, name, tmp_path):
     """Links, those that are near, and all."""
-    agree(start, (*world(name), "--steps", 40), 15, [("isa", 1), *(("fast", on) for on in ranks)])
+    agree(start, tmp_path, (*world(name), "--steps", 40), 15, [("isa", 1), *(("fast", on) for on in ranks)])
 
 
-def test_sleepers_keep_their_steps(start, root):
+def test_sleepers_keep_their_steps(start, root, tmp_path):
     run = spelled(root, SLEEP)
-    whole = agree(start, run, 400, [("isa", 1), ("fast", 1), ("rtl", 1)])
+    whole = agree(start, tmp_path, run, 400, [("isa", 1), ("fast", 1), ("rtl", 1)])
     done = start("run", *run, "-e", "isa", "--restart", "a.ck.1")
     asleep = re.compile(r"^(asleep .*|slept .*|flags .*)$", re.M)
     assert asleep.findall(done.stdout) == asleep.findall(whole.stdout) and "since steps" in done.stdout
 
 
-def test_groups(start, root, ranks):
-    agree(start, ("--scene", root / "programs/fleet.scene", "--steps", 40), 15, [("isa", 1), ("rtl", 1), ("fast", ranks[-1])])
+def test_groups(start, root, ranks, tmp_path):
+    agree(start, tmp_path, ("--scene", root / "programs/fleet.scene", "--steps", 40), 15, [("isa", 1), ("rtl", 1), ("fast", ranks[-1])])
 
 
-def test_lifetimes(start, lives, ranks):
-    whole = agree(start, lives, 21, [("isa", 1), ("fast", ranks[-1])])
+def test_lifetimes(start, lives, ranks, tmp_path):
+    whole = agree(start, tmp_path, lives, 21, [("isa", 1), ("fast", ranks[-1])])
     assert start("run", *lives, "-e", "rtl", "--restart", "a.ck.1").hash == whole.hash
     assert re.search(r"^alive +8 of 24, 0 not born yet, 16 gone$", whole.stdout, re.M)
 
 
-def test_one_object_without_a_store(start, root):
-    agree(start, (root / "programs/double_spring.ode", "-n", 100, "-k"), 40, [("isa", 1), ("rtl", 1)], "isa")
+def test_one_object_without_a_store(start, root, tmp_path):
+    agree(start, tmp_path, (root / "programs/double_spring.ode", "-n", 100, "-k"), 40, [("isa", 1), ("rtl", 1)], "isa")
 
 
 def test_cuts_change_no_bit(start, world):
@@ -74,9 +82,11 @@ def test_failures_are_not_forgotten(start, tmp_path):
     """Of what failed before the checkpoint the restarted run knows."""
     (tmp_path / "x.s").write_text(".state x\n.param a\nstep: mul x, x, a\n")
     run = ("x.s", "-c", "many", "-e", "fast", "-o", 9, "--set", "x=1", "--spread", "a=2:40000", "-n", 12, "--checkpoint", "a.ck", "--checkpoint-every")
-    first = start("run", *run, 9, code=3)
-    again = start("run", *run, 9, "--restart", "a.ck.1", code=3)
+    first = start("run", *run, 11, code=3)
+    before = contents(tmp_path / "a.ck")
+    again = start("run", *run, 11, "--restart", "a.ck.1", code=3)
     assert again.stderr == first.stderr and "object 4 in step 9: overflow; 8 of 9" in first.stderr and again.hash == first.hash
+    assert contents(tmp_path / "a.ck") == before and any(before[0]["status"])
     flags = re.compile(r"^flags .*$", re.M)
     assert flags.findall(again.stdout) == flags.findall(first.stdout)
 
