@@ -313,7 +313,9 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     if (check)
         fp3_run_check_print(check);
     if (*cost->hash)
-        printf("%-16s %s\n%-16s %s\n", "hash", cost->hash, "chain", cost->chain);
+        printf("%-16s %s\n", "hash", cost->hash);
+    if (*cost->chain)
+        printf("%-16s %s\n", "chain", cost->chain);
 }
 
 int fp3_run_is_adaptive(const fp3_run_task *of) {

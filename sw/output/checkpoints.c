@@ -32,11 +32,11 @@ fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine
                            .every = def->checkpoint_every,
                            .steps = def->steps,
                            .hashed = NEVER};
-    const int is_hdf5 = def->path && fp3_hdf5_is_named(def->path);
+    c->is_recorded = def->path && fp3_hdf5_is_named(def->path);
     fp3_status status = fp3_past_open(engine, &c->past, error);
     if (!status && (def->checkpoint || def->restart || def->expected))
         status = refuse_adaptive(engine, error);
-    c->is_there = def->checkpoint || def->restart || def->expected || is_hdf5;
+    c->is_there = def->checkpoint || def->restart || def->expected || c->is_recorded;
     if (status || !c->is_there)
         return status;
     status = fp3_state_open(engine, &c->state, error);

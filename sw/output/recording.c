@@ -427,8 +427,10 @@ fp3_status fp3_recording_run(fp3_recording *r, fp3_cost *cost, fp3_error *error)
     add_up_failures(r);
     if (!status && r->checkpoints.is_there) {
         fp3_digest_text(&r->checkpoints.hash, r->cost.hash);
-        fp3_digest_text(r->checkpoints.def.path ? &r->checkpoints.past.chain : &r->chain,
-                        r->cost.chain);
+        if (r->checkpoints.def.path)
+            fp3_digest_text(&r->checkpoints.past.chain, r->cost.chain);
+        else if (r->checkpoints.is_recorded)
+            fp3_digest_text(&r->chain, r->cost.chain);
     }
     if (cost)
         *cost = r->cost;

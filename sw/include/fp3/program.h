@@ -293,8 +293,8 @@ typedef struct {
     /* For each of stats.schedulers schedulers. Belongs to the recording. */
     const uint64_t (*counter)[FP3_COUNTER_COUNT];
     const fp3_group_cost *groups; /* of each group; belongs to the recording */
-    /* SHA-256 in hexadecimal of the state at the end, and the end of the chain of the checkpoints or, without them, of the snapshots
-     * (docs/checkpoints.md). "": the run writes neither checkpoints nor HDF5. */
+    /* SHA-256 in hexadecimal (docs/checkpoints.md): of the state at the end, if the run has checkpoints, a restart or HDF5, else ""; and the
+     * end of the chain of the checkpoints or, without them, of the snapshots in HDF5, else "". */
     char hash[65], chain[65];
 } fp3_cost;
 
