@@ -206,7 +206,6 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
         fp3_files_write(&files, "--output", o->record.def.path);
         fp3_files_write(&files, "--plot", o->record.def.plot);
         fp3_files_write(&files, "--checkpoint", o->record.def.checkpoint);
-        fp3_files_write(&files, "--checkpoint, before", o->record.before);
         status = fp3_files_check(&files, error);
     }
     if (!status && fp3_run_record_has_snapshots(&o->record) && scene->group_count != 1)
