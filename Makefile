@@ -227,14 +227,14 @@ $(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LIB)
 $(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(HDF5) $(MPI)
 	@ln -sf bin/fp3 $@
 
-# What writes HDF5, loaded when it is asked for. Debian names its serial build, others have one.
+# What writes HDF5 and makes hashes, loaded when it is asked for. Debian names its serial build, others have one.
 HDF5_PC = $(eval HDF5_PC := $$(shell pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5))$(HDF5_PC)
 $(call obj,$(HDF5_C)): MORE = $(shell pkg-config --cflags-only-I $(HDF5_PC) | sed 's/-I/-isystem /g')
 
 $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
-	@$(call link_shared,$(CC_FOR)) $$(pkg-config --libs $(HDF5_PC))
+	@$(call link_shared,$(CC_FOR)) $$(pkg-config --libs $(HDF5_PC) nettle)
 
 # What runs on clusters, loaded when several ranks are started. mpicc is that of Open MPI or of MPICH.
 MPI_CFLAGS = $(eval MPI_CFLAGS := $$(shell mpicc -show 2>/dev/null | tr ' ' '\n' | sed -n 's/^-I/-isystem /p'))$(MPI_CFLAGS)

@@ -50,6 +50,13 @@ uint64_t fp3_engine_states_of(const fp3_members *group);
 
 /* Whether some objects do not live always. */
 int fp3_engine_has_lives(const fp3_engine *engine);
+/* What fp3_engine_live said of an object. */
+void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone);
+/* From here on as if the runs since the load had made so many steps; the caller writes what objects held then. */
+void fp3_engine_resume(fp3_engine *engine, uint64_t made);
+/* What the configuration keeps of the status of all objects, one word each. FP3_E_ARGUMENT: it keeps none. */
+fp3_status fp3_engine_read_status(fp3_engine *engine, uint32_t *words);
+fp3_status fp3_engine_write_status(fp3_engine *engine, const uint32_t *words);
 /* FP3_E_ARGUMENT: an object's `steps` is no whole number, or would not be after so many more. */
 fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 /* Those of the last run, by object, after fp3_engine_failure. */

@@ -91,6 +91,20 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
     return FP3_OK;
 }
 
+void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone) {
+    const fp3_life always = {0, FP3_FOREVER};
+    const fp3_life *life = engine->lives.list ? &engine->lives.list[object] : &always;
+    *born = life->born;
+    *gone = life->gone;
+}
+
+void fp3_engine_resume(fp3_engine *engine, uint64_t made) {
+    engine->made = made;
+    engine->clock = (uint32_t)made;
+    engine->lives.change = 0;
+    engine->sleepers.is_listed = engine->sleepers.is_known = engine->is_counted = 0;
+}
+
 fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to) {
     fp3_status status = engine->lives.list ? make_room(to) : FP3_OK;
     if (!status && engine->lives.list)
