@@ -2,7 +2,7 @@
 #ifndef FP3_CLI_RUN_RANKS_H
 #define FP3_CLI_RUN_RANKS_H
 
-#include "engine/ranks.h"
+#include "cluster/ranks.h"
 
 typedef struct {
     int is_one; /* no mpirun, or one process */

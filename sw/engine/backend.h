@@ -48,8 +48,9 @@ typedef struct {
     /* See fp3_engine_write_native; NULL: there is no native code. */
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
-    int is_divided; /* other engines have the objects, and know who failed */
-    int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
+    uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
+    int is_divided;   /* other engines have the objects, and know who failed */
+    int is_in_host;   /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
 typedef struct fp3_origin fp3_origin;
@@ -63,7 +64,6 @@ typedef struct {
     fp3_life *list;  /* of each object; NULL: all live, always */
     uint64_t change; /* the next step after which others live; not above `made`: unknown */
     int is_any;      /* somebody is alive until then */
-    uint64_t (*sums)[FP3_COUNTER_COUNT]; /* of each scheduler, over the parts of a run */
 } fp3_lives;
 
 typedef struct {
@@ -100,6 +100,7 @@ struct fp3_engine {
     double expected;   /* instructions of this part of the run, if nobody sleeps */
     double told, part; /* shares of the run: the parts before this one, and this one */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
+    uint64_t (*sums)[FP3_COUNTER_COUNT];     /* ... over the parts of a run */
     fp3_origin *origin;                      /* of the last run */
     fp3_exchange_fn *exchange;               /* or NULL */
     void *exchange_user;

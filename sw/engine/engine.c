@@ -118,10 +118,11 @@ static fp3_status make_room(fp3_engine *engine) {
         return status;
     engine->sleepers.slept = calloc(engine->objects, sizeof *engine->sleepers.slept);
     engine->counters = calloc(fp3_config_schedulers(engine->config), sizeof *engine->counters);
+    engine->sums = calloc(fp3_config_schedulers(engine->config), sizeof *engine->sums);
     status = fp3_origin_open(engine);
     if (status)
         return status;
-    return engine->sleepers.slept && engine->counters
+    return engine->sleepers.slept && engine->counters && engine->sums
                ? FP3_OK
                : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
@@ -205,6 +206,7 @@ void fp3_engine_close(fp3_engine **engine) {
     free(closing->sleepers.slept);
     free(closing->sleepers.awake);
     free(closing->counters);
+    free(closing->sums);
     free(closing->failures.list);
     fp3_origin_close(closing);
     free(closing);

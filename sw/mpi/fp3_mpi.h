@@ -26,6 +26,8 @@ typedef struct {
     fp3_mpi *(*open)(void);
     unsigned (*rank)(const fp3_mpi *world);
     unsigned (*ranks)(const fp3_mpi *world);
+    /* How many ranks share this one's memory and processors. */
+    unsigned (*beside)(const fp3_mpi *world);
     /* Waits for the others; after a failure for a second. 0: all have come, and MPI has ended; -1: some have not. */
     int (*close)(fp3_mpi *world, int has_failed);
     /* Ends all processes; does not return. */

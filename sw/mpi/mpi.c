@@ -40,6 +40,15 @@ static fp3_mpi *open_world(void) {
 static unsigned rank_of(const fp3_mpi *world) { return (unsigned)world->rank; }
 static unsigned ranks_of(const fp3_mpi *world) { return (unsigned)world->ranks; }
 
+static unsigned beside(const fp3_mpi *world) {
+    MPI_Comm node;
+    int count;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, world->rank, MPI_INFO_NULL, &node);
+    MPI_Comm_size(node, &count);
+    MPI_Comm_free(&node);
+    return (unsigned)count;
+}
+
 static int close_world(fp3_mpi *world, int has_failed) {
     const struct timespec pause = {0, 1000000};
     MPI_Request request;
@@ -209,6 +218,7 @@ __attribute__((visibility("default"))) const fp3_mpi_ops fp3_mpi_calls = {
     .open = open_world,
     .rank = rank_of,
     .ranks = ranks_of,
+    .beside = beside,
     .close = close_world,
     .abort = abort_world,
     .gather = gather,

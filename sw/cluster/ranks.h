@@ -4,8 +4,8 @@
  * its part of the objects. Reads give every process the words of all. So what stands on an engine runs on a cluster as it is, if it decides
  * nothing by time or by chance.
  */
-#ifndef FP3_ENGINE_RANKS_H
-#define FP3_ENGINE_RANKS_H
+#ifndef FP3_CLUSTER_RANKS_H
+#define FP3_CLUSTER_RANKS_H
 
 #include <fp3/engine.h>
 #include <mpi/fp3_mpi.h>

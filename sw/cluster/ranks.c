@@ -1,15 +1,13 @@
 /* ranks.c - the engine of a cluster: objects divided among processes, each with an engine of its own. */
-#include "ranks_own.h"
-
-#include "cells.h"
-#include "checks.h"
-#include "library.h"
-#include "life.h"
-#include "origin.h"
+#include "base/threads.h"
+#include "engine/library.h"
+#include "engine/life.h"
+#include "inside.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 fp3_status fp3_ranks_open(fp3_ranks *ranks, fp3_error *error) {
     void *library = NULL;
@@ -31,111 +29,7 @@ fp3_status fp3_ranks_open(fp3_ranks *ranks, fp3_error *error) {
     return FP3_OK;
 }
 
-/* ---- words of objects, wherever they are ---- */
-
-/* How many of the own objects have a smaller number. */
-static uint32_t place_of(const fp3_ranked *self, size_t number) {
-    uint32_t low = 0, high = self->share[self->ranks->rank];
-    while (low < high) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (self->mine[middle] < number)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-/* Those of a range that are here, as cells of the own engine. */
-static fp3_cells own_cells(const fp3_ranked *self, fp3_cells cells) {
-    const uint32_t begin = place_of(self, cells.first),
-                   end = place_of(self, cells.first + cells.count);
-    cells.first = self->first + begin;
-    cells.count = end - begin;
-    return cells;
-}
-
-static fp3_status read_constants(const fp3_engine *engine, fp3_cells cells, void *words) {
-    const fp3_ranked *self = engine->self;
-    memcpy(words, &self->constants[(size_t)cells.number * engine->config->registers + cells.first],
-           cells.count * sizeof *self->constants);
-    return FP3_OK;
-}
-
-fp3_status fp3_ranks_read(fp3_engine *engine, fp3_cells cells, void *words) {
-    fp3_ranked *self = engine->self;
-    const unsigned ranks = self->ranks->count;
-    if (cells.kind == FP3_CELLS_CONSTANT)
-        return read_constants(engine, cells, words);
-    const fp3_cells here = own_cells(self, cells);
-    uint64_t *bytes = calloc(ranks, sizeof *bytes), *next = calloc(ranks, sizeof *next);
-    uint32_t *own = malloc((here.count + 1) * sizeof *own), *to = words,
-             *all = malloc((cells.count + 1) * sizeof *all);
-    fp3_status status = bytes && next && own && all
-                            ? FP3_OK
-                            : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    if (!status && here.count)
-        status = self->own->backend->read(self->own, here, own);
-    for (size_t i = cells.first; !status && i < cells.first + cells.count; i++)
-        bytes[self->whose[i]] += sizeof *own;
-    if (!status) {
-        self->ranks->calls->gather(self->ranks->world, own, bytes, all);
-        for (unsigned r = 1; r < ranks; r++)
-            next[r] = next[r - 1] + bytes[r - 1] / sizeof *own;
-        for (size_t i = 0; i < cells.count; i++)
-            to[i] = all[next[self->whose[cells.first + i]]++];
-    }
-    free(bytes);
-    free(next);
-    free(own);
-    free(all);
-    return status;
-}
-
-static fp3_status write_constants(fp3_engine *engine, fp3_cells cells, const void *words) {
-    fp3_ranked *self = engine->self;
-    const int group = self->own ? self->group[cells.number] : -1;
-    memcpy(&self->constants[(size_t)cells.number * engine->config->registers + cells.first], words,
-           cells.count * sizeof *self->constants);
-    if (group < 0)
-        return FP3_OK;
-    cells.number = (uint32_t)group;
-    return fp3_cells_write(self->own, cells, words);
-}
-
-fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint32_t *words) {
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < self->guest_count; i++) {
-        const size_t at = self->guests[i] - cells.first;
-        if (self->guests[i] >= cells.first && at < cells.count)
-            status = fp3_cells_write(
-                self->own, (fp3_cells){cells.kind, cells.number, fp3_ranks_row(self, i), 1},
-                words + at);
-    }
-    return status;
-}
-
-static fp3_status write_words(fp3_engine *engine, fp3_cells cells, const void *words) {
-    fp3_ranked *self = engine->self;
-    if (cells.kind == FP3_CELLS_CONSTANT)
-        return write_constants(engine, cells, words);
-    const fp3_cells here = own_cells(self, cells);
-    const uint32_t begin = (uint32_t)here.first - self->first, *from = words;
-    uint32_t *own = malloc((here.count + 1) * sizeof *own);
-    fp3_status status = own ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    for (size_t i = 0; !status && i < here.count; i++)
-        own[i] = from[self->mine[begin + i] - cells.first];
-    if (!status && here.count)
-        status = fp3_cells_write(self->own, here, own);
-    free(own);
-    return status || !self->own ? status : fp3_ranks_write_guests(self, cells, words);
-}
-
 /* ---- open, load, close ---- */
-
-static fp3_status no_memory(fp3_engine *engine) {
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-}
 
 static fp3_status open_ranked(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
@@ -147,7 +41,7 @@ static fp3_status open_ranked(fp3_engine *engine) {
     self->constants = calloc((size_t)groups * engine->config->registers, sizeof *self->constants);
     return self->whose && self->mine && self->share && self->group && self->constants
                ? FP3_OK
-               : no_memory(engine);
+               : fp3_ranks_no_memory(engine);
 }
 
 static void close_ranked(fp3_engine *engine) {
@@ -170,8 +64,9 @@ static fp3_status load_ranked(fp3_engine *engine) {
 static fp3_status connect_ranked(fp3_engine *engine, fp3_members *group, const fp3_list *list) {
     fp3_ranked *self = engine->self;
     (void)group;
-    (void)list;
     self->is_placed = 0;
+    if (list && list->is_near)
+        self->backend.at_once = FP3_RANKS_AT_ONCE;
     return FP3_OK;
 }
 
@@ -180,11 +75,7 @@ static fp3_status connect_ranked(fp3_engine *engine, fp3_members *group, const f
 /* The own engine finds out itself who sleeps; who lives it is told. */
 static fp3_status list_ranked(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && engine->lives.list && i < self->share[self->ranks->rank]; i++) {
-        const fp3_life *life = &engine->lives.list[self->mine[i]];
-        status = fp3_engine_live(self->own, self->first + i, 1, life->born, life->gone);
-    }
+    const fp3_status status = fp3_ranks_tell_lives(engine);
     if (self->own)
         self->own->sleepers.is_known = self->own->sleepers.is_listed = 0;
     return status;
@@ -213,7 +104,9 @@ static void add_up(fp3_engine *engine, fp3_stats *stats) {
 
 static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_ranked *self = engine->self;
-    fp3_status status = self->is_placed ? FP3_OK : fp3_ranks_place(engine);
+    fp3_status status = fp3_ranks_wander(engine);
+    if (!status && !self->is_placed)
+        status = fp3_ranks_place(engine);
     fp3_stats own = {0};
     if (!status && self->own) {
         self->own->clock = engine->clock;
@@ -240,7 +133,7 @@ static fp3_status failures_ranked(fp3_engine *engine, fp3_failed **failed, size_
     const fp3_ranks *ranks = self->ranks;
     uint64_t *bytes = calloc(ranks->count, sizeof *bytes), all = 0;
     const uint64_t one = sizeof(uint64_t);
-    fp3_status status = bytes ? FP3_OK : no_memory(engine);
+    fp3_status status = bytes ? FP3_OK : fp3_ranks_no_memory(engine);
     fp3_failed *own = NULL;
     size_t found = 0;
     if (!status && self->own)
@@ -257,14 +150,14 @@ static fp3_status failures_ranked(fp3_engine *engine, fp3_failed **failed, size_
         const uint64_t mine = found * sizeof *own;
         uint64_t *sizes = calloc(ranks->count, sizeof *sizes);
         if (!sizes)
-            status = no_memory(engine);
+            status = fp3_ranks_no_memory(engine);
         else
             ranks->calls->gather(ranks->world, &mine, bytes, sizes);
         for (unsigned r = 0; !status && r < ranks->count; r++)
             all += sizes[r];
         *failed = malloc(all + sizeof **failed);
         if (!*failed)
-            status = no_memory(engine);
+            status = fp3_ranks_no_memory(engine);
         if (!status)
             ranks->calls->gather(ranks->world, own, sizes, *failed);
         free(sizes);
@@ -286,7 +179,7 @@ static const fp3_backend ranked = {
     .close = close_ranked,
     .load = load_ranked,
     .read = fp3_ranks_read,
-    .write = write_words,
+    .write = fp3_ranks_write,
     .connect = connect_ranked,
     .list = list_ranked,
     .run = run_ranked,
@@ -302,9 +195,18 @@ static fp3_status check_def(const fp3_engine_def *def) {
                        : def->bus_log     ? "a bus is logged"
                        : def->cycle_limit ? "a cycle limit is kept"
                        : def->native      ? "native code is taken"
+                       : def->seed        ? "what is stored is rounded at random"
                                           : NULL;
     return what ? fp3_fail(def->error, FP3_E_ARGUMENT, "%s by one process, not by several", what)
                 : FP3_OK;
+}
+
+/* Of the processors that the rank may use, no more than its share of the machine. */
+static uint32_t share_threads(const fp3_ranks *ranks) {
+    const long online = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint32_t share = (uint32_t)online / ranks->calls->beside(ranks->world),
+                   may = fp3_threads_processors();
+    return share < 1 ? 1 : share < may ? share : may;
 }
 
 fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ranks,
@@ -324,5 +226,7 @@ fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ran
     self->def = *def;
     self->def.engine = own->name;
     self->def.config = config->name;
+    if (!def->threads)
+        self->def.threads = share_threads(ranks);
     return fp3_engine_open_on(&self->def, config, &self->backend, self, engine);
 }
