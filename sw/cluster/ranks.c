@@ -127,41 +127,46 @@ static int by_object(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The ranks look together: where objects see each other each makes the run again. */
+/* Where objects see each other all ranks make the run again, or none: it takes what all publish. */
+static fp3_status find_own(fp3_engine *engine) {
+    fp3_ranked *self = engine->self;
+    const fp3_ranks *ranks = self->ranks;
+    int is_suspect = 0;
+    fp3_status status = self->own ? fp3_engine_suspect(self->own, &is_suspect) : FP3_OK;
+    if (status)
+        return status;
+    if (engine->layout.groups[0].lists.shape.is_any)
+        is_suspect = ranks->calls->most(ranks->world, (uint64_t)is_suspect) != 0;
+    status = self->own ? fp3_engine_find_failures(self->own, is_suspect) : FP3_OK;
+    for (size_t i = 0; !status && self->own && i < self->own->failures.count; i++) {
+        fp3_failed *failed = &self->own->failures.list[i];
+        failed->object = self->mine[failed->object - self->first];
+    }
+    return status;
+}
+
+/* Those of all ranks. */
 static fp3_status failures_ranked(fp3_engine *engine, fp3_failed **failed, size_t *count) {
     fp3_ranked *self = engine->self;
     const fp3_ranks *ranks = self->ranks;
-    uint64_t *bytes = calloc(ranks->count, sizeof *bytes), all = 0;
-    const uint64_t one = sizeof(uint64_t);
-    fp3_status status = bytes ? FP3_OK : fp3_ranks_no_memory(engine);
-    fp3_failed *own = NULL;
-    size_t found = 0;
-    if (!status && self->own)
-        status = fp3_engine_find_failures(self->own);
-    if (!status && self->own) {
-        found = self->own->failures.count;
-        own = self->own->failures.list;
-        for (size_t i = 0; i < found; i++)
-            own[i].object = self->mine[own[i].object - self->first];
-    }
+    uint64_t *each = calloc(ranks->count, sizeof *each),
+             *bytes = calloc(ranks->count, sizeof *bytes);
+    uint64_t all = 0;
+    fp3_status status = each && bytes ? find_own(engine) : fp3_ranks_no_memory(engine);
+    const fp3_failures none = {0}, *own = !status && self->own ? &self->own->failures : &none;
+    const uint64_t here = own->count * sizeof *own->list;
     for (unsigned r = 0; r < ranks->count && !status; r++)
-        bytes[r] = one;
-    if (!status) {
-        const uint64_t mine = found * sizeof *own;
-        uint64_t *sizes = calloc(ranks->count, sizeof *sizes);
-        if (!sizes)
-            status = fp3_ranks_no_memory(engine);
-        else
-            ranks->calls->gather(ranks->world, &mine, bytes, sizes);
-        for (unsigned r = 0; !status && r < ranks->count; r++)
-            all += sizes[r];
-        *failed = malloc(all + sizeof **failed);
-        if (!*failed)
-            status = fp3_ranks_no_memory(engine);
-        if (!status)
-            ranks->calls->gather(ranks->world, own, sizes, *failed);
-        free(sizes);
-    }
+        each[r] = sizeof *bytes;
+    if (!status)
+        ranks->calls->gather(ranks->world, &here, each, bytes);
+    for (unsigned r = 0; !status && r < ranks->count; r++)
+        all += bytes[r];
+    *failed = status ? NULL : malloc(all + sizeof **failed);
+    if (!status && !*failed)
+        status = fp3_ranks_no_memory(engine);
+    if (!status)
+        ranks->calls->gather(ranks->world, own->list, bytes, *failed);
+    free(each);
     free(bytes);
     *count = status ? 0 : all / sizeof **failed;
     if (*count)

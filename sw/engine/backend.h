@@ -121,8 +121,10 @@ fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **backe
 fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *config,
                               const fp3_backend *backend, void *self, fp3_engine **engine);
 
-/* Who failed in the last run: engine->failures. */
-fp3_status fp3_engine_find_failures(fp3_engine *engine);
+/* Whether an object may have failed in the last run: then the run is made again. */
+fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect);
+/* Who failed in the last run: engine->failures. is_suspect: it is made again in any case, because others need what it publishes. */
+fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect);
 
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);

@@ -155,16 +155,25 @@ static fp3_status check(fp3_engine *engine, const fp3_watched *watched, uint32_t
                      : FP3_OK;
 }
 
-static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched) {
+static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched, int is_suspect) {
     uint32_t flags = 0;
-    int is_any = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    is_suspect |= (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
     for (uint32_t i = 0; i < engine->objects; i++)
         watched[i].raised = watched[i].strayed = FP3_NEVER;
-    fp3_status status = look_at_states(engine, watched, &is_any);
-    if (!status && is_any)
+    fp3_status status = look_at_states(engine, watched, &is_suspect);
+    if (!status && is_suspect)
         status = run_again(engine, watched, &flags);
-    if (!status && is_any)
+    if (!status && is_suspect)
         status = check(engine, watched, flags);
+    return status;
+}
+
+fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect) {
+    fp3_watched *watched = calloc(engine->objects, sizeof *watched);
+    *is_suspect = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    const fp3_status status = watched ? look_at_states(engine, watched, is_suspect)
+                                      : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    free(watched);
     return status;
 }
 
@@ -173,11 +182,12 @@ static int is_failed(const fp3_engine *engine, const fp3_watched *w) {
     return w->is_astray || (w->raised != FP3_NEVER && engine->config->flags);
 }
 
-static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *count) {
+static fp3_status find_again(fp3_engine *engine, int is_suspect, fp3_failed **failed,
+                             size_t *count) {
     fp3_watched *watched = calloc(engine->objects, sizeof *watched);
     *failed = calloc(engine->objects, sizeof **failed);
     fp3_status status = watched && *failed
-                            ? watch_again(engine, watched)
+                            ? watch_again(engine, watched, is_suspect)
                             : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     *count = 0;
     for (uint32_t i = 0; !status && i < engine->objects; i++)
@@ -187,10 +197,12 @@ static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *co
     return status;
 }
 
-fp3_status fp3_engine_find_failures(fp3_engine *engine) {
-    fp3_status (*const of_engine)(fp3_engine *, fp3_failed **, size_t *) =
-        engine->origin->registers ? find_again : engine->backend->failures;
-    const fp3_status status = of_engine(engine, &engine->failures.list, &engine->failures.count);
+fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect) {
+    fp3_failed **list = &engine->failures.list;
+    size_t *count = &engine->failures.count;
+    const fp3_status status = engine->origin->registers
+                                  ? find_again(engine, is_suspect, list, count)
+                                  : engine->backend->failures(engine, list, count);
     if (status) {
         free(engine->failures.list);
         engine->failures.list = NULL;
@@ -224,7 +236,7 @@ fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                           "no run that came to its end since something was written or loaded");
     if (!status && !engine->failures.list)
-        status = fp3_engine_find_failures(engine);
+        status = fp3_engine_find_failures(engine, 0);
     if (status)
         return status;
     const fp3_failed *earliest = NULL;

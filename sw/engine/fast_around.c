@@ -31,7 +31,8 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .other = l->other,
                                       .field = l->field,
                                       .fields = l->fields,
-                                      .objects = l->is_near ? members->rows : l->objects,
+                                      /* guests see nobody: what fills the last vector would */
+                                      .objects = l->is_near ? fp3_members_end(members) : l->objects,
                                       .is_fixed = !l->is_near};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);

@@ -26,12 +26,12 @@ def mpirun(build, tmp_path_factory):
 
 @pytest.fixture
 def hash_of(mpirun, fp3, tmp_path):
-    """What a scene leaves, whatever computes it: the recording, byte for byte, and what is printed of states."""
+    """What a scene leaves, whatever computes it: the recording, byte for byte, and what is printed of states and flags."""
 
     def run(scene, ranks, engine, steps, *more):
         out = tmp_path / f"{scene.stem}-{ranks}-{engine}.csv"
         done = mpirun(ranks, fp3, "run", "--scene", scene, "-e", engine, "--steps", steps, "--output", out, *more)
         assert done.returncode == 0, done.stdout + done.stderr
-        return out.read_bytes(), re.findall(r"^.* 0x[0-9a-f]{8}.*$", done.stdout, re.M)
+        return out.read_bytes(), re.findall(r"^(?:.* 0x[0-9a-f]{8}.*|flags .*)$", done.stdout, re.M)
 
     return run

@@ -17,6 +17,23 @@ def test_ranks_give_the_same_bits(hash_of, root, name):
         assert hash_of(scene, ranks, "fast", 20) == one, ranks
 
 
+def test_objects_that_wander_are_divided_anew(hash_of, root):
+    """Two streams of balls mix: after some thousand steps a rank needs four times the guests that it had at first."""
+    scene = root / "programs/world/gas.scene"
+    assert hash_of(scene, 3, "fast", 8000) == hash_of(scene, 1, "fast", 8000)
+
+
+def test_a_failure_on_one_rank_is_told_as_by_one_process(mpirun, fp3, root, tmp_path):
+    """The run is made again on all ranks, or the one whose object failed would wait for the others."""
+    (tmp_path / "balls.ode").write_text((root / "programs/world/balls.ode").read_text())
+    text = (root / "programs/world/gas.scene").read_text()
+    both = 'only = { objects = [7, 8]; set = { x_x = 0.5; x_y = 0.5; x_z = 0.5; }; };'
+    (tmp_path / "gas.scene").write_text(re.sub("only .*", both, text))
+    said = [mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 1) for ranks in (1, 3)]
+    assert [done.returncode for done in said] == [3, 3] and "object 7 in step 1: invalid" in said[0].stderr
+    assert said[0].stderr.splitlines()[0] in said[1].stderr
+
+
 SMALL = """steps = 40;
 groups = ( { program = "cloth.ode"; integrator = "semi_implicit_euler";
   grid = { position = "x"; along = "xz"; count = [12, 12]; spacing = 0.05; origin = [0.0, 2.0, 0.0]; };
