@@ -3,7 +3,7 @@
 #define FP3_CLUSTER_INSIDE_H
 
 #include "engine/backend.h"
-#include "ranks.h"
+#include "processes.h"
 
 /* Of objects that move, steps until somebody looks whether they are to be divided anew. */
 #define FP3_RANKS_AT_ONCE 64

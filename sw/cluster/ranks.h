@@ -7,17 +7,9 @@
 #ifndef FP3_CLUSTER_RANKS_H
 #define FP3_CLUSTER_RANKS_H
 
+#include "processes.h"
+
 #include <fp3/engine.h>
-#include <mpi/fp3_mpi.h>
-
-typedef struct {
-    const fp3_mpi_ops *calls;
-    fp3_mpi *world;
-    unsigned rank, count;
-} fp3_ranks;
-
-/* Loads fp3_mpi.so and starts MPI. FP3_E_SYSTEM: there is none, or it does not start. */
-fp3_status fp3_ranks_open(fp3_ranks *ranks, fp3_error *error);
 
 /* fp3_engine_open for objects of all ranks together. FP3_E_ARGUMENT as there, and where the definition asks for what one process alone
  * can have: a trace, a bus log, retirements, a cycle limit, native code. */

@@ -148,8 +148,8 @@ static fp3_status exchange(void *user, fp3_engine *engine);
 static void open_part(part *p) {
     const fp3_config *config = fp3_engine_config(w.all);
     fp3_engine_def def = fp3_scene_engine(w.scene);
-    uint32_t *words = room(w.objects + config->registers, sizeof *words),
-             *mine = room(w.objects, sizeof *mine);
+    uint32_t *words = room(w.objects, sizeof *words), *mine = room(w.objects, sizeof *mine);
+    float *shared = room(config->registers, sizeof *shared);
     def.engine = w.engine;
     def.objects = p->rows;
     def.threads = 1;
@@ -157,19 +157,20 @@ static void open_part(part *p) {
     told(fp3_engine_open(&def, &p->engine), &p->error);
     told(fp3_engine_load(p->engine, group_of(w.all)->image), &p->error);
     for (uint32_t reg = 0; reg < 1u << group_of(w.all)->log2; reg++) {
-        told(fp3_engine_read(w.all, 0, w.objects, reg, (float *)words), &p->error);
+        told(fp3_engine_read_words(w.all, 0, w.objects, reg, words), &p->error);
         for (uint32_t i = 0; i < p->rows; i++)
             mine[i] = words[p->number[i]];
-        told(fp3_engine_write(p->engine, 0, p->rows, reg, (const float *)mine), &p->error);
+        told(fp3_engine_write_words(p->engine, 0, p->rows, reg, mine), &p->error);
     }
-    told(fp3_engine_read_shared(w.all, 0, config->registers, (float *)words), &p->error);
-    told(fp3_engine_write_shared(p->engine, 0, config->registers, (const float *)words), &p->error);
+    told(fp3_engine_read_shared(w.all, 0, config->registers, shared), &p->error);
+    told(fp3_engine_write_shared(p->engine, 0, config->registers, shared), &p->error);
     give_lists(p);
     fp3_engine_use(p->engine, p->first, p->own);
     told(fp3_engine_set_numbers(p->engine, p->number), &p->error);
     fp3_engine_set_exchange(p->engine, exchange, p);
     free(words);
     free(mine);
+    free(shared);
 }
 
 /* ---- between phases ---- */
@@ -191,9 +192,9 @@ static fp3_status exchange(void *user, fp3_engine *engine) {
     pthread_barrier_wait(&w.barrier);
     for (uint32_t reg = 0; !status && reg < 64; reg++)
         for (uint32_t i = 0; !status && published >> reg & 1 && i < p->guest_count; i++) {
-            status = fp3_engine_write(
-                engine, p->guests[i], 1, reg,
-                (const float *)&w.now[(size_t)reg * w.objects + p->number[p->guests[i]]]);
+            status =
+                fp3_engine_write_words(engine, p->guests[i], 1, reg,
+                                       &w.now[(size_t)reg * w.objects + p->number[p->guests[i]]]);
             p->words++;
         }
     pthread_barrier_wait(&w.barrier);
@@ -215,8 +216,8 @@ static uint32_t differing(void) {
     for (uint32_t reg = 0; reg < 1u << group_of(w.all)->log2; reg++)
         for (uint32_t k = 0; k < w.parts; k++) {
             part *p = &w.part[k];
-            told(fp3_engine_read(w.all, 0, w.objects, reg, (float *)all), &p->error);
-            told(fp3_engine_read(p->engine, p->first, p->own, reg, (float *)mine), &p->error);
+            told(fp3_engine_read_words(w.all, 0, w.objects, reg, all), &p->error);
+            told(fp3_engine_read_words(p->engine, p->first, p->own, reg, mine), &p->error);
             for (uint32_t i = 0; i < p->own; i++)
                 count += mine[i] != all[p->number[p->first + i]];
         }
