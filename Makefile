@@ -85,10 +85,11 @@ BOARDS  := single many
 RTL_ROOMS := bus config fp front host lane lib lns sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
+MPI_C   := $(wildcard sw/mpi/*.c)
 # What only measures or shows: in the command, in the tests and in make bench, not in the library.
 MEASURE_ROOMS := bench golden measure stress view
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
-LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C),$(wildcard sw/*/*.c sw/*/*/*.c))
+LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
 TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
@@ -152,6 +153,9 @@ RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_
 EXPORTS  := tools/exports.map
 HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
+# Where there are an MPI and Scotch. MPICC: the compiler of one of several MPIs, as mpicc.mpich.
+MPICC    := mpicc
+MPI      := $(if $(and $(shell command -v $(MPICC)),$(wildcard /usr/include/scotch/scotch.h)),$(BUILD)/lib/fp3/fp3_mpi.so)
 BULLET   := $(if $(wildcard /usr/include/bullet/btBulletDynamicsCommon.h),$(BUILD)/bench/bullet)
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
 LNS      := $(BUILD)/obj/sim/lns_bench_shim.o $(BUILD)/verilated/lns_bench/hardware.a $(RUNTIME)
@@ -221,17 +225,26 @@ $(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LIB)
 	@mkdir -p $(@D)
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
-$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(HDF5)
+$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(HDF5) $(MPI)
 	@ln -sf bin/fp3 $@
 
-# What writes HDF5, loaded when it is asked for. Debian names its serial build, others have one.
+# What writes HDF5 and makes hashes, loaded when it is asked for. Debian names its serial build, others have one.
 HDF5_PC = $(eval HDF5_PC := $$(shell pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5))$(HDF5_PC)
 $(call obj,$(HDF5_C)): MORE = $(shell pkg-config --cflags-only-I $(HDF5_PC) | sed 's/-I/-isystem /g')
 
 $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
-	@$(call link_shared,$(CC_FOR)) $$(pkg-config --libs $(HDF5_PC))
+	@$(call link_shared,$(CC_FOR)) $$(pkg-config --libs $(HDF5_PC) nettle)
+
+# What runs on clusters, loaded when several ranks are started. mpicc is that of Open MPI or of MPICH.
+MPI_CFLAGS = $(eval MPI_CFLAGS := $$(shell mpicc -show 2>/dev/null | tr ' ' '\n' | sed -n 's/^-I/-isystem /p'))$(MPI_CFLAGS)
+$(call obj,$(MPI_C)): MORE = $(MPI_CFLAGS) -isystem /usr/include/scotch
+
+$(BUILD)/lib/fp3/fp3_mpi.so: $(call obj,$(MPI_C)) $(EXPORTS)
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@$(call link_shared,mpicc) -lscotch -lscotcherr
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY

@@ -39,11 +39,11 @@ debian() {
 }
 
 # auditwheel puts the libraries that it is linked with into the wheel; their licences go with them. HDF5 stays out: it
-# would bring a web client and its security along.
+# would bring a web client and its security along. So does Nettle, which Debian's HDF5 brings.
 wheel() {
     echo "  WHL  fp3 $version"
     "$python" -m pip wheel . --no-deps --no-build-isolation --no-index --wheel-dir "$work" >>"$log" 2>&1
-    PATH=$root/.venv/bin:$PATH .venv/bin/python -m auditwheel repair --strip --exclude 'libhdf5*' --wheel-dir "$work/wheel" \
+    PATH=$root/.venv/bin:$PATH .venv/bin/python -m auditwheel repair --strip --exclude 'libhdf5*' --exclude 'libnettle*' --wheel-dir "$work/wheel" \
         "$work"/*.whl >>"$log" 2>&1
     "$python" -m wheel unpack --dest "$work/wheel" "$work"/wheel/*.whl >>"$log" 2>&1
     rm "$work"/*.whl "$work"/wheel/*.whl

@@ -26,6 +26,7 @@ libgsl-dev           | <gsl/gsl_errno.h> | sim   | the truth in double: GSL's in
 libjansson-dev       | <jansson.h>       | sim   | writes results as JSON
 libconfig-dev        | <libconfig.h>     | sim   | reads parameter and scene files, errors with their lines
 libhdf5-dev          | /usr/lib/*/pkgconfig/hdf5*.pc | sim | writes what a run records as HDF5
+nettle-dev           | <nettle/sha2.h>   | sim   | SHA-256 of states and checkpoints
 pkg-config           | pkg-config        | sim   | says where libhdf5 is, and in tests how programs outside the tree find libfp3
 zlib1g-dev           | <zlib.h>          | sim   | CRC-32 of program images
 python3              | python:tomllib    | sim   | 3.11 or later: the generator of headers and register map

@@ -765,6 +765,19 @@ class fp3_recording_def(Structure):
         ("times", c_void_p),
         ("time_count", c_size_t),
         ("is_compressed", c_int),
+        ("is_silent", c_int),
+        ("checkpoint", c_char_p),
+        ("checkpoint_every", c_uint64),
+        ("restart", c_char_p),
+        ("command", c_char_p),
+        ("expected", c_void_p),
+    ]
+
+
+class fp3_group_cost(Structure):
+    _fields_ = [
+        ("failure", fp3_failure),
+        ("object_steps", c_uint64),
     ]
 
 
@@ -773,6 +786,9 @@ class fp3_cost(Structure):
         ("stats", fp3_stats),
         ("failure", fp3_failure),
         ("counter", c_void_p),
+        ("groups", POINTER(fp3_group_cost)),
+        ("hash", c_char * 65),
+        ("chain", c_char * 65),
     ]
 
 

@@ -92,6 +92,7 @@ struct fp3_output {
     FILE *stream;
     char *path, *real; /* as it was named, and behind all links */
     char *temporary;   /* NULL: written directly, or published */
+    char *before;      /* where the content goes that publishing replaces; NULL: it is lost */
 };
 
 /* A temporary beside real, a name that is free. */
@@ -146,7 +147,38 @@ static int open_output(fp3_output *o) {
     return file;
 }
 
-fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *error) {
+/* A link that cannot be made: the file system has none. Then path is missing for a moment. */
+static int keep_before(const fp3_output *o) {
+    if (unlink(o->before) && errno != ENOENT)
+        return -1;
+    return link(o->real, o->before) && errno != ENOENT && rename(o->real, o->before);
+}
+
+static int publish(fp3_output *o) {
+    if (fsync(fileno(o->stream)) || (o->before && keep_before(o)) || rename(o->temporary, o->real))
+        return -1;
+    free(o->temporary);
+    o->temporary = NULL;
+    return 0;
+}
+
+static int open_again(fp3_output *o) {
+    struct stat found;
+    const int exists = !stat(o->path, &found);
+    o->real = fp3_path_resolve(o->path);
+    o->before = o->real ? fp3_output_before(o->real) : NULL;
+    if (!o->before || asprintf(&o->temporary, "%s.tmp", o->real) < 0) {
+        o->temporary = NULL;
+        return -1;
+    }
+    return open(o->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC,
+                exists ? found.st_mode & 0777 : 0666);
+}
+
+typedef int open_fn(fp3_output *o);
+
+static fp3_status open_by(open_fn *open_it, const char *path, fp3_output **output,
+                          fp3_error *error) {
     *output = NULL;
     fp3_status status = fp3_path_check_output(path, error);
     if (status)
@@ -156,7 +188,7 @@ fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *err
         free(o);
         return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
     }
-    const int file = open_output(o);
+    const int file = open_it(o);
     if (file < 0 || !(o->stream = fdopen(file, "wb"))) {
         status = fp3_path_fail(error, path, "cannot write");
         if (file >= 0)
@@ -165,6 +197,23 @@ fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *err
     }
     *output = o;
     return status;
+}
+
+fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *error) {
+    return open_by(open_output, path, output, error);
+}
+
+fp3_status fp3_output_open_again(const char *path, fp3_output **output, fp3_error *error) {
+    struct stat found;
+    *output = NULL;
+    if (fp3_path_stream(path, 1) >= 0 || (!stat(path, &found) && !S_ISREG(found.st_mode)))
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: no regular file", path);
+    return open_by(open_again, path, output, error);
+}
+
+char *fp3_output_before(const char *path) {
+    char *before;
+    return asprintf(&before, "%s.1", path) < 0 ? NULL : before;
 }
 
 FILE *fp3_output_stream(const fp3_output *output) { return output->stream; }
@@ -178,13 +227,8 @@ void fp3_output_begin_writing(const fp3_output *output) {
 
 fp3_status fp3_output_publish(fp3_output *o, fp3_error *error) {
     int failed = fflush(o->stream) || ferror(o->stream);
-    if (!failed && o->temporary) {
-        failed = fsync(fileno(o->stream)) || rename(o->temporary, o->real);
-        if (!failed) {
-            free(o->temporary);
-            o->temporary = NULL;
-        }
-    }
+    if (!failed && o->temporary)
+        failed = publish(o);
     return failed ? fp3_path_fail(error, o->path, "cannot write") : FP3_OK;
 }
 
@@ -200,6 +244,7 @@ void fp3_output_close(fp3_output **output) {
     free(o->temporary);
     free(o->path);
     free(o->real);
+    free(o->before);
     free(o);
 }
 

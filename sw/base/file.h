@@ -25,6 +25,11 @@ fp3_status fp3_file_write(const char *path, const void *data, size_t size, fp3_e
  * What is not a regular file (a pipe, a device, standard output) is written directly. */
 typedef struct fp3_output fp3_output;
 fp3_status fp3_output_open(const char *path, fp3_output **output, fp3_error *error);
+/* The same for a regular file that is written again and again: what it held before stays as path.1, and the temporary
+ * is path.tmp, so that of runs that are killed never more than one is left. FP3_E_ARGUMENT: path is no regular file. */
+fp3_status fp3_output_open_again(const char *path, fp3_output **output, fp3_error *error);
+/* path.1; the caller frees it. NULL: out of memory. */
+char *fp3_output_before(const char *path);
 FILE *fp3_output_stream(const fp3_output *output);
 /* The name of the temporary, for a library that opens files itself; NULL: there is none. */
 const char *fp3_output_temporary(const fp3_output *output);

@@ -4,6 +4,7 @@
 #include "fpu.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -60,7 +61,10 @@ static void *help(void *user) {
 }
 
 uint32_t fp3_threads_processors(void) {
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    cpu_set_t set;
+    const int processors = sched_getaffinity(0, sizeof set, &set)
+                               ? (int)sysconf(_SC_NPROCESSORS_ONLN) /* more than a set has */
+                               : CPU_COUNT(&set);
     return processors > 1 ? (uint32_t)processors : 1;
 }
 

@@ -265,16 +265,16 @@ fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
                         "%zu of %zu objects: objects that see each other all make steps", count,
                         b->objects);
     b->used = count;
-    fp3_engine_use(b->engine, count);
+    fp3_engine_use(b->engine, 0, count);
     return FP3_OK;
 }
 
 double fp3_batch_time(const fp3_batch *b) { return b->before + (double)b->since * b->h; }
 
 fp3_status fp3_batch_restart(fp3_batch *b) {
-    fp3_engine_use(b->engine, b->objects);
+    fp3_engine_use(b->engine, 0, b->objects);
     const fp3_status status = fp3_engine_load(b->engine, b->image);
-    fp3_engine_use(b->engine, b->used);
+    fp3_engine_use(b->engine, 0, b->used);
     if (status)
         return status;
     fp3_fields_restart(b->fields);

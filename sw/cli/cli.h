@@ -12,6 +12,7 @@ int fp3_cmd_compile(int argc, char **argv);
 int fp3_cmd_compare(int argc, char **argv);
 int fp3_cmd_dis(int argc, char **argv);
 int fp3_cmd_run(int argc, char **argv);
+int fp3_cmd_verify(int argc, char **argv);
 int fp3_cmd_bench(int argc, char **argv);
 int fp3_cmd_stress(int argc, char **argv);
 int fp3_cmd_view(int argc, char **argv);

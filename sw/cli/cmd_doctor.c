@@ -5,7 +5,7 @@
 #include "base/threads.h"
 #include "cli.h"
 #include "engine/hardware.h"
-#include "engine/library.h"
+#include "engine/library_hdf5.h"
 #include "fast/cache.h"
 #include "machine/config.h"
 #include "output/gnuplot.h"
@@ -99,11 +99,8 @@ static fp3_status check_hardware(finding *f) {
 }
 
 static fp3_status check_hdf5(finding *f) {
-    void *library = NULL;
-    const fp3_status status =
-        fp3_library_load("fp3_hdf5.so", "library for HDF5 files", &library, NULL, &f->error);
-    fp3_library_unload(library);
-    return status;
+    const fp3_hdf5_ops *calls;
+    return fp3_library_hdf5(&calls, &f->error);
 }
 
 static fp3_status check_gnuplot(finding *f) { return fp3_gnuplot_check(&f->error); }

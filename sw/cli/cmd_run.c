@@ -6,6 +6,8 @@
 #include "run_loss.h"
 #include "run_options.h"
 #include "run_print.h"
+#include "run_ranks.h"
+#include "scene/split.h"
 
 #include <fp3/trace.h>
 #include <stdio.h>
@@ -45,11 +47,14 @@ static void warn(const fp3_run_options *o, const fp3_run_task *of) {
 /* A scene of one group is one program. */
 static fp3_status record(fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
                          fp3_cost *cost, fp3_error *error) {
-    const fp3_program *program = of->scene ? of->scene->groups[0].program : of->program;
+    const int is_one = !of->scene || of->scene->group_count == 1;
+    const fp3_program *program = !is_one     ? NULL
+                                 : of->scene ? of->scene->groups[0].program
+                                             : of->program;
     const fp3_params *params = of->scene ? of->scene->groups[0].params : o->values.params;
     fp3_recording_def *def = &o->record.def;
-    fp3_status status = FP3_OK;
-    if (def->times && !o->has_steps && !fp3_run_is_adaptive(of))
+    fp3_status status = is_one ? FP3_OK : fp3_split_check_scene(of->scene, "checkpoints", error);
+    if (!status && def->times && !o->has_steps && !fp3_run_is_adaptive(of))
         status =
             fp3_recording_steps(program, params, def->times, def->time_count, &o->steps, error);
     def->steps = o->steps;
@@ -103,13 +108,15 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--cycle-limit: a limit is of one run, and adaptive steps may take "
                         "several; --steps limits attempts");
-    fp3_status status = fp3_engine_open(def, &engine);
+    fp3_status status =
+        o->ranks ? fp3_engine_open_ranks(def, o->ranks, &engine) : fp3_engine_open(def, &engine);
     if (!status)
         status = of->scene ? fp3_scene_load(of->scene, engine, error)
                            : fp3_program_load(of->program, o->values.params, engine, error);
     if (!status) { /* from here on there are no more groups than schedulers */
         fp3_progress_pause(o->progress);
-        warn(o, of);
+        if (!o->is_quiet)
+            warn(o, of);
         fp3_progress_resume(o->progress);
         fp3_progress_say(o->progress, "running");
         status = fp3_run_record_is_asked(&o->record)
@@ -122,13 +129,13 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
                 error);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
-        if (*has_run)
+        if (*has_run && !o->is_quiet)
             fp3_run_print(engine, of, def, &cost, check, o->all, o->on.clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
         status = fp3_run_failed(engine, of, &cost, error);
-    if (!status)
+    if (!status && !o->is_quiet)
         status = judge(o, of, engine, check, error);
     fp3_run_check_free(&check);
     fp3_recording_close(&o->recording);
@@ -181,6 +188,7 @@ static fp3_status check_files(fp3_run_options *o, fp3_error *error) {
     fp3_files_write(&o->files, "--bus-log", o->on.bus_log);
     fp3_files_write(&o->files, "--output", o->record.def.path);
     fp3_files_write(&o->files, "--plot", o->record.def.plot);
+    fp3_run_record_files(&o->record, &o->files);
     return fp3_files_check(&o->files, error);
 }
 
@@ -197,9 +205,10 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
         fp3_files_write(&files, "--bus-log", o->on.bus_log);
         fp3_files_write(&files, "--output", o->record.def.path);
         fp3_files_write(&files, "--plot", o->record.def.plot);
+        fp3_files_write(&files, "--checkpoint", o->record.def.checkpoint);
         status = fp3_files_check(&files, error);
     }
-    if (!status && fp3_run_record_is_asked(&o->record) && scene->group_count != 1)
+    if (!status && fp3_run_record_has_snapshots(&o->record) && scene->group_count != 1)
         return fp3_fail_at(
             error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
             "--output, --plot: %zu groups have states of their own: record a scene of "
@@ -267,20 +276,32 @@ static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
     return status;
 }
 
+fp3_status fp3_run_make(fp3_run_options *o, char **report, fp3_error *error) {
+    fp3_progress_say(o->progress, "reading and compiling");
+    return o->scene ? run_scene(o, error) : run_program(o, report, error);
+}
+
 int fp3_cmd_run(int argc, char **argv) {
     fp3_run_options o;
     fp3_error error = {.text = ""};
     char *report = NULL;
+    fp3_run_ranks ranks = {.is_one = 1};
     fp3_status status = fp3_run_options_parse(argc, argv, &o, &error);
+    if (!status)
+        status = fp3_run_record_command(&o.record, argc, argv, &error);
+    if (!status)
+        status = fp3_run_ranks_begin(&ranks, &error);
+    o.ranks = ranks.is_one ? NULL : &ranks.all;
+    o.record.def.is_silent = ranks.all.rank != 0;
     if (!status)
         status = check_files(&o, &error);
     if (!status) {
         o.progress = fp3_progress_begin("run", o.program ? o.program : o.scene);
-        fp3_progress_say(o.progress, "reading and compiling");
-        status = o.scene ? run_scene(&o, &error) : run_program(&o, &report, &error);
+        status = fp3_run_make(&o, &report, &error);
         fp3_progress_end(&o.progress);
     }
-    const int exit_code = fp3_cli_end("run", status, &error, report);
+    const int said = fp3_cli_end("run", status, &error, report);
+    const int exit_code = fp3_run_ranks_end(&ranks, status, &error) ? 0 : said;
     free(report);
     fp3_run_options_free(&o);
     return exit_code;

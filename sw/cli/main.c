@@ -16,6 +16,7 @@
     X(compare, "Compare integrators on a model")                                                   \
     X(dis, "Disassemble an image, or one instruction word")                                        \
     X(run, "Run an image on an engine")                                                            \
+    X(verify, "Run a part of a recorded run again, and compare hashes")                            \
     X(view, "Show a recording as a web page that plays it, or as pictures")                        \
     X(tune, "Find the cheapest way to integrate a model to a tolerance")                           \
     X(bench, "Measure the ship, or another program, on the hardware")                              \

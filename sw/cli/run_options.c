@@ -29,6 +29,9 @@ enum {
     KEY_OUTPUT,
     KEY_COMPRESS,
     KEY_PLOT,
+    KEY_CHECKPOINT,
+    KEY_CHECKPOINT_EVERY,
+    KEY_RESTART,
     KEY_THREADS,
     KEY_NATIVE,
     KEY_TOLERANCE,
@@ -139,6 +142,18 @@ static const struct argp_option table[] = {
      "between them; "
      "may be repeated (default: all states)",
      0},
+    {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
+     "Write all that the objects hold to FILE at the end, from which --restart goes on; what FILE "
+     "held before stays as "
+     "FILE.1",
+     0},
+    {"checkpoint-every", KEY_CHECKPOINT_EVERY, "N", 0,
+     "With --checkpoint: also after every N steps", 0},
+    {"restart", KEY_RESTART, "FILE", 0,
+     "Go on from the checkpoint FILE of this same run, on any engine; --steps counts from the "
+     "start of "
+     "the run",
+     0},
     {"cycle-limit", KEY_LIMIT, "N", 0,
      "Stop after N clock cycles, with exit code 1 (default: none)", 0},
     {"bus-log", KEY_BUS_LOG, "FILE", 0, "Write every transfer on the bus to FILE", 0},
@@ -172,8 +187,8 @@ static void check(fp3_run_options *o, struct argp_state *state) {
     fp3_run_engine_check(&o->on, state);
     if (fp3_run_record_is_asked(&o->record) && o->on.cycle_limit)
         argp_error(state,
-                   "--cycle-limit: a limit is of one run, and --output and --plot make a run "
-                   "for each snapshot");
+                   "--cycle-limit: a limit is of one run, and --output, --plot, --checkpoint and "
+                   "--restart make a run of each part");
     fp3_run_record_check(&o->record, state);
     fp3_run_check_check(&o->check, o->is_model, o->values.params, state);
 }
@@ -277,6 +292,15 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case KEY_PLOT:
         o->record.def.plot = text;
         break;
+    case KEY_CHECKPOINT:
+        o->record.def.checkpoint = text;
+        break;
+    case KEY_CHECKPOINT_EVERY:
+        fp3_run_record_checkpoint_every(&o->record, state, text);
+        break;
+    case KEY_RESTART:
+        o->record.def.restart = text;
+        break;
     case KEY_COMPRESS:
         o->record.def.is_compressed = 1;
         break;
@@ -310,7 +334,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
         o->is_model = o->is_model || (o->program && fp3_program_is_model(o->program));
         check(o, state);
-        if (o->how.is_adaptive && fp3_run_record_is_asked(&o->record))
+        if (o->how.is_adaptive && fp3_run_record_has_snapshots(&o->record))
             fp3_run_adaptive_record(&o->how, &o->record.def, state);
         break;
     default:

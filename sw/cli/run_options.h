@@ -6,6 +6,7 @@
 #include "progress.h"
 #include "run_check.h"
 #include "run_engine.h"
+#include "run_ranks.h"
 #include "run_record.h"
 #include "run_values.h"
 
@@ -25,11 +26,15 @@ typedef struct {
     fp3_files files;
     fp3_program_def how;
     fp3_progress *progress;
+    const fp3_ranks *ranks; /* NULL: one process */
+    int is_quiet;           /* prints nothing of the run, and judges nothing in it */
 } fp3_run_options;
 
 /* Makes the defaults, and what the command line says of them. Ends the command where it is wrong. FP3_E_SYSTEM: out of
  * memory. The caller frees *options, after a failure too. */
 fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *options, fp3_error *error);
 void fp3_run_options_free(fp3_run_options *options);
+/* The run itself; *report as of fp3_program_open. */
+fp3_status fp3_run_make(fp3_run_options *options, char **report, fp3_error *error);
 
 #endif

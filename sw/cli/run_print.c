@@ -4,6 +4,8 @@
 #include "cli.h"
 #include "run_adaptive.h"
 
+#include "engine/inside.h"
+
 #include <fp3/trace.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -17,6 +19,7 @@ typedef struct {
     const fp3_image *image;
     size_t first, objects;
     const fp3_run_check *check; /* NULL: no estimates */
+    const fp3_failure *failure; /* of a run in parts; NULL: the engine is asked */
 } part;
 
 static void end_state(const part *of, const fp3_symbol *symbol, size_t object) {
@@ -134,12 +137,12 @@ static void print_lives(const fp3_engine *engine, const fp3_scene_group *group) 
 /* text has room for both kinds. */
 static fp3_status find_failed(fp3_engine *engine, const part *of, const fp3_cost *cost,
                               size_t *failed, char text[FP3_ADAPTIVE_TEXT_SIZE]) {
-    fp3_failure failure = cost->failure;
+    fp3_failure failure = of->failure ? *of->failure : (fp3_failure){0};
     fp3_status status = FP3_OK;
     if (of->image && fp3_adaptive_is(of->image))
         return fp3_run_adaptive_failed(engine, of->first, of->objects, cost->stats.flags, failed,
                                        text);
-    if (!cost->counter)
+    if (!of->failure)
         status = fp3_engine_failure(engine, of->first, of->objects, &failure);
     *failed = status ? 0 : failure.failed;
     if (*failed)
@@ -176,7 +179,8 @@ static fp3_status counters_of(fp3_engine *engine, const fp3_cost *cost, uint32_t
 }
 
 static void print_occupancy(fp3_engine *engine, const fp3_cost *cost) {
-    for (uint32_t scheduler = 0; scheduler < cost->stats.schedulers; scheduler++) {
+    for (uint32_t scheduler = 0;
+         !fp3_engine_is_divided(engine) && scheduler < cost->stats.schedulers; scheduler++) {
         uint64_t counter[FP3_COUNTER_COUNT];
         if (!counters_of(engine, cost, scheduler, counter))
             fp3_occupancy_print(stdout, scheduler, counter);
@@ -233,25 +237,36 @@ static void print_speed(const fp3_stats *stats, const char *how) {
     printf("; %s\n", how);
 }
 
-static part part_of(const fp3_scene_group *group) {
-    return (part){group->program, group->program->image, group->first, group->objects, NULL};
+static part part_of(const fp3_scene *scene, size_t number, const fp3_cost *cost) {
+    const fp3_scene_group *group = &scene->groups[number];
+    return (part){.program = group->program,
+                  .image = group->program->image,
+                  .first = group->first,
+                  .objects = group->objects,
+                  .failure = cost->groups ? &cost->groups[number].failure : NULL};
 }
 
-static part part_of_program(const fp3_engine *engine, const fp3_program *program) {
-    return (part){program, program->image, 0, fp3_engine_objects(engine), NULL};
+/* program NULL: of several. */
+static part part_of_all(const fp3_engine *engine, const fp3_program *program,
+                        const fp3_cost *cost) {
+    return (part){.program = program,
+                  .image = program ? program->image : NULL,
+                  .objects = fp3_engine_objects(engine),
+                  .failure = cost->groups ? &cost->failure : NULL};
 }
 
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
                         const fp3_cost *cost, int all) {
     const fp3_scene_group *group = &scene->groups[number];
-    const part of = part_of(group);
+    const part of = part_of(scene, number, cost);
     fp3_cli_line(stdout, "group %-10zu %s, objects %zu to %zu", number, group->path, group->first,
                  group->first + group->objects - 1);
     print_states(engine, &of, all);
     print_lives(engine, group);
     print_status(engine, &of, cost);
-    const uint64_t steps =
-        scene->group_count == 1 ? cost->stats.object_steps : fp3_engine_group_steps(engine, number);
+    const uint64_t steps = scene->group_count == 1 ? cost->stats.object_steps
+                           : cost->groups          ? cost->groups[number].object_steps
+                                                   : fp3_engine_group_steps(engine, number);
     printf("%-16s %" PRIu64 "\n\n", "object_steps", steps);
 }
 
@@ -281,7 +296,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     const int is_hardware = is_rtl || strcmp(def->engine, "board") == 0;
     if (of->program) {
-        part objects = part_of_program(engine, of->program);
+        part objects = part_of_all(engine, of->program, cost);
         objects.check = check;
         print_states(engine, &objects, all);
         print_status(engine, &objects, cost);
@@ -300,6 +315,10 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_balance(engine, cost);
     if (check)
         fp3_run_check_print(check);
+    if (*cost->hash)
+        printf("%-16s %s\n", "hash", cost->hash);
+    if (*cost->chain)
+        printf("%-16s %s\n", "chain", cost->chain);
 }
 
 int fp3_run_is_adaptive(const fp3_run_task *of) {
@@ -310,10 +329,10 @@ int fp3_run_is_adaptive(const fp3_run_task *of) {
 }
 
 /* Of all objects, where steps have numbers that say who was the first; else group by group. */
-static part part_to_judge(const fp3_engine *engine, const fp3_run_task *of, size_t number) {
-    return of->program               ? part_of_program(engine, of->program)
-           : fp3_run_is_adaptive(of) ? part_of(&of->scene->groups[number])
-                                     : (part){.objects = fp3_engine_objects(engine)};
+static part part_to_judge(const fp3_engine *engine, const fp3_run_task *of, size_t number,
+                          const fp3_cost *cost) {
+    return of->scene && fp3_run_is_adaptive(of) ? part_of(of->scene, number, cost)
+                                                : part_of_all(engine, of->program, cost);
 }
 
 fp3_status fp3_run_failed(fp3_engine *engine, const fp3_run_task *of, const fp3_cost *cost,
@@ -323,7 +342,7 @@ fp3_status fp3_run_failed(fp3_engine *engine, const fp3_run_task *of, const fp3_
     fp3_status status = FP3_OK;
     size_t sum = 0;
     for (size_t i = 0; !status && i < parts; i++) {
-        const part one = part_to_judge(engine, of, i);
+        const part one = part_to_judge(engine, of, i, cost);
         size_t failed = 0;
         char text[FP3_ADAPTIVE_TEXT_SIZE];
         status = find_failed(engine, &one, cost, &failed, text);

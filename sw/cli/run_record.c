@@ -2,8 +2,11 @@
 #include "run_record.h"
 
 #include "arguments.h"
+#include "base/file.h"
+#include "base/path.h"
 
 #include <fp3/model.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,8 +50,19 @@ void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, ch
     record->def.observed = record->names;
 }
 
-int fp3_run_record_is_asked(const fp3_run_record *record) {
+void fp3_run_record_checkpoint_every(fp3_run_record *record, struct argp_state *state,
+                                     const char *text) {
+    record->def.checkpoint_every =
+        fp3_arguments_number(state, "--checkpoint-every", text, 1, UINT32_MAX);
+}
+
+int fp3_run_record_has_snapshots(const fp3_run_record *record) {
     return record->def.path || record->def.plot;
+}
+
+int fp3_run_record_is_asked(const fp3_run_record *record) {
+    const fp3_recording_def *def = &record->def;
+    return fp3_run_record_has_snapshots(record) || def->checkpoint || def->restart || def->expected;
 }
 
 void fp3_run_record_check(const fp3_run_record *record, struct argp_state *state) {
@@ -59,11 +73,56 @@ void fp3_run_record_check(const fp3_run_record *record, struct argp_state *state
                    "it is written");
     if (def->is_compressed && !def->path)
         argp_error(state, "--compress: expected --output FILE, an HDF5 file");
+    if (def->checkpoint_every && !def->checkpoint)
+        argp_error(state, "--checkpoint-every: expected --checkpoint FILE, where it is written");
     if (def->every && def->times)
         argp_error(state, "--every and --times: expected one of them");
 }
 
+fp3_status fp3_run_record_command(fp3_run_record *record, int argc, char **argv, fp3_error *error) {
+    size_t size = 1;
+    int has_breaks = 0;
+    for (int i = 1; i < argc; i++) {
+        size += strlen(argv[i]) + 1;
+        has_breaks |= strchr(argv[i], '\n') != NULL;
+    }
+    if (has_breaks)
+        return record->def.checkpoint ? fp3_fail(error, FP3_E_ARGUMENT,
+                                                 "--checkpoint: it keeps the arguments, one a "
+                                                 "line, and one of them has a line break")
+                                      : FP3_OK;
+    char *command = record->command = calloc(size, 1);
+    if (!command)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (int i = 1; i < argc; i++)
+        command += sprintf(command, "%s%s", i > 1 ? "\n" : "", argv[i]);
+    record->def.command = record->command;
+    return FP3_OK;
+}
+
+/* A run that was killed while it gave its files their names leaves one file with both. */
+static int are_linked(const char *checkpoint, const char *before) {
+    fp3_path_id one, other;
+    return !fp3_path_identify(checkpoint, 1, &one) && !fp3_path_identify(before, 1, &other) &&
+           fp3_path_same(&one, &other);
+}
+
+void fp3_run_record_files(fp3_run_record *record, fp3_files *files) {
+    const fp3_recording_def *def = &record->def;
+    if (def->checkpoint)
+        record->before = fp3_output_before(def->checkpoint);
+    fp3_files_write(files, "--checkpoint, before",
+                    record->before && !are_linked(def->checkpoint, record->before) ? record->before
+                                                                                   : NULL);
+    fp3_files_write(files, "--checkpoint", def->checkpoint);
+    if (def->restart && (!record->before || (strcmp(def->restart, def->checkpoint) != 0 &&
+                                             strcmp(def->restart, record->before) != 0)))
+        fp3_files_read(files, "--restart", def->restart);
+}
+
 void fp3_run_record_free(fp3_run_record *record) {
+    free(record->command);
+    free(record->before);
     free(record->names);
     free(record->times);
 }

@@ -33,7 +33,10 @@ typedef struct {
     fp3_status (*write)(fp3_engine *engine, fp3_cells cells, const void *words);
     /* See fp3_engine_column; *words is NULL. NULL: there is no such place. */
     fp3_status (*column)(fp3_engine *engine, uint32_t reg, const uint32_t **words);
-    /* A list of neighbours has been given; NULL: the backend reads those of the layout. */
+    /* A word of each of these objects; NULL: by `read`. */
+    void (*gather)(const fp3_engine *engine, uint32_t reg, const uint32_t *objects, size_t count,
+                   uint32_t *words);
+    /* A list of neighbours has been given, or (list is NULL) all are made anew; NULL: the backend reads those of the layout. */
     fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
@@ -45,7 +48,9 @@ typedef struct {
     /* See fp3_engine_write_native; NULL: there is no native code. */
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
-    int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
+    uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
+    int is_divided;   /* other engines have the objects, and know who failed */
+    int is_in_host;   /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
 typedef struct fp3_origin fp3_origin;
@@ -59,7 +64,6 @@ typedef struct {
     fp3_life *list;  /* of each object; NULL: all live, always */
     uint64_t change; /* the next step after which others live; not above `made`: unknown */
     int is_any;      /* somebody is alive until then */
-    uint64_t (*sums)[FP3_COUNTER_COUNT]; /* of each scheduler, over the parts of a run */
 } fp3_lives;
 
 typedef struct {
@@ -96,7 +100,10 @@ struct fp3_engine {
     double expected;   /* instructions of this part of the run, if nobody sleeps */
     double told, part; /* shares of the run: the parts before this one, and this one */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
+    uint64_t (*sums)[FP3_COUNTER_COUNT];     /* ... over the parts of a run */
     fp3_origin *origin;                      /* of the last run */
+    fp3_exchange_fn *exchange;               /* or NULL */
+    void *exchange_user;
     fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
     void *self;           /* the backend's own */
 };
@@ -107,8 +114,23 @@ int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 /* What the next run's draws begin with (machine/storage.h). */
 uint32_t fp3_engine_seed(const fp3_engine *engine);
 
+/* What fp3_engine_open checks; the backend and the configuration that it finds. */
+fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **backend,
+                            const fp3_config **config);
+/* The rest of it. The engine has `self` then, also after a failure; *engine is NULL. */
+fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *config,
+                              const fp3_backend *backend, void *self, fp3_engine **engine);
+
+/* Whether an object may have failed in the last run: then the run is made again. */
+fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect);
+/* Who failed in the last run: engine->failures. is_suspect: it is made again in any case, because others need what it publishes. */
+fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect);
+
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
+
+/* When a phase begins. */
+fp3_status fp3_engine_exchange(fp3_engine *engine);
 
 /* Tells the caller how far the run is, by the instructions that objects have executed so far. */
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);

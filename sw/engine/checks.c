@@ -44,7 +44,8 @@ fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object) {
 
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object) {
     const fp3_members *group = fp3_layout_group_of(&engine->layout, object);
-    return object - group->first < group->objects && fp3_engine_life(engine, object) == FP3_ALIVE &&
+    return object - fp3_members_begin(group) < group->objects &&
+           fp3_engine_life(engine, object) == FP3_ALIVE &&
            (group->program.slept < 0 || engine->sleepers.slept[object] == 0);
 }
 

@@ -96,7 +96,7 @@ static fp3_status place_objects(fp3_engine *engine) {
     fp3_status status = fp3_layout_make(engine->config, 1, layout, engine->def.error);
     if (status)
         return status;
-    layout->groups[0].objects = engine->objects;
+    layout->groups[0].objects = layout->groups[0].rows = engine->objects;
     layout->groups[0].program.slept = layout->groups[0].counter = -1;
     return fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
 }
@@ -118,10 +118,11 @@ static fp3_status make_room(fp3_engine *engine) {
         return status;
     engine->sleepers.slept = calloc(engine->objects, sizeof *engine->sleepers.slept);
     engine->counters = calloc(fp3_config_schedulers(engine->config), sizeof *engine->counters);
+    engine->sums = calloc(fp3_config_schedulers(engine->config), sizeof *engine->sums);
     status = fp3_origin_open(engine);
     if (status)
         return status;
-    return engine->sleepers.slept && engine->counters
+    return engine->sleepers.slept && engine->counters && engine->sums
                ? FP3_OK
                : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
 }
@@ -142,33 +143,45 @@ static fp3_status check_bus(const fp3_engine_def *def, const fp3_backend *backen
     return FP3_OK;
 }
 
-fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
-    *engine = NULL;
+fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **found,
+                            const fp3_config **config) {
     if (check_cookie(def))
         return FP3_E_ARGUMENT;
-
-    const fp3_config *config = NULL;
     const fp3_backend *backend = find(def->engine, def->error);
     if (!backend)
         return FP3_E_ARGUMENT;
+    *found = backend;
     fp3_status status = check_bus(def, backend);
     if (!status && def->native && !backend->write_native)
         status = fp3_fail(def->error, FP3_E_ARGUMENT,
                           "native %s: engine '%s' executes no native code; fast does", def->native,
                           def->engine);
-    if (!status)
-        status = fp3_config_choose(def->config, &config, def->error);
-    return status ? status : fp3_engine_open_as(def, config, engine);
+    return status ? status : fp3_config_choose(def->config, config, def->error);
+}
+
+fp3_status fp3_engine_open(const fp3_engine_def *def, fp3_engine **engine) {
+    const fp3_config *config = NULL;
+    const fp3_backend *backend = NULL;
+    *engine = NULL;
+    const fp3_status status = fp3_engine_check(def, &backend, &config);
+    return status ? status : fp3_engine_open_on(def, config, backend, NULL, engine);
 }
 
 fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
                               fp3_engine **engine) {
-    *engine = NULL;
     const fp3_backend *backend = find(def->engine, def->error);
-    fp3_engine *made = backend ? calloc(1, sizeof *made) : NULL;
+    *engine = NULL;
+    return backend ? fp3_engine_open_on(def, config, backend, NULL, engine) : FP3_E_ARGUMENT;
+}
+
+fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *config,
+                              const fp3_backend *backend, void *self, fp3_engine **engine) {
+    *engine = NULL;
+    fp3_engine *made = calloc(1, sizeof *made);
     if (!made)
-        return backend ? fp3_fail(def->error, FP3_E_SYSTEM, "out of memory") : FP3_E_ARGUMENT;
-    *made = (fp3_engine){.backend = backend, .config = config, .own = *config, .def = *def};
+        return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+    *made = (fp3_engine){
+        .backend = backend, .config = config, .own = *config, .def = *def, .self = self};
     if (backend->is_in_host && config->interleave)
         made->own.store_words = FP3_STORE_HOST;
     made->config = &made->own;
@@ -193,6 +206,7 @@ void fp3_engine_close(fp3_engine **engine) {
     free(closing->sleepers.slept);
     free(closing->sleepers.awake);
     free(closing->counters);
+    free(closing->sums);
     free(closing->failures.list);
     fp3_origin_close(closing);
     free(closing);
@@ -208,6 +222,8 @@ size_t fp3_engine_groups(const fp3_engine *engine) { return engine->layout.count
 /* ---- what the project itself asks ---- */
 
 const char *fp3_engine_name(const fp3_engine *engine) { return engine->backend->name; }
+
+int fp3_engine_is_divided(const fp3_engine *engine) { return engine->backend->is_divided; }
 
 fp3_engine_def *fp3_engine_definition(fp3_engine *engine) { return &engine->def; }
 

@@ -27,10 +27,10 @@ static fp3_status look_at_state(fp3_engine *engine, const fp3_members *group, ui
     fp3_status status = FP3_OK;
     for (uint32_t n = 0, now; !status && n < group->objects; n += now) {
         now = group->objects - n < COLUMN ? group->objects - n : COLUMN;
-        status = fp3_engine_read_words(engine, group->first + n, now, reg, words);
+        status = fp3_engine_read_words(engine, fp3_members_begin(group) + n, now, reg, words);
         for (uint32_t i = 0; !status && i < now; i++)
             if (!fp3_watch_is_finite(words[i]))
-                *is_any = watched[group->first + n + i].is_astray = 1;
+                *is_any = watched[fp3_members_begin(group) + n + i].is_astray = 1;
     }
     return status;
 }
@@ -56,9 +56,16 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
     if (!groups)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (uint32_t i = 0; i < layout->count; i++)
-        groups[i] = (fp3_group){layout->groups[i].image, layout->groups[i].objects};
-    fp3_status status = fp3_engine_load_again(again, groups, layout->count);
+        groups[i] = (fp3_group){layout->groups[i].image,
+                                layout->count == 1 ? engine->objects : layout->groups[i].rows};
+    const fp3_status status = fp3_engine_load_again(again, groups, layout->count);
     free(groups);
+    for (uint32_t i = 0; !status && i < layout->count; i++) {
+        fp3_members *group = &again->layout.groups[i];
+        fp3_members_use(group, layout->groups[i].from, layout->groups[i].objects);
+        group->rows = layout->groups[i].rows;
+    }
+    fp3_engine_set_exchange(again, engine->exchange, engine->exchange_user);
     return status;
 }
 
@@ -78,7 +85,7 @@ static fp3_status look_ahead(fp3_engine *again) {
 static void watch_start(const fp3_engine *engine, const fp3_members *group, fp3_watched *watched) {
     const fp3_origin *o = engine->origin;
     const uint64_t states = fp3_engine_states_of(group);
-    for (uint32_t n = group->first; n < group->first + group->objects; n++) {
+    for (uint32_t n = fp3_members_begin(group); n < fp3_members_end(group); n++) {
         uint32_t cells[FP3_BANK_OBJECT_COUNT] = {0};
         for (uint32_t reg = 0; reg < engine->config->registers; reg++)
             cells[reg] = o->registers[(size_t)reg * engine->objects + n];
@@ -102,14 +109,6 @@ static fp3_status write_again(const fp3_engine *engine, fp3_watched *watched, fp
     return status;
 }
 
-/* Those that make steps. */
-static uint32_t objects_of(const fp3_engine *engine) {
-    uint32_t objects = 0;
-    for (uint32_t i = 0; i < engine->layout.count; i++)
-        objects += engine->layout.groups[i].objects;
-    return objects;
-}
-
 /* *flags: what that run raised, in all. */
 static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *flags) {
     fp3_stats stats = {0};
@@ -117,7 +116,7 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     fp3_engine_def def = fp3_engine_default();
     fp3_engine *again = NULL;
     def.engine = "isa";
-    def.objects = objects_of(engine);
+    def.objects = engine->objects;
     def.visit = engine->origin->visit;
     def.seed = engine->origin->seed;
     def.error = engine->def.error;
@@ -156,16 +155,25 @@ static fp3_status check(fp3_engine *engine, const fp3_watched *watched, uint32_t
                      : FP3_OK;
 }
 
-static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched) {
+static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched, int is_suspect) {
     uint32_t flags = 0;
-    int is_any = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    is_suspect |= (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
     for (uint32_t i = 0; i < engine->objects; i++)
         watched[i].raised = watched[i].strayed = FP3_NEVER;
-    fp3_status status = look_at_states(engine, watched, &is_any);
-    if (!status && is_any)
+    fp3_status status = look_at_states(engine, watched, &is_suspect);
+    if (!status && is_suspect)
         status = run_again(engine, watched, &flags);
-    if (!status && is_any)
+    if (!status && is_suspect)
         status = check(engine, watched, flags);
+    return status;
+}
+
+fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect) {
+    fp3_watched *watched = calloc(engine->objects, sizeof *watched);
+    *is_suspect = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    const fp3_status status = watched ? look_at_states(engine, watched, is_suspect)
+                                      : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    free(watched);
     return status;
 }
 
@@ -174,11 +182,12 @@ static int is_failed(const fp3_engine *engine, const fp3_watched *w) {
     return w->is_astray || (w->raised != FP3_NEVER && engine->config->flags);
 }
 
-static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *count) {
+static fp3_status find_again(fp3_engine *engine, int is_suspect, fp3_failed **failed,
+                             size_t *count) {
     fp3_watched *watched = calloc(engine->objects, sizeof *watched);
     *failed = calloc(engine->objects, sizeof **failed);
     fp3_status status = watched && *failed
-                            ? watch_again(engine, watched)
+                            ? watch_again(engine, watched, is_suspect)
                             : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     *count = 0;
     for (uint32_t i = 0; !status && i < engine->objects; i++)
@@ -188,10 +197,12 @@ static fp3_status find_again(fp3_engine *engine, fp3_failed **failed, size_t *co
     return status;
 }
 
-static fp3_status find_failures(fp3_engine *engine) {
-    fp3_status (*const of_engine)(fp3_engine *, fp3_failed **, size_t *) =
-        engine->origin->registers ? find_again : engine->backend->failures;
-    const fp3_status status = of_engine(engine, &engine->failures.list, &engine->failures.count);
+fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect) {
+    fp3_failed **list = &engine->failures.list;
+    size_t *count = &engine->failures.count;
+    const fp3_status status = engine->origin->registers
+                                  ? find_again(engine, is_suspect, list, count)
+                                  : engine->backend->failures(engine, list, count);
     if (status) {
         free(engine->failures.list);
         engine->failures.list = NULL;
@@ -225,7 +236,7 @@ fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                           "no run that came to its end since something was written or loaded");
     if (!status && !engine->failures.list)
-        status = find_failures(engine);
+        status = fp3_engine_find_failures(engine, 0);
     if (status)
         return status;
     const fp3_failed *earliest = NULL;

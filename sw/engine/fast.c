@@ -142,7 +142,7 @@ static fp3_status fast_connect(fp3_engine *engine, fp3_members *members, const f
     fast *self = engine->self;
     (void)list;
     fp3_around_forget(&self->groups[members - engine->layout.groups]);
-    return FP3_OK;
+    return fp3_order_undo(engine);
 }
 
 static fp3_status fast_load(fp3_engine *engine) {
@@ -196,6 +196,14 @@ static fp3_status fast_write(fp3_engine *engine, fp3_cells cells, const void *wo
     for (size_t i = 0; row && i < cells.count; i++)
         to[row[i]] = from[i];
     return FP3_OK;
+}
+
+static void fast_gather(const fp3_engine *engine, uint32_t reg, const uint32_t *objects,
+                        size_t count, uint32_t *words) {
+    const fast *self = engine->self;
+    const uint32_t *from = self->column[reg];
+    for (size_t i = 0; i < count; i++)
+        words[i] = !from ? 0 : from[self->row ? self->row[objects[i]] : objects[i]];
 }
 
 /* Those of objects that see each other move. */
@@ -465,6 +473,7 @@ const fp3_backend fp3_backend_fast = {
     .read = fast_read,
     .write = fast_write,
     .column = fast_column,
+    .gather = fast_gather,
     .connect = fast_connect,
     .list = fast_list,
     .run = fast_run,

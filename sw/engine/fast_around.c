@@ -12,7 +12,7 @@ typedef struct {
     fast *self;
     const fp3_fast *program;
     fp3_fast_group group;
-    uint32_t phase;
+    uint32_t phase, from; /* from: of the group's objects, the first */
 } sweep;
 
 void fp3_around_forget(group *g) {
@@ -31,7 +31,8 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .other = l->other,
                                       .field = l->field,
                                       .fields = l->fields,
-                                      .objects = l->objects,
+                                      /* guests see nobody: what fills the last vector would */
+                                      .objects = l->is_near ? fp3_members_end(members) : l->objects,
                                       .is_fixed = !l->is_near};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);
@@ -63,8 +64,8 @@ static void take_part(void *of, uint32_t number) {
         atomic_uint *next = &s->self->hands[whose].next;
         for (uint32_t n; (n = atomic_fetch_add(next, 1)) < end;) {
             const uint32_t first = n * FP3_BLOCK, left = s->group.objects - first;
-            fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, first,
-                           left < FP3_BLOCK ? left : FP3_BLOCK);
+            fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase,
+                           s->from + first, left < FP3_BLOCK ? left : FP3_BLOCK);
         }
     }
 }
@@ -88,7 +89,7 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
     if (!status)
-        status = fp3_lists_follow(&members->lists, members->objects, words, self->row, 1, &is_new,
+        status = fp3_lists_follow(&members->lists, members->rows, words, self->row, 1, &is_new,
                                   engine->def.error);
     if (is_new)
         fp3_around_forget(g);
@@ -126,12 +127,14 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
                                .constants = &self->shared[number * engine->config->registers],
                                .lists = g->lists,
                                .records = g->records,
-                               .objects = members->objects};
+                               .objects = members->rows};
     if (g->records) {
         s.phase = fp3_fast_phases(g->program);
         sweep_all(engine, &s);
     }
     s.phase = phase;
+    s.group.objects = members->objects;
+    s.from = members->from;
     sweep_all(engine, &s);
     FP3_EACH_REGISTER (doubled, reg) {
         uint32_t *half = self->column[reg];
@@ -178,7 +181,9 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fp3_status status = need_halves(engine, g);
     for (uint32_t step = 0; !status && step < steps; step++) {
         for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
-            status = follow(engine, members, g);
+            status = fp3_engine_exchange(engine);
+            if (!status)
+                status = follow(engine, members, g);
             if (!status)
                 make_phase(engine, members, g, phase);
         }

@@ -56,16 +56,24 @@ static fp3_status need_rows(fp3_engine *engine) {
     return FP3_OK;
 }
 
+static void put_guests_behind(const fp3_members *members, const uint32_t *from, uint32_t *rows) {
+    uint32_t own = 0, guests = members->objects;
+    for (uint32_t i = 0; i < members->rows; i++)
+        rows[from[i] - members->from < members->objects ? own++ : guests++] = from[i];
+}
+
 static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
                                const fp3_where_they_are *now) {
     fast *self = engine->self;
-    const uint32_t count = members->objects;
+    const uint32_t count = members->rows;
     uint32_t *rows = malloc(count * sizeof *rows), *scratch = malloc(count * sizeof *scratch);
     fp3_status status = need_rows(engine);
     if (!status && (!rows || !scratch))
         status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     if (!status)
-        status = fp3_near_order(&members->lists.lists[0].near, now, rows, engine->def.error);
+        status = fp3_near_order(&members->lists.lists[0].near, now, scratch, engine->def.error);
+    if (!status)
+        put_guests_behind(members, scratch, rows);
     if (!status) {
         move(self, rows, count, scratch);
         for (uint32_t i = 0; i < count; i++)
@@ -94,7 +102,7 @@ fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members) {
     const fast *self = engine->self;
     const fp3_near_rule *rule = &members->lists.lists[0].near;
     fp3_where_they_are now = {
-        .row = self->row, .stride = 1, .objects = members->objects, .dimensions = rule->dimensions};
+        .row = self->row, .stride = 1, .objects = members->rows, .dimensions = rule->dimensions};
     uint32_t astray;
     if (!may_have_an_order(members))
         return fp3_order_undo(engine);

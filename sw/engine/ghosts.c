@@ -49,9 +49,15 @@ static int is_for_all(const fp3_ghosts *g, uint32_t object) {
     return g->lanes > 2 && needed_by(g, object) == g->lanes - 1;
 }
 
+/* Of a single lane guests are rows like others. */
+static uint32_t rows_of(const fp3_engine *engine, uint32_t lane) {
+    return engine->config->lanes == 1 ? engine->layout.groups[0].rows
+                                      : fp3_layout_rows(&engine->layout, engine->config, 0, lane);
+}
+
 /* Those that all need stand first, at the same place in all lanes. */
 static void place_common(const fp3_engine *engine, fp3_ghosts *g) {
-    const uint32_t first = fp3_layout_rows(&engine->layout, engine->config, 0, 0);
+    const uint32_t first = rows_of(engine, 0);
     uint32_t next = first;
     for (uint32_t i = 0; i < g->objects; i++) {
         if (!is_for_all(g, i))
@@ -63,8 +69,7 @@ static void place_common(const fp3_engine *engine, fp3_ghosts *g) {
         g->copies[g->count++] = (fp3_copy){i, at.lane, at.row, 0, next++, 1};
     }
     for (uint32_t lane = 0; lane < g->lanes; lane++)
-        g->used[lane] =
-            next > first ? next : fp3_layout_rows(&engine->layout, engine->config, 0, lane);
+        g->used[lane] = next > first ? next : rows_of(engine, lane);
 }
 
 static void place_others(const fp3_engine *engine, fp3_ghosts *g) {
@@ -85,7 +90,7 @@ static size_t count_copies(const fp3_ghosts *g) {
 }
 
 fp3_status fp3_ghosts_find(const fp3_engine *engine, fp3_ghosts *g) {
-    const uint32_t lanes = engine->config->lanes, objects = engine->layout.groups[0].objects;
+    const uint32_t lanes = engine->config->lanes, objects = engine->layout.groups[0].rows;
     *g = (fp3_ghosts){.lanes = lanes, .objects = objects};
     g->rows = malloc((size_t)lanes * objects * sizeof *g->rows);
     g->used = malloc(lanes * sizeof *g->used);

@@ -37,6 +37,9 @@ fp3_config *fp3_engine_config(fp3_engine *engine);
 /* FP3_E_ARGUMENT: no engine has this name, which may be NULL. */
 fp3_status fp3_engine_check_name(const char *name, fp3_error *error);
 
+/* Its objects are on several ranks: cycles are those of the slowest, and other counters sums over all. */
+int fp3_engine_is_divided(const fp3_engine *engine);
+
 /* They belong to the engine. */
 const char *fp3_engine_name(const fp3_engine *engine);
 const fp3_layout *fp3_engine_layout(const fp3_engine *engine);
@@ -47,14 +50,36 @@ uint64_t fp3_engine_states_of(const fp3_members *group);
 
 /* Whether some objects do not live always. */
 int fp3_engine_has_lives(const fp3_engine *engine);
+/* What fp3_engine_live said of an object. */
+void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone);
+/* From here on as if the runs since the load had made so many steps; the caller writes what objects held then. */
+void fp3_engine_resume(fp3_engine *engine, uint64_t made);
+/* What the configuration keeps of the status of all objects, one word each. FP3_E_ARGUMENT: it keeps none. */
+fp3_status fp3_engine_read_status(fp3_engine *engine, uint32_t *words);
+fp3_status fp3_engine_write_status(fp3_engine *engine, const uint32_t *words);
 /* FP3_E_ARGUMENT: an object's `steps` is no whole number, or would not be after so many more. */
 fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 /* Those of the last run, by object, after fp3_engine_failure. */
 const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count);
 
-/* From the next run on objects 0 .. count-1, of an engine with one group, make steps. The others cost nothing and
- * keep what they hold. A load makes it all objects again; so has to be said before one, else they are moved. */
-void fp3_engine_use(fp3_engine *engine, size_t count);
+/* From the next run on objects first .. first+count-1, of an engine with one group, make steps. The others cost nothing and
+ * keep what they hold; as neighbours they can be read. `first` is 0, or objects see each other and it is a multiple of FP3_USE_STEP. A load makes it all objects again; so has to be said before one, else they are moved. */
+#define FP3_USE_STEP 16
+void fp3_engine_use(fp3_engine *engine, size_t first, size_t count);
+
+/* ---- guests: objects behind those that make steps, which only stand for objects of another engine ---- */
+
+/* Before each phase of a run: what guests publish is to be what their objects publish. A failure ends the run. */
+typedef fp3_status fp3_exchange_fn(void *user, fp3_engine *engine);
+void fp3_engine_set_exchange(fp3_engine *engine, fp3_exchange_fn *exchange, void *user);
+/* Sums over those that are near go by these numbers, one for each object and guest, all different: as if a single engine had
+ * them all. They are copied, and hold until the next load. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_engine_set_numbers(fp3_engine *engine, const uint32_t *numbers);
+/* A word of a record of these objects, of the engine's only group. */
+fp3_status fp3_engine_gather(fp3_engine *engine, uint32_t reg, const uint32_t *objects,
+                             size_t count, uint32_t *words);
+/* What neighbours read and some phase stores, as a set of registers: what an exchange has to bring. */
+uint64_t fp3_engine_published(const fp3_engine *engine);
 
 /* fp3_adaptive_look at objects first .. first+count-1. */
 fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,

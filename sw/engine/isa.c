@@ -258,7 +258,7 @@ static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
     isa *self = r->engine->self;
     const uint64_t before = self->executed;
     const fp3_members *group = members(r);
-    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+    for (uint32_t i = fp3_members_begin(group); i < fp3_members_end(group); i++)
         if ((self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP)) && has_turn(r, i))
             execute(r, i, word);
     uint64_t *counter = r->engine->counters[0];
@@ -271,7 +271,7 @@ static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
 static int is_anybody_awake(const round_of *r) {
     const isa *self = r->engine->self;
     const fp3_members *group = members(r);
-    for (uint32_t i = group->first; i < group->first + group->objects; i++)
+    for (uint32_t i = fp3_members_begin(group); i < fp3_members_end(group); i++)
         if (self->now[i] == AWAKE)
             return 1;
     return 0;
@@ -289,7 +289,7 @@ static void watch_states(const round_of *r, uint64_t in_records) {
     const fp3_members *group = members(r);
     const uint64_t states = fp3_engine_states_of(group);
     const uint32_t words_each = r->engine->config->registers;
-    for (uint32_t i = group->first; i < group->first + group->objects; i++) {
+    for (uint32_t i = fp3_members_begin(group); i < fp3_members_end(group); i++) {
         uint32_t is[FP3_BANK_OBJECT_COUNT];
         if (self->now[i] == AWAY)
             continue;
@@ -305,7 +305,8 @@ static void begin_step(round_of *r) {
     const isa *self = r->engine->self;
     const fp3_members *group = members(r);
     r->number++;
-    for (uint32_t i = group->first; r->engine->watched && i < group->first + group->objects; i++)
+    for (uint32_t i = fp3_members_begin(group); r->engine->watched && i < fp3_members_end(group);
+         i++)
         if (self->now[i] == AWAKE)
             fp3_watch_step(&r->engine->watched[i], r->number - r->engine->began);
 }
@@ -317,7 +318,8 @@ static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
     loop *l = &r->loop;
     if (program[pc].in.op == FP3_OP_EACH) {
         *l = (loop){.list = fp3_lists_of(lists, program[pc].in.d), .begin = pc};
-        for (uint32_t i = 0; i < l->list->objects; i++) {
+        const fp3_members *group = members(r);
+        for (uint32_t i = group->from; i < group->from + group->objects; i++) {
             const uint32_t turns = fp3_list_length(l->list, i);
             l->turns = turns > l->turns ? turns : l->turns;
         }
@@ -341,9 +343,12 @@ static fp3_status begin_phase(round_of *r) {
     fp3_members *group = &r->engine->layout.groups[r->group];
     const uint32_t *words[FP3_BANK_OBJECT_COUNT];
     int is_new;
+    const fp3_status status = fp3_engine_exchange(r->engine);
+    if (status)
+        return status;
     for (uint32_t reg = 0; reg < engine->config->registers; reg++)
         words[reg] = &self->store[(size_t)group->first * engine->config->registers + reg];
-    return fp3_lists_follow(&group->lists, group->objects, words, NULL, engine->config->registers,
+    return fp3_lists_follow(&group->lists, group->rows, words, NULL, engine->config->registers,
                             &is_new, engine->def.error);
 }
 
@@ -402,8 +407,9 @@ static int begin_round(const round_of *r) {
     const fp3_engine *engine = r->engine;
     const fp3_members *group = members(r);
     isa *self = engine->self;
-    const size_t words_each = engine->config->registers, first = group->first * words_each;
-    for (uint32_t i = group->first; i < group->first + group->objects; i++) {
+    const size_t words_each = engine->config->registers,
+                 first = fp3_members_begin(group) * words_each;
+    for (uint32_t i = fp3_members_begin(group); i < fp3_members_end(group); i++) {
         self->now[i] = !engine->config->interleave || self->listed[i] ? AWAKE : AWAY;
         if (engine->watched)
             engine->watched[i].ahead = 0;
@@ -418,7 +424,8 @@ static int begin_round(const round_of *r) {
 static void undo_round(const round_of *r) {
     const fp3_members *group = members(r);
     isa *self = r->engine->self;
-    const size_t words_each = r->engine->config->registers, first = group->first * words_each;
+    const size_t words_each = r->engine->config->registers,
+                 first = fp3_members_begin(group) * words_each;
     memcpy(&self->store[first], &self->before[first],
            group->objects * words_each * sizeof *self->store);
 }

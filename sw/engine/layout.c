@@ -133,15 +133,15 @@ const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object) 
 
 /* The first object of a column, where objects follow each other in each. */
 static uint32_t column_begin(const fp3_members *group, uint32_t column) {
-    const uint32_t more = group->objects % group->columns;
-    return column * (group->objects / group->columns) + (column < more ? column : more);
+    const uint32_t more = group->rows % group->columns;
+    return column * (group->rows / group->columns) + (column < more ? column : more);
 }
 
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object) {
     const fp3_members *group = fp3_layout_group_of(layout, object);
     const uint32_t number = (uint32_t)object - group->first;
     const uint32_t i = group->slot ? group->slot[number] : number;
-    const uint32_t each = group->objects / group->columns, more = group->objects % group->columns;
+    const uint32_t each = group->rows / group->columns, more = group->rows % group->columns;
     uint32_t column = i % group->columns, row = i / group->columns;
     if (group->lists.shape.is_any) { /* the first `more` columns have one more */
         column = i / (each + 1) < more ? i / (each + 1) : more + (i - more * (each + 1)) / each;

@@ -18,7 +18,9 @@ typedef struct {
     fp3_visit *visit; /* NULL if not interleaved */
     fp3_code program;
     uint32_t needs; /* of words in the store, for each object: the binary logarithm */
-    uint32_t first, objects;
+    uint32_t first, rows;
+    uint32_t from,
+        objects; /* of the rows, those that make steps; the others can be read as neighbours */
     uint32_t scheduler_count, columns;
     const uint32_t *schedulers; /* ascending */
     uint64_t steps;             /* that its objects made in the last run */
@@ -31,6 +33,20 @@ typedef struct {
     uint8_t *is_ahead; /* of each word of the program, if it is watched; else NULL */
     uint64_t live;     /* ... and the registers that a step leaves to what follows */
 } fp3_members;
+
+/* Objects of the engine that make steps. */
+static inline uint32_t fp3_members_begin(const fp3_members *group) {
+    return group->first + group->from;
+}
+
+static inline uint32_t fp3_members_end(const fp3_members *group) {
+    return fp3_members_begin(group) + group->objects;
+}
+
+static inline void fp3_members_use(fp3_members *group, uint32_t from, uint32_t objects) {
+    group->from = from;
+    group->objects = objects;
+}
 
 typedef struct {
     uint32_t group;

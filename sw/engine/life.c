@@ -48,13 +48,9 @@ uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any) {
 /* ---- lifetimes ---- */
 
 static fp3_status make_room(fp3_engine *engine) {
-    const uint32_t schedulers = fp3_config_schedulers(engine->config);
     engine->lives.list = malloc(engine->objects * sizeof *engine->lives.list);
-    engine->lives.sums = calloc(schedulers, sizeof *engine->lives.sums);
-    if (!engine->lives.list || !engine->lives.sums) {
-        fp3_life_forget(engine);
+    if (!engine->lives.list)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    }
     for (uint32_t i = 0; i < engine->objects; i++)
         engine->lives.list[i] = (fp3_life){0, FP3_FOREVER};
     return FP3_OK;
@@ -91,6 +87,20 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
     return FP3_OK;
 }
 
+void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone) {
+    const fp3_life always = {0, FP3_FOREVER};
+    const fp3_life *life = engine->lives.list ? &engine->lives.list[object] : &always;
+    *born = life->born;
+    *gone = life->gone;
+}
+
+void fp3_engine_resume(fp3_engine *engine, uint64_t made) {
+    engine->made = made;
+    engine->clock = (uint32_t)made;
+    engine->lives.change = 0;
+    engine->sleepers.is_listed = engine->sleepers.is_known = engine->is_counted = 0;
+}
+
 fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to) {
     fp3_status status = engine->lives.list ? make_room(to) : FP3_OK;
     if (!status && engine->lives.list)
@@ -100,31 +110,13 @@ fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to) {
 
 void fp3_life_forget(fp3_engine *engine) {
     free(engine->lives.list);
-    free(engine->lives.sums);
     engine->lives.list = NULL;
-    engine->lives.sums = NULL;
     engine->lives.change = 0;
 }
 
 /* Where an object is does not depend on how many there are. */
-void fp3_engine_use(fp3_engine *engine, size_t count) {
-    engine->layout.groups[0].objects = (uint32_t)count;
+void fp3_engine_use(fp3_engine *engine, size_t first, size_t count) {
+    fp3_members_use(&engine->layout.groups[0], (uint32_t)first, (uint32_t)count);
     engine->sleepers.is_listed = engine->sleepers.is_known = engine->is_counted = 0;
     engine->origin->is_complete = 0;
-}
-
-/* ---- counters ---- */
-
-void fp3_life_add_counters(fp3_engine *engine) {
-    for (uint32_t s = 0; engine->lives.sums && s < fp3_config_schedulers(engine->config); s++)
-        for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-            engine->lives.sums[s][i] += engine->counters[s][i];
-}
-
-void fp3_life_take_counters(fp3_engine *engine) {
-    const size_t size = fp3_config_schedulers(engine->config) * sizeof *engine->counters;
-    if (!engine->lives.sums)
-        return;
-    memcpy(engine->counters, engine->lives.sums, size);
-    memset(engine->lives.sums, 0, size);
 }

@@ -19,9 +19,4 @@ fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to);
 /* From here on all objects live, always. */
 void fp3_life_forget(fp3_engine *engine);
 
-/* Counters of several parts: those of the part that has ended go to the sums; the sums become those of the
- * run. */
-void fp3_life_add_counters(fp3_engine *engine);
-void fp3_life_take_counters(fp3_engine *engine);
-
 #endif

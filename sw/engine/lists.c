@@ -24,6 +24,8 @@ static void forget(fp3_list *list) {
 void fp3_lists_close(fp3_lists *lists) {
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         forget(&lists->lists[i]);
+    free(lists->order);
+    lists->order = NULL;
     lists->shape = (fp3_neighbourhood){0};
 }
 
@@ -69,6 +71,13 @@ void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule) {
     to->is_placed = 0;
 }
 
+void fp3_lists_take_order(fp3_lists *lists, uint32_t *order) {
+    free(lists->order);
+    lists->order = order;
+    for (uint32_t i = 0; i < lists->shape.list_count; i++)
+        fp3_near_close(&lists->lists[i].near);
+}
+
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
@@ -79,7 +88,19 @@ fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error
         else if (list->is_there)
             status = fp3_list_take(&to->lists[i], &given, error);
     }
+    if (!status && from->order) {
+        uint32_t *order = copied(from->order, from->lists[0].objects);
+        if (!order)
+            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        fp3_lists_take_order(to, order);
+    }
     return status;
+}
+
+fp3_status fp3_lists_astray(uint32_t object, fp3_error *error) {
+    return fp3_fail(
+        error, FP3_E_PROGRAM,
+        "the position of object %" PRIu32 " is infinite or NaN, so nobody can be near it", object);
 }
 
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
@@ -88,18 +109,18 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
     *is_new = 0;
     for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
         fp3_list *list = &lists->lists[i];
-        fp3_where_they_are now = {
-            .row = row, .stride = stride, .objects = objects, .dimensions = list->near.dimensions};
+        fp3_where_they_are now = {.row = row,
+                                  .order = lists->order,
+                                  .stride = stride,
+                                  .objects = objects,
+                                  .dimensions = list->near.dimensions};
         uint32_t astray, *begin, *other;
         for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
             now.position[k] = words[list->near.regs[k]];
         if (!list->is_near || !fp3_near_is_stale(&list->near, &now, &astray))
             continue;
         if (astray != UINT32_MAX)
-            return fp3_fail(error, FP3_E_PROGRAM,
-                            "the position of object %" PRIu32
-                            " is infinite or NaN, so nobody can be near it",
-                            astray);
+            return fp3_lists_astray(astray, error);
         status = fp3_near_make(&list->near, &now, &begin, &other, error);
         free(list->begin);
         free(list->other);

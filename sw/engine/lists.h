@@ -23,6 +23,8 @@ typedef struct {
 
 typedef struct {
     fp3_neighbourhood shape;
+    uint32_t *
+        order; /* objects in the order in which sums go through those that are near; NULL: as they are numbered */
     fp3_list lists[FP3_LISTS_MAX];
 } fp3_lists;
 
@@ -34,6 +36,8 @@ fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg);
 /* Makes a list what the host gives, or the one of those that are near. FP3_E_SYSTEM: out of memory; it is as it was. */
 fp3_status fp3_list_take(fp3_list *list, const fp3_neighbours *from, fp3_error *error);
 void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
+/* `order` is the lists' then. Those of objects that are near are made again. */
+void fp3_lists_take_order(fp3_lists *lists, uint32_t *order);
 /* FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error);
 
@@ -43,6 +47,9 @@ fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error
  * FP3_E_PROGRAM: a position is not finite; FP3_E_LIMIT, FP3_E_SYSTEM as of fp3_near_make. */
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
                             const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
+
+/* Fails: this object, of which fp3_near_is_stale has told, has no place. */
+fp3_status fp3_lists_astray(uint32_t object, fp3_error *error);
 
 static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
     return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];

@@ -135,7 +135,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     if (status)
         return status;
     fp3_lists_open(&around, (uint32_t)from->objects, &to->lists);
-    to->objects = (uint32_t)from->objects;
+    to->objects = to->rows = (uint32_t)from->objects;
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;

@@ -212,7 +212,8 @@ static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_
     for (uint32_t i = 0; i <= objects; i++)
         (*begin)[i] = p->first[i] - i;
     memcpy(next, *begin, objects * sizeof *next);
-    for (uint32_t object = 0; object < objects; object++) {
+    for (uint32_t i = 0; i < objects; i++) {
+        const uint32_t object = g->now->order ? g->now->order[i] : i;
         const uint32_t j = g->now->row ? g->now->row[object] : object;
         for (uint32_t n = p->first[j]; n < p->first[j + 1]; n++)
             if (p->found[n] != j)

@@ -21,6 +21,7 @@
 typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
     const uint32_t *row;                           /* of each object; NULL: its number */
+    const uint32_t *order; /* objects as lists have them; NULL: by their numbers */
     size_t stride;
     uint32_t objects, dimensions;
 } fp3_where_they_are;
@@ -39,7 +40,7 @@ typedef struct {
 int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *astray);
 
 /* Makes the list: *begin and *other as in fp3_neighbours, but of rows and with rows; the caller frees them. Neighbours are in
- * the order of their objects' numbers. All positions are finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31
+ * the order of their objects. All positions are finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31
  * entries. */
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error);

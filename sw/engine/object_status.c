@@ -43,12 +43,31 @@ fp3_status fp3_engine_status(fp3_engine *engine, size_t first, size_t count,
     return result;
 }
 
+static fp3_status check_kept(fp3_engine *engine) {
+    return engine->config->status ? FP3_OK
+                                  : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                                             "configuration '%s' keeps no status of its objects",
+                                             engine->config->name);
+}
+
+fp3_status fp3_engine_read_status(fp3_engine *engine, uint32_t *words) {
+    const fp3_status status = check_kept(engine);
+    return status ? status
+                  : engine->backend->read(
+                        engine, (fp3_cells){FP3_CELLS_STATUS, 0, 0, engine->objects}, words);
+}
+
+fp3_status fp3_engine_write_status(fp3_engine *engine, const uint32_t *words) {
+    const fp3_status status = check_kept(engine);
+    return status ? status
+                  : fp3_cells_write(engine, (fp3_cells){FP3_CELLS_STATUS, 0, 0, engine->objects},
+                                    words);
+}
+
 fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t count) {
     fp3_status status = fp3_engine_check_objects(engine, first, count);
-    if (!status && !engine->config->status)
-        status =
-            fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                     "configuration '%s' keeps no status of its objects", engine->config->name);
+    if (!status)
+        status = check_kept(engine);
     return status ? status
                   : fp3_cells_fill(engine, (fp3_cells){FP3_CELLS_STATUS, 0, first, count}, 0);
 }

@@ -68,6 +68,8 @@ void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words) {
 /* Of objects that see each other no engine knows who failed. */
 static int needs_copies(const fp3_engine *engine) {
     int is_any = !engine->backend->failures;
+    if (engine->backend->is_divided)
+        return 0;
     for (uint32_t i = 0; i < engine->layout.count; i++)
         is_any |= engine->layout.groups[i].lists.shape.is_any;
     return is_any;
@@ -113,8 +115,8 @@ static size_t next(const fp3_origin *o, uint32_t reg, int is_known, size_t from,
 /* Of those objects of which it is not known. */
 static fp3_status read_register(fp3_engine *engine, const fp3_members *group, uint32_t reg) {
     const fp3_origin *o = engine->origin;
-    const size_t end = (size_t)group->first + group->objects;
-    fp3_cells cells = {FP3_CELLS_REGISTER, reg, next(o, reg, 0, group->first, end), 0};
+    const size_t end = fp3_members_end(group);
+    fp3_cells cells = {FP3_CELLS_REGISTER, reg, next(o, reg, 0, fp3_members_begin(group), end), 0};
     fp3_status status = FP3_OK;
     while (!status && cells.first < end) {
         const size_t known = next(o, reg, 1, cells.first, end);
@@ -167,8 +169,8 @@ void fp3_origin_end(fp3_engine *engine, int is_complete, uint32_t flags) {
     for (uint32_t i = 0; o->known && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         const uint64_t changed = named_by(engine, group, FP3_OP_ST, FP3_OP_ST);
-        for (uint32_t n = 0; n < group->objects; n++)
-            o->known[group->first + n] &= ~changed;
+        for (uint32_t n = fp3_members_begin(group); n < fp3_members_end(group); n++)
+            o->known[n] &= ~changed;
     }
     o->flags = flags;
     o->is_complete = is_complete;

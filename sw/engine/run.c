@@ -147,8 +147,22 @@ void fp3_engine_tell(const fp3_engine *engine, uint64_t executed) {
                                  engine->part * fmin(1, (double)executed / engine->expected));
 }
 
+/* ---- counters of schedulers: of a part of the run, and summed over its parts ---- */
+
 static void forget_counters(fp3_engine *engine) {
     memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
+}
+
+static void sum_counters(fp3_engine *engine) {
+    for (uint32_t s = 0; s < fp3_config_schedulers(engine->config); s++)
+        for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+            engine->sums[s][i] += engine->counters[s][i];
+}
+
+static void take_sums(fp3_engine *engine) {
+    const size_t size = fp3_config_schedulers(engine->config) * sizeof *engine->counters;
+    memcpy(engine->counters, engine->sums, size);
+    memset(engine->sums, 0, size);
 }
 
 /* Steps that the same objects make. After an end before its time nobody knows who slept, and the lists are
@@ -157,13 +171,12 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     fp3_status status = list_who_is_awake(engine);
     if (status)
         return status;
-    if (engine->lives.sums) /* of the part before */
-        forget_counters(engine);
+    forget_counters(engine);
     engine->sleepers.is_known = engine->sleepers.is_listed = 0;
     engine->expected = count_instructions(engine, steps);
     status = engine->backend->run(engine, steps, stats);
     add_counters(engine, stats);
-    fp3_life_add_counters(engine);
+    sum_counters(engine);
     if (!status)
         status = count_steps(engine, steps, stats);
     if (!status)
@@ -177,7 +190,8 @@ static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats
     uint32_t made = 0;
     do {
         int is_any = 1;
-        const uint32_t n = steps ? fp3_life_part(engine, steps - made, &is_any) : 0;
+        uint32_t n = steps ? fp3_life_part(engine, steps - made, &is_any) : 0;
+        n = engine->backend->at_once && n > engine->backend->at_once ? engine->backend->at_once : n;
         engine->told = steps ? (double)made / steps : 0;
         engine->part = steps ? (double)n / steps : 1;
         status = run_part(engine, is_any ? n : 0, stats);
@@ -189,7 +203,7 @@ static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats
             engine->made += n;
         }
     } while (!status && made < steps);
-    fp3_life_take_counters(engine);
+    take_sums(engine);
     return status;
 }
 

@@ -200,13 +200,15 @@ static void add_counters(fp3_engine *engine, uint64_t *sums) {
 /* Objects that see each other: a visit is a step, and lists that follow the objects do so after each. */
 static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     const uint64_t limit = engine->def.cycle_limit;
-    const uint32_t at_once = fp3_store_lists_is_near(engine) ? 1 : steps;
+    const uint32_t at_once = fp3_store_lists_is_near(engine) || engine->exchange ? 1 : steps;
     uint64_t sums[FP3_COUNTER_COUNT] = {0};
     fp3_store_lists lists;
     fp3_status status = fp3_store_lists_begin(engine, &lists);
     for (uint32_t made = 0; !status && made < steps; made += at_once) {
         const uint64_t cycles = sums[FP3_COUNTER_CYCLES];
-        status = fp3_store_lists_follow(engine, &lists);
+        status = fp3_engine_exchange(engine);
+        if (!status)
+            status = fp3_store_lists_follow(engine, &lists);
         if (!status && limit && cycles >= limit)
             status = fp3_engine_limit(engine);
         if (status)

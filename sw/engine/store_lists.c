@@ -18,7 +18,7 @@
 static fp3_members *group_of(const fp3_engine *engine) { return &engine->layout.groups[0]; }
 
 static fp3_cells cells_of(const fp3_members *group, uint32_t reg) {
-    return (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->objects};
+    return (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->rows};
 }
 
 int fp3_store_lists_is_near(const fp3_engine *engine) {
@@ -68,13 +68,13 @@ fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group) {
                               "with one lane or `exchange`");
     if (group->visit->loads_in_front || group->visit->stores_behind)
         return refuse(engine, "a program with neighbours needs loads and stores of its own");
-    if ((uint64_t)fp3_placement_fullest(engine->config, group->objects, 1) << group->log2 > half)
+    if ((uint64_t)fp3_placement_fullest(engine->config, group->rows, 1) << group->log2 > half)
         return fp3_fail(
             engine->def.error, FP3_E_PROGRAM,
             "engine '%s': objects that see each other have half of the store: room for %" PRIu32
             " objects of %u words, not for %" PRIu32,
             engine->backend->name, (half >> group->log2) * engine->config->lanes, 1u << group->log2,
-            group->objects);
+            group->rows);
     return check_lists(engine, &group->program);
 }
 
@@ -253,8 +253,15 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
         return refuse(engine, "lists of those that are near need a step of one phase: with "
                               "several, lists would follow "
                               "the objects in the middle of a step");
-    lists->words = malloc(group->objects * sizeof *lists->words);
-    lists->saved = malloc(((size_t)count * group->objects + 1) * sizeof *lists->saved);
+    if (engine->exchange && group->lists.shape.phases > 1)
+        return refuse(
+            engine,
+            "objects of several ranks need a step of one phase: with several, words of other "
+            "ranks would come in the middle of a step");
+    if (engine->exchange && engine->config->lanes > 1)
+        return refuse(engine, "objects of several ranks need a configuration of one lane");
+    lists->words = malloc(group->rows * sizeof *lists->words);
+    lists->saved = malloc(((size_t)count * group->rows + 1) * sizeof *lists->saved);
     if (!lists->words || !lists->saved) {
         free(lists->saved);
         lists->saved = NULL;
@@ -262,7 +269,7 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
     }
     for (uint32_t i = 0; !status && i < count; i++)
         status = fp3_memory_read(engine, cells_of(group, group->lists.lists[i].reg),
-                                 lists->saved + (size_t)i * group->objects);
+                                 lists->saved + (size_t)i * group->rows);
     if (status) { /* nothing to put back */
         free(lists->saved);
         lists->saved = NULL;
@@ -283,18 +290,18 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
             regs |= BIT(group->lists.lists[i].near.regs[k]);
     for (uint64_t left = regs; left; left &= left - 1)
         count++;
-    if (!(all = malloc(((size_t)count * group->objects + 1) * sizeof *all)))
+    if (!(all = malloc(((size_t)count * group->rows + 1) * sizeof *all)))
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     uint32_t *next = all;
     for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++)
         if (regs & BIT(reg)) {
             status = fp3_memory_read(engine, cells_of(group, reg), next);
             words[reg] = next;
-            next += group->objects;
+            next += group->rows;
         }
     if (!status)
-        status = fp3_lists_follow(&group->lists, group->objects, words, NULL, 1, is_new,
-                                  engine->def.error);
+        status =
+            fp3_lists_follow(&group->lists, group->rows, words, NULL, 1, is_new, engine->def.error);
     free(all);
     return status;
 }
@@ -303,7 +310,7 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
 static fp3_status place(fp3_engine *engine) {
     fp3_members *group = group_of(engine);
     fp3_luggage luggage = {0};
-    uint32_t *slot = malloc((group->objects + (size_t)1) * sizeof *slot);
+    uint32_t *slot = malloc((group->rows + (size_t)1) * sizeof *slot);
     fp3_status status = slot ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = fp3_partition_find(engine, slot);
@@ -373,7 +380,7 @@ fp3_status fp3_store_lists_end(fp3_engine *engine, fp3_store_lists *lists) {
     fp3_status status = lists->saved ? lower(engine, lists->words) : FP3_OK;
     for (uint32_t i = 0; !status && lists->saved && i < group->lists.shape.list_count; i++)
         status = fp3_memory_write(engine, cells_of(group, group->lists.lists[i].reg),
-                                  lists->saved + (size_t)i * group->objects);
+                                  lists->saved + (size_t)i * group->rows);
     free(lists->saved);
     free(lists->words);
     *lists = (fp3_store_lists){0};

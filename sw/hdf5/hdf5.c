@@ -14,12 +14,15 @@ static const char *why(const fp3_hdf5 *f, int *number) {
     return f->why;
 }
 
-static fp3_hdf5 *create(const char *path) {
+static fp3_hdf5 *create(const char *path, uint64_t front) {
     fp3_hdf5 *f = fp3_hdf5_begin();
     if (!f)
         return NULL;
-    f->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t list = H5Pcreate(H5P_FILE_CREATE);
+    const int is_placed = H5Pset_userblock(list, front) >= 0;
+    f->file = is_placed ? H5Fcreate(path, H5F_ACC_TRUNC, list, H5P_DEFAULT) : -1;
     fp3_hdf5_check(f, f->file >= 0);
+    H5Pclose(list);
     return f;
 }
 
@@ -144,4 +147,7 @@ __attribute__((visibility("default"))) const fp3_hdf5_ops fp3_hdf5_calls = {
     .read = fp3_hdf5_read_part,
     .text_of = fp3_hdf5_read_text,
     .numbers = fp3_hdf5_read_numbers,
+    .sum_begin = fp3_hdf5_sum_begin,
+    .sum_add = fp3_hdf5_sum_add,
+    .sum_end = fp3_hdf5_sum_end,
 };

@@ -33,5 +33,8 @@ int fp3_hdf5_read_part(fp3_hdf5 *f, int dataset, fp3_hdf5_type type, const fp3_h
                        void *data);
 char *fp3_hdf5_read_text(fp3_hdf5 *f, int dataset, const char *name);
 int fp3_hdf5_read_numbers(fp3_hdf5 *f, fp3_hdf5_number_fn *tell, void *user);
+fp3_hdf5_sum *fp3_hdf5_sum_begin(void);
+void fp3_hdf5_sum_add(fp3_hdf5_sum *sum, const void *data, size_t size);
+void fp3_hdf5_sum_end(fp3_hdf5_sum *sum, uint32_t digest[8]);
 
 #endif

@@ -4,11 +4,8 @@
 #include "hdf5.h"
 
 #include "base/file.h"
-#include "base/path.h"
-#include "engine/library.h"
-#include "hdf5/fp3_hdf5.h"
+#include "engine/library_hdf5.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +14,7 @@
 #define CHUNK_BYTES (1u << 20)
 #define CHUNKS_BYTES (48u << 20) /* of all columns together */
 
-enum { STEP, TIME }; /* datasets; those of the columns follow */
+enum { STEP, TIME }; /* datasets; those of the columns follow, links, and the chain */
 
 typedef struct {
     fp3_sink sink;
@@ -30,6 +27,8 @@ typedef struct {
     char **gathered; /* of each column; NULL: a block is a chunk */
     uint64_t *steps; /* of the snapshots of a chunk */
     double *times;
+    fp3_digest *chain; /* likewise */
+    int chain_dataset;
     int has_time;
 } hdf5;
 
@@ -39,12 +38,7 @@ int fp3_hdf5_is_named(const char *path) {
 }
 
 static fp3_status failed(const hdf5 *self, fp3_error *error) {
-    int number = 0;
-    const char *why = self->calls->why(self->file, &number);
-    if (!number)
-        return fp3_fail(error, FP3_E_SYSTEM, "%s: cannot write: %s", self->subject->path, why);
-    errno = number;
-    return fp3_path_fail(error, self->subject->path, "cannot write");
+    return fp3_hdf5_cannot_write(self->calls, self->file, self->subject->path, error);
 }
 
 /* ---- types and sizes ---- */
@@ -101,6 +95,7 @@ static fp3_status describe_file(const hdf5 *self, fp3_error *error) {
     int result = put_text(self, -1, "fp3_version", FP3_VERSION) |
                  put_text(self, -1, "engine", s->engine) |
                  put_text(self, -1, "configuration", s->config) |
+                 put_text(self, -1, "command", s->command ? s->command : "") |
                  self->calls->number(self->file, -1, "image_crc32", FP3_HDF5_UINT32, &crc);
     if (program->model)
         result |= put_text(self, -1, "model", program->model->name) |
@@ -189,7 +184,7 @@ static fp3_status put_reach(const hdf5 *self, const fp3_around_list *list, fp3_e
     return result ? failed(self, error) : FP3_OK;
 }
 
-static fp3_status describe_relations(const hdf5 *self, fp3_error *error) {
+static fp3_status describe_relations(hdf5 *self, fp3_error *error) {
     const fp3_around *around = self->subject->around;
     int dataset = dataset_of(self, self->subject->columns->count);
     fp3_status status = FP3_OK;
@@ -200,7 +195,24 @@ static fp3_status describe_relations(const hdf5 *self, fp3_error *error) {
         if (!status && list->count)
             status = write_links(self, dataset++, list, error);
     }
+    self->chain_dataset = dataset;
     return status;
+}
+
+/* ---- hashes ---- */
+
+static fp3_status add_chain(hdf5 *self, fp3_error *error) {
+    const fp3_hdf5_table table = {.name = "hash:chain",
+                                  .type = FP3_HDF5_UINT32,
+                                  .rows = self->subject->snapshots,
+                                  .columns = FP3_DIGEST_WORDS,
+                                  .chunk_rows = self->rows,
+                                  .chunk_columns = FP3_DIGEST_WORDS};
+    char before[FP3_DIGEST_SIZE];
+    fp3_digest_text(&self->subject->before, before);
+    return put_text(self, -1, "hash:before", before) || self->calls->add(self->file, &table)
+               ? failed(self, error)
+               : FP3_OK;
 }
 
 /* ---- blocks ---- */
@@ -218,6 +230,10 @@ static fp3_status write_gathered(const hdf5 *self, uint64_t rows, fp3_error *err
     part.data = self->times;
     if (!status && self->has_time)
         status = write_part(self, TIME, &part, error);
+    part.columns = FP3_DIGEST_WORDS;
+    part.data = self->chain;
+    if (!status && self->subject->is_hashed)
+        status = write_part(self, self->chain_dataset, &part, error);
     part.columns = self->subject->objects;
     for (size_t i = 0; !status && self->gathered && i < columns->count; i++) {
         part.data = self->gathered[i];
@@ -255,6 +271,8 @@ static fp3_status hdf5_put(fp3_sink *sink, const fp3_slice *block, fp3_error *er
     fp3_status status = FP3_OK;
     self->steps[row] = block->step;
     self->times[row] = block->time;
+    if (self->subject->is_hashed)
+        self->chain[row] = *block->chain;
     if (self->gathered)
         gather(self, block);
     else
@@ -290,21 +308,8 @@ static void hdf5_close(fp3_sink *sink) {
     free(self->gathered);
     free(self->steps);
     free(self->times);
+    free(self->chain);
     free(self);
-}
-
-static fp3_status load(hdf5 *self, fp3_error *error) {
-    void *library = NULL;
-    fp3_status status =
-        fp3_library_load("fp3_hdf5.so", "writer of HDF5 files", &library, NULL, error);
-    if (status)
-        return status;
-    const fp3_hdf5_ops *calls = fp3_library_symbol(library, "fp3_hdf5_calls");
-    if (!calls || calls->version != FP3_HDF5_VERSION || calls->size != sizeof *calls)
-        return fp3_fail(error, FP3_E_SYSTEM,
-                        "fp3_hdf5.so does not fit this libfp3: both must come from one build");
-    self->calls = calls;
-    return FP3_OK;
 }
 
 static fp3_status make_room(hdf5 *self, fp3_error *error) {
@@ -313,14 +318,16 @@ static fp3_status make_room(hdf5 *self, fp3_error *error) {
     self->rows = rows_of_chunk(self->subject);
     self->steps = calloc(self->rows, sizeof *self->steps);
     self->times = calloc(self->rows, sizeof *self->times);
+    self->chain = calloc(self->rows, sizeof *self->chain);
     if (columns->room == self->subject->objects)
         self->gathered = calloc(columns->count, sizeof *self->gathered);
     for (size_t i = 0; self->gathered && i < columns->count; i++) {
         self->gathered[i] = malloc(self->rows * columns->room * size_of(&columns->list[i]));
         is_good &= self->gathered[i] != NULL;
     }
-    return self->steps && self->times && is_good ? FP3_OK
-                                                 : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return self->steps && self->times && self->chain && is_good
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
 static fp3_status start(hdf5 *self, fp3_error *error) {
@@ -330,10 +337,10 @@ static fp3_status start(hdf5 *self, fp3_error *error) {
     if (!status && !path)
         status = fp3_fail(error, FP3_E_ARGUMENT, "%s: HDF5 needs a regular file", s->path);
     if (!status)
-        status = load(self, error);
+        status = fp3_library_hdf5(&self->calls, error);
     if (!status)
         status = make_room(self, error);
-    if (!status && !(self->file = self->calls->create(path)))
+    if (!status && !(self->file = self->calls->create(path, 0)))
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = describe_file(self, error);
@@ -345,6 +352,8 @@ static fp3_status start(hdf5 *self, fp3_error *error) {
         status = name_velocity(self, i, error);
     if (!status)
         status = describe_relations(self, error);
+    if (!status && s->is_hashed)
+        status = add_chain(self, error);
     return status;
 }
 

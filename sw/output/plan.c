@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define STEPS_MOST UINT32_MAX /* of a run */
 #define ROUNDING 4e-16        /* relative, of a time or of h that was typed, and of their product */
@@ -64,6 +65,15 @@ fp3_status fp3_plan_parts(uint64_t parts, fp3_plan *plan, fp3_error *error) {
     return plan->list ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
+fp3_status fp3_plan_steps(const uint64_t *steps, size_t count, fp3_plan *plan, fp3_error *error) {
+    *plan = (fp3_plan){
+        .steps = steps[count - 1], .count = count, .list = calloc(count, sizeof *plan->list)};
+    if (!plan->list)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    memcpy(plan->list, steps, count * sizeof *steps);
+    return FP3_OK;
+}
+
 void fp3_plan_free(fp3_plan *plan) {
     free(plan->list);
     *plan = (fp3_plan){0};
@@ -82,11 +92,13 @@ static size_t count_until(const fp3_plan *plan, uint64_t step) {
     return from;
 }
 
-uint64_t fp3_plan_count(const fp3_plan *plan) {
+/* At the end there is one, whatever `every` is. */
+uint64_t fp3_plan_count(const fp3_plan *plan, uint64_t from) {
     if (plan->list)
-        return plan->count;
+        return plan->count - (from ? count_until(plan, from - 1) : 0);
     const uint64_t every = plan->every ? plan->every : plan->steps;
-    return 1 + (plan->steps ? (plan->steps - 1) / every + 1 : 0);
+    const uint64_t all = 1 + (plan->steps ? (plan->steps - 1) / every + 1 : 0);
+    return all - (from ? 1 + (from - 1) / every : 0);
 }
 
 int fp3_plan_has(const fp3_plan *plan, uint64_t step) {

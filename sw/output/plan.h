@@ -17,11 +17,13 @@ fp3_status fp3_plan_make(const fp3_source *source, uint64_t steps, uint64_t ever
                          const double *times, size_t count, fp3_plan *plan, fp3_error *error);
 /* A snapshot after each of `parts` steps. FP3_E_SYSTEM. */
 fp3_status fp3_plan_parts(uint64_t parts, fp3_plan *plan, fp3_error *error);
+/* Snapshots after these steps, ascending, of a run that ends at the last. FP3_E_SYSTEM. */
+fp3_status fp3_plan_steps(const uint64_t *steps, size_t count, fp3_plan *plan, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_plan_free(fp3_plan *plan);
 
-/* How many snapshots there are. */
-uint64_t fp3_plan_count(const fp3_plan *plan);
+/* How many snapshots there are, from step `from` on. */
+uint64_t fp3_plan_count(const fp3_plan *plan, uint64_t from);
 /* Whether there is one after that many steps. */
 int fp3_plan_has(const fp3_plan *plan, uint64_t step);
 /* The step of the next one behind `step`; the end of the run if there is none. */

@@ -5,6 +5,8 @@
 #include "around.h"
 #include "column.h"
 
+#include "checkpoint/state.h"
+
 /* What is recorded. */
 typedef struct {
     const char *path;
@@ -17,14 +19,18 @@ typedef struct {
     double h;                    /* 0: objects choose their steps */
     const char *time_unit;       /* "" where none is known */
     const char *engine, *config; /* names */
+    const char *command;         /* or NULL */
     int is_compressed;
+    int is_hashed;     /* snapshots have a chain of hashes: */
+    fp3_digest before; /* what it was before the first one */
 } fp3_subject;
 
 typedef struct {
     uint64_t number; /* of the snapshot, from 0 */
     uint64_t step;   /* of the run */
     double time;
-    size_t first, count; /* objects, whose values the columns have */
+    size_t first, count;     /* objects, whose values the columns have */
+    const fp3_digest *chain; /* up to this snapshot, where is_hashed */
 } fp3_slice;
 
 typedef struct fp3_sink fp3_sink;

@@ -81,20 +81,14 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
 /* A run is split for the objects of all groups. */
 static fp3_status check_split(const fp3_scene *scene, fp3_error *error) {
     const size_t adaptive = fp3_scene_adaptive_count(scene);
-    fp3_status status = FP3_OK;
     int is_split = adaptive && adaptive < scene->group_count;
     for (size_t i = 0; i < scene->group_count; i++)
         is_split |= fp3_lifetime_is_any(&scene->groups[i]);
-    for (size_t i = 0; is_split && !status && i < scene->group_count; i++) {
-        const fp3_scene_group *group = &scene->groups[i];
-        fp3_error why = {.text = ""};
-        status = fp3_split_check(
-            group->program, group->params, scene->config,
-            adaptive ? "adaptive steps of another group" : "births and ends of objects", &why);
-        if (status)
-            fp3_fail_at(error, status, scene->path, (unsigned)group->line, 0, "%s", why.text);
-    }
-    return status;
+    return is_split ? fp3_split_check_scene(scene,
+                                            adaptive ? "adaptive steps of another group"
+                                                     : "births and ends of objects",
+                                            error)
+                    : FP3_OK;
 }
 
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {

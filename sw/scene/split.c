@@ -71,3 +71,15 @@ fp3_status fp3_split_check(const fp3_program *program, const fp3_params *params,
     fp3_engine_close(&other);
     return status;
 }
+
+fp3_status fp3_split_check_scene(const fp3_scene *scene, const char *why, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < scene->group_count; i++) {
+        const fp3_scene_group *group = &scene->groups[i];
+        fp3_error told = {.text = ""};
+        status = fp3_split_check(group->program, group->params, scene->config, why, &told);
+        if (status)
+            fp3_fail_at(error, status, scene->path, (unsigned)group->line, 0, "%s", told.text);
+    }
+    return status;
+}

@@ -10,5 +10,7 @@
  * one. That they agree is no proof. */
 fp3_status fp3_split_check(const fp3_program *program, const fp3_params *params, const char *config,
                            const char *why, fp3_error *error);
+/* The same for the programs of all groups. */
+fp3_status fp3_split_check_scene(const fp3_scene *scene, const char *why, fp3_error *error);
 
 #endif

@@ -2,8 +2,7 @@
 #include "reader.h"
 
 #include "base/path.h"
-#include "engine/library.h"
-#include "hdf5/fp3_hdf5.h"
+#include "engine/library_hdf5.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,11 +21,7 @@ typedef struct {
 
 static fp3_status failed(const fp3_view_recording *r, fp3_error *error) {
     const hdf5 *self = (const hdf5 *)r->reader;
-    int number = 0;
-    const char *why = self->calls->why(self->file, &number);
-    if (number)
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s: cannot read: %s", r->path, strerror(number));
-    return fp3_fail(error, FP3_E_ARGUMENT, "%s: cannot read as HDF5: %s", r->path, why);
+    return fp3_hdf5_cannot_read(self->calls, self->file, r->path, error);
 }
 
 static void hdf5_close(fp3_view_reader *reader) {
@@ -126,7 +121,7 @@ static fp3_status note(fp3_view_recording *r, int dataset, fp3_error *error) {
         self->time = dataset;
     else if (behind(table.name, "links"))
         return add_links(r, dataset, &table, error);
-    else if (table.columns)
+    else if (table.columns && !behind(table.name, "hash"))
         return add_column(r, dataset, &table, error);
     return FP3_OK;
 }
@@ -288,20 +283,6 @@ static fp3_status check_there(const char *path, fp3_error *error) {
     return FP3_OK;
 }
 
-static fp3_status load_library(hdf5 *self, fp3_error *error) {
-    void *library = NULL;
-    fp3_status status =
-        fp3_library_load("fp3_hdf5.so", "reader of HDF5 files", &library, NULL, error);
-    if (status)
-        return status;
-    self->calls = fp3_library_symbol(library, "fp3_hdf5_calls");
-    if (!self->calls || self->calls->version != FP3_HDF5_VERSION ||
-        self->calls->size != sizeof *self->calls)
-        return fp3_fail(error, FP3_E_SYSTEM,
-                        "fp3_hdf5.so does not fit this fp3: both must come from one build");
-    return FP3_OK;
-}
-
 fp3_status fp3_view_hdf5_open(fp3_view_recording *r, fp3_error *error) {
     hdf5 *self = calloc(1, sizeof *self);
     if (!self)
@@ -311,7 +292,7 @@ fp3_status fp3_view_hdf5_open(fp3_view_recording *r, fp3_error *error) {
     r->reader = &self->reader;
     fp3_status status = check_there(r->path, error);
     if (!status)
-        status = load_library(self, error);
+        status = fp3_library_hdf5(&self->calls, error);
     if (!status && !(self->file = self->calls->open(r->path)))
         status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     return status ? status : look(r, error);

@@ -47,7 +47,7 @@ def test_a_mistake_has_its_place_and_writes_nothing(wasm, tmp_path):
 
 @pytest.mark.parametrize("words, code, expected", [
     (["run", "k.ode"], 1, "loads no libraries"),
-    (["run", "k.ode", "-e", "isa", "--output", "k.h5"], 1, "no writer of HDF5 files"),
+    (["run", "k.ode", "-e", "isa", "--output", "k.h5"], 1, "no library for HDF5 files"),
     (["run", "k.ode", "-e", "isa", "--plot", "k.svg"], 1, "cannot start gnuplot"),
     (["run", "k.ode", "-e", "isa", "--output", "-"], 2, "name a file"),
     (["run", "k.ode", "-e", "board", "--port", "/dev/ttyUSB0"], 1, "no serial ports"),

@@ -67,12 +67,12 @@ def calls(root, build):
 
 
 def test_an_engine_is_opaque(root, build):
-    """Its struct is in engine/backend.h: nothing that is compiled outside sw/engine reads it, not even through another header."""
+    """Its struct is in engine/backend.h: only the engines read it, and nobody through another header. That of a cluster is in sw/cluster."""
     inside, outside = [], []
     for path in (build / "obj").rglob("*.d"):
         source = path.relative_to(build / "obj").with_suffix(".c")
         if (root / source).exists() and "sw/engine/backend.h" in path.read_text(encoding="utf-8").split():
-            (inside if source.parent.as_posix() == "sw/engine" else outside).append(source.as_posix())
+            (inside if source.parent.as_posix() in ("sw/engine", "sw/cluster") else outside).append(source.as_posix())
     assert len(inside) > 10
     assert outside == []
 

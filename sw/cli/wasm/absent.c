@@ -2,6 +2,7 @@
  * for one of them hears that.
  */
 #include "cli/cli.h"
+#include "cli/run_ranks.h"
 #include "engine/library.h"
 #include "fast/native.h"
 #include "output/plot.h"
@@ -87,6 +88,24 @@ fp3_status fp3_fast_native_load(const fp3_fast_plan *plan, const char *path, con
 }
 
 void fp3_fast_native_close(fp3_fast_native *native) { (void)native; }
+
+/* One process. */
+fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
+    (void)error;
+    *ranks = (fp3_run_ranks){.is_one = 1, .speaks = -1};
+    return FP3_OK;
+}
+
+int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
+    (void)ranks, (void)status, (void)error;
+    return 0;
+}
+
+fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ranks,
+                                 fp3_engine **engine) {
+    (void)ranks;
+    return fp3_engine_open(def, engine);
+}
 
 /* ---- commands that start compilers, load hardware or hold a truth of GSL beside a run ---- */
 

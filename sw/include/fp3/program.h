@@ -258,6 +258,17 @@ typedef struct {
     const double *times;
     size_t time_count;
     int is_compressed; /* HDF5 only */
+    int is_silent;     /* writes nothing: another process of a cluster does */
+    /* Checkpoints (docs/checkpoints.md), in a recording or alone: without path and plot there may be several groups, and the program is NULL
+     * if there are. A file that gets the whole state after each `checkpoint_every` steps (0: only) and at the end, in place of the state
+     * before, which stays as checkpoint.1; NULL (default): none. Not with adaptive steps. */
+    const char *checkpoint;
+    uint64_t checkpoint_every;
+    const char *
+        restart; /* a checkpoint of the same run, from which it goes on; NULL (default): from the start */
+    const char
+        *command; /* a text that checkpoints keep: the arguments of fp3 run, one a line; or NULL */
+    struct fp3_expected *expected; /* NULL; fp3 verify has some */
 } fp3_recording_def;
 
 fp3_recording_def fp3_recording_default(void);
@@ -268,7 +279,13 @@ fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *par
                                const double *times, size_t count, uint64_t *steps,
                                fp3_error *error);
 
-/* What the whole run cost, and which objects failed in it. */
+/* The part of one group. */
+typedef struct {
+    fp3_failure failure;
+    uint64_t object_steps;
+} fp3_group_cost;
+
+/* What the whole run cost, from its start or restart, and which objects failed in it, before the restart too. */
 typedef struct {
     fp3_stats stats; /* sums over the parts of the run; cycles: sum of each part's maximum */
     /* Over all parts, as fp3_engine_failure; with adaptive steps see fp3_adaptive_report_make. A
@@ -276,10 +293,14 @@ typedef struct {
     fp3_failure failure;
     /* For each of stats.schedulers schedulers. Belongs to the recording. */
     const uint64_t (*counter)[FP3_COUNTER_COUNT];
+    const fp3_group_cost *groups; /* of each group; belongs to the recording */
+    /* SHA-256 in hexadecimal (docs/checkpoints.md): of the state at the end, if the run has checkpoints, a restart or HDF5, else ""; and the
+     * end of the chain of the checkpoints or, without them, of the snapshots in HDF5, else "". */
+    char hash[65], chain[65];
 } fp3_cost;
 
 /* Opens a recording. The program and these params must be loaded (fp3_program_load), and the engine
- * must have one group. All of them must outlive the recording. The file is written under another
+ * must have one group unless only checkpoints are written. All of them must outlive the recording. The file is written under another
  * name next to its place. The caller closes *recording, which is NULL on failure. FP3_E_ARGUMENT:
  * no such name; times that are not steps; too much for a picture; a file that cannot be written; or
  * there are snapshots during the run, and the program's first or last part does more than prepare

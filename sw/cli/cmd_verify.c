@@ -1,0 +1,247 @@
+/* cmd_verify.c - fp3 verify: runs a part of a run again, from what its file keeps of the command, and compares hashes. */
+#include "arguments.h"
+#include "cli.h"
+#include "run_options.h"
+
+#include "base/file.h"
+#include "checkpoint/checkpoint.h"
+#include "output/chain.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_FROM = 256, KEY_TO, KEY_RESTART, KEY_SOURCE, KEY_THREADS };
+
+typedef struct {
+    const char *path, *engine, *restart, *source;
+    uint64_t from, to, threads;
+    int has_from;
+} options;
+
+static const struct argp_option table[] = {
+    {"from", KEY_FROM, "A", 0, "Compare from step A on (default: the first that FILE has)", 0},
+    {"to", KEY_TO, "B", 0, "Compare up to step B (default: the last that FILE has)", 0},
+    {"engine", 'e', "ENGINE", 0, "On this engine: rtl, isa or fast (default: that of the run)", 0},
+    {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
+    {"restart", KEY_RESTART, "CHECKPOINT", 0,
+     "Begin there, at A or before (default: at the start of the run; for a checkpoint at FILE.1, "
+     "if that is whole and not "
+     "before A)",
+     0},
+    {"source", KEY_SOURCE, "PATH", 0,
+     "The program or the scene (default: where the run found it, from the current directory)", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    options *o = state->input;
+    switch (key) {
+    case KEY_FROM:
+        o->from = fp3_arguments_number(state, "--from", text, 0, UINT32_MAX);
+        o->has_from = 1;
+        break;
+    case KEY_TO:
+        o->to = fp3_arguments_number(state, "--to", text, 0, UINT32_MAX);
+        break;
+    case KEY_RESTART:
+        o->restart = text;
+        break;
+    case KEY_SOURCE:
+        o->source = text;
+        break;
+    case KEY_THREADS:
+        o->threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
+        break;
+    case 'e':
+        o->engine = text;
+        break;
+    case ARGP_KEY_ARG:
+        if (o->path)
+            argp_error(state, "found '%s', expected one file", text);
+        o->path = text;
+        break;
+    case ARGP_KEY_END:
+        if (!o->path)
+            argp_error(state, "expected a checkpoint, or a recording in HDF5");
+        if (o->from > o->to)
+            argp_error(state, "--from and --to: expected A not above B");
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+/* ---- the command of the run ---- */
+
+/* Takes command apart; the caller frees *argv. */
+static fp3_status split(char *command, int *argc, char ***argv, fp3_error *error) {
+    static char name[] = "fp3 run";
+    size_t lines = 1;
+    for (const char *at = command; (at = strchr(at, '\n')); at++)
+        lines++;
+    *argv = calloc(lines + 2, sizeof **argv);
+    if (!*argv)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    (*argv)[0] = name;
+    *argc = 1;
+    for (char *rest = command, *line; (line = strsep(&rest, "\n"));)
+        (*argv)[(*argc)++] = line;
+    return FP3_OK;
+}
+
+/* What a second run leaves out: it writes nothing, and runs no code that a file brings. */
+static void change(fp3_run_options *run, const options *o) {
+    run->record.def = fp3_recording_default();
+    run->check = (fp3_run_check_def){0};
+    run->is_quiet = run->allows_failures = 1;
+    run->on.bus_log = run->on.kanata = run->on.native = NULL;
+    run->on.cycle_limit = 0;
+    if (o->engine)
+        run->on = (fp3_run_engine){.engine = o->engine, .visit = run->on.visit};
+    if (o->threads)
+        run->on.threads = o->threads;
+    if (o->source && run->scene)
+        run->scene = o->source;
+    else if (o->source)
+        run->program = o->source;
+}
+
+/* ---- where it begins, and what it compares ---- */
+
+/* Of a checkpoint the one before, if nobody says otherwise. */
+static fp3_status find_begin(const options *o, const fp3_chain *chain, char **path, uint64_t *step,
+                             fp3_error *error) {
+    fp3_checkpoint *checkpoint = NULL;
+    fp3_error why;
+    *step = 0;
+    *path = o->restart             ? strdup(o->restart)
+            : chain->is_checkpoint ? fp3_output_before(o->path)
+                                   : NULL;
+    if (!*path)
+        return FP3_OK;
+    const fp3_status status = fp3_checkpoint_open(*path, &checkpoint, o->restart ? error : &why);
+    const int is_there = !status;
+    if (is_there)
+        *step = fp3_checkpoint_step(checkpoint);
+    fp3_checkpoint_close(&checkpoint);
+    if (o->restart ||
+        (is_there && *step < chain->list[0].step && (!o->has_from || *step >= o->from)))
+        return o->restart ? status : FP3_OK;
+    free(*path);
+    *path = NULL;
+    *step = 0;
+    return FP3_OK;
+}
+
+/* Cuts the list. */
+static fp3_status choose(const options *o, const fp3_chain *chain, uint64_t begin,
+                         fp3_expected *expected, fp3_error *error) {
+    size_t first = 0, count = 0;
+    while (first < chain->count && chain->list[first].step < o->from)
+        first++;
+    while (first + count < chain->count && chain->list[first + count].step <= o->to)
+        count++;
+    *expected = (fp3_expected){.path = o->path, .list = chain->list + first, .count = count};
+    if (!count)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s: has steps %" PRIu64 " to %" PRIu64 ", and none of them is asked for",
+                        o->path, chain->list[0].step, chain->list[chain->count - 1].step);
+    if (begin > expected->list[0].step)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--restart %s: after %" PRIu64
+                        " steps, and the first to compare is %" PRIu64,
+                        o->restart, begin, expected->list[0].step);
+    return FP3_OK;
+}
+
+/* ---- the second run ---- */
+
+static fp3_status run_again(const options *o, char *command, const char *restart,
+                            fp3_expected *expected, char **report, fp3_error *error) {
+    fp3_run_options run;
+    fp3_run_ranks ranks = {.is_one = 1};
+    char **argv = NULL;
+    int argc = 0;
+    fp3_status status = split(command, &argc, &argv, error);
+    if (status)
+        return status;
+    status = fp3_run_options_parse(argc, argv, &run, error);
+    change(&run, o);
+    run.record.def.restart = restart;
+    run.record.def.expected = expected;
+    run.steps = expected->list[expected->count - 1].step;
+    run.has_steps = 1;
+    if (!status)
+        status = fp3_run_ranks_begin(&ranks, error);
+    run.ranks = ranks.is_one ? NULL : &ranks.all;
+    run.record.def.is_silent = ranks.all.rank != 0;
+    if (!status) {
+        run.progress = fp3_progress_begin("verify", o->path);
+        status = fp3_run_make(&run, report, error);
+        fp3_progress_end(&run.progress);
+    }
+    fp3_run_ranks_end(&ranks, status, error);
+    fp3_run_options_free(&run);
+    free(argv);
+    return status;
+}
+
+static void print(const options *o, const fp3_expected *expected, uint64_t begin) {
+    const uint64_t first = expected->list[0].step;
+    const uint64_t last = expected->list[expected->count - 1].step;
+    if (expected->count == 1)
+        fp3_cli_line(stdout,
+                     "%s: the hash of step %" PRIu64 " agrees, run again from step %" PRIu64,
+                     o->path, first, begin);
+    else
+        fp3_cli_line(stdout,
+                     "%s: %zu hashes of steps %" PRIu64 " to %" PRIu64
+                     " agree, run again from step %" PRIu64,
+                     o->path, expected->agreed, first, last, begin);
+}
+
+static fp3_status verify(const options *o, char **report, fp3_error *error) {
+    fp3_chain chain;
+    fp3_expected expected = {0};
+    char *restart = NULL;
+    uint64_t begin = 0;
+    fp3_status status = fp3_chain_read(o->path, &chain, error);
+    if (!status && !*chain.command)
+        status = fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "%s: does not keep the command of its run: it was made by another program", o->path);
+    if (!status)
+        status = find_begin(o, &chain, &restart, &begin, error);
+    if (!status)
+        status = choose(o, &chain, begin, &expected, error);
+    if (!status)
+        status = run_again(o, chain.command, restart, &expected, report, error);
+    if (!status)
+        print(o, &expected, begin);
+    fp3_chain_free(&chain);
+    free(restart);
+    return status;
+}
+
+int fp3_cmd_verify(int argc, char **argv) {
+    static const struct argp argp = {
+        .options = table,
+        .parser = parse,
+        .args_doc = "FILE",
+        .doc = "Runs steps A to B of a run again, on any engine, and says whether it makes the "
+               "hashes that FILE has, which is a "
+               "checkpoint or a recording in HDF5. FILE keeps the arguments of its run. Exit code "
+               "0: all hashes agree; 1: one does "
+               "not, or the run failed; 2: there is nothing to compare."};
+    options o = {.to = UINT64_MAX};
+    fp3_error error = {.text = ""};
+    char *report = NULL;
+    fp3_arguments_parse(&argp, argc, argv, &o);
+    const fp3_status status = verify(&o, &report, &error);
+    const int exit_code = fp3_cli_end("verify", status, &error, report);
+    free(report);
+    return exit_code;
+}

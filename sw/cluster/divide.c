@@ -1,0 +1,155 @@
+/* divide.c - which rank has which object. */
+#include "inside.h"
+#include "positions.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- by number ---- */
+
+/* Of objects that see all others, whole vectors: FP3_USE_STEP. */
+void fp3_ranks_divide_group(const fp3_ranked *self, const fp3_members *group) {
+    const uint32_t ranks = self->ranks->count;
+    const uint64_t step = group->lists.shape.is_any ? FP3_USE_STEP : 1;
+    const uint64_t pieces = (group->objects + step - 1) / step;
+    for (uint32_t i = 0; i < group->objects; i++)
+        self->whose[group->first + i] = (uint32_t)(i / step * ranks / pieces);
+}
+
+/* ---- by links ---- */
+
+/* What a step of an object costs, about: its words, and those of its loops once for each neighbour. */
+static uint32_t weight_of(const fp3_members *group, uint32_t object) {
+    uint32_t weight = group->program.count;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
+        if (group->lists.lists[k].begin)
+            weight += 4 * fp3_list_length(&group->lists.lists[k], object);
+    return weight;
+}
+
+/* Both ends of each link: Scotch wants a graph that is symmetric and simple. */
+static fp3_status make_graph(fp3_engine *engine, uint32_t **begin, uint32_t **other,
+                             uint32_t **weight) {
+    const fp3_members *group = &engine->layout.groups[0];
+    const uint32_t n = group->objects;
+    size_t entries = 0;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
+        if (group->lists.lists[k].begin)
+            entries += group->lists.lists[k].begin[n];
+    *begin = calloc(n + (size_t)2, sizeof **begin);
+    *other = malloc((2 * entries + 1) * sizeof **other);
+    *weight = malloc((n + (size_t)1) * sizeof **weight);
+    uint32_t *seen = malloc((n + (size_t)1) * sizeof *seen);
+    if (!*begin || !*other || !*weight || !seen) {
+        free(seen);
+        return fp3_ranks_no_memory(engine);
+    }
+    for (int pass = 0; pass < 2; pass++) { /* counts, then enters */
+        for (uint32_t k = 0; k < group->lists.shape.list_count; k++) {
+            const fp3_list *list = &group->lists.lists[k];
+            for (uint32_t i = 0; list->begin && !list->is_near && i < n; i++)
+                for (uint32_t e = list->begin[i]; e < list->begin[i + 1]; e++) {
+                    const uint32_t j = list->other[e];
+                    if (pass) {
+                        (*other)[(*begin)[i + 1]++] = j;
+                        (*other)[(*begin)[j + 1]++] = i;
+                    } else {
+                        (*begin)[i + 2 <= n ? i + 2 : n + 1]++;
+                        (*begin)[j + 2 <= n ? j + 2 : n + 1]++;
+                    }
+                }
+        }
+        if (!pass)
+            for (uint32_t i = 2; i <= n + 1; i++)
+                (*begin)[i] += (*begin)[i - 1];
+    }
+    uint32_t to = 0; /* each neighbour once */
+    for (uint32_t i = 0; i < n; i++)
+        seen[i] = UINT32_MAX;
+    for (uint32_t i = 0, from = 0; i < n; i++) {
+        const uint32_t end = (*begin)[i + 1];
+        for ((*begin)[i] = to; from < end; from++)
+            if (seen[(*other)[from]] != i) {
+                seen[(*other)[from]] = i;
+                (*other)[to++] = (*other)[from];
+            }
+        (*weight)[i] = weight_of(group, i);
+    }
+    (*begin)[n] = to;
+    free(seen);
+    return FP3_OK;
+}
+
+fp3_status fp3_ranks_divide_by_links(fp3_engine *engine, fp3_ranked *to) {
+    const fp3_ranks *ranks = to->ranks;
+    uint32_t *begin = NULL, *other = NULL, *weight = NULL;
+    fp3_status status = make_graph(engine, &begin, &other, &weight);
+    if (!status &&
+        ranks->calls->divide(
+            ranks->world, &(fp3_mpi_graph){engine->layout.groups[0].objects, begin, other, weight},
+            to->whose))
+        status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                          "Scotch does not divide the objects: out of memory");
+    free(begin);
+    free(other);
+    free(weight);
+    return status;
+}
+
+/* ---- by place ---- */
+
+typedef struct {
+    float place;
+    uint32_t object;
+} placed;
+
+static int by_place(const void *a, const void *b) {
+    const placed *x = a, *y = b;
+    return x->place != y->place ? (x->place > y->place) - (x->place < y->place)
+                                : (x->object > y->object) - (x->object < y->object);
+}
+
+/* Recursive bisection: across the longest side of what `list` fills, in the proportion of the ranks of either half. */
+static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_t first,
+                   uint32_t ranks, uint32_t *whose) {
+    uint32_t axis = 0;
+    double longest = -1;
+    for (uint32_t k = 0; k < p->dimensions; k++) {
+        double least = INFINITY, most = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            least = fmin(least, (double)fp3_position(p, k, list[i].object));
+            most = fmax(most, (double)fp3_position(p, k, list[i].object));
+        }
+        if (most - least > longest) {
+            longest = most - least;
+            axis = k;
+        }
+    }
+    if (ranks == 1) {
+        for (uint32_t i = 0; i < count; i++)
+            whose[list[i].object] = first;
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        list[i].place = fp3_position(p, axis, list[i].object);
+    qsort(list, count, sizeof *list, by_place);
+    const uint32_t low = ranks / 2, cut = (uint32_t)((uint64_t)count * low / ranks);
+    bisect(p, list, cut, first, low, whose);
+    bisect(p, list + cut, count - cut, first + low, ranks - low, whose);
+}
+
+fp3_status fp3_ranks_divide_by_place(fp3_engine *engine, fp3_ranked *to) {
+    const fp3_members *group = &engine->layout.groups[0];
+    fp3_positions p = {0};
+    placed *list = malloc(engine->objects * sizeof *list);
+    fp3_status status = list ? FP3_OK : fp3_ranks_no_memory(engine);
+    if (!status)
+        status = fp3_positions_read(engine, fp3_positions_rule(group), &p);
+    for (uint32_t i = 0; !status && i < engine->objects; i++)
+        list[i] = (placed){0, i};
+    if (!status)
+        bisect(&p, list, engine->objects, 0, to->ranks->count, to->whose);
+    fp3_positions_close(&p);
+    free(list);
+    return status;
+}

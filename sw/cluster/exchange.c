@@ -1,0 +1,114 @@
+/* exchange.c - guests are brought up to date, when a phase begins. */
+#include "inside.h"
+#include "positions.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+/* Whether some object has moved by more than half the skin since guests were chosen: then another may be near that is none. */
+static fp3_status look_who_moved(fp3_engine *engine, uint64_t *has_moved) {
+    const fp3_ranked *self = engine->self;
+    const fp3_near_rule *rule = fp3_positions_rule(&engine->layout.groups[0]);
+    const uint32_t own = self->share[fp3_ranks_here(self)];
+    const float most = (float)(rule->skin * rule->skin / 4 * (1 - 1e-5));
+    float *now = malloc((own + (size_t)1) * sizeof *now),
+          *way = calloc(own + (size_t)1, sizeof *way);
+    fp3_status status = now && way ? FP3_OK : fp3_ranks_no_memory(engine);
+    for (uint32_t k = 0; !status && own && k < rule->dimensions; k++) {
+        status = self->own->backend->read(
+            self->own, (fp3_cells){FP3_CELLS_REGISTER, rule->regs[k], self->first, own}, now);
+        for (uint32_t i = 0; !status && i < own; i++)
+            way[i] += (now[i] - self->made[k][i]) * (now[i] - self->made[k][i]);
+    }
+    *has_moved = 0;
+    for (uint32_t i = 0; !status && i < own; i++)
+        *has_moved |= !(way[i] <= most);
+    free(now);
+    free(way);
+    return status;
+}
+
+/* Words that neighbours read and no phase stores: an exchange does not bring them. */
+static fp3_status bring_constants(fp3_engine *engine) {
+    const fp3_members *group = &engine->layout.groups[0];
+    const uint64_t set = group->lists.shape.published & ~fp3_layout_published(group);
+    uint32_t *words = malloc(engine->objects * sizeof *words);
+    fp3_status status = words ? FP3_OK : fp3_ranks_no_memory(engine);
+    for (uint32_t reg = 0; !status && reg < engine->config->registers; reg++)
+        if (set >> reg & 1) {
+            const fp3_cells cells = {FP3_CELLS_REGISTER, reg, 0, engine->objects};
+            status = fp3_ranks_read(engine, cells, words);
+            if (!status && ((fp3_ranked *)engine->self)->own)
+                status = fp3_ranks_write_guests(engine->self, cells, words);
+        }
+    free(words);
+    return status;
+}
+
+static fp3_status choose_again(fp3_engine *engine) {
+    fp3_ranked *self = engine->self;
+    uint32_t *numbers = malloc((self->room + (size_t)1) * sizeof *numbers);
+    fp3_status status =
+        numbers ? fp3_ranks_choose_guests(engine, self) : fp3_ranks_no_memory(engine);
+    if (!status && self->own && self->share[fp3_ranks_here(self)] + self->guest_count > self->room)
+        status = fp3_fail(engine->def.error, FP3_E_LIMIT,
+                          "rank %u has %" PRIu32 " objects of its own and needs %" PRIu32
+                          " of other ranks: there is room for %" PRIu32 " together",
+                          fp3_ranks_here(self), self->share[fp3_ranks_here(self)],
+                          self->guest_count, self->room);
+    if (!status && self->own) {
+        self->own->layout.groups[0].rows = self->share[fp3_ranks_here(self)] + self->guest_count;
+        fp3_ranks_number_rows(self, numbers);
+        status = fp3_engine_set_numbers(self->own, numbers);
+    }
+    free(numbers);
+    return status ? status : bring_constants(engine);
+}
+
+static fp3_status send_and_receive(fp3_engine *engine) {
+    fp3_ranked *self = engine->self;
+    const uint32_t ranks = self->ranks->count;
+    const uint64_t published = fp3_layout_published(&engine->layout.groups[0]);
+    fp3_status status = FP3_OK;
+    uint32_t *to = self->out.words, *from = self->in.words;
+    for (uint32_t r = 0, row = 0; r < ranks; row += self->out.count[r], r++)
+        for (uint32_t reg = 0; !status && self->out.count[r] && reg < 64; reg++)
+            if (published >> reg & 1) {
+                status =
+                    fp3_engine_gather(self->own, reg, self->out.rows + row, self->out.count[r], to);
+                to += self->out.count[r];
+            }
+    if (status)
+        return status;
+    self->ranks->calls->begin(self->plan);
+    self->ranks->calls->end(self->plan);
+    for (uint32_t r = 0, guest = 0; r < ranks; guest += self->in.count[r], r++)
+        for (uint32_t reg = 0; !status && self->in.count[r] && reg < 64; reg++)
+            if (published >> reg & 1) {
+                status = self->own->backend->write(self->own,
+                                                   (fp3_cells){FP3_CELLS_REGISTER, reg,
+                                                               fp3_ranks_row(self, guest),
+                                                               self->in.count[r]},
+                                                   from);
+                from += self->in.count[r];
+            }
+    return status;
+}
+
+/* The engine that makes a run again stands in for the own one. */
+fp3_status fp3_ranks_exchange(void *user, fp3_engine *own) {
+    fp3_engine *engine = user;
+    fp3_ranked *self = engine->self;
+    fp3_engine *usual = self->own;
+    uint64_t has_moved = 0;
+    fp3_status status = FP3_OK;
+    self->own = own;
+    if (self->made[0])
+        status = look_who_moved(engine, &has_moved);
+    if (!status && self->made[0] && self->ranks->calls->most(self->ranks->world, has_moved))
+        status = choose_again(engine);
+    if (!status)
+        status = send_and_receive(engine);
+    self->own = usual;
+    return status;
+}

@@ -1,0 +1,31 @@
+/* positions.c - see positions.h. */
+#include "positions.h"
+
+#include <stdlib.h>
+
+const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
+    uint32_t i = 0;
+    while (!group->lists.lists[i].is_near)
+        i++;
+    return &group->lists.lists[i].near;
+}
+
+fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p) {
+    fp3_status status = FP3_OK;
+    *p = (fp3_positions){.dimensions = rule->dimensions};
+    for (uint32_t k = 0; !status && k < rule->dimensions; k++) {
+        p->word[k] = malloc(engine->objects * sizeof *p->word[k]);
+        status =
+            p->word[k]
+                ? fp3_ranks_read(engine,
+                                 (fp3_cells){FP3_CELLS_REGISTER, rule->regs[k], 0, engine->objects},
+                                 p->word[k])
+                : fp3_ranks_no_memory(engine);
+    }
+    return status;
+}
+
+void fp3_positions_close(fp3_positions *p) {
+    for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++)
+        free(p->word[k]);
+}

@@ -1,0 +1,26 @@
+/* positions.h - where the objects of all ranks are, where they see those that are near. */
+#ifndef FP3_CLUSTER_POSITIONS_H
+#define FP3_CLUSTER_POSITIONS_H
+
+#include "inside.h"
+
+#include <string.h>
+
+typedef struct {
+    uint32_t *word[FP3_NEAR_DIMENSIONS]; /* of all objects */
+    uint32_t dimensions;
+} fp3_positions;
+
+/* The rule of the first relation `near`: there is one. */
+const fp3_near_rule *fp3_positions_rule(const fp3_members *group);
+/* All ranks together. fp3_positions_close whatever comes of it. */
+fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p);
+void fp3_positions_close(fp3_positions *p);
+
+static inline float fp3_position(const fp3_positions *p, uint32_t k, uint32_t object) {
+    float f;
+    memcpy(&f, &p->word[k][object], sizeof f);
+    return f;
+}
+
+#endif

@@ -1,0 +1,90 @@
+"""Scenes on 1, 2, 3, 4 and 8 ranks, on every engine: the same bits. Ranks share the processors of one machine here."""
+
+import re
+
+import pytest
+
+# Links; near, whose guests change; all others; a program of several phases; links and lifetimes of none.
+AROUND = {"cloth": (2, 3, 4, 8), "balls": (2, 3), "stars": (2, 4), "dam": (3,), "rope": (2,)}
+
+
+@pytest.mark.parametrize("name", AROUND)
+def test_ranks_give_the_same_bits(hash_of, root, name):
+    scene = root / f"programs/world/{name}.scene"
+    one = hash_of(scene, 1, "fast", 20)
+    assert len(one[0]) > 1000
+    for ranks in AROUND[name]:
+        assert hash_of(scene, ranks, "fast", 20) == one, ranks
+
+
+def test_objects_that_wander_are_divided_anew(hash_of, root):
+    """Two streams of balls mix: after some thousand steps a rank needs four times the guests that it had at first."""
+    scene = root / "programs/world/gas.scene"
+    assert hash_of(scene, 3, "fast", 8000) == hash_of(scene, 1, "fast", 8000)
+
+
+def test_a_failure_on_one_rank_is_told_as_by_one_process(mpirun, fp3, root, tmp_path):
+    """The run is made again on all ranks, or the one whose object failed would wait for the others."""
+    (tmp_path / "balls.ode").write_text((root / "programs/world/balls.ode").read_text())
+    text = (root / "programs/world/gas.scene").read_text()
+    both = 'only = { objects = [7, 8]; set = { x_x = 0.5; x_y = 0.5; x_z = 0.5; }; };'
+    (tmp_path / "gas.scene").write_text(re.sub("only .*", both, text))
+    said = [mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 1) for ranks in (1, 3)]
+    assert [done.returncode for done in said] == [3, 3] and "object 7 in step 1: invalid" in said[0].stderr
+    assert said[0].stderr.splitlines()[0] in said[1].stderr
+
+
+SMALL = """steps = 40;
+groups = ( { program = "cloth.ode"; integrator = "semi_implicit_euler";
+  grid = { position = "x"; along = "xz"; count = [12, 12]; spacing = 0.05; origin = [0.0, 2.0, 0.0]; };
+  links = { relation = "springs"; grid = ["structural", "shear"]; rest = "rest"; };
+  only = { objects = [0, 11]; set = { w = 0.0; }; }; } );
+"""
+
+
+@pytest.fixture
+def small(root, tmp_path):
+    (tmp_path / "cloth.ode").write_text((root / "programs/world/cloth.ode").read_text())
+    (tmp_path / "small.scene").write_text(SMALL)
+    return tmp_path / "small.scene"
+
+
+def test_engines_give_the_same_bits_on_ranks(hash_of, small):
+    """Two ranks of hardware are two chips, each with a part of the cloth."""
+    one = hash_of(small, 1, "fast", 40)
+    assert {len(one[0]) > 1000} == {True}
+    for engine, ranks in (("isa", 1), ("isa", 3), ("rtl", 2), ("rtl", 4)):
+        assert hash_of(small, ranks, engine, 40)[0] == one[0], (engine, ranks)
+
+
+@pytest.mark.parametrize("name, engine", [("comets", "fast"), ("comets", "rtl"), ("mixed", "fast"), ("fleet", "isa")])
+def test_groups_that_see_nobody(mpirun, fp3, root, name, engine):
+    """Objects that sleep, lifetimes, several programs, adaptive steps: what is printed is the same."""
+    said = []
+    for ranks in (1, 3):
+        done = mpirun(ranks, fp3, "run", "--scene", root / f"programs/{name}.scene", "-e", engine, "--steps", 50, "--all")
+        assert done.returncode == 0, done.stderr
+        said.append([line for line in done.stdout.splitlines() if " 0x" in line])
+    assert len(said[0]) > 3 and said[0] == said[1]
+
+
+def test_rank_0_speaks_alone(mpirun, fp3, root):
+    done = mpirun(3, fp3, "run", "--scene", root / "programs/world/cloth.scene", "-e", "fast", "--steps", 5)
+    assert len(re.findall(r"^flags ", done.stdout, re.M)) == 1
+
+
+def test_bad_input_is_told_once(mpirun, fp3, tmp_path):
+    (tmp_path / "bad.scene").write_text("steps = 3;\ngroups = ( { program = 5; } );\n")
+    done = mpirun(3, fp3, "run", "--scene", tmp_path / "bad.scene")
+    assert done.returncode == 2 and done.stderr.count("bad.scene:1: expected config") == 1, done.stderr
+
+
+def test_what_one_process_alone_can_do_is_refused(mpirun, fp3, root, tmp_path):
+    done = mpirun(2, fp3, "run", "--scene", root / "programs/comets.scene", "-e", "rtl", "--bus-log", tmp_path / "log")
+    assert done.returncode == 2 and "by one process, not by several" in done.stderr and not (tmp_path / "log").exists()
+
+
+def test_several_phases_are_refused_on_hardware(mpirun, fp3, small):
+    small.write_text(SMALL.replace("semi_implicit_euler", "verlet"))
+    done = mpirun(2, fp3, "run", "--scene", small, "-e", "rtl", "--steps", 3)
+    assert done.returncode != 0 and "a step of one phase" in done.stderr, done.stderr
