@@ -89,9 +89,11 @@ fp3_status fp3_image_header(const fp3_image *image, const char *name, char **tex
                         "found '%s' for a program's name, expected letters, digits or _, and none "
                         "of first, step, last, inf, nan",
                         name);
-    if (image->words == FP3_WORDS_LOGARITHMS)
+    if (image->words == FP3_WORDS_LOGARITHMS || image->words == FP3_WORDS_MIXED)
         return fp3_fail(error, FP3_E_PROGRAM,
-                        "the program is made for logarithms: sw/bare gives hardware floats");
+                        "the program is made for %s: sw/bare gives hardware floats, and takes rcp "
+                        "and rsqrt for estimates",
+                        fp3_image_words_name(image->words));
     fp3_visit *visit = NULL;
     fp3_status status = fp3_visit_make(image, &visit, error);
     if (status)

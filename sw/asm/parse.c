@@ -141,7 +141,7 @@ static void parse_words(asm_source *a, fp3_token directive) {
     while (words < FP3_WORDS_KINDS && !fp3_token_is(a->next, fp3_image_words_name(words)))
         words++;
     if (words == FP3_WORDS_KINDS) {
-        fp3_report_expected(&a->report, a->next, "floats or logarithms");
+        fp3_report_expected(&a->report, a->next, "floats, logarithms or mixed");
         return;
     }
     a->words = words;

@@ -43,9 +43,11 @@ static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
 
 /* An image may say what they have to be. */
 static fp3_status check_words(fp3_engine *engine, const fp3_image *image) {
-    const fp3_image_words has =
-        engine->config->logarithmic ? FP3_WORDS_LOGARITHMS : FP3_WORDS_FLOATS;
-    if (image->words == FP3_WORDS_ANY || image->words == has)
+    const fp3_image_words has = engine->config->logarithmic ? FP3_WORDS_LOGARITHMS
+                                : engine->config->mixed     ? FP3_WORDS_MIXED
+                                                            : FP3_WORDS_FLOATS;
+    if (image->words == FP3_WORDS_ANY || image->words == has ||
+        (image->words == FP3_WORDS_FLOATS && has == FP3_WORDS_MIXED))
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                     "the program is made for %s: words of configuration '%s' are %s",

@@ -222,7 +222,7 @@ static void *copied(const void *from, size_t bytes) {
 }
 
 const char *fp3_image_words_name(fp3_image_words words) {
-    static const char *const names[FP3_WORDS_KINDS] = {"any", "floats", "logarithms"};
+    static const char *const names[FP3_WORDS_KINDS] = {"any", "floats", "logarithms", "mixed"};
     return names[words];
 }
 

@@ -34,7 +34,8 @@ fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_er
 int fp3_config_computes_as(const fp3_config *config, const fp3_config *other) {
     return config->nearest == other->nearest && config->subnormal == other->subnormal &&
            config->finite == other->finite && config->logarithmic == other->logarithmic &&
-           config->fused == other->fused && config->fraction == other->fraction;
+           config->fused == other->fused && config->mixed == other->mixed &&
+           config->fraction == other->fraction;
 }
 
 uint32_t fp3_config_schedulers(const fp3_config *config) {

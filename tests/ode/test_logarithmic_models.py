@@ -130,7 +130,7 @@ def test_an_image_as_text_keeps_what_it_is_for(fp3_run, tmp_path):
     (tmp_path / "x.s").write_text(".words floats\n.state x\nstep:\nadd x, x, x\n")
     fp3_run("asm", "x.s", "-o", "x.fp3")
     assert fp3_run("dis", "x.fp3").startswith(".words  floats\n")
-    for text, said in ((".words", "expected floats or logarithms"), (".words any", "found 'any', expected floats or logarithms"),
+    for text, said in ((".words", "expected floats, logarithms or mixed"), (".words any", "found 'any', expected floats, logarithms or mixed"),
                        (".words floats\n.words floats", "expected one '.words' only (line 1 has it)"), (".words floats x", "expected the end of the line")):
         (tmp_path / "x.s").write_text(f"{text}\n.state x\nstep:\nadd x, x, x\n")
         assert said in fp3_run("asm", "x.s", "-o", "x.fp3", status=2)

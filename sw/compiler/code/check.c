@@ -51,7 +51,8 @@ fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit,
                        : fp3_has_pass(options, FP3_PASS_EXACT_DIVISION) ? "`exact-division`"
                        : fit->control ? "time in two words, as adaptive steps have it,"
                                       : NULL;
-    *words = what                           ? FP3_WORDS_FLOATS
+    *words = options->config->mixed         ? FP3_WORDS_MIXED
+             : what                         ? FP3_WORDS_FLOATS
              : options->config->logarithmic ? FP3_WORDS_LOGARITHMS
                                             : FP3_WORDS_ANY;
     if (!what || !options->config->logarithmic)

@@ -76,12 +76,13 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_constant;
 
-/* What words have to be for the program to be right: anything, floats (it computes rounding errors of sums), or
- * logarithms (docs/logarithmic.md; it takes rcp and rsqrt for more than estimates). */
+/* What words have to be for the program to be right: anything, floats (it computes rounding errors of sums),
+ * logarithms, or floats of which rcp and rsqrt are no estimates (docs/logarithmic.md). */
 typedef enum {
     FP3_WORDS_ANY,
     FP3_WORDS_FLOATS,
     FP3_WORDS_LOGARITHMS,
+    FP3_WORDS_MIXED,
     FP3_WORDS_KINDS
 } fp3_image_words;
 
