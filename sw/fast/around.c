@@ -2,6 +2,7 @@
 #include "around.h"
 
 #include "block.h"
+#include "inverse.h"
 #include "raised.h"
 
 #include <fp3/isa.h>
@@ -180,6 +181,7 @@ static void run_native(const interpreter *in, uint32_t phase) {
                          .seen = seen,
                          .constants = (const int *)in->group->constants,
                          .table = in->fast->table,
+                         .inverse = fp3_inverse,
                          .lists = lists,
                          .records = in->group->records};
     FP3_EACH_REGISTER (plan->read | plan->stored, reg) {
