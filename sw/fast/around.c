@@ -2,7 +2,6 @@
 #include "around.h"
 
 #include "block.h"
-#include "inverse.h"
 #include "raised.h"
 
 #include <fp3/isa.h>
@@ -181,7 +180,6 @@ static void run_native(const interpreter *in, uint32_t phase) {
                          .seen = seen,
                          .constants = (const int *)in->group->constants,
                          .table = in->fast->table,
-                         .inverse = fp3_inverse,
                          .lists = lists,
                          .records = in->group->records};
     FP3_EACH_REGISTER (plan->read | plan->stored, reg) {

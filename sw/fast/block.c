@@ -2,7 +2,6 @@
 #include "block.h"
 
 #include "gen/registers.h"
-#include "inverse.h"
 #include <string.h>
 
 #define FLAGS ((2u << FP3_STATUS_FLAGS_HI) - 1) /* of a status word */
@@ -34,7 +33,6 @@ fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
                             .records = lanes->records,
                             .constants = (const int *)run->constants,
                             .table = fast->table,
-                            .inverse = fp3_inverse,
                             .awake = lanes->awake,
                             .seen = &lanes->seen,
                             .vectors = (lanes->count + wide - 1) / wide};

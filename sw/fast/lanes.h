@@ -425,13 +425,6 @@ FP3_OPERATION fp3_v fp3_rsqrt_any(fp3_v a, const int *table) {
                                           : how(fp3_##of##_any((a), (table))))
 FP3_OPERATION fp3_v fp3_rcp(fp3_v a, const int *table) { return FP3_ESTIMATE(rcp, a, table, ); }
 FP3_OPERATION fp3_v fp3_rsqrt(fp3_v a, const int *table) { return FP3_ESTIMATE(rsqrt, a, table, ); }
-/* With the key `mixed`. */
-FP3_OPERATION fp3_v fp3_inverse_by(fp3_fast_inverse *inverse, fp3_v a, int is_root) {
-    fp3_i words = (fp3_i)a;
-    inverse((int *)&words, FP3_LANES, is_root);
-    return (fp3_v)words;
-}
-
 /* The same with the adder behind it, which does nothing to an ordinary number. */
 FP3_OPERATION fp3_v fp3_rcp_behind(fp3_v a, const int *table) {
     return FP3_ESTIMATE(rcp, a, table, fp3_behind);

@@ -34,17 +34,13 @@ static inline void fp3_table_finish(int table[FP3_TABLE]) {
         table[i] = numbers[i - FP3_AT_RCP_LEAST];
 }
 
-/* With the key `mixed`: of each word a 1/a, or with is_root 1/sqrt(a). It raises the processor's flags. */
-typedef void fp3_fast_inverse(int *words, unsigned lanes, int is_root);
-
 /* Rows have FP3_BLOCK lanes, one for each object. */
 typedef struct {
     float *rows; /* [65][FP3_BLOCK], aligned to 64 bytes: registers, and what a neighbour gives */
     float *const *records; /* [64]: rows of words in the store, aligned to 4 bytes */
     const int *constants;  /* [64]: bits of FP32 numbers */
     const int *table;      /* [FP3_TABLE] */
-    fp3_fast_inverse *inverse;
-    int *awake; /* a row, aligned: -1, or 0 where the object sleeps */
+    int *awake;            /* a row, aligned: -1, or 0 where the object sleeps */
     unsigned *
         seen; /* FP3_SEEN_*, by an executor that knows: products that were subnormal, or raised underflow */
     unsigned vectors; /* all lanes of the last one have an object's values, too */
@@ -82,7 +78,6 @@ typedef struct {
         *seen;            /* [64]: columns of all objects of the group, as neighbours see them */
     const int *constants; /* [64] */
     const int *table;     /* [FP3_TABLE] */
-    fp3_fast_inverse *inverse;
     const fp3_fast_list *lists;
     float *
         records; /* of each object of the group what neighbours read, word by word, FP3_RECORD floats of each; it has whole

@@ -1,4 +1,4 @@
-/* raised.h - the processor's sticky flags as those of the machine, and the reverse. */
+/* raised.h - the processor's sticky flags as those of the machine. */
 #ifndef FP3_FAST_RAISED_H
 #define FP3_FAST_RAISED_H
 
@@ -17,15 +17,6 @@ static inline uint32_t fp3_fast_raised(unsigned seen) {
            (sticky & FP3_FPU_OVERFLOW ? FP3_FLAG_OVERFLOW : 0) |
            (sticky & FP3_FPU_UNDERFLOW || seen & FP3_SEEN_UNDERFLOW ? FP3_FLAG_UNDERFLOW : 0) |
            (sticky & FP3_FPU_INEXACT ? FP3_FLAG_INEXACT : 0);
-}
-
-/* Flags of the machine as the processor would raise them. */
-static inline uint64_t fp3_fast_sticky(uint32_t flags) {
-    return (flags & FP3_FLAG_INVALID ? FP3_FPU_INVALID : 0) |
-           (flags & FP3_FLAG_DIVIDE_BY_ZERO ? FP3_FPU_DIVIDE_BY_ZERO : 0) |
-           (flags & FP3_FLAG_OVERFLOW ? FP3_FPU_OVERFLOW : 0) |
-           (flags & FP3_FLAG_UNDERFLOW ? FP3_FPU_UNDERFLOW : 0) |
-           (flags & FP3_FLAG_INEXACT ? FP3_FPU_INEXACT : 0);
 }
 
 #endif

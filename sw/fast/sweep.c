@@ -191,7 +191,7 @@ static void calculate_words(machine *m) {
     for (int i = 0; i < FP3_LANES; i++)
         raised |= (uint32_t)all[i];
     raised |= fp3_short_any(quick.lost) ? (uint32_t)FP3_FLAG_INEXACT : 0;
-    fp3_fpu_set(before | inexact | fp3_fast_sticky(raised));
+    fp3_fpu_set(before | inexact | fp3_words_sticky(raised));
 }
 
 /* Where an object sleeps it keeps what it has. */

@@ -3,8 +3,6 @@
 #ifndef FP3_FAST_WORDS_H
 #define FP3_FAST_WORDS_H
 
-#include "raised.h"
-
 #include <fp3/isa.h>
 #include <machine/execute.h>
 
@@ -36,6 +34,15 @@ static inline fp3_i fp3_words_sleep(const fp3_config *config, fp3_v a, fp3_v b) 
     for (int i = 0; i < FP3_LANES; i++)
         is[i] = -fp3_execute_sleeps(config, (const uint32_t[]){((fp3_u)a)[i], ((fp3_u)b)[i], 0});
     return is;
+}
+
+/* Flags of the machine as the processor would raise them. */
+static inline uint64_t fp3_words_sticky(uint32_t flags) {
+    return (flags & FP3_FLAG_INVALID ? FP3_FPU_INVALID : 0) |
+           (flags & FP3_FLAG_DIVIDE_BY_ZERO ? FP3_FPU_DIVIDE_BY_ZERO : 0) |
+           (flags & FP3_FLAG_OVERFLOW ? FP3_FPU_OVERFLOW : 0) |
+           (flags & FP3_FLAG_UNDERFLOW ? FP3_FPU_UNDERFLOW : 0) |
+           (flags & FP3_FLAG_INEXACT ? FP3_FPU_INEXACT : 0);
 }
 
 #endif

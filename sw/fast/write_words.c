@@ -27,12 +27,6 @@ static int is_estimate(uint32_t op) { return op == FP3_OP_RCP || op == FP3_OP_RS
 static void value(const writer *w, const fp3_fast_word *p, unsigned vector) {
     const fp3_instruction *in = &p->in;
     const fp3_operation *of = fp3_operation_find(in->op);
-    if (w->plan->config->mixed && is_estimate(in->op)) {
-        fprintf(w->to, "fp3_inverse_by(p->inverse, ");
-        fp3_write_operand(w, in->a, vector);
-        fprintf(w->to, ", %d)", in->op == FP3_OP_RSQRT);
-        return;
-    }
     const int is_around = p->is_behind && !is_estimate(in->op);
     fprintf(w->to, "%sfp3_%s%s(", is_around ? "fp3_behind(" : "", of->name,
             !p->is_behind         ? ""

@@ -40,7 +40,7 @@ def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long, conf
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("config, objects", [("world", 64), ("fabric", 40), ("pairs", 40)])
+@pytest.mark.parametrize("config, objects", [("world", 64), ("fabric", 40)])
 def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, long, config, objects):
     """Programs by chance; of the fast engine both native code and the interpreter have some."""
     for seed in range(1, 11 if long else 2):
