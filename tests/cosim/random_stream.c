@@ -654,6 +654,8 @@ static void vary(bench *b, chance *c) {
         fp3_config *config = fp3_engine_config(b->engine[k]);
         config->nearest = below(&own, 2);
         config->subnormal = below(&own, 2);
+        if (config->mixed) /* needs both */
+            config->nearest = config->subnormal = 1;
         config->finite = !config->nearest && !config->subnormal && !config->fused && below(&own, 4);
         config->flags = config->status || below(&own, 2);
         b->varied = *config;
