@@ -196,7 +196,7 @@ VECTORS           := -O3 -frounding-math -Wno-psabi
 
 $(call obj,sw/fast/sweep.c): CFLAGS += $(VECTORS)
 $(call obj,sw/fast/fast.c sw/fast/block.c sw/fast/drive.c sw/engine/near.c): CFLAGS += -O3
-$(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/fused.h sw/fast/turns.h
+$(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/fused.h sw/fast/halves.h sw/fast/turns.h
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
 $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready
@@ -588,6 +588,13 @@ gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/ga
 .PHONY: arithmetic arithmetic-report
 arithmetic: all ## What each arithmetic does to the error of models, and what it costs: half an hour; MODEL="kepler lorenz". JSON in build/results
 	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
+
+.PHONY: storage storage-report
+storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: two minutes
+	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3
+
+storage-report: all ## Write docs/arithmetic.md's table of it
+	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --report
 
 arithmetic-report: | need-plot ## Write docs/arithmetic.md's tables and its picture from it
 	@$(PYTHON) tools/arithmetic.py --output $(RESULTS)/arithmetic.json --report

@@ -64,6 +64,27 @@ module tile_scheduler #(
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
 
+    // Where records have 16 bits a word for one is rounded before it goes to its lane, and every access goes as much later.
+    wire        late_access, late_write;
+    wire [2:0]  late_space;
+    wire [19:0] late_address;
+    wire [31:0] late_wdata;
+    generate
+        if (STORAGE != 0) begin : g_halved
+            wire [15:0] half_word;
+            wire [31:0] whole_word;
+            wire        over;
+            halve #(.CONFIG(CONFIG)) u_halve (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0), .random_i(16'd0), .half_o(half_word), .over_o(over));
+            delay #(.W(1), .N(TIMING_HALVE)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access), .q_o(late_access));
+            delay #(.W(56), .N(TIMING_HALVE)) u_what (.clk_i(clk_i), .rst_i(1'b0), .d_i({host_write, space, address, host_wdata}),
+                .q_o({late_write, late_space, late_address, whole_word}));
+            assign late_wdata = late_space == HOST_OBJECT ? {16'd0, half_word} : whole_word;
+            wire unused_over = over;
+        end else begin : g_not_halved
+            assign {late_access, late_write, late_space, late_address, late_wdata} = {access, host_write, space, address, host_wdata};
+        end
+    endgenerate
+
     // Constants are in all lanes, and only there for reading; this copy is the host's. Who asks for one asks for
     // nothing else until it is there.
     wire [31:0] constant, lanes_answer;
@@ -76,13 +97,13 @@ module tile_scheduler #(
     assign word = word_q;
 
     `ACCESS_FIELDS
-    wire                      by_lane = space == HOST_AWAKE || space == HOST_WAKE;
-    wire [LANE_W+STORE_W-1:0] spot    = address[LANE_W+STORE_W-1:0];
-    assign access_valid   = access && !(EXCHANGE != 0 && space == HOST_COPIES);
-    assign access_write   = host_write;
-    assign access_space   = space;
-    assign access_lane    = by_lane ? address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
-    assign access_address = address[STORE_W-1:0];
+    wire                      by_lane = late_space == HOST_AWAKE || late_space == HOST_WAKE;
+    wire [LANE_W+STORE_W-1:0] spot    = late_address[LANE_W+STORE_W-1:0];
+    assign access_valid   = late_access && !(EXCHANGE != 0 && late_space == HOST_COPIES);
+    assign access_write   = late_write;
+    assign access_space   = late_space;
+    assign access_lane    = by_lane ? late_address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
+    assign access_address = late_address[STORE_W-1:0];
 
     // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1 ------------
     localparam ISSUES_W = `LANE_ISSUE_W, RETIRES_W = `LANE_RETIRE_W, REACHES_W = `REACH_W;
@@ -92,6 +113,7 @@ module tile_scheduler #(
     wire [RETIRES_W*(GROUPS+1)-1:0] retires;
     wire [`ACCESS_W*(GROUPS+1)-1:0] accesses;
     wire [32*(GROUPS+1)-1:0]        data;
+    wire [DRAW_W*(GROUPS+1)-1:0]    draws;
     wire [`REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
     wire                           copy, abort, copied;
@@ -104,7 +126,7 @@ module tile_scheduler #(
         .copy_o(copy), .abort_o(abort), .copied_i(copied),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
-        .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
+        .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number), .draw_o(draws[0 +: DRAW_W]),
         .report_i(reports[`REPORT_W*GROUPS +: `REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
 
@@ -120,12 +142,12 @@ module tile_scheduler #(
                 .busy_o(copying), .reach_o(copy_reach), .access_o(copy_access));
             assign reaches[0 +: REACHES_W]  = copying ? copy_reach : reach;
             assign accesses[0 +: `ACCESS_W] = copying ? copy_access : `ACCESS;
-            assign data[31:0]               = copying ? lanes_answer : running ? step_number : host_wdata;
+            assign data[31:0]               = copying ? lanes_answer : running ? step_number : late_wdata;
         end else begin : g_no_exchange
             assign copied                   = 1'b0;
             assign reaches[0 +: REACHES_W]  = reach;
             assign accesses[0 +: `ACCESS_W] = `ACCESS;
-            assign data[31:0]               = running ? step_number : host_wdata;
+            assign data[31:0]               = running ? step_number : late_wdata;
             wire unused_copy = &{copy, abort};
         end
     endgenerate
@@ -151,6 +173,7 @@ module tile_scheduler #(
                 .retire_i(retires[RETIRES_W*g +: RETIRES_W]), .retire_o(retires[RETIRES_W*(g+1) +: RETIRES_W]),
                 .access_i(accesses[`ACCESS_W*g +: `ACCESS_W]), .access_o(accesses[`ACCESS_W*(g+1) +: `ACCESS_W]),
                 .data_i(data[32*g +: 32]), .data_o(data[32*(g+1) +: 32]),
+                .draw_i(draws[DRAW_W*g +: DRAW_W]), .draw_o(draws[DRAW_W*(g+1) +: DRAW_W]),
                 .report_i(reports[`REPORT_W*g +: `REPORT_W]), .report_o(reports[`REPORT_W*(g+1) +: `REPORT_W]),
                 .operands_o(operands_o[`OPERANDS_W*STREAMS*F +: `OPERANDS_W*STREAMS*N]),
                 .result_i(result_i[`RESULT_W*STREAMS*F +: `RESULT_W*STREAMS*N]),
@@ -160,7 +183,7 @@ module tile_scheduler #(
 
     // The last group has no next one; sequencer hears the rest of its report.
     wire unused = &{resets[GROUPS], reaches[REACHES_W*GROUPS +: REACHES_W], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],
-                    accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], address, spot,
+                    accesses[`ACCESS_W*GROUPS +: `ACCESS_W], data[32*GROUPS +: 32], draws[DRAW_W*GROUPS +: DRAW_W], late_address, spot,
                     report_count, report_longest, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK

@@ -11,7 +11,7 @@ WASM_NOT := sw/serial/port.c $(wildcard sw/fast/cache.c sw/fast/native.c sw/fast
 WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/cli/wasm/*.c)
 WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)
 WASM_OPERATIONS := $(WASM)/obj/tests/everywhere/operations.o
-WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o logarithmic.o)
+WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o words.o)
 WASM_EMULATED := SIGNAL GETPID
 WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -DNDEBUG -include sw/cli/wasm/posix.h -Isw/cli/wasm/include \
     $(WASM_EMULATED:%=-D_WASI_EMULATED_%) $(INCLUDES) -isystem $(WASM)/root/include

@@ -200,10 +200,18 @@ FP3_SYMBOL_TEMP = 2
 FP3_UNBORN = 0
 FP3_UNIT_SIZE = 80
 FP3_WORDS_ANY = 0
+FP3_WORDS_CELL = 4
+FP3_WORDS_FEWER = 8
 FP3_WORDS_FLOATS = 1
-FP3_WORDS_KINDS = 4
+FP3_WORDS_FLUSHED = 3
+FP3_WORDS_FRACTION = 23
+FP3_WORDS_FRACTION_LEAST = 7
+FP3_WORDS_KINDS = 8
 FP3_WORDS_LOGARITHMS = 2
-FP3_WORDS_MIXED = 3
+FP3_WORDS_MIXED = 7
+FP3_WORDS_NAME_SIZE = 64
+FP3_WORDS_TRUNCATED = 5
+FP3_WORDS_TRUNCATED_FLUSHED = 6
 FP3_WORD_TEXT_SIZE = 160
 
 
@@ -239,7 +247,7 @@ class fp3_image(Structure):
         ("last", c_uint32),
         ("constant_count", c_uint32),
         ("symbol_count", c_uint32),
-        ("words", c_int),
+        ("words", c_uint32),
         ("registers", c_uint32),
         ("shared", c_uint32),
         ("code", c_void_p),
@@ -548,6 +556,7 @@ class fp3_engine_def(Structure):
         ("cycle_limit", c_uint64),
         ("objects", c_uint32),
         ("visit", c_uint32),
+        ("seed", c_uint32),
         ("retire", fp3_retire_fn),
         ("retire_user", c_void_p),
         ("trace", fp3_trace_fn),
@@ -738,6 +747,7 @@ class fp3_scene(Structure):
         ("engine", c_char_p),
         ("steps", c_uint64),
         ("visit", c_uint32),
+        ("seed", c_uint32),
         ("groups", POINTER(fp3_scene_group)),
         ("group_count", c_size_t),
         ("objects", c_size_t),
@@ -797,7 +807,8 @@ PROTOTYPES = {
     "fp3_exit_code": (c_int, (c_int,)),
     "fp3_word_decode": (c_int, (c_uint32, POINTER(fp3_instruction), POINTER(fp3_error))),
     "fp3_word_encode": (c_uint32, (POINTER(fp3_instruction),)),
-    "fp3_image_words_name": (c_char_p, (c_int,)),
+    "fp3_image_words_name": (c_char_p, (c_uint32, c_char_p)),
+    "fp3_image_words_said": (c_char_p, (c_uint32, c_char_p)),
     "fp3_image_make": (c_int, (POINTER(fp3_image), POINTER(POINTER(fp3_image)), POINTER(fp3_error))),
     "fp3_image_free": (None, (POINTER(POINTER(fp3_image)),)),
     "fp3_image_decode": (c_int, (c_void_p, c_size_t, POINTER(POINTER(fp3_image)), POINTER(fp3_error))),

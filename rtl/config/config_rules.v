@@ -35,6 +35,9 @@ module config_rules #(
         if (MIXED != 0 && (SCHEDULERS != 1 || ADD_LATENCY + MUL_LATENCY < 14)) begin : g_mixed
             MIXED_needs_one_SCHEDULER_and_latencies_of_14_in_all u_error ();
         end
+        if (STORAGE != 0 && ADD_LATENCY + MUL_LATENCY < 8) begin : g_storage_latency
+            STORAGE_needs_latencies_of_8_in_all u_error ();
+        end
         if (NEIGHBOURS != 0 && SCHEDULERS != 1) begin : g_neighbours_shape
             NEIGHBOURS_needs_one_SCHEDULER u_error ();
         end

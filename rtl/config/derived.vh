@@ -23,6 +23,9 @@ parameter integer AROUND_W   = NEIGHBOURS != 0 ? 6 + LENGTH_W + STORE_W : 1,
 parameter integer BELOW        = 23 - FRACTION,
 parameter [31:0] KEPT         = 32'hffffffff << BELOW,
 parameter integer NONZERO_FROM = FINITE != 0 ? 23 : BELOW,
+// Of a word of the store; of the bundle DRAW (lane/draw.vh).
+parameter integer STORED_W   = STORAGE != 0 ? 16 : 32,
+parameter integer DRAW_W     = STORAGE != 0 ? 33 : 1,
 // Instructions of a scheduler that may issue, and results of a lane that may come, in one cycle.
 parameter integer STREAMS    = DUAL + 1,
 // What fp_value does: VALUES, CHOICE_W
@@ -43,6 +46,8 @@ parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
 // In cycles from what the lanes are told of an instruction: to its result, and to what they are told of its end.
 parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
 parameter integer TO_END    = TO_RESULT - (DUAL != 0 ? TIMING_DUAL_END : TIMING_END),
+// Where records have 16 bits, from what the lanes are told of a store to the half that is stored; no instruction ends before.
+parameter integer ROUNDED   = 2 * TIMING_MIX + 1 + TIMING_HALVE,
 // How much earlier they are told what it reads of the store: a word of a neighbour is then there beside the operands.
 parameter integer AHEAD     = NEIGHBOURS != 0 ? TIMING_REACH : 0,
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
@@ -54,4 +59,4 @@ parameter integer Z_LATE  = INTERLEAVE != 0 && (CHAIN != 0 || FUSED != 0) && VAL
 parameter integer GAP     = LATENCY + TIMING_GAP,
 parameter integer SETTLE  = LATENCY + AHEAD + LANES + TIMING_SETTLE,
 // From an access of the host port to the word.
-parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS : TIMING_SOLO_ACCESS
+parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS + (STORAGE != 0 ? TIMING_HALVE : 0) : TIMING_SOLO_ACCESS

@@ -39,6 +39,27 @@ end
 if (STORE_WORDS > 0 && INTERLEAVE == 0) begin : g_store_words_needs_interleave
     STORE_WORDS_needs_INTERLEAVE u_error ();
 end
+if (STORAGE < 0 || STORAGE > 2) begin : g_storage_must_be_0_to_2
+    STORAGE_must_be_0_to_2 u_error ();
+end
+if (STORAGE > 0 && INTERLEAVE == 0) begin : g_storage_needs_interleave
+    STORAGE_needs_INTERLEAVE u_error ();
+end
+if (STORAGE > 0 && DUAL != 0) begin : g_storage_excludes_dual
+    STORAGE_excludes_DUAL u_error ();
+end
+if (STORAGE > 0 && SLEEP != 0) begin : g_storage_excludes_sleep
+    STORAGE_excludes_SLEEP u_error ();
+end
+if (STORAGE > 0 && NEIGHBOURS != 0) begin : g_storage_excludes_neighbours
+    STORAGE_excludes_NEIGHBOURS u_error ();
+end
+if (STORAGE > 0 && LOGARITHMIC != 0) begin : g_storage_excludes_logarithmic
+    STORAGE_excludes_LOGARITHMIC u_error ();
+end
+if (STORAGE > 0 && FINITE != 0) begin : g_storage_excludes_finite
+    STORAGE_excludes_FINITE u_error ();
+end
 if (BYPASS < 0 || BYPASS > 1) begin : g_bypass_must_be_0_to_1
     BYPASS_must_be_0_to_1 u_error ();
 end

@@ -32,6 +32,7 @@ rtl/host/host_port.v
 rtl/host/hub.v
 rtl/lane/dual_end.v
 rtl/lane/dual_operands.v
+rtl/lane/halve.v
 rtl/lane/lane.v
 rtl/lane/lane_end.v
 rtl/lane/lane_group.v
@@ -41,8 +42,10 @@ rtl/lane/lane_result.v
 rtl/lane/lane_status.v
 rtl/lane/lane_store.v
 rtl/lane/lists.v
+rtl/lane/mix.v
 rtl/lane/visits.v
 rtl/lane/visits_in_order.v
+rtl/lane/widen.v
 rtl/lib/cut.v
 rtl/lib/delay.v
 rtl/lib/delay_ram.v
@@ -64,6 +67,7 @@ rtl/lns/lns_mul.v
 rtl/lns/lns_root.v
 rtl/lns/lns_to_float.v
 rtl/sequence/batch.v
+rtl/sequence/draws.v
 rtl/sequence/dual_pace.v
 rtl/sequence/dual_turn.v
 rtl/sequence/exchange.v

@@ -57,6 +57,7 @@ module fp3_dual (
         .CONTEXTS        (30),
         .PROGRAM_WORDS   (512),
         .STORE_WORDS     (512),
+        .STORAGE         (0),
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (0),

@@ -57,6 +57,7 @@ module fp3_fabric (
         .CONTEXTS        (24),
         .PROGRAM_WORDS   (2048),
         .STORE_WORDS     (4096),
+        .STORAGE         (0),
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),

@@ -57,6 +57,7 @@ module fp3_fused_full (
         .CONTEXTS        (24),
         .PROGRAM_WORDS   (2048),
         .STORE_WORDS     (16384),
+        .STORAGE         (0),
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (0),

@@ -57,6 +57,7 @@ module fp3_paper (
         .CONTEXTS        (1),
         .PROGRAM_WORDS   (512),
         .STORE_WORDS     (0),
+        .STORAGE         (0),
         .BYPASS          (0),
         .WRITEBACK_STALL (1),
         .CHAIN           (0),

@@ -57,6 +57,7 @@ module fp3_shared (
         .CONTEXTS        (24),
         .PROGRAM_WORDS   (512),
         .STORE_WORDS     (1024),
+        .STORAGE         (0),
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),

@@ -57,6 +57,7 @@ module fp3_shared_full (
         .CONTEXTS        (24),
         .PROGRAM_WORDS   (2048),
         .STORE_WORDS     (2048),
+        .STORAGE         (0),
         .BYPASS          (0),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),

@@ -57,6 +57,7 @@ module fp3_single_full (
         .CONTEXTS        (1),
         .PROGRAM_WORDS   (2048),
         .STORE_WORDS     (0),
+        .STORAGE         (0),
         .BYPASS          (1),
         .WRITEBACK_STALL (0),
         .CHAIN           (1),

@@ -2,17 +2,22 @@
 // Included inside a module that includes config.vh.
 // verilator lint_off UNUSEDPARAM
 // By the number of a register, its address / 4: whether it can be read, and written.
-localparam integer REGISTER_COUNT = 24;
-localparam [31:0] READABLE = 32'h00073faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0);
-localparam [31:0] WRITABLE = 32'h00020f10 | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0);
+localparam integer REGISTER_COUNT = 32;
+localparam [31:0] READABLE = 32'h00073faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0);
+localparam [31:0] WRITABLE = 32'h00020f10 | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0);
 // The settings of a run: how many bits each keeps (0: it is no setting), where they are in SETTINGS, what is
 // subtracted from the word, and what is kept after a reset.
-localparam [31:0] IS_SETTING = (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | 32'h00000f00 | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0);
-localparam [767:0] SETTING_BITS = {
-    32'd0, 32'd32, 32'd1, 32'd32, 32'd32, 32'd0, 32'd0, 32'd0, 32'd32, 32'd32, 32'd0, 32'd0, $clog2(PROGRAM_WORDS +
-    1), $clog2(PROGRAM_WORDS + 1), $clog2(PROGRAM_WORDS + 1), 32'd32, 32'd0, 32'd2, 32'd0, 32'd0, 32'd0, 32'd0,
-    32'd0, 32'd0};
-localparam [767:0] SETTING_AT = {
+localparam [31:0] IS_SETTING = (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | 32'h00000f00 | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0);
+localparam [1023:0] SETTING_BITS = {
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd32, 32'd32, 32'd32, 32'd0, 32'd32, 32'd1, 32'd32, 32'd32, 32'd0, 32'd0,
+    32'd0, 32'd32, 32'd32, 32'd0, 32'd0, $clog2(PROGRAM_WORDS + 1), $clog2(PROGRAM_WORDS + 1), $clog2(PROGRAM_WORDS
+    + 1), 32'd32, 32'd0, 32'd2, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
+localparam [1023:0] SETTING_AT = {
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS +
+    1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 + 32'd32 + 32'd32, 32'd0 +
+    32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 +
+    32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 + 32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) +
+    $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32,
     32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS +
     1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) +
     $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32, 32'd0 + 32'd2 +
@@ -23,12 +28,12 @@ localparam [767:0] SETTING_AT = {
     1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1), 32'd0, 32'd0, 32'd0 + 32'd2 + 32'd32 +
     $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1), 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1), 32'd0
     + 32'd2 + 32'd32, 32'd0 + 32'd2, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
-localparam [767:0] SETTING_LEAST = {
+localparam [1023:0] SETTING_LEAST = {
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
-    32'd0, 32'd3, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
-localparam [767:0] SETTING_RESET = {
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd3, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
+localparam [1023:0] SETTING_RESET = {
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
-    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
 // The ranges of settings: the least and the most of each, and which registers have it.
 localparam integer RANGES = 3;
 localparam [95:0] RANGE_LEAST = {32'd0, 32'd0, 32'd3};
@@ -38,12 +43,12 @@ localparam [95:0] RANGE_OF = {32'h00200000, 32'h00000e00, 32'h00000040};
 localparam [31:0] REGISTER_ID = (32'd3 & 255) << 0 | (32'd4608051 & 16777215) << 8;
 localparam [31:0] REGISTER_SHAPE = (REGISTERS & 255) << 0 | (REGISTERS & 255) << 8 | (CONTEXTS & 65535) << 16;
 localparam [31:0] REGISTER_MEMORY = PROGRAM_WORDS;
-localparam [31:0] REGISTER_FEATURES = (CHAIN & 1) << 0 | (BYPASS & 1) << 1 | (WRITEBACK_STALL & 1) << 2 | (SUBNORMAL & 1) << 3 | (NEAREST & 1) << 4 | (DUAL & 1) << 5 | (((NEIGHBOURS | EXCHANGE | FINITE | FUSED | LOGARITHMIC | (32'd23 - FRACTION) | MIXED) != 0 ? 1 : 0) & 1) << 7 | (ADD_LATENCY & 255) << 8 | (MUL_LATENCY & 255) << 16 | (INTERLEAVE & 1) << 24 | (SLEEP & 1) << 25 | (FLAGS & 1) << 26 | (STATUS & 1) << 27 | (SCALE & 1) << 28 | (SELECT & 1) << 29 | (ESTIMATE & 1) << 30 | (ROUND & 1) << 31;
+localparam [31:0] REGISTER_FEATURES = (CHAIN & 1) << 0 | (BYPASS & 1) << 1 | (WRITEBACK_STALL & 1) << 2 | (SUBNORMAL & 1) << 3 | (NEAREST & 1) << 4 | (DUAL & 1) << 5 | (((NEIGHBOURS | EXCHANGE | FINITE | FUSED | LOGARITHMIC | (32'd23 - FRACTION) | STORAGE | MIXED) != 0 ? 1 : 0) & 1) << 7 | (ADD_LATENCY & 255) << 8 | (MUL_LATENCY & 255) << 16 | (INTERLEAVE & 1) << 24 | (SLEEP & 1) << 25 | (FLAGS & 1) << 26 | (STATUS & 1) << 27 | (SCALE & 1) << 28 | (SELECT & 1) << 29 | (ESTIMATE & 1) << 30 | (ROUND & 1) << 31;
 localparam [31:0] REGISTER_ARRAY = (TILES & 255) << 0 | (SCHEDULERS & 255) << 8 | (LANES & 255) << 16;
 localparam [31:0] REGISTER_STORE = STORE_WORDS;
-localparam [31:0] REGISTER_FEATURES_MORE = (NEIGHBOURS & 1) << 0 | (EXCHANGE & 1) << 1 | (FINITE & 1) << 2 | (FUSED & 1) << 3 | (LOGARITHMIC & 1) << 4 | ((32'd23 - FRACTION) & 31) << 5 | (MIXED & 1) << 12;
-localparam [767:0] SHOWN = {
-    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_FEATURES_MORE, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_STORE,
-    REGISTER_ARRAY, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_FEATURES, REGISTER_MEMORY,
-    REGISTER_SHAPE, REGISTER_ID};
+localparam [31:0] REGISTER_FEATURES_MORE = (NEIGHBOURS & 1) << 0 | (EXCHANGE & 1) << 1 | (FINITE & 1) << 2 | (FUSED & 1) << 3 | (LOGARITHMIC & 1) << 4 | ((32'd23 - FRACTION) & 31) << 5 | (STORAGE & 3) << 10 | (MIXED & 1) << 12;
+localparam [1023:0] SHOWN = {
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
+    REGISTER_FEATURES_MORE, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_STORE, REGISTER_ARRAY, 32'd0, 32'd0, 32'd0, 32'd0,
+    32'd0, 32'd0, 32'd0, 32'd0, REGISTER_FEATURES, REGISTER_MEMORY, REGISTER_SHAPE, REGISTER_ID};
 // verilator lint_on UNUSEDPARAM

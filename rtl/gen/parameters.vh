@@ -7,7 +7,8 @@ parameter [31:0] LANES           = 1,   // register files and arithmetic units t
 parameter [31:0] REGISTERS       = 32,  // object registers per context, and as many shared constants
 parameter [31:0] CONTEXTS        = 1,   // objects that a scheduler holds at once, in each lane
 parameter [31:0] PROGRAM_WORDS   = 512, // words of instruction memory
-parameter [31:0] STORE_WORDS     = 0,   // words of object store in each lane; 0 where the objects are the contexts
+parameter [31:0] STORE_WORDS     = 0,   // words of object store in each lane, one for each register of an object; 0 where the objects are the contexts
+parameter [31:0] STORAGE         = 0,   // a word of the store has 32 bits (0), or 16: bfloat16 (1), binary16 (2); `st` rounds, `ld` widens ([arithmetic.md](arithmetic.md#records-of-16-bits))
 parameter [31:0] BYPASS          = 1,   // 1: a result goes straight to an operand that waits for it
 parameter [31:0] WRITEBACK_STALL = 0,   // 1: nothing is issued in a cycle in which a result is written
 parameter [31:0] CHAIN           = 1,   // 1: `madd` and `msub` exist
@@ -35,11 +36,11 @@ parameter [6:0]  MUL_CUTS        = 0,   // where the multiplier is cut by regist
 // All of them, 32 bits each, the first in the low ones. The lint_off: each parameter is declared
 // with its width; Verilator asks it of the plain number that sets one.
 // verilator lint_off WIDTHCONCAT
-parameter [1023:0] CONFIG = {
+parameter [1055:0] CONFIG = {
     25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, FRACTION, FINITE, NEAREST, SUBNORMAL, STATUS,
     FLAGS, EXCHANGE, NEIGHBOURS, SLEEP, ROUND, MIXED, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, FUSED,
-    CHAIN, WRITEBACK_STALL, BYPASS, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES, SCHEDULERS, TILES,
-    INTERLEAVE},
+    CHAIN, WRITEBACK_STALL, BYPASS, STORAGE, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES,
+    SCHEDULERS, TILES, INTERLEAVE},
 // verilator lint_on WIDTHCONCAT
 // Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).
 parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)

@@ -26,6 +26,9 @@ localparam [15:0] ADDR_PUBLISHED      = 16'h004c;
 localparam [15:0] ADDR_PUBLISHED_MORE = 16'h0050;
 localparam [15:0] ADDR_HALF           = 16'h0054;
 localparam [15:0] ADDR_COPIES         = 16'h0058;
+localparam [15:0] ADDR_SEED           = 16'h0060;
+localparam [15:0] ADDR_FIRST          = 16'h0064;
+localparam [15:0] ADDR_STRIDE         = 16'h0068;
 
 // Fields of registers.
 localparam ID_REVISION_HI               = 7;
@@ -118,6 +121,8 @@ localparam FEATURES_MORE_LOGARITHMIC_HI = 4;
 localparam FEATURES_MORE_LOGARITHMIC_LO = 4;
 localparam FEATURES_MORE_FRACTION_HI    = 9;
 localparam FEATURES_MORE_FRACTION_LO    = 5;
+localparam FEATURES_MORE_STORAGE_HI     = 11;
+localparam FEATURES_MORE_STORAGE_LO     = 10;
 localparam FEATURES_MORE_MIXED_HI       = 12;
 localparam FEATURES_MORE_MIXED_LO       = 12;
 localparam HALF_UPPER_HI                = 0;

@@ -33,6 +33,7 @@ module lane #(
     input  wire [`LANE_RETIRE_W-1:0]      retire_i,
     input  wire [`ACCESS_W-1:0]           access_i,
     input  wire [31:0]                    data_i,        // the number of the step; of an access: its word
+    input  wire [DRAW_W-1:0]              draw_i,        // of a store
     // What they hear, gathered from lane to lane
     input  wire [`REPORT_W-1:0]           report_i,
     output wire [`REPORT_W-1:0]           report_o,
@@ -64,6 +65,7 @@ module lane #(
     wire [31:0]          other;                 // W: what is written where there is no result
     wire                 constant;              // W: the host writes a register
     wire [REG_W-1:0]     constant_register;
+    wire                 over;                  // W: a store made a number infinite
     wire [4:0]           scale_flags;           // W: of what a sum's operand was scaled with
     wire [ROW_W:0]       count;
     wire [LENGTH_W-1:0]  longest;
@@ -114,8 +116,8 @@ module lane #(
             `END_FIELDS
             assign `RESULT = result_i[`RESULT_W*p +: `RESULT_W];
             assign `END    = ends[`END_W*p +: `END_W];
-            assign raises[p]        = FLAGS != 0 && end_writes && end_arithmetic;
-            assign raised[5*p +: 5] = result_flags | (p == 0 ? scale_flags : 5'd0);
+            assign raises[p]        = (FLAGS != 0 && end_writes && end_arithmetic) || (FLAGS != 0 && p == 0 && over);
+            assign raised[5*p +: 5] = p == 0 && over ? 5'b00101 : result_flags | (p == 0 ? scale_flags : 5'd0);      // overflow, inexact
             lane_result #(.CONFIG(CONFIG)) u_result (.clk_i(clk_i), .rst_i(rst_i),
                 .end_i(ends[`END_W*p +: `END_W]), .raises_i(raises[p]), .flags_i(raised[5*p +: 5]),
                 .value_i(end_arithmetic ? result_value : other),
@@ -126,7 +128,8 @@ module lane #(
         end
     endgenerate
 
-    lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .move_i(move), .value_i3_i(st_value_i3), .word_o(word),
+    lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .index_i(index_i), .move_i(move), .value_i3_i(st_value_i3),
+        .draw_i(draw_i), .word_o(word), .over_o(over),
         .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_word_i(data_i));
 

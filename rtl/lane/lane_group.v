@@ -25,12 +25,14 @@ module lane_group #(
     input  wire [`LANE_RETIRE_W-1:0]  retire_i,
     input  wire [`ACCESS_W-1:0]  access_i,
     input  wire [31:0]           data_i,
+    input  wire [DRAW_W-1:0]     draw_i,
     output wire                  rst_o,
     output wire [`REACH_W-1:0]        reach_o,
     output wire [`LANE_ISSUE_W-1:0]   issue_o,
     output wire [`LANE_RETIRE_W-1:0]  retire_o,
     output wire [`ACCESS_W-1:0]  access_o,
     output wire [31:0]           data_o,
+    output wire [DRAW_W-1:0]     draw_o,
     input  wire [`REPORT_W-1:0]  report_i,
     output wire [`REPORT_W-1:0]  report_o,
     // The arithmetic and the trace, STREAMS parts for each lane
@@ -44,6 +46,7 @@ module lane_group #(
     reg [`LANE_RETIRE_W-1:0] retire_q;
     reg [`ACCESS_W-1:0] access_q;
     reg [31:0]          data_q;
+    reg [DRAW_W-1:0]    draw_q;
     always @(posedge clk_i) begin
         rst_q    <= rst_i;
         reach_q  <= reach_i  & {`REACH_W{!rst_i}};
@@ -51,8 +54,10 @@ module lane_group #(
         retire_q <= retire_i & {`LANE_RETIRE_W{!rst_i}};
         access_q <= access_i & {`ACCESS_W{!rst_i}};
         data_q   <= data_i;
+        draw_q   <= draw_i;
     end
     assign reach_o = reach_q;
+    assign draw_o  = draw_q;
     assign {rst_o, issue_o, retire_o, access_o, data_o} = {rst_q, issue_q, retire_q, access_q, data_q};
 
     wire [`REPORT_W*(N+1)-1:0] reports;        // lane l adds to what is at l
@@ -64,7 +69,7 @@ module lane_group #(
             localparam [LANE_W-1:0] L = l;
             lane #(.CONFIG(CONFIG)) u_lane (
                 .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q), .draw_i(draw_q),
                 .report_i(reports[`REPORT_W*l +: `REPORT_W]), .report_o(reports[`REPORT_W*(l+1) +: `REPORT_W]),
                 .operands_o(operands_o[`OPERANDS_W*S*l +: `OPERANDS_W*S]), .result_i(result_i[`RESULT_W*S*l +: `RESULT_W*S]),
                 .written_o(written_o[`WRITTEN_W*S*l +: `WRITTEN_W*S]));

@@ -55,6 +55,7 @@ module one_stream #(
     output wire [`ISSUE_W-1:0]   issue_o,
     output wire [`RETIRE_W-1:0]  retire_o,
     output wire [31:0]           step_o,        // the number of the step
+    output wire [DRAW_W-1:0]     draw_o,
     output wire [`ISSUED_W-1:0]  issued_o
 );
     localparam COUNT_W = $clog2(GAP + CONTEXTS + 1);
@@ -95,6 +96,17 @@ module one_stream #(
         .decoded_i(decoded_q), .marks_i(marks_q), .around_i(around_q),
         .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o),
         .valid_o(issued_valid), .context_o(context_number));
+    generate
+        if (STORAGE != 0) begin : g_draws
+            `DECODED_FIELDS
+            assign `DECODED = decoded_q;
+            draws #(.CONFIG(CONFIG)) u_draws (.clk_i(clk_i), .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
+                .issue_i(issue), .first_i(first_q), .marks_i(marks_q), .register_i(d), .draw_o(draw_o));
+            wire unused = &`DECODED;
+        end else begin : g_no_draws
+            assign draw_o = 1'b0;
+        end
+    endgenerate
     assign {adds_o, muls_o, last_o} = {busy && adds, busy && muls, last};
     assign issued_pc      = {{16-PROGRAM_W{1'b0}}, pc_late_q};
     assign issued_context = {{16-CONTEXT_W{1'b0}}, context_number};

@@ -51,6 +51,7 @@ module sequencer #(
     output wire [`LANE_ISSUE_W-1:0]  issue_o,
     output wire [`LANE_RETIRE_W-1:0] retire_o,
     output wire [31:0]               step_o,    // the number of the step
+    output wire [DRAW_W-1:0]         draw_o,    // lane/draw.vh
     input  wire [`REPORT_W-1:0]      report_i,
     // What happens in this cycle
     output wire [`EVENTS_W-1:0]         events_o,
@@ -191,6 +192,7 @@ module sequencer #(
                 .kinds_o(kinds), .paired_o(paired), .issued_late_o(issued_late),
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
             assign reach_o = {`REACH_W{1'b0}};
+            assign draw_o  = 1'b0;
             assign {adds_o, muls_o, last_o, step_o} = 35'd0;       // nobody shares, and nobody asks for the number of the step
             wire unused_one = &{base, end_step, batch, marks_q, around_q};
         end else begin : g_one
@@ -200,7 +202,7 @@ module sequencer #(
                 .mask_i(mask_q), .around_i(around_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
                 .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
                 .kinds_o(kinds), .issued_late_o(issued_late),
-                .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .issued_o(issued_o));
+                .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .draw_o(draw_o), .issued_o(issued_o));
             assign paired = 1'b0;
             wire unused_two = &row_q;
         end

@@ -111,9 +111,9 @@ static int numbers_fall_into_place(const view *v) {
 }
 
 static void write_declarations(const view *v, FILE *out) {
-    char text[FP3_NUMBER_TEXT_SIZE], place[FP3_NAME_SIZE];
+    char text[FP3_NUMBER_TEXT_SIZE], place[FP3_NAME_SIZE], words[FP3_WORDS_NAME_SIZE];
     if (v->image->words != FP3_WORDS_ANY)
-        fprintf(out, ".words  %s\n", fp3_image_words_name(v->image->words));
+        fprintf(out, ".words  %s\n", fp3_image_words_name(v->image->words, words));
     for (uint32_t i = 0; i < v->image->symbol_count; i++) {
         const fp3_symbol *s = &v->image->symbols[i];
         if (s->symbol_class == FP3_SYMBOL_LABEL)

@@ -46,9 +46,11 @@ static void write_program(FILE *out, const char *name, const fp3_image *image,
         fprintf(out, "    .constants = %s_constants,\n    .constant_count = %u,\n", name,
                 image->constant_count);
     fprintf(out,
-            "    .registers = %u,\n    .shared = %u,\n    .record = %u,\n    .revision = %d,\n};\n",
+            "    .registers = %u,\n    .shared = %u,\n    .record = %u,\n    .revision = %d,\n"
+            "    .arithmetic = %u,\n};\n",
             image->registers, image->shared,
-            visit->log2 < LEAST_RECORD ? LEAST_RECORD : visit->log2, FP3_ISA_REVISION);
+            visit->log2 < LEAST_RECORD ? LEAST_RECORD : visit->log2, FP3_ISA_REVISION,
+            image->words);
 }
 
 /* What the host gives, and reads back. */
@@ -89,11 +91,12 @@ fp3_status fp3_image_header(const fp3_image *image, const char *name, char **tex
                         "found '%s' for a program's name, expected letters, digits or _, and none "
                         "of first, step, last, inf, nan",
                         name);
-    if (image->words == FP3_WORDS_LOGARITHMS || image->words == FP3_WORDS_MIXED)
+    if (image->words == FP3_WORDS_LOGARITHMS || image->words >= FP3_WORDS_FEWER) {
+        char made[FP3_WORDS_NAME_SIZE];
         return fp3_fail(error, FP3_E_PROGRAM,
-                        "the program is made for %s: sw/bare gives hardware floats, and takes rcp "
-                        "and rsqrt for estimates",
-                        fp3_image_words_name(image->words));
+                        "the program is made for %s: sw/bare gives hardware binary32",
+                        fp3_image_words_said(image->words, made));
+    }
     fp3_visit *visit = NULL;
     fp3_status status = fp3_visit_make(image, &visit, error);
     if (status)

@@ -1,5 +1,6 @@
 #include "parse.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -129,25 +130,60 @@ static int parse_declaration(asm_source *a, fp3_symbol_class symbol_class) {
     return readable;
 }
 
-/* ".words floats" */
+static int names_kind(fp3_token token, uint32_t kind) {
+    char name[FP3_WORDS_NAME_SIZE];
+    return fp3_token_is(token, fp3_image_words_name(kind, name));
+}
+
+/* Fraction bits of a number; all, where none are told. */
+static int parse_fraction(asm_source *a, uint32_t *fraction) {
+    char text[16];
+    *fraction = FP3_WORDS_FRACTION;
+    if (a->next.kind == FP3_TOKEN_END)
+        return 1;
+    do
+        snprintf(text, sizeof text, "%" PRIu32, --*fraction);
+    while (*fraction >= FP3_WORDS_FRACTION_LEAST && !fp3_token_is(a->next, text));
+    if (*fraction >= FP3_WORDS_FRACTION_LEAST) {
+        advance(a);
+        return 1;
+    }
+    fp3_report_expected(&a->report, a->next,
+                        "a number of fraction bits from %d to %d, or the end of the line",
+                        FP3_WORDS_FRACTION_LEAST, FP3_WORDS_FRACTION - 1);
+    return 0;
+}
+
+/* ".words floats 7" */
 static void parse_words(asm_source *a, fp3_token directive) {
-    fp3_image_words words = FP3_WORDS_FLOATS;
+    uint32_t words = FP3_WORDS_FLOATS, fraction;
+    char name[FP3_WORDS_NAME_SIZE];
     if (fp3_token_exists(a->words_at)) {
         fp3_report_expected(&a->report, directive, "one '.words' only (line %u has it)",
                             a->words_at.location.line);
         return;
     }
     a->words_at = directive;
-    while (words < FP3_WORDS_KINDS && !fp3_token_is(a->next, fp3_image_words_name(words)))
+    while (words < FP3_WORDS_KINDS && !names_kind(a->next, words))
         words++;
     if (words == FP3_WORDS_KINDS) {
-        fp3_report_expected(&a->report, a->next, "floats, logarithms or mixed");
+        fp3_report_expected(
+            &a->report, a->next,
+            "floats, logarithms, flushed, cell, truncated, truncated_flushed or mixed");
         return;
     }
-    a->words = words;
+    const fp3_token kind = a->next;
     advance(a);
-    if (a->next.kind != FP3_TOKEN_END)
+    if (!parse_fraction(a, &fraction))
+        return;
+    a->words = words + FP3_WORDS_FEWER * (FP3_WORDS_FRACTION - fraction);
+    if (!fp3_image_words_name(a->words, name)) {
+        fp3_report_expected(&a->report, kind,
+                            "floats, flushed, truncated or truncated_flushed before fraction bits");
+        a->words = FP3_WORDS_ANY;
+    } else if (a->next.kind != FP3_TOKEN_END) {
         fp3_report_expected(&a->report, a->next, "the end of the line");
+    }
 }
 
 static void parse_directive(asm_source *a) {

@@ -37,7 +37,7 @@ typedef struct {
     fp3_token first, step, last; /* their labels, if they exist */
     uint32_t step_index, last_index;
     fp3_token words_at; /* the directive .words, if it exists */
-    fp3_image_words words;
+    uint32_t words;     /* as fp3_image has them */
 
     /* The second pass. */
     uint8_t taken[ASM_REGISTERS]; /* by a name, a number, or an operand that names the register */

@@ -1,6 +1,8 @@
 /* fp3_bare.c - see fp3_bare.h. */
 #include "fp3_bare.h"
 
+#include <fp3/image.h>
+
 #define BIT(field) (1u << FP3_##field##_LO)
 #define FIELD(word, field)                                                                         \
     (((word) >> FP3_##field##_LO) & ((2u << (FP3_##field##_HI - FP3_##field##_LO)) - 1))
@@ -150,6 +152,21 @@ fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus) {
 
 /* ---- programs ---- */
 
+/* Whether the hardware's words are binary32, and computed with as the program counts on. */
+static int has_arithmetic(const fp3_bare *fp3, const fp3_bare_program *program) {
+    const int is_nearest = FIELD(fp3->features, FEATURES_NEAREST) != 0;
+    const int is_flushed = FIELD(fp3->features, FEATURES_SUBNORMAL) == 0;
+    const uint32_t has = FIELD(fp3->features_more, FEATURES_MORE_FINITE) ? FP3_WORDS_CELL
+                         : !is_nearest
+                             ? (is_flushed ? FP3_WORDS_TRUNCATED_FLUSHED : FP3_WORDS_TRUNCATED)
+                         : is_flushed                                     ? FP3_WORDS_FLUSHED
+                         : FIELD(fp3->features_more, FEATURES_MORE_MIXED) ? FP3_WORDS_MIXED
+                                                                          : FP3_WORDS_FLOATS;
+    return !FIELD(fp3->features_more, FEATURES_MORE_LOGARITHMIC) &&
+           !FIELD(fp3->features_more, FEATURES_MORE_FRACTION) &&
+           (program->arithmetic == FP3_WORDS_ANY || program->arithmetic == has);
+}
+
 static int has_room(const fp3_bare *fp3, const fp3_bare_program *program, uint32_t words) {
     return words <= fp3->program_words && program->registers <= fp3->registers &&
            program->shared <= fp3->registers && program->record >= LEAST_RECORD &&
@@ -174,8 +191,7 @@ fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_progr
     const uint32_t words = program->word_count - skipped - (fp3->store ? 0 : program->stores);
     if (!is_idle(fp3, scheduler))
         return FP3_E_ARGUMENT;
-    if (program->revision != fp3->revision ||
-        fp3->features_more >> FP3_FEATURES_MORE_LOGARITHMIC_LO & 1)
+    if (program->revision != fp3->revision || !has_arithmetic(fp3, program))
         return FP3_E_MISMATCH;
     if (!has_room(fp3, program, words))
         return FP3_E_PROGRAM;

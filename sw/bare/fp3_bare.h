@@ -55,6 +55,7 @@ typedef struct {
     uint32_t registers, shared; /* that it uses: the highest index + 1 */
     uint32_t record;            /* the binary logarithm of the words of an object, 3 to 6 */
     uint32_t revision;          /* of the instruction set */
+    uint32_t arithmetic;        /* that it is compiled for: fp3_image.words (fp3/image.h) */
 } fp3_bare_program;
 
 /* All schedulers. Elsewhere a number from 0 on. */
@@ -88,8 +89,9 @@ typedef enum {
  * FP3_E_MISMATCH: it is no FP3. */
 fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus);
 
-/* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the instruction set, or the
- * hardware's words are logarithms (docs/logarithmic.md), which constants would have to be converted to.
+/* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the instruction set, or compiled for
+ * another arithmetic (docs/arithmetic.md), or the hardware's words are logarithms or numbers of fewer fraction bits, which constants would have to
+ * be converted to.
  * FP3_E_PROGRAM: there is no room for it. The objects have no values then, and nobody is listed. */
 fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_program *program);
 /* A constant that the program leaves to the host, as h. */

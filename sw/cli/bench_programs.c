@@ -106,6 +106,7 @@ static fp3_status bench_pair(const fp3_bench_programs *o, const fp3_program *pro
     fp3_progress_resume(to->progress);
     status = fp3_bench_run(&x->what, &x->got, is_unfit, error);
     fp3_progress_pause(to->progress);
+    *is_unfit |= status == FP3_E_ARGUMENT && x->config->storage; /* its records lack the numbers */
     if (status && !*is_unfit) {
         const fp3_error why = *error;
         return fp3_fail(error, status, "%s, %s: %s", x->program, x->config->name, why.text);

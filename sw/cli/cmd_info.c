@@ -10,6 +10,7 @@
 
 #include "machine/config.h"
 #include "machine/operation.h"
+#include "machine/storage.h"
 #include <fp3/isa.h>
 
 /* "  step part   30: 9 add, 4 sub, 17 mul" */
@@ -130,9 +131,10 @@ static void print_config(const fp3_config *c) {
     printf("  %u object registers and shared constants, %u context%s, %u words of program\n",
            c->registers, c->contexts, plural(c->contexts), c->program_words);
     if (c->interleave)
-        printf("  %u tile%s of %u scheduler%s with %u lane%s, %u words of object store each\n",
+        printf("  %u tile%s of %u scheduler%s with %u lane%s, %u words of object store each%s%s\n",
                c->tiles, plural(c->tiles), c->schedulers, plural(c->schedulers), c->lanes,
-               plural(c->lanes), c->store_words);
+               plural(c->lanes), c->store_words, c->storage ? ", in " : "",
+               c->storage ? fp3_storage_name(c) : "");
     printf("  add %u and mul %u cycles; %s, %s\n", c->add_latency, c->mul_latency,
            c->bypass ? "bypass" : "no bypass",
            c->writeback_stall ? "writeback stall" : "no writeback stall");

@@ -7,7 +7,7 @@
 
 typedef struct {
     const char *engine, *bus_log, *kanata, *port, *native;
-    uint64_t cycle_limit, visit, threads, bus_waits, baud;
+    uint64_t cycle_limit, visit, seed, threads, bus_waits, baud;
     double clock; /* Hz; 0: not given */
 } fp3_run_engine;
 

@@ -15,6 +15,7 @@ enum {
     KEY_PORT,
     KEY_BAUD,
     KEY_VISIT,
+    KEY_SEED,
     KEY_KANATA,
     KEY_ALL,
     KEY_SCENE,
@@ -79,6 +80,10 @@ static const struct argp_option table[] = {
      "linked)",
      0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
+    {"seed", KEY_SEED, "N", 0,
+     "With a configuration whose records have 16 bits: stores round at random, by draws from N "
+     "(default: to nearest)",
+     0},
     {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
     {"params", KEY_PARAMS, "FILE", 0,
      "Values of states, parameters and shared constants; may be repeated", 0},
@@ -93,7 +98,7 @@ static const struct argp_option table[] = {
      0},
     {"scene", KEY_SCENE, "FILE", 0,
      "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
-     "--steps and --visit replace what it says",
+     "--steps, --visit and --seed replace what it says",
      0},
     {"clock", KEY_CLOCK, "FREQUENCY", 0,
      "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz", 0},
@@ -228,6 +233,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_VISIT:
         o->on.visit = fp3_arguments_number(state, "--visit", text, 1, UINT32_MAX);
+        break;
+    case KEY_SEED:
+        o->on.seed = fp3_arguments_number(state, "--seed", text, 1, UINT32_MAX);
         break;
     case KEY_ALL:
         o->all = 1;

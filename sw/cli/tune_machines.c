@@ -17,8 +17,8 @@ static fp3_status add(fp3_tune_machines *m, const char *config, fp3_error *error
     if (m->count == FP3_TUNE_MACHINES_MOST)
         return fp3_fail(error, FP3_E_ARGUMENT, "found more than %d configurations",
                         FP3_TUNE_MACHINES_MOST);
-    m->list[m->count++] = (fp3_tune_machine){
-        .config = config, .hardware = fp3_hardware_find(config), .cost = INFINITY};
+    m->list[m->count++] =
+        (fp3_tune_machine){.config = config, .hardware = fp3_placed_find(config), .cost = INFINITY};
     return FP3_OK;
 }
 
@@ -28,8 +28,8 @@ static int is_other(const fp3_config *config, const char *than) {
 
 static fp3_status add_all(fp3_tune_machines *m, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (size_t i = 0; !status && i < fp3_hardware_count; i++) {
-        const fp3_config *config = fp3_config_find(fp3_hardware_known[i].config);
+    for (size_t i = 0; !status && i < fp3_placed_count; i++) {
+        const fp3_config *config = fp3_config_find(fp3_placed_known[i].config);
         if (is_other(config, m->list[0].config) && is_other(config, "many_full"))
             status = add(m, config->name, error);
     }
@@ -71,7 +71,7 @@ fp3_status fp3_tune_machines_find(fp3_tune_machines *m, const char *config,
 
 static const fp3_tune_row *row_of(const fp3_tune_machine *machine) {
     const fp3_tuning *t = machine->tuning;
-    return t->best < t->row_count ? &t->rows[t->best] : NULL;
+    return t && t->best < t->row_count ? &t->rows[t->best] : NULL;
 }
 
 /* The smallest error that was found, if the tolerance was not met. */
@@ -80,7 +80,7 @@ static double error_of(const fp3_tune_machine *machine) {
     double lowest = INFINITY;
     if (row_of(machine))
         return isfinite(t->error_held_out) ? t->error_held_out : row_of(machine)->error;
-    for (size_t i = 0; i < t->row_count; i++)
+    for (size_t i = 0; t && i < t->row_count; i++)
         lowest = fmin(lowest, t->rows[i].lowest);
     return lowest;
 }
@@ -95,8 +95,12 @@ fp3_status fp3_tune_machines_tune(fp3_tune_machines *m, fp3_tune_def *def, fp3_e
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < m->count; i++) {
         def->config = m->list[i].config;
+        m->list[i].why.text[0] = '\0';
         status = fp3_tune(def, &m->list[i].tuning, error);
-        if (!status)
+        if (status == FP3_E_PROGRAM && i) {
+            m->list[i].why = *error;
+            status = FP3_OK;
+        } else if (!status)
             m->list[i].cost = cost_of(&m->list[i]);
         if (!status && m->list[i].cost < m->list[m->best].cost)
             m->best = i;
@@ -114,8 +118,12 @@ void fp3_tune_machines_free(fp3_tune_machines *m) {
 
 static void print_row(const fp3_tune_machine *machine) {
     const fp3_tune_row *row = row_of(machine);
-    printf("%-16s %9.2e ", machine->config, error_of(machine));
-    if (!isfinite(machine->cost))
+    if (machine->tuning)
+        printf("%-16s %9.2e ", machine->config, error_of(machine));
+    if (!machine->tuning)
+        printf("%-16s %9s %12s %7d %8.2f %12s  cannot run the model: %s\n", machine->config, "-",
+               "-", machine->hardware->luts, machine->hardware->mhz, "-", machine->why.text);
+    else if (!isfinite(machine->cost))
         printf("%12s %7d %8.2f %12s  %s\n", "-", machine->hardware->luts, machine->hardware->mhz,
                "-", "misses the tolerance");
     else
@@ -165,9 +173,10 @@ json_t *fp3_tune_machines_json(const fp3_tune_machines *m) {
         const fp3_tune_row *row = row_of(machine);
         json_array_append_new(
             list,
-            json_pack("{s:s, s:b, s:o, s:o, s:o, s:o, s:i, s:f, s:o}", "config", machine->config,
-                      "met", machine->tuning->is_met, "error", fp3_json_number(error_of(machine)),
-                      "integrator", row ? json_string(row->integrator) : json_null(), "arithmetic",
+            json_pack("{s:s, s:b, s:s, s:o, s:o, s:o, s:o, s:i, s:f, s:o}", "config",
+                      machine->config, "met", machine->tuning && machine->tuning->is_met, "why",
+                      machine->why.text, "error", fp3_json_number(error_of(machine)), "integrator",
+                      row ? json_string(row->integrator) : json_null(), "arithmetic",
                       row ? json_string(fp3_arithmetic_of(row->arithmetic)->name) : json_null(),
                       "cycles", row ? fp3_json_number(row->cycles) : json_null(), "lut4",
                       machine->hardware->luts, "mhz", machine->hardware->mhz, "lut_ns",

@@ -152,8 +152,6 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           fp3_compiled *made, fp3_error *error) {
     fp3_status status =
         fp3_options_observe(model, def->observed, def->observed_count, &k->options.observed, error);
-    if (!status && fp3_has_pass(&k->options, FP3_PASS_EXACT_DIVISION))
-        status = fp3_options_need_ieee(k->options.config, "`exact-division`", error);
     if (!status && integrator->kind == FP3_ROSENBROCK) {
         status = fp3_differentiate(model, &k->differentiated, error);
         model = &k->differentiated.model;
@@ -201,9 +199,7 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                                .arithmetic = def->arithmetic,
                                .has_notes = 1};
     made->self = k;
-    status = fp3_options_check(&k->options, model, error);
-    if (!status)
-        status = compile(k, model, integrator, def, made, error);
+    status = compile(k, model, integrator, def, made, error);
     if (status == FP3_E_LIMIT)
         status = FP3_E_PROGRAM; /* what is too large for a machine is a wrong program for it */
     if (status)

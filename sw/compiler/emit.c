@@ -154,6 +154,7 @@ static void put_part(const fp3_step *step, const fp3_names *names, const char *l
 static void put_head(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
                      const fp3_options *options, const fp3_title *title, FILE *out) {
     const int is_plain = options->arithmetic == FP3_PLAIN;
+    char words[FP3_WORDS_NAME_SIZE];
     fprintf(out, "# %s by %s%s%s, for configuration '%s'. Compiled by fp3.\n", step->model->name,
             title->integrator, is_plain ? "" : ", ",
             is_plain ? "" : fp3_arithmetic_of(options->arithmetic)->text, options->config->name);
@@ -171,8 +172,7 @@ static void put_head(const fp3_step *step, const conversion *c, const fp3_schedu
         if (fp3_has_pass(options, (fp3_pass)i))
             fprintf(out, " %s", fp3_pass_name((fp3_pass)i));
     fprintf(out, "\n\n");
-    if (step->words != FP3_WORDS_ANY)
-        fprintf(out, ".words  %s\n", fp3_image_words_name(step->words));
+    fprintf(out, ".words  %s\n", fp3_image_words_name(step->words, words));
 }
 
 fp3_status fp3_emit(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,

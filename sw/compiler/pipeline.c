@@ -91,18 +91,17 @@ fp3_status fp3_pipeline_run(fp3_pipeline *p, const fp3_model *model,
                             const fp3_integrator *integrator, const fp3_options *options,
                             fp3_error *error) {
     *p = (fp3_pipeline){0};
-    fp3_image_words words = FP3_WORDS_ANY;
     fp3_status status = fp3_fit_find(model, integrator, options, &p->fit, error);
     if (!status)
         status = fp3_double_check(options, error);
     if (!status)
-        status = fp3_check_arithmetic(options, &p->fit, &words, error);
+        status = fp3_check_arithmetic(options, &p->fit, error);
     if (!status)
         status = fp3_phases_check(model, integrator, options, error);
     if (status)
         return status;
     status = fp3_integrate(model, integrator, options, &p->fit, &p->step, error);
-    p->step.words = words;
+    p->step.words = fp3_config_words(options->config);
     if (!status && fp3_phases_are_needed(&p->step))
         return fp3_phases_make(&p->step, options, &p->code, &p->schedule, error);
     if (!status && fp3_has_pass(options, FP3_PASS_CARRY))

@@ -104,6 +104,9 @@ struct fp3_engine {
 /* Whether a run visits the object, now. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);
 
+/* What the next run's draws begin with (machine/storage.h). */
+uint32_t fp3_engine_seed(const fp3_engine *engine);
+
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
 

@@ -5,10 +5,12 @@
 #include "cells.h"
 #include "checks.h"
 #include "machine/format.h"
+#include "machine/storage.h"
 #include "origin.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,12 +54,88 @@ static void follow(fp3_engine *engine, fp3_cells cells, const void *words) {
     }
 }
 
-fp3_status fp3_cells_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+static fp3_status write_words(fp3_engine *engine, fp3_cells cells, const void *words) {
     if (cells.kind == FP3_CELLS_REGISTER)
         follow(engine, cells, words);
     engine->is_touched = 1;
     fp3_origin_write(engine, cells, words);
     return engine->backend->write(engine, cells, words);
+}
+
+static fp3_status too_large(fp3_engine *engine, fp3_cells cells, uint32_t word) {
+    float value;
+    memcpy(&value, &word, sizeof value);
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "object %zu, register %" PRIu32
+                    ": %.9g is too large: configuration '%s' keeps records in %s, up to %.9g",
+                    cells.first, cells.number, (double)value, engine->config->name,
+                    fp3_storage_name(engine->config), (double)fp3_storage_most(engine->config));
+}
+
+/* The name that a parameter of the object's program has, or NULL: the register is none. */
+static const char *param_of(const fp3_engine *engine, size_t object, uint32_t reg) {
+    const fp3_image *image = fp3_layout_group_of(&engine->layout, object)->image;
+    for (uint32_t i = 0; image && i < image->symbol_count; i++)
+        if (image->symbols[i].index == reg && image->symbols[i].symbol_class == FP3_SYMBOL_PARAM)
+            return image->symbols[i].name;
+    return NULL;
+}
+
+/* A state may come close to 0 and have fewer digits there; a parameter means what it says. */
+static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word, uint32_t stored) {
+    float value, kept;
+    memcpy(&value, &word, sizeof value);
+    memcpy(&kept, &stored, sizeof kept);
+    const float off = fabsf(value - kept),
+                bound = fabsf(value) / (float)fp3_storage_counts(engine->config);
+    const char *name = off > bound ? param_of(engine, cells.first, cells.number) : NULL;
+    if (!name)
+        return FP3_OK;
+    return fp3_fail(
+        engine->def.error, FP3_E_ARGUMENT,
+        "object %zu, parameter '%s': %.9g is too small: configuration '%s' keeps records "
+        "in %s, where it would be %.9g (a shared constant has all bits)",
+        cells.first, name, (double)value, engine->config->name, fp3_storage_name(engine->config),
+        (double)kept);
+}
+
+/* FP3_E_ARGUMENT: a finite number would not be one in a record of 16 bits, or a parameter would lose its digits. */
+static fp3_status round_words(fp3_engine *engine, fp3_cells cells, const void *words,
+                              uint32_t *to) {
+    const uint32_t infinite = 0x7f800000;
+    for (size_t i = 0; i < cells.count; i++) {
+        uint32_t word, flags;
+        memcpy(&word, (const char *)words + i * sizeof word, sizeof word);
+        to[i] = fp3_stored(engine->config, word, NULL, &flags);
+        const fp3_cells one = {cells.kind, cells.number, cells.first + i, 1};
+        if (~word & infinite && !(~to[i] & infinite))
+            return too_large(engine, one, word);
+        const fp3_status status = check_small(engine, one, word, to[i]);
+        if (status)
+            return status;
+    }
+    return FP3_OK;
+}
+
+/* As a store rounds to nearest; all words are looked at before one is written. */
+static fp3_status write_rounded(fp3_engine *engine, fp3_cells cells, const void *words) {
+    uint32_t rounded[BLOCK];
+    fp3_status status = FP3_OK;
+    for (int is_written = 0; !status && is_written < 2; is_written++)
+        for (size_t i = 0; !status && i < cells.count; i += BLOCK) {
+            const size_t left = cells.count - i;
+            const fp3_cells part = {cells.kind, cells.number, cells.first + i,
+                                    left < BLOCK ? left : BLOCK};
+            status = round_words(engine, part, (const char *)words + i * sizeof *rounded, rounded);
+            if (!status && is_written)
+                status = write_words(engine, part, rounded);
+        }
+    return status;
+}
+
+fp3_status fp3_cells_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    const int is_rounded = engine->config->storage && cells.kind == FP3_CELLS_REGISTER;
+    return (is_rounded ? write_rounded : write_words)(engine, cells, words);
 }
 
 fp3_status fp3_cells_fill(fp3_engine *engine, fp3_cells cells, uint32_t bits) {

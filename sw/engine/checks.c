@@ -1,6 +1,8 @@
 /* checks.c - what calls of fp3/engine.h check first, and what they ask about an object. */
 #include "checks.h"
 
+#include "machine/storage.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -56,6 +58,10 @@ uint64_t fp3_engine_states_of(const fp3_members *group) {
     if (slept >= 0)
         set &= ~((uint64_t)1 << slept);
     return room < 64 ? set & (((uint64_t)1 << room) - 1) : set;
+}
+
+uint32_t fp3_engine_seed(const fp3_engine *engine) {
+    return engine->config->storage ? fp3_storage_seed(engine->def.seed) : 0;
 }
 
 fp3_prefix fp3_engine_prefix(size_t group, size_t count) {

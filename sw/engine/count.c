@@ -14,7 +14,7 @@
 
 /* What counts, in messages. */
 static const char *who(const fp3_engine *engine) {
-    return fp3_format_is_float(engine->config) ? "FP32" : engine->config->name;
+    return fp3_format_counts(engine->config) == FP3_STEPS_LIMIT ? "FP32" : engine->config->name;
 }
 
 static fp3_status no_count(fp3_engine *engine, size_t object, float n) {

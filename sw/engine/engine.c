@@ -101,6 +101,15 @@ static fp3_status place_objects(fp3_engine *engine) {
     return fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
 }
 
+static fp3_status check_seed(const fp3_engine *engine) {
+    if (!engine->def.seed || engine->config->storage)
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "seed: configuration '%s' keeps records in 32 bits, and rounds nothing that it "
+                    "stores",
+                    engine->config->name);
+}
+
 static fp3_status make_room(fp3_engine *engine) {
     fp3_status status = count_objects(engine);
     if (!status)
@@ -163,7 +172,9 @@ fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *confi
     if (backend->is_in_host && config->interleave)
         made->own.store_words = FP3_STORE_HOST;
     made->config = &made->own;
-    fp3_status status = make_room(made);
+    fp3_status status = check_seed(made);
+    if (!status)
+        status = make_room(made);
     if (!status)
         status = backend->open(made);
     if (status)

@@ -119,6 +119,7 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     def.engine = "isa";
     def.objects = objects_of(engine);
     def.visit = engine->origin->visit;
+    def.seed = engine->origin->seed;
     def.error = engine->def.error;
     config.flags = 1; /* the bits are the same with and without */
     fp3_status status = fp3_engine_open_as(&def, &config, &again);

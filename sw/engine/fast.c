@@ -276,7 +276,8 @@ static fp3_fast_run run_of(const fp3_engine *engine, uint32_t i, uint32_t steps)
                           .constants = &self->shared[(size_t)i * engine->config->registers],
                           .steps = steps,
                           .visit = visits ? engine->def.visit : steps,
-                          .clock = engine->clock};
+                          .clock = engine->clock,
+                          .seed = fp3_engine_seed(engine)};
 }
 
 /* Blocks are begun in order. */

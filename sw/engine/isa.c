@@ -10,6 +10,7 @@
 #include <fp3/isa.h>
 #include <machine/execute.h>
 #include <machine/operation.h>
+#include <machine/storage.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +50,7 @@ typedef struct {
     fp3_engine *engine;
     fp3_stats *stats;
     uint32_t group;
-    uint32_t steps;
+    uint32_t steps, seed;
     uint32_t number, end; /* of the step now; of the last one */
     int is_ahead;         /* the instruction now works for the step that follows */
     loop loop;
@@ -213,7 +214,9 @@ static void execute(const round_of *r, uint32_t object, const fp3_decoded *word)
                             &operands[1]);
     switch (in->op) {
     case FP3_OP_ST:
-        record[in->d] = registers[in->d];
+        record[in->d] = fp3_stored(config, registers[in->d],
+                                   &(fp3_draw){r->seed, object, r->number, in->d}, &flags);
+        note_flags(r, object, flags);
         break;
     case FP3_OP_LD:
         retire(r, object, in->d, record[in->d], 0);
@@ -450,6 +453,7 @@ static fp3_status run_rounds(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     memset(((isa *)engine->self)->is_over, 0, engine->layout.count);
     for (uint32_t made = 0; made < steps && is_any;) {
         round_of r = {.engine = engine, .stats = stats, .number = engine->clock + made};
+        r.seed = fp3_engine_seed(engine);
         r.steps = steps - made < visit ? steps - made : visit;
         r.end = r.number + r.steps;
         made += r.steps;

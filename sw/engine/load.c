@@ -6,6 +6,7 @@
 #include "machine/format.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
+#include "machine/storage.h"
 #include "origin.h"
 
 #include <inttypes.h>
@@ -41,18 +42,26 @@ static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     return FP3_OK;
 }
 
+/* With adaptive steps an object's time goes from visit to visit in its record. */
+static fp3_status check_storage(fp3_engine *engine, const fp3_image *image) {
+    if (!engine->config->storage || !fp3_adaptive_is(image))
+        return FP3_OK;
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                    "the program chooses its steps: configuration '%s' keeps records in %s, which "
+                    "is too coarse for times",
+                    engine->config->name, fp3_storage_name(engine->config));
+}
+
 /* An image may say what they have to be. */
 static fp3_status check_words(fp3_engine *engine, const fp3_image *image) {
-    const fp3_image_words has = engine->config->logarithmic ? FP3_WORDS_LOGARITHMS
-                                : engine->config->mixed     ? FP3_WORDS_MIXED
-                                                            : FP3_WORDS_FLOATS;
-    if (image->words == FP3_WORDS_ANY || image->words == has ||
-        (image->words == FP3_WORDS_FLOATS && has == FP3_WORDS_MIXED))
+    const uint32_t has = fp3_config_words(engine->config);
+    char made[FP3_WORDS_NAME_SIZE], said[FP3_WORDS_NAME_SIZE];
+    if (image->words == FP3_WORDS_ANY || image->words == has)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                     "the program is made for %s: words of configuration '%s' are %s",
-                    fp3_image_words_name(image->words), engine->config->name,
-                    fp3_image_words_name(has));
+                    fp3_image_words_said(image->words, made), engine->config->name,
+                    fp3_image_words_said(has, said));
 }
 
 static fp3_status check_constants(fp3_engine *engine, const fp3_image *image) {
@@ -75,6 +84,8 @@ static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
     fp3_status status = check_words(engine, image);
     if (!status)
         status = fp3_needs_check(&needs, engine->config, engine->def.error);
+    if (!status)
+        status = check_storage(engine, image);
     if (!status)
         status = check_operations(engine, image);
     return status ? status : check_constants(engine, image);

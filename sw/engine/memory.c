@@ -36,10 +36,23 @@ static fp3_status load_group(fp3_engine *engine, uint32_t number) {
     return status;
 }
 
+/* Which objects they have: rows follow each other round all lanes of the group. */
+static fp3_status number_objects(fp3_engine *engine, uint32_t number) {
+    const fp3_members *group = &engine->layout.groups[number];
+    const uint32_t lanes = engine->config->lanes;
+    fp3_status status = put_group(engine, number, FP3_ADDR_STRIDE, group->columns);
+    for (uint32_t i = 0; !status && i < group->scheduler_count; i++)
+        status = fp3_driver_put(engine, fp3_driver_of(group->schedulers[i], FP3_ADDR_FIRST),
+                                group->first + i * lanes);
+    return status;
+}
+
 fp3_status fp3_memory_load(fp3_engine *engine) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         status = load_group(engine, i);
+    for (uint32_t i = 0; !status && engine->config->storage && i < engine->layout.count; i++)
+        status = number_objects(engine, i);
     return status;
 }
 

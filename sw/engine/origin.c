@@ -156,6 +156,7 @@ fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
     o->clock = engine->clock;
     o->made = engine->made;
     o->visit = engine->def.visit;
+    o->seed = engine->def.seed;
     o->steps = steps;
     o->is_complete = 0;
     return status;

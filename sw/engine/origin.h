@@ -16,7 +16,7 @@ struct fp3_origin {
     uint64_t *began;     /* ... that were when the last run began */
     int has_constants;   /* the constants are as they are here */
     /* The last run. is_complete: it came to its end, and nothing was written or loaded since. */
-    uint32_t clock, visit, steps, flags;
+    uint32_t clock, visit, seed, steps, flags;
     uint64_t made; /* before it, as lifetimes count */
     int is_complete;
 };

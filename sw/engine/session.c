@@ -26,18 +26,20 @@ static fp3_status start(fp3_engine *engine, const part *p) {
     const fp3_driver *self = engine->self;
     const struct {
         uint32_t address, data;
-    } list[] = {{FP3_ADDR_HALF, (uint32_t)self->is_upper},
+    } list[] = {{FP3_ADDR_SEED, fp3_engine_seed(engine)},
+                {FP3_ADDR_HALF, (uint32_t)self->is_upper},
                 {FP3_ADDR_VISIT, p->visit},
                 {FP3_ADDR_CLOCK, p->clock},
                 {FP3_ADDR_STEPS, p->steps},
                 {FP3_ADDR_CONTROL, BIT(CONTROL_START)}};
     fp3_status status = FP3_OK;
-    size_t i = p->has_half ? 0 : engine->config->interleave ? 1 : 3;
+    size_t i = engine->config->storage ? 0 : p->has_half ? 1 : engine->config->interleave ? 2 : 4;
     for (; !status && i < sizeof list / sizeof *list; i++) {
         if (list[i].address == FP3_ADDR_CONTROL)
             status =
                 fp3_driver_flush(engine); /* it does not start if a word before it is refused */
-        if (!status)
+        const int is_there = list[i].address != FP3_ADDR_HALF || p->has_half;
+        if (!status && is_there)
             status =
                 fp3_driver_put(engine, fp3_driver_of_all(engine, list[i].address), list[i].data);
     }

@@ -26,13 +26,24 @@ void fp3_fast_wake(fp3_fast_lanes *l) {
     l->is_awake = 1;
 }
 
+/* The numbers of all objects, those of the last vector that stand for its last object, too. */
+static void number(fp3_fast_lanes *l, const uint32_t *status) {
+    fp3_fast_count(l, status);
+    for (uint32_t i = l->count; i % 16; i++)
+        l->object[i] = l->object[l->count - 1];
+}
+
 fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
                                  const fp3_fast *fast) {
     const unsigned wide = fast->sweep->lanes;
+    if (run->seed)
+        number(lanes, run->status);
     return (fp3_fast_place){.rows = lanes->rows[0],
                             .records = lanes->records,
                             .constants = (const int *)run->constants,
                             .table = fast->table,
+                            .objects = (const int *)lanes->object,
+                            .seed = run->seed,
                             .awake = lanes->awake,
                             .seen = &lanes->seen,
                             .vectors = (lanes->count + wide - 1) / wide};

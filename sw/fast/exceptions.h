@@ -7,6 +7,18 @@
 #include "tiny.h"
 
 static inline fp3_i fp3_is_finite(fp3_v a) { return fp3_magnitude(a) < FP3_INFINITE; }
+
+/* Whether one of a row is infinite or NaN. */
+static inline int fp3_is_any_astray(const float *row, unsigned count) {
+    unsigned is_any = 0;
+    for (unsigned i = 0; i < count; i++) {
+        unsigned bits;
+        __builtin_memcpy(&bits, &row[i], sizeof bits);
+        is_any |= (~bits & FP3_INFINITE) == 0;
+    }
+    return is_any != 0;
+}
+
 static inline fp3_i fp3_is_signalling(fp3_v a) {
     return fp3_is_nan(a) & (((fp3_i)a & 0x00400000) == 0);
 }

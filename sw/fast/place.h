@@ -40,6 +40,8 @@ typedef struct {
     float *const *records; /* [64]: rows of words in the store, aligned to 4 bytes */
     const int *constants;  /* [64]: bits of FP32 numbers */
     const int *table;      /* [FP3_TABLE] */
+    const int *objects;    /* [FP3_BLOCK], with a seed: the numbers of the objects */
+    unsigned seed;         /* of draws (machine/storage.h); 0: stores round to nearest */
     int *awake;            /* a row, aligned: -1, or 0 where the object sleeps */
     unsigned *
         seen; /* FP3_SEEN_*, by an executor that knows: products that were subnormal, or raised underflow */

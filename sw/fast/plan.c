@@ -182,6 +182,16 @@ static uint64_t writes_of(const fp3_fast_plan *plan, fp3_fast_part_number part) 
     return set;
 }
 
+/* Notes what a step makes and no later step reads. live: what the next step reads. */
+static void find_unread(fp3_fast_plan *plan, uint64_t live, uint64_t asleep) {
+    const fp3_fast_part *step = &plan->part[FP3_PART_STEP];
+    for (uint32_t pc = step->end; pc-- > step->first;) {
+        fp3_fast_word *p = &plan->code[pc];
+        p->is_unread = is_arithmetic(&p->in) && !(live & bit(p->in.d));
+        live = before(&p->in, live, asleep);
+    }
+}
+
 /* What those asleep keep is read, too. */
 static void find_live(fp3_fast_plan *plan, uint64_t states) {
     for (fp3_fast_part_number i = FP3_PART_FIRST; i < FP3_PARTS; i++)
@@ -193,6 +203,7 @@ static void find_live(fp3_fast_plan *plan, uint64_t states) {
         old = head;
         head |= pass(plan, FP3_PART_STEP, head | last, last);
     }
+    find_unread(plan, head, last);
     plan->live = head | last;
     plan->entered = pass(plan, FP3_PART_FIRST, plan->live, last) |
                     (plan->sleeps ? plan->part[FP3_PART_FIRST].written & plan->live : 0);

@@ -19,6 +19,7 @@ typedef struct {
     const uint32_t *constants; /* [64] */
     uint32_t steps, visit;     /* at least 1; steps of a visit */
     uint32_t clock;            /* steps of earlier runs */
+    uint32_t seed;             /* of draws (machine/storage.h) */
     void (*tell)(void *user,
                  uint32_t steps); /* now and then: how many the block has made; or NULL */
     void *user;

@@ -102,6 +102,8 @@ static inline int fp3_short_apply(fp3_short *n, uint32_t op, uint32_t sources, f
     a = fp3_short_operand(n, &met, a);
     b = sources > 1 ? fp3_short_operand(n, &met, b) : a;
     c = sources > 2 ? fp3_short_operand(n, &met, c) : a;
+    if (fp3_any(met.operand)) /* what is read as 0 must not raise inexact */
+        return 0;
     switch (op) {
     case FP3_OP_ADD:
         value = fp3_short_sum(n, &met, a, b);

@@ -19,6 +19,7 @@
 #include <base/fpu.h>
 #define FP3_FLAGS (!FP3_FPU_IS_SOFT) /* what the processor does not raise, raise() does */
 #include "exceptions.h"
+#include "halves.h"
 #include "short.h"
 #include "words.h"
 
@@ -36,7 +37,7 @@ typedef struct {
 typedef struct {
     const fp3_fast_place *place;
     const fp3_fast_word *now;
-    fp3_config config; /* with FP3_OF_WORDS */
+    fp3_config config; /* its words' arithmetic, and its records */
     uint32_t number;   /* of the step */
     int is_last;       /* part: those asleep take part */
     int is_tiny;       /* products as in tiny.h */
@@ -183,9 +184,8 @@ static void calculate_words(machine *m) {
         m->to[j] = fp3_words(&m->config, op, A, B, C, &flags);
         all |= flags;
     }
-    __asm__ volatile(
-        "" ::
-            : "memory"); /* results are there, and so are the flags of sums in double */
+    /* Results are there, and so are the flags of sums in double. */
+    __asm__ volatile("" ::: "memory");
     const uint64_t inexact = op == FP3_OP_RINT ? 0 : fp3_fpu_get() & FP3_FPU_INEXACT;
     uint32_t raised = 0;
     for (int i = 0; i < FP3_LANES; i++)
@@ -247,14 +247,31 @@ static void load(machine *m) {
     keep(m, m->scratch, d);
 }
 
+static fp3_v value_stored(const machine *m, unsigned j) {
+    const fp3_v value = row_of(m->place, m->now->in.d)[j];
+    return m->now->is_one_nan ? fp3_one_nan(value) : value;
+}
+
+static fp3_i draws(const machine *m, unsigned j) {
+    const fp3_i *objects = (const fp3_i *)(const void *)m->place->objects;
+    return fp3_draws(m->place->seed, objects[j], m->number, m->now->in.d);
+}
+
 static void store(machine *m) {
     const fp3_i *awake = (const fp3_i *)(const void *)m->place->awake;
-    const fp3_v *d = row_of(m->place, m->now->in.d);
     fp3_loose *to = record_of(m);
     EACH {
-        const fp3_v value = m->now->is_one_nan ? fp3_one_nan(d[j]) : d[j];
+        const fp3_v whole = value_stored(m, j);
+        const fp3_v value =
+            m->config.storage ? fp3_stored(m->config.storage, whole, draws(m, j)) : whole;
         to[j] = m->is_last ? value : fp3_choose(awake[j], value, (fp3_v)to[j]);
     }
+}
+
+static int is_rounded(const machine *m) { return m->config.storage && m->now->in.op == FP3_OP_ST; }
+
+static int has_flags(const machine *m) {
+    return is_rounded(m) || fp3_operation_is_arithmetic(fp3_operation_find(m->now->in.op));
 }
 
 static fp3_i flags_of(machine *m, unsigned j);
@@ -268,6 +285,8 @@ static void raise(machine *m) {
 }
 
 static void execute(machine *m) {
+    if (FP3_FPU_IS_SOFT && !m->is_watched && (FP3_OF_WORDS ? is_rounded(m) : has_flags(m)))
+        raise(m);
     switch (m->now->in.op) {
     case FP3_OP_SLEEP:
         fall_asleep(m);
@@ -280,10 +299,16 @@ static void execute(machine *m) {
         store(m);
         break;
     default:
-        if (FP3_FPU_IS_SOFT && !FP3_OF_WORDS && !m->is_watched)
-            raise(m);
         arithmetic(m);
     }
+}
+
+static machine machine_of(const fp3_fast_plan *plan, const fp3_fast_place *place,
+                          fp3_fast_part_number part, uint32_t number) {
+    return (machine){.place = place,
+                     .config = fp3_words_config(plan->config),
+                     .number = number,
+                     .is_last = part == FP3_PART_LAST};
 }
 
 static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_number part,
@@ -299,10 +324,7 @@ static void make_part(machine *m, const fp3_fast_plan *plan, fp3_fast_part_numbe
 
 static void run(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number) {
-    machine m = {.place = place,
-                 .config = fp3_words_config(plan->config),
-                 .number = number,
-                 .is_last = part == FP3_PART_LAST};
+    machine m = machine_of(plan, place, part, number);
     make_part(&m, plan, part, steps);
 }
 
@@ -313,19 +335,16 @@ static unsigned seen_by(const machine *m) {
 
 static void run_tiny(const fp3_fast_plan *plan, const fp3_fast_place *place,
                      fp3_fast_part_number part, uint32_t steps, uint32_t number) {
-    machine m = {.place = place,
-                 .config = fp3_words_config(plan->config),
-                 .number = number,
-                 .is_last = part == FP3_PART_LAST,
-                 .is_tiny = 1};
+    machine m = machine_of(plan, place, part, number);
+    m.is_tiny = 1;
     make_part(&m, plan, part, steps);
     *place->seen |= seen_by(&m);
 }
 
 static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
                       uint32_t end) {
-    machine m = {
-        .place = place, .config = fp3_words_config(plan->config), .is_tiny = FP3_FPU_IS_EARLY};
+    machine m = machine_of(plan, place, FP3_PART_FIRST, 0);
+    m.is_tiny = FP3_FPU_IS_EARLY;
     for (uint32_t pc = first; pc < end; pc++) {
         m.now = &plan->code[pc];
         execute(&m);
@@ -337,11 +356,24 @@ static void run_words(const fp3_fast_plan *plan, const fp3_fast_place *place, ui
 
 static fp3_i chosen(fp3_i mask, fp3_i a, fp3_i b) { return (mask & a) | (~mask & b); }
 
+static fp3_i flags_of_store(const machine *m, unsigned j) {
+    fp3_i over;
+    fp3_rounded(m->config.storage, value_stored(m, j), draws(m, j), &over);
+    return fp3_marked(over, FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT);
+}
+
+/* a b is rounded, then added to c. */
+static fp3_i flags_of_chain(fp3_v a, fp3_v b, fp3_v c) {
+    return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
+}
+
 /* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
  * and what is chosen or estimated is known from the operands. */
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;
+    if (m->now->in.op == FP3_OP_ST)
+        return flags_of_store(m, j);
     if (is_of_words(m)) {
         fp3_i flags;
         fp3_words(&m->config, m->now->in.op, a, b, c, &flags);
@@ -355,25 +387,21 @@ static fp3_i flags_of(machine *m, unsigned j) {
     case FP3_OP_MUL:
         return fp3_flags_of_product(a, b);
     case FP3_OP_MADD:
-        return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
+        return flags_of_chain(a, b, c);
     case FP3_OP_MSUB:
-        return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_minus(fp3_product_value(a, b)));
+        return flags_of_chain(fp3_minus(a), b, c);
     case FP3_OP_FMADD:
         return fp3_flags_of_fused(a, b, c);
     case FP3_OP_FMSUB:
         return fp3_flags_of_fused(fp3_minus(a), b, c);
     case FP3_OP_ADDH:
-        return fp3_flags_of_product(b, FP3_HALF) |
-               fp3_flags_of_sum(a, fp3_product_value(b, FP3_HALF));
+        return flags_of_chain(b, FP3_HALF, a);
     case FP3_OP_SUBH:
-        return fp3_flags_of_product(b, FP3_HALF) |
-               fp3_flags_of_sum(a, fp3_minus(fp3_product_value(b, FP3_HALF)));
+        return flags_of_chain(fp3_minus(b), FP3_HALF, a);
     case FP3_OP_ADDT:
-        return fp3_flags_of_product(b, FP3_TWO) |
-               fp3_flags_of_sum(a, fp3_product_value(b, FP3_TWO));
+        return flags_of_chain(b, FP3_TWO, a);
     case FP3_OP_SUBT:
-        return fp3_flags_of_product(b, FP3_TWO) |
-               fp3_flags_of_sum(a, fp3_minus(fp3_product_value(b, FP3_TWO)));
+        return flags_of_chain(fp3_minus(b), FP3_TWO, a);
     case FP3_OP_MIN:
         return fp3_marked(fp3_is_signalling(fp3_min_raw(a, b)), FP3_FLAG_INVALID);
     case FP3_OP_MAX:
@@ -452,19 +480,15 @@ static void look_at_states(machine *m, const fp3_watch_plan *w, fp3_witness *wit
 static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast_part_number part,
                   uint32_t steps, uint32_t number, fp3_witness *witness) {
     const fp3_fast_part *of = &w->plan->part[part];
-    machine m = {.place = place,
-                 .config = fp3_words_config(w->plan->config),
-                 .number = number,
-                 .is_last = part == FP3_PART_LAST,
-                 .is_tiny = 1,
-                 .is_watched = 1};
+    machine m = machine_of(w->plan, place, part, number);
+    m.is_tiny = m.is_watched = 1;
     for (uint32_t i = 0; i < steps; i++) {
         m.number += part == FP3_PART_STEP;
         if (part == FP3_PART_STEP)
             begin_step(&m, witness);
         for (uint32_t pc = of->first; pc < of->end; pc++) {
             m.now = &w->plan->code[pc];
-            if (fp3_operation_is_arithmetic(fp3_operation_find(m.now->in.op)))
+            if (has_flags(&m))
                 note_flags(&m, part == FP3_PART_FIRST || w->is_ahead[pc], witness);
             execute(&m);
         }
@@ -473,17 +497,5 @@ static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast
     }
 }
 
-/* ---- rows ---- */
-
-static int is_any_astray(const float *row, unsigned count) {
-    unsigned is_any = 0;
-    for (unsigned i = 0; i < count; i++) {
-        unsigned bits;
-        __builtin_memcpy(&bits, &row[i], sizeof bits);
-        is_any |= (~bits & FP3_INFINITE) == 0;
-    }
-    return is_any != 0;
-}
-
-const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME, run,          run_tiny,
-                             watch,     run_words,      is_any_astray};
+const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME,   run, run_tiny, watch,
+                             run_words, fp3_is_any_astray};

@@ -39,8 +39,13 @@ static void store(const writer *w, const fp3_fast_word *p, unsigned vector) {
     fprintf(w->to, "        q%" PRIu32 "[j + %u] = ", d, vector);
     if (is_masked)
         fprintf(w->to, "fp3_choose(awake_%u, ", vector);
+    if (w->plan->config->storage)
+        fprintf(w->to, "fp3_stored(%" PRIu32 ", ", w->plan->config->storage);
     fprintf(w->to, "%sr%" PRIu32 "_%u%s", p->is_one_nan ? "fp3_one_nan(" : "", d, vector,
             p->is_one_nan ? ")" : "");
+    if (w->plan->config->storage)
+        fprintf(w->to, ", fp3_draws(p->seed, objects[j + %u], %s, %" PRIu32 "))", vector,
+                w->part == FP3_PART_FIRST ? "before" : "number", d);
     if (is_masked)
         fprintf(w->to, ", (fp3_v)q%" PRIu32 "[j + %u])", d, vector);
     fprintf(w->to, ";\n");
@@ -129,8 +134,10 @@ static void body(writer *w) {
 
 static void declare(const writer *w) {
     const fp3_fast_plan *plan = w->plan;
-    fprintf(w->to, "    const int *const table = p->table;\n    (void)table;\n"
-                   "    fp3_i *const awake = (fp3_i *)p->awake;\n    (void)awake;\n");
+    fprintf(w->to,
+            "    const int *const table = p->table;\n    (void)table;\n"
+            "    fp3_i *const awake = (fp3_i *)p->awake;\n    (void)awake;\n"
+            "    const fp3_i *const objects = (const fp3_i *)p->objects;\n    (void)objects;\n");
     FP3_EACH_REGISTER (plan->read | plan->stored, reg)
         fprintf(w->to,
                 "    fp3_loose *const q%" PRIu32 " = (fp3_loose *)p->records[%" PRIu32
@@ -172,10 +179,11 @@ fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error)
     writer w = {.plan = plan, .to = to};
     fprintf(to,
             "#define FP3_NEAREST %d\n#define FP3_SUBNORMAL %d\n#define FP3_FINITE %d\n"
-            "#define FP3_FLAGS %d\n%s%s%s",
+            "#define FP3_FLAGS %d\n%s%s%s%s",
             plan->config->nearest != 0, plan->config->subnormal != 0, plan->config->finite != 0,
             plan->config->flags != 0, fp3_text_place, fp3_text_lanes,
-            plan->config->fused ? fp3_text_fused : "");
+            plan->config->fused ? fp3_text_fused : "",
+            plan->config->storage ? fp3_text_halves : "");
     if (plan->around.is_any && !plan->are_sums)
         return fp3_fail(error, FP3_E_SYSTEM, "a loop over neighbours keeps more than sums");
     if (plan->around.is_any)

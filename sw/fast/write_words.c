@@ -67,7 +67,7 @@ void fp3_write_arithmetic(const writer *w, const fp3_fast_word *p, unsigned vect
     if (is_masked)
         fprintf(w->to, ", r%" PRIu32 "_%u)", p->in.d, vector);
     fprintf(w->to, ";\n");
-    if (p->is_dead)
+    if (p->is_dead || (p->is_unread && w->plan->config->flags))
         fp3_write_keep(w, p->in.d, vector);
 }
 

@@ -399,8 +399,7 @@ fp3_status fp3_bench_run(const fp3_bench_case *what, fp3_bench_result *result, i
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "the program has adaptive steps, expected fixed ones: fp3 bench MODEL "
                         "measures both");
-    b.is_ship =
-        fp3_bench_is_ship(what->program) && fp3_format_is_float(fp3_config_find(what->config));
+    b.is_ship = fp3_bench_is_ship(what->program) && fp3_format_is_float(config) && !config->storage;
     b.is_interleaved = config->interleave != 0;
     b.visit = b.is_interleaved && what->visit ? what->visit : what->steps;
     fp3_status status = prepare(&b, is_unfit, error);

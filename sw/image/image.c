@@ -221,11 +221,6 @@ static void *copied(const void *from, size_t bytes) {
     return to;
 }
 
-const char *fp3_image_words_name(fp3_image_words words) {
-    static const char *const names[FP3_WORDS_KINDS] = {"any", "floats", "logarithms", "mixed"};
-    return names[words];
-}
-
 fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error) {
     *image = NULL;
     if (draft->code_count > FP3_IMAGE_CODE_LIMIT)
@@ -234,9 +229,9 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
     if (draft->step >= draft->last || draft->last > draft->code_count)
         return fp3_fail(error, FP3_E_PROGRAM, "the step part is %u to %u of %u code words",
                         draft->step, draft->last, draft->code_count);
-    if ((uint32_t)draft->words >= FP3_WORDS_KINDS)
-        return fp3_fail(error, FP3_E_PROGRAM, "words of kind %u; there are %u kinds",
-                        (unsigned)draft->words, (unsigned)FP3_WORDS_KINDS);
+    char words[FP3_WORDS_NAME_SIZE];
+    if (!fp3_image_words_name(draft->words, words))
+        return fp3_fail(error, FP3_E_PROGRAM, "there are no words of number %u", draft->words);
     if (draft->constant_count > FP3_BANK_SHARED_COUNT)
         return fp3_fail(error, FP3_E_PROGRAM, "%u values for %d shared constants",
                         draft->constant_count, FP3_BANK_SHARED_COUNT);

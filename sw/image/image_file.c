@@ -90,7 +90,7 @@ fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **ima
                              .last = words[LAST],
                              .constant_count = words[CONSTANTS],
                              .symbol_count = words[SYMBOLS],
-                             .words = (fp3_image_words)(words[USED] >> 24),
+                             .words = words[USED] >> 24,
                              .code = words + FP3_IMAGE_HEADER_WORDS,
                              .constants = constants,
                              .symbols = symbols};
@@ -132,7 +132,7 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
     made[LAST] = image->last;
     made[CONSTANTS] = image->constant_count;
     made[SYMBOLS] = image->symbol_count;
-    made[USED] = image->registers | image->shared << 16 | (uint32_t)image->words << 24;
+    made[USED] = image->registers | image->shared << 16 | image->words << 24;
     uint32_t *to = made + FP3_IMAGE_HEADER_WORDS;
     memcpy(to, image->code, image->code_count * sizeof *to);
     to += image->code_count;

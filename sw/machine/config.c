@@ -32,10 +32,19 @@ fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_er
 }
 
 int fp3_config_computes_as(const fp3_config *config, const fp3_config *other) {
-    return config->nearest == other->nearest && config->subnormal == other->subnormal &&
-           config->finite == other->finite && config->logarithmic == other->logarithmic &&
-           config->fused == other->fused && config->mixed == other->mixed &&
-           config->fraction == other->fraction;
+    return fp3_config_words(config) == fp3_config_words(other) && config->fused == other->fused &&
+           config->storage == other->storage;
+}
+
+uint32_t fp3_config_words(const fp3_config *config) {
+    const fp3_image_words kind =
+        config->logarithmic ? FP3_WORDS_LOGARITHMS
+        : config->finite    ? FP3_WORDS_CELL
+        : !config->nearest ? (config->subnormal ? FP3_WORDS_TRUNCATED : FP3_WORDS_TRUNCATED_FLUSHED)
+        : !config->subnormal ? FP3_WORDS_FLUSHED
+        : config->mixed      ? FP3_WORDS_MIXED
+                             : FP3_WORDS_FLOATS;
+    return (uint32_t)kind + FP3_WORDS_FEWER * (FP3_WORDS_FRACTION - config->fraction);
 }
 
 uint32_t fp3_config_schedulers(const fp3_config *config) {

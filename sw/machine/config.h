@@ -4,6 +4,7 @@
 
 #include "gen/configs.h"
 
+#include <fp3/image.h>
 #include <fp3/status.h>
 #include <stddef.h>
 
@@ -20,6 +21,8 @@ uint32_t fp3_config_schedulers(const fp3_config *config);
 
 /* Whether both have the same arithmetic (docs/arithmetic.md): the same program then gives the same bits on both. */
 int fp3_config_computes_as(const fp3_config *config, const fp3_config *other);
+/* The words that it computes in, as fp3_image has them. Instructions say whether a multiply-add is fused. */
+uint32_t fp3_config_words(const fp3_config *config);
 
 /* What a configuration has for a key, the key's name, and what messages call an instruction that
  * needs it: NULL if none does. */

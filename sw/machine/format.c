@@ -3,6 +3,7 @@
 
 #include "lns.h"
 #include "narrow.h"
+#include "storage.h"
 
 #include <fp3/image.h>
 #include <fp3/isa.h>
@@ -101,5 +102,7 @@ float fp3_format_value(const fp3_config *config, uint32_t word) {
 
 int64_t fp3_format_counts(const fp3_config *config) {
     const format *of = format_of(config);
-    return of ? of->counts(config) : FP3_STEPS_LIMIT;
+    const int64_t words = of ? of->counts(config) : FP3_STEPS_LIMIT;
+    const int64_t records = fp3_storage_counts(config);
+    return records < words ? records : words;
 }

@@ -22,7 +22,8 @@ const char *fp3_format_word(const fp3_config *config, float value, uint32_t *wor
 /* Likewise rounded. */
 float fp3_format_value(const fp3_config *config, uint32_t word);
 
-/* How far a program counts by adding 1: to here, from 0 on, a count is off by less than FP3_FORMAT_OFF. */
+/* How far a program counts by adding 1, in words and from record to record: to here, from 0 on, a count is off by less than
+ * FP3_FORMAT_OFF. */
 int64_t fp3_format_counts(const fp3_config *config);
 #define FP3_FORMAT_OFF 0.0625
 

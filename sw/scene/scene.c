@@ -58,6 +58,7 @@ fp3_engine_def fp3_scene_engine(const fp3_scene *scene) {
     def.config = scene->config;
     def.objects = (uint32_t)scene->objects;
     def.visit = scene->visit;
+    def.seed = scene->seed;
     return def;
 }
 

@@ -398,9 +398,10 @@ static fp3_status read_engine(const reader *r) {
 }
 
 static fp3_status read_scene(reader *r) {
-    static const char *const names[] = {"config", "engine", "steps", "visit", "h", "groups", NULL};
+    static const char *const names[] = {"config", "engine", "steps",  "visit",
+                                        "seed",   "h",      "groups", NULL};
     const config_setting_t *root = r->in.root;
-    uint64_t visit = 0;
+    uint64_t visit = 0, seed = 0;
     fp3_status status = fp3_setting_keys(&r->in, root, "a scene", names);
     if (!status)
         status = read_config(r);
@@ -410,7 +411,10 @@ static fp3_status read_scene(reader *r) {
         status = read_count(r, root, "steps", 0, &r->scene->steps);
     if (!status)
         status = read_count(r, root, "visit", 1, &visit);
+    if (!status)
+        status = read_count(r, root, "seed", 1, &seed);
     r->scene->visit = (uint32_t)visit;
+    r->scene->seed = (uint32_t)seed;
     if (!status)
         status = read_h(r);
     if (!status)

@@ -5,6 +5,7 @@
 
 #define OBJECTS 512
 #define STEP 0.00390625
+#define ROUNDINGS 16
 #define PART 128 /* steps, after which the deviation is made 1 again */
 #define WARM 32  /* parts until the start is forgotten */
 #define PARTS 200
@@ -60,7 +61,8 @@ fp3_status fp3_section_chaos(const fp3_trial *trial, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (unsigned i = 0; !status && i < fp3_lab_arithmetic_count; i++) {
         fp3_rig rig;
-        if (fp3_lab_arithmetics[i].update == FP3_DOUBLE_SINGLE || /* no matter of digits */
+        if (fp3_lab_arithmetics[i].update == FP3_DOUBLE_SINGLE ||       /* no matter of digits */
+            ROUNDINGS * fp3_lab_unit(&fp3_lab_arithmetics[i]) > STEP || /* a step is lost in them */
             !fp3_trial_tries(trial, &fp3_lab_arithmetics[i], i && trial->options->is_quick))
             continue;
         fp3_verdict v = fp3_trial_verdict(trial, "chaos", "lorenz", &fp3_lab_arithmetics[i],

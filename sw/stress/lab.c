@@ -3,6 +3,7 @@
 
 #include "batch/batch.h"
 #include "machine/config.h"
+#include "machine/format.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,8 +12,10 @@
 #define CONFIG "many_full"
 
 const fp3_lab_arithmetic fp3_lab_arithmetics[] = {
-    {CONFIG, FP3_PLAIN}, {CONFIG, FP3_COMPENSATED}, {"flush", FP3_PLAIN},
-    {"cell", FP3_PLAIN}, {"fused_full", FP3_PLAIN}, {CONFIG, FP3_DOUBLE_SINGLE},
+    {CONFIG, FP3_PLAIN},         {CONFIG, FP3_COMPENSATED}, {"flush", FP3_PLAIN},
+    {"cell", FP3_PLAIN},         {"fused_full", FP3_PLAIN}, {"bfloat", FP3_PLAIN},
+    {"middle", FP3_PLAIN},       {"log", FP3_PLAIN},        {"pairs", FP3_PLAIN},
+    {CONFIG, FP3_DOUBLE_SINGLE},
 };
 const unsigned fp3_lab_arithmetic_count = sizeof fp3_lab_arithmetics / sizeof *fp3_lab_arithmetics;
 
@@ -22,7 +25,15 @@ const char *fp3_lab_name(const fp3_lab_arithmetic *arithmetic) {
 }
 
 int fp3_lab_flushes(const fp3_lab_arithmetic *arithmetic) {
-    return !fp3_config_find(arithmetic->config)->subnormal;
+    const fp3_config *config = fp3_config_find(arithmetic->config);
+    return !config->subnormal || config->logarithmic;
+}
+
+double fp3_lab_least(const fp3_lab_arithmetic *arithmetic) {
+    const int fraction = (int)fp3_config_find(arithmetic->config)->fraction;
+    return fp3_lab_is_logarithmic(arithmetic) ? 0x1p-127
+           : fp3_lab_flushes(arithmetic)      ? 0x1p-126
+                                              : ldexp(1, -126 - fraction);
 }
 
 int fp3_lab_truncates(const fp3_lab_arithmetic *arithmetic) {
@@ -31,6 +42,52 @@ int fp3_lab_truncates(const fp3_lab_arithmetic *arithmetic) {
 
 int fp3_lab_is_finite(const fp3_lab_arithmetic *arithmetic) {
     return (int)fp3_config_find(arithmetic->config)->finite;
+}
+
+int fp3_lab_is_logarithmic(const fp3_lab_arithmetic *arithmetic) {
+    return (int)fp3_config_find(arithmetic->config)->logarithmic;
+}
+
+int fp3_lab_is_small(const fp3_lab_arithmetic *arithmetic) {
+    return fp3_config_find(arithmetic->config)->fraction < FP3_WORDS_FRACTION;
+}
+
+int fp3_lab_is_slow(const fp3_lab_arithmetic *arithmetic) {
+    const fp3_config *config = fp3_config_find(arithmetic->config);
+    return config->finite || config->mixed || !fp3_format_is_float(config);
+}
+
+double fp3_lab_unit(const fp3_lab_arithmetic *arithmetic) {
+    const int fraction = (int)fp3_config_find(arithmetic->config)->fraction;
+    return ldexp(fp3_lab_is_logarithmic(arithmetic) ? M_LN2 : 1, -fraction - 1);
+}
+
+double fp3_lab_rounded(const fp3_lab_arithmetic *arithmetic) {
+    const double unit = fp3_lab_unit(arithmetic);
+    return arithmetic->update == FP3_DOUBLE_SINGLE ? FP3_LAB_PAIR_ROUNDED
+           : fp3_lab_is_logarithmic(arithmetic)    ? unit / sqrt(3)
+                                                   : 2.5e-8 * 0x1p24 * unit;
+}
+
+double fp3_lab_bias(const fp3_lab_arithmetic *arithmetic) {
+    const double unit = fp3_lab_unit(arithmetic);
+    return fp3_lab_is_logarithmic(arithmetic) ? 0.015 * 2 * unit
+           : fp3_lab_truncates(arithmetic)    ? -4.3e-8 * 0x1p24 * unit
+                                              : 0;
+}
+
+/* A logarithm is not read again as the float that is nearest to it, so it is left to the machine. */
+double fp3_lab_number(const fp3_lab_arithmetic *arithmetic, double x) {
+    const fp3_config *config = fp3_config_find(arithmetic->config);
+    uint32_t word;
+    return fp3_lab_is_logarithmic(arithmetic) || fp3_format_word(config, (float)x, &word)
+               ? (double)(float)x
+               : (double)fp3_format_value(config, word);
+}
+
+int fp3_lab_is_as_exact(const fp3_lab_arithmetic *one, const fp3_lab_arithmetic *other) {
+    return one->update == other->update &&
+           fp3_config_find(one->config)->fraction == fp3_config_find(other->config)->fraction;
 }
 
 int fp3_lab_is_nearly_plain(const fp3_lab_arithmetic *arithmetic) {
@@ -62,9 +119,11 @@ static void default_all(fp3_lab *lab) {
     const fp3_model *model = lab->def.model;
     for (size_t i = 0; i < lab->def.objects; i++) {
         for (uint32_t p = 0; p < model->param_count; p++)
-            lab->params[i * model->param_count + p] = (float)model->params[p].value;
+            lab->params[i * model->param_count + p] =
+                fp3_lab_number(lab->def.arithmetic, model->params[p].value);
         for (uint32_t s = 0; s < model->state_count; s++)
-            lab->initial[i * model->state_count + s] = (float)model->states[s].value;
+            lab->initial[i * model->state_count + s] =
+                fp3_lab_number(lab->def.arithmetic, model->states[s].value);
     }
 }
 
@@ -129,9 +188,11 @@ fp3_status fp3_lab_fill(fp3_lab *lab, const char *name, const double *column, fp
         return fp3_fail(error, FP3_E_ARGUMENT, "no state or param '%s' of each object", name);
     for (size_t i = 0; i < lab->def.objects; i++)
         if (state != FP3_NONE)
-            lab->initial[i * model->state_count + state] = (float)column[i];
+            lab->initial[i * model->state_count + state] =
+                fp3_lab_number(lab->def.arithmetic, column[i]);
         else
-            lab->params[i * model->param_count + param] = (float)column[i];
+            lab->params[i * model->param_count + param] =
+                fp3_lab_number(lab->def.arithmetic, column[i]);
     return FP3_OK;
 }
 

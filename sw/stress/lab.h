@@ -24,13 +24,32 @@ extern const unsigned fp3_lab_arithmetic_count;
 /* That of the update, or of a configuration other than the usual one. */
 const char *fp3_lab_name(const fp3_lab_arithmetic *arithmetic);
 int fp3_lab_flushes(const fp3_lab_arithmetic *arithmetic);   /* no gradual underflow */
+double fp3_lab_least(const fp3_lab_arithmetic *arithmetic);  /* the smallest number above 0 */
 int fp3_lab_truncates(const fp3_lab_arithmetic *arithmetic); /* rounds to zero */
 int fp3_lab_is_finite(const fp3_lab_arithmetic *arithmetic); /* no infinities and no NaN */
+int fp3_lab_is_logarithmic(const fp3_lab_arithmetic *arithmetic);
+int fp3_lab_is_small(const fp3_lab_arithmetic *arithmetic); /* fewer fraction bits than FP32 */
+/* Has no native code: runs are shorter. */
+int fp3_lab_is_slow(const fp3_lab_arithmetic *arithmetic);
+/* What a sum rounded to nearest is off by at most, relative to it: 2^-24 of binary32, 2^-(fraction + 1), and half of a step
+ * of logarithms, ln 2 2^-24 (of which 1.3 may be lost: docs/logarithmic.md). Truncated it is twice that. */
+double fp3_lab_unit(const fp3_lab_arithmetic *arithmetic);
+/* The relative error of one update, as the root of its mean square: a unit in the last place over sqrt(12), where
+ * logarithms of fractions, and of numbers, are equally likely; of double-single below. */
+double fp3_lab_rounded(const fp3_lab_arithmetic *arithmetic);
+/* What an update makes a number larger in the mean, relative to it: truncated it is half a unit less. Sums of logarithms are
+ * 0.015 last places too large in the mean of each octave of ratios from 1 to 4,096 (over 400,000 pairs each: 0.010 to
+ * 0.022), as their tables cut off low digits. Elsewhere 0. */
+double fp3_lab_bias(const fp3_lab_arithmetic *arithmetic);
+/* The number that the host gives for x: FP32, of small formats with as many bits as they have. */
+double fp3_lab_number(const fp3_lab_arithmetic *arithmetic, double x);
+/* Whether two have the same numbers and the same coefficients. */
+int fp3_lab_is_as_exact(const fp3_lab_arithmetic *one, const fp3_lab_arithmetic *other);
 /* Another configuration that rounds numbers of ordinary size to nearest, as plain does: long runs show nothing new. */
 int fp3_lab_is_nearly_plain(const fp3_lab_arithmetic *arithmetic);
 
 /* The relative error of an update in double-single: its sum is off by 3.1 u^2 at most (docs/compiler.md), where a plain
- * one is off by u/2, which in the mean is ROUNDED of drift.c. */
+ * one is off by u/2, which in the mean is 2.5e-8. */
 #define FP3_LAB_PAIR_ROUNDED (6.2 * 2.5e-8 * 0x1p-24)
 
 typedef struct {
@@ -55,10 +74,10 @@ const fp3_compiled *fp3_lab_program(const fp3_lab *lab);
 /* Another time step for the next start. */
 void fp3_lab_step(fp3_lab *lab, double h);
 
-/* A param, or the start of a state, of every object, rounded to FP32. FP3_E_ARGUMENT: no such name, or a
+/* A param, or the start of a state, of every object, rounded as fp3_lab_number. FP3_E_ARGUMENT: no such name, or a
  * param that objects share. */
 fp3_status fp3_lab_fill(fp3_lab *lab, const char *name, const double *column, fp3_error *error);
-/* Rows of an object, as FP32 has them: model->param_count and state_count numbers. */
+/* Rows of an object, as fp3_lab_number has them: model->param_count and state_count numbers. */
 const double *fp3_lab_params(const fp3_lab *lab, size_t object);
 const double *fp3_lab_initial(const fp3_lab *lab, size_t object);
 

@@ -11,7 +11,6 @@
 #include <string.h>
 
 #define SIGMAS 4
-#define HALF_UNIT 0x1p-24
 #define STEPS_MOST 65536 /* of a run in double */
 #define STEPS_QUICK 4096
 #define LOOKS 32
@@ -53,7 +52,7 @@ static double sensitivity(const subject *s, uint32_t expr, double *states, doubl
         states[i] = x + d;
         const double slope = (value_of(s, expr, states, t, values) - here) / d;
         states[i] = x;
-        sum += slope * slope * x * x * HALF_UNIT * HALF_UNIT;
+        sum += pow(slope * x * fp3_lab_unit(s->arithmetic), 2);
     }
     return sum;
 }
@@ -98,7 +97,7 @@ static fp3_status judge_invariant(const subject *s, uint32_t which, const uint64
     v.relation = FP3_AT_MOST;
     v.expected = c.exact;
     v.measured = c.single;
-    v.tolerance = SIGMAS * c.walk + HALF_UNIT * fabs(c.start);
+    v.tolerance = SIGMAS * c.walk + fp3_lab_unit(s->arithmetic) * fabs(c.start);
     return isfinite(c.exact) ? fp3_verdicts_add(s->trial->verdicts, &v, error) : FP3_OK;
 }
 
@@ -186,7 +185,7 @@ static fp3_status judge_curve(const subject *s, const fp3_ladder *ladder, double
                           "which starts part",
                           ladder->steps[last], grows);
     v.relation = FP3_AT_MOST;
-    v.expected = HALF_UNIT * (double)ladder->steps[last] * grows;
+    v.expected = fp3_lab_unit(s->arithmetic) * (double)ladder->steps[last] * grows;
     v.measured = c.noise[last];
     if (!status && isfinite(v.measured))
         status = fp3_verdicts_add(s->trial->verdicts, &v, error);
@@ -195,7 +194,7 @@ static fp3_status judge_curve(const subject *s, const fp3_ladder *ladder, double
                               "smallest error, at most that of plain updates");
         v.relation = FP3_AT_MOST;
         v.expected = *floor;
-        v.tolerance = HALF_UNIT + FLOOR_OFF * *floor;
+        v.tolerance = fp3_lab_unit(s->arithmetic) + FLOOR_OFF * *floor;
         v.measured = c.floor;
         status = s->model->event_count ? FP3_OK : fp3_verdicts_add(s->trial->verdicts, &v, error);
     }

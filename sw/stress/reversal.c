@@ -29,7 +29,9 @@ static int is_symmetric(const fp3_integrator *integrator) {
 }
 
 /* A random walk of roundings, of which one shifts the orbit's period and so grows with the time. */
-static double rounding(double h) { return 0x1p-24 * sqrt(2 * SPAN / h) * SPAN; }
+static double rounding(double h) {
+    return fp3_lab_unit(&fp3_lab_arithmetics[FP3_LAB_PLAIN]) * sqrt(2 * SPAN / h) * SPAN;
+}
 
 static fp3_status there_and_back(fp3_rig *rig, double h, double *off, fp3_error *error) {
     static const char *const turned[] = {"v_x", "v_y"};

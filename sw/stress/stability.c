@@ -22,7 +22,8 @@
 #define GAIN 1.25         /* of the energy: growth */
 #define GAIN_NEUTRAL 1e16 /* where the energy of a stable run has peaks: see theory.h */
 #define DECAYED 1e-20     /* of the energy: it is not waited for subnormal numbers */
-#define TOLERANCE 1e-3    /* of the limit */
+#define TOLERANCE 1e-3    /* of the limit ... */
+#define ROUNDINGS 64      /* ... which so many roundings of one direction must not move */
 #define MARGIN 4          /* cells of the first look on both sides */
 
 static const char decay[] = "model decay\nparam a = 1\nstate x = 1\nstep 1\nx' = -a*x\n";
@@ -38,7 +39,7 @@ typedef struct {
     double gain;
     fp3_lab *lab;
     int is_decay, has_damping;
-    double z[OBJECTS]; /* as FP32 has it, ascending */
+    double z[OBJECTS]; /* as the program has it, ascending */
     double energy[OBJECTS];
 } search;
 
@@ -47,7 +48,7 @@ static fp3_status fill(search *s, double low, double high, fp3_error *error) {
     double k[OBJECTS], c[OBJECTS];
     for (int i = 0; i < OBJECTS; i++) {
         const double z = low + (high - low) * (i + 1) / OBJECTS;
-        k[i] = (float)(s->is_decay ? z : z * z);
+        k[i] = fp3_lab_number(s->arithmetic, s->is_decay ? z : z * z);
         s->z[i] = s->is_decay ? k[i] : sqrt(k[i]);
         c[i] = 2 * s->z[i] * cos(s->angle);
     }
@@ -227,6 +228,7 @@ fp3_status fp3_section_stability(const fp3_trial *trial, fp3_error *error) {
             status = search_ray(trial, &fp3_lab_arithmetics[FP3_LAB_PLAIN], degrees, error);
     for (unsigned i = FP3_LAB_COMPENSATED; !status && i < fp3_lab_arithmetic_count; i++)
         if (fp3_lab_arithmetics[i].update != FP3_DOUBLE_SINGLE &&
+            ROUNDINGS * fp3_lab_unit(&fp3_lab_arithmetics[i]) <= TOLERANCE &&
             fp3_trial_tries(trial, &fp3_lab_arithmetics[i], trial->options->is_quick))
             status =
                 search_ray(trial, &fp3_lab_arithmetics[i], applies(trial->run, 0) ? 0 : 90, error);

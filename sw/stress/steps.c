@@ -16,13 +16,12 @@
 #define ABOVE 40   /* nor do those below so many times the smallest */
 #define ORDER_OFF 0.05
 #define GROWTH_OFF 0.15
-#define HALF_UNIT 0x1p-24
-#define FLOOR (4 * HALF_UNIT)
-#define ROUNDED 2.5e-8 /* see drift.c */
-#define CUT 4.3e-8
+#define FLOOR 4 /* units */
 #define SIGMAS 4
-#define EXACT 8 /* objects in double */
-#define RIGHT 7 /* rungs that say how rounding grows */
+#define EXACT 8      /* objects in double */
+#define RIGHT 7      /* rungs that say how rounding grows */
+#define LEAST_WALK 4 /* or how large it is ... */
+#define WALK_OFF 0.5 /* ... to its half: near the shortest steps roundings begin to cancel */
 
 static const char free_text[] = "model swing\nstate v = 0\nstate x = 1\nstep 1\nv' = -x\nx' = v\n";
 static const char driven_text[] =
@@ -35,6 +34,7 @@ typedef struct {
     unsigned count, order;
     double steps[RUNGS], h[RUNGS], error[RUNGS];
     double few[RUNGS]; /* error of the first EXACT objects */
+    double x[RUNGS][OBJECTS];
 } curve;
 
 /* The particular solution of the driven one is -cos(2 t)/3. */
@@ -45,7 +45,7 @@ static double truth(const curve *c, double t, double x0, double v0) {
 
 static fp3_status measure(curve *c, fp3_rig *rig, unsigned rung, fp3_error *error) {
     const double t = c->h[rung] * c->steps[rung];
-    double x[OBJECTS], sum = 0;
+    double *x = c->x[rung], sum = 0;
     fp3_lab_step(rig->lab, c->h[rung]);
     fp3_status status = fp3_lab_start(rig->lab, error);
     if (!status)
@@ -79,7 +79,7 @@ static fp3_status measure_all(curve *c, fp3_rig *rig, fp3_error *error) {
         status = fp3_lab_fill(rig->lab, "v", v, error);
     for (unsigned k = 0; !status && k < c->count; k++) {
         c->steps[k] = round(SPAN * pow(2, k / 2.0));
-        c->h[k] = (float)(SPAN / c->steps[k]);
+        c->h[k] = fp3_lab_number(c->arithmetic, SPAN / c->steps[k]);
         status = measure(c, rig, k, error);
     }
     return status;
@@ -135,7 +135,9 @@ static int loses_nothing(const curve *c) {
 /* What roundings make of the error at least (drift.c): see below. */
 static double least_of_roundings(const curve *c, unsigned rung) {
     const double n = c->steps[rung];
-    return loses_nothing(c) ? 0 : fp3_lab_truncates(c->arithmetic) ? CUT * n : ROUNDED * sqrt(n);
+    return loses_nothing(c)
+               ? 0
+               : hypot(fp3_lab_bias(c->arithmetic) * n, fp3_lab_rounded(c->arithmetic) * sqrt(n));
 }
 
 /* The slope where the method's error is far above the roundings', over the shortest such steps. What is expected is the
@@ -144,7 +146,7 @@ static double least_of_roundings(const curve *c, unsigned rung) {
 static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
     const unsigned best = best_of(c);
     /* Where errors still fall in the end, the roundings' are not seen yet. */
-    const double floor = best + 1 < c->count ? c->error[best] : FLOOR;
+    const double floor = best + 1 < c->count ? c->error[best] : FLOOR * fp3_lab_unit(c->arithmetic);
     unsigned to = 0, from = 0;
     while (to < c->count && !(c->error[to] < ABOVE * fmax(floor, least_of_roundings(c, to))))
         to++;
@@ -177,12 +179,13 @@ static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
 static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
     const int is_pair = c->arithmetic->update == FP3_DOUBLE_SINGLE, last = (int)c->count - 1;
     const int is_stoermer = c->trial->run->kind == FP3_STOERMER, is_walk = is_pair || is_stoermer;
-    const double unit = is_pair ? HALF_UNIT * HALF_UNIT : HALF_UNIT;
-    const double pairs =
-        FP3_LAB_PAIR_ROUNDED * sqrt(c->steps[last]) / (is_stoermer ? c->h[last] : 1);
-    const double walk = is_pair       ? SIGMAS * pairs
-                        : is_stoermer ? FLOOR + SIGMAS * ROUNDED * sqrt(3 * c->steps[last]) / 2
-                                      : FLOOR;
+    const double half = fp3_lab_unit(c->arithmetic), unit = is_pair ? half * half : half;
+    const double rounded = fp3_lab_rounded(c->arithmetic);
+    const double pairs = rounded * sqrt(c->steps[last]) / (is_stoermer ? c->h[last] : 1);
+    const double walk = is_pair ? SIGMAS * pairs
+                        : is_stoermer
+                            ? FLOOR * half + SIGMAS * rounded * sqrt(3 * c->steps[last]) / 2
+                            : FLOOR * half;
     double exact;
     const fp3_status status = exact_error(c, rig, (unsigned)last, &exact, error);
     fp3_verdict v =
@@ -196,7 +199,7 @@ static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
     return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 
-/* How the roundings' error grows as a power of h, u = 2^-23 being the unit of x.
+/* How the roundings' error grows as a power of h, u being the unit of x: 2^-23 in binary32.
  *
  * Roundings of N = T/h steps: independent, they add up as sqrt(N), all in one direction, as N (Higham, Accuracy and
  * Stability of Numerical Algorithms, 2nd ed. 2002, section 2.8; Henrici 1962). x is a multiple of its unit, so what is
@@ -205,11 +208,32 @@ static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
  * Stoermer's recursion takes a rounding r of x for one of the velocity, r/h, and rounds h^2 x'', which changes by
  * h^3 x''' a step. Below h = u^(1/3) it passes all fractions of a unit evenly, so roundings cancel, but where x''' = 0:
  * there, over sqrt(2 u)/h^2 steps, all are alike. (u/h) sqrt(u)/h^2 goes with h^-3. Cut off, each is -u/2 in the mean,
- * as an acceleration of u/(2 h^2). */
-static double power_of_roundings(const curve *c) {
-    if (c->trial->run->kind != FP3_STOERMER)
-        return fp3_lab_truncates(c->arithmetic) ? -1 : -0.5;
-    return fp3_lab_truncates(c->arithmetic) ? -2 : -3;
+ * as an acceleration of u/(2 h^2). Of logarithms both are as large, and there is no power. */
+static double power_of_roundings(const curve *c, unsigned from) {
+    double both[RIGHT];
+    if (c->trial->run->kind == FP3_STOERMER)
+        return fp3_lab_truncates(c->arithmetic) ? -2 : -3;
+    for (unsigned k = 0; k < RIGHT; k++)
+        both[k] = least_of_roundings(c, from + k);
+    return fp3_trial_slope(c->h + from, both, RIGHT);
+}
+
+/* With few bits there are few steps between the method's error and those that are too short, and the slope over so few is chance.
+ * So it is the size that is judged. An update that is off by e of x leaves e x cos(t) of it in the end, or of v e v sin(t):
+ * squares of all of these are 1/4 in the mean. The errors of h and of coefficients, which are as large, are taken away: */
+static fp3_status error_of_roundings(const curve *c, fp3_rig *rig, unsigned rung, double *off,
+                                     fp3_error *error) {
+    const uint64_t steps = (uint64_t)c->steps[rung];
+    double sum = 0, row[2];
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < OBJECTS; i++) {
+        const double *start = fp3_lab_initial(rig->lab, i);
+        status =
+            fp3_trial_exact(c->trial, rig, FP3_TRIAL_ROUNDED, i, c->h[rung], &steps, 1, row, error);
+        sum += gsl_pow_2((c->x[rung][i] - row[1]) / hypot(start[0], start[1]));
+    }
+    *off = sqrt(sum / OBJECTS);
+    return status;
 }
 
 /* The last rung that is what is said above: of Stoermer's method cut off, while the error is small. */
@@ -220,9 +244,33 @@ static unsigned last_of_roundings(const curve *c) {
         while (is_stoermer && last && c->error[last] > LARGE)
             last--;
     else
-        while (last && c->h[last] * c->h[last] < 2 * HALF_UNIT)
+        while (last && c->h[last] * c->h[last] < 2 * fp3_lab_unit(c->arithmetic))
             last--;
     return last;
+}
+
+static fp3_status judge_walk(const curve *c, fp3_rig *rig, fp3_error *error) {
+    const fp3_integrator *run = c->trial->run;
+    const unsigned updates = run->kind == FP3_SPLITTING ? run->stages : 2;
+    const unsigned last = last_of_roundings(c), from = best_of(c) + 1;
+    double sum = 0, off;
+    fp3_status status = FP3_OK;
+    /* Of other kinds roundings of the stages count, too. */
+    if (from + LEAST_WALK > last + 1 ||
+        (run->kind != FP3_SPLITTING && run->kind != FP3_RUNGE_KUTTA))
+        return FP3_OK;
+    for (unsigned k = from; !status && k <= last; k++) {
+        status = error_of_roundings(c, rig, k, &off, error);
+        sum += gsl_pow_2(off / least_of_roundings(c, k)) / (last - from + 1);
+    }
+    fp3_verdict v = fp3_trial_verdict(
+        c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
+        "what roundings do from h = %.3g to %.3g, by the random walk of one state", c->h[from],
+        c->h[last]);
+    v.expected = sqrt(updates) / 2;
+    v.measured = sqrt(sum);
+    v.tolerance = WALK_OFF * v.expected;
+    return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 
 static fp3_status judge_right(const curve *c, fp3_error *error) {
@@ -230,13 +278,17 @@ static fp3_status judge_right(const curve *c, fp3_error *error) {
     if (best + RIGHT > last)
         return FP3_OK;
     const unsigned from = last - RIGHT + 1;
-    if (power_of_roundings(c) == -3 && gsl_pow_3(c->h[from]) > 2 * HALF_UNIT) /* too long for it */
+    const int is_stoermer = c->trial->run->kind == FP3_STOERMER;
+    if (is_stoermer && fp3_lab_is_logarithmic(c->arithmetic))
+        return FP3_OK;
+    if (is_stoermer && !fp3_lab_truncates(c->arithmetic) &&
+        gsl_pow_3(c->h[from]) > 2 * fp3_lab_unit(c->arithmetic)) /* too long for it */
         return FP3_OK;
     fp3_verdict v = fp3_trial_verdict(
         c->trial, "steps", c->is_driven ? "driven" : "swing", c->arithmetic,
         "slope of the roundings' error from h = %.3g to %.3g", c->h[from], c->h[last]);
     v.measured = fp3_trial_slope(c->h + from, c->error + from, RIGHT);
-    v.expected = power_of_roundings(c);
+    v.expected = power_of_roundings(c, from);
     v.tolerance = GROWTH_OFF;
     return fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
@@ -248,7 +300,7 @@ static unsigned rungs_of(const fp3_trial *trial, const fp3_lab_arithmetic *arith
     if (trial->options->is_quick)
         return is_pair ? RUNGS_LEAST : RUNGS_QUICK;
     return is_driven || is_pair || fp3_lab_is_nearly_plain(arithmetic) ||
-                   fp3_lab_is_finite(arithmetic)
+                   fp3_lab_is_slow(arithmetic)
                ? RUNGS_QUICK
                : RUNGS;
 }
@@ -270,7 +322,9 @@ static fp3_status run(const fp3_trial *trial, const fp3_lab_arithmetic *arithmet
     if (!status)
         status = judge_order(&c, &rig, error);
     if (!status && !is_driven)
-        status = loses_nothing(&c) ? judge_end(&c, &rig, error) : judge_right(&c, error);
+        status = loses_nothing(&c)              ? judge_end(&c, &rig, error)
+                 : fp3_lab_is_small(arithmetic) ? judge_walk(&c, &rig, error)
+                                                : judge_right(&c, error);
     fp3_rig_close(&rig);
     if (!status && !is_driven)
         status = fp3_verdicts_draw(trial->verdicts, "steps", series, c.h, c.error, c.count, error);

@@ -23,7 +23,7 @@ fp3_verdict fp3_trial_verdict(const fp3_trial *trial, const char *section, const
 fp3_status fp3_rig_open(const fp3_trial *trial, const char *text,
                         const fp3_lab_arithmetic *arithmetic, double h, size_t objects,
                         fp3_rig *rig, fp3_error *error) {
-    *rig = (fp3_rig){.update = arithmetic->update};
+    *rig = (fp3_rig){.arithmetic = arithmetic};
     const fp3_status status = fp3_lab_model(text, &rig->model, error);
     const fp3_lab_def def = {rig->model, trial->run, arithmetic,
                              h,          objects,    !trial->options->is_quick};
@@ -70,7 +70,8 @@ fp3_status fp3_trial_exact(const fp3_trial *trial, fp3_rig *rig, fp3_trial_numbe
                            size_t object, double h, const uint64_t *steps, size_t count,
                            double *rows, fp3_error *error) {
     fp3_compile_def def = fp3_compile_default();
-    if (rig->update == FP3_COMPENSATED)
+    def.config = rig->arithmetic->config;
+    if (rig->arithmetic->update == FP3_COMPENSATED)
         def.arithmetic = FP3_COMPENSATED;
     const fp3_status status =
         rig->exact ? FP3_OK : fp3_compile(rig->model, trial->integrator, &def, &rig->exact, error);

@@ -28,7 +28,7 @@ typedef struct {
 typedef struct {
     fp3_model *model;
     fp3_lab *lab;
-    fp3_arithmetic update;
+    const fp3_lab_arithmetic *arithmetic;
     fp3_compiled *exact; /* of fp3_trial_exact */
 } fp3_rig;
 fp3_status fp3_rig_open(const fp3_trial *trial, const char *text,
@@ -41,7 +41,7 @@ int fp3_trial_tries(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic
 int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status);
 
 /* The steps of an object of a rig in double, by the table as it is: rows of all states. Coefficients, h and params are
- * those of the program (in double-single of a plain one), rounded to FP32, or as they are. */
+ * those of the program (in double-single of a plain one), rounded as its numbers are, or as they are. */
 typedef enum { FP3_TRIAL_ROUNDED, FP3_TRIAL_UNROUNDED } fp3_trial_numbers;
 fp3_status fp3_trial_exact(const fp3_trial *trial, fp3_rig *rig, fp3_trial_numbers numbers,
                            size_t object, double h, const uint64_t *steps, size_t count,

@@ -13,7 +13,7 @@
 #include "machine/execute.h"
 #include "machine/format.h"
 
-/* What is rounded to FP32: all; only what the host gives the program; nothing. */
+/* What is rounded to the machine's numbers: all; only what the host gives the program; nothing. */
 typedef enum { ROUNDED, INPUTS_ROUNDED, EXACT } rounding;
 
 typedef struct {
@@ -34,15 +34,15 @@ static double apply(const runner *r, uint32_t op, double a, double b, double c) 
 /* What the host gives the program. */
 static fp3_status give(const runner *r, double x, double *given, fp3_error *error) {
     uint32_t word;
-    if (r->rounding != ROUNDED) {
-        *given = r->rounding == EXACT ? x : (double)(float)x;
+    if (r->rounding == EXACT) {
+        *given = x;
         return FP3_OK;
     }
     const char *wrong = fp3_format_word(r->config, (float)x, &word);
     if (wrong)
         return fp3_fail(error, FP3_E_ARGUMENT, "%g %s: configuration '%s' has no word for it", x,
                         wrong, r->config->name);
-    *given = word;
+    *given = r->rounding == ROUNDED ? word : (double)fp3_format_value(r->config, word);
     return FP3_OK;
 }
 

@@ -1,6 +1,8 @@
 /* sensitivity.c - see sensitivity.h. */
 #include "sensitivity.h"
 
+#include "machine/config.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,9 +11,18 @@
 
 typedef struct {
     const fp3_sample *sample;
+    const fp3_config *config;
     double *params, *initial;
     double times[TIMES], *states; /* TIMES rows */
 } mover;
+
+/* From a number to the next; of logarithms, from its logarithm to the next. */
+static double last_place(const fp3_config *config, double x) {
+    int exponent;
+    frexp(x, &exponent);
+    return config->logarithmic ? fabs(x) * M_LN2 * 0x1p-23
+                               : ldexp(1, exponent - 1 - (int)config->fraction);
+}
 
 /* With the numbers as they now are. FP3_OK and 0: they have no truth. */
 static fp3_status look(const mover *m, double *moves, fp3_error *error) {
@@ -34,7 +45,7 @@ static fp3_status move_all(const mover *m, double *numbers, const fp3_quantity *
         double moves;
         if (is == 0)
             continue;
-        numbers[i] = (double)nextafterf((float)is, INFINITY);
+        numbers[i] = is + last_place(m->config, is);
         status = look(m, &moves, error);
         numbers[i] = is;
         if (status || !(moves > *most))
@@ -50,10 +61,11 @@ static double *copy(const double *from, size_t count) {
     return to ? memcpy(to, from, count * sizeof *to) : NULL;
 }
 
-fp3_status fp3_sensitivity_find(const fp3_sample *sample, char name[FP3_NAME_SIZE], double *moves,
-                                fp3_error *error) {
+fp3_status fp3_sensitivity_find(const fp3_sample *sample, const char *config,
+                                char name[FP3_NAME_SIZE], double *moves, fp3_error *error) {
     const fp3_model *model = sample->model;
     mover m = {.sample = sample,
+               .config = fp3_config_find(config),
                .params = copy(sample->params, model->param_count),
                .initial = copy(sample->initial, model->state_count),
                .states = calloc(TIMES * (model->state_count + 1u), sizeof *m.states)};

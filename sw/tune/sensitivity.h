@@ -1,4 +1,4 @@
-/* sensitivity.h - how far a truth moves when one number of its object moves by one unit in the last place of FP32.
+/* sensitivity.h - how far a truth moves when one number of its object moves by one unit in the last place.
  *
  * A param is no better known than that, so no arithmetic and no step makes a result better than this.
  */
@@ -8,8 +8,8 @@
 #include "sample.h"
 
 /* Of the sample's first object: the param or start that moves it most, at some times of the span, and how far, as an error
- * of fp3_sample_error. "" and 0: none moves it, or what has moved has no truth. */
-fp3_status fp3_sensitivity_find(const fp3_sample *sample, char name[FP3_NAME_SIZE], double *moves,
-                                fp3_error *error);
+ * of fp3_sample_error. The last place is that of the configuration. "" and 0: none moves it, or what has moved has no truth. */
+fp3_status fp3_sensitivity_find(const fp3_sample *sample, const char *config,
+                                char name[FP3_NAME_SIZE], double *moves, fp3_error *error);
 
 #endif

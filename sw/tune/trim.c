@@ -3,10 +3,10 @@
 
 #include "base/host.h"
 #include "candidate.h"
-#include "hardware.h"
 #include "image/visit.h"
 #include "machine/config.h"
 #include "machine/operation.h"
+#include "placed.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -74,7 +74,7 @@ static int is_off(const trimmed *t, fp3_key key) {
 }
 
 static void put_luts(FILE *to, const trimmed *t) {
-    const fp3_hardware *known = fp3_hardware_find(t->from->name);
+    const fp3_placed *known = fp3_placed_find(t->from->name);
     int less = 0;
     for (size_t i = 0; i < KNOWN(known_savings); i++)
         less += is_off(t, known_savings[i].key) ? known_savings[i].luts : 0;

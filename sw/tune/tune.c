@@ -394,7 +394,8 @@ static fp3_status begin(tuner *k) {
     if (!status)
         status = draw_seen(k);
     if (!status)
-        status = fp3_sensitivity_find(&k->seen, k->t->sensitive, &k->t->sensitivity, k->error);
+        status = fp3_sensitivity_find(&k->seen, k->def->config, k->t->sensitive, &k->t->sensitivity,
+                                      k->error);
     return status ? status : measure_baseline(k);
 }
 

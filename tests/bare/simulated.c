@@ -10,6 +10,7 @@
 
 #include "fp3_rtl.h"
 #include <dlfcn.h>
+#include <fp3/image.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,6 +103,28 @@ static void take_interrupts(fp3_bare *fp3, board *b) {
     EXPECT(times == (fp3->schedulers > 1 ? 2 : 1));
 }
 
+/* The driver believes what register `features_more` says. */
+static void refuse_hardware(const fp3_bare *of) {
+    fp3_bare fp3 = *of;
+    fp3.features_more |= 1u << FP3_FEATURES_MORE_LOGARITHMIC_LO;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &ship_program) == FP3_E_MISMATCH);
+    fp3.features_more = of->features_more | 16u << FP3_FEATURES_MORE_FRACTION_LO;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &ship_program) == FP3_E_MISMATCH);
+    fp3.features_more = of->features_more;
+    fp3_bare_program p = ship_program;
+    p.arithmetic = FP3_WORDS_FLOATS; /* as the compiler says for a machine with subnormal numbers */
+    fp3.features_more |= 1u << FP3_FEATURES_MORE_MIXED_LO;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    p.arithmetic = FP3_WORDS_MIXED; /* as the hardware says: refused for its size alone */
+    p.registers = fp3.registers + 1;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_PROGRAM);
+    fp3.features_more = of->features_more;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    p.arithmetic = FP3_WORDS_FLOATS;
+    fp3.features &= ~(1u << FP3_FEATURES_SUBNORMAL_LO);
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+}
+
 static void refuse_nonsense(fp3_bare *fp3, board *b) {
     uint32_t word = 0;
     uint64_t count = 0;
@@ -122,6 +145,10 @@ static void refuse_nonsense(fp3_bare *fp3, board *b) {
            fp3_bare_read_status(fp3, FP3_ALL, 0, &word) == FP3_E_ARGUMENT);
     p.revision++;
     EXPECT(fp3_bare_load(fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    p = ship_program;
+    p.arithmetic = FP3_WORDS_FLUSHED; /* compiled for configuration 'flush' */
+    EXPECT(fp3_bare_load(fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    refuse_hardware(fp3);
     p = ship_program;
     p.registers = fp3->registers + 1;
     EXPECT(fp3_bare_load(fp3, FP3_ALL, &p) == FP3_E_PROGRAM);

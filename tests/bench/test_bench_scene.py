@@ -40,16 +40,16 @@ def test_rows(bench, tmp_path, scene, objects):
 def test_more_objects_take_longer(bench, tmp_path, root):
     """What is timed is the scene: its steps are found, and four times the objects take between two and eight times as long."""
     shutil.copy(root / "programs/world/net.ode", tmp_path)
-    took = []
-    for side in (24, 48):
+    took = {24: [], 48: []}
+    for side in 3 * (24, 48):           # the best of three: the machine may be busy
         scene = (root / "programs/world/net.scene").read_text().replace("[128, 128]", f"[{side}, {side}]").replace('"0..127"', "[0, 1]")
         (tmp_path / "net.scene").write_text(scene)
         done = bench(tmp_path / "net.scene", "--quick", "--json", tmp_path / "speed.json")
         assert done.returncode == 0, done.stderr
         found = json.loads((tmp_path / "speed.json").read_text())
         assert found["objects"] == side * side and 64 <= found["steps"] <= 4096
-        took.append(found["rows"][0]["ns_per_object_step"] * side * side)
-    assert 2 < took[1] / took[0] < 8
+        took[side].append(found["rows"][0]["ns_per_object_step"] * side * side)
+    assert 2 < min(took[48]) / min(took[24]) < 8
 
 
 @pytest.mark.parametrize("name, program, more", [

@@ -366,7 +366,8 @@ static int is_for(const fp3_config *config) {
     int is_any = 0;
     for (size_t p = 0; p < COUNT(programs); p++)
         is_any |= has(config, programs[p][0]);
-    return is_any && config->registers >= REGISTERS && !config->logarithmic;
+    return is_any && config->registers >= REGISTERS && !config->logarithmic &&
+           !config->storage; /* a record has few of the operands */
 }
 
 /* Of the processor's ways to execute those that it has; their order is that of what they need. */

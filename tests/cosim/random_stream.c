@@ -176,7 +176,10 @@ static void set_objects(bench *b, chance *c, uint32_t words) {
     for (uint32_t object = 0; object < b->objects && !b->wrong; object++)
         for (uint32_t reg = 0; reg < words && !b->wrong; reg++) {
             const int is_slept = (int)reg == b->s.slept;
-            set(b, object, reg, !is_slept ? value(c) : is_mixed && below(c, 2) ? value(c) : 0);
+            set(b, object, reg,
+                !is_slept                 ? object_value(c, b->config)
+                : is_mixed && below(c, 2) ? value(c)
+                                          : 0);
         }
 }
 
@@ -201,7 +204,7 @@ static void disturb(bench *b, chance *c) {
     for (uint32_t i = below(c, 8); i > 0; i--) {
         const uint32_t reg = below(c, b->s.pool);
         if ((int)reg != b->s.slept)
-            set(b, below(c, b->objects), reg, value(c));
+            set(b, below(c, b->objects), reg, object_value(c, b->config));
     }
     if (below(c, 8) == 0)
         clear_status(b);
@@ -312,7 +315,7 @@ static int is_told_right(bench *b, uint32_t object, int is_told) {
     for (uint32_t reg = 0; reg < b->config->registers; reg++)
         is_astray |= states >> reg & 1 && !fp3_watch_is_finite(kept(b, 0, object, reg));
     if (is_told)
-        return is_raised || is_astray;
+        return is_raised || is_astray || b->config->storage; /* a store retires nothing */
     return !is_astray && !(is_raised && group->program.slept < 0 && !has_ahead(group));
 }
 
@@ -554,8 +557,10 @@ static uint32_t set_run(bench *b, chance *c) {
     const uint32_t steps = below(c, 40) ? 1 + below(c, STEPS_MAX) : 0;
     const uint32_t visit = below(c, 2) ? 0 : 1 + below(c, 3);
     const uint32_t kind = below(c, 8), clock = (uint32_t)next64(c);
+    const uint32_t seed = b->config->storage && below(c, 2) ? (uint32_t)next64(c) : 0;
     for (int k = 0; k < 2; k++) {
         fp3_engine_definition(b->engine[k])->visit = visit;
+        fp3_engine_definition(b->engine[k])->seed = seed;
         if (kind == 0)
             *fp3_engine_clock(b->engine[k]) = clock;
         if (kind == 1) /* it wraps */
@@ -647,6 +652,12 @@ static uint32_t how_many(chance *c, const fp3_config *config) {
     return pick > most ? most : pick > enough ? enough : pick;
 }
 
+/* Whether its records could have 16 bits. */
+static int has_numbers_alone(const fp3_config *config) {
+    return config->interleave && !config->sleep && !config->neighbours && !config->dual &&
+           !config->logarithmic && !config->finite;
+}
+
 /* Both engines compute as another configuration would. */
 static void vary(bench *b, chance *c) {
     for (int k = 0; k < 2 && !b->wrong; k++) {
@@ -658,6 +669,10 @@ static void vary(bench *b, chance *c) {
             config->nearest = config->subnormal = 1;
         config->finite = !config->nearest && !config->subnormal && !config->fused && below(&own, 4);
         config->flags = config->status || below(&own, 2);
+        config->storage = has_numbers_alone(config) ? below(&own, 3) : 0;
+        if (!config->finite && !config->logarithmic && !config->dual && !config->mixed &&
+            below(&own, 4) == 0)
+            config->fraction = 7 + below(&own, 17);
         b->varied = *config;
     }
     if (!b->wrong)

@@ -14,6 +14,7 @@
 #include <fp3/isa.h>
 #include <machine/config.h>
 #include <machine/operation.h>
+#include <machine/storage.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -38,6 +39,15 @@ typedef struct {
     uint64_t defined;   /* here */
     uint64_t at_last;   /* where the last part begins */
 } stream;
+
+/* What the host can write into an object: a number that is too large for a record of 16 bits is refused, its infinity is not.
+ * There numbers of other sizes are more telling: at both ends of binary16, and halfway between two of its numbers. */
+static inline uint32_t object_value(chance *c, const fp3_config *config) {
+    uint32_t flags, bits = value(c);
+    if (config->storage && below(c, 2))
+        bits = (bits & 0x807fffffu) | (below(c, 2) ? 100 + below(c, 15) : 138 + below(c, 5)) << 23;
+    return fp3_stored(config, bits, NULL, &flags);
+}
 
 static inline uint32_t stream_source(chance *c, const stream *s) {
     for (int i = 0; i < 4; i++) {

@@ -117,16 +117,21 @@ def test_failures_are_told_as_the_isa_engine_does(run, tmp_path):
     assert run(*options, status=3, FP3_FAST="interpreter") == expected
 
 
-UNREAD = {"stored_twice": "madd b, x, big, big\nst b\nadd b, one, one\nst b\n", "not_chosen": "mul y, big, big\nsel b, one, one, y\nst b\n",
-          "dead": "mul b, big, big\nadd b, one, one\nst b\n"}
+# What is before the steps, in a step, and behind them.
+UNREAD = {"stored_twice": ("", "", "madd b, x, big, big\nst b\nadd b, one, one\nst b\n"),
+          "not_chosen": ("", "", "mul y, big, big\nsel b, one, one, y\nst b\n"),
+          "dead": ("", "", "mul b, big, big\nadd b, one, one\nst b\n"),
+          "of_the_first_step": ("mul y, big, one\n", "mul b, y, big\nmul y, one, one\n", "st b\n")}
 
 
+@pytest.mark.parametrize("config", ["many_full", "world"])    # with a status of each object, and without
 @pytest.mark.parametrize("name", UNREAD)
-def test_what_nothing_reads_fails_all_the_same(run, fp3, tmp_path, name):
+def test_what_nothing_reads_fails_all_the_same(run, fp3, tmp_path, name, config):
     """The compiler of native code leaves out what has no reader, unless it is told of one: an overflow would go unseen."""
-    (tmp_path / "x.s").write_text(".state x b\n.temp y\n.const big 3e38\n.const one 1\nstep:\nadd x, x, one\nlast:\n" + UNREAD[name] + "st x\n")
+    first, step, last = UNREAD[name]
+    (tmp_path / "x.s").write_text(".state x b\n.temp y\n.const big 3e38\n.const one 1\nld x\n" + first + "step:\nadd x, x, one\n" + step + "last:\n" + last + "st x\n")
     subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
-    options = [tmp_path / "x.fp3", "-c", "many_full", "--steps", 3, "-o", 2, "--set", "x=1", "--set", "b=0"]
+    options = [tmp_path / "x.fp3", "-c", config, "--steps", 3, "-o", 2, "--set", "x=1", "--set", "b=0"]
     expected = run(*options, engine="isa", status=3)
     assert run(*options, status=3) == expected and run.how.startswith("native"), run.how
     assert re.search(r"^flags +overflow", expected, re.M)

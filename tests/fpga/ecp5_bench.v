@@ -71,9 +71,9 @@ module ecp5_bench;
             end
         end
 
-        // Memories of every shape of block, one or several beside each other.
-        for (i = 0; i < 9; i = i + 1) begin : g_ram
-            localparam ADDR_W = i < 7 ? 8 + i : i == 7 ? 9 : 3;
+        // Memories of every shape of block, one or several beside each other, and more words than a block has.
+        for (i = 0; i < 10; i = i + 1) begin : g_ram
+            localparam ADDR_W = i < 7 ? 8 + i : i == 7 ? 9 : i == 8 ? 3 : 15;
             localparam W      = i == 7 ? 40 : i < 4 ? 32 : 5;
             reg               write = 1'b0, read = 1'b1;
             reg  [ADDR_W-1:0] write_addr = 0, read_addr = 0;

@@ -22,8 +22,8 @@ class Bench:
         self.record, self.published, self.half, self.list = 0, 0, 0, []
 
     def settings(self, copies):
-        """gen/settings.vh: record, steps, three indices, visit, clock, published words, half, copies, the first in the low bits."""
-        index = (len(self.dut.settings_i) - 2 - 5 * 32 - 1 - 32) // 3
+        """gen/settings.vh: record, steps, three indices, visit, clock, published words, half, copies, what draws need, the first in the low bits."""
+        index = (len(self.dut.settings_i) - 2 - 9 * 32 - 1) // 3
         at = 2 + 32 + 3 * index + 64
         return self.record | self.published << at | copies << at + 65
 

@@ -11,8 +11,8 @@ HIGH = 0x10000
 
 
 def settings(dut, steps, visit, clock):
-    """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, what neighbours need, the first in the low bits."""
-    index = (len(dut.settings_i) - 2 - 5 * 32 - 1 - 32) // 3
+    """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, what neighbours and draws need, the first in the low bits."""
+    index = (len(dut.settings_i) - 2 - 9 * 32 - 1) // 3
     return steps << 2 | visit << 34 + 3 * index | clock << 66 + 3 * index
 
 

@@ -36,6 +36,10 @@ def tile(test, **keys):
     return Part("tile", "tile", {"CONFIG": simulate.config_word(ROOT, config)}, {"TESTCASE": test, "FP3_RTL": ROOT / "rtl"})
 
 
+def halves(module, storage):
+    return Part(module, module, {"CONFIG": simulate.config_word(ROOT, {"INTERLEAVE": 1, "STORE_WORDS": 64, "STORAGE": storage})}, {"FP3_STORAGE": storage})
+
+
 def memory(module, latency, forward, enable, **parameters):
     return Part(module, "memory", parameters, {"FP3_LATENCY": latency, "FP3_FORWARD": forward, "FP3_ENABLE": enable})
 
@@ -65,6 +69,11 @@ PARTS = {
     "fp_rint": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 0}),
     "fp_rint, cut": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 1}),
     "fp_rint, truncated": Part("fp_rint", "rint", {"NEAREST": 0, "CUT": 1}),
+    "halve, bfloat16": halves("halve", 1),
+    "halve, binary16": halves("halve", 2),
+    "widen, bfloat16": halves("widen", 1),
+    "widen, binary16": halves("widen", 2),
+    "mix": Part("mix", "mix", {}),
     "uart_rx": Part("uart_rx", "uart_rx", {"DIVISOR": 8}),
     "slip_tx": Part("slip_tx", "slip_tx", {}),
 }
@@ -161,6 +170,24 @@ BUGS = {
         Bug("the sign of a zero is lost", "fp_rint.v", "assign z_o = {kept_c[31],", "assign z_o = {kept_c[31] && !small_c,"),
     ],
     "fp_rint, truncated": [Bug("rounds to nearest", "fp_rint.v", "NEAREST != 0 && guard", "guard")],
+    "halve, bfloat16": [
+        Bug("a NaN is an infinity", "halve.v", "half_q <= is_nan_q ? NAN :", "half_q <="),
+        Bug("an infinity has overflown", "halve.v", "over_q <= !is_out_q &&", "over_q <="),
+        Bug("ties upwards", "halve.v", "word_q[16] || more_q", "1'b1"),
+        Bug("a draw is of 15 bits", "halve.v", "draws_i ? random_i", "draws_i ? {1'b0, random_i[15:1]}"),
+    ],
+    "halve, binary16": [
+        Bug("65536 is a number", "halve.v", "word_i[30:23] >= ABOVE", "word_i[30:23] > ABOVE"),
+        Bug("the least numbers are 0", "halve.v", "|distance[7:5] ? 5'd31 : distance[4:0]", "|distance[7:4] ? 5'd31 : distance[4:0]"),
+        Bug("what is far below is not", "halve.v", "|distance[7:5] ? 5'd31 : distance[4:0]", "distance[4:0]"),
+        Bug("what lies beyond a tie does not count", "halve.v", "assign more = is_small && beyond", "assign more = is_small && beyond && 1'b0"),
+    ],
+    "widen, binary16": [
+        Bug("0 is 2^-25", "widen.v", "is_small && is_none ? 8'd0 :", ""),
+        Bug("subnormal numbers are twice as large", "widen.v", "8'd112 - {4'd0, zeros}", "8'd113 - {4'd0, zeros}"),
+        Bug("an infinity is a number", "widen.v", "is_out ? 8'd255 :", ""),
+    ],
+    "mix": [Bug("a sum is late", "mix.v", "third_q + (second_late_q << 11)", "third_q + (second << 11)")],
     "uart_rx": [
         Bug("a bad stop bit is a good one", "uart_rx.v", "if (sample) bad_q <= !line;", "if (sample && bit_q != STOP) bad_q <= !line;"),
         Bug("the stop bit is a bit of the byte", "uart_rx.v", "if (sample && bit_q != STOP) byte_q", "if (sample) byte_q"),

@@ -9,7 +9,7 @@
  */
 #include "executed_pairs.h"
 
-#include <compiler/pairs/double_step.h>
+#include <compiler/code/check.h>
 #include <compiler/pairs/loose.h>
 
 /* Any finite number; half of the time one that is near another, of few bits, or at an end. */
@@ -269,7 +269,8 @@ static int check_refused(float a, float b, int nearest, int subnormal, const cha
     operation o;
     open_operation(&o, "refused");
     o.made = fp3_two_sum(&o.g, fp3_dag_variable(&o.g, 0), fp3_dag_variable(&o.g, 1));
-    o.config = (fp3_config){.nearest = nearest, .subnormal = subnormal, .name = "other"};
+    o.config =
+        (fp3_config){.nearest = nearest, .subnormal = subnormal, .fraction = 23, .name = "other"};
     const float words[2] = {a, b};
     float r[2];
     fp3_error error = {0};
@@ -278,8 +279,9 @@ static int check_refused(float a, float b, int nearest, int subnormal, const cha
     fp3_fpu_set(callers);
     const int is_exact = (quad)r[0] + (quad)r[1] == (quad)a + (quad)b;
     const fp3_options options = {.config = &o.config, .arithmetic = FP3_DOUBLE_SINGLE};
-    const int is_told =
-        fp3_double_check(&options, &error) == FP3_E_PROGRAM && strstr(error.text, message);
+    const fp3_fit fit = {0};
+    const int is_told = fp3_check_arithmetic(&options, &fit, &error) == FP3_E_PROGRAM &&
+                        strstr(error.text, message);
     printf("%s: %s\n", message,
            is_exact  ? "exact"
            : is_told ? "refused, not exact"

@@ -84,7 +84,7 @@ MODEL = "param k = 2\nstate x = 1\nstate y = 0\nstep 0.25\nspan 2\nx' = -k*x\ny'
     ("sin(x)", [], r"m\.ode:7:6: .*y' = sin\(x\): its constants are made for numbers of 24 bits, and configuration '{}' has {}"),
     ("x^k", [], r"m\.ode:7:7: .*x\^k: its constants are made for numbers of 24 bits, and configuration '{}' has {}"),
     ("x", ["--double-single"], "double-single counts on numbers of 24 bits, and configuration '{}' has {}"),
-    ("1/x", ["--with=exact-division"], "the pass `exact-division` counts on numbers of 24 bits, and configuration '{}' has {}")])
+    ("1/x", ["--with=exact-division"], "`exact-division` counts on numbers of 24 bits, and configuration '{}' has {}")])
 def test_what_counts_on_24_bits_is_refused(tmp_path, config, expression, options, message):
     (tmp_path / "m.ode").write_text(MODEL.format(expression))
     done = fp3("compile", tmp_path / "m.ode", "-c", config, *options, status=2)

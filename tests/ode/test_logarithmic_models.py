@@ -102,27 +102,34 @@ def test_functions_that_need_exponents_are_refused_by_name(fp3_run, tmp_path, na
     assert re.search(rf"f\.ode:{at}:\d+: error: .*{name}\(y\): needs `round`, which configuration 'log' does not have", out), out
 
 
-def test_the_tuner_refuses(root, fp3_run):
-    assert "configuration 'log' rounds otherwise than IEEE 754" in fp3_run("tune", root / "programs/kepler.ode", "-c", "log", "--tolerance=1e-3", status=2)
+WORDS = {"many_full": "floats", "flush": "flushed floats", "cell": "floats of Cell's SPU", "bfloat": "floats of 7 fraction bits",
+         "middle": "floats of 15 fraction bits", "log": "logarithms"}
 
 
-@pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
-def test_an_image_for_the_other_words_is_refused(root, fp3_run, engine):
-    """A quotient without a correction has nine bits where rcp is an estimate; rounding errors are no floats here."""
-    fp3_run("compile", root / "programs/kepler.ode", "-c", "log", "--image=logs.fp3", "-o", "logs.s")
-    fp3_run("compile", root / "programs/kepler.ode", "-c", "many_full", "--compensated", "--image=floats.fp3")
-    said = fp3_run("run", "logs.fp3", "-c", "many_full", "-e", engine, status=2)
-    assert "the program is made for logarithms: words of configuration 'many_full' are floats" in said
-    assert "the program is made for floats: words of configuration 'log' are logarithms" in fp3_run("run", "floats.fp3", "-c", "log", "-e", engine, status=2)
-    fp3_run("asm", "logs.s", "-o", "again.fp3")
-    assert "made for logarithms" in fp3_run("run", "again.fp3", "-c", "many_full", "-e", engine, status=2)
+@pytest.mark.parametrize("made, engine", [(made, engine) for made in WORDS for engine in ("isa", "fast")] + [("log", "rtl"), ("flush", "rtl")])
+def test_an_image_for_other_words_is_refused(root, fp3_run, made, engine):
+    """A quotient without a correction has nine bits where rcp is an estimate, and one for gradual underflow is wrong for large divisors
+    where numbers are flushed. An image goes through its text, too, and a configuration of the same words takes it."""
+    fp3_run("compile", root / "programs/kepler.ode", "-c", made, "--image=made.fp3", "-o", "made.s")
+    fp3_run("asm", "made.s", "-o", "again.fp3")
+    for other, has in WORDS.items():
+        for image in ("made.fp3", "again.fp3"):
+            out = fp3_run("run", image, "-c", other, "-e", engine, "--steps", 1, status=2)
+            assert ("parameter 'v_x' has no value" if other == made else
+                    f"the program is made for {WORDS[made]}: words of configuration '{other}' are {has}") in out
+
+
+def test_configurations_of_the_same_words_share_images(root, fp3_run):
+    fp3_run("compile", root / "programs/ship.ode", "-c", "many_full", "--without=chain", "--image=ship.fp3")
+    for config in ("fused_full", "single_full"):
+        assert "has no value" in fp3_run("run", "ship.fp3", "-c", config, "-e", "isa", "--steps", 1, status=2)
 
 
 def test_who_executes_an_image(root, fp3_run):
     fp3_run("compile", root / "programs/kepler.ode", "-c", "log", "--image=logs.fp3")
     out = fp3_run("info", "logs.fp3")
     assert re.findall(r"^for +(\w+)$", out, re.M) == ["log"] and re.search(r"^needs .*\blogarithmic\b", out, re.M)
-    assert "sw/bare gives hardware floats" in fp3_run("dis", "logs.fp3", "--header", "logs.h", status=2)
+    assert "sw/bare gives hardware binary32" in fp3_run("dis", "logs.fp3", "--header", "logs.h", status=2)
     assert "  words are logarithms, products and quotients are exact; flags" in fp3_run("info")
 
 
@@ -130,7 +137,15 @@ def test_an_image_as_text_keeps_what_it_is_for(fp3_run, tmp_path):
     (tmp_path / "x.s").write_text(".words floats\n.state x\nstep:\nadd x, x, x\n")
     fp3_run("asm", "x.s", "-o", "x.fp3")
     assert fp3_run("dis", "x.fp3").startswith(".words  floats\n")
-    for text, said in ((".words", "expected floats, logarithms or mixed"), (".words any", "found 'any', expected floats, logarithms or mixed"),
-                       (".words floats\n.words floats", "expected one '.words' only (line 1 has it)"), (".words floats x", "expected the end of the line")):
+    for words in ("floats 7", "floats 22", "flushed", "flushed 7", "cell", "logarithms", "truncated", "truncated_flushed 15", "mixed"):
+        (tmp_path / "x.s").write_text(f".words {words}\n.state x\nstep:\nadd x, x, x\n")
+        fp3_run("asm", "x.s", "-o", "x.fp3")
+        assert fp3_run("dis", "x.fp3").startswith(f".words  {words}\n")
+    kinds, fraction = "floats, logarithms, flushed, cell, truncated, truncated_flushed or mixed", "a number of fraction bits from 7 to 22, or the end of the line"
+    for text, said in ((".words", f"expected {kinds}"), (".words any", f"found 'any', expected {kinds}"),
+                       (".words floats\n.words floats", "expected one '.words' only (line 1 has it)"), (".words floats x", f"found 'x', expected {fraction}"),
+                       (".words floats 23", f"found '23', expected {fraction}"), (".words floats 6", f"found '6', expected {fraction}"),
+                       (".words cell 7", "x.s:1:8: error: found 'cell', expected floats, flushed, truncated or truncated_flushed before fraction bits"),
+                       (".words floats 7 7", "expected the end of the line")):
         (tmp_path / "x.s").write_text(f"{text}\n.state x\nstep:\nadd x, x, x\n")
         assert said in fp3_run("asm", "x.s", "-o", "x.fp3", status=2)

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import pytest
 
+COARSE = {"middle": 1e-4, "many_half": 2e-3, "bfloat": 3e-2}   # numbers, or records, with fewer bits
 KEYS = {
     "config": str, "program": str, "first_cycles": int, "next_cycles": (int, float), "objects": int, "steps": int, "words": int,
     "mismatches": int, "rel_err_v": float, "rel_err_s": float, "stalls": dict, "cycles_per_second": float,
@@ -58,7 +59,7 @@ def test_every_configuration_gives_golden_bits(bench, root):
         assert round(run["next_cycles"] * (steps - 1)) + run["first_cycles"] == run["cycles"]
         assert run["cycles_per_object_step"] == run["next_cycles"] / objects >= run["bound"] > 0
         assert all(0 < use <= 1 for use in run["unit_utilisation"].values())
-        assert run["rel_err_v"] < 1e-5
+        assert run["rel_err_v"] < COARSE.get(run["config"], 1e-5)
         assert f"{run['program']}, {run['config']}" in done.stdout
     assert re.search(r"the paper +445 +418", done.stdout)
 

@@ -35,19 +35,27 @@ def test_a_section_holds(stress, section):
     assert rows and all(set(row) == FIELDS and row["holds"] and row["section"] == section and not row["why"] for row in rows)
 
 
-@pytest.mark.parametrize("name", ["flush", "cell", "fused_full"])
+@pytest.mark.parametrize("name", ["flush", "cell", "fused_full", "bfloat", "middle", "log", "pairs"])
 def test_another_arithmetic(stress, name):
-    """Asked for by name, it runs in the sections that are left out of the quick form, too, and nothing else does."""
+    """Asked for by name, it runs in the sections that are left out of the quick form, too, and nothing else does. In 7 bits roundings
+    hide the limits, and long runs stand still."""
     rows = stress("-i", "rk4", "--arithmetic", name)
+    hidden = {"stability", "drift", "chaos"} if name == "bfloat" else set()
     assert all(row["holds"] and row["arithmetic"] == name for row in rows)
-    assert {row["section"] for row in rows} == {"stability", "steps", "drift", "stagnation", "subnormal", "failures", "chaos"}
+    assert {row["section"] for row in rows} == {"stability", "steps", "drift", "stagnation", "subnormal", "failures", "chaos"} - hidden
+
+
+def test_sums_of_logarithms_are_too_large_in_the_mean(stress):
+    """By 0.015 last places, so that a planet's energy falls in each step by 4 times that; a last place is ln 2 2^-23 of a number."""
+    row, = [row for row in stress("-i", "rk4", "--arithmetic", "log", "--only", "drift")]
+    assert row["expected"] == pytest.approx(-4 * 0.015 * math.log(2) * 2 ** -23, rel=0.02) and row["measured"] == pytest.approx(row["expected"], rel=0.1)
 
 
 def test_every_arithmetic_of_a_named_configuration_is_tried(stress, root):
     """One row of sw/stress/lab.c for each."""
     found = {row["arithmetic"] for row in stress("--only", "failures")}
     said = tomllib.loads((root / "isa/configs.toml").read_text(encoding="utf-8"))
-    defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused")}
+    defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused", "fraction", "mixed")}
     of = {config["name"]: tuple(config.get(key, default) for key, default in defaults.items()) for config in said["config"]}
     assert {of[name] for name in found & of.keys()} | {of["many_full"]} == set(of.values())
     assert found - of.keys() == {"plain", "compensated", "double_single"}

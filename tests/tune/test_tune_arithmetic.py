@@ -27,14 +27,17 @@ def tune(fp3, tmp_path):
 
 def known(root):
     """Of each configuration its LUT4 and MHz."""
-    text = (root / "sw/tune/hardware.c").read_text(encoding="utf-8")
+    text = (root / "sw/tune/placed.c").read_text(encoding="utf-8")
     return {name: (int(luts), float(mhz)) for name, luts, mhz in re.findall(r'\{"(\w+)", (\d+), ([\d.]+)\}', text)}
 
 
 def test_the_cheapest_arithmetic_is_chosen(tune, fp3, root, tmp_path):
     done, found = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2", "--arithmetic", "all", "--output", "m.scene", "--objects", "50")
     rows, of = {row["config"]: row for row in found["arithmetics"]}, known(root)
-    assert done.returncode == 0 and rows.keys() >= {"many_full", "flush", "cell"} and all(row["met"] for row in rows.values())
+    assert done.returncode == 0 and rows.keys() >= {"many_full", "flush", "cell", "bfloat", "middle", "log"}
+    assert {name for name, row in rows.items() if not row["met"]} == {"bfloat"} and re.search(r"^bfloat .* misses the tolerance$", done.stdout, re.M)
+    assert rows["bfloat"]["error"] > 2 ** -9 > 1e-4
+    rows.pop("bfloat")
     for name, row in rows.items():
         assert (row["lut4"], row["mhz"]) == of[name] and row["error"] <= 1e-4
         assert row["lut_ns"] == pytest.approx(row["lut4"] * row["cycles"] * 1e3 / row["mhz"])
@@ -57,7 +60,28 @@ def keeps_the_tolerance(fp3, folder):
     assert len(found) == 50 and all(abs(x - math.exp(-2 * (0.5 + 1.5 * i / 49))) <= 1e-4 for i, x in enumerate(found))
 
 
-@pytest.mark.parametrize("config", ["flush", "cell", "fused_full"])
+def test_a_configuration_that_cannot_run_the_model_is_told_and_left_out(tune, tmp_path):
+    """Functions: truncated, with constants of 24 bits, without `round`. Alone, or as the first, such a configuration is refused."""
+    (tmp_path / "sine.ode").write_text("state x = 1\nstate v = 0\nx' = v\nv' = -sin(x)\nstep 0.0625\nspan 1\n")
+    done, found = tune("sine.ode", "--tolerance", "1e-2", "--arithmetic", "cell", "--arithmetic", "bfloat", "--arithmetic", "log", "--arithmetic", "flush")
+    rows = {row["config"]: row for row in found["arithmetics"]}
+    assert done.returncode == 0 and {name for name, row in rows.items() if row["met"]} == {"many_full", "flush"} and not rows["flush"]["why"]
+    for config, why in (("cell", "truncates"), ("bfloat", "numbers of 24 bits"), ("log", "needs `round`")):
+        assert why in rows[config]["why"] and rows[config]["lut_ns"] is rows[config]["error"] is None
+        assert re.search(rf"^{config} .* cannot run the model: .*{why}", done.stdout, re.M)
+    for config in ("bfloat", "log"):
+        done, found = tune("sine.ode", "--tolerance", "1e-2", "-c", config, "--arithmetic", "flush")
+        assert done.returncode == 2 and "sin(x)" in done.stderr
+
+
+def test_a_unit_in_the_last_place_is_that_of_the_configuration(tune):
+    """x moves by 1/e of a relative change of k at t = 1, and by as much at the start."""
+    moves = {config: tune("m.ode", "--tolerance", "1e-1", "-c", config)[1]["sensitivity"] for config in ("many_full", "middle", "bfloat", "log")}
+    assert moves["middle"] == pytest.approx(256 * moves["many_full"], rel=0.02) and moves["bfloat"] == pytest.approx(65536 * moves["many_full"], rel=0.02)
+    assert moves["log"] == pytest.approx(math.log(2) * moves["many_full"], rel=0.02)
+
+
+@pytest.mark.parametrize("config", ["flush", "cell", "fused_full", "middle", "log"])
 def test_errors_are_those_of_the_configuration(tune, fp3, tmp_path, config):
     done, found = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2", "-c", config, "--output", "m.scene", "--objects", "50")
     assert done.returncode == 0 and found["config"] == config and f'config = "{config}";' in (tmp_path / "m.scene").read_text()
@@ -91,7 +115,7 @@ def test_luts_and_clocks_are_those_of_the_pages(root):
         assert placed.get(name) == (luts, mhz) or f"| `{name}` | {luts:,} | {mhz:.2f} |" in page, name
 
 
-@pytest.mark.parametrize("config", ["many_full", "flush", "cell", "fused_full"])
+@pytest.mark.parametrize("config", ["many_full", "flush", "cell", "fused_full", "middle", "log"])
 @pytest.mark.parametrize("model", ["m.ode", "roots.ode"])
 def test_a_trimmed_configuration_is_a_legal_one(tune, root, config, model):
     done = tune(model, "--tolerance", "1e-2", "-c", config, "--hardware")[0]
@@ -101,5 +125,5 @@ def test_a_trimmed_configuration_is_a_legal_one(tune, root, config, model):
     machine = read.load(root)
     whole = {row["name"]: row for row in machine.configs}[config]
     row = configs.check_configs([trimmed], machine.keys)[0]
-    assert all(row[key] == whole[key] for key in ("fused", "subnormal", "nearest", "finite", "add_cuts", "mul_cuts", "add_latency", "mul_latency"))
+    assert all(row[key] == whole[key] for key in ("fused", "subnormal", "nearest", "finite", "logarithmic", "fraction", "add_cuts", "mul_cuts", "add_latency", "mul_latency"))
     assert (row["select"], row["estimate"]) == ((1, 1) if model == "roots.ode" else (0, 0)) and row["chain"] <= whole["chain"]

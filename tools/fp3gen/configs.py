@@ -7,7 +7,7 @@ from .check import NAME, Bad, keys, named, need
 MASK_BITS = 7  # positions in a cut mask, as the parameters of rtl/fp3.v count them
 FILE = "configs.toml"
 # What the checks below speak of. Every other key is checked by what its own table says.
-EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts", "store_words", "dual", "logarithmic", "mixed",
+EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts", "store_words", "storage", "dual", "logarithmic", "mixed",
             "add_latency", "mul_latency", "add_cuts", "mul_cuts")
 
 
@@ -44,7 +44,7 @@ def check_keys(tables, regs, root):
         where = f"key '{name}'"
         need(NAME.fullmatch(name), FILE, f"{where}: a name is lower-case letters, digits, _")
         keys(given, FILE, where, {"range": list, "meaning": str},
-             {"default": int, "lack": str, "needs": list, "excludes": list, "power_of_two": bool, "feature": list,
+             {"default": int, "lack": str, "needs": list, "excludes": list, "because": str, "power_of_two": bool, "feature": list,
               "full": int})
         key = known[name] = {"name": name, **given}
         if len(key["range"]) == 2 and isinstance(key["range"][1], str):
@@ -84,11 +84,12 @@ def check_value(row, key, where):
     said = f"{where}: {name} = {config_value(name, value)}"
     need(low <= value <= high, FILE, f"{said} is not in {config_value(name, low)} .. {config_value(name, high)}")
     need(not key.get("power_of_two") or value & (value - 1) == 0, FILE, f"{said} is not a power of two")
+    because = f": {key['because']}" if "because" in key else ""
     if value != plain(key):
         for others in key.get("needs", []):
             need(any(row[other] for other in either(others)), FILE, f"{said} needs {' = 1 or '.join(either(others))} = 1")
         for other in key.get("excludes", []):
-            need(not row[other], FILE, f"{said} needs {other} = 0")
+            need(not row[other], FILE, f"{said} needs {other} = 0{because}")
 
 
 def check_configs(rows, known):
@@ -124,6 +125,8 @@ def check_interleaved(row, where, words):
          f"{where}: store_words = {row['store_words']} holds no object of {row['registers']} registers, or less than two")
     need(row["add_latency"] + row["mul_latency"] >= 3, FILE,
          f"{where}: add_latency + mul_latency must be at least 3 where contexts are interleaved")
+    need(not row["storage"] or row["add_latency"] + row["mul_latency"] >= 8, FILE,
+         f"{where}: with storage add_latency + mul_latency must be at least 8, so that a word is rounded before its store ends")
     if row["dual"]:
         need(row["schedulers"] == 1, FILE, f"{where}: with dual a tile has one scheduler")
         need(row["registers"] >= 4, FILE, f"{where}: with dual there are at least 4 registers")

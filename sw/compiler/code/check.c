@@ -44,23 +44,48 @@ static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp
                        at->text ? at->text : "the model", config->name);
 }
 
-fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit,
-                                fp3_image_words *words, fp3_error *error) {
-    const char *what = options->arithmetic == FP3_COMPENSATED           ? "compensated arithmetic"
-                       : options->arithmetic == FP3_DOUBLE_SINGLE       ? "double-single"
-                       : fp3_has_pass(options, FP3_PASS_EXACT_DIVISION) ? "`exact-division`"
-                       : fit->control ? "time in two words, as adaptive steps have it,"
-                                      : NULL;
-    *words = options->config->mixed         ? FP3_WORDS_MIXED
-             : what                         ? FP3_WORDS_FLOATS
-             : options->config->logarithmic ? FP3_WORDS_LOGARITHMS
-                                            : FP3_WORDS_ANY;
-    if (!what || !options->config->logarithmic)
-        return FP3_OK;
-    return fp3_fail(error, FP3_E_PROGRAM,
-                    "%s needs sums whose rounding errors are floats, and configuration '%s' is "
-                    "logarithmic",
-                    what, options->config->name);
+/* What something needs of a configuration's arithmetic. */
+enum { FLOATS = 1, ALL_BITS = 2, IEEE = 4 };
+
+static fp3_status need(const fp3_config *config, unsigned needs, const char *what,
+                       fp3_error *error) {
+    if (needs & FLOATS && config->logarithmic)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "%s needs sums whose rounding errors are floats, and configuration '%s' is "
+                        "logarithmic",
+                        what, config->name);
+    if (needs & ALL_BITS && config->fraction < 23)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "%s counts on numbers of 24 bits, and configuration '%s' has %" PRIu32,
+                        what, config->name, config->fraction + 1);
+    if (needs & IEEE && !config->nearest)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "%s needs rounding to nearest, and configuration '%s' truncates", what,
+                        config->name);
+    if (needs & IEEE && !config->subnormal)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "%s needs subnormal numbers, and configuration '%s' flushes them", what,
+                        config->name);
+    return FP3_OK;
+}
+
+fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit, fp3_error *error) {
+    const struct {
+        int is_asked;
+        unsigned needs;
+        const char *what;
+    } list[] = {
+        {options->arithmetic == FP3_COMPENSATED, FLOATS, "compensated arithmetic"},
+        {options->arithmetic == FP3_DOUBLE_SINGLE, FLOATS | ALL_BITS | IEEE, "double-single"},
+        {fp3_has_pass(options, FP3_PASS_EXACT_DIVISION), FLOATS | ALL_BITS | IEEE,
+         "`exact-division`"},
+        {fit->control != 0, FLOATS | ALL_BITS, "time in two words, as adaptive steps have it,"},
+    };
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < sizeof list / sizeof *list; i++)
+        if (list[i].is_asked)
+            status = need(options->config, list[i].needs, list[i].what, error);
+    return status;
 }
 
 /* Whether an operation is of a function with constants: those are made for 24 bits. A power has some if it is made by a logarithm. */

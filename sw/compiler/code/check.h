@@ -7,9 +7,8 @@
 #include "schedule/code.h"
 #include "schedule/lines.h"
 
-/* What words have to be. FP3_E_PROGRAM: floats, and those of the configuration are logarithms. */
-fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit,
-                                fp3_image_words *words, fp3_error *error);
+/* FP3_E_PROGRAM: what is asked for needs another arithmetic than the configuration has. */
+fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit, fp3_error *error);
 /* Before an order is searched for: operations and words. FP3_E_PROGRAM, in words. */
 fp3_status fp3_check_code(const fp3_step *step, const fp3_step_code *code, const fp3_config *config,
                           fp3_error *error);

@@ -11,14 +11,12 @@
 #include <stdlib.h>
 
 fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
-    if (options->arithmetic != FP3_DOUBLE_SINGLE)
+    if (options->arithmetic != FP3_DOUBLE_SINGLE || !fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
         return FP3_OK;
-    if (fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
-        return fp3_fail(
-            error, FP3_E_ARGUMENT,
-            "`exact-division` applies to plain floats: double-single has quotients and roots of "
-            "its own");
-    return fp3_options_need_ieee(options->config, "double-single", error);
+    return fp3_fail(
+        error, FP3_E_ARGUMENT,
+        "`exact-division` applies to plain floats: double-single has quotients and roots of "
+        "its own");
 }
 
 /* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they are. What

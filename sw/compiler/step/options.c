@@ -4,7 +4,6 @@
 #include "compiler/value/dag.h"
 
 #include <assert.h>
-#include <inttypes.h>
 
 unsigned fp3_options_usable(unsigned passes, const fp3_config *config) {
     if (!config->scale)
@@ -20,37 +19,10 @@ unsigned fp3_options_usable(unsigned passes, const fp3_config *config) {
     return passes;
 }
 
-fp3_status fp3_options_need_ieee(const fp3_config *config, const char *what, fp3_error *error) {
-    if (config->nearest && config->subnormal)
-        return FP3_OK;
-    return fp3_fail(error, FP3_E_PROGRAM, "%s needs %s, and configuration '%s' %s", what,
-                    config->nearest ? "subnormal numbers" : "rounding to nearest", config->name,
-                    config->nearest ? "flushes them" : "truncates");
-}
-
 /* An estimate is off by 2^-8 at most, or by 2^-6 with the fewest bits, and the last term stands for the square of that, or for its
  * cube: less than half of the last place. */
 int fp3_options_terms(const fp3_options *options) {
     return options->config->fraction <= 15 ? 1 : FP3_DAG_TERMS;
-}
-
-static fp3_status no_bits(const char *what, const fp3_config *config, fp3_error *error) {
-    return fp3_fail(error, FP3_E_PROGRAM,
-                    "%s counts on numbers of 24 bits, and configuration '%s' has %" PRIu32, what,
-                    config->name, config->fraction + 1);
-}
-
-fp3_status fp3_options_check(const fp3_options *options, const fp3_model *model, fp3_error *error) {
-    const fp3_config *config = options->config;
-    if (config->fraction == 23)
-        return FP3_OK;
-    if (fp3_model_adapted(model) != FP3_NONE)
-        return no_bits("a step that adapts", config, error);
-    if (options->arithmetic == FP3_DOUBLE_SINGLE)
-        return no_bits("double-single", config, error);
-    if (fp3_has_pass(options, FP3_PASS_EXACT_DIVISION))
-        return no_bits("the pass `exact-division`", config, error);
-    return FP3_OK;
 }
 
 fp3_status fp3_options_observe(const fp3_model *model, const char *const *names, size_t count,

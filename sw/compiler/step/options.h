@@ -25,13 +25,8 @@ static inline int fp3_has_pass(const fp3_options *options, fp3_pass pass) {
 /* The passes that the configuration can use, and whose own needs are met. */
 unsigned fp3_options_usable(unsigned passes, const fp3_config *config);
 
-/* FP3_E_PROGRAM: the configuration truncates, or flushes subnormal numbers, and so cannot do `what`. */
-fp3_status fp3_options_need_ieee(const fp3_config *config, const char *what, fp3_error *error);
 /* How many terms of its series a quotient or root needs. */
 int fp3_options_terms(const fp3_options *options);
-
-/* FP3_E_PROGRAM: what was asked for counts on numbers of 24 bits, and the configuration has fewer. */
-fp3_status fp3_options_check(const fp3_options *options, const fp3_model *model, fp3_error *error);
 
 /* The set of these states of the model; names == NULL: all. FP3_E_ARGUMENT: no such state. */
 fp3_status fp3_options_observe(const fp3_model *model, const char *const *names, size_t count,

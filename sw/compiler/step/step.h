@@ -34,7 +34,7 @@ typedef struct {
 
 typedef struct {
     const fp3_model *model;
-    fp3_image_words words; /* what the program needs */
+    uint32_t words; /* that the program is made for, as fp3_image has them */
     known_table known;
     dag values; /* of a step */
     dag last;   /* of the last part: its variables are those after the step */

@@ -112,9 +112,9 @@ typedef struct {
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
      * not interleave has one object. */
     uint32_t objects;
-    /* Steps per visit. 0 (default): all steps of a run. Ignored if the configuration does not
-     * interleave. */
+    /* Steps per visit. 0 (default): all steps of a run. Only of configurations that interleave. */
     uint32_t visit;
+    uint32_t seed; /* with `storage`: stores round at random, by draws from it; 0: to nearest */
     /* isa and rtl: called for every retirement, or NULL. Must not call the engine. */
     fp3_retire_fn *retire;
     void *retire_user;

@@ -13,7 +13,7 @@
  * A file (*.fp3) consists of 32-bit words, low byte first:
  *     0  magic            1  revision of the instruction set     2  number of words in the file
  *     3  code words       4  step     5  last     6  constants   7  symbols
- *     8  object registers used | shared constants used << 16 | words (fp3_image_words) << 24
+ *     8  object registers used | shared constants used << 16 | words << 24
  * Then come the code; {index, bits} of each constant, sorted by index; {class << 24 | index, name
  * in eight words padded with NULs} of each symbol, sorted by class, index and name; and the CRC-32
  * (as in zlib) of everything before it. Each image has exactly one such file.
@@ -76,21 +76,29 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_constant;
 
-/* What words have to be for the program to be right: anything, floats (it computes rounding errors of sums),
- * logarithms, or floats of which rcp and rsqrt are no estimates (docs/logarithmic.md). */
+/* What words have to be for the program to be right, by the configuration's keys: any; binary32; logarithms; flushed (no
+ * subnormal numbers); those of Cell's SPU; truncated; both of it; binary32 whose rcp and rsqrt are no estimates. */
 typedef enum {
     FP3_WORDS_ANY,
     FP3_WORDS_FLOATS,
     FP3_WORDS_LOGARITHMS,
+    FP3_WORDS_FLUSHED,
+    FP3_WORDS_CELL,
+    FP3_WORDS_TRUNCATED,
+    FP3_WORDS_TRUNCATED_FLUSHED,
     FP3_WORDS_MIXED,
     FP3_WORDS_KINDS
 } fp3_image_words;
+
+/* fp3_image.words is a kind + FP3_WORDS_FEWER * (FP3_WORDS_FRACTION - the fraction bits of a number). */
+enum { FP3_WORDS_FEWER = 8, FP3_WORDS_FRACTION = 23, FP3_WORDS_FRACTION_LEAST = 7 };
+enum { FP3_WORDS_NAME_SIZE = 64 };
 
 /* A run executes code[0..step) once, code[step..last) once a step, code[last..code_count) once. */
 typedef struct {
     uint32_t code_count, step, last;
     uint32_t constant_count, symbol_count;
-    fp3_image_words words;
+    uint32_t words;     /* that the program is made for */
     uint32_t registers; /* object registers used by code or names: the highest index + 1 */
     uint32_t shared;    /* shared constants used by code, names or values: likewise */
     const uint32_t *code;
@@ -112,8 +120,10 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
 /* The inverse. Checks nothing: a value too large for its field is truncated. */
 uint32_t fp3_word_encode(const fp3_instruction *instruction);
 
-/* "any", "floats", "logarithms", as the directive .words has them. */
-const char *fp3_image_words_name(fp3_image_words words);
+/* "floats 7", "logarithms", as the directive .words has them. Returns text; NULL if there are no such words. */
+const char *fp3_image_words_name(uint32_t words, char text[FP3_WORDS_NAME_SIZE]);
+/* The same for a message: "floats of 7 fraction bits". */
+const char *fp3_image_words_said(uint32_t words, char text[FP3_WORDS_NAME_SIZE]);
 
 /* Makes a checked copy of the draft, which the caller keeps. The caller frees *image with
  * fp3_image_free. The copy's registers, shared and decoded are computed (the draft's are ignored), and

@@ -186,6 +186,7 @@ typedef struct {
     char *path, *config, *engine;
     uint64_t steps;
     uint32_t visit; /* steps per visit; 0: all steps */
+    uint32_t seed;  /* as in fp3_engine_def */
     fp3_scene_group *groups;
     size_t group_count, objects;
     int line; /* of `groups` in the file */
@@ -194,7 +195,7 @@ typedef struct {
 /* Reads the file and opens all its programs. config replaces the file's unless it is NULL. Defaults
  * of the file: config "world" if objects of the first group's model see each other; engine "rtl", or
  * "fast" with a configuration for such objects; steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are
- * adaptive); visit 0.
+ * adaptive); visit 0; seed 0.
  * The caller closes *scene, which is NULL on failure. Messages begin with the path and the line of
  * the file. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,

@@ -1,6 +1,6 @@
-/* hardware.h - what whole processors take on an FPGA. */
-#ifndef FP3_TUNE_HARDWARE_H
-#define FP3_TUNE_HARDWARE_H
+/* placed.h - what whole processors take on an FPGA. */
+#ifndef FP3_TUNE_PLACED_H
+#define FP3_TUNE_PLACED_H
 
 #include <stddef.h>
 
@@ -10,12 +10,12 @@ typedef struct {
     const char *config;
     int luts;
     double mhz;
-} fp3_hardware;
+} fp3_placed;
 
-extern const fp3_hardware fp3_hardware_known[];
-extern const size_t fp3_hardware_count;
+extern const fp3_placed fp3_placed_known[];
+extern const size_t fp3_placed_count;
 
 /* NULL: there is no figure. */
-const fp3_hardware *fp3_hardware_find(const char *config);
+const fp3_placed *fp3_placed_find(const char *config);
 
 #endif

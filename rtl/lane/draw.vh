@@ -1,0 +1,10 @@
+// draw.vh: the bundle DRAW, which goes from lane to lane TIMING_MIX + 1 cycles after ISSUE: how a store is rounded. One bit, 0, where
+// the store has words of 32 bits.
+// front/decoded.vh shows how a bundle is used.
+//
+//     draws                       at random; else to nearest
+//     number                      what the draw of the object in lane 0 is mixed from; the next lane's is one more
+`define DRAW_FIELDS \
+    wire draw_draws; \
+    wire [31:0] draw_number;
+`define DRAW {draw_draws, draw_number}
