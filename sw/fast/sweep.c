@@ -367,8 +367,7 @@ static fp3_i flags_of_chain(fp3_v a, fp3_v b, fp3_v c) {
     return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
 }
 
-/* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
- * and what is chosen or estimated is known from the operands. */
+/* Of vector j, before the operation is executed. A signalling NaN raises invalid; operands tell what is chosen or estimated. */
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;

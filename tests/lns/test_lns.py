@@ -94,12 +94,15 @@ HARDWARE_BUGS = [
         Bug("a subnormal number is not moved", "lns_from_float.v", "{a_i[21:0], 2'b00}", "{a_i[22:0], 1'b0}"),
         Bug("an inverse is not rounded", "lns_inverse.v", "5'd17 : 5'd9", "5'd1 : 5'd1"),
         Bug("a subnormal result is rounded as others", "lns_to_float.v", "is_tiny ? power_q[5] : power_q[4]", "power_q[4]")]),
-    ({"float_rcp"}, [Bug("a reciprocal below 2^-127 is packed as one above", "lns_inverse.v", "e[9] ? {10'd1, power_q[27:13]} : ", "")]),
-    ({"float_rcp", "float_rsqrt"}, [Bug("the last step of the shift is forgotten", "lns_inverse.v", "upper_q, by4, by2, by1};", "upper_q, by4, by2, 1'b0};")]),
-    ({"float_rsqrt"}, [Bug("a root of 2 is exact", "lns_inverse.v", "!(root && !whole_q[0])", "1'b1")]),
-    ({"sub", "add"}, [Bug("a near difference is inverted", "lns_add.v", "minus_q && !near, nan", "minus_q, nan")]),
-    ({"sub", "add"}, [Bug("a step of the shift is forgotten", "lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4")]),
-    ({"sub", "add"}, [Bug("overflow of a sum without inexact", "lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||")]),
+    ({"sub", "add", "float_rcp"}, [
+        Bug("a near difference is inverted", "lns_add.v", "minus_q && !near, nan", "minus_q, nan"),
+        Bug("a reciprocal below 2^-127 is packed as one above", "lns_inverse.v", "e[9] ? {10'd1, power_q[27:13]} : ", "")]),
+    ({"sub", "add", "float_rcp", "float_rsqrt"}, [
+        Bug("a step of the shift is forgotten", "lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4"),
+        Bug("the last step of the shift is forgotten", "lns_inverse.v", "upper_q, by4, by2, by1};", "upper_q, by4, by2, 1'b0};")]),
+    ({"sub", "add", "float_rsqrt"}, [
+        Bug("overflow of a sum without inexact", "lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||"),
+        Bug("a root of 2 is exact", "lns_inverse.v", "!(root && !whole_q[0])", "1'b1")]),
 ]
 
 
