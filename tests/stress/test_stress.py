@@ -35,7 +35,7 @@ def test_a_section_holds(stress, section):
     assert rows and all(set(row) == FIELDS and row["holds"] and row["section"] == section and not row["why"] for row in rows)
 
 
-@pytest.mark.parametrize("name", ["flush", "cell", "fused_full", "bfloat", "middle", "log", "pairs"])
+@pytest.mark.parametrize("name", ["flush", "cell", "fused_full", "bfloat", "middle", "log"])
 def test_another_arithmetic(stress, name):
     """Asked for by name, it runs in the sections that are left out of the quick form, too, and nothing else does. In 7 bits roundings
     hide the limits, and long runs stand still."""
@@ -55,7 +55,7 @@ def test_every_arithmetic_of_a_named_configuration_is_tried(stress, root):
     """One row of sw/stress/lab.c for each."""
     found = {row["arithmetic"] for row in stress("--only", "failures")}
     said = tomllib.loads((root / "isa/configs.toml").read_text(encoding="utf-8"))
-    defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused", "fraction", "mixed")}
+    defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused", "fraction")}
     of = {config["name"]: tuple(config.get(key, default) for key, default in defaults.items()) for config in said["config"]}
     assert {of[name] for name in found & of.keys()} | {of["many_full"]} == set(of.values())
     assert found - of.keys() == {"plain", "compensated", "double_single"}
