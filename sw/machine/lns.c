@@ -10,9 +10,8 @@
 #define INFINITE 0x7f800000u
 #define ONE ((int64_t)FP3_BITS_ONE)
 #define FOUR (UINT32_C(1) << 25) /* a distance of 4: nearer operands that cancel take another way */
-#define WHOLE                                                                                      \
-    (INT64_C(1) << 28) /* a logarithm of 1, of the 28 bits behind the point that tables have */
-#define FAR (UINT32_C(1) << 28) /* a distance of 32: the smaller operand does not count */
+#define WHOLE (INT64_C(1) << 28) /* a logarithm of 1: tables have 28 bits behind the point */
+#define FAR (UINT32_C(1) << 28)  /* a distance of 32: the smaller operand does not count */
 
 static int is_nan(uint32_t a) { return (a & FIELD) > INFINITE; }
 
