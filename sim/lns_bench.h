@@ -25,7 +25,9 @@ typedef enum {
     FP3_LNS_SQRT,
     FP3_LNS_RSQRT,
     FP3_LNS_FROM_FLOAT,
-    FP3_LNS_TO_FLOAT = FP3_LNS_FROM_FLOAT + 2
+    FP3_LNS_TO_FLOAT = FP3_LNS_FROM_FLOAT + 2,
+    FP3_LNS_FLOAT_RCP = FP3_LNS_TO_FLOAT + 2,
+    FP3_LNS_FLOAT_RSQRT
 } fp3_lns_op;
 
 /* NULL when there is no memory. Owned by the caller. */

@@ -27,7 +27,7 @@ import tempfile
 import measured
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-# Configuration, and what pages call its arithmetic.
+# Configuration, and what pages call its arithmetic. `pairs` is not among them: it is another machine, which has neighbours and neither sleep nor status.
 ARITHMETICS = {"many_full": "binary32", "flush": "flushed", "cell": "Cell's", "fused_full": "fused", "log": "logarithmic", "middle": "15 bits", "bfloat": "bfloat16"}
 INTEGRATORS = ("euler", "semi_implicit_euler", "leapfrog", "rk4", "dopri5")
 # Cores: the worst error of an operation in units of the last place, and the inputs that were checked. By proof: to nearest half a unit, truncated one, for all pairs;

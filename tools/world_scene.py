@@ -140,8 +140,9 @@ def vectors(found, name):
 
 
 def worlds():
-    """The configurations whose objects may see each other."""
-    return [keys["name"] for keys in tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"] if keys.get("neighbours")]
+    """The configurations whose objects may see each other, and have the same words: quotients are others where key `mixed` makes them."""
+    found = tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"]
+    return [keys["name"] for keys in found if keys.get("neighbours") and not keys.get("mixed")]
 
 
 def kinds():

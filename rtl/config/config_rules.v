@@ -32,6 +32,9 @@ module config_rules #(
         if (LOGARITHMIC != 0 && (SCHEDULERS != 1 || MUL_LATENCY < 2 || ADD_LATENCY < 10)) begin : g_logarithmic
             LOGARITHMIC_needs_one_SCHEDULER_and_latencies_of_2_and_10 u_error ();
         end
+        if (MIXED != 0 && (SCHEDULERS != 1 || ADD_LATENCY + MUL_LATENCY < 14)) begin : g_mixed
+            MIXED_needs_one_SCHEDULER_and_latencies_of_14_in_all u_error ();
+        end
         if (STORAGE != 0 && ADD_LATENCY + MUL_LATENCY < 8) begin : g_storage_latency
             STORAGE_needs_latencies_of_8_in_all u_error ();
         end

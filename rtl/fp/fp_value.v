@@ -71,11 +71,11 @@ module fp_value #(
                 .q_o({made, one, is_estimate, is_rint, is_exponent, chosen}));
 
             wire [31:13] estimate;
-            if (ESTIMATE != 0 && LOGARITHMIC == 0) begin : g_estimate
+            if (ESTIMATE != 0 && LOGARITHMIC == 0 && MIXED == 0) begin : g_estimate
                 fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a[31:13]), .z_o(estimate));
             end else begin : g_no_estimate
                 wire unused = root;
-                assign estimate = {LOGARITHMIC != 0, 18'd0};               // -0: log_arith adds the reciprocal
+                assign estimate = {LOGARITHMIC != 0, 18'd0};               // log_arith adds the reciprocal to -0, lane_arith puts it in place of +0
             end
             wire [31:0] rounded, scaled;
             if (ROUND != 0) begin : g_rint

@@ -147,6 +147,27 @@ end
 if (ESTIMATE < 0 || ESTIMATE > 1) begin : g_estimate_must_be_0_to_1
     ESTIMATE_must_be_0_to_1 u_error ();
 end
+if (MIXED < 0 || MIXED > 1) begin : g_mixed_must_be_0_to_1
+    MIXED_must_be_0_to_1 u_error ();
+end
+if (MIXED > 0 && INTERLEAVE == 0) begin : g_mixed_needs_interleave
+    MIXED_needs_INTERLEAVE u_error ();
+end
+if (MIXED > 0 && ESTIMATE == 0) begin : g_mixed_needs_estimate
+    MIXED_needs_ESTIMATE u_error ();
+end
+if (MIXED > 0 && SUBNORMAL == 0) begin : g_mixed_needs_subnormal
+    MIXED_needs_SUBNORMAL u_error ();
+end
+if (MIXED > 0 && NEAREST == 0) begin : g_mixed_needs_nearest
+    MIXED_needs_NEAREST u_error ();
+end
+if (MIXED > 0 && FUSED != 0) begin : g_mixed_excludes_fused
+    MIXED_excludes_FUSED u_error ();
+end
+if (MIXED > 0 && LOGARITHMIC != 0) begin : g_mixed_excludes_logarithmic
+    MIXED_excludes_LOGARITHMIC u_error ();
+end
 if (ROUND < 0 || ROUND > 1) begin : g_round_must_be_0_to_1
     ROUND_must_be_0_to_1 u_error ();
 end
@@ -215,6 +236,9 @@ if (FRACTION < 23 && DUAL != 0) begin : g_fraction_excludes_dual
 end
 if (FRACTION < 23 && LOGARITHMIC != 0) begin : g_fraction_excludes_logarithmic
     FRACTION_excludes_LOGARITHMIC u_error ();
+end
+if (FRACTION < 23 && MIXED != 0) begin : g_fraction_excludes_mixed
+    FRACTION_excludes_MIXED u_error ();
 end
 if (FRACTION < 23 && FINITE != 0) begin : g_fraction_excludes_finite
     FRACTION_excludes_FINITE u_error ();

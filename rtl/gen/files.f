@@ -62,6 +62,7 @@ rtl/lns/lns_add.v
 rtl/lns/lns_add_curve.v
 rtl/lns/lns_curve.v
 rtl/lns/lns_from_float.v
+rtl/lns/lns_inverse.v
 rtl/lns/lns_mul.v
 rtl/lns/lns_root.v
 rtl/lns/lns_to_float.v

@@ -67,6 +67,7 @@ module fp3_lanes (
         .SCALE           (0),
         .SELECT          (0),
         .ESTIMATE        (0),
+        .MIXED           (0),
         .ROUND           (0),
         .SLEEP           (0),
         .NEIGHBOURS      (0),

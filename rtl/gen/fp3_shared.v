@@ -67,6 +67,7 @@ module fp3_shared (
         .SCALE           (1),
         .SELECT          (0),
         .ESTIMATE        (0),
+        .MIXED           (0),
         .ROUND           (0),
         .SLEEP           (1),
         .NEIGHBOURS      (0),

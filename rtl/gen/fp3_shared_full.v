@@ -67,6 +67,7 @@ module fp3_shared_full (
         .SCALE           (1),
         .SELECT          (1),
         .ESTIMATE        (1),
+        .MIXED           (0),
         .ROUND           (1),
         .SLEEP           (1),
         .NEIGHBOURS      (0),

@@ -18,6 +18,7 @@ parameter [31:0] LOGARITHMIC     = 0,   // 1: words are logarithms ([logarithmic
 parameter [31:0] SCALE           = 0,   // 1: `addh`, `subh`, `addt`, `subt` exist
 parameter [31:0] SELECT          = 0,   // 1: `min`, `max`, `abs`, `lt`, `le`, `sel` exist
 parameter [31:0] ESTIMATE        = 0,   // 1: `rcp` and `rsqrt` exist
+parameter [31:0] MIXED           = 0,   // 1: `rcp` and `rsqrt` are no estimates: a logarithm makes them as exact as a word ([logarithmic.md](logarithmic.md#the-mixed-lane))
 parameter [31:0] ROUND           = 0,   // 1: `rint`, `exp2` and `logb` exist
 parameter [31:0] SLEEP           = 0,   // 1: `sleep` and `lds` exist
 parameter [31:0] NEIGHBOURS      = 0,   // 1: objects read the records of others: `each`, `next`, `phase`, loads of what a neighbour has (`ldn`, `ldl`) and arithmetic with it
@@ -35,11 +36,11 @@ parameter [6:0]  MUL_CUTS        = 0,   // where the multiplier is cut by regist
 // All of them, 32 bits each, the first in the low ones. The lint_off: each parameter is declared
 // with its width; Verilator asks it of the plain number that sets one.
 // verilator lint_off WIDTHCONCAT
-parameter [1023:0] CONFIG = {
+parameter [1055:0] CONFIG = {
     25'd0, MUL_CUTS, 25'd0, ADD_CUTS, MUL_LATENCY, ADD_LATENCY, FRACTION, FINITE, NEAREST, SUBNORMAL, STATUS,
-    FLAGS, EXCHANGE, NEIGHBOURS, SLEEP, ROUND, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, FUSED, CHAIN,
-    WRITEBACK_STALL, BYPASS, STORAGE, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES, SCHEDULERS,
-    TILES, INTERLEAVE},
+    FLAGS, EXCHANGE, NEIGHBOURS, SLEEP, ROUND, MIXED, ESTIMATE, SELECT, SCALE, LOGARITHMIC, DUAL, FUSED,
+    CHAIN, WRITEBACK_STALL, BYPASS, STORAGE, STORE_WORDS, PROGRAM_WORDS, CONTEXTS, REGISTERS, LANES,
+    SCHEDULERS, TILES, INTERLEAVE},
 // verilator lint_on WIDTHCONCAT
 // Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).
 parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)

@@ -167,8 +167,9 @@ static void parse_words(asm_source *a, fp3_token directive) {
     while (words < FP3_WORDS_KINDS && !names_kind(a->next, words))
         words++;
     if (words == FP3_WORDS_KINDS) {
-        fp3_report_expected(&a->report, a->next,
-                            "floats, logarithms, flushed, cell, truncated or truncated_flushed");
+        fp3_report_expected(
+            &a->report, a->next,
+            "floats, logarithms, flushed, cell, truncated, truncated_flushed or mixed");
         return;
     }
     const fp3_token kind = a->next;

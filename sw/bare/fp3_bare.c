@@ -159,8 +159,9 @@ static int has_arithmetic(const fp3_bare *fp3, const fp3_bare_program *program) 
     const uint32_t has = FIELD(fp3->features_more, FEATURES_MORE_FINITE) ? FP3_WORDS_CELL
                          : !is_nearest
                              ? (is_flushed ? FP3_WORDS_TRUNCATED_FLUSHED : FP3_WORDS_TRUNCATED)
-                         : is_flushed ? FP3_WORDS_FLUSHED
-                                      : FP3_WORDS_FLOATS;
+                         : is_flushed                                     ? FP3_WORDS_FLUSHED
+                         : FIELD(fp3->features_more, FEATURES_MORE_MIXED) ? FP3_WORDS_MIXED
+                                                                          : FP3_WORDS_FLOATS;
     return !FIELD(fp3->features_more, FEATURES_MORE_LOGARITHMIC) &&
            !FIELD(fp3->features_more, FEATURES_MORE_FRACTION) &&
            (program->arithmetic == FP3_WORDS_ANY || program->arithmetic == has);

@@ -38,7 +38,8 @@ static int needs(const fp3_image *image, fp3_key key) {
     for (uint32_t i = 0; i < image->code_count; i++)
         if (image->decoded[i].of && image->decoded[i].of->needs == key)
             return 1;
-    return key == FP3_KEY_LOGARITHMIC && image->words == FP3_WORDS_LOGARITHMS;
+    return (key == FP3_KEY_LOGARITHMIC && image->words == FP3_WORDS_LOGARITHMS) ||
+           (key == FP3_KEY_MIXED && image->words == FP3_WORDS_MIXED);
 }
 
 /* "needs       chain scale": keys of a configuration. */
@@ -140,6 +141,8 @@ static void print_config(const fp3_config *c) {
     print_missing(c);
     if (c->fraction < 23)
         printf("  numbers have %u fraction bits, not 23\n", c->fraction);
+    if (c->mixed)
+        printf("  rcp and rsqrt are computed through logarithms\n");
     printf("  %s, %s; %s, %s\n",
            c->logarithmic ? "words are logarithms"
            : c->subnormal ? "subnormal numbers"

@@ -45,13 +45,18 @@ static fp3_status read_wish(wish *w, fp3_error *error) {
     return FP3_OK;
 }
 
+/* The processor has none of these operations, or not `rcp` and `rsqrt`. */
+static int lacks_native(const fp3_config *config) {
+    return fp3_execute_is_of_words(config) || config->mixed;
+}
+
 /* Its flags are those of the processor, which must have some. */
 static void open_native(fp3_fast *f, int is_interpreted, int may_compile) {
     fp3_error why = {.text = "asked for"};
     fp3_status status = FP3_E_SYSTEM;
     if (FP3_FPU_IS_SOFT)
         fp3_fail(&why, FP3_E_SYSTEM, "no flags here");
-    else if (fp3_execute_is_of_words(f->plan.config))
+    else if (lacks_native(f->plan.config))
         fp3_fail(&why, FP3_E_SYSTEM, "the processor lacks arithmetic of '%s'",
                  f->plan.config->name);
     else if (!is_interpreted && !f->native.library)
@@ -77,7 +82,7 @@ static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
     if (FP3_FPU_IS_SOFT)
         return fp3_fail(error, FP3_E_ARGUMENT, "%s: native code needs a processor with flags",
                         path);
-    if (fp3_execute_is_of_words(f->plan.config))
+    if (lacks_native(f->plan.config))
         return no_native(f, path, error);
     fp3_status status = fp3_fast_native_kind(path, &kind, error);
     if (status)
@@ -128,7 +133,7 @@ fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error) {
 }
 
 fp3_status fp3_fast_write_native(const fp3_fast *f, const char *path, fp3_error *error) {
-    if (fp3_execute_is_of_words(f->plan.config))
+    if (lacks_native(f->plan.config))
         return no_native(f, path, error);
     return fp3_fast_native_write(&f->plan, path, f->sweep->name, error);
 }

@@ -167,6 +167,10 @@ static void calculate(machine *m) {
 #undef CASE
 #undef OPERANDS
 
+static int is_of_words(const machine *m) {
+    return FP3_OF_WORDS || fp3_execute_is_by_logarithms(&m->config, m->now->in.op);
+}
+
 /* By the machine's own words; their flags are raised as the processor raises those of floats, and nothing that it raises itself. */
 static void calculate_words(machine *m) {
     const uint64_t before = fp3_fpu_get();
@@ -174,7 +178,7 @@ static void calculate_words(machine *m) {
     fp3_short quick = fp3_short_of(&m->config);
     fp3_i all = fp3_all(0), flags;
     EACH {
-        if (!FP3_FPU_IS_SOFT && !m->config.logarithmic &&
+        if (FP3_OF_WORDS && !FP3_FPU_IS_SOFT && !m->config.logarithmic &&
             fp3_short_apply(&quick, op, sources, A, B, C, m->place->table, &m->to[j]))
             continue;
         m->to[j] = fp3_words(&m->config, op, A, B, C, &flags);
@@ -212,7 +216,7 @@ static void finish(machine *m) {
 static void arithmetic(machine *m) {
     m->to = m->now->is_masked ? m->scratch : row_of(m->place, m->now->in.d);
     find_sources(m);
-    if (FP3_OF_WORDS)
+    if (is_of_words(m))
         calculate_words(m);
     else if (!FP3_FINITE && m->is_tiny && has_product(m->now->in.op))
         calculate_tiny(m);
@@ -363,14 +367,13 @@ static fp3_i flags_of_chain(fp3_v a, fp3_v b, fp3_v c) {
     return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
 }
 
-/* Of the operation before it is executed, for vector j. A value raises invalid if it is a signalling NaN,
- * and what is chosen or estimated is known from the operands. */
+/* Of vector j, before the operation is executed. A signalling NaN raises invalid; operands tell what is chosen or estimated. */
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;
     if (m->now->in.op == FP3_OP_ST)
         return flags_of_store(m, j);
-    if (FP3_OF_WORDS) {
+    if (is_of_words(m)) {
         fp3_i flags;
         fp3_words(&m->config, m->now->in.op, a, b, c, &flags);
         return flags;

@@ -14,6 +14,7 @@ static const struct {
     [FP3_WORDS_CELL] = {"cell", "floats of Cell's SPU", 0},
     [FP3_WORDS_TRUNCATED] = {"truncated", "truncated floats", 1},
     [FP3_WORDS_TRUNCATED_FLUSHED] = {"truncated_flushed", "truncated and flushed floats", 1},
+    [FP3_WORDS_MIXED] = {"mixed", "floats with inverses by logarithms", 0},
 };
 
 static const char *name(uint32_t words, int is_said, char text[FP3_WORDS_NAME_SIZE]) {

@@ -42,6 +42,7 @@ uint32_t fp3_config_words(const fp3_config *config) {
         : config->finite    ? FP3_WORDS_CELL
         : !config->nearest ? (config->subnormal ? FP3_WORDS_TRUNCATED : FP3_WORDS_TRUNCATED_FLUSHED)
         : !config->subnormal ? FP3_WORDS_FLUSHED
+        : config->mixed      ? FP3_WORDS_MIXED
                              : FP3_WORDS_FLOATS;
     return (uint32_t)kind + FP3_WORDS_FEWER * (FP3_WORDS_FRACTION - config->fraction);
 }

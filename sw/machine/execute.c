@@ -279,12 +279,27 @@ int fp3_execute_is_of_words(const fp3_config *config) {
     return config->logarithmic || config->fraction < 23;
 }
 
+int fp3_execute_is_by_logarithms(const fp3_config *config, uint32_t op) {
+    return config->mixed && (op == FP3_OP_RCP || op == FP3_OP_RSQRT);
+}
+
+static uint32_t inverse(uint32_t op, uint32_t a, uint32_t *flags) {
+    return op == FP3_OP_RCP ? fp3_lns_float_rcp(a, flags) : fp3_lns_float_rsqrt(a, flags);
+}
+
 uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
                      uint32_t *flags) {
     if (config->finite || fp3_execute_is_of_words(config)) {
         uint32_t there;
         const uint32_t d = config->finite ? fp3_finite_execute(op, operands, &there)
                                           : calculate_words(config, op, operands, &there);
+        if (flags)
+            *flags = config->flags ? there : 0;
+        return d;
+    }
+    if (fp3_execute_is_by_logarithms(config, op)) {
+        uint32_t there;
+        const uint32_t d = inverse(op, operands[0], &there);
         if (flags)
             *flags = config->flags ? there : 0;
         return d;

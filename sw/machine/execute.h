@@ -25,6 +25,9 @@ uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t opera
  * with fewer fraction bits. The processor's flags and rounding then do not matter, but for `rint`. */
 int fp3_execute_is_of_words(const fp3_config *config);
 
+/* Whether floats have this operation in integers, too: `rcp` and `rsqrt` of the key `mixed`. */
+int fp3_execute_is_by_logarithms(const fp3_config *config, uint32_t op);
+
 /* Whether `sleep` with these operands puts an object to sleep: |a| < b. */
 int fp3_execute_sleeps(const fp3_config *config, const uint32_t operands[3]);
 

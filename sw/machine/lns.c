@@ -10,6 +10,7 @@
 #define INFINITE 0x7f800000u
 #define ONE ((int64_t)FP3_BITS_ONE)
 #define FOUR (UINT32_C(1) << 25) /* a distance of 4: nearer operands that cancel take another way */
+#define WHOLE (INT64_C(1) << 28) /* a logarithm of 1: tables have 28 bits behind the point */
 #define FAR (UINT32_C(1) << 28)  /* a distance of 32: the smaller operand does not count */
 
 static int is_nan(uint32_t a) { return (a & FIELD) > INFINITE; }
@@ -175,4 +176,72 @@ uint32_t fp3_lns_to_float(uint32_t a, uint32_t *flags) {
     const int64_t one = 1 << 28, fraction = (int64_t)x * 16 - curve(x, 1);
     *flags = (x ? FP3_FLAG_INEXACT : 0) | (e ? 0 : FP3_FLAG_UNDERFLOW);
     return sign | (uint32_t)(e ? (e * one + fraction + 16) >> 5 : (one + fraction + 32) >> 6);
+}
+
+/* A number above 0 is 2^(log / 2^28). Returns whether the logarithm is a whole number. */
+static int logarithm(uint32_t a, int64_t *log) {
+    const uint32_t field = a >> 23;
+    const uint32_t m = field ? (a & 0x7fffff) | 0x800000 : a;
+    const int zeros = __builtin_clz(m) - 8;
+    const uint32_t x = (m << zeros & 0x7fffff) << 1;
+    const int64_t whole = (int64_t)(field ? field : 1) - 127 - zeros;
+    *log = whole * WHOLE + (int64_t)x * 16 + curve(x, 0);
+    return x == 0;
+}
+
+/* The number 2^(n / 2^24). */
+static uint32_t power(int64_t n, int is_exact, uint32_t *flags) {
+    const int64_t e = (n >> 24) + 127;
+    const uint32_t x = (uint32_t)n & 0xffffff;
+    const int64_t significand = WHOLE + (int64_t)x * 16 - curve(x, 1);
+    *flags = is_exact ? 0 : FP3_FLAG_INEXACT;
+    if (e >= 255) {
+        *flags = FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT;
+        return INFINITE;
+    }
+    if (e >= 1)
+        return (uint32_t)(((e - 1) * WHOLE + significand + 16) >> 5);
+    *flags |= is_exact ? 0 : FP3_FLAG_UNDERFLOW;
+    return (uint32_t)((significand + (32 << -e)) >> (6 - e));
+}
+
+/* Of zero an infinity. */
+static uint32_t by_zero(uint32_t sign, uint32_t *flags) {
+    *flags = FP3_FLAG_DIVIDE_BY_ZERO;
+    return sign | INFINITE;
+}
+
+/* Of a NaN the one NaN; a signalling one is invalid. */
+static uint32_t quiet(uint32_t a, uint32_t *flags) {
+    *flags = a & 0x400000 ? 0 : FP3_FLAG_INVALID;
+    return FP3_BITS_NAN;
+}
+
+uint32_t fp3_lns_float_rcp(uint32_t a, uint32_t *flags) {
+    const uint32_t sign = a & SIGN;
+    int64_t log;
+    *flags = 0;
+    if (is_nan(a))
+        return quiet(a, flags);
+    if (is_infinite(a))
+        return sign;
+    if (is_zero(a))
+        return by_zero(sign, flags);
+    const int is_exact = logarithm(a & FIELD, &log);
+    return sign | power((8 - log) >> 4, is_exact, flags);
+}
+
+uint32_t fp3_lns_float_rsqrt(uint32_t a, uint32_t *flags) {
+    int64_t log;
+    *flags = 0;
+    if (is_nan(a))
+        return quiet(a, flags);
+    if (is_zero(a))
+        return by_zero(0, flags);
+    if (a & SIGN)
+        return invalid(flags);
+    if (is_infinite(a))
+        return 0;
+    const int is_exact = logarithm(a, &log) && !(log & WHOLE);
+    return power((16 - log) >> 5, is_exact, flags);
 }

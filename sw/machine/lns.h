@@ -28,6 +28,11 @@ uint32_t fp3_lns_sub(uint32_t a, uint32_t b, uint32_t *flags);
 uint32_t fp3_lns_from_float(uint32_t a, uint32_t *flags);
 uint32_t fp3_lns_to_float(uint32_t a, uint32_t *flags);
 
+/* 1/a and 1/sqrt(a) of binary32 numbers, through their logarithms: within 0.95 of the last place. Flags and special operands are
+ * those of IEEE 754, but 1/sqrt(-0) is +infinity. */
+uint32_t fp3_lns_float_rcp(uint32_t a, uint32_t *flags);
+uint32_t fp3_lns_float_rsqrt(uint32_t a, uint32_t *flags);
+
 /* log2(1 + 2^-r) or, with subtract, log2(1 - 2^-r), in units of 2^-23 both, 0 <= r < 2^28 (r > 0 with subtract): all that is not
  * exact in a sum. */
 int32_t fp3_lns_of_distance(uint32_t r, int subtract);

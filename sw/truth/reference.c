@@ -152,12 +152,12 @@ static fp3_status run_from(const fp3_step *b, const fp3_config *config, const do
     return status;
 }
 
-/* IEEE 754 rounds to nearest, unless words are no floats: then the configuration does it in its way. */
+/* IEEE 754 rounds to nearest, unless words are no floats: then the configuration does it in its way. Its inverses are its own. */
 static fp3_status run(const fp3_compilation *k, const double *params, const double *initial,
                       double h, rounding rounding, const uint64_t *steps, size_t count,
                       double *states, double *low, fp3_error *error) {
-    static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23};
     const fp3_config *own = k->options.config;
+    const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23, .mixed = own->mixed};
     const fp3_config *config = fp3_format_is_float(own) ? &ieee : own;
     const fp3_step *b = &k->reference;
     const int is_counted = fp3_step_find(b, ROLE_STEPS, FP3_NONE) != FP3_NONE;

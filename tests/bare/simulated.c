@@ -113,6 +113,14 @@ static void refuse_hardware(const fp3_bare *of) {
     fp3.features_more = of->features_more;
     fp3_bare_program p = ship_program;
     p.arithmetic = FP3_WORDS_FLOATS; /* as the compiler says for a machine with subnormal numbers */
+    fp3.features_more |= 1u << FP3_FEATURES_MORE_MIXED_LO;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    p.arithmetic = FP3_WORDS_MIXED; /* as the hardware says: refused for its size alone */
+    p.registers = fp3.registers + 1;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_PROGRAM);
+    fp3.features_more = of->features_more;
+    EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
+    p.arithmetic = FP3_WORDS_FLOATS;
     fp3.features &= ~(1u << FP3_FEATURES_SUBNORMAL_LO);
     EXPECT(fp3_bare_load(&fp3, FP3_ALL, &p) == FP3_E_MISMATCH);
 }

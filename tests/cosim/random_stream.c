@@ -665,10 +665,13 @@ static void vary(bench *b, chance *c) {
         fp3_config *config = fp3_engine_config(b->engine[k]);
         config->nearest = below(&own, 2);
         config->subnormal = below(&own, 2);
+        if (config->mixed) /* needs both */
+            config->nearest = config->subnormal = 1;
         config->finite = !config->nearest && !config->subnormal && !config->fused && below(&own, 4);
         config->flags = config->status || below(&own, 2);
         config->storage = has_numbers_alone(config) ? below(&own, 3) : 0;
-        if (!config->finite && !config->logarithmic && !config->dual && below(&own, 4) == 0)
+        if (!config->finite && !config->logarithmic && !config->dual && !config->mixed &&
+            below(&own, 4) == 0)
             config->fraction = 7 + below(&own, 17);
         b->varied = *config;
     }

@@ -1,6 +1,7 @@
 /* lns_certify.c - every function value of logarithmic arithmetic, enclosed by MPFR.
  *
  *     lns_certify              every input: 2^28 distances of a sum, as many of a difference, 2^23 fractions of each converter
+ *                              and of each inverse at each exponent that changes it
  *     lns_certify 1009         runs of inputs, one of 1009
  *
  * The logarithm of a sum is that of the larger operand plus a function of the distance of both; all else is exact. So all
@@ -17,7 +18,8 @@
 #include <stdlib.h>
 
 #define LAST_PLACE 0x1p-23
-#define BOUND 0.65     /* promised, in last places */
+#define BOUND 0.65     /* promised, in last places ... */
+#define INVERSE 0.95   /* ... of the inverse of a float */
 #define LEAVES 0x1p-12 /* of the line, in last places */
 #define DOUBLES                                                                                    \
     0x1p-24 /* lost by doubles, likewise: values are below 2^29 last places, and each operation loses 2^-53 */
@@ -35,6 +37,7 @@ typedef struct {
     const char *name;
     uint32_t first, count; /* inputs */
     double bend;           /* at least the second derivative; 0: difference_bend knows */
+    double bound;
     line (*at)(numbers *n, uint32_t input);
     double (*result)(uint32_t input); /* in last places */
 } function;
@@ -93,6 +96,20 @@ static double difference_bend(uint32_t r) {
     return 0.6932 / (rest * rest);
 }
 
+static line float_at(uint32_t f, double power, double unit) {
+    const double x = 1 + f * LAST_PLACE, y = pow(x, power) * unit;
+    return scaled(y, power * y / x);
+}
+
+/* Of a float from 1 to 2 the inverse is below 1, where a last place is half as large. */
+static line rcp_at(numbers *n, uint32_t f) { return (void)n, float_at(f, -1, 2); }
+static line rsqrt_at(numbers *n, uint32_t f) { return (void)n, float_at(f, -0.5, 2); }
+static line rsqrt_of_twice_at(numbers *n, uint32_t f) {
+    return (void)n, float_at(f, -0.5, M_SQRT2);
+}
+static line rcp_from_126_at(numbers *n, uint32_t f) { return (void)n, float_at(f, -1, 1); }
+static line rcp_from_127_at(numbers *n, uint32_t f) { return (void)n, float_at(f, -1, 0.5); }
+
 static double sum_of(uint32_t r) { return fp3_lns_of_distance(r, 0); }
 
 static double difference_of(uint32_t r) { return fp3_lns_of_distance(r, 1); }
@@ -112,12 +129,33 @@ static double small_power(uint32_t f) {
     return fp3_lns_to_float(f, &flags);
 }
 
+static double rcp(uint32_t a) {
+    uint32_t flags;
+    return fp3_lns_float_rcp(a, &flags);
+}
+
+static double rsqrt(uint32_t a) {
+    uint32_t flags;
+    return fp3_lns_float_rsqrt(a, &flags);
+}
+
+static double rcp_of(uint32_t f) { return rcp(0x3f800000 | f) - 0x3e800000; }
+static double rsqrt_of(uint32_t f) { return rsqrt(0x3f800000 | f) - 0x3e800000; }
+static double rsqrt_of_twice(uint32_t f) { return rsqrt(0x40000000 | f) - 0x3e800000; }
+static double rcp_from_126(uint32_t f) { return rcp(0x7e800000 | f); }
+static double rcp_from_127(uint32_t f) { return rcp(0x7f000000 | f); }
+
 static const function functions[] = {
-    {"sum", 0, 1u << 28, 0.1733 /* ln 2 / 4 */, sum_at, sum_of},
-    {"difference", 1, (1u << 28) - 1, 0, difference_at, difference_of},
-    {"from_float", 0, 1u << 23, 1.443 /* 1 / ln 2 */, log_at, log_of},
-    {"to_float", 0, 1u << 23, 0.961 /* 2 ln(2)^2 */, power_at, power_of_two},
-    {"to_float, subnormal", 1, (1u << 23) - 1, 0.961, small_power_at, small_power},
+    {"sum", 0, 1u << 28, 0.1733 /* ln 2 / 4 */, BOUND, sum_at, sum_of},
+    {"difference", 1, (1u << 28) - 1, 0, BOUND, difference_at, difference_of},
+    {"from_float", 0, 1u << 23, 1.443 /* 1 / ln 2 */, BOUND, log_at, log_of},
+    {"to_float", 0, 1u << 23, 0.961 /* 2 ln(2)^2 */, BOUND, power_at, power_of_two},
+    {"to_float, subnormal", 1, (1u << 23) - 1, 0.961, BOUND, small_power_at, small_power},
+    {"rcp", 0, 1u << 23, 4, INVERSE, rcp_at, rcp_of},
+    {"rcp from 2^126", 0, 1u << 23, 2, 0.75, rcp_from_126_at, rcp_from_126},
+    {"rcp from 2^127", 0, 1u << 23, 1, BOUND, rcp_from_127_at, rcp_from_127},
+    {"rsqrt, exponent even", 0, 1u << 23, 1.5, INVERSE, rsqrt_at, rsqrt_of},
+    {"rsqrt, exponent odd", 0, 1u << 23, 1.07, 0.85, rsqrt_of_twice_at, rsqrt_of_twice},
 };
 
 static uint32_t length_of(double bend) {
@@ -151,11 +189,11 @@ static int certify(const function *f, numbers *n, uint32_t stride) {
         }
         input = stop;
     }
-    const int good = worst <= BOUND && checked > 0;
+    const int good = worst <= f->bound && checked > 0;
     printf("%s%s: %" PRIu64 " of %" PRIu32
            " inputs checked, largest error %.4f of the last place (bound %.2f), at 0x%" PRIx32
            "; %.2f %% certainly nearest\n",
-           good ? "" : "FAIL ", f->name, checked, f->count, worst, BOUND, where,
+           good ? "" : "FAIL ", f->name, checked, f->count, worst, f->bound, where,
            100.0 * (double)nearest / (double)checked);
     return good;
 }

@@ -16,7 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BOUND 0.65    /* promised, in last places */
+#define BOUND 0.65    /* promised, in last places ... */
+#define INVERSE 0.95  /* ... of the inverse of a float */
 #define PRECISION 400 /* bits: 2^128 - 2^-127 has 255 */
 
 enum {
@@ -27,10 +28,26 @@ enum {
     NV = FP3_FLAG_INVALID
 };
 
-typedef enum { MUL, DIV, ADD, SUB, SQRT, RSQRT, RCP, FROM, TO, OPERATIONS } operation;
+typedef enum {
+    MUL,
+    DIV,
+    ADD,
+    SUB,
+    SQRT,
+    RSQRT,
+    RCP,
+    FROM,
+    TO,
+    FLOAT_RCP,
+    FLOAT_RSQRT,
+    OPERATIONS
+} operation;
 
-static const char *const names[] = {"mul",   "div", "add",        "sub",     "sqrt",
-                                    "rsqrt", "rcp", "from_float", "to_float"};
+static const char *const names[] = {"mul",      "div",       "add",        "sub",
+                                    "sqrt",     "rsqrt",     "rcp",        "from_float",
+                                    "to_float", "float_rcp", "float_rsqrt"};
+
+static int is_inverse(operation op) { return op == FLOAT_RCP || op == FLOAT_RSQRT; }
 
 static uint32_t compute(operation op, uint32_t a, uint32_t b, uint32_t *flags) {
     switch (op) {
@@ -48,6 +65,10 @@ static uint32_t compute(operation op, uint32_t a, uint32_t b, uint32_t *flags) {
         return fp3_lns_rsqrt(a, flags);
     case RCP:
         return fp3_lns_rcp(a, flags);
+    case FLOAT_RCP:
+        return fp3_lns_float_rcp(a, flags);
+    case FLOAT_RSQRT:
+        return fp3_lns_float_rsqrt(a, flags);
     case FROM:
         return fp3_lns_from_float(a, flags);
     default:
@@ -95,9 +116,12 @@ static int truth(operation op, numbers *n) {
         return mpfr_add(n->z, n->a, n->b, MPFR_RNDN), 0;
     case SUB:
         return mpfr_sub(n->z, n->a, n->b, MPFR_RNDN), 0;
+    case FLOAT_RCP:
+        return mpfr_ui_div(n->z, 1, n->a, MPFR_RNDN), 0;
     case SQRT:
         return mpfr_sqrt(n->z, n->a, MPFR_RNDN), 0;
     case RSQRT:
+    case FLOAT_RSQRT:
         return mpfr_rec_sqrt(n->z, n->a, MPFR_RNDN), 0;
     default:
         return mpfr_set(n->z, n->a, MPFR_RNDN), 0;
@@ -105,10 +129,13 @@ static int truth(operation op, numbers *n) {
 }
 
 /* What the flags of a result without a number, or of one from such operands, are to be. */
-static uint32_t special_flags(operation op, const numbers *n) {
+static uint32_t special_flags(operation op, uint32_t a, const numbers *n) {
+    const uint32_t quiet = is_inverse(op) && !(a & 0x400000) ? NV : 0; /* of a NaN */
     const int is_binary = op <= SUB;
     if (mpfr_nan_p(n->z))
-        return mpfr_nan_p(n->a) || (is_binary && mpfr_nan_p(n->b)) ? 0 : NV;
+        return mpfr_nan_p(n->a) || (is_binary && mpfr_nan_p(n->b)) ? quiet : NV;
+    if (is_inverse(op))
+        return mpfr_zero_p(n->a) ? DZ : 0;
     if (op == DIV && mpfr_zero_p(n->b) && !mpfr_inf_p(n->a))
         return DZ;
     return (op == RCP || op == RSQRT) && mpfr_zero_p(n->a) ? DZ : 0;
@@ -142,14 +169,18 @@ static double place_of(const mpfr_t z, int is_float, int *is_whole) {
 static int is_good(operation op, const numbers *n, int is_exact, uint32_t z, uint32_t flags,
                    double *worst) {
     int is_whole;
-    const double place = place_of(n->z, op == TO, &is_whole), slack = 0x1p-20;
+    const int is_float = op == TO || is_inverse(op);
+    const double place = place_of(n->z, is_float, &is_whole), slack = 0x1p-20;
     const double size = (double)(z & 0x7fffffff);
     const int is_root = op == SQRT || op == RSQRT;
-    const double bound = is_exact ? slack : is_root ? 0.5 + slack : BOUND;
-    const int is_tiny = op == TO && place < 0x800000;
+    const double bound = is_exact         ? slack
+                         : is_root        ? 0.5 + slack
+                         : is_inverse(op) ? INVERSE
+                                          : BOUND;
+    const int is_tiny = is_float && !is_whole && place < 0x800000;
     if ((mpfr_signbit(n->z) != 0) != (int)(z >> 31))
         return 0;
-    if (op != TO && (place < 1 - bound || size == 0))
+    if (!is_float && (place < 1 - bound || size == 0))
         return place < bound && size == 0 && flags == (UF | NX);
     if (op != TO && (place > LNS_INFINITE - 1 + bound || size >= LNS_INFINITE))
         return place > LNS_INFINITE - bound && size == LNS_INFINITE && flags == (OF | NX);
@@ -164,7 +195,7 @@ static int is_good(operation op, const numbers *n, int is_exact, uint32_t z, uin
 static int check(operation op, uint32_t a, uint32_t b, numbers *n, double *worst) {
     uint32_t flags = 0xffffffff;
     const uint32_t z = compute(op, a, b, &flags);
-    number_of(n->a, a, op == FROM);
+    number_of(n->a, a, op == FROM || is_inverse(op));
     number_of(n->b, b, 0);
     int is_exact = truth(op, n), good;
     if (mpfr_number_p(n->z) && !mpfr_zero_p(n->z)) {
@@ -176,8 +207,9 @@ static int check(operation op, uint32_t a, uint32_t b, numbers *n, double *worst
                                                    : (mpfr_zero_p(n->z) ? 0 : LNS_INFINITE) |
                                                          (uint32_t) !!mpfr_signbit(n->z) << 31;
         /* FP3's 1 / sqrt(-0) is +infinity */
-        good = z == (op == RSQRT && a == 0x80000000 ? LNS_INFINITE : expected) &&
-               flags == special_flags(op, n);
+        good = z == ((op == RSQRT || op == FLOAT_RSQRT) && a == 0x80000000 ? LNS_INFINITE
+                                                                           : expected) &&
+               flags == special_flags(op, a, n);
     }
     if (!good)
         printf("FAIL %s 0x%08" PRIx32 " 0x%08" PRIx32 ": 0x%08" PRIx32 ", flags 0x%02" PRIx32 "\n",

@@ -25,7 +25,15 @@ static const struct {
     {"rsqrt", FP3_LNS_RSQRT},
     {"from_float", FP3_LNS_FROM_FLOAT},
     {"to_float", FP3_LNS_TO_FLOAT},
+    {"float_rcp", FP3_LNS_FLOAT_RCP},
+    {"float_rsqrt", FP3_LNS_FLOAT_RSQRT},
 };
+
+/* lns_inverse gives 0 for a NaN, which the adder makes quiet. */
+static uint32_t of_number(uint32_t (*inverse)(uint32_t, uint32_t *), uint32_t a, uint32_t *flags) {
+    *flags = 0;
+    return (a & 0x7fffffff) > LNS_INFINITE ? 0 : inverse(a, flags);
+}
 
 static uint32_t model(fp3_lns_op op, uint32_t a, uint32_t b, uint32_t *flags) {
     switch (op) {
@@ -41,6 +49,10 @@ static uint32_t model(fp3_lns_op op, uint32_t a, uint32_t b, uint32_t *flags) {
         return fp3_lns_sqrt(a, flags);
     case FP3_LNS_RSQRT:
         return fp3_lns_rsqrt(a, flags);
+    case FP3_LNS_FLOAT_RCP:
+        return of_number(fp3_lns_float_rcp, a, flags);
+    case FP3_LNS_FLOAT_RSQRT:
+        return of_number(fp3_lns_float_rsqrt, a, flags);
     case FP3_LNS_FROM_FLOAT:
         return fp3_lns_from_float(a, flags);
     default:

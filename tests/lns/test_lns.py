@@ -7,9 +7,10 @@ import pytest
 
 from bugs import Bug, source
 
-INPUTS = {"sum": 2**28, "difference": 2**28 - 1, "from_float": 2**23, "to_float": 2**23, "to_float, subnormal": 2**23 - 1}
-UNITS = ["add", "sub", "mul", "div", "sqrt", "rsqrt", "from_float", "to_float"]
-OPERATIONS = ["mul", "div", "add", "sub", "sqrt", "rsqrt", "rcp", "from_float", "to_float"]
+INPUTS = {"sum": 2**28, "difference": 2**28 - 1, "from_float": 2**23, "to_float": 2**23, "to_float, subnormal": 2**23 - 1, "rcp": 2**23,
+          "rcp from 2^126": 2**23, "rcp from 2^127": 2**23, "rsqrt, exponent even": 2**23, "rsqrt, exponent odd": 2**23}
+UNITS = ["add", "sub", "mul", "div", "sqrt", "rsqrt", "from_float", "to_float", "float_rcp", "float_rsqrt"]
+OPERATIONS = ["mul", "div", "add", "sub", "sqrt", "rsqrt", "rcp", "from_float", "to_float", "float_rcp", "float_rsqrt"]
 
 
 def start(*command, **options):
@@ -32,7 +33,7 @@ def test_every_input_is_within_the_bound(root, build):
     assert {name: int(count) for name, count in found.items()} == INPUTS
     page = (root / "docs/logarithmic.md").read_text(encoding="utf-8")
     for name, error in re.findall(r"^(.+): .* largest error (\d\.\d+) of", done.stdout, re.M):
-        assert re.search(rf"^\| {name} \|.* {error} \|", page, re.M), f"{name}: {error}"
+        assert re.search(rf"^\| {re.escape(name)} \|.* {error} \|", page, re.M), f"{name}: {error}"
 
 
 @pytest.mark.smoke
@@ -61,6 +62,10 @@ BUGS = [
     ("the sign is that of the first operand", "sw/machine/lns.c", "limited(big & SIGN,", "limited(a & SIGN,", "lns_pairs"),
     ("2x - x raises inexact", "sw/machine/lns.c", "subtract ? r == UINT32_C(1) << 23 : r == 0", "!subtract && r == 0", "lns_pairs"),
     ("a root is cut", "sw/machine/lns.c", "(twice + (twice >> 1 & 1)) >> 1", "twice >> 1", "lns_pairs"),
+    ("an inverse is cut", "sw/machine/lns.c", "(8 - log) >> 4", "-log >> 4", "lns_certify"),
+    ("a reciprocal below 2^-127 is rounded as one above", "sw/machine/lns.c", "(32 << -e)", "32", "lns_certify"),
+    ("a subnormal number is not normalised", "sw/machine/lns.c", "m << zeros & 0x7fffff", "m & 0x7fffff", "lns_pairs"),
+    ("2 is taken for a power of four", "sw/machine/lns.c", "logarithm(a, &log) && !(log & WHOLE)", "logarithm(a, &log)", "lns_pairs"),
     ("2^-127 is a number", "sw/machine/lns.c", "if (n <= 0)", "if (n < 0)", "lns_pairs"),
 ]
 
@@ -82,15 +87,22 @@ def test_bug_is_found(root, tmp_path, name, file, right, wrong, test):
 
 # Bugs of one model together, where it shows which unit has one: the operations that must fail, and no others.
 HARDWARE_BUGS = [
-    ({"sub", "add", "div", "sqrt", "rsqrt", "from_float", "to_float"}, [
+    ({"sub", "add", "div", "sqrt", "rsqrt", "from_float", "to_float", "float_rcp", "float_rsqrt"}, [
         Bug("a difference without its logarithm", "lns_add.v", "{whole, log}", "{whole, 28'd0}"),
         Bug("a quotient is out by one", "lns_mul.v", "22'd0, divide_i}", "22'd0, 1'b0}"),
         Bug("a root's tie goes up", "lns_root.v", "a_i[0] && a_i[1]", "a_i[0]"),
         Bug("a subnormal number is not moved", "lns_from_float.v", "{a_i[21:0], 2'b00}", "{a_i[22:0], 1'b0}"),
+        Bug("an inverse is not rounded", "lns_inverse.v", "5'd17 : 5'd9", "5'd1 : 5'd1"),
         Bug("a subnormal result is rounded as others", "lns_to_float.v", "is_tiny ? power_q[5] : power_q[4]", "power_q[4]")]),
-    ({"sub", "add"}, [Bug("a near difference is inverted", "lns_add.v", "minus_q && !near, nan", "minus_q, nan")]),
-    ({"sub", "add"}, [Bug("a step of the shift is forgotten", "lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4")]),
-    ({"sub", "add"}, [Bug("overflow of a sum without inexact", "lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||")]),
+    ({"sub", "add", "float_rcp"}, [
+        Bug("a near difference is inverted", "lns_add.v", "minus_q && !near, nan", "minus_q, nan"),
+        Bug("a reciprocal below 2^-127 is packed as one above", "lns_inverse.v", "e[9] ? {10'd1, power_q[27:13]} : ", "")]),
+    ({"sub", "add", "float_rcp", "float_rsqrt"}, [
+        Bug("a step of the shift is forgotten", "lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4"),
+        Bug("the last step of the shift is forgotten", "lns_inverse.v", "upper_q, by4, by2, by1};", "upper_q, by4, by2, 1'b0};")]),
+    ({"sub", "add", "float_rsqrt"}, [
+        Bug("overflow of a sum without inexact", "lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||"),
+        Bug("a root of 2 is exact", "lns_inverse.v", "!(root && !whole_q[0])", "1'b1")]),
 ]
 
 

@@ -1,6 +1,6 @@
 /* exact_division.c - the pass `exact-division` against the host's division and square root, bit for bit.
  *
- *     exact_division [N]     every Nth fraction (1: all), and as many random and hard quotients
+ *     exact_division [N [CONFIG]]     every Nth fraction (1: all), and as many random and hard quotients
  *
  * y' = f(x, a) by Euler's method with h = 1 from y = -0 is f(x, a), as 1 * f + -0 rounds nothing.
  */
@@ -25,12 +25,13 @@ static void fail(const char *what, const char *why) {
     exit(1);
 }
 
-static function make(const char *expression) {
+static function make(const char *expression, const char *config) {
     function f = {.expression = expression};
     char source[256], *report = NULL;
     fp3_error error;
     fp3_integrator *euler = NULL;
     fp3_compile_def def = fp3_compile_default();
+    def.config = config;
     def.passes |= FP3_PASS(FP3_PASS_EXACT_DIVISION);
     snprintf(source, sizeof source,
              "state x = 1\nstate a = 1\nstate y = 0\nstep 1\nspan 1\nx' = 0\na' = 0\ny' = %s\n",
@@ -113,7 +114,9 @@ int main(int argc, char **argv) {
     const uint32_t step = argc > 1 ? (uint32_t)atol(argv[1]) : 211;
     if (!step)
         fail("exact_division", "every Nth fraction, N from 1");
-    function over = make("1/x"), quotient = make("a/x"), root = make("sqrt(x)");
+    const char *config = argc > 2 ? argv[2] : fp3_compile_default().config;
+    function over = make("1/x", config), quotient = make("a/x", config),
+             root = make("sqrt(x)", config);
     for (uint32_t i = 0; i < 1u << 24; i += step) {
         const volatile float x = 1 + (float)(i & 0x7fffff) * 0x1p-23f + (float)(i >> 23);
         const volatile float square_root = sqrtf(x), reciprocal = 1 / x;

@@ -352,9 +352,10 @@ def test_accuracy_of_what_is_made_of_division_roots_and_sines():
 
 # ---- exact division ----
 
-def test_exact_quotients_and_roots_are_those_of_the_host():
+@pytest.mark.parametrize("config", ["single_full", "pairs"])
+def test_exact_quotients_and_roots_are_those_of_the_host(config):
     """Random ones, a part of all fractions, and those next to a number halfway between two floats."""
-    done = subprocess.run([os.path.join(BUILD, "tests", "exact_division")], capture_output=True, text=True)
+    done = subprocess.run([os.path.join(BUILD, "tests", "exact_division"), "211", config], capture_output=True, text=True)
     counts = re.findall(r": (\d+) checked, 0 wrong", done.stdout)
     assert done.returncode == 0 and len(counts) == 3 and min(map(int, counts)) > 80000, done.stdout
 

@@ -137,11 +137,11 @@ def test_an_image_as_text_keeps_what_it_is_for(fp3_run, tmp_path):
     (tmp_path / "x.s").write_text(".words floats\n.state x\nstep:\nadd x, x, x\n")
     fp3_run("asm", "x.s", "-o", "x.fp3")
     assert fp3_run("dis", "x.fp3").startswith(".words  floats\n")
-    for words in ("floats 7", "floats 22", "flushed", "flushed 7", "cell", "logarithms", "truncated", "truncated_flushed 15"):
+    for words in ("floats 7", "floats 22", "flushed", "flushed 7", "cell", "logarithms", "truncated", "truncated_flushed 15", "mixed"):
         (tmp_path / "x.s").write_text(f".words {words}\n.state x\nstep:\nadd x, x, x\n")
         fp3_run("asm", "x.s", "-o", "x.fp3")
         assert fp3_run("dis", "x.fp3").startswith(f".words  {words}\n")
-    kinds, fraction = "floats, logarithms, flushed, cell, truncated or truncated_flushed", "a number of fraction bits from 7 to 22, or the end of the line"
+    kinds, fraction = "floats, logarithms, flushed, cell, truncated, truncated_flushed or mixed", "a number of fraction bits from 7 to 22, or the end of the line"
     for text, said in ((".words", f"expected {kinds}"), (".words any", f"found 'any', expected {kinds}"),
                        (".words floats\n.words floats", "expected one '.words' only (line 1 has it)"), (".words floats x", f"found 'x', expected {fraction}"),
                        (".words floats 23", f"found '23', expected {fraction}"), (".words floats 6", f"found '6', expected {fraction}"),

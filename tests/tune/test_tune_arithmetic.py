@@ -81,7 +81,7 @@ def test_a_unit_in_the_last_place_is_that_of_the_configuration(tune):
     assert moves["log"] == pytest.approx(math.log(2) * moves["many_full"], rel=0.02)
 
 
-@pytest.mark.parametrize("config", ["flush", "cell", "fused_full", "middle", "log"])
+@pytest.mark.parametrize("config", ["flush", "cell", "fused_full", "middle", "log", "pairs"])
 def test_errors_are_those_of_the_configuration(tune, fp3, tmp_path, config):
     done, found = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2", "-c", config, "--output", "m.scene", "--objects", "50")
     assert done.returncode == 0 and found["config"] == config and f'config = "{config}";' in (tmp_path / "m.scene").read_text()
@@ -115,7 +115,7 @@ def test_luts_and_clocks_are_those_of_the_pages(root):
         assert placed.get(name) == (luts, mhz) or f"| `{name}` | {luts:,} | {mhz:.2f} |" in page, name
 
 
-@pytest.mark.parametrize("config", ["many_full", "flush", "cell", "fused_full", "middle", "log"])
+@pytest.mark.parametrize("config", ["many_full", "flush", "cell", "fused_full", "middle", "log", "pairs"])
 @pytest.mark.parametrize("model", ["m.ode", "roots.ode"])
 def test_a_trimmed_configuration_is_a_legal_one(tune, root, config, model):
     done = tune(model, "--tolerance", "1e-2", "-c", config, "--hardware")[0]
@@ -126,4 +126,5 @@ def test_a_trimmed_configuration_is_a_legal_one(tune, root, config, model):
     whole = {row["name"]: row for row in machine.configs}[config]
     row = configs.check_configs([trimmed], machine.keys)[0]
     assert all(row[key] == whole[key] for key in ("fused", "subnormal", "nearest", "finite", "logarithmic", "fraction", "add_cuts", "mul_cuts", "add_latency", "mul_latency"))
+    assert row["mixed"] == (whole["mixed"] and row["estimate"])
     assert (row["select"], row["estimate"]) == ((1, 1) if model == "roots.ode" else (0, 0)) and row["chain"] <= whole["chain"]

@@ -7,7 +7,7 @@ from .check import NAME, Bad, keys, named, need
 MASK_BITS = 7  # positions in a cut mask, as the parameters of rtl/fp3.v count them
 FILE = "configs.toml"
 # What the checks below speak of. Every other key is checked by what its own table says.
-EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts", "store_words", "storage", "dual", "logarithmic",
+EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts", "store_words", "storage", "dual", "logarithmic", "mixed",
             "add_latency", "mul_latency", "add_cuts", "mul_cuts")
 
 
@@ -134,6 +134,9 @@ def check_interleaved(row, where, words):
     if row["logarithmic"]:
         need(row["schedulers"] == 1, FILE, f"{where}: with logarithmic a tile has one scheduler")
         need(row["mul_latency"] >= 2 and row["add_latency"] >= 10, FILE, f"{where}: with logarithmic mul_latency is at least 2, add_latency 10")
+    if row["mixed"]:
+        need(row["schedulers"] == 1, FILE, f"{where}: with mixed a tile has one scheduler")
+        need(row["add_latency"] + row["mul_latency"] >= 14, FILE, f"{where}: with mixed add_latency + mul_latency is at least 14")
     need(row["store_words"] >= 8 * row["contexts"], FILE,
          f"{where}: store_words = {row['store_words']} has no room for an object in each of {row['contexts']} contexts")
     need(row["store_words"] * row["lanes"] <= words, FILE,

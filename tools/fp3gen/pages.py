@@ -61,7 +61,7 @@ def isa_page(isa):
                     f"`{op['meaning']}`", path(op)] for op in isa["op"]]),
         "", "Results are rounded to nearest, ties to even, with gradual underflow; a NaN result is always 7FC00000. The configuration `flush` flushes subnormal",
         "numbers to zero, and `cell` has neither infinity nor NaN: [arithmetic](arithmetic.md) has its results. An instruction can raise the flags invalid,",
-        "overflow, underflow and inexact. None raises the fifth flag, divide by zero, but with [logarithmic](logarithmic.md) words.", "",
+        "overflow, underflow and inexact. The fifth flag, divide by zero, is raised by `rcp` and `rsqrt` with [logarithms](logarithmic.md) alone.", "",
         "\"Needs `chain`\" and the like below name the key of a configuration that must be 1."]
     for op in isa["op"]:
         text, code = example(isa, op)

@@ -10,7 +10,7 @@
  * at most 2^-25, and 1 - b y is exact. */
 fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     const uint32_t y = op1(g, FP3_OP_RCP, b);
-    if (g->is_logarithmic)
+    if (g->is_direct)
         return (fp3_series){y, FP3_NONE};
     const uint32_t e = sub(g, num(g, 1), mul(g, b, y));
     return (fp3_series){y, g->terms == 1 ? e : add(g, e, mul(g, e, e))};
@@ -19,7 +19,7 @@ fp3_series fp3_reciprocal(dag *g, uint32_t b) {
 /* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). Flushed, y^2 may be 0, so that b y is
  * made first, which costs half a unit in the last place. */
 static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
-    if (g->is_logarithmic)
+    if (g->is_direct)
         return (fp3_series){y, FP3_NONE};
     const uint32_t product = g->is_flushed ? mul(g, mul(g, b, y), y) : mul(g, b, mul(g, y, y));
     const uint32_t e = sub(g, num(g, 1), product), half = num(g, 0.5);
@@ -98,13 +98,13 @@ term fp3_over_power(dag *g, term x, uint32_t b, unsigned n) {
 }
 
 /* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller numbers are
- * infinite. Of a logarithm, only that of 0 is above 2^63.5. Without infinities b y is 0 for the b that is 0, and overflows for a negative one. */
+ * infinite. What is no estimate is above 2^74.5 for 0 alone. Without infinities b y is 0 for the b that is 0, and overflows for a negative one. */
 #define MOST 0x1p63
-#define MOST_OF_LOGARITHMS 0x1p64
+#define MOST_DIRECT 0x1p75
 #define MOST_CORRECTION(g) ((g)->terms == 1 ? 0x1p-5 : 0x1p-8)
 
 static uint32_t bounded(dag *g, uint32_t y) {
-    return op2(g, FP3_OP_MIN, num(g, g->is_logarithmic ? MOST_OF_LOGARITHMS : MOST), y);
+    return op2(g, FP3_OP_MIN, num(g, g->is_direct ? MOST_DIRECT : MOST), y);
 }
 
 fp3_series fp3_finite_inverse_root(dag *g, uint32_t b) {
@@ -122,7 +122,7 @@ uint32_t fp3_root(dag *g, uint32_t b) {
 
 /* Of 0 the correction is a NaN: then min is its second operand. */
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b) {
-    if (g->is_logarithmic)
+    if (g->is_direct)
         return fp3_root(g, b);
     const fp3_series s = fp3_inverse_root(g, b);
     if (g->is_finite)

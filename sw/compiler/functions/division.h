@@ -5,7 +5,7 @@
 #include "compiler/value/term.h"
 
 /* An estimate y and a small t, so that x/b or x/sqrt(b) is x y (1 + t). Two of the same b share both. t is FP3_NONE where y is no
- * estimate, but 1/b or the word nearest to 1/sqrt(b): of logarithms. */
+ * estimate, but as near to 1/b or 1/sqrt(b) as a word can be, or almost: keys logarithmic and mixed. */
 typedef struct {
     uint32_t estimate, correction;
 } fp3_series;

@@ -15,7 +15,8 @@ fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_optio
     step->values.is_finite = step->last.is_finite = options->config->finite;
     step->values.terms = step->last.terms = fp3_options_terms(options);
     step->values.is_abstract = step->last.is_abstract = options->arithmetic == FP3_DOUBLE_SINGLE;
-    step->values.is_logarithmic = step->last.is_logarithmic = options->config->logarithmic != 0;
+    step->values.is_direct = step->last.is_direct =
+        options->config->logarithmic || options->config->mixed;
     return step->known.has_failed ? fp3_fail(error, FP3_E_SYSTEM, "out of memory") : FP3_OK;
 }
 

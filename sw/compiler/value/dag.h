@@ -40,15 +40,15 @@ typedef struct {
     dag_node *nodes;
     uint32_t count, room;
     uint32_t bucket[FP3_DAG_BUCKETS];
-    unsigned passes;    /* what fold.h may do */
-    int is_flushed;     /* the machine's subnormal numbers are zeros ... */
-    int is_finite;      /* ... and it has no infinities and no NaN */
-    int terms;          /* of the series behind an estimate: division.h */
-    uint32_t note;      /* of the nodes made from now on */
-    int is_abstract;    /* quotients, roots and functions are nodes of their own */
-    int is_logarithmic; /* rcp and rsqrt are no estimates: nothing corrects them */
-    int has_failed;     /* out of memory */
-    int is_full;        /* more than FP3_DAG_LIMIT nodes were asked for */
+    unsigned passes; /* what fold.h may do */
+    int is_flushed;  /* the machine's subnormal numbers are zeros ... */
+    int is_finite;   /* ... and it has no infinities and no NaN */
+    int terms;       /* of the series behind an estimate: division.h */
+    uint32_t note;   /* of the nodes made from now on */
+    int is_abstract; /* quotients, roots and functions are nodes of their own */
+    int is_direct;   /* rcp and rsqrt are no estimates: nothing corrects them */
+    int has_failed;  /* out of memory */
+    int is_full;     /* more than FP3_DAG_LIMIT nodes were asked for */
 } dag;
 
 void fp3_dag_open(dag *g, known_table *known, unsigned passes);

@@ -77,7 +77,7 @@ typedef struct {
 } fp3_constant;
 
 /* What words have to be for the program to be right, by the configuration's keys: any; binary32; logarithms; flushed (no
- * subnormal numbers); those of Cell's SPU; truncated; both of it. */
+ * subnormal numbers); those of Cell's SPU; truncated; both of it; binary32 whose rcp and rsqrt are no estimates. */
 typedef enum {
     FP3_WORDS_ANY,
     FP3_WORDS_FLOATS,
@@ -86,6 +86,7 @@ typedef enum {
     FP3_WORDS_CELL,
     FP3_WORDS_TRUNCATED,
     FP3_WORDS_TRUNCATED_FLUSHED,
+    FP3_WORDS_MIXED,
     FP3_WORDS_KINDS
 } fp3_image_words;
 
