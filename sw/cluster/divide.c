@@ -16,21 +16,33 @@ void fp3_ranks_divide_group(const fp3_ranked *self, const fp3_members *group) {
         self->whose[group->first + i] = (uint32_t)(i / step * ranks / pieces);
 }
 
-/* ---- by links ---- */
+/* ---- what a step costs ---- */
 
-/* What a step of an object costs, about: its words, and those of its loops once for each neighbour. */
-static uint32_t weight_of(const fp3_members *group, uint32_t object) {
-    uint32_t weight = group->program.count;
-    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
-        if (group->lists.lists[k].begin)
-            weight += 4 * fp3_list_length(&group->lists.lists[k], object);
-    return weight;
+/* In words that are executed: once, and for each neighbour of a relation. */
+typedef struct {
+    uint32_t once, turn[FP3_LISTS_MAX];
+} cost;
+
+static cost cost_of(fp3_members *group) {
+    const fp3_code *program = &group->program;
+    cost c = {.once = program->count};
+    for (uint32_t pc = 0; pc < program->count; pc++)
+        if (program->decoded[pc].in.op == FP3_OP_EACH) {
+            const fp3_list *list = fp3_lists_of(&group->lists, program->decoded[pc].in.d);
+            const uint32_t words = fp3_neighbourhood_end(program->decoded, pc) - pc;
+            c.turn[list - group->lists.lists] += words;
+            c.once -= words;
+        }
+    return c;
 }
+
+/* ---- by links ---- */
 
 /* Both ends of each link: Scotch wants a graph that is symmetric and simple. */
 static fp3_status make_graph(fp3_engine *engine, uint32_t **begin, uint32_t **other,
                              uint32_t **weight) {
-    const fp3_members *group = &engine->layout.groups[0];
+    fp3_members *group = &engine->layout.groups[0];
+    const cost each = cost_of(group);
     const uint32_t n = group->objects;
     size_t entries = 0;
     for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
@@ -73,7 +85,10 @@ static fp3_status make_graph(fp3_engine *engine, uint32_t **begin, uint32_t **ot
                 seen[(*other)[from]] = i;
                 (*other)[to++] = (*other)[from];
             }
-        (*weight)[i] = weight_of(group, i);
+        (*weight)[i] = each.once;
+        for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
+            if (group->lists.lists[k].begin && !group->lists.lists[k].is_near)
+                (*weight)[i] += each.turn[k] * fp3_list_length(&group->lists.lists[k], i);
     }
     (*begin)[n] = to;
     free(seen);
@@ -101,12 +116,24 @@ fp3_status fp3_ranks_divide_by_links(fp3_engine *engine, fp3_ranked *to) {
 typedef struct {
     float place;
     uint32_t object;
+    uint64_t weight;
 } placed;
 
 static int by_place(const void *a, const void *b) {
     const placed *x = a, *y = b;
     return x->place != y->place ? (x->place > y->place) - (x->place < y->place)
                                 : (x->object > y->object) - (x->object < y->object);
+}
+
+/* Where the first `low` of so many ranks have their share of the weight. Every rank gets an object. */
+static uint32_t find_cut(const placed *list, uint32_t count, uint32_t low, uint32_t ranks) {
+    uint64_t all = 0, sum = 0;
+    uint32_t cut = 0;
+    for (uint32_t i = 0; i < count; i++)
+        all += list[i].weight;
+    for (; cut < count - (ranks - low) && (cut < low || sum * ranks < all * low); cut++)
+        sum += list[cut].weight;
+    return cut;
 }
 
 /* Recursive bisection: across the longest side of what `list` fills, in the proportion of the ranks of either half. */
@@ -133,9 +160,25 @@ static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_
     for (uint32_t i = 0; i < count; i++)
         list[i].place = fp3_position(p, axis, list[i].object);
     qsort(list, count, sizeof *list, by_place);
-    const uint32_t low = ranks / 2, cut = (uint32_t)((uint64_t)count * low / ranks);
+    const uint32_t low = ranks / 2, cut = find_cut(list, count, low, ranks);
     bisect(p, list, cut, first, low, whose);
     bisect(p, list + cut, count - cut, first + low, ranks - low, whose);
+}
+
+/* By how many are near each now. */
+static fp3_status weigh(fp3_engine *engine, const fp3_positions *p, placed *list) {
+    fp3_members *group = &engine->layout.groups[0];
+    const cost each = cost_of(group);
+    uint32_t near = 0, *begin = NULL, *other = NULL;
+    while (!group->lists.lists[near].is_near)
+        near++;
+    const fp3_status status = fp3_positions_pairs(engine, &group->lists.lists[near].near, p,
+                                                  engine->objects, &begin, &other);
+    for (uint32_t i = 0; !status && i < engine->objects; i++)
+        list[i] = (placed){0, i, each.once + (uint64_t)each.turn[near] * (begin[i + 1] - begin[i])};
+    free(begin);
+    free(other);
+    return status;
 }
 
 fp3_status fp3_ranks_divide_by_place(fp3_engine *engine, fp3_ranked *to) {
@@ -145,8 +188,8 @@ fp3_status fp3_ranks_divide_by_place(fp3_engine *engine, fp3_ranked *to) {
     fp3_status status = list ? FP3_OK : fp3_ranks_no_memory(engine);
     if (!status)
         status = fp3_positions_read(engine, fp3_positions_rule(group), &p);
-    for (uint32_t i = 0; !status && i < engine->objects; i++)
-        list[i] = (placed){0, i};
+    if (!status)
+        status = weigh(engine, &p, list);
     if (!status)
         bisect(&p, list, engine->objects, 0, to->ranks->count, to->whose);
     fp3_positions_close(&p);

@@ -69,37 +69,28 @@ static uint32_t find_around(const fp3_ranked *self, const fp3_positions *p, doub
     return found;
 }
 
-static fp3_status note_near(fp3_engine *engine, const fp3_ranked *self, const fp3_near_rule *of,
+static fp3_status note_near(fp3_engine *engine, const fp3_ranked *self, const fp3_near_rule *rule,
                             const uint32_t *place, needs *n) {
-    fp3_near_rule rule = {.dimensions = of->dimensions, .reach = of->reach, .skin = of->skin};
     uint32_t *some = malloc(engine->objects * sizeof *some), *begin = NULL, *other = NULL;
     fp3_positions p = {0};
-    fp3_status status = some ? fp3_positions_read(engine, of, &p) : fp3_ranks_no_memory(engine);
-    uint32_t astray = UINT32_MAX;
-    fp3_where_they_are now = {.stride = 1, .objects = engine->objects, .dimensions = p.dimensions};
-    for (uint32_t k = 0; k < p.dimensions; k++)
-        now.position[k] = p.word[k];
+    fp3_status status = some ? fp3_positions_read(engine, rule, &p) : fp3_ranks_no_memory(engine);
+    uint32_t count = 0;
     for (uint32_t k = 0; !status && k < p.dimensions; k++)
         for (uint32_t i = 0; i < n->own; i++)
             self->made[k][i] = fp3_position(&p, k, self->mine[i]);
-    if (!status && fp3_near_is_stale(&rule, &now, &astray) && astray != UINT32_MAX)
-        status = fp3_lists_astray(astray, engine->def.error);
-    if (!status) {
-        now.objects =
-            find_around(self, &p, (rule.reach + rule.skin) * 1.001, some, engine->objects);
-        for (uint32_t k = 0; k < p.dimensions; k++)
-            for (uint32_t i = 0; i < now.objects; i++)
-                p.word[k][i] = p.word[k][some[i]]; /* some[i] >= i */
-        if (now.objects)
-            status = fp3_near_make(&rule, &now, &begin, &other, engine->def.error);
-    }
-    for (uint32_t i = 0; !status && begin && i < now.objects; i++)
+    if (!status)
+        count = find_around(self, &p, (rule->reach + rule->skin) * 1.001, some, engine->objects);
+    for (uint32_t k = 0; k < p.dimensions; k++)
+        for (uint32_t i = 0; i < count; i++)
+            p.word[k][i] = p.word[k][some[i]]; /* some[i] >= i */
+    if (count)
+        status = fp3_positions_pairs(engine, rule, &p, count, &begin, &other);
+    for (uint32_t i = 0; !status && i < count; i++)
         for (uint32_t e = begin[i]; e < begin[i + 1]; e++)
             note(self, place, n, some[i], some[other[e]]);
     free(begin);
     free(other);
     free(some);
-    fp3_near_close(&rule);
     fp3_positions_close(&p);
     return status;
 }

@@ -1,6 +1,7 @@
 /* positions.c - see positions.h. */
 #include "positions.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
@@ -10,18 +11,36 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
     return &group->lists.lists[i].near;
 }
 
+static fp3_status check(const fp3_engine *engine, const fp3_positions *p, uint32_t k) {
+    for (uint32_t i = 0; i < engine->objects; i++)
+        if (!isfinite(fp3_position(p, k, i)))
+            return fp3_lists_astray(i, engine->def.error);
+    return FP3_OK;
+}
+
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p) {
     fp3_status status = FP3_OK;
     *p = (fp3_positions){.dimensions = rule->dimensions};
     for (uint32_t k = 0; !status && k < rule->dimensions; k++) {
+        const fp3_cells cells = {FP3_CELLS_REGISTER, rule->regs[k], 0, engine->objects};
         p->word[k] = malloc(engine->objects * sizeof *p->word[k]);
         status =
-            p->word[k]
-                ? fp3_ranks_read(engine,
-                                 (fp3_cells){FP3_CELLS_REGISTER, rule->regs[k], 0, engine->objects},
-                                 p->word[k])
-                : fp3_ranks_no_memory(engine);
+            p->word[k] ? fp3_ranks_read(engine, cells, p->word[k]) : fp3_ranks_no_memory(engine);
+        if (!status)
+            status = check(engine, p, k);
     }
+    return status;
+}
+
+fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
+                               const fp3_positions *p, uint32_t objects, uint32_t **begin,
+                               uint32_t **other) {
+    fp3_near_rule of = {.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
+    fp3_where_they_are now = {.stride = 1, .objects = objects, .dimensions = p->dimensions};
+    for (uint32_t k = 0; k < p->dimensions; k++)
+        now.position[k] = p->word[k];
+    const fp3_status status = fp3_near_make(&of, &now, begin, other, engine->def.error);
+    fp3_near_close(&of);
     return status;
 }
 

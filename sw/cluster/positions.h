@@ -13,7 +13,11 @@ typedef struct {
 
 /* The rule of the first relation `near`: there is one. */
 const fp3_near_rule *fp3_positions_rule(const fp3_members *group);
-/* All ranks together. fp3_positions_close whatever comes of it. */
+/* Who is near whom among the first `objects`, by this rule: a list of each, itself not in it. The caller frees *begin and *other. */
+fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
+                               const fp3_positions *p, uint32_t objects, uint32_t **begin,
+                               uint32_t **other);
+/* All ranks together. An infinite position, or NaN, is refused as fp3_lists_astray has it. fp3_positions_close whatever comes of it. */
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p);
 void fp3_positions_close(fp3_positions *p);
 
