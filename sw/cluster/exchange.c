@@ -65,50 +65,69 @@ static fp3_status choose_again(fp3_engine *engine) {
     return status ? status : bring_constants(engine);
 }
 
-static fp3_status send_and_receive(fp3_engine *engine) {
-    fp3_ranked *self = engine->self;
-    const uint32_t ranks = self->ranks->count;
+static fp3_status gather(const fp3_engine *engine) {
+    const fp3_ranked *self = engine->self;
     const uint64_t published = fp3_layout_published(&engine->layout.groups[0]);
     fp3_status status = FP3_OK;
-    uint32_t *to = self->out.words, *from = self->in.words;
-    for (uint32_t r = 0, row = 0; r < ranks; row += self->out.count[r], r++)
+    uint32_t *to = self->out.words;
+    for (uint32_t r = 0, row = 0; r < self->ranks->count; row += self->out.count[r], r++)
         for (uint32_t reg = 0; !status && self->out.count[r] && reg < 64; reg++)
             if (published >> reg & 1) {
                 status =
                     fp3_engine_gather(self->own, reg, self->out.rows + row, self->out.count[r], to);
                 to += self->out.count[r];
             }
-    if (status)
-        return status;
-    self->ranks->calls->begin(self->plan);
-    self->ranks->calls->end(self->plan);
-    for (uint32_t r = 0, guest = 0; r < ranks; guest += self->in.count[r], r++)
+    return status;
+}
+
+static fp3_status scatter(const fp3_engine *engine) {
+    const fp3_ranked *self = engine->self;
+    const uint64_t published = fp3_layout_published(&engine->layout.groups[0]);
+    fp3_status status = FP3_OK;
+    const uint32_t *from = self->in.words;
+    for (uint32_t r = 0, guest = 0; r < self->ranks->count; guest += self->in.count[r], r++)
         for (uint32_t reg = 0; !status && self->in.count[r] && reg < 64; reg++)
             if (published >> reg & 1) {
-                status = self->own->backend->write(self->own,
-                                                   (fp3_cells){FP3_CELLS_REGISTER, reg,
-                                                               fp3_ranks_row(self, guest),
-                                                               self->in.count[r]},
-                                                   from);
+                const fp3_cells cells = {FP3_CELLS_REGISTER, reg, fp3_ranks_row(self, guest),
+                                         self->in.count[r]};
+                status = self->own->backend->write(self->own, cells, from);
                 from += self->in.count[r];
             }
     return status;
 }
 
-/* The engine that makes a run again stands in for the own one. */
-fp3_status fp3_ranks_exchange(void *user, fp3_engine *own) {
-    fp3_engine *engine = user;
-    fp3_ranked *self = engine->self;
-    fp3_engine *usual = self->own;
+static fp3_status send_words(fp3_engine *engine) {
+    const fp3_ranked *self = engine->self;
     uint64_t has_moved = 0;
-    fp3_status status = FP3_OK;
-    self->own = own;
-    if (self->made[0])
-        status = look_who_moved(engine, &has_moved);
+    fp3_status status = self->made[0] ? look_who_moved(engine, &has_moved) : FP3_OK;
     if (!status && self->made[0] && self->ranks->calls->most(self->ranks->world, has_moved))
         status = choose_again(engine);
     if (!status)
-        status = send_and_receive(engine);
+        status = gather(engine);
+    if (!status)
+        self->ranks->calls->begin(self->plan);
+    return status;
+}
+
+static fp3_status receive_words(fp3_engine *engine) {
+    const fp3_ranked *self = engine->self;
+    self->ranks->calls->end(self->plan);
+    return scatter(engine);
+}
+
+/* The engine that makes a run again stands in for the own one. */
+static fp3_status stand_in(fp3_engine *engine, fp3_engine *own,
+                           fp3_status (*part)(fp3_engine *engine)) {
+    fp3_ranked *self = engine->self;
+    fp3_engine *usual = self->own;
+    self->own = own;
+    const fp3_status status = part(engine);
     self->own = usual;
     return status;
+}
+
+fp3_status fp3_ranks_send(void *user, fp3_engine *own) { return stand_in(user, own, send_words); }
+
+fp3_status fp3_ranks_receive(void *user, fp3_engine *own) {
+    return stand_in(user, own, receive_words);
 }

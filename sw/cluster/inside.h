@@ -72,8 +72,9 @@ void fp3_ranks_forget_traffic(fp3_ranked *self);
 
 /* ---- exchange.c ---- */
 
-/* Brings guests up to date: an fp3_exchange_fn of the own engine, whose user is the engine. */
-fp3_status fp3_ranks_exchange(void *user, fp3_engine *own);
+/* An fp3_exchange of the own engine, whose user is the engine. */
+fp3_status fp3_ranks_send(void *user, fp3_engine *own);
+fp3_status fp3_ranks_receive(void *user, fp3_engine *own);
 
 /* ---- place.c ---- */
 

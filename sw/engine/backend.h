@@ -102,8 +102,7 @@ struct fp3_engine {
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     uint64_t (*sums)[FP3_COUNTER_COUNT];     /* ... over the parts of a run */
     fp3_origin *origin;                      /* of the last run */
-    fp3_exchange_fn *exchange;               /* or NULL */
-    void *exchange_user;
+    fp3_exchange exchange;                   /* .end == NULL: no guests */
     fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
     void *self;           /* the backend's own */
 };
@@ -129,8 +128,10 @@ fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect);
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
 
-/* When a phase begins. */
+/* When a phase begins: both parts; or one, and then the other. */
 fp3_status fp3_engine_exchange(fp3_engine *engine);
+fp3_status fp3_engine_exchange_begin(fp3_engine *engine);
+fp3_status fp3_engine_exchange_end(fp3_engine *engine);
 
 /* Tells the caller how far the run is, by the instructions that objects have executed so far. */
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);

@@ -65,7 +65,7 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
         fp3_members_use(group, layout->groups[i].from, layout->groups[i].objects);
         group->rows = layout->groups[i].rows;
     }
-    fp3_engine_set_exchange(again, engine->exchange, engine->exchange_user);
+    fp3_engine_set_exchange(again, &engine->exchange);
     return status;
 }
 

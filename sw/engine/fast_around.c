@@ -12,7 +12,9 @@ typedef struct {
     fast *self;
     const fp3_fast *program;
     fp3_fast_group group;
-    uint32_t phase, from; /* from: of the group's objects, the first */
+    uint32_t phase, from, count; /* from: of the group's rows, the first */
+    const piece *pieces;         /* or NULL: blocks of those rows */
+    uint32_t piece_count;
 } sweep;
 
 void fp3_around_forget(group *g) {
@@ -20,8 +22,64 @@ void fp3_around_forget(group *g) {
         fp3_fast_pack_free(&g->lists[i]);
     free(g->records);
     g->records = NULL;
+    free(g->pieces);
+    g->pieces = NULL;
     g->is_packed = 0;
 }
+
+/* ---- which objects see guests ---- */
+
+static int is_only_linked(const fp3_members *members) {
+    int is = 1;
+    for (uint32_t i = 0; i < members->lists.shape.list_count; i++)
+        is = is && !members->lists.lists[i].is_near && !members->lists.lists[i].is_all;
+    return is;
+}
+
+static int sees_guests(const fp3_members *members, uint32_t first, uint32_t end) {
+    int is = 0;
+    for (uint32_t k = 0; k < members->lists.shape.list_count; k++) {
+        const fp3_list *list = &members->lists.lists[k];
+        for (uint32_t e = list->begin[first]; e < list->begin[end]; e++)
+            is |= list->other[e] >= members->objects;
+    }
+    return is;
+}
+
+/* Vector by vector: those that see guests, or those that see none. */
+static uint32_t list_pieces(const fp3_members *members, uint32_t lanes, int is_outer, piece *to) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < members->objects; i += lanes) {
+        const uint32_t end = i + lanes < members->objects ? i + lanes : members->objects;
+        if (sees_guests(members, i, end) != is_outer)
+            continue;
+        if (count && to[count - 1].first + to[count - 1].count == i &&
+            to[count - 1].count + lanes <= FP3_BLOCK)
+            to[count - 1].count += end - i;
+        else
+            to[count++] = (piece){i, end - i};
+    }
+    return count;
+}
+
+static uint32_t lanes_of(const group *g) {
+    const unsigned native = fp3_fast_native_lanes(g->program);
+    return native ? native : 1;
+}
+
+static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, group *g) {
+    const uint32_t lanes = lanes_of(g);
+    if (!engine->exchange.begin || !is_only_linked(members) || g->pieces)
+        return FP3_OK;
+    g->pieces = malloc((members->objects / lanes + (size_t)1) * sizeof *g->pieces);
+    if (!g->pieces)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    g->inner_count = list_pieces(members, lanes, 0, g->pieces);
+    g->piece_count = g->inner_count + list_pieces(members, lanes, 1, g->pieces + g->inner_count);
+    return FP3_OK;
+}
+
+/* ---- what the executor needs ---- */
 
 static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
     fp3_status status = FP3_OK;
@@ -51,8 +109,13 @@ static fp3_status need_halves(fp3_engine *engine, const group *g) {
 }
 
 static uint32_t share_begin(const sweep *s, uint32_t number) {
-    const uint64_t blocks = (s->group.objects + FP3_BLOCK - 1) / FP3_BLOCK;
+    const uint64_t blocks = s->pieces ? s->piece_count : (s->count + FP3_BLOCK - 1) / FP3_BLOCK;
     return (uint32_t)(blocks * number / s->self->used);
+}
+
+static piece piece_of(const sweep *s, uint32_t n) {
+    const uint32_t first = n * FP3_BLOCK, left = s->count - first;
+    return s->pieces ? s->pieces[n] : (piece){s->from + first, left < FP3_BLOCK ? left : FP3_BLOCK};
 }
 
 /* First its own share, which is in its processor's cache from the phase before, then what others have left of theirs. */
@@ -63,9 +126,9 @@ static void take_part(void *of, uint32_t number) {
         const uint32_t whose = (number + i) % used, end = share_begin(s, whose + 1);
         atomic_uint *next = &s->self->hands[whose].next;
         for (uint32_t n; (n = atomic_fetch_add(next, 1)) < end;) {
-            const uint32_t first = n * FP3_BLOCK, left = s->group.objects - first;
-            fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase,
-                           s->from + first, left < FP3_BLOCK ? left : FP3_BLOCK);
+            const piece p = piece_of(s, n);
+            fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, p.first,
+                           p.count);
         }
     }
 }
@@ -95,6 +158,8 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
         fp3_around_forget(g);
     if (!status)
         status = pack(engine, members, g);
+    if (!status)
+        status = need_pieces(engine, members, g);
     return status ? status : need_records(engine, g);
 }
 
@@ -108,12 +173,42 @@ static void sweep_all(fp3_engine *engine, sweep *s) {
         fp3_threads_run(self->threads, take_part, s, self->used);
 }
 
-static void make_phase(fp3_engine *engine, const fp3_members *members, const group *g,
-                       uint32_t phase) {
+/* What neighbours read of these rows goes where they read it. */
+static void gather(fp3_engine *engine, sweep s, const group *g, uint32_t from, uint32_t count) {
+    if (!g->records)
+        return;
+    s.phase = fp3_fast_phases(g->program);
+    s.from = from;
+    s.count = count;
+    sweep_all(engine, &s);
+}
+
+static void take_pieces(fp3_engine *engine, sweep s, const group *g, uint32_t first, uint32_t end) {
+    s.pieces = g->pieces + first;
+    s.piece_count = end - first;
+    sweep_all(engine, &s);
+}
+
+/* An exchange has begun. While words are on their way, those are computed that need none of them. */
+static fp3_status sweep_around_exchange(fp3_engine *engine, const fp3_members *members,
+                                        const group *g, const sweep *s) {
+    gather(engine, *s, g, 0, members->objects);
+    take_pieces(engine, *s, g, 0, g->inner_count);
+    const fp3_status status = fp3_engine_exchange_end(engine);
+    if (status)
+        return status;
+    const uint32_t guests = members->objects / lanes_of(g) * lanes_of(g); /* from a whole vector */
+    gather(engine, *s, g, guests, members->rows - guests);
+    take_pieces(engine, *s, g, g->inner_count, g->piece_count);
+    return FP3_OK;
+}
+
+static fp3_status make_phase(fp3_engine *engine, const fp3_members *members, const group *g,
+                             uint32_t phase) {
     fast *self = engine->self;
     uint32_t *own[FP3_BANK_OBJECT_COUNT] = {0}, *next[FP3_BANK_OBJECT_COUNT] = {0};
     const uint64_t doubled = fp3_fast_doubled(g->program);
-    sweep s = {.self = self, .program = g->program};
+    sweep s = {.self = self, .program = g->program, .phase = phase};
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++) {
         if (!self->column[reg])
             continue;
@@ -128,19 +223,21 @@ static void make_phase(fp3_engine *engine, const fp3_members *members, const gro
                                .lists = g->lists,
                                .records = g->records,
                                .objects = members->rows};
-    if (g->records) {
-        s.phase = fp3_fast_phases(g->program);
+    fp3_status status = FP3_OK;
+    if (g->pieces) {
+        status = sweep_around_exchange(engine, members, g, &s);
+    } else {
+        gather(engine, s, g, 0, members->rows);
+        s.from = members->from;
+        s.count = members->objects;
         sweep_all(engine, &s);
     }
-    s.phase = phase;
-    s.group.objects = members->objects;
-    s.from = members->from;
-    sweep_all(engine, &s);
     FP3_EACH_REGISTER (doubled, reg) {
         uint32_t *half = self->column[reg];
         self->column[reg] = self->other_half[reg];
         self->other_half[reg] = half;
     }
+    return status;
 }
 
 int fp3_around_is_any(const fp3_engine *engine) {
@@ -181,11 +278,13 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fp3_status status = need_halves(engine, g);
     for (uint32_t step = 0; !status && step < steps; step++) {
         for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
-            status = fp3_engine_exchange(engine);
+            status = fp3_engine_exchange_begin(engine);
+            if (!status && !is_only_linked(members))
+                status = fp3_engine_exchange_end(engine);
             if (!status)
                 status = follow(engine, members, g);
             if (!status)
-                make_phase(engine, members, g, phase);
+                status = make_phase(engine, members, g, phase);
         }
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }

@@ -12,6 +12,11 @@
 #include <fp3/isa.h>
 #include <stdatomic.h>
 
+/* Objects of a group that are worked on together: whole vectors, except for the last. */
+typedef struct {
+    uint32_t first, count;
+} piece;
+
 /* A program and its objects. */
 typedef struct {
     fp3_fast *program;
@@ -21,6 +26,9 @@ typedef struct {
     fp3_fast_packed lists[FP3_LISTS_MAX]; /* of neighbours, as the executor needs them */
     float *records;                       /* of what neighbours read, or NULL */
     int is_packed;
+    piece *
+        pieces; /* where others than the group's own objects are seen by links alone: first those that see none of them */
+    uint32_t piece_count, inner_count;
 } group;
 
 /* What the threads share: block n is of the group whose blocks begin at or before it. */

@@ -3,13 +3,23 @@
 
 #include <stdlib.h>
 
-void fp3_engine_set_exchange(fp3_engine *engine, fp3_exchange_fn *exchange, void *user) {
-    engine->exchange = exchange;
-    engine->exchange_user = user;
+void fp3_engine_set_exchange(fp3_engine *engine, const fp3_exchange *exchange) {
+    engine->exchange = *exchange;
+}
+
+fp3_status fp3_engine_exchange_begin(fp3_engine *engine) {
+    const fp3_exchange *e = &engine->exchange;
+    return e->begin ? e->begin(e->user, engine) : FP3_OK;
+}
+
+fp3_status fp3_engine_exchange_end(fp3_engine *engine) {
+    const fp3_exchange *e = &engine->exchange;
+    return e->end ? e->end(e->user, engine) : FP3_OK;
 }
 
 fp3_status fp3_engine_exchange(fp3_engine *engine) {
-    return engine->exchange ? engine->exchange(engine->exchange_user, engine) : FP3_OK;
+    const fp3_status status = fp3_engine_exchange_begin(engine);
+    return status ? status : fp3_engine_exchange_end(engine);
 }
 
 static int by_number(const void *a, const void *b) {

@@ -69,9 +69,15 @@ void fp3_engine_use(fp3_engine *engine, size_t first, size_t count);
 
 /* ---- guests: objects behind those that make steps, which only stand for objects of another engine ---- */
 
-/* Before each phase of a run: what guests publish is to be what their objects publish. A failure ends the run. */
 typedef fp3_status fp3_exchange_fn(void *user, fp3_engine *engine);
-void fp3_engine_set_exchange(fp3_engine *engine, fp3_exchange_fn *exchange, void *user);
+
+/* At each phase of a run `begin` sends what own objects publish, and after `end` guests have what their objects publish. Between the
+ * two an engine may compute for objects that see no guests. A failure ends the run. */
+typedef struct {
+    fp3_exchange_fn *begin, *end; /* begin may be NULL */
+    void *user;
+} fp3_exchange;
+void fp3_engine_set_exchange(fp3_engine *engine, const fp3_exchange *exchange);
 /* Sums over those that are near go by these numbers, one for each object and guest, all different: as if a single engine had
  * them all. They are copied, and hold until the next load. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_engine_set_numbers(fp3_engine *engine, const uint32_t *numbers);

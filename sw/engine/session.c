@@ -200,7 +200,7 @@ static void add_counters(fp3_engine *engine, uint64_t *sums) {
 /* Objects that see each other: a visit is a step, and lists that follow the objects do so after each. */
 static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     const uint64_t limit = engine->def.cycle_limit;
-    const uint32_t at_once = fp3_store_lists_is_near(engine) || engine->exchange ? 1 : steps;
+    const uint32_t at_once = fp3_store_lists_is_near(engine) || engine->exchange.end ? 1 : steps;
     uint64_t sums[FP3_COUNTER_COUNT] = {0};
     fp3_store_lists lists;
     fp3_status status = fp3_store_lists_begin(engine, &lists);

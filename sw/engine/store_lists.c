@@ -253,12 +253,12 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
         return refuse(engine, "lists of those that are near need a step of one phase: with "
                               "several, lists would follow "
                               "the objects in the middle of a step");
-    if (engine->exchange && group->lists.shape.phases > 1)
+    if (engine->exchange.end && group->lists.shape.phases > 1)
         return refuse(
             engine,
             "objects of several ranks need a step of one phase: with several, words of other "
             "ranks would come in the middle of a step");
-    if (engine->exchange && engine->config->lanes > 1)
+    if (engine->exchange.end && engine->config->lanes > 1)
         return refuse(engine, "objects of several ranks need a configuration of one lane");
     lists->words = malloc(group->rows * sizeof *lists->words);
     lists->saved = malloc(((size_t)count * group->rows + 1) * sizeof *lists->saved);

@@ -167,7 +167,7 @@ static void open_part(part *p) {
     give_lists(p);
     fp3_engine_use(p->engine, p->first, p->own);
     told(fp3_engine_set_numbers(p->engine, p->number), &p->error);
-    fp3_engine_set_exchange(p->engine, exchange, p);
+    fp3_engine_set_exchange(p->engine, &(fp3_exchange){.end = exchange, .user = p});
     free(words);
     free(mine);
     free(shared);
