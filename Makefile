@@ -81,7 +81,7 @@ else
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float
 # The configurations that fp3 board simulates with their serial line.
-BOARDS  := single many
+BOARDS  := single many world
 RTL_ROOMS := bus config fp front host lane lib lns sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)

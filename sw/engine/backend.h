@@ -49,6 +49,7 @@ typedef struct {
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
     int is_divided; /* other engines have the objects, and know who failed */
+    int begins_at_0; /* a run makes steps of the first objects: fp3_engine_use has no other `first` */
     int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 

@@ -74,8 +74,8 @@ fp3_status fp3_ranks_read(fp3_engine *engine, fp3_cells cells, void *words) {
     fp3_status status = bytes && next && own && all
                             ? FP3_OK
                             : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    if (!status && here.count)
-        status = self->own->backend->read(self->own, here, own);
+    if (!status)
+        status = fp3_ranks_read_own(self, here, own);
     for (size_t i = cells.first; !status && i < cells.first + cells.count; i++)
         bytes[self->whose[i]] += sizeof *own;
     if (!status) {
@@ -125,8 +125,8 @@ static fp3_status write_words(fp3_engine *engine, fp3_cells cells, const void *w
     fp3_status status = own ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; !status && i < here.count; i++)
         own[i] = from[self->mine[begin + i] - cells.first];
-    if (!status && here.count)
-        status = fp3_cells_write(self->own, here, own);
+    if (!status)
+        status = fp3_ranks_write_own(self, here, own);
     free(own);
     return status || !self->own ? status : fp3_ranks_write_guests(self, cells, words);
 }
@@ -181,7 +181,8 @@ static fp3_status connect_ranked(fp3_engine *engine, fp3_members *group, const f
 static fp3_status list_ranked(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && engine->lives.list && i < self->share[self->ranks->rank]; i++) {
+    for (uint32_t i = 0;
+         !status && self->own && engine->lives.list && i < self->share[self->ranks->rank]; i++) {
         const fp3_life *life = &engine->lives.list[self->mine[i]];
         status = fp3_engine_live(self->own, self->first + i, 1, life->born, life->gone);
     }
@@ -226,6 +227,7 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     stats->flags |= own.flags;
     stats->schedulers = own.schedulers;
     add_up(engine, stats);
+    fp3_ranks_count_run(engine);
     return FP3_OK;
 }
 
@@ -320,6 +322,7 @@ fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ran
         return status ? status : fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     self->backend = ranked;
     self->backend.name = own->name;
+    self->backend.begins_at_0 = own->begins_at_0;
     self->ranks = ranks;
     self->def = *def;
     self->def.engine = own->name;

@@ -24,4 +24,14 @@ fp3_status fp3_ranks_open(fp3_ranks *ranks, fp3_error *error);
 fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ranks,
                                  fp3_engine **engine);
 
+/* What one rank has now, and what it did since the engine was opened. */
+typedef struct {
+    uint64_t objects, guests;
+    uint64_t cycles; /* of its runs */
+    uint64_t sent;   /* bytes, to other ranks before phases */
+    fp3_bus_use bus; /* of its own engine */
+} fp3_rank_use;
+/* Of every rank, in their order, for all of them. The caller frees *all. */
+fp3_status fp3_ranks_use(fp3_engine *engine, fp3_rank_use **all, unsigned *count);
+
 #endif

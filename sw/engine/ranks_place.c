@@ -32,10 +32,11 @@ static int count_near(const fp3_members *group) {
 
 /* ---- whose ---- */
 
-/* Of objects that see all others, whole vectors: FP3_USE_STEP. */
+/* Of objects that see all others, whole vectors where there are any: FP3_USE_STEP. */
 static void divide_group(const fp3_ranked *self, const fp3_members *group) {
     const uint32_t ranks = self->ranks->count;
-    const uint64_t step = group->lists.shape.is_any ? FP3_USE_STEP : 1;
+    const uint64_t step =
+        group->lists.shape.is_any && !self->backend.begins_at_0 ? FP3_USE_STEP : 1;
     const uint64_t pieces = (group->objects + step - 1) / step;
     for (uint32_t i = 0; i < group->objects; i++)
         self->whose[group->first + i] = (uint32_t)(i / step * ranks / pieces);
@@ -483,12 +484,13 @@ static fp3_status give_list(fp3_engine *engine, const fp3_ranked *to, const fp3_
     float *field = malloc((entries * list->fields + 1) * sizeof *field);
     fp3_status status = begin && other && field ? FP3_OK : no_memory(engine);
     for (uint32_t i = 0; !status && i < to->room; i++) {
-        const uint32_t object = i < count ? to->mine[i] : UINT32_MAX;
-        for (uint32_t e = i < count ? list->begin[object] : 0;
-             i < count && e < list->begin[object + 1]; e++, n++) {
-            other[n] = rows[list->other[e]];
-            memcpy(&field[(size_t)n * list->fields], &list->field[(size_t)e * list->fields],
-                   list->fields * sizeof *field);
+        const uint32_t length = i < count ? fp3_list_length(list, to->mine[i]) : 0;
+        for (uint32_t turn = 0; turn < length; turn++, n++) {
+            other[n] = rows[fp3_list_entry(list, to->mine[i], turn)];
+            if (list->fields) /* all others have none */
+                memcpy(&field[(size_t)n * list->fields],
+                       &list->field[((size_t)list->begin[to->mine[i]] + turn) * list->fields],
+                       list->fields * sizeof *field);
         }
         begin[i + 1] = n;
     }
@@ -517,7 +519,7 @@ static fp3_status give_lists(fp3_engine *engine, fp3_ranked *to) {
         fp3_list *own = &group->lists.lists[k];
         if (list->is_near)
             fp3_list_take_near(own, &list->near);
-        else if (list->is_all)
+        else if (to->sees_all && list->is_all)
             status = fp3_list_take(own, &(fp3_neighbours){0}, engine->def.error);
         else if (list->is_there)
             status = give_list(engine, to, list, rows, own);
@@ -538,13 +540,27 @@ static void use_rows(fp3_engine *engine, fp3_ranked *to) {
     fp3_engine_set_exchange(to->own, fp3_ranks_exchange, engine);
 }
 
+/* Rows for guests that come later, where there are so many: hardware has half of its store for them. */
+static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
+    const fp3_config *config = fp3_config_find(to->def.config);
+    const uint32_t now = to->share[here(to)] + to->guest_count;
+    uint64_t most = engine->objects, room = now + (to->made[0] ? to->guest_count + ROOM_MORE : 0);
+    if (to->sees_all)
+        return engine->objects;
+    if (to->backend.begins_at_0) {
+        const uint64_t fit =
+            (uint64_t)config->lanes * (config->store_words / 2 >> engine->layout.groups[0].log2);
+        most = fit < most ? fit : most;
+    }
+    room = room < most ? room : most;
+    return room > now ? (uint32_t)room : now;
+}
+
 /* Opens it for `whose` and guests, empty. */
 static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     const uint32_t own = to->share[here(to)];
     const int is_around = engine->layout.groups[0].lists.shape.is_any;
-    to->room = to->sees_all
-                   ? engine->objects
-                   : own + to->guest_count + (to->made[0] ? to->guest_count + ROOM_MORE : 0);
+    to->room = room_for(engine, to);
     if (!own)
         return FP3_OK;
     to->def.objects = to->room;
@@ -552,7 +568,7 @@ static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     fp3_status status = fp3_engine_open(&to->def, &to->own);
     if (!status)
         status = load_own(engine, to);
-    if (!status && is_around && to->is_placed)
+    if (!status && is_around)
         status = give_lists(engine, to);
     if (!status && is_around)
         use_rows(engine, to);
@@ -561,7 +577,8 @@ static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
 
 fp3_status fp3_ranks_begin(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
-    fp3_engine_close(&self->own);
+    fp3_ranks_close_own(self);
+    fp3_ranks_forget_held(self);
     forget_traffic(self);
     self->guest_count = 0;
     self->sees_all = 0;
@@ -569,7 +586,7 @@ fp3_status fp3_ranks_begin(fp3_engine *engine) {
     for (uint32_t i = 0; i < engine->layout.count; i++)
         divide_group(self, &engine->layout.groups[i]);
     count_shares(engine, self);
-    return settle(engine, self);
+    return self->is_placed ? settle(engine, self) : FP3_OK;
 }
 
 /* ---- moving ---- */
@@ -577,19 +594,13 @@ fp3_status fp3_ranks_begin(fp3_engine *engine) {
 void fp3_ranks_forget(fp3_ranked *self) {
     forget_traffic(self);
     fp3_engine_close(&self->own);
+    fp3_ranks_forget_held(self);
     free(self->whose);
     free(self->mine);
     free(self->share);
     free(self->guests);
     for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++)
         free(self->made[k]);
-}
-
-static int is_any_set(const uint32_t *words, size_t count) {
-    uint32_t any = 0;
-    for (size_t i = 0; i < count; i++)
-        any |= words[i];
-    return any != 0;
 }
 
 /* A register at a time: what was never written is not made. */
@@ -604,7 +615,7 @@ static fp3_status move(fp3_engine *engine, fp3_ranked *before, fp3_ranked *to) {
         engine->self = before;
         status = fp3_ranks_read(engine, cells, words);
         engine->self = to;
-        if (!status && is_any_set(words, count))
+        if (!status && fp3_ranks_is_any_set(words, count))
             status = engine->backend->write(engine, cells, words);
     }
     free(words);
@@ -616,11 +627,11 @@ static fp3_status divide(fp3_engine *engine, fp3_ranked *to) {
     int is_linked = 0;
     for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
         is_linked |= group->lists.lists[k].begin && !group->lists.lists[k].is_near;
-    if (to->sees_all)
+    if (sees_all(group))
         divide_group(to, group);
-    return to->sees_all ? FP3_OK
-           : is_linked  ? divide_by_links(engine, to)
-                        : divide_by_place(engine, to);
+    return sees_all(group) ? FP3_OK
+           : is_linked     ? divide_by_links(engine, to)
+                           : divide_by_place(engine, to);
 }
 
 static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
@@ -639,7 +650,7 @@ static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
 }
 
 fp3_status fp3_ranks_place(fp3_engine *engine) {
-    fp3_ranked *self = engine->self, before = *self;
+    fp3_ranked *self = engine->self, before;
     fp3_ranked to = *self;
     to.whose = malloc(engine->objects * sizeof *to.whose);
     to.mine = malloc(engine->objects * sizeof *to.mine);
@@ -649,9 +660,10 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     to.guest_count = 0;
     to.out = to.in = (fp3_traffic){0};
     to.plan = NULL;
-    to.sees_all = sees_all(&engine->layout.groups[0]);
+    to.sees_all = sees_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
     to.is_placed = 1;
     memset(to.made, 0, sizeof to.made);
+    memset(to.held, 0, sizeof to.held);
     fp3_status status = to.whose && to.mine && to.share ? FP3_OK : no_memory(engine);
     if (!status)
         status = divide(engine, &to);
@@ -661,6 +673,10 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     }
     if (!status)
         status = fp3_ranks_choose_guests(engine, &to);
+    if (!status)
+        status = fp3_ranks_hold(engine);
+    before = *self;
+    to.use = self->use;
     if (!status)
         status = settle(engine, &to);
     if (!status) {
@@ -749,6 +765,7 @@ static fp3_status send_and_receive(fp3_engine *engine) {
             }
     if (status)
         return status;
+    self->use.sent += (uint64_t)(to - self->out.words) * sizeof *to;
     self->ranks->calls->begin(self->plan);
     self->ranks->calls->end(self->plan);
     for (uint32_t r = 0, guest = 0; r < ranks; guest += self->in.count[r], r++)

@@ -96,7 +96,7 @@ static fp3_status open_room(fp3_engine *engine, const fp3_ghosts *ghosts, uint32
             engine->def.error, FP3_E_PROGRAM,
             "engine '%s': records have half of the store: room for %" PRIu32
             " of %u words, not for %" PRIu32 ", %" PRIu32
-            " of them copies of objects in other lanes",
+            " of them copies of objects in other lanes or of other ranks",
             engine->backend->name, half >> group->log2, 1u << group->log2, ghosts->used[lane],
             ghosts->used[lane] - fp3_layout_rows(&engine->layout, engine->config, 0, lane));
     *r = (room){
@@ -134,7 +134,7 @@ static fp3_status write_list(room *r, const fp3_list *list) {
     fp3_engine *engine = r->engine;
     const fp3_members *group = group_of(engine);
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < list->objects; i++) {
+    for (uint32_t i = 0; !status && i < group->objects; i++) {
         const uint32_t length = fp3_list_length(list, i), words = length * (1 + list->fields);
         const fp3_where at = fp3_layout_where(&engine->layout, engine->config, group->first + i);
         if (at.lane != r->lane)
@@ -258,8 +258,6 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
             engine,
             "objects of several ranks need a step of one phase: with several, words of other "
             "ranks would come in the middle of a step");
-    if (engine->exchange && engine->config->lanes > 1)
-        return refuse(engine, "objects of several ranks need a configuration of one lane");
     lists->words = malloc(group->rows * sizeof *lists->words);
     lists->saved = malloc(((size_t)count * group->rows + 1) * sizeof *lists->saved);
     if (!lists->words || !lists->saved) {

@@ -1,0 +1,91 @@
+"""Four chips, one world: each rank drives a simulated board of its own over a serial line. And chips of several lanes, on the bus."""
+
+import contextlib
+import re
+
+import pytest
+
+from simulated_board import board
+
+# Links; near; all others. Each is small: a byte takes 40 cycles on a simulated line.
+SCENES = {
+    "cloth": """grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.05; origin = [0.0, 2.0, 0.0]; };
+                links = { relation = "springs"; grid = ["structural", "shear"]; rest = "rest"; }; integrator = "semi_implicit_euler";""",
+    "balls": 'grid = { position = "x"; count = [4, 3, 1]; spacing = 0.099; origin = [0.1, 0.1, 0.1]; }; integrator = "semi_implicit_euler";',
+    "heap": """objects = 45; random = { position = "x"; from = [0.05, 0.06, 0.05]; to = [0.5, 0.5, 0.35]; apart = 0.1; seed = 1; };
+               program = "balls.ode"; integrator = "semi_implicit_euler";""",
+    "stars": 'objects = 40; random = { position = "x"; from = [-1.0, -1.0, -1.0]; to = [1.0, 1.0, 1.0]; apart = 0.01; seed = 1; }; integrator = "euler";',
+}
+RANK = re.compile(r"^rank (\d+) +(\d+) objects, (\d+) guests; (\d+) cycles; (\d+) bytes to other ranks(?:; (\d+) words on the bus)?"
+                  r"(?:, (\d+) requests, (\d+) bytes on the line)?$", re.M)
+
+
+@pytest.fixture
+def run(mpirun, fp3, root, tmp_path):
+    """The recording of a scene, byte for byte, what each rank did, and what was printed."""
+
+    def made(name, ranks, engine, config, steps, *more):
+        text = SCENES[name] if "program" in SCENES[name] else f'program = "{name}.ode"; {SCENES[name]}'
+        (tmp_path / f"{name}.scene").write_text(f"steps = 1;\ngroups = ( {{ {text} }} );\n")
+        for model in ("cloth", "balls", "stars"):
+            (tmp_path / f"{model}.ode").write_text((root / f"programs/world/{model}.ode").read_text())
+        out = tmp_path / f"{name}-{ranks}-{engine}-{config}.csv"
+        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / f"{name}.scene", "-e", engine, "-c", config, "--steps", steps, "--output", out, *more)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return out.read_bytes(), [[int(word or 0) for word in row] for row in RANK.findall(done.stdout)], done.stdout
+
+    return made
+
+
+@contextlib.contextmanager
+def boards(fp3, count, config):
+    """Boards, and their ports as --port has them."""
+    with contextlib.ExitStack() as stack:
+        yield ",".join([stack.enter_context(board(fp3, "--config", config))[1] for _ in range(count)])
+
+
+@pytest.mark.parametrize("name, steps", [("cloth", 3), ("balls", 3)])
+def test_four_boards_are_one_world(run, fp3, name, steps):
+    """The recording of one process, the cycles of four chips on the bus; guests came, and each line carried what the words need."""
+    one, _, _ = run(name, 1, "fast", "world", steps)
+    with boards(fp3, 4, "world") as ports:
+        four, ranks, said = run(name, 4, "board", "world", steps, "--port", ports)
+    assert four == one and len(one) > 1000
+    _, chips, _ = run(name, 4, "rtl", "world", steps)
+    assert [row[:5] for row in ranks] == [row[:5] for row in chips]
+    assert len(ranks) == 4 and sum(row[1] for row in ranks) in (36, 12)
+    assert int(re.search(r"^cycles +(\d+)$", said, re.M)[1]) == max(row[3] for row in ranks) > 0
+    for _, _, guests, _, sent, words, requests, line in ranks:
+        assert guests > 0 and sent > 0 and line > 4 * words + 2 * 6 * requests
+
+
+@pytest.mark.parametrize("name, config, ranks, steps", [("cloth", "fabric", 3, 20), ("heap", "fabric", 3, 60), ("heap", "world", 4, 60), ("stars", "fabric", 3, 3),
+                                                        ("stars", "world", 4, 3)])
+def test_chips_of_one_lane_and_of_several(run, name, config, ranks, steps):
+    """What objects read is of the own lane, of another lane or of another chip; balls find new neighbours on the way."""
+    one, _, _ = run(name, 1, "fast", "world", steps)
+    many, rows, _ = run(name, ranks, "rtl", config, steps)
+    assert many == one and len(one) > 1000
+    assert len(rows) == ranks and all(row[1] > 0 and row[2] > 0 for row in rows)
+
+
+@pytest.mark.parametrize("ranks, ports, said", [
+    (1, "A,B,C", "found 3 ports, expected one: each process has a board, and there is one process (mpirun -n 3 starts"),
+    (3, "A,B", "found 2 ports, expected 3, with commas between them: one for each rank"),
+    (2, "A", "found 1 port, expected 2"),
+    (2, "A,", "found 'A,', expected a name before and behind each comma"),
+])
+def test_a_port_for_each_rank(mpirun, fp3, root, ranks, ports, said):
+    done = mpirun(ranks, fp3, "run", "--scene", root / "programs/world/cloth.scene", "-e", "board", "--port", ports)
+    assert done.returncode == 2 and done.stderr.count(said) == 1, done.stderr
+
+
+def test_the_boards_of_one_program_need_a_configuration(mpirun, fp3, root):
+    done = mpirun(2, fp3, "run", root / "programs/lotka_volterra.ode", "-e", "board", "--port", "A,B")
+    assert done.returncode == 2 and "--port: expected --config, too" in done.stderr, done.stderr
+
+
+def test_one_board_of_another_configuration(mpirun, fp3, root):
+    with boards(fp3, 1, "many") as first, boards(fp3, 1, "single") as second:
+        done = mpirun(2, fp3, "run", root / "programs/lotka_volterra.ode", "-e", "board", "--port", f"{first},{second}", "-c", "many", "--objects", 4)
+    assert done.returncode != 0 and "has configuration 'single', not 'many'" in done.stderr, done.stderr
