@@ -78,6 +78,7 @@ typedef struct {
 typedef struct {
     fp3_failed *list; /* by object; NULL: nobody has asked */
     size_t count;
+    int is_sought; /* objects of another engine may have failed: the run is made again for those */
 } fp3_failures;
 
 extern const fp3_backend fp3_backend_rtl, fp3_backend_isa, fp3_backend_fast, fp3_backend_board;
@@ -121,6 +122,8 @@ fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **backe
 fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *config,
                               const fp3_backend *backend, void *self, fp3_engine **engine);
 
+/* Whether somebody failed in the last run: a flag or a state says so. */
+fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_any);
 /* Who failed in the last run: engine->failures. */
 fp3_status fp3_engine_find_failures(fp3_engine *engine);
 

@@ -155,9 +155,18 @@ static fp3_status check(fp3_engine *engine, const fp3_watched *watched, uint32_t
                      : FP3_OK;
 }
 
+fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_any) {
+    fp3_watched *watched = calloc(engine->objects, sizeof *watched);
+    *is_any = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    const fp3_status status = watched ? look_at_states(engine, watched, is_any)
+                                      : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    free(watched);
+    return status;
+}
+
 static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched) {
     uint32_t flags = 0;
-    int is_any = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
+    int is_any = engine->failures.is_sought || (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
     for (uint32_t i = 0; i < engine->objects; i++)
         watched[i].raised = watched[i].strayed = FP3_NEVER;
     fp3_status status = look_at_states(engine, watched, &is_any);

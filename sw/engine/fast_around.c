@@ -23,6 +23,7 @@ void fp3_around_forget(group *g) {
     g->is_packed = 0;
 }
 
+/* Lists of guests are left out: what fills the last vector has the last object's words, and so needs that one's list. */
 static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
@@ -31,7 +32,9 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .other = l->other,
                                       .field = l->field,
                                       .fields = l->fields,
-                                      .objects = l->is_near ? members->rows : l->objects,
+                                      .objects =
+                                          l->is_all ? l->objects : members->from + members->objects,
+                                      .rows = members->rows,
                                       .is_fixed = !l->is_near};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);

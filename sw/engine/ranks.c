@@ -236,7 +236,19 @@ static int by_object(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The ranks look together: where objects see each other each makes the run again. */
+/* Where objects see each other, all ranks make the run again if one has to: it needs the words of the others. */
+static fp3_status seek_together(fp3_ranked *self) {
+    int is_any = 0;
+    const fp3_status status = self->own ? fp3_engine_suspect(self->own, &is_any) : FP3_OK;
+    if (status)
+        return status;
+    is_any = self->ranks->calls->most(self->ranks->world, is_any != 0) != 0;
+    if (self->own)
+        self->own->failures.is_sought = is_any;
+    return FP3_OK;
+}
+
+/* The ranks look together. */
 static fp3_status failures_ranked(fp3_engine *engine, fp3_failed **failed, size_t *count) {
     fp3_ranked *self = engine->self;
     const fp3_ranks *ranks = self->ranks;
@@ -245,6 +257,8 @@ static fp3_status failures_ranked(fp3_engine *engine, fp3_failed **failed, size_
     fp3_status status = bytes ? FP3_OK : no_memory(engine);
     fp3_failed *own = NULL;
     size_t found = 0;
+    if (!status && engine->layout.groups[0].lists.shape.is_any)
+        status = seek_together(self);
     if (!status && self->own)
         status = fp3_engine_find_failures(self->own);
     if (!status && self->own) {

@@ -19,6 +19,8 @@ SCENES = {
 RANK = re.compile(r"^rank (\d+) +(\d+) objects, (\d+) guests; (\d+) cycles; (\d+) bytes to other ranks(?:; (\d+) words on the bus)?"
                   r"(?:, (\d+) requests, (\d+) bytes on the line)?$", re.M)
 
+FLAGS = re.compile(r"^flags .*", re.M)
+
 
 @pytest.fixture
 def run(mpirun, fp3, root, tmp_path):
@@ -59,14 +61,29 @@ def test_four_boards_are_one_world(run, fp3, name, steps):
         assert guests > 0 and sent > 0 and line > 4 * words + 2 * 6 * requests
 
 
-@pytest.mark.parametrize("name, config, ranks, steps", [("cloth", "fabric", 3, 20), ("heap", "fabric", 3, 60), ("heap", "world", 4, 60), ("stars", "fabric", 3, 3),
-                                                        ("stars", "world", 4, 3)])
-def test_chips_of_one_lane_and_of_several(run, name, config, ranks, steps):
-    """What objects read is of the own lane, of another lane or of another chip; balls find new neighbours on the way."""
-    one, _, _ = run(name, 1, "fast", "world", steps)
-    many, rows, _ = run(name, ranks, "rtl", config, steps)
+@pytest.mark.parametrize("name, engine, config, ranks, steps", [
+    ("cloth", "rtl", "fabric", 3, 8), ("heap", "rtl", "fabric", 3, 30), ("heap", "rtl", "world", 4, 60), ("stars", "rtl", "fabric", 3, 3),
+    ("stars", "rtl", "world", 4, 3), ("heap", "fast", "world", 5, 60)])
+def test_chips_of_one_lane_and_of_several(run, name, engine, config, ranks, steps):
+    """What objects read is of the own lane, of another lane or of another chip; balls find new neighbours on the way. The flags, too."""
+    one, _, alone = run(name, 1, "fast", "world", steps)
+    many, rows, said = run(name, ranks, engine, config, steps)
     assert many == one and len(one) > 1000
     assert len(rows) == ranks and all(row[1] > 0 and row[2] > 0 for row in rows)
+    assert FLAGS.findall(said) == FLAGS.findall(alone) != []
+
+
+@pytest.mark.parametrize("engine", ["fast", "rtl"])
+def test_objects_that_fail_on_one_rank(mpirun, fp3, root, tmp_path, engine):
+    """All ranks make the run again to find out who, though only one has seen a flag."""
+    (tmp_path / "cloth.ode").write_text((root / "programs/world/cloth.ode").read_text())
+    (tmp_path / "x.scene").write_text(f"steps = 1;\ngroups = ( {{ program = \"cloth.ode\"; {SCENES['cloth']} only = {{ objects = 0; set = {{ w = 1e37; }}; }}; }} );\n")
+    said = []
+    for ranks in (1, 3):
+        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", engine, "-c", "world", "--steps", 2, timeout=40)
+        assert done.returncode == 3, done.stderr
+        said.append(re.findall(r"^failed .*", done.stdout, re.M) + FLAGS.findall(done.stdout))
+    assert said[0] == said[1] and re.search("[1-9] of 36", said[0][0])
 
 
 @pytest.mark.parametrize("ranks, ports, said", [
