@@ -641,6 +641,13 @@ static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
                         "several ranks: a model with more than one relation `near`");
     if (!near)
         return FP3_OK;
+    for (unsigned r = 0; r < to->ranks->count; r++)
+        if (!to->share[r])
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                            "several ranks: of %" PRIu32
+                            " objects rank %u has none: start at most as many ranks as there are "
+                            "objects",
+                            engine->objects, r);
     for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
         to->made[k] = malloc((to->share[here(to)] + (size_t)1) * sizeof *to->made[k]);
         if (!to->made[k])

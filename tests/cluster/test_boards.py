@@ -97,6 +97,14 @@ def test_a_port_for_each_rank(mpirun, fp3, root, ranks, ports, said):
     assert done.returncode == 2 and done.stderr.count(said) == 1, done.stderr
 
 
+def test_more_ranks_than_objects(mpirun, fp3, root, tmp_path):
+    """Ranks decide together when guests are chosen again, and a rank without objects makes no step."""
+    (tmp_path / "x.scene").write_text('steps = 1;\ngroups = ( { program = "balls.ode"; integrator = "semi_implicit_euler"; objects = 2; } );\n')
+    (tmp_path / "balls.ode").write_text((root / "programs/world/balls.ode").read_text())
+    done = mpirun(3, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", timeout=40)
+    assert done.returncode == 2 and "of 2 objects rank 0 has none: start at most as many ranks" in done.stderr, done.stderr
+
+
 def test_the_boards_of_one_program_need_a_configuration(mpirun, fp3, root):
     done = mpirun(2, fp3, "run", root / "programs/lotka_volterra.ode", "-e", "board", "--port", "A,B")
     assert done.returncode == 2 and "--port: expected --config, too" in done.stderr, done.stderr
