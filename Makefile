@@ -499,6 +499,10 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
 
+.PHONY: four
+four: all ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4
+	@tools/four.sh $(BUILD)/fp3 $(if $(SCENE),$(SCENE),programs/world/cloth.scene) $(if $(STEPS),$(STEPS),10) $(if $(RANKS),$(RANKS),4)
+
 world-report: ## Write docs/world.md from what `make world` found
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
 

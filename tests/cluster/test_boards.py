@@ -2,6 +2,7 @@
 
 import contextlib
 import re
+import subprocess
 
 import pytest
 
@@ -114,3 +115,24 @@ def test_one_board_of_another_configuration(mpirun, fp3, root):
     with boards(fp3, 1, "many") as first, boards(fp3, 1, "single") as second:
         done = mpirun(2, fp3, "run", root / "programs/lotka_volterra.ode", "-e", "board", "--port", f"{first},{second}", "-c", "many", "--objects", 4)
     assert done.returncode != 0 and "has configuration 'single', not 'many'" in done.stderr, done.stderr
+
+
+def test_the_command_of_the_page(mpirun, mpi_environment, root, fp3, tmp_path):
+    """tools/four.sh, with two boards; and where they leave something else than one process."""
+    (tmp_path / "balls.scene").write_text(f"steps = 1;\ngroups = ( {{ program = \"balls.ode\"; {SCENES['balls']} }} );\n")
+    (tmp_path / "balls.ode").write_text((root / "programs/world/balls.ode").read_text())
+    four = lambda command: subprocess.run([root / "tools/four.sh", command, tmp_path / "balls.scene", "1", "2"], capture_output=True, text=True,
+                                          timeout=100, env=mpi_environment)
+    done = four(fp3)
+    assert done.returncode == 0 and done.stdout.endswith("2 boards leave, bit for bit, what one process leaves\n"), done.stdout + done.stderr
+    assert len(RANK.findall(done.stdout)) == 2
+    (tmp_path / "other").write_text(f"""#!/bin/sh
+case "$*" in
+*"engine board"*) exec {fp3} $(echo "$@" | sed "s/engine board --port [^ ]*/engine fast/") ;;
+*"engine fast"*) exec {fp3} $(echo "$@" | sed "s/--steps 1/--steps 2/") ;;
+*) exec {fp3} "$@" ;;
+esac
+""")
+    (tmp_path / "other").chmod(0o755)
+    done = four(tmp_path / "other")
+    assert done.returncode == 1 and "differ" in done.stdout + done.stderr, done.stdout + done.stderr
