@@ -81,7 +81,7 @@ else
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
 CORES   := fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float
 # The configurations that fp3 board simulates with their serial line.
-BOARDS  := single many
+BOARDS  := single many world
 RTL_ROOMS := bus config fp front host lane lib lns sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
 HDF5_C  := $(wildcard sw/hdf5/*.c)
@@ -499,6 +499,10 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 .PHONY: world world-report
 world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
+
+.PHONY: four
+four: all ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4
+	@tools/four.sh $(BUILD)/fp3 $(if $(SCENE),$(SCENE),programs/world/cloth.scene) $(if $(STEPS),$(STEPS),10) $(if $(RANKS),$(RANKS),4)
 
 world-report: ## Write docs/world.md from what `make world` found
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md

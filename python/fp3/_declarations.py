@@ -593,6 +593,7 @@ class fp3_bus_use(Structure):
         ("cycles", c_uint64),
         ("frames", c_uint64),
         ("repeats", c_uint64),
+        ("bytes", c_uint64),
     ]
 
 

@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define CYCLES 4096                  /* from one look at the terminal to the next */
+#define CYCLES 256                   /* from one look at the terminal to the next */
 #define ROOM (2 * (CYCLES / 32 + 1)) /* of bytes in that time; noise may double one */
 #define ONE_IN 500                   /* bytes that noise damages */
 

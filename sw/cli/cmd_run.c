@@ -233,6 +233,10 @@ static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *erro
     fp3_program_def how = o->how;
     fp3_engine_def def = fp3_engine_default();
     fp3_program *program = NULL;
+    if (o->on.port && !o->config && o->ranks)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--port: expected --config, too: one program is compiled for the boards of "
+                        "all ranks");
     if (o->on.port && !o->config) {
         fp3_status status = fp3_engine_find(o->on.port, (uint32_t)o->on.baud, &o->config, error);
         if (status)
@@ -293,6 +297,8 @@ int fp3_cmd_run(int argc, char **argv) {
         status = fp3_run_ranks_begin(&ranks, &error);
     o.ranks = ranks.is_one ? NULL : &ranks.all;
     o.record.def.is_silent = ranks.all.rank != 0;
+    if (!status)
+        status = fp3_run_ranks_port(&ranks, &o.on, &error);
     if (!status)
         status = check_files(&o, &error);
     if (!status) {

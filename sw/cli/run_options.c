@@ -69,7 +69,10 @@ static const struct argp_option table[] = {
      "hardware behind --port",
      0},
     {"port", KEY_PORT, "DEV", 0,
-     "With --engine board: its serial port, as /dev/ttyUSB0, or what fp3 board prints", 0},
+     "With --engine board: its serial port, as /dev/ttyUSB0, or what fp3 board prints; with "
+     "several "
+     "ranks the ports of all, with commas between them",
+     0},
     {"baud", KEY_BAUD, "N", 0,
      "With --engine board: the rate of the port, 9600 to 3000000 (default: 115200)", 0},
     {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},

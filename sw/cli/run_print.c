@@ -3,6 +3,7 @@
 
 #include "cli.h"
 #include "run_adaptive.h"
+#include "run_ranks.h"
 
 #include "engine/inside.h"
 
@@ -202,8 +203,9 @@ static void print_cost(const fp3_stats *stats, int has_counters) {
 
 /* What the line carried, and how long the host waited for the run. */
 static void print_line(const fp3_stats *stats, fp3_bus_use bus) {
-    printf("%-16s %.3g s for the run; %" PRIu64 " requests on the line, %" PRIu64 " sent again\n",
-           "board", stats->seconds, bus.frames, bus.repeats);
+    printf("%-16s %.3g s for the run; %" PRIu64 " requests on the line, %" PRIu64
+           " sent again, %" PRIu64 " bytes\n",
+           "board", stats->seconds, bus.frames, bus.repeats, bus.bytes);
 }
 
 /* What the cycles take on hardware with this clock, and what they took to simulate. */
@@ -309,6 +311,8 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_speed(stats, how);
     else
         print_time(stats, is_rtl, fp3_engine_bus(engine), clock);
+    if (fp3_engine_is_divided(engine))
+        fp3_run_ranks_print(engine);
     if (is_hardware)
         print_occupancy(engine, cost);
     if (is_hardware && of->scene)

@@ -2,8 +2,10 @@
 #include "run_ranks.h"
 
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* How many processes mpirun says it has started; MPI itself is slow to ask. */
@@ -38,7 +40,64 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     return FP3_OK;
 }
 
+static fp3_status check_ports(const char *text, unsigned ranks, fp3_error *error) {
+    unsigned ports = 1;
+    for (const char *c = text; *c; c++)
+        ports += *c == ',';
+    if (ports != ranks && ranks == 1)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--port: found %u ports, expected one: each process has a board, and there "
+                        "is one process (mpirun -n %u starts as many as there are ports)",
+                        ports, ports);
+    if (ports != ranks)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--port: found %u port%s, expected %u, with commas between them: one "
+                        "for each rank",
+                        ports, ports == 1 ? "" : "s", ranks);
+    if (*text == ',' || strstr(text, ",,") || text[strlen(text) - 1] == ',')
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--port: found '%s', expected a name before and "
+                        "behind each comma",
+                        text);
+    return FP3_OK;
+}
+
+fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_error *error) {
+    const char *text = on->port;
+    if (!text || !*text)
+        return FP3_OK;
+    const fp3_status status = check_ports(text, ranks->is_one ? 1 : ranks->all.count, error);
+    if (status)
+        return status;
+    for (unsigned r = 0; r < ranks->all.rank; r++)
+        text = strchr(text, ',') + 1;
+    ranks->port = strndup(text, strcspn(text, ","));
+    on->port = ranks->port;
+    return ranks->port ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
+void fp3_run_ranks_print(fp3_engine *engine) {
+    fp3_rank_use *all = NULL;
+    unsigned count = 0;
+    if (fp3_ranks_use(engine, &all, &count))
+        return;
+    for (unsigned r = 0; r < count; r++) {
+        printf("rank %-11u %" PRIu64 " objects, %" PRIu64 " guests; %" PRIu64 " cycles; %" PRIu64
+               " bytes to other ranks",
+               r, all[r].objects, all[r].guests, all[r].cycles, all[r].sent);
+        if (all[r].bus.transfers)
+            printf("; %" PRIu64 " words on the bus", all[r].bus.transfers);
+        if (all[r].bus.frames)
+            printf(", %" PRIu64 " requests, %" PRIu64 " bytes on the line", all[r].bus.frames,
+                   all[r].bus.bytes);
+        putchar('\n');
+    }
+    free(all);
+}
+
 int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
+    free(ranks->port);
+    ranks->port = NULL;
     fflush(stdout);
     if (ranks->is_one || ranks->all.calls->close(ranks->all.world, status != FP3_OK) == 0)
         return ranks->all.rank != 0;

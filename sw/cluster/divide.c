@@ -10,7 +10,8 @@
 /* Of objects that see all others, whole vectors: FP3_USE_STEP. */
 void fp3_ranks_divide_group(const fp3_ranked *self, const fp3_members *group) {
     const uint32_t ranks = self->ranks->count;
-    const uint64_t step = group->lists.shape.is_any ? FP3_USE_STEP : 1;
+    const uint64_t step =
+        group->lists.shape.is_any && !self->backend.begins_at_0 ? FP3_USE_STEP : 1;
     const uint64_t pieces = (group->objects + step - 1) / step;
     for (uint32_t i = 0; i < group->objects; i++)
         self->whose[group->first + i] = (uint32_t)(i / step * ranks / pieces);

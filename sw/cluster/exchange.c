@@ -66,7 +66,7 @@ static fp3_status choose_again(fp3_engine *engine) {
 }
 
 static fp3_status gather(const fp3_engine *engine) {
-    const fp3_ranked *self = engine->self;
+    fp3_ranked *self = engine->self;
     const uint64_t published = fp3_layout_published(&engine->layout.groups[0]);
     fp3_status status = FP3_OK;
     uint32_t *to = self->out.words;
@@ -77,6 +77,7 @@ static fp3_status gather(const fp3_engine *engine) {
                     fp3_engine_gather(self->own, reg, self->out.rows + row, self->out.count[r], to);
                 to += self->out.count[r];
             }
+    self->use.sent += (uint64_t)(to - self->out.words) * sizeof *to;
     return status;
 }
 

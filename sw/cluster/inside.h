@@ -5,6 +5,9 @@
 #include "engine/backend.h"
 #include "processes.h"
 
+/* What is held: registers, and the status. */
+#define FP3_HELD (FP3_BANK_OBJECT_COUNT + 1)
+
 /* Of objects that move, steps until somebody looks whether they are to be divided anew. */
 #define FP3_RANKS_AT_ONCE 64
 
@@ -20,6 +23,7 @@ typedef struct {
     const fp3_ranks *ranks;
     fp3_engine_def def;            /* of the own engine */
     fp3_engine *own;               /* NULL: the rank has no objects, or nothing is loaded */
+    uint32_t *held[FP3_HELD];      /* without it, words of the own objects; NULL: zeros */
     uint32_t *whose;               /* the rank of each object */
     uint32_t *share;               /* how many each rank has */
     uint32_t *mine;                /* numbers of the rank's own objects, ascending */
@@ -31,6 +35,7 @@ typedef struct {
     int *group;          /* of each group, the own engine's, or -1: none of its objects are here */
     uint32_t *constants; /* of each group, as many as registers */
     int is_placed;       /* ... by the lists that there are */
+    fp3_rank_use use;    /* but the bus of the engine that is open */
     fp3_traffic out, in;
     fp3_mpi_plan *plan;
     float *made
@@ -44,6 +49,13 @@ static inline uint32_t fp3_ranks_row(const fp3_ranked *self, uint32_t guest) {
     return self->sees_all ? self->guests[guest] : self->share[fp3_ranks_here(self)] + guest;
 }
 
+static inline int fp3_ranks_is_any_set(const uint32_t *words, size_t count) {
+    uint32_t any = 0;
+    for (size_t i = 0; i < count; i++)
+        any |= words[i];
+    return any != 0;
+}
+
 fp3_status fp3_ranks_no_memory(fp3_engine *engine);
 
 /* ---- words.c: backend.read, all ranks together, and backend.write ---- */
@@ -53,9 +65,26 @@ fp3_status fp3_ranks_write(fp3_engine *engine, fp3_cells cells, const void *word
 /* Guests that are among these cells. */
 fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint32_t *words);
 
+/* ---- held.c: words of own objects while there is no engine, and those of the engine ---- */
+
+/* Closes the own engine, if there is one; its words are held from then on. FP3_E_SYSTEM: they could not be read. */
+fp3_status fp3_ranks_hold(fp3_engine *engine);
+void fp3_ranks_forget_held(fp3_ranked *self);
+/* By the own engine's rows, or where they are held. */
+fp3_status fp3_ranks_read_own(fp3_ranked *self, fp3_cells here, uint32_t *words);
+fp3_status fp3_ranks_write_own(fp3_ranked *self, fp3_cells here, const uint32_t *words);
+/* What the engine used its bus for stays counted. */
+void fp3_ranks_close_own(fp3_ranked *self);
+
+/* ---- use.c ---- */
+
+void fp3_ranks_add_bus(fp3_bus_use *sum, const fp3_bus_use *more);
+/* After a run, by all ranks together: its cycles, and the bus of all. */
+void fp3_ranks_count_run(fp3_engine *engine);
+
 /* ---- divide.c: self->whose ---- */
 
-/* Blocks. Of objects that see all others, whole vectors: FP3_USE_STEP. */
+/* Blocks. Of objects that see all others, whole vectors where there are any: FP3_USE_STEP. */
 void fp3_ranks_divide_group(const fp3_ranked *self, const fp3_members *group);
 /* By Scotch: few links are divided. */
 fp3_status fp3_ranks_divide_by_links(fp3_engine *engine, fp3_ranked *to);
@@ -78,9 +107,9 @@ fp3_status fp3_ranks_receive(void *user, fp3_engine *own);
 
 /* ---- place.c ---- */
 
-/* Without neighbours, and before lists are known: blocks. Opens the own engine. */
+/* Without neighbours, and before lists are known: blocks. Without neighbours it opens the own engine. */
 fp3_status fp3_ranks_begin(fp3_engine *engine);
-/* By the lists of neighbours: divides the objects anew, moves what they hold, and chooses guests. */
+/* By the lists of neighbours: divides the objects anew, moves what they hold, chooses guests and opens the own engine. */
 fp3_status fp3_ranks_place(fp3_engine *engine);
 /* Whether objects have moved so far that they are to be divided anew: then nothing is placed. */
 fp3_status fp3_ranks_wander(fp3_engine *engine);

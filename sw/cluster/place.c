@@ -74,12 +74,13 @@ static fp3_status give_list(fp3_engine *engine, const fp3_ranked *to, const fp3_
     float *field = malloc((entries * list->fields + 1) * sizeof *field);
     fp3_status status = begin && other && field ? FP3_OK : fp3_ranks_no_memory(engine);
     for (uint32_t i = 0; !status && i < to->room; i++) {
-        const uint32_t object = i < count ? to->mine[i] : UINT32_MAX;
-        for (uint32_t e = i < count ? list->begin[object] : 0;
-             i < count && e < list->begin[object + 1]; e++, n++) {
-            other[n] = rows[list->other[e]];
-            memcpy(&field[(size_t)n * list->fields], &list->field[(size_t)e * list->fields],
-                   list->fields * sizeof *field);
+        const uint32_t length = i < count ? fp3_list_length(list, to->mine[i]) : 0;
+        for (uint32_t turn = 0; turn < length; turn++, n++) {
+            other[n] = rows[fp3_list_entry(list, to->mine[i], turn)];
+            if (list->fields) /* all others have none */
+                memcpy(&field[(size_t)n * list->fields],
+                       &list->field[((size_t)list->begin[to->mine[i]] + turn) * list->fields],
+                       list->fields * sizeof *field);
         }
         begin[i + 1] = n;
     }
@@ -108,7 +109,7 @@ static fp3_status give_lists(fp3_engine *engine, fp3_ranked *to) {
         fp3_list *own = &group->lists.lists[k];
         if (list->is_near)
             fp3_list_take_near(own, &list->near);
-        else if (list->is_all)
+        else if (to->sees_all && list->is_all)
             status = fp3_list_take(own, &(fp3_neighbours){0}, engine->def.error);
         else if (list->is_there)
             status = give_list(engine, to, list, rows, own);
@@ -129,14 +130,25 @@ static void use_rows(fp3_engine *engine, fp3_ranked *to) {
     fp3_engine_set_exchange(to->own, &(fp3_exchange){fp3_ranks_send, fp3_ranks_receive, engine});
 }
 
-/* Memory that nobody has written to costs nothing: in the host there is room for all. */
+/* In the host there is room for as many guests as there may be: what nobody has written to costs nothing. Hardware has half of its
+ * store for records. */
 static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
-    const uint32_t own = to->share[fp3_ranks_here(to)], more = to->guest_count + ROOM_MORE;
-    const int is_in_host = fp3_engine_room(to->def.engine, to->def.config) == FP3_HOST_OBJECTS;
-    if (to->sees_all || (to->made[0] && is_in_host))
+    const fp3_config *config = engine->config;
+    const uint64_t now = (uint64_t)to->share[fp3_ranks_here(to)] + to->guest_count,
+                   more = now + to->guest_count + ROOM_MORE;
+    uint64_t most = fp3_engine_room(to->def.engine, to->def.config);
+    if (to->sees_all)
         return engine->objects;
-    const uint32_t room = own + to->guest_count + (to->made[0] ? more : 0);
-    return room < engine->objects ? room : engine->objects;
+    if (!to->made[0])
+        return (uint32_t)now;
+    most = most < engine->objects ? most : engine->objects;
+    if (to->backend.begins_at_0) {
+        const uint64_t fit =
+            (uint64_t)config->lanes * (config->store_words / 2 >> engine->layout.groups[0].log2);
+        most = fit < most ? fit : most;
+        most = more < most ? more : most;
+    }
+    return (uint32_t)(most > now ? most : now);
 }
 
 /* Opens it for `whose` and guests, empty. */
@@ -151,7 +163,7 @@ static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     fp3_status status = fp3_engine_open(&to->def, &to->own);
     if (!status)
         status = load_own(engine, to);
-    if (!status && is_around && to->is_placed)
+    if (!status && is_around)
         status = give_lists(engine, to);
     if (!status && is_around)
         use_rows(engine, to);
@@ -160,7 +172,8 @@ static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
 
 fp3_status fp3_ranks_begin(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
-    fp3_engine_close(&self->own);
+    fp3_ranks_close_own(self);
+    fp3_ranks_forget_held(self);
     fp3_ranks_forget_traffic(self);
     self->guest_count = 0;
     self->sees_all = 0;
@@ -169,12 +182,13 @@ fp3_status fp3_ranks_begin(fp3_engine *engine) {
     for (uint32_t i = 0; i < engine->layout.count; i++)
         fp3_ranks_divide_group(self, &engine->layout.groups[i]);
     count_shares(engine, self);
-    return settle(engine, self);
+    return self->is_placed ? settle(engine, self) : FP3_OK;
 }
 
 void fp3_ranks_forget(fp3_ranked *self) {
     fp3_ranks_forget_traffic(self);
     fp3_engine_close(&self->own);
+    fp3_ranks_forget_held(self);
     free(self->whose);
     free(self->mine);
     free(self->share);
@@ -183,20 +197,14 @@ void fp3_ranks_forget(fp3_ranked *self) {
         free(self->made[k]);
 }
 
-static int is_any_set(const uint32_t *words, size_t count) {
-    uint32_t any = 0;
-    for (size_t i = 0; i < count; i++)
-        any |= words[i];
-    return any != 0;
-}
-
 static fp3_status move_cells(fp3_engine *engine, fp3_ranked *before, fp3_ranked *to,
                              fp3_cells cells, uint32_t *words) {
     engine->self = before;
     const fp3_status status = fp3_ranks_read(engine, cells, words);
     engine->self = to;
-    return status || !is_any_set(words, cells.count) ? status
-                                                     : fp3_ranks_write(engine, cells, words);
+    return status || !fp3_ranks_is_any_set(words, cells.count)
+               ? status
+               : fp3_ranks_write(engine, cells, words);
 }
 
 /* A register at a time: what was never written is not made. */
@@ -220,11 +228,11 @@ static fp3_status divide(fp3_engine *engine, fp3_ranked *to) {
     int is_linked = 0;
     for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
         is_linked |= group->lists.lists[k].begin && !group->lists.lists[k].is_near;
-    if (to->sees_all)
+    if (sees_all(group))
         fp3_ranks_divide_group(to, group);
-    return to->sees_all ? FP3_OK
-           : is_linked  ? fp3_ranks_divide_by_links(engine, to)
-                        : fp3_ranks_divide_by_place(engine, to);
+    return sees_all(group) ? FP3_OK
+           : is_linked     ? fp3_ranks_divide_by_links(engine, to)
+                           : fp3_ranks_divide_by_place(engine, to);
 }
 
 static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
@@ -232,13 +240,15 @@ static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
     if (near > 1)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "several ranks: a model with more than one relation `near`");
-    if (near && engine->objects < to->ranks->count)
-        return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                        "objects that see those near them are divided among %u ranks: %" PRIu32
-                        " objects are too few",
-                        to->ranks->count, engine->objects);
     if (!near)
         return FP3_OK;
+    for (unsigned r = 0; r < to->ranks->count; r++)
+        if (!to->share[r])
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                            "several ranks: of %" PRIu32
+                            " objects rank %u has none: start at most as many ranks as there are "
+                            "objects",
+                            engine->objects, r);
     for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
         to->made[k] = malloc((to->share[fp3_ranks_here(to)] + (size_t)1) * sizeof *to->made[k]);
         if (!to->made[k])
@@ -250,8 +260,8 @@ static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
 fp3_status fp3_ranks_tell_lives(fp3_engine *engine) {
     const fp3_ranked *self = engine->self;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && engine->lives.list && i < self->share[fp3_ranks_here(self)];
-         i++) {
+    for (uint32_t i = 0;
+         !status && self->own && engine->lives.list && i < self->share[fp3_ranks_here(self)]; i++) {
         const fp3_life *life = &engine->lives.list[self->mine[i]];
         status = fp3_engine_live(self->own, self->first + i, 1, life->born, life->gone);
     }
@@ -269,7 +279,7 @@ fp3_status fp3_ranks_wander(fp3_engine *engine) {
 }
 
 fp3_status fp3_ranks_place(fp3_engine *engine) {
-    fp3_ranked *self = engine->self, before = *self;
+    fp3_ranked *self = engine->self, before;
     fp3_ranked to = *self;
     to.whose = malloc(engine->objects * sizeof *to.whose);
     to.mine = malloc(engine->objects * sizeof *to.mine);
@@ -279,9 +289,10 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     to.guest_count = 0;
     to.out = to.in = (fp3_traffic){0};
     to.plan = NULL;
-    to.sees_all = sees_all(&engine->layout.groups[0]);
+    to.sees_all = sees_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
     to.is_placed = 1;
     memset(to.made, 0, sizeof to.made);
+    memset(to.held, 0, sizeof to.held);
     fp3_status status = to.whose && to.mine && to.share ? FP3_OK : fp3_ranks_no_memory(engine);
     if (!status)
         status = divide(engine, &to);
@@ -292,6 +303,10 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     if (!status)
         status = fp3_ranks_choose_guests(engine, &to);
     to.placed = to.guest_count;
+    if (!status)
+        status = fp3_ranks_hold(engine);
+    before = *self;
+    to.use = self->use;
     if (!status)
         status = settle(engine, &to);
     if (!status) {

@@ -98,6 +98,7 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     stats->flags |= own.flags;
     stats->schedulers = own.schedulers;
     add_up(engine, stats);
+    fp3_ranks_count_run(engine);
     return FP3_OK;
 }
 
@@ -206,6 +207,7 @@ fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ran
         return status ? status : fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     self->backend = ranked;
     self->backend.name = own->name;
+    self->backend.begins_at_0 = own->begins_at_0;
     self->ranks = ranks;
     self->def = *def;
     self->def.engine = own->name;

@@ -50,8 +50,8 @@ fp3_status fp3_ranks_read(fp3_engine *engine, fp3_cells cells, void *words) {
     fp3_status status = bytes && next && own && all
                             ? FP3_OK
                             : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-    if (!status && here.count)
-        status = self->own->backend->read(self->own, here, own);
+    if (!status)
+        status = fp3_ranks_read_own(self, here, own);
     for (size_t i = cells.first; !status && i < cells.first + cells.count; i++)
         bytes[self->whose[i]] += sizeof *own;
     if (!status) {
@@ -101,8 +101,8 @@ fp3_status fp3_ranks_write(fp3_engine *engine, fp3_cells cells, const void *word
     fp3_status status = own ? FP3_OK : fp3_ranks_no_memory(engine);
     for (size_t i = 0; !status && i < here.count; i++)
         own[i] = from[self->mine[begin + i] - cells.first];
-    if (!status && here.count)
-        status = fp3_cells_write(self->own, here, own);
+    if (!status)
+        status = fp3_ranks_write_own(self, here, own);
     free(own);
     return status || !self->own ? status : fp3_ranks_write_guests(self, cells, words);
 }

@@ -49,8 +49,9 @@ typedef struct {
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
     uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
-    int is_divided;   /* other engines have the objects, and know who failed */
-    int is_in_host;   /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
+    int begins_at_0; /* a run makes steps of the first objects: fp3_engine_use has no other `first` */
+    int is_divided; /* other engines have the objects, and know who failed */
+    int is_in_host; /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
 typedef struct fp3_origin fp3_origin;

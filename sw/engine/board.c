@@ -35,6 +35,7 @@ static fp3_status transfer_line(fp3_engine *engine, int is_write, uint32_t addre
     fp3_status status =
         fp3_link_transfer(self->link, is_write, address & self->window, data, count, refused);
     engine->bus.repeats = fp3_link_repeats(self->link);
+    engine->bus.bytes = fp3_link_bytes(self->link);
     engine->bus.frames++;
     return status;
 }
@@ -194,4 +195,5 @@ const fp3_backend fp3_backend_board = {
     .write = fp3_memory_write,
     .list = fp3_memory_list,
     .run = fp3_session_run,
+    .begins_at_0 = 1,
 };

@@ -81,6 +81,7 @@ static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, gr
 
 /* ---- what the executor needs ---- */
 
+/* Lists of guests are left out: what fills the last vector has the last object's words, and so needs that one's list. */
 static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
@@ -89,8 +90,9 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .other = l->other,
                                       .field = l->field,
                                       .fields = l->fields,
-                                      /* guests see nobody: what fills the last vector would */
-                                      .objects = l->is_near ? fp3_members_end(members) : l->objects,
+                                      .objects =
+                                          l->is_all ? l->objects : members->from + members->objects,
+                                      .rows = members->rows,
                                       .is_fixed = !l->is_near};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);

@@ -25,10 +25,12 @@ static void place_objects(const fp3_engine *engine, fp3_ghosts *g) {
     }
 }
 
+/* Guests make no step, and need nobody. */
 static void find_needed(const fp3_engine *engine, fp3_ghosts *g) {
-    const fp3_lists *lists = &engine->layout.groups[0].lists;
+    const fp3_members *group = &engine->layout.groups[0];
+    const fp3_lists *lists = &group->lists;
     for (uint32_t k = 0; k < lists->shape.list_count; k++)
-        for (uint32_t i = 0; i < g->objects; i++) {
+        for (uint32_t i = group->from; i < group->from + group->objects; i++) {
             const fp3_list *list = &lists->lists[k];
             const uint32_t lane = where(engine, i).lane;
             for (uint32_t turn = 0; turn < fp3_list_length(list, i); turn++) {
@@ -49,13 +51,11 @@ static int is_for_all(const fp3_ghosts *g, uint32_t object) {
     return g->lanes > 2 && needed_by(g, object) == g->lanes - 1;
 }
 
-/* Of a single lane guests are rows like others. */
 static uint32_t rows_of(const fp3_engine *engine, uint32_t lane) {
-    return engine->config->lanes == 1 ? engine->layout.groups[0].rows
-                                      : fp3_layout_rows(&engine->layout, engine->config, 0, lane);
+    return fp3_layout_rows_with_guests(&engine->layout, engine->config, lane);
 }
 
-/* Those that all need stand first, at the same place in all lanes. */
+/* Those that all need stand first, at the same place in all lanes: lane 0 has the most rows. */
 static void place_common(const fp3_engine *engine, fp3_ghosts *g) {
     const uint32_t first = rows_of(engine, 0);
     uint32_t next = first;

@@ -63,7 +63,8 @@ fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count);
 
 /* From the next run on objects first .. first+count-1, of an engine with one group, make steps. The others cost nothing and
- * keep what they hold; as neighbours they can be read. `first` is 0, or objects see each other and it is a multiple of FP3_USE_STEP. A load makes it all objects again; so has to be said before one, else they are moved. */
+ * keep what they hold; as neighbours they can be read. `first` is 0, or objects see each other, it is a multiple of FP3_USE_STEP and the engine is not hardware. A load makes
+ * it all objects again; so has to be said before one, else they are moved. Objects that see each other, in several lanes, are written afterwards. */
 #define FP3_USE_STEP 16
 void fp3_engine_use(fp3_engine *engine, size_t first, size_t count);
 

@@ -133,17 +133,27 @@ const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object) 
 
 /* The first object of a column, where objects follow each other in each. */
 static uint32_t column_begin(const fp3_members *group, uint32_t column) {
-    const uint32_t more = group->rows % group->columns;
-    return column * (group->rows / group->columns) + (column < more ? column : more);
+    const uint32_t more = group->objects % group->columns;
+    return column * (group->objects / group->columns) + (column < more ? column : more);
+}
+
+/* How many of count things a column has, if they are dealt out or divided: the first columns have one more. */
+static uint32_t share_of(const fp3_members *group, uint32_t count, uint32_t column) {
+    return count / group->columns + (column < count % group->columns);
 }
 
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object) {
     const fp3_members *group = fp3_layout_group_of(layout, object);
     const uint32_t number = (uint32_t)object - group->first;
-    const uint32_t i = group->slot ? group->slot[number] : number;
-    const uint32_t each = group->rows / group->columns, more = group->rows % group->columns;
+    const int is_guest = group->lists.shape.is_any && number >= group->objects;
+    const uint32_t i = is_guest      ? number - group->objects
+                       : group->slot ? group->slot[number]
+                                     : number;
+    const uint32_t each = group->objects / group->columns, more = group->objects % group->columns;
     uint32_t column = i % group->columns, row = i / group->columns;
-    if (group->lists.shape.is_any) { /* the first `more` columns have one more */
+    if (is_guest) {
+        row += share_of(group, group->objects, column);
+    } else if (group->lists.shape.is_any) {
         column = i / (each + 1) < more ? i / (each + 1) : more + (i - more * (each + 1)) / each;
         row = i - column_begin(group, column);
     }
@@ -169,8 +179,14 @@ uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uin
                          uint32_t lane) {
     const fp3_duty *duty = &layout->duty[scheduler];
     const fp3_members *group = &layout->groups[duty->group];
-    const uint32_t column = duty->rank * config->lanes + lane;
-    return group->objects / group->columns + (column < group->objects % group->columns);
+    return share_of(group, group->objects, duty->rank * config->lanes + lane);
+}
+
+uint32_t fp3_layout_rows_with_guests(const fp3_layout *layout, const fp3_config *config,
+                                     uint32_t lane) {
+    const fp3_members *group = &layout->groups[0];
+    return fp3_layout_rows(layout, config, 0, lane) +
+           share_of(group, group->rows - group->objects, lane);
 }
 
 uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config,

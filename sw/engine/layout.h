@@ -2,7 +2,7 @@
  *
  * Object i of a group is row i / columns of lane i % columns, counted through the lanes of the
  * group's schedulers. Where objects see each other, each lane has objects that follow each other instead, by their numbers or by an
- * order of its own: most neighbours are then in the same lane.
+ * order of its own: most neighbours are then in the same lane. Guests are dealt out to the lanes, into the rows behind.
  */
 #ifndef FP3_LAYOUT_H
 #define FP3_LAYOUT_H
@@ -91,5 +91,8 @@ uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config, cons
 uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler,
                          uint32_t lane);
 uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler);
+/* With guests, of the only scheduler. */
+uint32_t fp3_layout_rows_with_guests(const fp3_layout *layout, const fp3_config *config,
+                                     uint32_t lane);
 
 #endif

@@ -114,7 +114,6 @@ void fp3_life_forget(fp3_engine *engine) {
     engine->lives.change = 0;
 }
 
-/* Where an object is does not depend on how many there are. */
 void fp3_engine_use(fp3_engine *engine, size_t first, size_t count) {
     fp3_members_use(&engine->layout.groups[0], (uint32_t)first, (uint32_t)count);
     engine->sleepers.is_listed = engine->sleepers.is_known = engine->is_counted = 0;

@@ -20,9 +20,9 @@ typedef struct {
     uint32_t parts;
 } partition;
 
-/* Meets an object that it has not met yet. */
+/* Meets an object that it has not met yet, and is no guest. */
 static uint32_t meet(partition *p, uint32_t object, uint32_t part, uint32_t count) {
-    if (p->part[object] != part)
+    if (object >= p->engine->layout.groups[0].objects || p->part[object] != part)
         return count;
     p->part[object] = part + 1;
     p->walk[count] = object;

@@ -168,4 +168,5 @@ const fp3_backend fp3_backend_rtl = {
     .write = fp3_memory_write,
     .list = fp3_memory_list,
     .run = rtl_run,
+    .begins_at_0 = 1,
 };

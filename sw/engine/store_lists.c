@@ -96,7 +96,7 @@ static fp3_status open_room(fp3_engine *engine, const fp3_ghosts *ghosts, uint32
             engine->def.error, FP3_E_PROGRAM,
             "engine '%s': records have half of the store: room for %" PRIu32
             " of %u words, not for %" PRIu32 ", %" PRIu32
-            " of them copies of objects in other lanes",
+            " of them copies of objects in other lanes or of other ranks",
             engine->backend->name, half >> group->log2, 1u << group->log2, ghosts->used[lane],
             ghosts->used[lane] - fp3_layout_rows(&engine->layout, engine->config, 0, lane));
     *r = (room){
@@ -134,7 +134,7 @@ static fp3_status write_list(room *r, const fp3_list *list) {
     fp3_engine *engine = r->engine;
     const fp3_members *group = group_of(engine);
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < list->objects; i++) {
+    for (uint32_t i = 0; !status && i < group->objects; i++) {
         const uint32_t length = fp3_list_length(list, i), words = length * (1 + list->fields);
         const fp3_where at = fp3_layout_where(&engine->layout, engine->config, group->first + i);
         if (at.lane != r->lane)
@@ -258,8 +258,6 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
             engine,
             "objects of several ranks need a step of one phase: with several, words of other "
             "ranks would come in the middle of a step");
-    if (engine->exchange.end && engine->config->lanes > 1)
-        return refuse(engine, "objects of several ranks need a configuration of one lane");
     lists->words = malloc(group->rows * sizeof *lists->words);
     lists->saved = malloc(((size_t)count * group->rows + 1) * sizeof *lists->saved);
     if (!lists->words || !lists->saved) {
@@ -356,28 +354,42 @@ fp3_status fp3_store_lists_look(fp3_engine *engine) {
     return status;
 }
 
-/* Published words to the lower half. */
-static fp3_status lower(fp3_engine *engine, uint32_t *words) {
-    fp3_driver *self = engine->self;
+/* All published words, a register after the other. */
+static fp3_status move_published(fp3_engine *engine, uint32_t *words, int is_write) {
     const fp3_members *group = group_of(engine);
     const uint64_t published = fp3_layout_published(group);
     fp3_status status = FP3_OK;
-    for (uint32_t reg = 0; !status && self->is_upper && reg < FP3_BANK_OBJECT_COUNT; reg++) {
-        if (!(published & BIT(reg)))
-            continue;
-        status = fp3_memory_read(engine, cells_of(group, reg), words);
-        self->is_upper = 0;
-        if (!status)
-            status = fp3_memory_write(engine, cells_of(group, reg), words);
-        self->is_upper = 1;
-    }
+    for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++)
+        if (published & BIT(reg)) {
+            status = is_write ? fp3_memory_write(engine, cells_of(group, reg), words)
+                              : fp3_memory_read(engine, cells_of(group, reg), words);
+            words += group->rows;
+        }
+    return status;
+}
+
+/* Published words to the lower half: all are read before one is written, so that a board gets those of an object together. */
+static fp3_status lower(fp3_engine *engine) {
+    fp3_driver *self = engine->self;
+    const fp3_members *group = group_of(engine);
+    uint32_t count = 0;
+    if (!self->is_upper)
+        return FP3_OK;
+    for (uint64_t left = fp3_layout_published(group); left; left &= left - 1)
+        count++;
+    uint32_t *words = malloc(((size_t)count * group->rows + 1) * sizeof *words);
+    fp3_status status = words ? move_published(engine, words, 0)
+                              : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     self->is_upper = 0;
+    if (!status)
+        status = move_published(engine, words, 1);
+    free(words);
     return status;
 }
 
 fp3_status fp3_store_lists_end(fp3_engine *engine, fp3_store_lists *lists) {
     const fp3_members *group = group_of(engine);
-    fp3_status status = lists->saved ? lower(engine, lists->words) : FP3_OK;
+    fp3_status status = lists->saved ? lower(engine) : FP3_OK;
     for (uint32_t i = 0; !status && lists->saved && i < group->lists.shape.list_count; i++)
         status = fp3_memory_write(engine, cells_of(group, group->lists.lists[i].reg),
                                   lists->saved + (size_t)i * group->rows);

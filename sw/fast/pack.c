@@ -125,7 +125,7 @@ static void take_side_by_side(const packer *p, vector *v) {
 /* A row of the columns; -1: it would not be one. */
 static int row_at(const packer *p, const vector *v, int64_t to) {
     const int64_t base = v->first + to;
-    return base >= 0 && base + p->lanes <= p->given->objects ? (int)base : -1;
+    return base >= 0 && base + p->lanes <= p->given->rows ? (int)base : -1;
 }
 
 /* The row that those who take part see; entry: of each lane. */

@@ -16,7 +16,8 @@ struct fp3_link {
     uint32_t baud;
     uint8_t sequence;
     fp3_frame_reader reader;
-    uint64_t bytes, answers, repeats; /* that came; frames that were answers; requests sent again */
+    uint64_t sent, bytes, answers,
+        repeats; /* bytes sent; that came; frames that were answers; requests sent again */
 };
 
 typedef struct {
@@ -46,6 +47,8 @@ void fp3_link_close(fp3_link **link) {
 }
 
 uint64_t fp3_link_repeats(const fp3_link *link) { return link->repeats; }
+
+uint64_t fp3_link_bytes(const fp3_link *link) { return link->sent + link->bytes; }
 
 /* Whether the frame that the reader has answers the request; then the words and *refused are filled. */
 static int take(fp3_link *link, const request *r, uint32_t *refused) {
@@ -114,6 +117,7 @@ fp3_status fp3_link_transfer(fp3_link *link, int is_write, uint32_t address, uin
         const int64_t until = fp3_port_now() + patience(link, &r, tries);
         int is_answered = 0;
         link->repeats += tries > 0;
+        link->sent += size;
         fp3_status status = fp3_port_write(&link->port, frame, size, until);
         if (!status)
             status = await_answer(link, &r, until, refused, &is_answered);

@@ -18,5 +18,7 @@ fp3_status fp3_link_transfer(fp3_link *link, int is_write, uint32_t address, uin
                              uint32_t count, uint32_t *refused);
 /* Requests so far that were sent again. */
 uint64_t fp3_link_repeats(const fp3_link *link);
+/* Bytes that were sent, and that came. */
+uint64_t fp3_link_bytes(const fp3_link *link);
 
 #endif

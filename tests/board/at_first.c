@@ -2,7 +2,8 @@
  *
  *     at_first PORT IMAGE     prints of object 0 the states x and y, the constant k, and how many objects have failed
  *                             after a step from there; then how many requests the line carries for two columns
- *                             of three objects, and for reading one word
+ *                             of three objects, and for reading one word, and whether its bytes are no fewer than
+ *                             docs/board.md says: 20 and 8 for each of three writes, 12 and 264 for the read
  */
 #include <fp3/engine.h>
 #include <fp3/image.h>
@@ -15,7 +16,7 @@ int main(int count, char **arguments) {
     fp3_image *image = NULL;
     fp3_failure failure;
     const float column[3] = {1, 2, 3};
-    uint64_t requests = 0;
+    uint64_t requests = 0, bytes = 0;
     float x, y, k, z;
     if (count != 3)
         return 2;
@@ -40,6 +41,7 @@ int main(int count, char **arguments) {
     if (!status)
         status = fp3_engine_failure(engine, 0, 3, &failure);
     requests = status ? 0 : fp3_engine_bus(engine).frames;
+    bytes = status ? 0 : fp3_engine_bus(engine).bytes;
     for (uint32_t reg = 0; !status && reg < 2; reg++)
         status = fp3_engine_write(engine, 0, 3, reg, column);
     if (!status)
@@ -47,8 +49,9 @@ int main(int count, char **arguments) {
     if (status)
         fprintf(stderr, "at_first: %s\n", error.text);
     else
-        printf("%g %g %g %zu, %g in %d\n", (double)x, (double)y, (double)k, failure.failed,
-               (double)z, (int)(fp3_engine_bus(engine).frames - requests));
+        printf("%g %g %g %zu, %g in %d, %s\n", (double)x, (double)y, (double)k, failure.failed,
+               (double)z, (int)(fp3_engine_bus(engine).frames - requests),
+               fp3_engine_bus(engine).bytes - bytes >= 3 * 28 + 276 ? "all bytes" : "too few");
     fp3_engine_close(&engine);
     fp3_image_free(&image);
     return status != FP3_OK;

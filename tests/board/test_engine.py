@@ -14,16 +14,7 @@ import tty
 
 import pytest
 
-
-@contextlib.contextmanager
-def board(fp3, *arguments):
-    """A simulated board: the process, and the name of its port."""
-    process = subprocess.Popen([fp3, "board", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        yield process, process.stdout.readline().strip()
-    finally:
-        process.kill()
-        process.communicate()
+from simulated_board import board
 
 
 @contextlib.contextmanager
@@ -129,7 +120,7 @@ def test_nothing_of_an_earlier_host_is_left(fp3, build, tmp_path):
                    "--set", "x=0", "--set", "y=3e38", "--set", "k=2")
         assert done.returncode == 3 and "inf" in done.stdout
         found = subprocess.run([build / "tests/at_first", port, tmp_path / "x.fp3"], capture_output=True, text=True)
-        assert (found.stdout, found.stderr) == ("0 0 0 0, 3 in 4\n", "")  # the registers of an object in one request
+        assert (found.stdout, found.stderr) == ("0 0 0 0, 3 in 4, all bytes\n", "")  # the registers of an object in one request
 
 
 def test_many_objects_of_a_model_on_a_noisy_line(root, fp3):

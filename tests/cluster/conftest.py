@@ -11,7 +11,12 @@ OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"
 
 
 @pytest.fixture(scope="session")
-def mpirun(build, tmp_path_factory):
+def mpi_environment():
+    return os.environ | OPEN_MPI
+
+
+@pytest.fixture(scope="session")
+def mpirun(build, mpi_environment):
     if not shutil.which("mpirun") or not (build / "lib/fp3/fp3_mpi.so").exists():
         pytest.skip("no MPI: make setup-cluster all")
     said = subprocess.run(["mpirun", "--version"], capture_output=True, text=True).stdout
@@ -19,7 +24,7 @@ def mpirun(build, tmp_path_factory):
 
     def run(ranks, *command, timeout=120, **more_env):
         return subprocess.run(["mpirun", *more, "-n", str(ranks), *map(str, command)], capture_output=True, text=True, timeout=timeout,
-                              env=os.environ | OPEN_MPI | more_env)
+                              env=mpi_environment | more_env)
 
     return run
 
