@@ -1,6 +1,8 @@
 /* run_ranks.c - see run_ranks.h. */
 #include "run_ranks.h"
 
+#include "cluster/use.h"
+
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>

@@ -173,7 +173,7 @@ fp3_status fp3_ranks_choose_guests(fp3_engine *engine, fp3_ranked *self) {
     for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
         if (group->lists.lists[k].is_near)
             status = note_near(engine, self, &group->lists.lists[k].near, place, &n);
-    if (!status && self->sees_all)
+    if (!status && fp3_ranks_is_all(group))
         note_all(engine, self, &n);
     fp3_ranks_forget_traffic(self);
     if (!status) {

@@ -3,9 +3,14 @@
  */
 #include "engine/cells.h"
 #include "inside.h"
+#include "use.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+fp3_status fp3_ranks_no_memory(fp3_engine *engine) {
+    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+}
 
 void fp3_ranks_forget_held(fp3_ranked *self) {
     for (int i = 0; i < FP3_HELD; i++) {

@@ -49,14 +49,20 @@ static inline uint32_t fp3_ranks_row(const fp3_ranked *self, uint32_t guest) {
     return self->sees_all ? self->guests[guest] : self->share[fp3_ranks_here(self)] + guest;
 }
 
+/* Whether the objects of a group see all others. */
+static inline int fp3_ranks_is_all(const fp3_members *group) {
+    int is = 0;
+    for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
+        is |= group->lists.lists[i].is_all;
+    return is;
+}
+
 static inline int fp3_ranks_is_any_set(const uint32_t *words, size_t count) {
     uint32_t any = 0;
     for (size_t i = 0; i < count; i++)
         any |= words[i];
     return any != 0;
 }
-
-fp3_status fp3_ranks_no_memory(fp3_engine *engine);
 
 /* ---- words.c: backend.read, all ranks together, and backend.write ---- */
 
@@ -67,6 +73,7 @@ fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint3
 
 /* ---- held.c: words of own objects while there is no engine, and those of the engine ---- */
 
+fp3_status fp3_ranks_no_memory(fp3_engine *engine);
 /* Closes the own engine, if there is one; its words are held from then on. FP3_E_SYSTEM: they could not be read. */
 fp3_status fp3_ranks_hold(fp3_engine *engine);
 void fp3_ranks_forget_held(fp3_ranked *self);
@@ -75,12 +82,6 @@ fp3_status fp3_ranks_read_own(fp3_ranked *self, fp3_cells here, uint32_t *words)
 fp3_status fp3_ranks_write_own(fp3_ranked *self, fp3_cells here, const uint32_t *words);
 /* What the engine used its bus for stays counted. */
 void fp3_ranks_close_own(fp3_ranked *self);
-
-/* ---- use.c ---- */
-
-void fp3_ranks_add_bus(fp3_bus_use *sum, const fp3_bus_use *more);
-/* After a run, by all ranks together: its cycles, and the bus of all. */
-void fp3_ranks_count_run(fp3_engine *engine);
 
 /* ---- divide.c: self->whose ---- */
 

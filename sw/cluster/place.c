@@ -8,13 +8,6 @@
 
 #define ROOM_MORE 256 /* for guests, as objects move */
 
-static int sees_all(const fp3_members *group) {
-    int is = 0;
-    for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
-        is |= group->lists.lists[i].is_all;
-    return is;
-}
-
 static int count_near(const fp3_members *group) {
     int count = 0;
     for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
@@ -228,11 +221,11 @@ static fp3_status divide(fp3_engine *engine, fp3_ranked *to) {
     int is_linked = 0;
     for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
         is_linked |= group->lists.lists[k].begin && !group->lists.lists[k].is_near;
-    if (sees_all(group))
+    if (fp3_ranks_is_all(group))
         fp3_ranks_divide_group(to, group);
-    return sees_all(group) ? FP3_OK
-           : is_linked     ? fp3_ranks_divide_by_links(engine, to)
-                           : fp3_ranks_divide_by_place(engine, to);
+    return fp3_ranks_is_all(group) ? FP3_OK
+           : is_linked             ? fp3_ranks_divide_by_links(engine, to)
+                                   : fp3_ranks_divide_by_place(engine, to);
 }
 
 static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
@@ -289,7 +282,7 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     to.guest_count = 0;
     to.out = to.in = (fp3_traffic){0};
     to.plan = NULL;
-    to.sees_all = sees_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
+    to.sees_all = fp3_ranks_is_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
     to.is_placed = 1;
     memset(to.made, 0, sizeof to.made);
     memset(to.held, 0, sizeof to.held);

@@ -2,6 +2,7 @@
 #include "ranks.h"
 #include "base/threads.h"
 #include "inside.h"
+#include "use.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

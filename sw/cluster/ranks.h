@@ -16,7 +16,4 @@
 fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ranks,
                                  fp3_engine **engine);
 
-/* Of every rank, in their order, for all of them. The caller frees *all. */
-fp3_status fp3_ranks_use(fp3_engine *engine, fp3_rank_use **all, unsigned *count);
-
 #endif

@@ -1,6 +1,7 @@
-/* use.c - what each rank did: its cycles, its bus, what it sent to the others. */
+/* use.c - see use.h. */
+#include "use.h"
+
 #include "inside.h"
-#include "ranks.h"
 
 #include <stdlib.h>
 

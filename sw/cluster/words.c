@@ -5,10 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-fp3_status fp3_ranks_no_memory(fp3_engine *engine) {
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* How many of the own objects have a smaller number. */
 static uint32_t place_of(const fp3_ranked *self, size_t number) {
     uint32_t low = 0, high = self->share[self->ranks->rank];

@@ -29,8 +29,9 @@ void fp3_around_forget(group *g) {
 
 /* ---- which objects see guests ---- */
 
-static int is_only_linked(const fp3_members *members) {
-    int is = 1;
+/* Whether they are computed in pieces: there are guests, which links alone show. */
+static int is_in_pieces(const fp3_engine *engine, const fp3_members *members) {
+    int is = engine->exchange.begin != NULL;
     for (uint32_t i = 0; i < members->lists.shape.list_count; i++)
         is = is && !members->lists.lists[i].is_near && !members->lists.lists[i].is_all;
     return is;
@@ -69,7 +70,7 @@ static uint32_t lanes_of(const group *g) {
 
 static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, group *g) {
     const uint32_t lanes = lanes_of(g);
-    if (!engine->exchange.begin || !is_only_linked(members) || g->pieces)
+    if (!is_in_pieces(engine, members) || g->pieces)
         return FP3_OK;
     g->pieces = malloc((members->objects / lanes + (size_t)1) * sizeof *g->pieces);
     if (!g->pieces)
@@ -281,7 +282,7 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     for (uint32_t step = 0; !status && step < steps; step++) {
         for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
             status = fp3_engine_exchange_begin(engine);
-            if (!status && !is_only_linked(members))
+            if (!status && !is_in_pieces(engine, members))
                 status = fp3_engine_exchange_end(engine);
             if (!status)
                 status = follow(engine, members, g);
