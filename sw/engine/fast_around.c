@@ -23,7 +23,9 @@ void fp3_around_forget(group *g) {
     g->is_packed = 0;
 }
 
+/* Rows behind the own ones have near rows, too, but no turns: lanes there stand in for the last own row, which they must not see. */
 static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
+    const uint32_t own = members->from + members->objects;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
         const fp3_list *l = &members->lists.lists[i];
@@ -31,7 +33,7 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .other = l->other,
                                       .field = l->field,
                                       .fields = l->fields,
-                                      .objects = l->is_near ? members->rows : l->objects,
+                                      .objects = l->is_near ? own : l->objects,
                                       .is_fixed = !l->is_near};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);
