@@ -2,6 +2,7 @@
 #include "run_ranks.h"
 
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -33,12 +34,25 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     if (status)
         return status;
     ranks->is_one = 0;
+    ranks->all.exchanged = &ranks->exchanged;
     if (ranks->all.rank)
         be_silent(ranks);
     return FP3_OK;
 }
 
+/* Bytes of all ranks together, and the mean of the times that they took. */
+static void print_exchanged(const fp3_run_ranks *ranks) {
+    uint64_t sums[] = {ranks->exchanged.bytes, ranks->exchanged.nanoseconds};
+    const uint64_t times = ranks->all.calls->most(ranks->all.world, ranks->exchanged.times);
+    ranks->all.calls->add(ranks->all.world, sums, 2);
+    if (times)
+        printf("%-16s %.3g s, %" PRIu64 " times, %" PRIu64 " bytes; %u ranks\n", "exchange",
+               (double)sums[1] / 1e9 / ranks->all.count, times, sums[0], ranks->all.count);
+}
+
 int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
+    if (!ranks->is_one && !status)
+        print_exchanged(ranks);
     fflush(stdout);
     if (ranks->is_one || ranks->all.calls->close(ranks->all.world, status != FP3_OK) == 0)
         return ranks->all.rank != 0;

@@ -7,6 +7,7 @@
 typedef struct {
     int is_one; /* no mpirun, or one process */
     fp3_ranks all;
+    fp3_exchanged exchanged;
     int speaks; /* where messages of a rank that does not speak go, or -1 */
 } fp3_run_ranks;
 

@@ -10,10 +10,17 @@
 #include <fp3/engine.h>
 #include <mpi/fp3_mpi.h>
 
+/* What this rank has exchanged in all runs, and how long that took, with the time that it waited for others. */
+typedef struct {
+    uint64_t times, bytes; /* bytes: sent */
+    uint64_t nanoseconds;
+} fp3_exchanged;
+
 typedef struct {
     const fp3_mpi_ops *calls;
     fp3_mpi *world;
     unsigned rank, count;
+    fp3_exchanged *exchanged; /* NULL: nobody asks */
 } fp3_ranks;
 
 /* Loads fp3_mpi.so and starts MPI. FP3_E_SYSTEM: there is none, or it does not start. */

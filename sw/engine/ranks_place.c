@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #define ROOM_MORE 256 /* for guests, as objects move */
 
@@ -764,11 +765,28 @@ static fp3_status send_and_receive(fp3_engine *engine) {
     return status;
 }
 
+static uint64_t now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+static void note_exchange(const fp3_ranked *self, const fp3_engine *engine, uint64_t began) {
+    fp3_exchanged *all = self->ranks->exchanged;
+    if (!all)
+        return;
+    for (uint32_t r = 0; r < self->ranks->count; r++)
+        all->bytes += sizeof(uint32_t) * (uint64_t)self->out.count[r] * words_of(engine);
+    all->times++;
+    all->nanoseconds += now() - began;
+}
+
 /* The engine that makes a run again stands in for the own one. */
 fp3_status fp3_ranks_exchange(void *user, fp3_engine *own) {
     fp3_engine *engine = user;
     fp3_ranked *self = engine->self;
     fp3_engine *usual = self->own;
+    const uint64_t began = now();
     uint64_t has_moved = 0;
     fp3_status status = FP3_OK;
     self->own = own;
@@ -778,6 +796,8 @@ fp3_status fp3_ranks_exchange(void *user, fp3_engine *own) {
         status = choose_again(engine);
     if (!status)
         status = send_and_receive(engine);
+    if (!status)
+        note_exchange(self, engine, began);
     self->own = usual;
     return status;
 }
