@@ -10,17 +10,6 @@
 
 /* ---- begin and end ---- */
 
-static int find_way(fp3_mpi *world) {
-    static const char *const names[] = {"messages", "windows", "shared"};
-    const char *name = getenv("FP3_EXCHANGE");
-    for (int i = 0; name && i < 3; i++)
-        if (strcmp(name, names[i]) == 0) {
-            world->way = (fp3_way)i;
-            return 0;
-        }
-    return name ? -1 : 0;
-}
-
 static int find_node(fp3_mpi *world) {
     int *all = malloc((size_t)world->ranks * sizeof *all);
     MPI_Group every, near;
@@ -50,7 +39,7 @@ static fp3_mpi *open_world(void) {
         return NULL;
     MPI_Comm_rank(MPI_COMM_WORLD, &world->rank);
     MPI_Comm_size(MPI_COMM_WORLD, &world->ranks);
-    if (find_way(world) || find_node(world)) {
+    if (find_node(world)) {
         free(world);
         return NULL;
     }

@@ -1,6 +1,6 @@
-/* plan.c - an exchange that is made again and again.
+/* plan.c - an exchange that is made again and again: through memory with ranks of the node, by messages with the others.
  *
- * Through memory, each rank has two places for the words of each peer, by turns, and a number: the turn whose words are there. A sender
+ * In memory, each rank has two places for the words of each peer, by turns, and a number: the turn whose words are there. A sender
  * may write those of turn t as soon as its peer has copied those of turn t - 2. It knows that, because it has the peer's number t - 1,
  * and a peer writes that after it has ended turn t - 2. So every peer writes its number, also one that has no words to send.
  */
@@ -22,11 +22,11 @@ typedef struct {
     uint32_t *in;
     size_t send, receive; /* bytes */
     uint64_t to, from;    /* the first of two places: in the peer's memory, in the own one */
-    char *memory;         /* the peer's, or NULL: it is put there */
+    char *memory;         /* the peer's */
 } peer;
 
 struct fp3_mpi_plan {
-    const fp3_mpi *world;
+    fp3_mpi *world;
     MPI_Request *requests;
     MPI_Status *statuses; /* nobody reads them: MPICH's MPI_STATUSES_IGNORE makes GCC 12 warn */
     int count;
@@ -53,26 +53,25 @@ void fp3_mpi_plan_forget(fp3_mpi_plan *plan) {
     free(plan);
 }
 
-static int is_by_memory(const fp3_mpi *world, int rank) {
-    return world->way == FP3_WAY_WINDOWS ||
-           (world->way == FP3_WAY_SHARED && world->node_rank[rank] != MPI_UNDEFINED);
+static int is_near(const fp3_mpi *world, int rank) {
+    return world->node_rank[rank] != MPI_UNDEFINED;
 }
 
 /* Tells every rank where its words go. */
 static int share_places(fp3_mpi_plan *plan, const uint32_t *receive) {
-    const fp3_mpi *world = plan->world;
+    fp3_mpi *world = plan->world;
     uint64_t *from = calloc(2 * (size_t)world->ranks, sizeof *from), *to = from + world->ranks;
-    if (fp3_mpi_most((fp3_mpi *)world, !from)) {
+    if (fp3_mpi_most(world, !from)) {
         free(from);
         return -1;
     }
     uint64_t bytes = (uint64_t)world->ranks * LINE;
     for (int r = 0; r < world->ranks; r++)
-        if (is_by_memory(world, r)) {
+        if (is_near(world, r)) {
             from[r] = bytes;
             bytes += 2 * whole_lines(4 * (uint64_t)receive[r]);
         }
-    plan->window = fp3_mpi_window_take((fp3_mpi *)world, bytes);
+    plan->window = fp3_mpi_window_take(world, bytes);
     if (plan->window) {
         memset(plan->window->base, 0, (size_t)world->ranks * LINE);
         MPI_Win_sync(plan->window->win);
@@ -103,7 +102,7 @@ fp3_mpi_plan *fp3_mpi_plan_make(fp3_mpi *world, const uint32_t *send, const uint
         return NULL;
     }
     for (int r = 0; r < world->ranks; in += receive[r], out += send[r], r++) {
-        if (is_by_memory(world, r) && (send[r] || receive[r])) {
+        if (is_near(world, r) && (send[r] || receive[r])) {
             plan->peers[plan->peer_count++] = (peer){.rank = r,
                                                      .out = out,
                                                      .in = in,
@@ -118,7 +117,7 @@ fp3_mpi_plan *fp3_mpi_plan_make(fp3_mpi *world, const uint32_t *send, const uint
             MPI_Send_init(out, (int)send[r], MPI_UINT32_T, r, TAG, MPI_COMM_WORLD,
                           &plan->requests[plan->count++]);
     }
-    if (world->way != FP3_WAY_MESSAGES && share_places(plan, receive)) {
+    if (share_places(plan, receive)) {
         fp3_mpi_plan_forget(plan);
         return NULL;
     }
@@ -138,34 +137,12 @@ static void store(const fp3_mpi_plan *plan, const peer *p) {
                           plan->turn, memory_order_release);
 }
 
-/* The number may arrive only after the words. */
-static void put(const fp3_mpi_plan *plan) {
-    const MPI_Win win = plan->window->win;
-    for (int i = 0; i < plan->peer_count; i++) {
-        const peer *p = &plan->peers[i];
-        MPI_Put(p->out, (int)p->send, MPI_BYTE, p->rank,
-                (MPI_Aint)place_of(p->to, p->send, plan->turn), (int)p->send, MPI_BYTE, win);
-    }
-    MPI_Win_flush_all(win);
-    for (int i = 0; i < plan->peer_count; i++)
-        MPI_Accumulate(&plan->turn, 1, MPI_UINT64_T, plan->peers[i].rank,
-                       (MPI_Aint)plan->world->rank * LINE, 1, MPI_UINT64_T, MPI_REPLACE, win);
-    MPI_Win_flush_all(win);
-}
-
 static void wait_for(const fp3_mpi_plan *plan, const peer *p) {
     const _Atomic uint64_t *turn =
         (const _Atomic uint64_t *)(plan->window->base + (size_t)p->rank * LINE);
-    for (unsigned spins = 0; atomic_load_explicit(turn, memory_order_acquire) < plan->turn;
-         spins++) {
-        int is_there;
-        if (!p->memory) { /* without a call of MPI nothing arrives */
-            MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &is_there, MPI_STATUS_IGNORE);
-            MPI_Win_sync(plan->window->win);
-        }
-        if (spins > SPINS || !p->memory)
+    for (unsigned spins = 0; atomic_load_explicit(turn, memory_order_acquire) < plan->turn; spins++)
+        if (spins > SPINS)
             sched_yield();
-    }
 }
 
 /* ---- begin and end ---- */
@@ -174,11 +151,8 @@ void fp3_mpi_plan_begin(fp3_mpi_plan *plan) {
     plan->turn++;
     if (plan->count)
         MPI_Startall(plan->count, plan->requests);
-    if (plan->world->way == FP3_WAY_WINDOWS)
-        put(plan);
     for (int i = 0; i < plan->peer_count; i++)
-        if (plan->peers[i].memory)
-            store(plan, &plan->peers[i]);
+        store(plan, &plan->peers[i]);
 }
 
 void fp3_mpi_plan_end(fp3_mpi_plan *plan) {

@@ -1,4 +1,4 @@
-/* window.c - memory that other ranks write to. */
+/* window.c - memory that the ranks of a node share. */
 #include "world.h"
 
 #include <stdlib.h>
@@ -7,14 +7,6 @@
 
 static int is_free(const fp3_window *window, uint64_t bytes) {
     return !window->is_used && window->bytes >= bytes;
-}
-
-static int allocate(const fp3_mpi *world, fp3_window *window) {
-    return world->way == FP3_WAY_SHARED
-               ? MPI_Win_allocate_shared((MPI_Aint)window->bytes, 1, MPI_INFO_NULL, world->node,
-                                         &window->base, &window->win)
-               : MPI_Win_allocate((MPI_Aint)window->bytes, 1, MPI_INFO_NULL, MPI_COMM_WORLD,
-                                  &window->base, &window->win);
 }
 
 /* Every rank finds the same one: sizes are the same, and so is the order of calls. */
@@ -31,8 +23,8 @@ fp3_window *fp3_mpi_window_take(fp3_mpi *world, uint64_t bytes) {
         }
         for (window->bytes = LEAST; window->bytes < most;)
             window->bytes *= 2;
-        if (allocate(world, window) != MPI_SUCCESS)
-            MPI_Abort(MPI_COMM_WORLD, 1);
+        MPI_Win_allocate_shared((MPI_Aint)window->bytes, 1, MPI_INFO_NULL, world->node,
+                                &window->base, &window->win);
         MPI_Win_lock_all(MPI_MODE_NOCHECK, window->win);
         window->next = world->windows;
         world->windows = window;
@@ -44,9 +36,8 @@ fp3_window *fp3_mpi_window_take(fp3_mpi *world, uint64_t bytes) {
 char *fp3_mpi_window_of(const fp3_mpi *world, const fp3_window *window, int rank) {
     MPI_Aint bytes;
     int unit;
-    char *base = NULL;
-    if (world->way == FP3_WAY_SHARED && world->node_rank[rank] != MPI_UNDEFINED)
-        MPI_Win_shared_query(window->win, world->node_rank[rank], &bytes, &unit, &base);
+    char *base;
+    MPI_Win_shared_query(window->win, world->node_rank[rank], &bytes, &unit, &base);
     return base;
 }
 

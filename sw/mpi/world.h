@@ -6,14 +6,7 @@
 
 #include <mpi.h>
 
-/* How words get to another rank. */
-typedef enum {
-    FP3_WAY_MESSAGES, /* persistent messages */
-    FP3_WAY_WINDOWS,  /* put into a window of the receiver */
-    FP3_WAY_SHARED    /* stored into shared memory of the node; messages to other nodes */
-} fp3_way;
-
-/* Memory of this rank that others write to. Kept for the next plan: all ranks together must make one, and end it. */
+/* Memory of this rank that the others of its node write to. Kept for the next plan: all ranks together must make one, and end it. */
 typedef struct fp3_window {
     struct fp3_window *next;
     MPI_Win win;
@@ -24,7 +17,6 @@ typedef struct fp3_window {
 
 struct fp3_mpi {
     int rank, ranks;
-    fp3_way way;
     MPI_Comm node;  /* the ranks that share memory with this one */
     int *node_rank; /* the number of each rank there, or MPI_UNDEFINED */
     fp3_window *windows;
@@ -38,9 +30,9 @@ void fp3_mpi_plan_begin(fp3_mpi_plan *plan);
 void fp3_mpi_plan_end(fp3_mpi_plan *plan);
 void fp3_mpi_plan_forget(fp3_mpi_plan *plan);
 
-/* A window of at least this size, of zeros where turns are counted. All ranks together. NULL: out of memory. */
+/* A window of at least this size. All ranks together. NULL: out of memory. */
 fp3_window *fp3_mpi_window_take(fp3_mpi *world, uint64_t bytes);
-/* Where another rank's memory of it is, if this rank can store to it. */
+/* Where it is in the memory of another rank of the node. */
 char *fp3_mpi_window_of(const fp3_mpi *world, const fp3_window *window, int rank);
 /* Ends all of them: all ranks together. */
 void fp3_mpi_windows_free(fp3_mpi *world);
