@@ -157,7 +157,7 @@ EXPORTS  := tools/exports.map
 HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
 # Where there are an MPI and Scotch. MPICC: the compiler of one of several MPIs, as mpicc.mpich.
-MPICC    := mpicc
+MPICC    ?= mpicc
 MPI      := $(if $(and $(shell command -v $(MPICC)),$(wildcard /usr/include/scotch/scotch.h)),$(BUILD)/lib/fp3/fp3_mpi.so)
 BULLET   := $(if $(wildcard /usr/include/bullet/btBulletDynamicsCommon.h),$(BUILD)/bench/bullet)
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)

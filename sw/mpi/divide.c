@@ -1,5 +1,7 @@
-/* divide.c - see fp3_mpi.h: which rank gets which thing, by Scotch. */
-#include "world.h"
+/* divide.c - see divide.h: by Scotch. */
+#include "divide.h"
+
+#include "together.h"
 
 #include <stdio.h>
 

@@ -4,7 +4,10 @@
  * may write those of turn t as soon as its peer has copied those of turn t - 2. It knows that, because it has the peer's number t - 1,
  * and a peer writes that after it has ended turn t - 2. So every peer writes its number, also one that has no words to send.
  */
-#include "world.h"
+#include "plan.h"
+
+#include "together.h"
+#include "window.h"
 
 #include <sched.h>
 #include <stdatomic.h>
@@ -60,12 +63,12 @@ static int is_near(const fp3_mpi *world, int rank) {
 /* Tells every rank where its words go. */
 static int share_places(fp3_mpi_plan *plan, const uint32_t *receive) {
     fp3_mpi *world = plan->world;
-    uint64_t *from = calloc(2 * (size_t)world->ranks, sizeof *from), *to = from + world->ranks;
+    uint64_t *from = calloc(2 * (size_t)world->ranks, sizeof *from);
     if (fp3_mpi_most(world, !from)) {
         free(from);
         return -1;
     }
-    uint64_t bytes = (uint64_t)world->ranks * LINE;
+    uint64_t *to = from + world->ranks, bytes = (uint64_t)world->ranks * LINE;
     for (int r = 0; r < world->ranks; r++)
         if (is_near(world, r)) {
             from[r] = bytes;

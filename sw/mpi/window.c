@@ -1,5 +1,7 @@
-/* window.c - memory that the ranks of a node share. */
-#include "world.h"
+/* window.c - see window.h. */
+#include "window.h"
+
+#include "together.h"
 
 #include <stdlib.h>
 
