@@ -8,11 +8,12 @@ import subprocess
 import sys
 
 ROOT_TOO = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-NODES = {"fp3-a": "10.77.0.1", "fp3-b": "10.77.0.2"}
+NODES = {f"fp3-{os.getpid()}-a": "10.77.0.1", f"fp3-{os.getpid()}-b": "10.77.0.2"}
+HERE, THERE = NODES
 # mpirun is in the first node. Its agent starts what it wants on the other one, whose first argument is a host.
-AGENT = """#!/bin/sh
+AGENT = f"""#!/bin/sh
 shift
-exec ip netns exec fp3-b unshare --uts sh -c "hostname fp3-b; $*"
+exec ip netns exec {THERE} unshare --uts sh -c "hostname {THERE}; $*"
 """
 
 
@@ -56,10 +57,10 @@ class Lab:
         """The words that start a command."""
         command = [str(word) for word in command]
         if nodes == 2:
-            hosts = f"fp3-a:{(ranks + 1) // 2},{NODES['fp3-b']}:{ranks // 2}"
+            hosts = f"{HERE}:{(ranks + 1) // 2},{NODES[THERE]}:{ranks // 2}"
             inside = ["mpirun", "--mca", "plm_rsh_agent", str(self.agent), "-H", hosts, "--mca", "pml", "ob1", "--mca", "btl", "tcp,vader,self",
                       "--mca", "btl_tcp_if_include", "wire", "--mca", "oob_tcp_if_include", "wire", "-n", str(ranks), *command]
-            return ["ip", "netns", "exec", "fp3-a", "unshare", "--uts", "sh", "-c", "hostname fp3-a; exec \"$@\"", "sh", *inside]
+            return ["ip", "netns", "exec", HERE, "unshare", "--uts", "sh", "-c", f"hostname {HERE}; exec \"$@\"", "sh", *inside]
         more = ["--oversubscribe"] if self.is_open_mpi else []
         return command if ranks == 1 else ["mpirun", *more, "-n", str(ranks), *command]
 
@@ -89,8 +90,6 @@ def two_nodes(wire, delay_us):
     def ip(*words):
         subprocess.run(["ip", *words], check=True, capture_output=True)
     carrier = None
-    for node in NODES:
-        subprocess.run(["ip", "netns", "del", node], capture_output=True)  # one that was left behind
     try:
         for node in NODES:
             ip("netns", "add", node)
@@ -130,10 +129,10 @@ print(min(found))
 
 def round_trip_us():
     """The shortest of 200 packets there and back between two nodes."""
-    server = subprocess.Popen(["ip", "netns", "exec", "fp3-b", sys.executable, "-c", ECHO, "serve"], stdout=subprocess.PIPE, text=True)
+    server = subprocess.Popen(["ip", "netns", "exec", THERE, sys.executable, "-c", ECHO, "serve"], stdout=subprocess.PIPE, text=True)
     try:
         server.stdout.readline()
-        ask = ["ip", "netns", "exec", "fp3-a", sys.executable, "-c", ECHO, "ask"]
+        ask = ["ip", "netns", "exec", HERE, sys.executable, "-c", ECHO, "ask"]
         return 1e6 * float(subprocess.run(ask, capture_output=True, text=True, timeout=30, check=True).stdout)
     finally:
         server.kill()
