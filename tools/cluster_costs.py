@@ -50,31 +50,16 @@ class Timed:
 
     def __init__(self, lab, runs, repeats):
         """runs: name to (ranks, scene, nodes, threads, steps). They take turns, so that a busy moment does not meet one alone."""
-        self.short, self.long, self.exchange, self.bytes = {}, {}, {}, {}
-        self.lab, self.runs = lab, runs
+        self.step, self.exchange, self.bytes = {}, {}, {}
         for _ in range(repeats):
-            self.take(runs)
-        # On a busy machine a longer run may still have taken less time than a shorter one.
-        for _ in range(3 * repeats):
-            self.take({name: run for name, run in runs.items() if self.difference(name) <= 0})
-        self.step = {name: self.difference(name) for name in runs}
-        if min(self.step.values()) <= 0:
-            raise Failed("a longer run took less time than a shorter one: this machine has other work")
-
-    def difference(self, name):
-        """Without what a run does once; in the quick form that would be the difference of two small numbers."""
-        steps = self.runs[name][4]
-        return 1e6 * self.long[name] / steps if self.lab.quick else 1e6 * (self.long[name] - self.short[name]) / (steps - steps // 10)
-
-    def take(self, runs):
-        for name, (ranks, scene, nodes, threads, steps) in runs.items():
-            for of, count in ((self.short, steps // 10), (self.long, steps)):
-                said = self.lab.run(ranks, "--scene", scene, "-e", "fast", "--threads", threads, "--steps", count, nodes=nodes)
-                of[name] = min(of.get(name, said.seconds), said.seconds)
-            if said.times:
-                took = 1e6 * said.exchange / said.times
-                self.exchange[name] = min(self.exchange.get(name, took), took)
-                self.bytes[name] = said.bytes / said.times
+            for name, (ranks, scene, nodes, threads, steps) in runs.items():
+                said = lab.run(ranks, "--scene", scene, "-e", "fast", "--threads", threads, "--steps", steps, nodes=nodes)
+                took = 1e6 * said.seconds / steps
+                self.step[name] = min(self.step.get(name, took), took)
+                if said.times:
+                    took = 1e6 * said.exchange / said.times
+                    self.exchange[name] = min(self.exchange.get(name, took), took)
+                    self.bytes[name] = said.bytes / said.times
 
 
 def row_of(timed, name, **more):
@@ -143,7 +128,7 @@ def everybody(lab):
 
 def scale(lab, say, *_):
     """A large cloth on two ranks beside two threads, bytes beside what is needed, a million objects."""
-    side, steps, repeats = (64, 20, 1) if lab.quick else (512, 100, 7)
+    side, steps, repeats = (64, 20, 1) if lab.quick else (512, 60, 12)
     scene = cloth(lab, side)
     timed = Timed(lab, {"ranks": (2, scene, 1, 1, steps), "threads": (1, scene, 1, 2, steps)}, repeats)
     share = timed.exchange["ranks"] / timed.step["ranks"]
@@ -171,10 +156,10 @@ def scale(lab, say, *_):
 
 def model(lab, say, wire, data):
     """Its constants from some runs, and how it meets others."""
-    repeats = 1 if lab.quick else 3
+    repeats = 1 if lab.quick else 7
     sides = (20, 32, 64) if lab.quick else (20, 64, 256)
     scenes = {side: cloth(lab, side) for side in sides}
-    steps = dict(zip(sides, (100, 100, 100) if lab.quick else (3000, 1000, 100)))
+    steps = dict(zip(sides, (100, 100, 100) if lab.quick else (1000, 300, 50)))
     ranks = (1, 2) if lab.quick else (1, 2, 3, 4, 8)
     runs = {(side, count): (count, scenes[side], 1, 1, steps[side]) for side in sides for count in ranks}
     one = Timed(lab, runs, repeats)
@@ -183,7 +168,7 @@ def model(lab, say, wire, data):
     for delay in () if why_no_nodes(wire) or not lab.is_open_mpi else DELAYS[lab.quick][-1:] if lab.quick else DELAYS[False]:
         with two_nodes(wire, delay):
             trip = round_trip_us()
-            two = Timed(lab, {side: (2, scenes[side], 2, 1, min(steps[side], 500)) for side in sides}, 1 if lab.quick else 2)
+            two = Timed(lab, {side: (2, scenes[side], 2, 1, min(steps[side], 500)) for side in sides}, 1 if lab.quick else 4)
         rows += [{"side": side, "ranks": 2, "nodes": 2, "delay_us": delay, "round_trip_us": trip, "measured": two.step[side], "exchange": two.exchange[side],
                   "bytes": two.bytes[side], "is_fitted": delay == (200 if lab.quick else 0) and side != sides[1]} for side in sides]
         say(f"model, two nodes, {delay} us: measured")

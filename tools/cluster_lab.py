@@ -33,8 +33,10 @@ class Said:
         self.text = text
         self.hash = (re.findall(r"^hash +(\w{64})$", text, re.M) or [None])[0]
         self.seconds = float((re.findall(r"^time +(\S+) s", text, re.M) or ["nan"])[0])
-        found = re.search(r"^exchange +(\S+) s, (\d+) times, (\d+) bytes", text, re.M)
-        self.exchange, self.times, self.bytes = (float(found[1]), int(found[2]), int(found[3])) if found else (0.0, 0, 0)
+        found = re.search(r"^exchange +(\S+) s of (\S+) s, (\d+) times, (\d+) bytes", text, re.M)
+        self.exchange, self.times, self.bytes = (float(found[1]), int(found[3]), int(found[4])) if found else (0.0, 0, 0)
+        if found:
+            self.seconds = float(found[2])  # without the division of objects
 
 
 class Lab:

@@ -42,12 +42,14 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
 
 /* Bytes of all ranks together, and the mean of the times that they took. */
 static void print_exchanged(const fp3_run_ranks *ranks) {
-    uint64_t sums[] = {ranks->exchanged.bytes, ranks->exchanged.nanoseconds};
+    uint64_t sums[] = {ranks->exchanged.bytes, ranks->exchanged.nanoseconds,
+                       ranks->exchanged.steps};
     const uint64_t times = ranks->all.calls->most(ranks->all.world, ranks->exchanged.times);
-    ranks->all.calls->add(ranks->all.world, sums, 2);
+    ranks->all.calls->add(ranks->all.world, sums, 3);
     if (times)
-        printf("%-16s %.3g s, %" PRIu64 " times, %" PRIu64 " bytes; %u ranks\n", "exchange",
-               (double)sums[1] / 1e9 / ranks->all.count, times, sums[0], ranks->all.count);
+        printf("%-16s %.3g s of %.3g s, %" PRIu64 " times, %" PRIu64 " bytes; %u ranks\n",
+               "exchange", (double)sums[1] / 1e9 / ranks->all.count,
+               (double)sums[2] / 1e9 / ranks->all.count, times, sums[0], ranks->all.count);
 }
 
 int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {

@@ -10,10 +10,11 @@
 #include <fp3/engine.h>
 #include <mpi/fp3_mpi.h>
 
-/* What this rank has exchanged in all runs, and how long that took, with the time that it waited for others. */
+/* What this rank has exchanged in all runs, and how long that took, with the time that it waited for others. steps: how long all steps took, exchanges
+ * among them, but not what the ranks do before the first one. */
 typedef struct {
     uint64_t times, bytes; /* bytes: sent */
-    uint64_t nanoseconds;
+    uint64_t nanoseconds, steps;
 } fp3_exchanged;
 
 typedef struct {
