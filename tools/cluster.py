@@ -159,7 +159,7 @@ def kept(options):
 
 def measure_all(options, folder):
     begin, data = time.monotonic(), kept(options)
-    lab = Lab(options.fp3, folder, options.quick)
+    lab = Lab(options.fp3, folder, options.quick, options.first)
 
     def say(text):
         print(f"cluster: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr, flush=True)
@@ -174,6 +174,7 @@ def main():
     parser.add_argument("--fp3", type=pathlib.Path, default=bench.ROOT / "build/bin/fp3", help="the command")
     parser.add_argument("--wire", type=pathlib.Path, default=bench.ROOT / "build/bench/wire", help="the program that delays packets")
     parser.add_argument("--quick", action="store_true", help="few steps, few ranks")
+    parser.add_argument("--first", action="store_true", help="time runs on one node as real-time processes (chrt, root): for a machine with other work")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="only these (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/cluster.json", help="the file to write")
     parser.add_argument("--report", action="store_true", help="write the tables of docs/cluster.md and its picture instead, from docs/cluster.json")

@@ -96,7 +96,8 @@ def extended(data):
         per_rank = [at(1) * (1 if objects else count) / (count * at(int(count))) for count in ranks]
         half = [int(count) for count, share in zip(ranks, per_rank) if share >= 0.5]
         fastest = int(ranks[int(np.argmin([at(int(count)) / (1 if objects else count) for count in ranks]))])
-        rows.append([name, f"{half[-1]:,}", f"{fastest:,}", number(at(fastest))])
+        more = "more than " if half[-1] == most else ""
+        rows.append([name, f"{more}{half[-1]:,}", f"{fastest:,}", number(at(fastest))])
     yield from table(["scene", "ranks at half efficiency", "fastest with", "a step then, µs"], rows)
 
 
