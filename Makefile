@@ -23,7 +23,7 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-SETUPS := setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-view setup-everywhere setup-packages setup-playground setup-docs
+SETUPS := setup setup-fpga setup-boards setup-fuzz setup-soc setup-bench setup-cluster setup-view setup-everywhere setup-packages setup-playground setup-docs
 SETUP  := $(filter $(SETUPS),$(MAKECMDGOALS))
 REST   := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
@@ -51,6 +51,9 @@ setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 
 setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, Bullet, and in .venv-bench/ Python packages
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
+
+setup-cluster: setup ## ... and Open MPI and Scotch for runs on several processes, and for `make cluster`
+	@PYTHON=$(PYTHON) tools/setup.sh --cluster
 
 setup-everywhere: setup ## ... and compilers for arm64, riscv64 and WebAssembly, and qemu, for `make everywhere`
 	@PYTHON=$(PYTHON) tools/setup.sh --everywhere
@@ -154,7 +157,7 @@ EXPORTS  := tools/exports.map
 HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
 # Where there are an MPI and Scotch. MPICC: the compiler of one of several MPIs, as mpicc.mpich.
-MPICC    := mpicc
+MPICC    ?= mpicc
 MPI      := $(if $(and $(shell command -v $(MPICC)),$(wildcard /usr/include/scotch/scotch.h)),$(BUILD)/lib/fp3/fp3_mpi.so)
 BULLET   := $(if $(wildcard /usr/include/bullet/btBulletDynamicsCommon.h),$(BUILD)/bench/bullet)
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
@@ -179,7 +182,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BULLET) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -237,14 +240,14 @@ $(HDF5): $(call obj,$(HDF5_C)) $(EXPORTS)
 	@mkdir -p $(@D)
 	@$(call link_shared,$(CC_FOR)) $$(pkg-config --libs $(HDF5_PC) nettle)
 
-# What runs on clusters, loaded when several ranks are started. mpicc is that of Open MPI or of MPICH.
-MPI_CFLAGS = $(eval MPI_CFLAGS := $$(shell mpicc -show 2>/dev/null | tr ' ' '\n' | sed -n 's/^-I/-isystem /p'))$(MPI_CFLAGS)
+# What runs on clusters, loaded when several ranks are started.
+MPI_CFLAGS = $(eval MPI_CFLAGS := $$(shell $(MPICC) -show 2>/dev/null | tr ' ' '\n' | sed -n 's/^-I/-isystem /p'))$(MPI_CFLAGS)
 $(call obj,$(MPI_C)): MORE = $(MPI_CFLAGS) -isystem /usr/include/scotch
 
 $(BUILD)/lib/fp3/fp3_mpi.so: $(call obj,$(MPI_C)) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
-	@$(call link_shared,mpicc) -lscotch -lscotcherr
+	@$(call link_shared,$(MPICC)) -lscotch -lscotcherr
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
@@ -507,6 +510,20 @@ four: all ## Four simulated boards with a cloth, each on a serial line of its ow
 world-report: ## Write docs/world.md from what `make world` found
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
 
+# ---- objects divided among processes ------------------------------------------------------------
+
+$(BUILD)/bench/wire: bench/cluster/wire.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo "  CC   $<"
+	@$(CCACHE) gcc $(CFLAGS) $(LDFLAGS) -o $@ $<
+
+.PHONY: cluster cluster-report
+cluster: all | need-cluster ## Objects divided among ranks: the same bits, kills, what the exchange costs, a model: build/results/cluster.json; QUICK=1, FIRST=1 (root: before other work), PARTS="hashes model"
+	@$(PYTHON) tools/cluster.py --output $(RESULTS)/cluster.json $(if $(QUICK),--quick) $(if $(FIRST),--first) $(if $(PARTS),--parts $(PARTS))
+
+cluster-report: | need-plot ## Write the tables of docs/cluster.md and its picture from docs/cluster.json, with what `make cluster` found
+	@$(PYTHON) tools/cluster.py --report
+
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated
@@ -660,7 +677,7 @@ clean: ## Remove build/, build-san/ and build-tsan/ (not .venv/, .venv-bench/)
 help: ## This list
 	@echo "Targets:"
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk tools/wasm.mk
-	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), SOFT=1 (flags by software, as on WebAssembly: build/soft/), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
+	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), SOFT=1 (flags by software, as on WebAssembly: build/soft/), MPICC=mpicc.mpich (one of several MPIs), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
 -include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)
 endif

@@ -65,12 +65,12 @@ endef
 
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
-install: released $(HARDWARE) $(HDF5) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
+install: released $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
 	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(BASH)) $(dir $(ZSH)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
 	@install -m 644 $(RELEASED)/lib/libfp3.a $(RELEASED)/lib/libfp3.so.0 $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
-	@install -m 644 $(HARDWARE) $(HDF5) $(RTL_DIR)
+	@install -m 644 $(HARDWARE) $(HDF5) $(MPI) $(RTL_DIR)
 	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
 	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
 	@install -m 644 $(RELEASED)/fp3.1 $(MAN)

@@ -7,6 +7,7 @@
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
 #   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE, Bullet and the Python packages beside which `make bench`, `make world` measure
+#   tools/setup.sh --cluster      ... and Open MPI and Scotch for runs on several processes
 #   tools/setup.sh --view         ... and Chromium and Selenium for the tests of fp3 view
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
 #   tools/setup.sh --packages     ... and debhelper, lintian, auditwheel for `make packages` and its tests
@@ -46,6 +47,9 @@ python3-matplotlib   | python:matplotlib | plot  | draws the pictures of make be
 libbox2d-dev         | <box2d/box2d.h>   | bodies | free bodies of Box2D in the table of speeds
 libode-dev           | <ode/ode.h>       | bodies | ... of the Open Dynamics Engine
 libbullet-dev        | /usr/include/bullet/btBulletDynamicsCommon.h | bodies | a net by soft bodies of Bullet in the table of scenes
+libopenmpi-dev       | mpicc             | cluster | compiles fp3_mpi.so, by which the processes of a run talk; MPICH does as well
+openmpi-bin          | mpirun            | cluster | starts them
+libscotch-dev        | /usr/include/scotch/scotch.h | cluster | divides objects among them
 chromium             | chromium          | view  | opens the pages of fp3 view in tests, without a display
 chromium-driver      | chromedriver      | view  | ... moves its mouse, presses its keys
 python3-selenium     | python:selenium   | view  | ... for tests in Python
@@ -126,6 +130,7 @@ needs() {
     ipxact) echo 'setup' ;;
     bench) echo 'sim bench' ;;
     bodies | plot | view | docs) echo "$1" ;;
+    cluster) echo 'sim cluster' ;;
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
     everywhere) echo 'sim smoke everywhere' ;;
@@ -213,7 +218,7 @@ check() {
         case $1 in
         synth | sizes) echo "Run: make setup-fpga" ;;
         bitstream) echo "Run: make setup-boards" ;;
-        fuzz | soc | everywhere | view | packages | playground | docs) echo "Run: make setup-$1" ;;
+        fuzz | soc | cluster | everywhere | view | packages | playground | docs) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
         *) echo "Run: make setup" ;;
         esac
@@ -299,8 +304,8 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
-'' | --fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground | --docs)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages) $([ "${1:-}" != --docs ] || echo docs)
+'' | --fpga | --boards | --fuzz | --soc | --bench | --cluster | --view | --everywhere | --packages | --playground | --docs)
+    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --cluster ] || echo cluster) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages) $([ "${1:-}" != --docs ] || echo docs)
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
@@ -322,5 +327,5 @@ case ${1:-} in
     esac
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --view | --everywhere | --packages | --playground | --docs | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --cluster | --view | --everywhere | --packages | --playground | --docs | --check TARGET | --list]" >&2 && exit 2 ;;
 esac

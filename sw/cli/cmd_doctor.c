@@ -5,6 +5,7 @@
 #include "base/threads.h"
 #include "cli.h"
 #include "engine/hardware.h"
+#include "engine/library.h"
 #include "engine/library_hdf5.h"
 #include "fast/cache.h"
 #include "machine/config.h"
@@ -103,6 +104,12 @@ static fp3_status check_hdf5(finding *f) {
     return fp3_library_hdf5(&calls, &f->error);
 }
 
+/* Loaded, not started: outside mpirun MPI would take long. */
+static fp3_status check_mpi(finding *f) {
+    void *library = NULL;
+    return fp3_library_load("fp3_mpi.so", "library for clusters", &library, NULL, &f->error);
+}
+
 static fp3_status check_gnuplot(finding *f) { return fp3_gnuplot_check(&f->error); }
 
 static fp3_status check_ffmpeg(finding *f) { return fp3_view_video_check(2, 2, &f->error); }
@@ -119,6 +126,8 @@ static const struct {
      "; FP3_CACHE_DIR=DIRECTORY names one that only you can write to", check_cache},
     {"engine rtl", "the simulated hardware", "", check_hardware},
     {"HDF5", "--output FILE.h5, and fp3 view of such a file", "", check_hdf5},
+    {"MPI", "mpirun -n 2 fp3 run",
+     "; it is compiled where an MPI and Scotch are: make setup-cluster all", check_mpi},
     {"gnuplot", "--plot, and --html of fp3 bench", "", check_gnuplot},
     {"ffmpeg", "fp3 view --film FILE.mp4", "", check_ffmpeg},
 };
@@ -142,7 +151,8 @@ static int print_checks(void) {
 int fp3_cmd_doctor(int argc, char **argv) {
     static const struct argp argp = {
         .doc = "Tries all that the command can use of this machine: the C compiler and the cache "
-               "of engine fast, the simulated hardware, HDF5, gnuplot and ffmpeg. Says of what is "
+               "of engine fast, the simulated hardware, HDF5, MPI, gnuplot and ffmpeg. Says of "
+               "what is "
                "missing what it is for, and how to get it; the exit code is then 1. Nothing of it "
                "is needed by engine isa.",
     };

@@ -78,15 +78,32 @@ fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_erro
     return ranks->port ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
 }
 
+/* Bytes of all ranks together, and the means of their times. */
+static void print_exchange(const fp3_rank_use *all, unsigned count) {
+    fp3_rank_use sum = {0};
+    for (unsigned r = 0; r < count; r++) {
+        sum.sent += all[r].sent;
+        sum.exchange += all[r].exchange;
+        sum.steps += all[r].steps;
+        sum.times = all[r].times > sum.times ? all[r].times : sum.times;
+    }
+    if (sum.times)
+        printf("%-16s %.3g s of %.3g s, %" PRIu64 " times, %" PRIu64 " bytes; %u ranks\n",
+               "exchange", (double)sum.exchange / 1e9 / count, (double)sum.steps / 1e9 / count,
+               sum.times, sum.sent, count);
+}
+
 void fp3_run_ranks_print(fp3_engine *engine) {
     fp3_rank_use *all = NULL;
     unsigned count = 0;
     if (fp3_ranks_use(engine, &all, &count))
         return;
     for (unsigned r = 0; r < count; r++) {
-        printf("rank %-11u %" PRIu64 " objects, %" PRIu64 " guests; %" PRIu64 " cycles; %" PRIu64
+        printf("rank %-11u %" PRIu64 " objects, %" PRIu64 " guests; %" PRIu64
                " bytes to other ranks",
-               r, all[r].objects, all[r].guests, all[r].cycles, all[r].sent);
+               r, all[r].objects, all[r].guests, all[r].sent);
+        if (all[r].cycles)
+            printf("; %" PRIu64 " cycles", all[r].cycles);
         if (all[r].bus.transfers)
             printf("; %" PRIu64 " words on the bus", all[r].bus.transfers);
         if (all[r].bus.frames)
@@ -94,6 +111,7 @@ void fp3_run_ranks_print(fp3_engine *engine) {
                    all[r].bus.bytes);
         putchar('\n');
     }
+    print_exchange(all, count);
     free(all);
 }
 

@@ -4,6 +4,7 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <time.h>
 
 /* Whether some object has moved by more than half the skin since guests were chosen: then another may be near that is none. */
 static fp3_status look_who_moved(fp3_engine *engine, uint64_t *has_moved) {
@@ -111,9 +112,16 @@ static fp3_status send_words(fp3_engine *engine) {
 }
 
 static fp3_status receive_words(fp3_engine *engine) {
-    const fp3_ranked *self = engine->self;
+    fp3_ranked *self = engine->self;
     self->ranks->calls->end(self->plan);
+    self->use.times++;
     return scatter(engine);
+}
+
+static uint64_t now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
 }
 
 /* The engine that makes a run again stands in for the own one. */
@@ -121,9 +129,11 @@ static fp3_status stand_in(fp3_engine *engine, fp3_engine *own,
                            fp3_status (*part)(fp3_engine *engine)) {
     fp3_ranked *self = engine->self;
     fp3_engine *usual = self->own;
+    const uint64_t began = now();
     self->own = own;
     const fp3_status status = part(engine);
     self->own = usual;
+    self->use.exchange += now() - began;
     return status;
 }
 

@@ -308,6 +308,8 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     }
     if (!status)
         status = fp3_ranks_tell_lives(engine);
+    if (!status) /* the first exchange does not wait for who was slower here */
+        to.ranks->calls->most(to.ranks->world, 0);
     fp3_ranks_forget(status ? &to : &before);
     if (status)
         *self = before;

@@ -16,6 +16,9 @@ typedef struct {
     uint64_t objects, guests;
     uint64_t cycles; /* of its runs */
     uint64_t sent;   /* bytes, to other ranks before phases */
+    uint64_t times;  /* that words were exchanged */
+    uint64_t exchange,
+        steps; /* nanoseconds: of that, with the wait for slower ranks; of all steps, that among them */
     fp3_bus_use bus; /* of its own engine */
 } fp3_rank_use;
 

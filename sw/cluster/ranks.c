@@ -94,6 +94,7 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
         self->own->def.visit = engine->def.visit;
         status = fp3_engine_run(self->own, steps, &own);
     }
+    self->use.steps += (uint64_t)(own.seconds * 1e9);
     if (status) /* the others wait for words that do not come */
         return status;
     stats->flags |= own.flags;

@@ -14,18 +14,20 @@ def doctor(fp3, **environment):
     return done.returncode, dict(re.findall(r"^(\w+(?: \w+)?) +(.+)$", done.stdout, re.M))
 
 
-def test_what_is_there_is_tried(fp3, tmp_path):
+def test_what_is_there_is_tried(fp3, build, tmp_path):
     code, found = doctor(fp3, FP3_CACHE_DIR=str(tmp_path), FP3_CC="gcc")
     assert found["engine fast"].startswith("native ") and found["C compiler"] == "gcc" and found["cache"] == f"{tmp_path}: 1 program, 0.0 MB"
     total = re.fullmatch(r"(\d+) of (\d+) configurations", found["engine rtl"])
     assert total[1] == total[2] and int(total[1]) > 10 and found["HDF5"] == found["gnuplot"] == "yes"
-    assert code == (0 if shutil.which("ffmpeg") else 1)
+    has_mpi = (build / "lib/fp3/fp3_mpi.so").exists()
+    assert found["MPI"].startswith("yes" if has_mpi else "MISSING (")
+    assert code == (0 if shutil.which("ffmpeg") and has_mpi else 1)
 
 
 @pytest.mark.parametrize("name, environment, said", [
     ("C compiler", {"FP3_CC": "nonesuch"}, "no compiler 'nonesuch'"), ("engine fast", {"FP3_CC": "nonesuch"}, "interpreter"), ("C compiler", {"FP3_CC": "false"}, "'false' failed"),
     ("cache", {"FP3_CACHE_DIR": "/nonesuch/x"}, "/nonesuch/x: cannot be made"), ("engine rtl", {"FP3_RTL_DIR": "/nonesuch"}, "looked in /nonesuch"),
-    ("HDF5", {"FP3_RTL_DIR": "/nonesuch"}, "fp3_hdf5.so"), ("gnuplot", {"PATH": "/nonesuch"}, "gnuplot-nox"), ("ffmpeg", {"PATH": "/nonesuch"}, "Debian's package ffmpeg")])
+    ("HDF5", {"FP3_RTL_DIR": "/nonesuch"}, "fp3_hdf5.so"), ("MPI", {"FP3_RTL_DIR": "/nonesuch"}, "make setup-cluster all"), ("gnuplot", {"PATH": "/nonesuch"}, "gnuplot-nox"), ("ffmpeg", {"PATH": "/nonesuch"}, "Debian's package ffmpeg")])
 def test_what_is_missing_is_named(fp3, tmp_path, name, environment, said):
     code, found = doctor(fp3, **{"FP3_CACHE_DIR": str(tmp_path), **environment})
     assert code == 1 and found[name].startswith("MISSING (") and said in found[name]
