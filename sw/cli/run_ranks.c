@@ -99,11 +99,11 @@ void fp3_run_ranks_print(fp3_engine *engine) {
     if (fp3_ranks_use(engine, &all, &count))
         return;
     for (unsigned r = 0; r < count; r++) {
-        printf("rank %-11u %" PRIu64 " objects, %" PRIu64 " guests; %" PRIu64
-               " bytes to other ranks",
-               r, all[r].objects, all[r].guests, all[r].sent);
+        printf("rank %-11u %" PRIu64 " objects, %" PRIu64 " guests; ", r, all[r].objects,
+               all[r].guests);
         if (all[r].cycles)
-            printf("; %" PRIu64 " cycles", all[r].cycles);
+            printf("%" PRIu64 " cycles; ", all[r].cycles);
+        printf("%" PRIu64 " bytes to other ranks", all[r].sent);
         if (all[r].bus.transfers)
             printf("; %" PRIu64 " words on the bus", all[r].bus.transfers);
         if (all[r].bus.frames)

@@ -17,7 +17,7 @@ SCENES = {
                program = "balls.ode"; integrator = "semi_implicit_euler";""",
     "stars": 'objects = 40; random = { position = "x"; from = [-1.0, -1.0, -1.0]; to = [1.0, 1.0, 1.0]; apart = 0.01; seed = 1; }; integrator = "euler";',
 }
-RANK = re.compile(r"^rank (\d+) +(\d+) objects, (\d+) guests; (\d+) cycles; (\d+) bytes to other ranks(?:; (\d+) words on the bus)?"
+RANK = re.compile(r"^rank (\d+) +(\d+) objects, (\d+) guests; (?:(\d+) cycles; )?(\d+) bytes to other ranks(?:; (\d+) words on the bus)?"
                   r"(?:, (\d+) requests, (\d+) bytes on the line)?$", re.M)
 
 FLAGS = re.compile(r"^flags .*", re.M)
