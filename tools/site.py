@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 # Which pages the navigation has, in which order: title, pages. Whatever docs has beside these is an error, so that none is forgotten.
 PARTS = {
     "Tutorials": ["tutorials/game_loop", "tutorials/accuracy", "tutorials/fpga"],
-    "Models": ["models", "gallery", "integrators", "adaptive", "relations", "scenes", "outputs", "checkpoints", "cluster", "view"],
+    "Models": ["models", "gallery", "integrators", "adaptive", "relations", "scenes", "outputs", "checkpoints", "cluster", "cluster_boards", "view"],
     "Command and libraries": ["command", "tuner", "fast", "batch", "python", "playground", "installing"],
     "Hardware": ["integration", "configurations", "arithmetic", "logarithmic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],
     "How it works": ["architecture", "neighbours", "software", "one_line", "compiler", "truth", "glossary"],
