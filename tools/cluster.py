@@ -112,7 +112,7 @@ def wait_for_change(path, going):
 
 def kills(lab, say):
     """Runs that are killed again and again, and restarted, until they end."""
-    chance, tried, right, alone = random.Random(1), 0, 0, 0
+    chance, tried, right, alone, stuck = random.Random(1), 0, 0, 0, 0
     wanted = 3 if lab.quick else 100
     scene = bench.ROOT / "programs/world/cloth.scene"
     base = ("--scene", scene, "-e", "fast", "--threads", 1, "--steps", 600, "--checkpoint-every", 10)
@@ -128,7 +128,15 @@ def kills(lab, say):
                 time.sleep(chance.uniform(0, 0.1))
                 is_all = chance.random() < 0.5
                 kill(going, ranks, is_all, chance)
-            said = going.communicate(timeout=120)[0]
+            each = children_of(going.pid)
+            try:
+                said = going.communicate(timeout=20)[0]
+            except subprocess.TimeoutExpired:  # a mpirun that was hit while it started may wait for ever
+                for pid in [*each, *children_of(going.pid), going.pid]:
+                    subprocess.run(["kill", "-9", str(pid)], capture_output=True)
+                said, stuck = going.communicate(timeout=60)[0], stuck + 1
+                if stuck > wanted // 3 + 1:
+                    raise Failed("runs that were killed do not end") from None
             if going.returncode == 0:
                 break
             if tried + of_this_run >= wanted or of_this_run >= 4:
@@ -140,7 +148,7 @@ def kills(lab, say):
     say(f"{right} of {tried} kills end with the hash of an undisturbed run, {alone} of them of one rank")
     if right != tried:
         raise Failed(f"{tried - right} of {tried} kills end with another hash")
-    return {"kills": {"tried": tried, "right": right, "one_rank": alone, "whole_job": tried - alone, "scene": "cloth"}}
+    return {"kills": {"tried": tried, "right": right, "one_rank": alone, "whole_job": tried - alone, "stuck": stuck, "scene": "cloth"}}
 
 
 # ---- all of it ----
