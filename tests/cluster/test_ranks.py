@@ -1,6 +1,8 @@
 """Scenes on 1, 2, 3, 4 and 8 ranks, on every engine: the same bits. Ranks share the processors of one machine here."""
 
+import os
 import re
+import subprocess
 
 import pytest
 
@@ -88,3 +90,10 @@ def test_several_phases_are_refused_on_hardware(mpirun, fp3, small):
     small.write_text(SMALL.replace("semi_implicit_euler", "verlet"))
     done = mpirun(2, fp3, "run", "--scene", small, "-e", "rtl", "--steps", 3)
     assert done.returncode != 0 and "a step of one phase" in done.stderr, done.stderr
+
+
+def test_processes_that_mpi_does_not_see_are_refused(mpirun, fp3, root, tmp_path):
+    """As under the mpirun of another MPI: else each would run all objects and write the same file."""
+    done = subprocess.run([fp3, "run", "--scene", root / "programs/world/cloth.scene", "-e", "fast", "--output", tmp_path / "x.csv"],
+                          capture_output=True, text=True, timeout=60, env=os.environ | {"PMI_SIZE": "3"} | {"OMPI_MCA_btl": "self"})
+    assert done.returncode == 1 and "3 processes were started, and MPI sees 1" in done.stderr and not (tmp_path / "x.csv").exists()
