@@ -282,7 +282,13 @@ static fp3_status take_past(const fp3_checkpoint *c, const fp3_state *state, fp3
     for (uint32_t i = 0; !status && i < state->layout->count; i++) {
         uint32_t words[FP3_FAILURE_WORDS];
         status = take_of_group(c, "failure", i, words, FP3_FAILURE_WORDS, error);
-        past->failures[i] = fp3_failure_unpack(words);
+        if (!status)
+            past->failures[i] = fp3_failure_unpack(words);
+        if (!status && (past->failures[i].object >= c->objects ||
+                        past->failures[i].state >= FP3_BANK_OBJECT_COUNT))
+            status = fp3_fail(error, FP3_E_ARGUMENT,
+                              "%s: has the failure of an object or of a state that there is not",
+                              c->path);
     }
     past->step = c->step;
     past->flags = (uint32_t)c->flags;

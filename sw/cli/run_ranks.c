@@ -121,14 +121,15 @@ void fp3_run_ranks_print(fp3_engine *engine) {
     free(all);
 }
 
-int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
+int fp3_run_ranks_end(fp3_run_ranks *ranks, const char *command, fp3_status status,
+                      const fp3_error *error) {
     free(ranks->port);
     ranks->port = NULL;
     fflush(stdout);
     if (ranks->is_one || ranks->all.calls->close(ranks->all.world, status != FP3_OK) == 0)
         return ranks->all.rank != 0;
     if (ranks->all.rank)
-        dprintf(ranks->speaks < 0 ? STDERR_FILENO : ranks->speaks, "fp3 run: rank %u: %s\n",
+        dprintf(ranks->speaks < 0 ? STDERR_FILENO : ranks->speaks, "fp3 %s: rank %u: %s\n", command,
                 ranks->all.rank, error->text);
     ranks->all.calls->abort(ranks->all.world, fp3_exit_code(status));
     return 1;

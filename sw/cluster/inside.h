@@ -34,8 +34,9 @@ typedef struct {
     int sees_all;                  /* everybody stands at its number, and guests are all others */
     int *group;          /* of each group, the own engine's, or -1: none of its objects are here */
     uint32_t *constants; /* of each group, as many as registers */
-    int is_placed;       /* ... by the lists that there are */
-    fp3_rank_use use;    /* but the bus of the engine that is open */
+    int is_placed;       /* whether objects are divided by the present lists */
+    int is_stale;        /* a run made again has chosen guests for its own steps */
+    fp3_rank_use use;    /* without the bus of the open engine, which use.c adds */
     fp3_traffic out, in;
     fp3_mpi_plan *plan;
     float *made

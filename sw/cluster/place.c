@@ -126,7 +126,8 @@ static void use_rows(fp3_engine *engine, fp3_ranked *to) {
 /* In the host there is room for as many guests as there may be: what nobody has written to costs nothing. Hardware has half of its
  * store for records. */
 static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
-    const fp3_config *config = engine->config;
+    const fp3_config *config =
+        fp3_config_find(to->def.config); /* engine->config has the host's store */
     const uint64_t now = (uint64_t)to->share[fp3_ranks_here(to)] + to->guest_count,
                    more = now + to->guest_count + ROOM_MORE;
     uint64_t most = fp3_engine_room(to->def.engine, to->def.config);
@@ -144,6 +145,12 @@ static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
     return (uint32_t)(most > now ? most : now);
 }
 
+/* The own engine's run is a part of the run. */
+static void tell(void *user, double share) {
+    const fp3_engine *engine = user;
+    engine->def.progress(engine->def.progress_user, engine->told + engine->part * share);
+}
+
 /* Opens it for `whose` and guests, empty. */
 static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     const uint32_t own = to->share[fp3_ranks_here(to)];
@@ -152,6 +159,8 @@ static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     if (!own)
         return FP3_OK;
     to->def.objects = to->room;
+    to->def.progress = engine->def.progress ? tell : NULL;
+    to->def.progress_user = engine;
     to->def.visit = engine->def.visit;
     fp3_status status = fp3_engine_open(&to->def, &to->own);
     if (!status)
@@ -239,8 +248,8 @@ static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
         if (!to->share[r])
             return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                             "several ranks: of %" PRIu32
-                            " objects rank %u has none: start at most as many ranks as there are "
-                            "objects",
+                            " objects rank %u has none, and where objects see those near them each "
+                            "rank needs one: start fewer ranks",
                             engine->objects, r);
     for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
         to->made[k] = malloc((to->share[fp3_ranks_here(to)] + (size_t)1) * sizeof *to->made[k]);
@@ -284,6 +293,7 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     to.plan = NULL;
     to.sees_all = fp3_ranks_is_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
     to.is_placed = 1;
+    to.is_stale = 0;
     memset(to.made, 0, sizeof to.made);
     memset(to.held, 0, sizeof to.held);
     fp3_status status = to.whose && to.mine && to.share ? FP3_OK : fp3_ranks_no_memory(engine);

@@ -76,7 +76,10 @@ static fp3_status write_constants(fp3_engine *engine, fp3_cells cells, const voi
 }
 
 fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint32_t *words) {
+    const uint64_t read = self->own->layout.groups[0].lists.shape.published;
     fp3_status status = FP3_OK;
+    if (cells.kind != FP3_CELLS_REGISTER || !(read >> cells.number & 1))
+        return FP3_OK; /* no neighbour reads it */
     for (uint32_t i = 0; !status && i < self->guest_count; i++) {
         const size_t at = self->guests[i] - cells.first;
         if (self->guests[i] >= cells.first && at < cells.count)

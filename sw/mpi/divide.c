@@ -26,8 +26,6 @@ static int scotch(const fp3_mpi_graph *g, SCOTCH_Num parts, SCOTCH_Num *whose) {
     SCOTCH_Num *begin = malloc((g->count + (size_t)1) * sizeof *begin),
                *other = malloc((entries + 1) * sizeof *other),
                *weight = malloc((g->count + (size_t)1) * sizeof *weight);
-    SCOTCH_Graph graph;
-    SCOTCH_Strat strategy;
     int status = !begin || !other || !weight || entries > INT32_MAX;
     for (size_t i = 0; !status && i <= g->count; i++)
         begin[i] = (SCOTCH_Num)g->begin[i];
@@ -35,17 +33,18 @@ static int scotch(const fp3_mpi_graph *g, SCOTCH_Num parts, SCOTCH_Num *whose) {
         other[i] = (SCOTCH_Num)g->other[i];
     for (size_t i = 0; !status && i < g->count; i++)
         weight[i] = (SCOTCH_Num)(1 + g->weight[i] / unit);
+    SCOTCH_Graph graph;
+    SCOTCH_Strat strategy;
+    SCOTCH_graphInit(&graph);
+    SCOTCH_stratInit(&strategy);
     SCOTCH_randomReset();
     if (!status)
-        status = SCOTCH_graphInit(&graph) || SCOTCH_stratInit(&strategy) ||
-                 SCOTCH_stratGraphMapBuild(&strategy, SCOTCH_STRATSPEED, parts, UNEVEN) ||
+        status = SCOTCH_stratGraphMapBuild(&strategy, SCOTCH_STRATSPEED, parts, UNEVEN) ||
                  SCOTCH_graphBuild(&graph, 0, (SCOTCH_Num)g->count, begin, NULL, weight, NULL,
                                    (SCOTCH_Num)entries, other, NULL) ||
                  SCOTCH_graphPart(&graph, parts, &strategy, whose);
-    if (begin && other && weight) {
-        SCOTCH_graphExit(&graph);
-        SCOTCH_stratExit(&strategy);
-    }
+    SCOTCH_graphExit(&graph);
+    SCOTCH_stratExit(&strategy);
     free(begin);
     free(other);
     free(weight);

@@ -36,6 +36,22 @@ def test_a_failure_on_one_rank_is_told_as_by_one_process(mpirun, fp3, root, tmp_
     assert said[0].stderr.splitlines()[0] in said[1].stderr
 
 
+def test_runs_go_on_after_a_failure(mpirun, fp3, root, tmp_path):
+    """Object 7 overflows after some 70 steps, in a state that nobody sees. The run is made again then, with the guests of those steps; the steps
+    that come need those of now."""
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "state e = 0\nnear touch") + "\ne' = 1e4*e\n"
+    (tmp_path / "balls.ode").write_text(model)
+    text = (root / "programs/world/gas.scene").read_text()
+    (tmp_path / "gas.scene").write_text(re.sub("only .*", "only = ( { objects = [7]; set = { e = 1.0; }; } );", text))
+    left = []
+    for ranks in (1, 3):
+        out = tmp_path / f"{ranks}.csv"
+        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 3000, "--allow-failures", "--output", out)
+        assert done.returncode == 0 and "1 of 300, first object 7 in step " in done.stdout, done.stdout + done.stderr
+        left.append((out.read_bytes(), re.search(r"failed +.*", done.stdout)[0]))
+    assert left[0] == left[1]
+
+
 SMALL = """steps = 40;
 groups = ( { program = "cloth.ode"; integrator = "semi_implicit_euler";
   grid = { position = "x"; along = "xz"; count = [12, 12]; spacing = 0.05; origin = [0.0, 2.0, 0.0]; };
