@@ -262,8 +262,8 @@ static fp3_status restore_group(const fp3_checkpoint *c, fp3_state *state, uint3
         if (c->calls->read(c->file, dataset, FP3_HDF5_UINT32, &part, state->words))
             status = failed(c, error);
         else
-            status = fp3_engine_write(state->engine, group->first, group->objects, reg,
-                                      (const float *)(const void *)state->words);
+            status = fp3_engine_write_words(state->engine, group->first, group->objects, reg,
+                                            state->words);
         row++;
     }
     return status;

@@ -225,33 +225,42 @@ static fp3_status move(fp3_engine *engine, fp3_ranked *before, fp3_ranked *to) {
     return status;
 }
 
+/* Guests of objects that are near change in the middle of a run, and those of all others have places of their own. */
+static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
+    const fp3_members *group = &engine->layout.groups[0];
+    const int near = count_near(group);
+    int linked = 0, all = 0;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++) {
+        all |= group->lists.lists[k].is_all;
+        linked |= !group->lists.lists[k].is_all && !group->lists.lists[k].is_near;
+    }
+    if (near > 1 || (near != 0) + linked + all > 1)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM, "several ranks: a model with %s",
+                        near > 1 ? "more than one relation `near`"
+                                 : "relations of more than one kind: `links`, `near` or `all`");
+    if (near && engine->objects < to->ranks->count)
+        return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                        "%u ranks: where objects see those near them, each rank needs one, and "
+                        "the scene has %" PRIu32,
+                        to->ranks->count, engine->objects);
+    return FP3_OK;
+}
+
 static fp3_status divide(fp3_engine *engine, fp3_ranked *to) {
     const fp3_members *group = &engine->layout.groups[0];
-    int is_linked = 0;
-    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
-        is_linked |= group->lists.lists[k].begin && !group->lists.lists[k].is_near;
-    if (fp3_ranks_is_all(group))
-        fp3_ranks_divide_group(to, group);
-    return fp3_ranks_is_all(group) ? FP3_OK
-           : is_linked             ? fp3_ranks_divide_by_links(engine, to)
-                                   : fp3_ranks_divide_by_place(engine, to);
+    const fp3_status status = check_relations(engine, to);
+    if (status)
+        return status;
+    if (count_near(group))
+        return fp3_ranks_divide_by_place(engine, to);
+    if (!fp3_ranks_is_all(group))
+        return fp3_ranks_divide_by_links(engine, to);
+    fp3_ranks_divide_group(to, group);
+    return FP3_OK;
 }
 
 static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
-    const int near = count_near(&engine->layout.groups[0]);
-    if (near > 1)
-        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                        "several ranks: a model with more than one relation `near`");
-    if (!near)
-        return FP3_OK;
-    for (unsigned r = 0; r < to->ranks->count; r++)
-        if (!to->share[r])
-            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                            "several ranks: of %" PRIu32
-                            " objects rank %u has none, and where objects see those near them each "
-                            "rank needs one: start fewer ranks",
-                            engine->objects, r);
-    for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+    for (int k = 0; k < FP3_NEAR_DIMENSIONS && count_near(&engine->layout.groups[0]); k++) {
         to->made[k] = malloc((to->share[fp3_ranks_here(to)] + (size_t)1) * sizeof *to->made[k]);
         if (!to->made[k])
             return fp3_ranks_no_memory(engine);

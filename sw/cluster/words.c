@@ -92,6 +92,10 @@ fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint3
 
 fp3_status fp3_ranks_write(fp3_engine *engine, fp3_cells cells, const void *words) {
     fp3_ranked *self = engine->self;
+    const uint32_t which[] = {cells.kind, cells.number, (uint32_t)cells.first,
+                              (uint32_t)cells.count};
+    fp3_ranks_note(self, which, 4);
+    fp3_ranks_note(self, words, cells.count);
     if (cells.kind == FP3_CELLS_CONSTANT)
         return write_constants(engine, cells, words);
     const fp3_cells here = own_cells(self, cells);

@@ -69,7 +69,8 @@ static fp3_status not_found(const dirs *p, const char *name, const char *what, f
     }
     return fp3_fail(error, FP3_E_SYSTEM,
                     "no %s, %s (make install puts it in place, and Debian's package "
-                    "libfp3-plugins all but that for clusters; FP3_RTL_DIR names another directory); looked in %s",
+                    "libfp3-plugins all but that for clusters; FP3_RTL_DIR names another "
+                    "directory); looked in %s",
                     what, name, dirs);
 }
 

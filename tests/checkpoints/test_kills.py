@@ -12,7 +12,7 @@ import h5py
 import pytest
 
 KILLS = {False: 10, True: 100}
-STEPS = {1: 3000, 2: 600, 3: 600}  # divided they take longer: all processes make hashes
+STEPS = {1: 3000, 2: 5000, 3: 5000}  # divided they take longer: all processes make hashes
 
 
 def begin(command, tmp_path, run, on):

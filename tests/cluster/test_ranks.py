@@ -113,3 +113,28 @@ def test_processes_that_mpi_does_not_see_are_refused(mpirun, fp3, root, tmp_path
     done = subprocess.run([fp3, "run", "--scene", root / "programs/world/cloth.scene", "-e", "fast", "--output", tmp_path / "x.csv"],
                           capture_output=True, text=True, timeout=60, env=os.environ | {"PMI_SIZE": "3"} | {"OMPI_MCA_btl": "self"})
     assert done.returncode == 1 and "3 processes were started, and MPI sees 1" in done.stderr and not (tmp_path / "x.csv").exists()
+
+
+def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
+    """Links stand at rows, which change as others come near."""
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "links rods(k = 10 [N/m])\nnear touch")
+    force = "K = sum(o in rods: o.k*(o.x - x))\nx' = v\nv' = g + (F + K"
+    (tmp_path / "balls.ode").write_text(model.replace("x' = v\nv' = g + (F", force))
+    (tmp_path / "x.scene").write_text('steps = 2;\ngroups = ( { program = "balls.ode"; integrator = "euler"; '
+                                      'grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.2; }; '
+                                      'links = { relation = "rods"; grid = ["structural"]; }; } );\n')
+    one, two = (mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--allow-failures") for ranks in (1, 2))
+    assert one.returncode == 0, one.stderr
+    assert two.returncode == 2 and "several ranks: a model with relations of more than one kind" in two.stderr, two.stderr
+
+
+@pytest.mark.parametrize("wrong", ["spacing", "steps", "links"])
+def test_ranks_with_other_files_are_refused(mpirun, small, fp3, wrong):
+    """A copy of the scene on another node that is not the same: rank 1 has one of its own here."""
+    text = {"spacing": SMALL.replace("0.05", "0.06"), "steps": SMALL.replace("steps = 40", "steps = 41"), "links": SMALL.replace(', "shear"', "")}[wrong]
+    (small.parent / "other.scene").write_text(text)
+    out = small.parent / "x.csv"
+    choose = 'S=$1; [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 1 ] && S=$2; exec "$0" run --scene $S -e fast --output $3'
+    done = mpirun(3, "sh", "-c", choose, fp3, small, small.parent / "other.scene", out, timeout=40)
+    assert done.returncode == 2 and "the ranks have different programs, scenes or options" in done.stderr, done.stdout + done.stderr
+    assert not out.exists()
