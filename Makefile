@@ -521,7 +521,7 @@ $(BUILD)/bench/wire: bench/cluster/wire.c $(BUILD)/flags
 cluster: all | need-cluster ## Objects divided among ranks: the same bits, kills, what the exchange costs, a model: build/results/cluster.json; QUICK=1, FIRST=1 (root: before other work), PARTS="hashes model"
 	@$(PYTHON) tools/cluster.py --output $(RESULTS)/cluster.json $(if $(QUICK),--quick) $(if $(FIRST),--first) $(if $(PARTS),--parts $(PARTS))
 
-cluster-report: | need-plot ## Write the tables of docs/cluster.md and its picture from docs/cluster.json, with what `make cluster` found
+cluster-report: | need-plot ## Write the tables of docs/cluster.md and its picture from what `make cluster` found
 	@$(PYTHON) tools/cluster.py --report
 
 # ---- lint ---------------------------------------------------------------------------------------

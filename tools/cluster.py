@@ -4,7 +4,7 @@
     tools/cluster.py                                     all of it, at its full length: `make cluster`
     tools/cluster.py --quick                             the same in seconds, for the tests
     tools/cluster.py --parts hashes model
-    tools/cluster.py --report                            the tables and the picture of docs/cluster.md, from docs/cluster.json
+    tools/cluster.py --report                            the tables and the picture of docs/cluster.md, from build/results/cluster.json
 
 Writes build/results/cluster.json; parts that are not measured stay as they were in it. Exit code 1: a scene has two hashes, a killed run does not
 end with the hash of an undisturbed one, or a run fails.
@@ -112,10 +112,10 @@ def wait_for_change(path, going):
 
 def kills(lab, say):
     """Runs that are killed again and again, and restarted, until they end."""
-    chance, tried, right, alone, stuck = random.Random(1), 0, 0, 0, 0
+    chance, tried, right, alone, stuck, runs = random.Random(1), 0, 0, 0, 0, 0
     wanted = 3 if lab.quick else 100
     scene = bench.ROOT / "programs/world/cloth.scene"
-    base = ("--scene", scene, "-e", "fast", "--threads", 1, "--steps", 600, "--checkpoint-every", 10)
+    base = ("--scene", scene, "-e", "fast", "--threads", 1, "--steps", 6000, "--checkpoint-every", 20)
     whole = lab.run(1, *base, "--checkpoint", "whole.ck").hash
     while tried < wanted:
         ranks, of_this_run, path = chance.randint(1, 3), 0, lab.folder / f"kill{tried}.ck"
@@ -143,7 +143,9 @@ def kills(lab, say):
                 raise Failed(f"a restart on {ranks} ranks fails: {said.strip().splitlines()[:1]}")
             of_this_run += 1
             alone += not is_all
-        tried += of_this_run
+        tried, runs = tried + of_this_run, runs + 1
+        if runs > 2 * wanted + 10:
+            raise Failed(f"{runs} runs, and {tried} of them could be killed: the others had ended")
         right += of_this_run * (f"hash             {whole}\n" in said)
     say(f"{right} of {tried} kills end with the hash of an undisturbed run, {alone} of them of one rank")
     if right != tried:
@@ -185,7 +187,7 @@ def main():
     parser.add_argument("--first", action="store_true", help="time runs on one node as real-time processes (chrt, root): for a machine with other work")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="only these (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/cluster.json", help="the file to write")
-    parser.add_argument("--report", action="store_true", help="write the tables of docs/cluster.md and its picture instead, from docs/cluster.json")
+    parser.add_argument("--report", action="store_true", help="write the tables of docs/cluster.md and its picture instead, from build/results/cluster.json")
     options = parser.parse_args()
     if options.report:
         cluster_report.write()

@@ -1,6 +1,6 @@
 """A model of the time of a step: what ranks compute, latency, bytes. Fitted to this machine, then extended to others.
 
-    step = object * objects / ranks * imbalance * sharing + latency + bytes / bandwidth + switch * (sharing - 1)
+    step = start + object * objects / ranks * imbalance * sharing + latency + bytes / bandwidth + switch * (sharing - 1)
 
 `sharing` is how many ranks share a processor, at least 1. A rank talks to all its neighbours at the same time, so a step has one latency. `bytes` are
 those of one rank. Times are in microseconds.

@@ -80,8 +80,8 @@ def model(data):
 
 
 def cases(constants):
-    """Name, colour, dash, time of a step for so many ranks, objects, most ranks."""
-    for objects, colour in ((10 ** 6, "#0072b2"), (10 ** 8, "#56b4e9")):
+    """Name, colour, dash, time of a step for so many ranks, objects, most ranks. 2^25 objects are the most that an engine in the host has."""
+    for objects, colour in ((10 ** 6, "#0072b2"), (2 ** 25, "#56b4e9")):
         size = f"{objects:,}"
         yield f"cloth, {size}, nodes", colour, "-", lambda r, n=objects: cm.cloth_at(cm.NODES, constants["object_us"], n, r), objects, 10 ** 4
         yield f"balls, {size}, nodes", colour, "--", lambda r, n=objects: cm.balls_at(cm.NODES, constants["balls_object_us"], n, r), objects, 10 ** 4

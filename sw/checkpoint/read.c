@@ -262,8 +262,8 @@ static fp3_status restore_group(const fp3_checkpoint *c, fp3_state *state, uint3
         if (c->calls->read(c->file, dataset, FP3_HDF5_UINT32, &part, state->words))
             status = failed(c, error);
         else
-            status = fp3_engine_write(state->engine, group->first, group->objects, reg,
-                                      (const float *)(const void *)state->words);
+            status = fp3_engine_write_words(state->engine, group->first, group->objects, reg,
+                                            state->words);
         row++;
     }
     return status;
@@ -282,7 +282,13 @@ static fp3_status take_past(const fp3_checkpoint *c, const fp3_state *state, fp3
     for (uint32_t i = 0; !status && i < state->layout->count; i++) {
         uint32_t words[FP3_FAILURE_WORDS];
         status = take_of_group(c, "failure", i, words, FP3_FAILURE_WORDS, error);
-        past->failures[i] = fp3_failure_unpack(words);
+        if (!status)
+            past->failures[i] = fp3_failure_unpack(words);
+        if (!status && (past->failures[i].object >= c->objects ||
+                        past->failures[i].state >= FP3_BANK_OBJECT_COUNT))
+            status = fp3_fail(error, FP3_E_ARGUMENT,
+                              "%s: has the failure of an object or of a state that there is not",
+                              c->path);
     }
     past->step = c->step;
     past->flags = (uint32_t)c->flags;

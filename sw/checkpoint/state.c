@@ -79,8 +79,8 @@ static fp3_status look_at_group(fp3_state *state, uint32_t number, fp3_hdf5_sum 
     for (; !status && row.reg < 64; row.reg++) {
         if (!(state->kept[number] >> row.reg & 1))
             continue;
-        status = fp3_engine_read(state->engine, group->first, group->objects, row.reg,
-                                 (float *)(void *)state->words);
+        status = fp3_engine_read_words(state->engine, group->first, group->objects, row.reg,
+                                       state->words);
         if (status)
             break;
         add_words(state->calls, sum, state->words, row.count);

@@ -122,7 +122,8 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         status = fp3_run_record_is_asked(&o->record)
                      ? record(o, of, engine, &cost, error)
                      : fp3_engine_advance(engine, o->steps, &cost.stats);
-        *has_run = !status || status == FP3_E_LIMIT || status == FP3_E_PROGRAM;
+        /* What a failed run left is read by all ranks together, and they may be elsewhere. */
+        *has_run = !status || (!o->ranks && (status == FP3_E_LIMIT || status == FP3_E_PROGRAM));
         if (!status && o->check.is_asked)
             status = fp3_run_check_make(
                 &(fp3_run_checked){of->program, o->values.params, engine, def, o->steps}, &check,
@@ -307,7 +308,7 @@ int fp3_cmd_run(int argc, char **argv) {
         fp3_progress_end(&o.progress);
     }
     const int said = fp3_cli_end("run", status, &error, report);
-    const int exit_code = fp3_run_ranks_end(&ranks, status, &error) ? 0 : said;
+    const int exit_code = fp3_run_ranks_end(&ranks, "run", status, &error) ? 0 : said;
     free(report);
     fp3_run_options_free(&o);
     return exit_code;

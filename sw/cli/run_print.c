@@ -315,7 +315,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         fp3_run_ranks_print(engine);
     if (is_hardware)
         print_occupancy(engine, cost);
-    if (is_hardware && of->scene)
+    if (is_hardware && of->scene && !fp3_engine_is_divided(engine))
         print_balance(engine, cost);
     if (check)
         fp3_run_check_print(check);

@@ -10,9 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* How many processes mpirun says it has started; MPI itself is slow to ask. */
+/* How many processes mpirun, or Slurm's srun, says it has started; MPI itself is slow to ask. */
 static long count_started(void) {
-    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
+    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (getenv(names[i]))
             return strtol(getenv(names[i]), NULL, 10);
@@ -31,11 +31,17 @@ static void be_silent(fp3_run_ranks *ranks) {
 
 fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     *ranks = (fp3_run_ranks){.is_one = 1, .speaks = -1};
-    if (count_started() < 2)
+    const long started = count_started();
+    if (started < 2)
         return FP3_OK;
     const fp3_status status = fp3_ranks_open(&ranks->all, error);
     if (status)
         return status;
+    if (ranks->all.count != started) /* each would run all objects, and write the same files */
+        return fp3_fail(error, FP3_E_SYSTEM,
+                        "%ld processes were started, and MPI sees %u: fp3_mpi.so is compiled with "
+                        "another MPI than that which starts them",
+                        started, ranks->all.count);
     ranks->is_one = 0;
     if (ranks->all.rank)
         be_silent(ranks);
@@ -115,14 +121,15 @@ void fp3_run_ranks_print(fp3_engine *engine) {
     free(all);
 }
 
-int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
+int fp3_run_ranks_end(fp3_run_ranks *ranks, const char *command, fp3_status status,
+                      const fp3_error *error) {
     free(ranks->port);
     ranks->port = NULL;
     fflush(stdout);
     if (ranks->is_one || ranks->all.calls->close(ranks->all.world, status != FP3_OK) == 0)
         return ranks->all.rank != 0;
     if (ranks->all.rank)
-        dprintf(ranks->speaks < 0 ? STDERR_FILENO : ranks->speaks, "fp3 run: rank %u: %s\n",
+        dprintf(ranks->speaks < 0 ? STDERR_FILENO : ranks->speaks, "fp3 %s: rank %u: %s\n", command,
                 ranks->all.rank, error->text);
     ranks->all.calls->abort(ranks->all.world, fp3_exit_code(status));
     return 1;

@@ -21,6 +21,7 @@ fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_erro
 void fp3_run_ranks_print(fp3_engine *engine);
 /* Whether rank 0 has said how the command ended, so that this rank ends well. After a failure that not all ranks have, it ends them all, with a
  * message of this one: then it does not return. */
-int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error);
+int fp3_run_ranks_end(fp3_run_ranks *ranks, const char *command, fp3_status status,
+                      const fp3_error *error);
 
 #endif

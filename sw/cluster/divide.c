@@ -99,11 +99,10 @@ static fp3_status make_graph(fp3_engine *engine, uint32_t **begin, uint32_t **ot
 fp3_status fp3_ranks_divide_by_links(fp3_engine *engine, fp3_ranked *to) {
     const fp3_ranks *ranks = to->ranks;
     uint32_t *begin = NULL, *other = NULL, *weight = NULL;
-    fp3_status status = make_graph(engine, &begin, &other, &weight);
-    if (!status &&
-        ranks->calls->divide(
-            ranks->world, &(fp3_mpi_graph){engine->layout.groups[0].objects, begin, other, weight},
-            to->whose))
+    const int is_made = ranks->rank || !make_graph(engine, &begin, &other, &weight);
+    const fp3_mpi_graph graph = {engine->layout.groups[0].objects, begin, other, weight};
+    fp3_status status = FP3_OK;
+    if (ranks->calls->divide(ranks->world, is_made ? &graph : NULL, to->whose))
         status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
                           "Scotch does not divide the objects: out of memory");
     free(begin);

@@ -52,11 +52,12 @@ static fp3_status choose_again(fp3_engine *engine) {
     fp3_status status =
         numbers ? fp3_ranks_choose_guests(engine, self) : fp3_ranks_no_memory(engine);
     if (!status && self->own && self->share[fp3_ranks_here(self)] + self->guest_count > self->room)
-        status = fp3_fail(engine->def.error, FP3_E_LIMIT,
+        status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
                           "rank %u has %" PRIu32 " objects of its own and needs %" PRIu32
                           " of other ranks: there is room for %" PRIu32 " together",
                           fp3_ranks_here(self), self->share[fp3_ranks_here(self)],
                           self->guest_count, self->room);
+    self->is_stale = 0;
     if (!status && self->own) {
         self->own->layout.groups[0].rows = self->share[fp3_ranks_here(self)] + self->guest_count;
         fp3_ranks_number_rows(self, numbers);
@@ -102,6 +103,7 @@ static fp3_status send_words(fp3_engine *engine) {
     const fp3_ranked *self = engine->self;
     uint64_t has_moved = 0;
     fp3_status status = self->made[0] ? look_who_moved(engine, &has_moved) : FP3_OK;
+    has_moved |= (uint64_t)self->is_stale;
     if (!status && self->made[0] && self->ranks->calls->most(self->ranks->world, has_moved))
         status = choose_again(engine);
     if (!status)
@@ -129,11 +131,16 @@ static fp3_status stand_in(fp3_engine *engine, fp3_engine *own,
                            fp3_status (*part)(fp3_engine *engine)) {
     fp3_ranked *self = engine->self;
     fp3_engine *usual = self->own;
+    const fp3_rank_use before = self->use;
     const uint64_t began = now();
     self->own = own;
     const fp3_status status = part(engine);
     self->own = usual;
     self->use.exchange += now() - began;
+    if (own != usual) {
+        self->use = before;
+        self->is_stale = self->made[0] != NULL;
+    }
     return status;
 }
 

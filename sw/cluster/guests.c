@@ -175,8 +175,8 @@ fp3_status fp3_ranks_choose_guests(fp3_engine *engine, fp3_ranked *self) {
             status = note_near(engine, self, &group->lists.lists[k].near, place, &n);
     if (!status && fp3_ranks_is_all(group))
         note_all(engine, self, &n);
-    fp3_ranks_forget_traffic(self);
-    if (!status) {
+    if (!status) { /* a run that positions end still has those that it had */
+        fp3_ranks_forget_traffic(self);
         free(self->guests);
         self->guests = malloc(engine->objects * sizeof *self->guests);
         self->in.count = calloc(ranks, sizeof *self->in.count);

@@ -34,8 +34,10 @@ typedef struct {
     int sees_all;                  /* everybody stands at its number, and guests are all others */
     int *group;          /* of each group, the own engine's, or -1: none of its objects are here */
     uint32_t *constants; /* of each group, as many as registers */
-    int is_placed;       /* ... by the lists that there are */
-    fp3_rank_use use;    /* but the bus of the engine that is open */
+    int is_placed;       /* whether objects are divided by the present lists */
+    uint64_t given;      /* a hash of all that was loaded, connected and written */
+    int is_stale;        /* a run made again has chosen guests for its own steps */
+    fp3_rank_use use;    /* without the bus of the open engine, which use.c adds */
     fp3_traffic out, in;
     fp3_mpi_plan *plan;
     float *made
@@ -74,6 +76,8 @@ fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint3
 /* ---- held.c: words of own objects while there is no engine, and those of the engine ---- */
 
 fp3_status fp3_ranks_no_memory(fp3_engine *engine);
+/* Adds words to self->given: every rank was given the same, or they run scenes that differ. */
+void fp3_ranks_note(fp3_ranked *self, const void *words, size_t count);
 /* Closes the own engine, if there is one; its words are held from then on. FP3_E_SYSTEM: they could not be read. */
 fp3_status fp3_ranks_hold(fp3_engine *engine);
 void fp3_ranks_forget_held(fp3_ranked *self);

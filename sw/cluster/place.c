@@ -126,7 +126,8 @@ static void use_rows(fp3_engine *engine, fp3_ranked *to) {
 /* In the host there is room for as many guests as there may be: what nobody has written to costs nothing. Hardware has half of its
  * store for records. */
 static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
-    const fp3_config *config = engine->config;
+    const fp3_config *config =
+        fp3_config_find(to->def.config); /* engine->config has the host's store */
     const uint64_t now = (uint64_t)to->share[fp3_ranks_here(to)] + to->guest_count,
                    more = now + to->guest_count + ROOM_MORE;
     uint64_t most = fp3_engine_room(to->def.engine, to->def.config);
@@ -144,6 +145,12 @@ static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
     return (uint32_t)(most > now ? most : now);
 }
 
+/* The own engine's run is a part of the run. */
+static void tell(void *user, double share) {
+    const fp3_engine *engine = user;
+    engine->def.progress(engine->def.progress_user, engine->told + engine->part * share);
+}
+
 /* Opens it for `whose` and guests, empty. */
 static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     const uint32_t own = to->share[fp3_ranks_here(to)];
@@ -152,6 +159,8 @@ static fp3_status settle(fp3_engine *engine, fp3_ranked *to) {
     if (!own)
         return FP3_OK;
     to->def.objects = to->room;
+    to->def.progress = engine->def.progress ? tell : NULL;
+    to->def.progress_user = engine;
     to->def.visit = engine->def.visit;
     fp3_status status = fp3_engine_open(&to->def, &to->own);
     if (!status)
@@ -216,33 +225,42 @@ static fp3_status move(fp3_engine *engine, fp3_ranked *before, fp3_ranked *to) {
     return status;
 }
 
+/* Guests of objects that are near change in the middle of a run, and those of all others have places of their own. */
+static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
+    const fp3_members *group = &engine->layout.groups[0];
+    const int near = count_near(group);
+    int linked = 0, all = 0;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++) {
+        all |= group->lists.lists[k].is_all;
+        linked |= !group->lists.lists[k].is_all && !group->lists.lists[k].is_near;
+    }
+    if (near > 1 || (near != 0) + linked + all > 1)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM, "several ranks: a model with %s",
+                        near > 1 ? "more than one relation `near`"
+                                 : "relations of more than one kind: `links`, `near` or `all`");
+    if (near && engine->objects < to->ranks->count)
+        return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                        "%u ranks: where objects see those near them, each rank needs one, and "
+                        "the scene has %" PRIu32,
+                        to->ranks->count, engine->objects);
+    return FP3_OK;
+}
+
 static fp3_status divide(fp3_engine *engine, fp3_ranked *to) {
     const fp3_members *group = &engine->layout.groups[0];
-    int is_linked = 0;
-    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
-        is_linked |= group->lists.lists[k].begin && !group->lists.lists[k].is_near;
-    if (fp3_ranks_is_all(group))
-        fp3_ranks_divide_group(to, group);
-    return fp3_ranks_is_all(group) ? FP3_OK
-           : is_linked             ? fp3_ranks_divide_by_links(engine, to)
-                                   : fp3_ranks_divide_by_place(engine, to);
+    const fp3_status status = check_relations(engine, to);
+    if (status)
+        return status;
+    if (count_near(group))
+        return fp3_ranks_divide_by_place(engine, to);
+    if (!fp3_ranks_is_all(group))
+        return fp3_ranks_divide_by_links(engine, to);
+    fp3_ranks_divide_group(to, group);
+    return FP3_OK;
 }
 
 static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
-    const int near = count_near(&engine->layout.groups[0]);
-    if (near > 1)
-        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                        "several ranks: a model with more than one relation `near`");
-    if (!near)
-        return FP3_OK;
-    for (unsigned r = 0; r < to->ranks->count; r++)
-        if (!to->share[r])
-            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                            "several ranks: of %" PRIu32
-                            " objects rank %u has none: start at most as many ranks as there are "
-                            "objects",
-                            engine->objects, r);
-    for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+    for (int k = 0; k < FP3_NEAR_DIMENSIONS && count_near(&engine->layout.groups[0]); k++) {
         to->made[k] = malloc((to->share[fp3_ranks_here(to)] + (size_t)1) * sizeof *to->made[k]);
         if (!to->made[k])
             return fp3_ranks_no_memory(engine);
@@ -284,6 +302,7 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     to.plan = NULL;
     to.sees_all = fp3_ranks_is_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
     to.is_placed = 1;
+    to.is_stale = 0;
     memset(to.made, 0, sizeof to.made);
     memset(to.held, 0, sizeof to.held);
     fp3_status status = to.whose && to.mine && to.share ? FP3_OK : fp3_ranks_no_memory(engine);

@@ -38,13 +38,28 @@ static fp3_status load_ranked(fp3_engine *engine) {
     memset(self->constants, 0,
            (size_t)fp3_config_schedulers(engine->config) * engine->config->registers *
                sizeof *self->constants);
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        fp3_ranks_note(self, &group->objects, 1);
+        fp3_ranks_note(self, group->image->code, group->image->code_count);
+    }
     return fp3_ranks_begin(engine);
+}
+
+static void note_list(fp3_ranked *self, const fp3_list *list) {
+    if (!list || !list->begin || list->is_near)
+        return;
+    const size_t entries = list->begin[list->objects];
+    fp3_ranks_note(self, list->begin, list->objects + (size_t)1);
+    fp3_ranks_note(self, list->other, entries);
+    fp3_ranks_note(self, list->field, entries * list->fields);
 }
 
 static fp3_status connect_ranked(fp3_engine *engine, fp3_members *group, const fp3_list *list) {
     fp3_ranked *self = engine->self;
     (void)group;
     self->is_placed = 0;
+    note_list(self, list);
     if (list && list->is_near)
         self->backend.at_once = FP3_RANKS_AT_ONCE;
     return FP3_OK;
@@ -82,9 +97,24 @@ static void add_up(fp3_engine *engine, fp3_stats *stats) {
     stats->schedulers = (uint32_t)ranks->calls->most(ranks->world, stats->schedulers);
 }
 
+/* Ranks that were given other scenes or options would leave a result of neither, or wait for ever. */
+static fp3_status agree(fp3_engine *engine, uint32_t steps) {
+    fp3_ranked *self = engine->self;
+    const fp3_ranks *ranks = self->ranks;
+    fp3_ranks_note(self, &steps, 1);
+    const uint64_t most = ranks->calls->most(ranks->world, self->given),
+                   least = ~ranks->calls->most(ranks->world, ~self->given);
+    return most == least ? FP3_OK
+                         : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                                    "the ranks have different programs, scenes or options: all "
+                                    "read their own files, which have to be the same");
+}
+
 static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_ranked *self = engine->self;
-    fp3_status status = fp3_ranks_wander(engine);
+    fp3_status status = agree(engine, steps);
+    if (!status)
+        status = fp3_ranks_wander(engine);
     if (!status && !self->is_placed)
         status = fp3_ranks_place(engine);
     fp3_stats own = {0};
@@ -158,7 +188,7 @@ static fp3_status failures_ranked(fp3_engine *engine, fp3_failed **failed, size_
 
 static const char *how_ranked(const fp3_engine *engine) {
     const fp3_ranked *self = engine->self;
-    return self->own ? fp3_engine_how(self->own) : "";
+    return self->own ? fp3_engine_how(self->own) : "rank 0 has no objects";
 }
 
 static const fp3_backend ranked = {

@@ -76,7 +76,10 @@ static fp3_status write_constants(fp3_engine *engine, fp3_cells cells, const voi
 }
 
 fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint32_t *words) {
+    const uint64_t read = self->own->layout.groups[0].lists.shape.published;
     fp3_status status = FP3_OK;
+    if (cells.kind != FP3_CELLS_REGISTER || !(read >> cells.number & 1))
+        return FP3_OK; /* no neighbour reads it */
     for (uint32_t i = 0; !status && i < self->guest_count; i++) {
         const size_t at = self->guests[i] - cells.first;
         if (self->guests[i] >= cells.first && at < cells.count)
@@ -89,6 +92,10 @@ fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint3
 
 fp3_status fp3_ranks_write(fp3_engine *engine, fp3_cells cells, const void *words) {
     fp3_ranked *self = engine->self;
+    const uint32_t which[] = {cells.kind, cells.number, (uint32_t)cells.first,
+                              (uint32_t)cells.count};
+    fp3_ranks_note(self, which, 4);
+    fp3_ranks_note(self, words, cells.count);
     if (cells.kind == FP3_CELLS_CONSTANT)
         return write_constants(engine, cells, words);
     const fp3_cells here = own_cells(self, cells);

@@ -126,8 +126,8 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
         return status;
     status = load_again(engine, again);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
-        status = fp3_lists_copy(&engine->layout.groups[i].lists, &again->layout.groups[i].lists,
-                                again->def.error);
+        status = fp3_lists_copy(&engine->layout.groups[i].lists, engine->layout.groups[i].rows,
+                                &again->layout.groups[i].lists, again->def.error);
     again->clock = engine->origin->clock;
     again->made = engine->origin->made;
     if (!status)

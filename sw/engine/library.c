@@ -68,8 +68,9 @@ static fp3_status not_found(const dirs *p, const char *name, const char *what, f
         strncat(dirs, p->dir[i], sizeof dirs - strlen(dirs) - 1);
     }
     return fp3_fail(error, FP3_E_SYSTEM,
-                    "no %s, %s (make install or Debian's package libfp3-plugins puts it in "
-                    "place; FP3_RTL_DIR names another directory); looked in %s",
+                    "no %s, %s (make install puts it in place, and Debian's package "
+                    "libfp3-plugins all but that for clusters; FP3_RTL_DIR names another "
+                    "directory); looked in %s",
                     what, name, dirs);
 }
 

@@ -78,7 +78,7 @@ void fp3_lists_take_order(fp3_lists *lists, uint32_t *order) {
         fp3_near_close(&lists->lists[i].near);
 }
 
-fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error) {
+fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
         const fp3_list *list = &from->lists[i];
@@ -89,7 +89,7 @@ fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error
             status = fp3_list_take(&to->lists[i], &given, error);
     }
     if (!status && from->order) {
-        uint32_t *order = copied(from->order, from->lists[0].objects);
+        uint32_t *order = copied(from->order, rows);
         if (!order)
             return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
         fp3_lists_take_order(to, order);

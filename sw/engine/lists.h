@@ -38,8 +38,8 @@ fp3_status fp3_list_take(fp3_list *list, const fp3_neighbours *from, fp3_error *
 void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
 /* `order` is the lists' then. Those of objects that are near are made again. */
 void fp3_lists_take_order(fp3_lists *lists, uint32_t *order);
-/* FP3_E_SYSTEM: out of memory. */
-fp3_status fp3_lists_copy(const fp3_lists *from, fp3_lists *to, fp3_error *error);
+/* rows: as many as the group has. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, fp3_error *error);
 
 /* At the beginning of a phase: makes the lists of those that are near again, where they are stale. Words of the
  * group's objects: words[register] is that of row 0, NULL: there is none; row: of each object, NULL: its number. Lists are of

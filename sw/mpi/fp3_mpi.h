@@ -44,8 +44,8 @@ typedef struct {
     void (*begin)(fp3_mpi_plan *plan);
     void (*end)(fp3_mpi_plan *plan);
     void (*forget)(fp3_mpi_plan *plan); /* NULL does no harm */
-    /* Divides the things of a graph among all ranks, so that each weighs about the same and few neighbours are divided: the same for all. -1: out of
-     * memory. */
+    /* Divides the things of a graph among all ranks, so that each weighs about the same and few neighbours are divided: the same for all. Rank 0 has
+     * the graph, the others its count. -1, for all: out of memory, more than 2^31 neighbours, or rank 0 has NULL. */
     int (*divide)(fp3_mpi *world, const fp3_mpi_graph *graph, uint32_t *whose);
 } fp3_mpi_ops;
 

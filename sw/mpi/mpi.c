@@ -17,8 +17,11 @@ static int find_node(fp3_mpi *world) {
     int *all = malloc((size_t)world->ranks * sizeof *all);
     MPI_Group every, near;
     world->node_rank = malloc((size_t)world->ranks * sizeof *world->node_rank);
-    if (!all || !world->node_rank)
+    if (!all || !world->node_rank) {
+        free(all);
+        free(world->node_rank);
         return -1;
+    }
     for (int r = 0; r < world->ranks; r++)
         all[r] = r;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &world->node);
@@ -32,10 +35,13 @@ static int find_node(fp3_mpi *world) {
 }
 
 static fp3_mpi *open_world(void) {
-    int is_begun = 0, is_ended = 0;
+    int is_begun = 0, is_ended = 0, level = 0;
     MPI_Initialized(&is_begun);
     MPI_Finalized(&is_ended);
-    if (is_ended || (!is_begun && MPI_Init(NULL, NULL) != MPI_SUCCESS))
+    /* Engine fast has threads; the one that calls MPI is always the same. */
+    if (is_ended ||
+        (!is_begun && MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &level) != MPI_SUCCESS) ||
+        (!is_begun && level < MPI_THREAD_FUNNELED))
         return NULL;
     fp3_mpi *world = calloc(1, sizeof *world);
     if (!world)

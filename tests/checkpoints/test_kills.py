@@ -1,5 +1,6 @@
 """Runs that are killed at random moments, again and again, and end with the hash of an undisturbed one."""
 
+import contextlib
 import os
 import pathlib
 import random
@@ -11,7 +12,7 @@ import h5py
 import pytest
 
 KILLS = {False: 10, True: 100}
-STEPS = {1: 3000, 2: 600, 3: 600}  # divided they take longer: all processes make hashes
+STEPS = {1: 3000, 2: 5000, 3: 5000}  # divided they take longer: all processes make hashes
 
 
 def begin(command, tmp_path, run, on):
@@ -45,7 +46,7 @@ def kill(going, chance, on):
     """Of several processes the first or the last."""
     pids = children_of(going.pid) if on > 1 and going.poll() is None else [going.pid]
     for pid in chance.sample(pids[:1] + pids[1:][-1:], 1) if pids else []:
-        if going.poll() is None:
+        with contextlib.suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL if on > 1 else chance.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT]))
 
 

@@ -144,3 +144,10 @@ def test_hashes_are_those_of_the_words(start, world, tmp_path):
             x = file["words:0"][()][list(file["registers:0"][()]).index(0)].view("f4")
             assert len(x) == 300 and abs(x).max() < 10
     assert sorted(blocks) == [20, 25] and (done.hash, done.chain) == (blocks[25].hex(), chain.hex())
+
+
+@pytest.mark.parametrize("config", ["log", "bfloat", "many_half"])
+def test_words_that_are_no_floats(start, root, tmp_path, config):
+    """A checkpoint has the machine's words: logarithms would lose digits as floats."""
+    run = (root / "programs/kepler.ode", "-c", config, "-o", 9, "--spread", "v_y=0.8:1.2", "-n", 20)
+    agree(start, tmp_path, run, 6, [("isa", 1), ("fast", 1)], engine="isa")

@@ -1,6 +1,8 @@
 """Scenes on 1, 2, 3, 4 and 8 ranks, on every engine: the same bits. Ranks share the processors of one machine here."""
 
+import os
 import re
+import subprocess
 
 import pytest
 
@@ -32,6 +34,22 @@ def test_a_failure_on_one_rank_is_told_as_by_one_process(mpirun, fp3, root, tmp_
     said = [mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 1) for ranks in (1, 3)]
     assert [done.returncode for done in said] == [3, 3] and "object 7 in step 1: invalid" in said[0].stderr
     assert said[0].stderr.splitlines()[0] in said[1].stderr
+
+
+def test_runs_go_on_after_a_failure(mpirun, fp3, root, tmp_path):
+    """Object 7 overflows after some 70 steps, in a state that nobody sees. The run is made again then, with the guests of those steps; the steps
+    that come need those of now."""
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "state e = 0\nnear touch") + "\ne' = 1e4*e\n"
+    (tmp_path / "balls.ode").write_text(model)
+    text = (root / "programs/world/gas.scene").read_text()
+    (tmp_path / "gas.scene").write_text(re.sub("only .*", "only = ( { objects = [7]; set = { e = 1.0; }; } );", text))
+    left = []
+    for ranks in (1, 3):
+        out = tmp_path / f"{ranks}.csv"
+        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 3000, "--allow-failures", "--output", out)
+        assert done.returncode == 0 and "1 of 300, first object 7 in step " in done.stdout, done.stdout + done.stderr
+        left.append((out.read_bytes(), re.search(r"failed +.*", done.stdout)[0]))
+    assert left[0] == left[1]
 
 
 SMALL = """steps = 40;
@@ -88,3 +106,35 @@ def test_several_phases_are_refused_on_hardware(mpirun, fp3, small):
     small.write_text(SMALL.replace("semi_implicit_euler", "verlet"))
     done = mpirun(2, fp3, "run", "--scene", small, "-e", "rtl", "--steps", 3)
     assert done.returncode != 0 and "a step of one phase" in done.stderr, done.stderr
+
+
+def test_processes_that_mpi_does_not_see_are_refused(mpirun, fp3, root, tmp_path):
+    """As under the mpirun of another MPI: else each would run all objects and write the same file."""
+    done = subprocess.run([fp3, "run", "--scene", root / "programs/world/cloth.scene", "-e", "fast", "--output", tmp_path / "x.csv"],
+                          capture_output=True, text=True, timeout=60, env=os.environ | {"PMI_SIZE": "3"} | {"OMPI_MCA_btl": "self"})
+    assert done.returncode == 1 and "3 processes were started, and MPI sees 1" in done.stderr and not (tmp_path / "x.csv").exists()
+
+
+def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
+    """Links stand at rows, which change as others come near."""
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "links rods(k = 10 [N/m])\nnear touch")
+    force = "K = sum(o in rods: o.k*(o.x - x))\nx' = v\nv' = g + (F + K"
+    (tmp_path / "balls.ode").write_text(model.replace("x' = v\nv' = g + (F", force))
+    (tmp_path / "x.scene").write_text('steps = 2;\ngroups = ( { program = "balls.ode"; integrator = "euler"; '
+                                      'grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.2; }; '
+                                      'links = { relation = "rods"; grid = ["structural"]; }; } );\n')
+    one, two = (mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--allow-failures") for ranks in (1, 2))
+    assert one.returncode == 0, one.stderr
+    assert two.returncode == 2 and "several ranks: a model with relations of more than one kind" in two.stderr, two.stderr
+
+
+@pytest.mark.parametrize("wrong", ["spacing", "steps", "links"])
+def test_ranks_with_other_files_are_refused(mpirun, small, fp3, wrong):
+    """A copy of the scene on another node that is not the same: rank 1 has one of its own here."""
+    text = {"spacing": SMALL.replace("0.05", "0.06"), "steps": SMALL.replace("steps = 40", "steps = 41"), "links": SMALL.replace(', "shear"', "")}[wrong]
+    (small.parent / "other.scene").write_text(text)
+    out = small.parent / "x.csv"
+    choose = 'S=$1; [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 1 ] && S=$2; exec "$0" run --scene $S -e fast --output $3'
+    done = mpirun(3, "sh", "-c", choose, fp3, small, small.parent / "other.scene", out, timeout=40)
+    assert done.returncode == 2 and "the ranks have different programs, scenes or options" in done.stderr, done.stdout + done.stderr
+    assert not out.exists()

@@ -103,8 +103,9 @@ fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_erro
 
 void fp3_run_ranks_print(fp3_engine *engine) { (void)engine; }
 
-int fp3_run_ranks_end(fp3_run_ranks *ranks, fp3_status status, const fp3_error *error) {
-    (void)ranks, (void)status, (void)error;
+int fp3_run_ranks_end(fp3_run_ranks *ranks, const char *command, fp3_status status,
+                      const fp3_error *error) {
+    (void)ranks, (void)command, (void)status, (void)error;
     return 0;
 }
 
