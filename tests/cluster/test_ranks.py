@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-# Links; near, whose guests change; all others; a program of several phases; links and lifetimes of none.
+# Links; near, whose guests change; all others; a program of several phases; links again.
 AROUND = {"cloth": (2, 3, 4, 8), "balls": (2, 3, 6), "stars": (2, 4), "dam": (3,), "rope": (2,)}
 
 
