@@ -12,7 +12,7 @@
 
 /* ---- what is kept ---- */
 
-/* Where objects are not visited, what a visit would load and store. */
+/* What a visit loads and stores. Where objects are not visited, what a visit of them would. */
 static fp3_status find_kept(const fp3_members *group, uint64_t *kept, fp3_error *error) {
     fp3_visit *own = NULL;
     const fp3_status status = group->visit ? FP3_OK : fp3_visit_make(group->image, &own, error);

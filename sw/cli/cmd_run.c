@@ -290,7 +290,8 @@ int fp3_cmd_run(int argc, char **argv) {
     fp3_run_options o;
     fp3_error error = {.text = ""};
     char *report = NULL;
-    fp3_run_ranks ranks = {.is_one = 1};
+    fp3_run_ranks ranks;
+    fp3_run_ranks_first(&ranks);
     fp3_status status = fp3_run_options_parse(argc, argv, &o, &error);
     if (!status)
         status = fp3_run_record_command(&o.record, argc, argv, &error);

@@ -243,8 +243,9 @@ int fp3_cmd_verify(int argc, char **argv) {
     options o = {.to = UINT64_MAX};
     fp3_error error = {.text = ""};
     char *report = NULL;
+    fp3_run_ranks ranks;
+    fp3_run_ranks_first(&ranks);
     fp3_arguments_parse(&argp, argc, argv, &o);
-    fp3_run_ranks ranks = {.is_one = 1, .speaks = -1};
     const fp3_status status = verify(&o, &ranks, &report, &error);
     const int exit_code = fp3_cli_end("verify", status, &error, report);
     const int is_told = fp3_run_ranks_end(&ranks, "verify", status, &error);

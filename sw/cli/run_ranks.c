@@ -10,13 +10,22 @@
 #include <string.h>
 #include <unistd.h>
 
-/* How many processes mpirun, or Slurm's srun, says it has started; MPI itself is slow to ask. */
-static long count_started(void) {
-    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+static long number_in(const char *const *names, size_t count, long otherwise) {
+    for (size_t i = 0; i < count; i++)
         if (getenv(names[i]))
             return strtol(getenv(names[i]), NULL, 10);
-    return 1;
+    return otherwise;
+}
+
+/* What mpirun, or Slurm's srun, says; MPI itself is slow to ask. */
+static long count_started(void) {
+    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"};
+    return number_in(names, sizeof names / sizeof *names, 1);
+}
+
+static long rank_said(void) {
+    static const char *const names[] = {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID"};
+    return number_in(names, sizeof names / sizeof *names, 0);
 }
 
 static void be_silent(fp3_run_ranks *ranks) {
@@ -29,8 +38,13 @@ static void be_silent(fp3_run_ranks *ranks) {
     close(nowhere);
 }
 
-fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
+void fp3_run_ranks_first(fp3_run_ranks *ranks) {
     *ranks = (fp3_run_ranks){.is_one = 1, .speaks = -1};
+    if (count_started() > 1 && rank_said() > 0)
+        be_silent(ranks);
+}
+
+fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     const long started = count_started();
     if (started < 2)
         return FP3_OK;
@@ -43,7 +57,7 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
                         "another MPI than that which starts them",
                         started, ranks->all.count);
     ranks->is_one = 0;
-    if (ranks->all.rank)
+    if (ranks->all.rank && ranks->speaks < 0)
         be_silent(ranks);
     return FP3_OK;
 }

@@ -12,7 +12,9 @@ typedef struct {
     char *port; /* of this rank, or NULL */
 } fp3_run_ranks;
 
-/* Rank 0 speaks: what the others print goes nowhere. */
+/* Before arguments are read. Rank 0 speaks: what the others print goes nowhere. */
+void fp3_run_ranks_first(fp3_run_ranks *ranks);
+/* Starts MPI, if there are several. FP3_E_SYSTEM: it does not start, or sees others than were started. */
 fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error);
 /* Of the ports on->port, with commas between them, that of this rank takes their place. FP3_E_ARGUMENT: there is not one for each
  * rank. */

@@ -67,8 +67,8 @@ static fp3_status make_graph(fp3_engine *engine, uint32_t **begin, uint32_t **ot
                         (*other)[(*begin)[i + 1]++] = j;
                         (*other)[(*begin)[j + 1]++] = i;
                     } else {
-                        (*begin)[i + 2 <= n ? i + 2 : n + 1]++;
-                        (*begin)[j + 2 <= n ? j + 2 : n + 1]++;
+                        (*begin)[i + 2]++;
+                        (*begin)[j + 2]++;
                     }
                 }
         }

@@ -100,7 +100,7 @@ static fp3_status scatter(const fp3_engine *engine) {
 }
 
 static fp3_status send_words(fp3_engine *engine) {
-    const fp3_ranked *self = engine->self;
+    fp3_ranked *self = engine->self;
     uint64_t has_moved = 0;
     fp3_status status = self->made[0] ? look_who_moved(engine, &has_moved) : FP3_OK;
     has_moved |= (uint64_t)self->is_stale;
@@ -108,14 +108,17 @@ static fp3_status send_words(fp3_engine *engine) {
         status = choose_again(engine);
     if (!status)
         status = gather(engine);
-    if (!status)
+    if (!status) {
         self->ranks->calls->begin(self->plan);
+        self->is_open = 1;
+    }
     return status;
 }
 
 static fp3_status receive_words(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
     self->ranks->calls->end(self->plan);
+    self->is_open = 0;
     self->use.times++;
     return scatter(engine);
 }

@@ -36,6 +36,7 @@ typedef struct {
     uint32_t *constants; /* of each group, as many as registers */
     int is_placed;       /* whether objects are divided by the present lists */
     uint64_t given;      /* a hash of all that was loaded, connected and written */
+    int is_open;         /* an exchange has begun, and not ended: MPI may write to in.words */
     int is_stale;        /* a run made again has chosen guests for its own steps */
     fp3_rank_use use;    /* without the bus of the open engine, which use.c adds */
     fp3_traffic out, in;

@@ -26,8 +26,7 @@ typedef struct {
     fp3_fast_packed lists[FP3_LISTS_MAX]; /* of neighbours, as the executor needs them */
     float *records;                       /* of what neighbours read, or NULL */
     int is_packed;
-    piece *
-        pieces; /* where others than the group's own objects are seen by links alone: first those that see none of them */
+    piece *pieces; /* where links alone show guests: first those that see none; or NULL */
     uint32_t piece_count, inner_count;
 } group;
 

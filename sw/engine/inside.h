@@ -62,9 +62,10 @@ fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 /* Those of the last run, by object, after fp3_engine_failure. */
 const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count);
 
-/* From the next run on objects first .. first+count-1, of an engine with one group, make steps. The others cost nothing and
- * keep what they hold; as neighbours they can be read. `first` is 0, or objects see each other, it is a multiple of FP3_USE_STEP and the engine is not hardware. A load makes
- * it all objects again; so has to be said before one, else they are moved. Objects that see each other, in several lanes, are written afterwards. */
+/* From the next run on objects first .. first+count-1, of an engine with one group, make steps. The others cost nothing and keep what
+ * they hold; as neighbours they can be read. `first` is 0; or objects see each other, the engine is not hardware, and `first` is a
+ * multiple of FP3_USE_STEP. A load makes it all objects again. Objects that see each other in several lanes are moved by this: it has
+ * to be said before words are written to them. */
 #define FP3_USE_STEP 16
 void fp3_engine_use(fp3_engine *engine, size_t first, size_t count);
 

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-# Links; near, whose guests change; all others; a program of several phases; links and lifetimes of none.
+# Links; near, whose guests change; all others; a program of several phases; links again.
 AROUND = {"cloth": (2, 3, 4, 8), "balls": (2, 3, 6), "stars": (2, 4), "dam": (3,), "rope": (2,)}
 
 
@@ -95,6 +95,8 @@ def test_bad_input_is_told_once(mpirun, fp3, tmp_path):
     (tmp_path / "bad.scene").write_text("steps = 3;\ngroups = ( { program = 5; } );\n")
     done = mpirun(3, fp3, "run", "--scene", tmp_path / "bad.scene")
     assert done.returncode == 2 and done.stderr.count("bad.scene:1: expected config") == 1, done.stderr
+    done = mpirun(3, fp3, "run", "--scene", tmp_path / "bad.scene", "--checkpoint-every", 0)
+    assert done.returncode != 0 and done.stderr.count("--checkpoint-every") == 1, done.stderr
 
 
 def test_what_one_process_alone_can_do_is_refused(mpirun, fp3, root, tmp_path):

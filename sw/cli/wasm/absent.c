@@ -90,9 +90,12 @@ fp3_status fp3_fast_native_load(const fp3_fast_plan *plan, const char *path, con
 void fp3_fast_native_close(fp3_fast_native *native) { (void)native; }
 
 /* One process. */
-fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
-    (void)error;
+void fp3_run_ranks_first(fp3_run_ranks *ranks) {
     *ranks = (fp3_run_ranks){.is_one = 1, .speaks = -1};
+}
+
+fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
+    (void)ranks, (void)error;
     return FP3_OK;
 }
 
