@@ -32,12 +32,18 @@ static void close_ranked(fp3_engine *engine) {
     free(self);
 }
 
+static void note_name(fp3_ranked *self, const char *name) {
+    for (; *name; name++)
+        fp3_ranks_note(self, &(uint32_t){(unsigned char)*name}, 1);
+}
+
 /* Programs are new: what objects hold comes by `write`. */
 static fp3_status load_ranked(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
     memset(self->constants, 0,
            (size_t)fp3_config_schedulers(engine->config) * engine->config->registers *
                sizeof *self->constants);
+    note_name(self, engine->config->name);
     for (uint32_t i = 0; i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         fp3_ranks_note(self, &group->objects, 1);
@@ -70,7 +76,10 @@ static fp3_status connect_ranked(fp3_engine *engine, fp3_members *group, const f
 /* The own engine finds out itself who sleeps; who lives it is told. */
 static fp3_status list_ranked(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
+    const fp3_life *lives = engine->lives.list;
     const fp3_status status = fp3_ranks_tell_lives(engine);
+    if (lives)
+        fp3_ranks_note(self, lives, engine->objects * sizeof *lives / sizeof(uint32_t));
     if (self->own)
         self->own->sleepers.is_known = self->own->sleepers.is_listed = 0;
     return status;

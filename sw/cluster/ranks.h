@@ -12,7 +12,7 @@
 #include <fp3/engine.h>
 
 /* fp3_engine_open for objects of all ranks together. FP3_E_ARGUMENT as there, and where the definition asks for what one process alone
- * can have: a trace, a bus log, retirements, a cycle limit, native code. */
+ * can have: a trace, a bus log, retirements, a cycle limit, native code, a seed. */
 fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ranks,
                                  fp3_engine **engine);
 

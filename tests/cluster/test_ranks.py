@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 
 import pytest
@@ -130,10 +131,18 @@ def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
     assert two.returncode == 2 and "several ranks: a model with relations of more than one kind" in two.stderr, two.stderr
 
 
-@pytest.mark.parametrize("wrong", ["spacing", "steps", "links"])
-def test_ranks_with_other_files_are_refused(mpirun, small, fp3, wrong):
+LIVES = 'config = "many_full"; steps = 60; groups = ( { program = "kepler.ode"; objects = 24; born = [0, 0]; gone = [30, 76]; } );\n'
+
+
+@pytest.mark.parametrize("wrong", ["spacing", "steps", "links", "config", "lives"])
+def test_ranks_with_other_files_are_refused(mpirun, small, root, fp3, wrong):
     """A copy of the scene on another node that is not the same: rank 1 has one of its own here."""
-    text = {"spacing": SMALL.replace("0.05", "0.06"), "steps": SMALL.replace("steps = 40", "steps = 41"), "links": SMALL.replace(', "shear"', "")}[wrong]
+    text = {"spacing": SMALL.replace("0.05", "0.06"), "steps": SMALL.replace("steps = 40", "steps = 41"), "links": SMALL.replace(', "shear"', ""),
+            "config": 'config = "fabric";\n' + SMALL, "lives": LIVES}[wrong]
+    if wrong == "lives":
+        shutil.copy(root / "programs/kepler.ode", small.parent)
+        small.write_text(text)
+        text = text.replace("30, 76", "76, 30")  # runs are cut at the same steps
     (small.parent / "other.scene").write_text(text)
     out = small.parent / "x.csv"
     choose = 'S=$1; [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 1 ] && S=$2; exec "$0" run --scene $S -e fast --output $3'
