@@ -8,7 +8,6 @@ from aig import FALSE, Aig, Question
 from netlist import core, facts, model, take_out
 
 FLAGS = ("NX", "UF", "OF", "DZ", "NV")                   # bit 0 first
-SHORT = 10                                               # fraction bits: a subnormal factor is one case
 
 
 class Different(Exception):
@@ -200,32 +199,47 @@ class Fma(Mul):
     """Fused multiply-add. As with the multiplication, one free word stands for the product on both sides."""
     def __init__(self, yosys, files, fmt):
         Proof.__init__(self, fmt)
-        g, self.c, sub = self.g, self.g.word("c", fmt.exp + fmt.frac + 1), self.g.word("sub", 1)
+        g, self.c, self.sub = self.g, self.g.word("c", fmt.exp + fmt.frac + 1), self.g.word("sub", 1)
         uncut = core(yosys, files, "fp_fma", fmt, 0)
         self.inner = take_out(uncut, "fp_fma", "fp_mul_product")
+        self.core = yosys.map(uncut, "fp_fma")
+        self.models = [model(yosys, "muladd", fmt._replace(nearest=nearest)) for nearest in (fmt.nearest, False)]
         width = 2 * fmt.frac + 2
         free = g.word("product", width)
-        operands = {"x_i": self.a, "y_i": self.b, "z_i": self.c, "subtract_i": sub}
-        (a, a_normal), (b, b_normal), (c, _) = map(self.read, (self.a, self.b, self.c))
-        of = facts(yosys, "mul_facts", fmt).graft(g, {"a_i": a[:-1], "b_i": b[:-1], "product_i": free})
-        self.ours = yosys.map(uncut, "fp_fma").graft(g, operands | {"product.Y": free, "no_product_i": [FALSE]})
+        (a, _), (b, _) = self.read(self.a), self.read(self.b)
+        self.facts = of = facts(yosys, "mul_facts", fmt).graft(g, {"a_i": a[:-1], "b_i": b[:-1], "product_i": free})
         self.finite = of["finite_o"][0]
-        normal = g.choose(self.finite, of["normal_product_o"], g.word("otherwise", width))
-        signed = a[:-1] + [g.differ([a[-1]], sub)]
-        factors = {"a": signed, "b": b, "c": c, "product.Y": normal}
-        outputs = model(yosys, "muladd", fmt).graft(g, factors)
-        cut_off = model(yosys, "muladd", fmt._replace(nearest=False)).graft(g, factors)
-        magnitude, flags = self.result(cut_off)
-        tiny = g.both(self.read(magnitude)[1] ^ 1, g.either(g.differ(magnitude[:fmt.frac], [FALSE] * fmt.frac), flags[0]))
-        self.theirs = self.expect(self.invalid(self.result(outputs), a, b), tiny)
-        self.facts, self.factors = of, (outputs["product.A"], outputs["product.B"])
-        case = facts(yosys, "fma_cases", fmt).graft(g, operands)
+        self.ours = self.by_core(self.a, self.b, free)
+        self.theirs, self.factors = self.by_model(self.a, self.b, g.choose(self.finite, of["normal_product_o"], g.word("otherwise", width)))
+        operands, cases = {"z_i": self.c, "subtract_i": self.sub}, facts(yosys, "fma_cases", fmt, SUBNORMAL=int(fmt.subnormal))
+        case = cases.graft(g, operands | {"x_i": self.a, "y_i": self.b})
         self.distance, self.zeros = case["distance_o"], case["zeros_o"]
-        self.below, self.above, self.minus, self.plain, self.tiny = (
-            case[f"{name}_o"][0] for name in ("below", "above", "minus", "plain", "tiny"))
-        about = [*self.distance, *self.zeros, self.below, self.above, self.minus, self.plain, self.tiny, of["possible_o"][0]]
+        self.below, self.above, self.minus, self.plain, self.tiny, self.movable = (
+            case[f"{name}_o"][0] for name in ("below", "above", "minus", "plain", "tiny", "movable"))
+        about = [*self.distance, *self.zeros, self.below, self.above, self.minus, self.plain, self.tiny, self.movable, of["possible_o"][0]]
         self.question = Question(g, [g.differ(*self.words())], about)
         self.nothing = Question(g, [], about)
+        # Core and model are asked one by one whether normal factors in place of a subnormal one make a difference.
+        x, y, product = case["moved_x_o"], case["moved_y_o"], of["normal_product_o"]
+        ours, (theirs, _) = self.by_core(x, y, product), self.by_model(x, y, product)
+        plain = cases.graft(g, operands | {"x_i": x, "y_i": y})["plain_o"][0]
+        of = facts(yosys, "mul_facts", fmt).graft(g, {"a_i": x[:-1], "b_i": y[:-1], "product_i": product})
+        fit = g.both(g.both(plain, of["finite_o"][0]), g.both(of["possible_o"][0], g.differ(product, of["normal_product_o"]) ^ 1))
+        self.moves = {"the core": Question(g, [g.differ(self.ours["z_o"] + self.ours["flags_o"], ours["z_o"] + ours["flags_o"])], about),
+                      "the model": Question(g, [g.differ(self.theirs[0] + self.theirs[1], theirs[0] + theirs[1])], about),
+                      "the cases": Question(g, [fit ^ 1], about)}
+
+    def by_core(self, x, y, product):
+        return self.core.graft(self.g, {"x_i": x, "y_i": y, "z_i": self.c, "subtract_i": self.sub, "product.Y": product, "no_product_i": [FALSE]})
+
+    def by_model(self, x, y, product):
+        """What is expected, and the two words that are multiplied; product is that of the normal significands."""
+        g, fmt, (a, _), (b, _), (c, _) = self.g, self.fmt, *map(self.read, (x, y, self.c))
+        factors = {"a": a[:-1] + [g.differ([a[-1]], self.sub)], "b": b, "c": c, "product.Y": product}
+        outputs, cut_off = (rounding.graft(g, factors) for rounding in self.models)
+        magnitude, flags = self.result(cut_off)
+        tiny = g.both(self.read(magnitude)[1] ^ 1, g.either(g.differ(magnitude[:fmt.frac], [FALSE] * fmt.frac), flags[0]))
+        return self.expect(self.invalid(self.result(outputs), a, b), tiny), (outputs["product.A"], outputs["product.B"])
 
     def invalid(self, result, a, b):
         """754 leaves open whether infinity times zero is invalid if a quiet NaN is added. Ours is."""
@@ -237,42 +251,43 @@ class Fma(Mul):
         return value, flags[:4] + [g.either(flags[4], g.either(clash(a, b), clash(b, a)))]
 
     def split(self):
-        """Those of normal factors by the distance; of a subnormal one in long formats by the zeros in front of it, too."""
+        """Normal factors by the distance of the exponents; a subnormal one by whether it can be moved, and the zeros in front of it."""
         fmt = self.fmt
         equal = lambda word, n: [lit ^ 1 ^ (n >> i & 1) for i, lit in enumerate(word)]
-        one = [self.plain ^ 1, self.tiny ^ 1]
-        kinds = {"": [self.plain]}
-        if fmt.frac > SHORT:
-            kinds |= {f", {n} zeros in front of a factor": one + equal(self.zeros, n) for n in range(1, fmt.frac + 2)}
-        else:
-            kinds[", a subnormal factor"] = one
         yield "no normal factor", [self.tiny]
-        for kind, limits in kinds.items():
-            for name, sign in (("subtract", self.minus), ("add", self.minus ^ 1)):
-                yield f"{name}, far below{kind}", [sign, self.below, *limits]
-                yield f"{name}, far above{kind}", [sign, self.above, *limits]
-                for k in range(3 * fmt.frac + 13):
-                    yield (f"{name}, distance {k - 2 * fmt.frac - 6}{kind}",
-                           [sign, self.below ^ 1, self.above ^ 1, *equal(self.distance, k), *limits])
+        for name, sign in (("subtract", self.minus), ("add", self.minus ^ 1)):
+            yield f"{name}, far below", [sign, self.below, self.plain]
+            yield f"{name}, far above", [sign, self.above, self.plain]
+            for k in range(3 * fmt.frac + 13):
+                yield (f"{name}, distance {k - 2 * fmt.frac - 6}",
+                       [sign, self.below ^ 1, self.above ^ 1, *equal(self.distance, k), self.plain])
+            yield f"{name}, a factor that cannot be moved", [sign, self.plain ^ 1, self.tiny ^ 1, self.movable ^ 1]
+        for n in range(1, fmt.frac + 1 if fmt.subnormal else 1):
+            yield f"{n} zeros in front of a factor", [self.movable, *equal(self.zeros, n)]
 
     def cases(self):
-        """The zeros in front of a factor take hours in binary32, and are a part of their own: subnormal()."""
         split = dict(self.split())
         yield "no operands outside the cases", partial(self.complete, split)
         for name, case in split.items():
-            if "zeros" not in name:
+            if case[0] != self.movable:
                 yield name, partial(self.equal, case)
+                continue
+            for whose, question in self.moves.items():
+                yield f"{name}: {whose}", partial(self.moved, question, case)
         yield "our product is of the significands", self.our_factors
         yield "the model's product is of the normal significands", self.their_factors
         yield "the tiles make the product", self.tiles
-
-    def subnormal(self):
-        return [(name, partial(self.equal, case)) for name, case in self.split() if "zeros" in name]
 
     def complete(self, split):
         if inputs := self.nothing.ask(*([lit ^ 1 for lit in case] for case in split.values())):
             raise Different(f"no case holds {inputs}")
         return "proved"
+
+    def moved(self, question, case):
+        """What core or model makes of the factors is what it makes of the normal ones in their place, whose cases are proved."""
+        if not question.ask(self.facts["possible_o"][0], *case):
+            return "proved"
+        return f"{self.equal(case)}, as it is"
 
     def equal(self, case=()):
         possible = self.facts["possible_o"][0]

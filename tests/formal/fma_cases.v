@@ -1,7 +1,10 @@
-// fma_cases: the case that the operands of z + x * y or z - x * y fall in.
+// fma_cases: the case that the operands of z + x * y or z - x * y fall in, and normal factors in place of one that is subnormal.
+//
+// A subnormal factor is shifted left until it is normal, and the other factor's exponent is lessened by as much. The exact product
+// is the same, if it has a bit in the window beside z: so its exponent can be lessened, and the other factor stays normal.
 `default_nettype none
 module fma_cases #(
-    parameter EXP = 8, FRAC = 23
+    parameter EXP = 8, FRAC = 23, SUBNORMAL = 1
 ) (
     input  wire [EXP+FRAC:0] x_i, y_i, z_i,
     input  wire              subtract_i,
@@ -11,7 +14,9 @@ module fma_cases #(
     output wire              minus_o,      // the magnitudes are subtracted
     output wire              plain_o,      // both factors are normal
     output wire              tiny_o,       // none is
-    output wire [5:0]        zeros_o       // in front of the significand of the one that is subnormal
+    output wire [5:0]        zeros_o,      // in front of the significand of the one that is subnormal
+    output wire              movable_o,    // there is one, and the other is finite and stays normal
+    output wire [EXP+FRAC:0] moved_x_o, moved_y_o   // the same product of normal factors, if movable_o
 );
     // A subnormal has the exponent of the smallest normal number.
     wire [EXP-1:0] field_x = x_i[FRAC +: EXP], exp_x = field_x | {{EXP-1{1'b0}}, field_x == 0};
@@ -36,5 +41,13 @@ module fma_cases #(
         for (i = 0; i < FRAC; i = i + 1) if (fraction[i]) zeros = FRAC - i;
     end
     assign zeros_o    = zeros;
+
+    wire [EXP-1:0]  other  = field_x == 0 ? field_y : field_x;
+    wire [FRAC-1:0] normal = fraction << zeros;
+    wire [EXP:0]    less   = {1'b0, other} - zeros;
+    localparam [EXP-1:0] ONE = 1;
+    assign movable_o = SUBNORMAL != 0 && !plain_o && |fraction && !(&other) && !less[EXP] && |less;
+    assign moved_x_o = {x_i[EXP+FRAC], field_x == 0 ? {ONE, normal} : {less[EXP-1:0], x_i[FRAC-1:0]}};
+    assign moved_y_o = {y_i[EXP+FRAC], field_x == 0 ? {less[EXP-1:0], y_i[FRAC-1:0]} : {ONE, normal}};
 endmodule
 `default_nettype wire

@@ -82,10 +82,10 @@ def model(yosys, operation, fmt):
 
 
 @cache
-def facts(yosys, name, fmt):
-    """What add_cases or mul_facts, beside this file, says about operands."""
+def facts(yosys, name, fmt, **parameters):
+    """What add_cases, mul_facts or fma_cases, beside this file, says about operands."""
     files = {f"{name}.v": Path(__file__).with_name(f"{name}.v").read_text()}
-    return defined(yosys.map(module(yosys, files, name, EXP=fmt.exp, FRAC=fmt.frac), name))
+    return defined(yosys.map(module(yosys, files, name, EXP=fmt.exp, FRAC=fmt.frac, **parameters), name))
 
 
 def defined(netlist):

