@@ -64,8 +64,11 @@ module tile_scheduler #(
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
 
-    // Where records have 16 bits a word for one is rounded before it goes to its lane, and every access goes as much later.
-    wire        late_access, late_write;
+    // Where records have 16 bits a word for one is rounded before it goes to its lane, if it is none that is kept whole, and every access
+    // goes as much later.
+    `SETTINGS_FIELDS
+    assign `SETTINGS = settings;
+    wire        late_access, late_write, late_whole;
     wire [2:0]  late_space;
     wire [19:0] late_address;
     wire [31:0] late_wdata;
@@ -78,10 +81,13 @@ module tile_scheduler #(
             delay #(.W(1), .N(TIMING_HALVE)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access), .q_o(late_access));
             delay #(.W(56), .N(TIMING_HALVE)) u_what (.clk_i(clk_i), .rst_i(1'b0), .d_i({host_write, space, address, host_wdata}),
                 .q_o({late_write, late_space, late_address, whole_word}));
-            assign late_wdata = late_space == HOST_OBJECT ? {16'd0, half_word} : whole_word;
+            wire [5:0] of_record = late_address[5:0] & ~(6'h38 << setting_record);
+            assign late_whole = WHOLE != 0 && late_space == HOST_OBJECT && {1'b0, of_record} == setting_whole;
+            assign late_wdata = late_space == HOST_OBJECT && !late_whole ? {16'd0, half_word} : whole_word;
             wire unused_over = over;
         end else begin : g_not_halved
             assign {late_access, late_write, late_space, late_address, late_wdata} = {access, host_write, space, address, host_wdata};
+            assign late_whole = 1'b0;
         end
     endgenerate
 
@@ -102,6 +108,7 @@ module tile_scheduler #(
     assign access_valid   = late_access && !(EXCHANGE != 0 && late_space == HOST_COPIES);
     assign access_write   = late_write;
     assign access_space   = late_space;
+    assign access_whole   = late_whole;
     assign access_lane    = by_lane ? late_address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
     assign access_address = late_address[STORE_W-1:0];
 

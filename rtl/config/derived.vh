@@ -25,7 +25,9 @@ parameter [31:0] KEPT         = 32'hffffffff << BELOW,
 parameter integer NONZERO_FROM = FINITE != 0 ? 23 : BELOW,
 // Of a word of the store; of the bundle DRAW (lane/draw.vh).
 parameter integer STORED_W   = STORAGE != 0 ? 16 : 32,
-parameter integer DRAW_W     = STORAGE != 0 ? 33 : 1,
+parameter integer DRAW_W     = STORAGE != 0 ? 78 : 1,
+// One word of a record is kept whole: that of `sleep`.
+parameter integer WHOLE      = STORAGE != 0 && SLEEP != 0 ? 1 : 0,
 // Instructions of a scheduler that may issue, and results of a lane that may come, in one cycle.
 parameter integer STREAMS    = DUAL + 1,
 // What fp_value does: VALUES, CHOICE_W
@@ -43,9 +45,12 @@ parameter integer MUL_SPARE = MUL_LATENCY -
 parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
                                : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
 parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
-// In cycles from what the lanes are told of an instruction: to its result, and to what they are told of its end.
+// In cycles: from what the lanes are told of an instruction to its result; from what they are told of its end to its result; from the
+// one to the other.
 parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
-parameter integer TO_END    = TO_RESULT - (DUAL != 0 ? TIMING_DUAL_END : TIMING_END),
+parameter integer WIDENED   = STORAGE != 0 ? TIMING_WIDEN : 0,
+parameter integer ENDED     = DUAL != 0 ? TIMING_DUAL_END : TIMING_END + WIDENED,
+parameter integer TO_END    = TO_RESULT - ENDED,
 // Where records have 16 bits, from what the lanes are told of a store to the half that is stored; no instruction ends before.
 parameter integer ROUNDED   = 2 * TIMING_MIX + 1 + TIMING_HALVE,
 // How much earlier they are told what it reads of the store: a word of a neighbour is then there beside the operands.
@@ -59,4 +64,4 @@ parameter integer Z_LATE  = INTERLEAVE != 0 && (CHAIN != 0 || FUSED != 0) && VAL
 parameter integer GAP     = LATENCY + TIMING_GAP,
 parameter integer SETTLE  = LATENCY + AHEAD + LANES + TIMING_SETTLE,
 // From an access of the host port to the word.
-parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS + (STORAGE != 0 ? TIMING_HALVE : 0) : TIMING_SOLO_ACCESS
+parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS + (STORAGE != 0 ? TIMING_HALVE + WIDENED : 0) : TIMING_SOLO_ACCESS

@@ -48,9 +48,6 @@ end
 if (STORAGE > 0 && DUAL != 0) begin : g_storage_excludes_dual
     STORAGE_excludes_DUAL u_error ();
 end
-if (STORAGE > 0 && SLEEP != 0) begin : g_storage_excludes_sleep
-    STORAGE_excludes_SLEEP u_error ();
-end
 if (STORAGE > 0 && NEIGHBOURS != 0) begin : g_storage_excludes_neighbours
     STORAGE_excludes_NEIGHBOURS u_error ();
 end

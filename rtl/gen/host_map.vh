@@ -3,42 +3,44 @@
 // verilator lint_off UNUSEDPARAM
 // By the number of a register, its address / 4: whether it can be read, and written.
 localparam integer REGISTER_COUNT = 32;
-localparam [31:0] READABLE = 32'h00073faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0);
-localparam [31:0] WRITABLE = 32'h00020f10 | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0);
+localparam [31:0] READABLE = 32'h00073faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
+localparam [31:0] WRITABLE = 32'h00020f10 | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
 // The settings of a run: how many bits each keeps (0: it is no setting), where they are in SETTINGS, what is
 // subtracted from the word, and what is kept after a reset.
-localparam [31:0] IS_SETTING = (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | 32'h00000f00 | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0);
+localparam [31:0] IS_SETTING = (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | 32'h00000f00 | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
 localparam [1023:0] SETTING_BITS = {
-    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd32, 32'd32, 32'd32, 32'd0, 32'd32, 32'd1, 32'd32, 32'd32, 32'd0, 32'd0,
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd7, 32'd13, 32'd32, 32'd32, 32'd0, 32'd32, 32'd1, 32'd32, 32'd32, 32'd0, 32'd0,
     32'd0, 32'd32, 32'd32, 32'd0, 32'd0, $clog2(PROGRAM_WORDS + 1), $clog2(PROGRAM_WORDS + 1), $clog2(PROGRAM_WORDS
     + 1), 32'd32, 32'd0, 32'd2, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
 localparam [1023:0] SETTING_AT = {
-    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS +
-    1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 + 32'd32 + 32'd32, 32'd0 +
-    32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 +
-    32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 + 32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) +
-    $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32,
-    32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS +
-    1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) +
-    $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32, 32'd0 + 32'd2 +
-    32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 +
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) +
+    $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 + 32'd32 + 32'd32 + 32'd13, 32'd0
+    + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 +
+    32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 + 32'd32 + 32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1)
+    + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32 +
     32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS +
-    1) + 32'd32 + 32'd32, 32'd0, 32'd0, 32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) +
-    $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS +
-    1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1), 32'd0, 32'd0, 32'd0 + 32'd2 + 32'd32 +
-    $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1), 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1), 32'd0
-    + 32'd2 + 32'd32, 32'd0 + 32'd2, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
+    1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1 + 32'd32, 32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS +
+    1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32 + 32'd32 + 32'd1, 32'd0 +
+    32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 +
+    32'd32 + 32'd32 + 32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) +
+    $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32 + 32'd32, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) +
+    $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32 + 32'd32, 32'd0, 32'd0, 32'd0, 32'd0 + 32'd2 +
+    32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + 32'd32, 32'd0 +
+    32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1), 32'd0,
+    32'd0, 32'd0 + 32'd2 + 32'd32 + $clog2(PROGRAM_WORDS + 1) + $clog2(PROGRAM_WORDS + 1), 32'd0 + 32'd2 + 32'd32 +
+    $clog2(PROGRAM_WORDS + 1), 32'd0 + 32'd2 + 32'd32, 32'd0 + 32'd2, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
+    32'd0, 32'd0};
 localparam [1023:0] SETTING_LEAST = {
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd3, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
 localparam [1023:0] SETTING_RESET = {
-    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd64, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
     32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0};
 // The ranges of settings: the least and the most of each, and which registers have it.
-localparam integer RANGES = 3;
-localparam [95:0] RANGE_LEAST = {32'd0, 32'd0, 32'd3};
-localparam [95:0] RANGE_MOST = {32'd1, PROGRAM_WORDS, 32'd6};
-localparam [95:0] RANGE_OF = {32'h00200000, 32'h00000e00, 32'h00000040};
+localparam integer RANGES = 5;
+localparam [159:0] RANGE_LEAST = {32'd0, 32'd0, 32'd0, 32'd0, 32'd3};
+localparam [159:0] RANGE_MOST = {32'd64, 32'd4096, 32'd1, PROGRAM_WORDS, 32'd6};
+localparam [159:0] RANGE_OF = {32'h08000000, 32'h04000000, 32'h00200000, 32'h00000e00, 32'h00000040};
 // What the registers show that show the configuration.
 localparam [31:0] REGISTER_ID = (32'd3 & 255) << 0 | (32'd4608051 & 16777215) << 8;
 localparam [31:0] REGISTER_SHAPE = (REGISTERS & 255) << 0 | (REGISTERS & 255) << 8 | (CONTEXTS & 65535) << 16;

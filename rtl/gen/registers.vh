@@ -29,6 +29,7 @@ localparam [15:0] ADDR_COPIES         = 16'h0058;
 localparam [15:0] ADDR_SEED           = 16'h0060;
 localparam [15:0] ADDR_FIRST          = 16'h0064;
 localparam [15:0] ADDR_STRIDE         = 16'h0068;
+localparam [15:0] ADDR_WHOLE          = 16'h006c;
 
 // Fields of registers.
 localparam ID_REVISION_HI               = 7;

@@ -12,6 +12,7 @@ parameter integer TIMING_GAP         = 5,  // from an issue to the next issue of
 parameter integer TIMING_ACCESS      = 5,  // from the host's access of a lane's word to the word, beyond a cycle for each group of lanes
 parameter integer TIMING_MIX         = 4,  // of the mixer of a draw
 parameter integer TIMING_HALVE       = 2,  // from a word to the half that the store keeps of it; an access of the host takes as much longer
+parameter integer TIMING_WIDEN       = 2,  // from a half of the store to the word that it is: the store is read so much earlier, and an access of the host takes as much longer
 parameter integer TIMING_LIST        = 12, // from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes
 parameter integer TIMING_SETTLE      = 14, // from the last issue of a round to the last report, beyond the latency and a cycle for each lane
 parameter integer TIMING_RESET       = 2,  // how long a reset lasts, beyond a cycle for each group of lanes: until it has passed the last one

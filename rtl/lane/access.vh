@@ -5,10 +5,11 @@
 //     space                       lane_host.vh
 //     lane                        which lane; not for constants, which all lanes have
 //     address                     a word of the space
-`define ACCESS_W (5 + LANE_W + STORE_W)
+//     whole                       of a record: all 32 bits, with STORAGE
+`define ACCESS_W (6 + LANE_W + STORE_W)
 `define ACCESS_FIELDS \
-    wire access_valid, access_write; \
+    wire access_valid, access_write, access_whole; \
     wire [2:0] access_space; \
     wire [LANE_W-1:0] access_lane; \
     wire [STORE_W-1:0] access_address;
-`define ACCESS {access_valid, access_write, access_space, access_lane, access_address}
+`define ACCESS {access_valid, access_write, access_whole, access_space, access_lane, access_address}

@@ -3,8 +3,11 @@
 // front/decoded.vh shows how a bundle is used.
 //
 //     draws                       at random; else to nearest
-//     number                      what the draw of the object in lane 0 is mixed from; the next lane's is one more
+//     number                      what the draw of the object in lane 0 is mixed from; the next lane's is one more. With SLEEP without
+//                                 the object, which only its lane knows:
+//     first, stride               ... in row r of lane l it is first + l + r * stride
 `define DRAW_FIELDS \
     wire draw_draws; \
-    wire [31:0] draw_number;
-`define DRAW {draw_draws, draw_number}
+    wire [31:0] draw_number, draw_first; \
+    wire [12:0] draw_stride;
+`define DRAW {draw_draws, draw_number, draw_first, draw_stride}

@@ -7,6 +7,7 @@
 //     st, lasts                   a store; in the last part of a visit
 //     each, first                 a loop over neighbours begins: y is where the list is; the first of these
 //     upper                       of a published word: it is stored in the upper half
+//     whole                       of a store: all 32 bits, with STORAGE
 //     given, minus                x is a word of the store (REACH) instead of a register; z has the other sign
 //     record                      a record of the store has 8 << record words
 //     context, register           whose register is stored
@@ -14,14 +15,14 @@
 //     row                         the store's row of the context's object, without SLEEP
 //
 // zero, minus and z are about the instruction of Z_LATE cycles ago.
-`define ISSUE_W (CHOICE_W + 14 + 4*REG_W + ROW_W)
+`define ISSUE_W (CHOICE_W + 15 + 4*REG_W + ROW_W)
 `define ISSUE_FIELDS \
     wire [CHOICE_W-1:0] issue_choice; \
-    wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_given, issue_minus; \
+    wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus; \
     wire [1:0] issue_record; \
     wire [CONTEXT_W-1:0] issue_context; \
     wire [REGISTER_W-1:0] issue_register; \
     wire [REG_W-1:0] issue_x, issue_y, issue_z; \
     wire [ROW_W-1:0] issue_row;
-`define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_given, issue_minus, \
+`define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus, \
     issue_record, issue_context, issue_register, issue_x, issue_y, issue_z, issue_row}

@@ -131,7 +131,7 @@ module lane #(
     lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .index_i(index_i), .move_i(move), .value_i3_i(st_value_i3),
         .draw_i(draw_i), .word_o(word), .over_o(over),
         .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
-        .host_word_i(data_i));
+        .host_whole_i(access_whole), .host_word_i(data_i));
 
     // In front of the operands it comes too early for what is loaded.
     generate
@@ -164,9 +164,11 @@ module lane #(
     endgenerate
 
     // What the sequencer and the host hear ---------------------------------------------------------------
-    wire [31:0] status;
+    wire [31:0]      status;
+    wire [ROW_W-1:0] row_w3;
+    delay #(.W(ROW_W), .N(WIDENED)) u_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_load_row), .q_o(row_w3));
     lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
-        .row_w3_i(move_load_row), .raises_i(raises[0]), .flags_i(raised[4:0]), .step_i(data_i[26:0]), .status_o(status),
+        .row_w3_i(row_w3), .raises_i(raises[0]), .flags_i(raised[4:0]), .step_i(data_i[26:0]), .status_o(status),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_STATUS),
         .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_i));
     lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),

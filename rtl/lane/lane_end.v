@@ -6,7 +6,8 @@
 //           cycle    W-6       W-3                    W
 //                    retire_i  row, store to be read  end_o; word_i is there
 //
-//           Where objects see each other, what is read of the store follows from reach_i, and is there as soon behind it (lists).
+//           With STORAGE W-6, W-4 and W-3 are WIDENED earlier. Where objects see each other, what is read of the store
+//           follows from reach_i, and is there as soon behind it (lists).
 //
 // Latency   As shown; of a store's row, two cycles after issue_i.
 // Hazard    One context does not come twice within GAP cycles. retire_i is about the instruction of TO_END cycles ago, data_i
@@ -58,11 +59,11 @@ module lane_end #(
     wire take_w4, valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
     delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
-    delay #(.W(CONTEXT_W), .N(3)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
+    delay #(.W(CONTEXT_W), .N(3+WIDENED)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
     delay #(.W(CONTEXT_W), .N(1)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w1), .q_o(context_w0));
     delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_w3));
-    delay #(.W(REGISTER_W), .N(3)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_w3), .q_o(register_w0));
-    delay #(.W(9), .N(TIMING_END)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
+    delay #(.W(REGISTER_W), .N(3+WIDENED)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_w3), .q_o(register_w0));
+    delay #(.W(9), .N(ENDED)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
         .d_i({retire_valid, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
         .q_o({valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
@@ -108,9 +109,11 @@ module lane_end #(
                 .of_list_o(move_load_place), .place_o(move_place), .row_o(move_load_row), .number_o(move_load_register),
                 .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
             delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
+            assign move_load_whole = 1'b0;
             wire unused_lists = &{own_row_w3, register_w3};
         end else begin : g_no_lists
             delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
+            delay #(.W(1), .N(TIMING_END-3)) u_whole_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(WHOLE != 0 && retire_lds), .q_o(move_load_whole));
             assign {ended, move_load_place, move_load_upper} = 3'd0;
             assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
             assign move_load_row      = own_row_w3;
@@ -120,7 +123,7 @@ module lane_end #(
     endgenerate
     assign executed      = executes && !ended;
     assign absent        = missing || ended;
-    assign move_st_upper = issue_upper;
+    assign {move_st_upper, move_st_whole} = {issue_upper, issue_whole};
 
     assign end_valid      = valid_w0;
     assign end_absent     = absent;
@@ -135,11 +138,11 @@ module lane_end #(
     wire [REG_W-1:0] named;                     // by the instruction of TO_END cycles ago
     reg  [15:0]      age [0:CONTEXTS-1];        // cycles since a context came
     reg  [15:0]      since_q;                   // since an access
-    reg  [7:0]       valid_q;                   // W-5 .. W+2
+    reg  [ENDED+1:0] valid_q;                   // W-5 .. W+2
     integer          k;
     delay #(.W(REG_W), .N(TO_END)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}), .q_o(named));
     always @(posedge clk_i) begin
-        valid_q <= {valid_q[6:0], retire_valid} & {8{!rst_i}};
+        valid_q <= {valid_q[ENDED:0], retire_valid} & {ENDED+2{!rst_i}};
         since_q <= rst_i ? 16'hffff : access_valid ? 16'd1 : since_q == 16'hffff ? since_q : since_q + 1'b1;
         for (k = 0; k < CONTEXTS; k = k + 1) begin
             age[k] <= rst_i ? 16'hffff : retire_valid && retire_context == k[CONTEXT_W-1:0] ? 16'd1

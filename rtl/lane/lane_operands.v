@@ -32,7 +32,7 @@ module lane_operands #(
     `OPERANDS_FIELDS
     assign `ISSUE     = issue_i;
     assign operands_o = `OPERANDS;
-    wire unused = &{issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_record, issue_context, issue_register, issue_row};
+    wire unused = &{issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_whole, issue_record, issue_context, issue_register, issue_row};
 
     wire [31:0] x_i2, y_i2, z_i2;
     ram_registered #(.ADDR_W(REG_W)) u_x (.clk_i(clk_i), .write_i(write_i),

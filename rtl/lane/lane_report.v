@@ -3,7 +3,7 @@
 // Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
 //           the answer of the lane that the host asked. The sequencer hears the last lane.
 // Latency   One cycle from report_i for the count and the longest list, none for the others: lane_group registers them. A lane
-//           answers the host three cycles after mine_i, and reports two cycles after valid_i.
+//           answers the host three cycles after mine_i, WIDENED more with STORAGE, and reports two cycles after valid_i.
 // Hazard    Lanes are in step: what the lane before reports, this one reports in the same cycle.
 //           The answers of lanes that are not asked are 0.
 //
@@ -27,8 +27,8 @@ module lane_report #(
     input  wire                 mine_i,         // the host asks this lane
     input  wire [2:0]           space_i,        // for what: lane_host.vh
     input  wire                 copied_i,       // three cycles later, as the words: another lane gets it
-    input  wire [31:0]          stored_i,
-    input  wire [31:0]          status_i,
+    input  wire [31:0]          stored_i,       // as late as the answer
+    input  wire [31:0]          status_i,       // three cycles later
     output wire [`REPORT_W-1:0] report_o
 );
 `include "host/lane_host.vh"
@@ -39,13 +39,15 @@ module lane_report #(
     wire [CONTEXT_W-1:0] context_number;
     reg  [ROW_W:0]       count_q;
     reg  [LENGTH_W-1:0]  longest_q;
-    delay #(.W(4), .N(3)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
+    delay #(.W(4), .N(3+WIDENED)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
     delay #(.W(1), .N(2)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid));
     delay #(.W(1+CONTEXT_W), .N(2)) u_context (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({batch_i, context_i}), .q_o({batch, context_number}));
     always @(posedge clk_i) count_q <= count_i > report_count ? count_i : report_count;
     always @(posedge clk_i) longest_q <= longest_i > report_longest ? longest_i : report_longest;
-    wire [31:0] answer = copied_i || space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status_i : {{31-ROW_W{1'b0}}, count_i};
+    wire [31:0] status;
+    delay #(.W(32), .N(WIDENED)) u_status (.clk_i(clk_i), .rst_i(1'b0), .d_i(status_i), .q_o(status));
+    wire [31:0] answer = copied_i || space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status : {{31-ROW_W{1'b0}}, count_i};
     assign report_o = `REPORT_OF(count_q, longest_q, report_flags | flags_i, report_answer | (answer & {32{mine || copied_i}}),
                                  valid, report_asleep && asleep_i, batch, context_number);
     // The lanes are in step: what this lane says of an instruction, those before have said.

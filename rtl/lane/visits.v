@@ -7,7 +7,7 @@
 //           cycle  W-6    W-4        W-3       W-1         W           W+1        W+2
 //           list:  taken  head read  row_w3_o  state read  executed_o  nonzero_i  state written, put back
 //
-// Latency   As shown; of a store's row, two cycles after st_context_i.
+// Latency   As shown; W-6 to W-3 are WIDENED earlier where the store is read so. Of a store's row, two cycles after st_context_i.
 // Hazard    One context does not come twice within 8 cycles.
 //           The list's head is not read in the cycle in which it is written.
 //           What is executed is executed for an object that is there and awake, or stored in the last part
@@ -107,7 +107,7 @@ module visits #(
     end
     assign row_w3_o    = row_q;
     assign st_row_o = st_row_q;
-    delay #(.W(ROW_W), .N(4)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
+    delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
 
     // Whether there is one, and whether it sleeps -----------------------------------------------
     reg                  state_write_q, state_absent_q, state_asleep_q;   // W+2
@@ -124,7 +124,7 @@ module visits #(
         .read_addr_i(st_context_q), .read_value_o({st_absent, st_asleep}));
 
     wire present_w0;
-    delay #(.W(1), .N(TIMING_END)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_w0));
+    delay #(.W(1), .N(ENDED)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_w0));
     wire absent   = begins_i ? !present_w0 : absent_q;
     wire asleep   = !begins_i && asleep_q;
     wire executed = valid_i && !absent && !(asleep && !lasts_i);

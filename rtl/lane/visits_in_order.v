@@ -6,7 +6,7 @@
 //           cycle  W-6       W-3       W            W+1
 //           row_i            row_w3_o  executed_o   row_late_o
 //
-// Latency   As shown; of a store's row, two cycles after st_row_i.
+// Latency   As shown; W-6 and W-3 are WIDENED earlier where the store is read so. Of a store's row, two cycles after st_row_i.
 // Hazard    The count changes only between runs.
 //
 //     a lane of 5 objects, row_i = 5:     six cycles later absent_o = 1, executed_o = 0
@@ -39,8 +39,8 @@ module visits_in_order #(
     assign count_o = count_q;
 
     delay #(.W(ROW_W), .N(TIMING_END-3)) u_row_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_i), .q_o(row_w3_o));
-    delay #(.W(ROW_W), .N(4)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_w3_o), .q_o(row_late_o));
-    delay #(.W(1), .N(TIMING_END)) u_absent (.clk_i(clk_i), .rst_i(1'b0), .d_i({1'b0, row_i} >= count_q), .q_o(absent_o));
+    delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_w3_o), .q_o(row_late_o));
+    delay #(.W(1), .N(ENDED)) u_absent (.clk_i(clk_i), .rst_i(1'b0), .d_i({1'b0, row_i} >= count_q), .q_o(absent_o));
     delay #(.W(ROW_W+1), .N(2)) u_st (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({{1'b0, st_row_i} >= count_q, st_row_i}), .q_o({st_absent_o, st_row_o}));
     assign executed_o = valid_i && !absent_o;

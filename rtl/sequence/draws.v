@@ -3,7 +3,8 @@
 // Purpose   A draw depends on the seed, the object, the step and the register, and on nothing else: so every engine, any number of
 //           lanes and any order of objects give the same bits. It is mix(mix(seed ^ step ^ register << 26) + object), of
 //           which a lane uses the low 16 bits. What all lanes have in common is computed here; each lane adds its number.
-//           Objects are visited in the order of their rows, so the number of an object is that of the one before and the stride.
+//           Objects are visited in the order of their rows, so the number of an object is that of the one before and the stride. Where they
+//           sleep they are not: each lane finds its object's number.
 //
 // Latency   draw_o TIMING_MIX + 2 cycles after issue_i, TIMING_MIX + 1 after issue's ISSUE.
 // Hazard    first_i comes with the first context of each sweep. A sweep goes through all objects of its batch.
@@ -44,7 +45,7 @@ module draws #(
         opened_q <= open_i || (opened_q && !issue_i);
         if (issue_i) begin
             if (first_i) batch_q <= object;
-            next_q   <= object + setting_stride;
+            next_q   <= object + {19'd0, setting_stride};
             object_q <= object;
             if (first_i) step_q <= lasts ? end_i : (begins ? base_i : step_q) + {31'd0, newstep};
             register_q <= register_i;
@@ -59,8 +60,8 @@ module draws #(
     delay #(.W(32), .N(TIMING_MIX)) u_object (.clk_i(clk_i), .rst_i(1'b0), .d_i(object_q), .q_o(object_late));
     always @(posedge clk_i) begin
         draws_q  <= |setting_seed;
-        number_q <= mixed + object_late;
+        number_q <= SLEEP != 0 ? mixed : mixed + object_late;
     end
-    assign {draw_draws, draw_number} = {draws_q, number_q};
+    assign {draw_draws, draw_number, draw_first, draw_stride} = {draws_q, number_q, SLEEP != 0 ? {setting_first, setting_stride} : 45'd0};
 endmodule
 `default_nettype wire

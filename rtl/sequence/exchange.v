@@ -134,7 +134,7 @@ module exchange #(
     `ACCESS_FIELDS
     wire [STORE_W-1:0] record = {to_row, 3'd0} << setting_record;
     assign access_valid   = to_valid;
-    assign access_write   = to_valid;
+    assign {access_write, access_whole} = {to_valid, 1'b0};
     assign access_space   = to_all ? HOST_EVERY : HOST_OBJECT;
     assign access_lane    = to_lane;
     assign access_address = record | {{STORE_W-REGISTER_W{1'b0}}, to_register} | {half_i, {STORE_W-1{1'b0}}};

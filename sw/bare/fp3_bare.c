@@ -8,6 +8,7 @@
     (((word) >> FP3_##field##_LO) & ((2u << (FP3_##field##_HI - FP3_##field##_LO)) - 1))
 #define LEAST_RECORD 3u
 #define LARGEST_RECORD 6u
+#define NO_WORD 64u /* of register `whole` */
 
 _Static_assert(sizeof(float) == sizeof(uint32_t), "float is FP32");
 
@@ -183,6 +184,9 @@ static fp3_status put_shape(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_pr
         status = put(fp3, scheduler, FP3_ADDR_SIZE, words);
     if (!status && fp3->store)
         status = put(fp3, scheduler, FP3_ADDR_RECORD, program->record);
+    if (!status && FIELD(fp3->features, FEATURES_SLEEP) &&
+        FIELD(fp3->features_more, FEATURES_MORE_STORAGE))
+        status = put(fp3, scheduler, FP3_ADDR_WHOLE, program->slept ? program->slept - 1 : NO_WORD);
     return status;
 }
 

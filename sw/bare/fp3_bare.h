@@ -56,6 +56,7 @@ typedef struct {
     uint32_t record;            /* the binary logarithm of the words of an object, 3 to 6 */
     uint32_t revision;          /* of the instruction set */
     uint32_t arithmetic;        /* that it is compiled for: fp3_image.words (fp3/image.h) */
+    uint32_t slept;             /* the register that `sleep` writes, plus 1; 0: none does */
 } fp3_bare_program;
 
 /* All schedulers. Elsewhere a number from 0 on. */

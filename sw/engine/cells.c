@@ -99,6 +99,17 @@ static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word
         (double)kept);
 }
 
+/* Whether word i of these cells is none: the register of `sleep`, or what leads to a list of neighbours. */
+static int is_whole(const fp3_engine *engine, fp3_cells cells, size_t i) {
+    if (cells.kind != FP3_CELLS_REGISTER)
+        return 0;
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, cells.first + i);
+    int is_list = 0;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
+        is_list |= group->lists.lists[k].reg == cells.number;
+    return is_list || group->program.slept == (int)cells.number;
+}
+
 /* FP3_E_ARGUMENT: a finite number would not be one in a record of 16 bits, or a parameter would lose its digits. */
 static fp3_status round_words(fp3_engine *engine, fp3_cells cells, const void *words,
                               uint32_t *to) {
@@ -106,7 +117,7 @@ static fp3_status round_words(fp3_engine *engine, fp3_cells cells, const void *w
     for (size_t i = 0; i < cells.count; i++) {
         uint32_t word, flags;
         memcpy(&word, (const char *)words + i * sizeof word, sizeof word);
-        to[i] = fp3_stored(engine->config, word, NULL, &flags);
+        to[i] = is_whole(engine, cells, i) ? word : fp3_stored(engine->config, word, NULL, &flags);
         const fp3_cells one = {cells.kind, cells.number, cells.first + i, 1};
         if (~word & infinite && !(~to[i] & infinite))
             return too_large(engine, one, word);
@@ -190,17 +201,6 @@ fp3_status fp3_engine_read_shared_words(fp3_engine *engine, size_t group, uint32
 }
 
 /* ---- numbers ---- */
-
-/* Whether word i of these cells is none: the register of `sleep`, or what leads to a list of neighbours. */
-static int is_whole(const fp3_engine *engine, fp3_cells cells, size_t i) {
-    if (cells.kind != FP3_CELLS_REGISTER)
-        return 0;
-    const fp3_members *group = fp3_layout_group_of(&engine->layout, cells.first + i);
-    int is_list = 0;
-    for (uint32_t k = 0; k < group->lists.shape.list_count; k++)
-        is_list |= group->lists.lists[k].reg == cells.number;
-    return is_list || group->program.slept == (int)cells.number;
-}
 
 static const char *word_of(const fp3_engine *engine, fp3_cells cells, size_t i, float value,
                            uint32_t *word) {

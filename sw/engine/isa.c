@@ -208,14 +208,16 @@ static void execute(const round_of *r, uint32_t object, const fp3_decoded *word)
     uint32_t *record = &self->store[(size_t)object * config->registers];
     uint32_t operands[3] = {operand(self, registers, in->a), operand(self, registers, in->b),
                             operand(self, registers, in->c)};
-    uint32_t flags, bits;
+    uint32_t flags = 0, bits;
     if (word->of->computes)
         fp3_operation_place(word->of, operands[0], given(r, object, word), &operands[0],
                             &operands[1]);
     switch (in->op) {
     case FP3_OP_ST:
-        record[in->d] = fp3_stored(config, registers[in->d],
-                                   &(fp3_draw){r->seed, object, r->number, in->d}, &flags);
+        record[in->d] = (int)in->d == members(r)->program.slept
+                            ? registers[in->d]
+                            : fp3_stored(config, registers[in->d],
+                                         &(fp3_draw){r->seed, object, r->number, in->d}, &flags);
         note_flags(r, object, flags);
         break;
     case FP3_OP_LD:

@@ -227,13 +227,21 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     return status;
 }
 
+/* Objects stay where they are, and which word of a record is kept whole stays the same. */
+static int is_same(const fp3_engine *engine, const fp3_layout *layout) {
+    int is = fp3_layout_is_same(&engine->layout, layout);
+    for (uint32_t i = 0; is && engine->config->storage && i < layout->count; i++)
+        is &= engine->layout.groups[i].program.slept == layout->groups[i].program.slept;
+    return is;
+}
+
 static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check) {
     fp3_layout layout = {0};
     fp3_luggage l = {0};
     fp3_status status = check_groups(engine, groups, count);
     if (!status)
         status = prepare_all(engine, groups, count, check, &layout);
-    if (!status && engine->is_touched && !fp3_layout_is_same(&engine->layout, &layout))
+    if (!status && engine->is_touched && !is_same(engine, &layout))
         status = fp3_luggage_pack(engine, &l);
     if (!status)
         status = settle(engine, &layout, &l);

@@ -1,9 +1,20 @@
 /* luggage.c - what objects and groups hold, while a load moves them to other places. */
 #include "luggage.h"
 
+#include "machine/storage.h"
 #include <stdlib.h>
 
+/* Of records of 16 bits: a word that the program before kept whole may be none of that kind now. */
+static void round_words(const fp3_engine *engine, fp3_cells cells, uint32_t *words) {
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, cells.first);
+    uint32_t flags;
+    for (size_t i = 0; i < cells.count && group->program.slept != (int)cells.number; i++)
+        words[i] = fp3_stored(engine->config, words[i], NULL, &flags);
+}
+
 static fp3_status move(fp3_engine *engine, fp3_cells cells, uint32_t *words, int is_write) {
+    if (is_write && cells.kind == FP3_CELLS_REGISTER && cells.count)
+        round_words(engine, cells, words);
     return is_write ? engine->backend->write(engine, cells, words)
                     : engine->backend->read(engine, cells, words);
 }

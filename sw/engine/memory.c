@@ -33,6 +33,9 @@ static fp3_status load_group(fp3_engine *engine, uint32_t number) {
         status = put_group(engine, number, FP3_ADDR_WINDOW_PROGRAM + 4 * i, p->code[i]);
     for (size_t i = 0; !status && i < (engine->config->interleave ? 4 : 3); i++)
         status = put_group(engine, number, shape[i].address, shape[i].data);
+    if (!status && engine->config->storage && engine->config->sleep)
+        status = put_group(engine, number, FP3_ADDR_WHOLE,
+                           p->slept < 0 ? FP3_BANK_OBJECT_COUNT : (uint32_t)p->slept);
     return status;
 }
 

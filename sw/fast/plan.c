@@ -369,8 +369,10 @@ static void mark(fp3_fast_plan *plan) {
     const int all = plan->sleeps && !plan->config->interleave;
     for (uint32_t pc = 0; pc < plan->count; pc++) {
         fp3_fast_word *p = &plan->code[pc];
-        if (p->in.op == FP3_OP_ST)
+        if (p->in.op == FP3_OP_ST) {
             p->is_one_nan &= !(mixed & bit(p->in.d));
+            p->is_rounded = plan->config->storage && (int)p->in.d != plan->slept;
+        }
         if (!is_arithmetic(&p->in) && !is_load(&p->in))
             continue;
         p->is_masked =

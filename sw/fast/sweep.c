@@ -263,15 +263,13 @@ static void store(machine *m) {
     EACH {
         const fp3_v whole = value_stored(m, j);
         const fp3_v value =
-            m->config.storage ? fp3_stored(m->config.storage, whole, draws(m, j)) : whole;
+            m->now->is_rounded ? fp3_stored(m->config.storage, whole, draws(m, j)) : whole;
         to[j] = m->is_last ? value : fp3_choose(awake[j], value, (fp3_v)to[j]);
     }
 }
 
-static int is_rounded(const machine *m) { return m->config.storage && m->now->in.op == FP3_OP_ST; }
-
 static int has_flags(const machine *m) {
-    return is_rounded(m) || fp3_operation_is_arithmetic(fp3_operation_find(m->now->in.op));
+    return m->now->is_rounded || fp3_operation_is_arithmetic(fp3_operation_find(m->now->in.op));
 }
 
 static fp3_i flags_of(machine *m, unsigned j);
@@ -285,7 +283,7 @@ static void raise(machine *m) {
 }
 
 static void execute(machine *m) {
-    if (FP3_FPU_IS_SOFT && !m->is_watched && (FP3_OF_WORDS ? is_rounded(m) : has_flags(m)))
+    if (FP3_FPU_IS_SOFT && !m->is_watched && (FP3_OF_WORDS ? m->now->is_rounded : has_flags(m)))
         raise(m);
     switch (m->now->in.op) {
     case FP3_OP_SLEEP:

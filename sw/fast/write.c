@@ -39,11 +39,11 @@ static void store(const writer *w, const fp3_fast_word *p, unsigned vector) {
     fprintf(w->to, "        q%" PRIu32 "[j + %u] = ", d, vector);
     if (is_masked)
         fprintf(w->to, "fp3_choose(awake_%u, ", vector);
-    if (w->plan->config->storage)
+    if (p->is_rounded)
         fprintf(w->to, "fp3_stored(%" PRIu32 ", ", w->plan->config->storage);
     fprintf(w->to, "%sr%" PRIu32 "_%u%s", p->is_one_nan ? "fp3_one_nan(" : "", d, vector,
             p->is_one_nan ? ")" : "");
-    if (w->plan->config->storage)
+    if (p->is_rounded)
         fprintf(w->to, ", fp3_draws(p->seed, objects[j + %u], %s, %" PRIu32 "))", vector,
                 w->part == FP3_PART_FIRST ? "before" : "number", d);
     if (is_masked)

@@ -30,6 +30,7 @@
 #define FP3_ADDR_SEED           0x0060u
 #define FP3_ADDR_FIRST          0x0064u
 #define FP3_ADDR_STRIDE         0x0068u
+#define FP3_ADDR_WHOLE          0x006cu
 
 /* Fields of registers. */
 #define FP3_ID_REVISION_HI               7

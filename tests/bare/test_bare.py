@@ -107,6 +107,7 @@ def test_a_header_has_all_that_a_host_gives(root, fp3, tmp_path):
     succeeds(fp3, "asm", root / "programs/ship_sleep.s", "-o", tmp_path / "s.fp3")
     text = succeeds(fp3, "dis", tmp_path / "s.fp3", "--header", "-")
     assert re.findall(r"#define program_asleep (\d+u)", text) == re.findall(r"#define program_state_slept (\d+u)", text) != []
+    assert int(re.search(r"\.slept = (\d+),", text)[1]) == int(re.search(r"#define program_asleep (\d+)u", text)[1]) + 1
     for name in ("step.h", "x" * 40 + ".h"):
         done = subprocess.run([fp3, "dis", tmp_path / "p.fp3", "--header", tmp_path / name], capture_output=True, text=True)
         assert (done.returncode == 2) == (name == "step.h") and (tmp_path / name).exists() == (name != "step.h"), done.stderr

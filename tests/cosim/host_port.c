@@ -22,6 +22,7 @@ typedef struct {
     const fp3_rtl_ops *ops;
     const fp3_config *config;
     uint32_t schedulers;
+    uint32_t whole; /* the word of a record that keeps all its bits, as the register of this name */
     fp3_rtl *rtl;
     chance c;
     unsigned failed;
@@ -98,7 +99,8 @@ enum {
     STORE_ONLY = 16,
     AROUND_ONLY = 32,
     COPY_ONLY = 64,
-    HALF_ONLY = 128
+    HALF_ONLY = 128,
+    WHOLE_ONLY = 256
 };
 
 static int access_to_register(const fp3_config *c, uint32_t address) {
@@ -127,6 +129,7 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_SEED, READ | WRITE | IDLE_WRITE | HALF_ONLY},
                      {FP3_ADDR_FIRST, READ | WRITE | IDLE_WRITE | HALF_ONLY},
                      {FP3_ADDR_STRIDE, READ | WRITE | IDLE_WRITE | HALF_ONLY},
+                     {FP3_ADDR_WHOLE, READ | WRITE | IDLE_WRITE | WHOLE_ONLY},
                      {FP3_ADDR_STEPS, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_STEP, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_LAST, READ | WRITE | IDLE_WRITE},
@@ -140,7 +143,8 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
             return (!(registers[i].access & STORE_ONLY) || c->interleave) &&
                            (!(registers[i].access & AROUND_ONLY) || c->neighbours) &&
                            (!(registers[i].access & COPY_ONLY) || c->exchange) &&
-                           (!(registers[i].access & HALF_ONLY) || c->storage)
+                           (!(registers[i].access & HALF_ONLY) || c->storage) &&
+                           (!(registers[i].access & WHOLE_ONLY) || (c->storage && c->sleep))
                        ? registers[i].access
                        : 0;
     return 0;
@@ -189,7 +193,14 @@ static int access_to(const bench *b, uint32_t address) {
 
 /* A legal value for every register that can be written, and no command. */
 static uint32_t harmless(uint32_t address) {
-    return (address & 0xffffff) == FP3_ADDR_RECORD ? 3 : 0;
+    switch (address & 0xffffff) {
+    case FP3_ADDR_RECORD:
+        return 3;
+    case FP3_ADDR_WHOLE:
+        return FP3_BANK_OBJECT_COUNT;
+    default:
+        return 0;
+    }
 }
 
 static void probe(bench *b, uint32_t address, int is_running) {
@@ -234,18 +245,26 @@ static void sweep(bench *b, int is_running) {
 
 /* ---- memories ---- */
 
+/* Records have 8 words. */
+static int is_whole(const bench *b, uint32_t address) {
+    return (address >> FP3_ADDRESS_WORD_LO & 7) == b->whole;
+}
+
 /* What is read where this word was written: a record of 16 bits has it rounded to nearest. */
 static uint32_t kept(const bench *b, uint32_t address, uint32_t word) {
     const uint32_t space = address >> FP3_ADDRESS_SPACE_LO & 3;
     uint32_t flags;
-    return space == FP3_SPACE_OBJECTS ? fp3_stored(b->config, word, NULL, &flags) : word;
+    return space == FP3_SPACE_OBJECTS && !is_whole(b, address)
+               ? fp3_stored(b->config, word, NULL, &flags)
+               : word;
 }
 
 /* Fills what can be read with marks, and looks for them. Records of 16 bits get numbers that they tell apart. */
 static uint32_t mark(const bench *b, uint32_t address) {
     const uint32_t word = address * 0x9e3779b9u ^ 0x5a5a5a5au;
-    const int is_half =
-        b->config->storage && (address >> FP3_ADDRESS_SPACE_LO & 3) == FP3_SPACE_OBJECTS;
+    const int is_half = b->config->storage &&
+                        (address >> FP3_ADDRESS_SPACE_LO & 3) == FP3_SPACE_OBJECTS &&
+                        !is_whole(b, address);
     return is_half ? (word & 0x87ffffffu) | 0x38000000u : word;
 }
 
@@ -271,6 +290,18 @@ static void memories_keep_words_apart(bench *b) {
                 if (word % c->store_words < c->store_words / 8)
                     put_or_want(b, is_check, in_space(scheduler, FP3_SPACE_STATUS, word));
         }
+}
+
+/* An integer of each record of 16 bits, whichever word it is. */
+static void one_word_is_whole(bench *b) {
+    if (!b->config->storage || !b->config->sleep)
+        return;
+    for (b->whole = 0; b->whole < 8; b->whole += 5) {
+        for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++)
+            must(b, "a whole word", of_scheduler(scheduler, FP3_ADDR_WHOLE), b->whole);
+        memories_keep_words_apart(b);
+    }
+    b->whole -= 5;
 }
 
 /* ---- many at once ---- */
@@ -618,7 +649,7 @@ static void what_is_left_out_is_illegal(bench *b) {
 }
 
 static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *ops, bench *b) {
-    bench quick = {.ops = ops, .config = config, .c = {.state = 2}};
+    bench quick = {.ops = ops, .config = config, .whole = FP3_BANK_OBJECT_COUNT, .c = {.state = 2}};
     quick.schedulers = fp3_config_schedulers(config);
     quick.rtl = ops->open(&(fp3_rtl_watch){0}, 0);
     if (!quick.rtl) {
@@ -636,12 +667,14 @@ static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *
 static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t *transfers) {
     bench b = {.ops = ops, .config = config, .c = {.state = 1}};
     b.schedulers = fp3_config_schedulers(b.config);
+    b.whole = FP3_BANK_OBJECT_COUNT;
     b.rtl = ops->open(&(fp3_rtl_watch){0}, 1);
     if (!b.rtl)
         return 1;
     counters_are_0_before_the_first_run(&b);
     sweep(&b, 0);
     memories_keep_words_apart(&b);
+    one_word_is_whole(&b);
     many_are_answered_in_order(&b, 100);
     all_units_are_one(&b);
     lists_count_their_objects(&b);

@@ -172,10 +172,11 @@ static void set_constants(bench *b, chance *c) {
 
 /* Who sleeps at first: mostly nobody. */
 static void set_objects(bench *b, chance *c, uint32_t words) {
-    const int is_mixed = below(c, 4) == 0;
+    const int is_mixed = below(c, 4) == 0,
+              slept = fp3_engine_layout(b->engine[0])->groups[0].program.slept;
     for (uint32_t object = 0; object < b->objects && !b->wrong; object++)
         for (uint32_t reg = 0; reg < words && !b->wrong; reg++) {
-            const int is_slept = (int)reg == b->s.slept;
+            const int is_slept = (int)reg == slept;
             set(b, object, reg,
                 !is_slept                 ? object_value(c, b->config)
                 : is_mixed && below(c, 2) ? value(c)
@@ -653,9 +654,9 @@ static uint32_t how_many(chance *c, const fp3_config *config) {
 }
 
 /* Whether its records could have 16 bits. */
-static int has_numbers_alone(const fp3_config *config) {
-    return config->interleave && !config->sleep && !config->neighbours && !config->dual &&
-           !config->logarithmic && !config->finite;
+static int may_halve(const fp3_config *config) {
+    return config->interleave && !config->neighbours && !config->dual && !config->logarithmic &&
+           !config->finite;
 }
 
 /* Both engines compute as another configuration would. */
@@ -669,7 +670,7 @@ static void vary(bench *b, chance *c) {
             config->nearest = config->subnormal = 1;
         config->finite = !config->nearest && !config->subnormal && !config->fused && below(&own, 4);
         config->flags = config->status || below(&own, 2);
-        config->storage = has_numbers_alone(config) ? below(&own, 3) : 0;
+        config->storage = may_halve(config) ? below(&own, 3) : 0;
         if (!config->finite && !config->logarithmic && !config->dual && !config->mixed &&
             below(&own, 4) == 0)
             config->fraction = 7 + below(&own, 17);

@@ -41,6 +41,20 @@ class Bundle:
         return {field: word >> at & mask for field, at, mask in self.fields}
 
 
+def settings(dut, **values):
+    """The bundle SETTINGS: those that are not named are 0. The first is in the lowest bits."""
+    word, at, text = 0, 0, (RTL / "gen/settings.vh").read_text()
+    for bits, name in re.findall(r"wire \[(.+)-1:0\] setting_(\w+);", text):
+        bits = re.sub(r"[A-Z_]+", lambda parameter: str(int(getattr(dut, parameter[0]).value)), re.sub(r"\d+'d|\$", "", bits))
+        width, value = eval(bits, {"clog2": lambda n: (n - 1).bit_length()}), values.pop(name, 0)
+        assert 0 <= value < 1 << width, f"{name} is {value}"
+        word |= value << at
+        at += width
+    assert not values, f"no setting {', '.join(values)}"
+    assert at == len(dut.settings_i)
+    return word
+
+
 def seen(port):
     """A port's value; bits that are not known are 0, so that fields beside them can be read."""
     return int(port.value.binstr.replace("x", "0").replace("z", "0"), 2)

@@ -6,7 +6,7 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from bundles import Bundle, seen
+from bundles import Bundle, seen, settings
 
 OBJECT, EVERY = 0, 6                                       # host/lane_host.vh
 ALL, LANE = 31, 20                                         # of a word of the list
@@ -20,12 +20,6 @@ class Bench:
         self.way = parameter("TIMING_END") + 1 + parameter("GROUPS")
         self.reach, self.around, self.access = (Bundle(dut, name) for name in ("REACH", "AROUND", "ACCESS"))
         self.record, self.published, self.half, self.list = 0, 0, 0, []
-
-    def settings(self, copies):
-        """gen/settings.vh: record, steps, three indices, visit, clock, published words, half, copies, what draws need, the first in the low bits."""
-        index = (len(self.dut.settings_i) - 2 - 9 * 32 - 1) // 3
-        at = 2 + 32 + 3 * index + 64
-        return self.record | self.published << at | copies << at + 65
 
     async def start(self):
         dut = self.dut
@@ -48,7 +42,7 @@ class Bench:
             dut.write_i.value, dut.write_addr_i.value, dut.write_value_i.value = 1, at, to_all << ALL | lane << LANE | row
             await RisingEdge(dut.clk_i)
         dut.write_i.value = 0
-        dut.settings_i.value, dut.half_i.value = self.settings(2 * copies), self.half
+        dut.settings_i.value, dut.half_i.value = settings(dut, record=self.record, published=self.published & 0xffffffff, published_more=self.published >> 32, copies=2 * copies), self.half
         for _ in range(3):
             await RisingEdge(dut.clk_i)
 

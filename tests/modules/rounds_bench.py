@@ -6,14 +6,10 @@ import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
+from bundles import settings
+
 WORD = 1 << 32
 HIGH = 0x10000
-
-
-def settings(dut, steps, visit, clock):
-    """The bundle of rtl/gen/settings.vh: record, steps, step, last, size, visit, clock, what neighbours and draws need, the first in the low bits."""
-    index = (len(dut.settings_i) - 2 - 9 * 32 - 1) // 3
-    return steps << 2 | visit << 34 + 3 * index | clock << 66 + 3 * index
 
 
 class Run:
@@ -84,7 +80,7 @@ async def run(dut, chance, steps, visit, clock, stop_at=None, illegal_at=None, p
     """To its end; returns the number of rounds. Hangs are seen."""
     settle = int(dut.SETTLE.value)
     this = Run(dut, chance, steps, visit, clock, phases)
-    dut.settings_i.value, dut.start_i.value = settings(dut, steps, visit, clock), 1
+    dut.settings_i.value, dut.start_i.value = settings(dut, steps=steps, visit=visit, clock=clock), 1
     this.inputs()
     await RisingEdge(dut.clk_i)
     dut.start_i.value = 0
