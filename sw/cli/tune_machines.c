@@ -121,8 +121,8 @@ static void print_row(const fp3_tune_machine *machine) {
     if (machine->tuning)
         printf("%-16s %9.2e ", machine->config, error_of(machine));
     if (!machine->tuning)
-        printf("%-16s %9s %12s %7d %8.2f %12s  cannot run the model: %s\n", machine->config, "-",
-               "-", machine->hardware->luts, machine->hardware->mhz, "-", machine->why.text);
+        printf("%-16s %9s %12s %7d %8.2f %12s  left out: %s\n", machine->config, "-", "-",
+               machine->hardware->luts, machine->hardware->mhz, "-", machine->why.text);
     else if (!isfinite(machine->cost))
         printf("%12s %7d %8.2f %12s  %s\n", "-", machine->hardware->luts, machine->hardware->mhz,
                "-", "misses the tolerance");

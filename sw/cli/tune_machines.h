@@ -12,7 +12,7 @@
 typedef struct {
     const char *config;
     const fp3_placed *hardware; /* NULL: not known; only if it is the one machine */
-    fp3_tuning *tuning;         /* NULL: it cannot run the model ... */
+    fp3_tuning *tuning;         /* NULL: it is left out ... */
     fp3_error why;              /* ... and this is why */
     double cost; /* LUT ns of an object over the span; infinite: the tolerance is not met */
 } fp3_tune_machine;
@@ -26,7 +26,7 @@ typedef struct {
  * the first one, or a figure of it is not known. */
 fp3_status fp3_tune_machines_find(fp3_tune_machines *machines, const char *config,
                                   const char *const *asked, size_t count, fp3_error *error);
-/* Tunes for each; def->config becomes that of the best. One that cannot run the model is left out, unless it is the first. */
+/* Tunes for each; def->config becomes that of the best. One that cannot run the model, or keep the tolerance by its bits, is left out, unless it is the first. */
 fp3_status fp3_tune_machines_tune(fp3_tune_machines *machines, fp3_tune_def *def, fp3_error *error);
 void fp3_tune_machines_free(fp3_tune_machines *machines);
 

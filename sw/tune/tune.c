@@ -4,6 +4,7 @@
 
 #include "base/host.h"
 #include "machine/format.h"
+#include "machine/storage.h"
 #include "scene/values.h"
 
 #include <fp3/compile.h>
@@ -55,6 +56,14 @@ static fp3_status check_machine(const fp3_tune_def *def, fp3_error *error) {
                         "configuration '%s' has several schedulers: expected one with one, whose "
                         "cycles for an object are known beforehand",
                         config->name);
+    /* Of records of 16 bits the last store rounds. */
+    const double bits = fmin(config->fraction + 1, log2(fp3_storage_counts(config))),
+                 unit = exp2(-bits), least = FP3_TUNE_LEAST * unit * 0x1p24;
+    if (def->tolerance < least)
+        return fp3_fail(error, least > FP3_TUNE_LEAST ? FP3_E_PROGRAM : FP3_E_ARGUMENT,
+                        "the tolerance is %g: expected one from %.2g, as configuration '%s' "
+                        "rounds by %.1g",
+                        def->tolerance, least, config->name, unit);
     return FP3_OK;
 }
 
@@ -76,11 +85,9 @@ static fp3_status check(const tuner *k) {
     if (fp3_model_adapted(k->model) != FP3_NONE)
         return fp3_fail(k->error, FP3_E_ARGUMENT,
                         "expected a model with fixed steps: the tuner adapts it itself");
-    if (!(def->tolerance >= FP3_TUNE_LEAST && def->tolerance < 1))
+    if (!(def->tolerance > 0 && def->tolerance < 1))
         return fp3_fail(k->error, FP3_E_ARGUMENT,
-                        "the tolerance is %g: expected one from %g (FP32 itself rounds by 6e-8) "
-                        "to below 1",
-                        def->tolerance, FP3_TUNE_LEAST);
+                        "the tolerance is %g: expected one above 0 and below 1", def->tolerance);
     if (!(def->safety >= 1 && isfinite(def->safety)) || !def->sample || !def->held_out ||
         !def->rounds)
         return fp3_fail(k->error, FP3_E_ARGUMENT, "expected a safety of at least 1, and objects");

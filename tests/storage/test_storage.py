@@ -146,6 +146,17 @@ LATE = ".state slept t\n.shared limit\n.temp left\nstep:\nadd t, t, 1.0\nsub lef
 
 
 @pytest.mark.smoke
+def test_adaptive_steps_are_refused(run, fp3, tmp_path):
+    """By the compiler, and by an engine that gets such a program ready-made."""
+    (tmp_path / "m.ode").write_text("state x = 1\nx' = -x\nstep 0.125\nspan 1\n")
+    said = run(tmp_path / "m.ode", "--tolerance", "1e-3", status=2)
+    assert "adaptive steps keep their time in the object's record: those of configuration 'many_half' have 16 bits" in said
+    subprocess.run([fp3, "compile", tmp_path / "m.ode", "--tolerance", "1e-3", "-c", "many_full", "-o", tmp_path / "m.s"], check=True, timeout=300)
+    said = run(tmp_path / "m.s", "-n", 10, status=2)
+    assert "the program chooses its steps: configuration 'many_half' keeps records in binary16, which is too coarse for times" in said
+
+
+@pytest.mark.smoke
 @pytest.mark.parametrize("visit", [1, 7])
 def test_objects_sleep_and_draw_alike(run, visit):
     """They fall asleep one by one, so that each lane's list is in an order of its own; what they draw is of the object all the same."""

@@ -35,8 +35,7 @@ def test_the_cheapest_arithmetic_is_chosen(tune, fp3, root, tmp_path):
     done, found = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2", "--arithmetic", "all", "--output", "m.scene", "--objects", "50")
     rows, of = {row["config"]: row for row in found["arithmetics"]}, known(root)
     assert done.returncode == 0 and rows.keys() >= {"many_full", "flush", "cell", "bfloat", "middle", "log"}
-    assert {name for name, row in rows.items() if not row["met"]} == {"bfloat"} and re.search(r"^bfloat .* misses the tolerance$", done.stdout, re.M)
-    assert rows["bfloat"]["error"] > 2 ** -9 > 1e-4
+    assert {name for name, row in rows.items() if not row["met"]} == {"bfloat"} and re.search(r"^bfloat .* left out: .*rounds by 0.004$", done.stdout, re.M)
     rows.pop("bfloat")
     for name, row in rows.items():
         assert (row["lut4"], row["mhz"]) == of[name] and row["error"] <= 1e-4
@@ -68,10 +67,26 @@ def test_a_configuration_that_cannot_run_the_model_is_told_and_left_out(tune, tm
     assert done.returncode == 0 and {name for name, row in rows.items() if row["met"]} == {"many_full", "flush"} and not rows["flush"]["why"]
     for config, why in (("cell", "truncates"), ("bfloat", "numbers of 24 bits"), ("log", "needs `round`")):
         assert why in rows[config]["why"] and rows[config]["lut_ns"] is rows[config]["error"] is None
-        assert re.search(rf"^{config} .* cannot run the model: .*{why}", done.stdout, re.M)
+        assert re.search(rf"^{config} .* left out: .*{why}", done.stdout, re.M)
     for config in ("bfloat", "log"):
         done, found = tune("sine.ode", "--tolerance", "1e-2", "-c", config, "--arithmetic", "flush")
         assert done.returncode == 2 and "sin(x)" in done.stderr
+
+
+@pytest.mark.parametrize("config, least", [("many_full", 1e-7), ("middle", 2.6e-5), ("many_half", 8.2e-4), ("bfloat", 6.6e-3)])
+def test_what_numbers_are_too_short_for_is_refused(tune, config, least):
+    """Instead of a search that cannot end well. At the limit the search begins."""
+    done, found = tune("m.ode", "--tolerance", str(least * 0.9), "-c", config)
+    assert done.returncode == 2 and f"expected one from {least:.2g}, as configuration '{config}' rounds by" in done.stderr and found is None
+    assert tune("m.ode", "--tolerance", str(least * 1.1), "-c", config)[0].returncode in (0, 3)
+
+
+def test_some_of_several_miss_the_tolerance(tune):
+    """Near the limit of FP32 logarithms, which have no compensation, do not come as far as a sum of floats."""
+    done, found = tune("m.ode", "--tolerance", "1.05e-7", "--spread", "k=0.5:2", "--arithmetic", "log", "--arithmetic", "flush")
+    rows = {row["config"]: row for row in found["arithmetics"]}
+    assert done.returncode == 0 and not rows["log"]["met"] and rows["flush"]["met"] and rows["log"]["error"] > 1.05e-7
+    assert re.search(r"^log .* misses the tolerance$", done.stdout, re.M)
 
 
 def test_a_unit_in_the_last_place_is_that_of_the_configuration(tune):

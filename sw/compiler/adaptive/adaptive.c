@@ -196,6 +196,11 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
         return fp3_fail(error, FP3_E_PROGRAM,
                         "adaptive steps need `sleep`, which configuration '%s' does not have",
                         config->name);
+    if (config->storage)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "adaptive steps keep their time in the object's record: those of "
+                        "configuration '%s' have 16 bits, which are too coarse",
+                        config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     const fp3_status status = fp3_switchings_find(a->step->model, &a->switchings, error);

@@ -35,7 +35,8 @@ FP3_API_BEGIN
  * and the last one does. After the last step the truth is that of the end of the span. Around an
  * event the object may be on the other side of it: docs/tuner.md. */
 #define FP3_TUNE_LOOKS 1024
-#define FP3_TUNE_LEAST 1e-7 /* the smallest tolerance: FP32 itself rounds by 6e-8 */
+#define FP3_TUNE_LEAST                                                                             \
+    1e-7 /* the smallest tolerance: FP32 itself rounds by 6e-8. With fewer bits it is larger by as much */
 
 typedef void fp3_tune_say_fn(void *user, const char *what);
 
@@ -103,7 +104,7 @@ typedef struct {
 } fp3_tuning;
 
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
- * meets the tolerance: see is_met. FP3_E_ARGUMENT: the tolerance is below FP3_TUNE_LEAST or not
+ * meets the tolerance: see is_met. FP3_E_PROGRAM: the tolerance is below what words of fewer bits can keep. FP3_E_ARGUMENT: it is below FP3_TUNE_LEAST, or not
  * below 1; the span is not above 0, or shorter than the model's step; the cycles of the configuration
  * cannot be predicted; the program is not a model, or has adaptive steps. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
