@@ -80,8 +80,8 @@ module fp3_single_fused (
         .FRACTION        (23),
         .ADD_LATENCY     (2),
         .MUL_LATENCY     (2),
-        .ADD_CUTS        (7'h04),
-        .MUL_CUTS        (7'h04)
+        .ADD_CUTS        (7'h10),
+        .MUL_CUTS        (7'h08)
     ) u_fp3 (
         .s_axi_aclk        (s_axi_aclk),
         .s_axi_aresetn     (s_axi_aresetn),

@@ -29,11 +29,8 @@ module solo_fused #(
     assign `OPERANDS = operands_i;
     wire unused = operands_twice | operands_half;          // for many objects
 
-    wire        subtract;
-    wire [31:0] z;
-    delay #(.W(33), .N(PRODUCT_LATENCY)) u_z (.clk_i(clk_i), .rst_i(1'b0), .d_i({operands_subtract, operands_z}), .q_o({subtract, z}));
-    fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(subtract),
-        .z_i(z), .x_i(operands_x), .y_i(operands_y), .result_o(sum_o));
+    fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(operands_subtract),
+        .z_i(operands_z), .x_i(operands_x), .y_i(operands_y), .result_o(sum_o));
 
     // What fp_value makes, as the sum of it and -0 would be: a NaN is the quiet one, and invalid if it was signalling; a number
     // has the fraction's bits, and may be flushed. fp_value is a cycle early, for the register in the multiplier.
