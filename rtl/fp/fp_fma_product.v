@@ -21,6 +21,8 @@ module fp_fma_product #(
     input  wire [EXP+FRAC:0]   x_i, y_i,
     output wire [2*FRAC+1:0]   p_o,
     output wire [PLACE-1:0]    place_o,
+    input  wire [PLACE-1:0]    e_z_i,      // of an addend, beside x_i and y_i
+    output wire [PLACE-1:0]    distance_o, // place_o - e_z_i, where AHEAD
     output wire                sign_o,
     output wire                zero_o,
     output wire                inf_o,
@@ -50,8 +52,17 @@ module fp_fma_product #(
     wire [4:0] kind = {sign_0, x_zero || y_zero, x_top || y_top, x_nan || y_nan || clash,
                         (x_nan && !x_quiet_0) || (y_nan && !y_quiet_0) || clash};
     // A subnormal number has the exponent of the smallest normal one.
-    wire [PLACE-1:0] sum = {{PLACE-EXP{1'b0}}, ex_0[EXP-1:1], ex_0[0] || x_low}
-                         + {{PLACE-EXP{1'b0}}, ey_0[EXP-1:1], ey_0[0] || y_low};
+    wire [PLACE-1:0] e_x = {{PLACE-EXP{1'b0}}, ex_0[EXP-1:1], ex_0[0] || x_low};
+    wire [PLACE-1:0] e_y = {{PLACE-EXP{1'b0}}, ey_0[EXP-1:1], ey_0[0] || y_low};
+    wire [PLACE-1:0] sum = e_x + e_y;
+    generate
+        if (AHEAD != 0) begin : g_distance                 // one sum of four, which is earlier than one of two after the other
+            assign distance_o = e_x + (SHIFT[PLACE-1:0] - e_z_i) + e_y;
+        end else begin : g_no_distance
+            wire unused = &e_z_i;
+            assign distance_o = {PLACE{1'b0}};
+        end
+    endgenerate
     wire [PLACE-1:0] sum_1;
     wire [4:0]       kind_1;
     cut #(.W(PLACE+5), .ON(BESIDE[1])) u_1 (.clk_i(clk_i), .d_i({sum, kind}), .q_o({sum_1, kind_1}));

@@ -81,7 +81,7 @@ module fp3_single_fused (
         .ADD_LATENCY     (2),
         .MUL_LATENCY     (2),
         .ADD_CUTS        (7'h10),
-        .MUL_CUTS        (7'h08)
+        .MUL_CUTS        (7'h04)
     ) u_fp3 (
         .s_axi_aclk        (s_axi_aclk),
         .s_axi_aresetn     (s_axi_aresetn),
