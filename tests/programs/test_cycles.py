@@ -66,3 +66,17 @@ def test_a_stall_has_its_cause(fp3, tmp_path, config, source, causes):
     per_step = {key.removeprefix("stall_"): (int(out[11][key]) - int(out[1][key])) / 10
                 for key in out[1] if key.startswith("stall_")}
     assert {key: count for key, count in per_step.items() if count} == causes
+
+
+def test_a_product_and_its_sum_take_less_when_they_are_rounded_once(fp3, root, tmp_path):
+    """The compiled ship, its steps on the hardware as predicted."""
+    cycles = {}
+    for config in ("single_full", "single_fused"):
+        model = ("programs/ship.ode", "-i", "rk4", "-c", config)
+        report = subprocess.run([fp3, "compile", *model, "--report"], cwd=root, check=True, capture_output=True, text=True).stdout
+        runs = [subprocess.run([fp3, "run", *model, "-e", "rtl", "-n", str(n)], cwd=root, check=True, capture_output=True, text=True).stdout
+                for n in (10, 110)]
+        first, last = (int(re.search(r"^cycles +(\d+)$", out, re.M)[1]) for out in runs)
+        cycles[config] = (last - first) / 100
+        assert cycles[config] == float(re.search(r"cycles per object-step +([\d.]+)", report)[1])
+    assert cycles["single_fused"] <= 0.9 * cycles["single_full"]

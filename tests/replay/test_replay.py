@@ -307,7 +307,7 @@ MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY
 
 @pytest.mark.parametrize("parameters, rule", [
     (["REGISTERS=24"], "REGISTERS_must_be"), (["PROGRAM_WORDS=16384"], "PROGRAM_WORDS_must_be"),
-    (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"),
+    (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"), (["FUSED=1", "CHAIN=0", "ROUND=1"], "FUSED_for_one_object_with"), (["FUSED=1"], "FUSED_excludes_CHAIN"),
     ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
     (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
     ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "needs_INTERLEAVE"),
