@@ -307,7 +307,7 @@ def cut(yosys, files, fmt, operation, mask):
         design = core(yosys, files, name, fmt, cuts)
         if cuts:
             check_depth(yosys.map(design, name, flatten=True), cuts)
-        if operation != "add":
+        if operation in ("mul", "fma", "fma early"):
             product.prove(*take_out(design, name, "fp_mul_product"))
         netlist = yosys.map(design, name)
         inputs = {port: g.word(port, len(lits)) for port, lits in netlist.inputs.items() if port != "clk_i"}

@@ -49,6 +49,15 @@ def test_icarus_agrees_with_verilator(root, fp3, icarus, tmp_path, program, conf
     assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
 
 
+def test_icarus_agrees_on_a_multiply_add_that_is_rounded_once(root, fp3, icarus, tmp_path):
+    """And on products and values, which end beside it: a compiled model, for one object."""
+    session = tmp_path / "x.session"
+    done = start(fp3, "run", "programs/projectile.ode", "-i", "rk4", "-c", "single_fused", "-n", 20, "--bus-log", session, cwd=root)
+    assert done.returncode == 0, done.stderr
+    done = replay(root, icarus("single_fused"), session)
+    assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
+
+
 @pytest.mark.parametrize("kind, column", [("r", 2), ("h", 1), ("h", 2)])
 def test_a_wrong_answer_fails(root, fp3, icarus, tmp_path, kind, column):
     """One digit of one recorded answer is changed: the bench must see it."""
