@@ -85,7 +85,7 @@ def draw(rng):
     if row["interleave"] and row.get("schedulers") == 1 and kind < 0.2:
         return dual(chance, row)
     row |= {"fraction": fraction}
-    return row | {"fused": 1, "chain": 0, "scale": 0} if row["interleave"] and row.get("schedulers") == 1 and kind > 0.8 else row
+    return row | {"fused": 1, "chain": 0, "scale": 0} if row.get("schedulers", 1) == 1 and kind > 0.8 else row
 
 
 def dual(rng, row):

@@ -44,6 +44,9 @@ module config_rules #(
         if (FUSED != 0 && SCHEDULERS != 1) begin : g_fused_shape
             FUSED_needs_one_SCHEDULER u_error ();
         end
+        if (FUSED != 0 && INTERLEAVE == 0 && VALUES != 0 && MUL_LATENCY < 2) begin : g_fused_value
+            FUSED_for_one_object_with_SELECT_ESTIMATE_or_ROUND_needs_MUL_LATENCY_of_2 u_error ();
+        end
         if (ADD_SPARE < 1) begin : g_add_latency
             ADD_LATENCY_must_be_more_than_the_cuts u_error ();
         end

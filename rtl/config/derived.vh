@@ -41,6 +41,8 @@ parameter integer ADD_SPARE = ADD_LATENCY -
 parameter integer MUL_SPARE = MUL_LATENCY -
     ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
      + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
+// With FUSED, from x and y to their exact product, where z comes.
+parameter integer PRODUCT_LATENCY = MUL_LATENCY - (INTERLEAVE == 0 ? TIMING_SOLO_FUSED : 0),
 // Where contexts take turns, from operands to result; and as if all operands were read as soon as a sum's scaled one.
 parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
                                : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),

@@ -10,7 +10,8 @@
 //           end is always that of z or more, and a subnormal result needs no shift to the right.
 //           The sum may be negative: it is normalised as it is, and negated where it is rounded.
 // Latency   x and y: popcount(CUTS) + WAIT cycles, one operation per cycle. z_i and subtract_i come as much later as
-//           the product takes: popcount(CUTS[3:0]) + WAIT cycles. CUTS = 0, WAIT = 0 is a function.
+//           the product takes: popcount(CUTS[3:0]) + WAIT cycles. With Z_EARLY they come with x and y, and z is shifted beside
+//           the multiplication, so that this takes no time behind it. CUTS = 0, WAIT = 0 is a function.
 //           Places: 0 operands, 1 partial products, 2 first sums, 3 product, 4 distance, 5 z shifted, 6 added, 7 zeros
 //           in front counted by sixteens, 8 shifted by them, 9 normalised, 10 rounded.
 // Result    As of fp_add and fp_mul: every NaN result is the quiet NaN with sign 0 and only the top fraction bit;
@@ -28,7 +29,8 @@ module fp_fma #(
     parameter        SUBNORMAL = 1,     // 1: gradual underflow, 0: flush to zero
     parameter        NEAREST   = 1,     // 1: to nearest, ties to even, 0: toward zero
     parameter [10:0] CUTS      = 0,
-    parameter        WAIT      = 0      // more registers behind the product
+    parameter        WAIT      = 0,     // more registers behind the product
+    parameter        Z_EARLY   = 0      // 1: no_product_i has no effect
 ) (
     input  wire              clk_i,
     input  wire [EXP+FRAC:0] x_i, y_i,
@@ -52,14 +54,19 @@ module fp_fma #(
 
     // The product, and the registers behind it. The last of them is where another one may take its place.
     wire [2*P-1:0]   p, p_3;
-    wire [PLACE-1:0] place, place_3;
+    wire [PLACE-1:0] place, place_3, distance_early;
+    wire [PLACE-1:0] e_z = {{PLACE-EXP{1'b0}}, z_i[FRAC +: EXP]};
     wire [4:0]       kind, kind_3;
-    fp_fma_product #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .PLACE(PLACE), .CUTS(CUTS[3:0])) u_product (.clk_i(clk_i),
-        .x_i(x_i), .y_i(y_i), .p_o(p), .place_o(place), .sign_o(kind[4]), .zero_o(kind[3]), .inf_o(kind[2]),
+    fp_fma_product #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .PLACE(PLACE), .AHEAD(Z_EARLY), .CUTS(CUTS[3:0])) u_product (.clk_i(clk_i),
+        .x_i(x_i), .y_i(y_i), .e_z_i(e_z), .p_o(p), .place_o(place), .distance_o(distance_early), .sign_o(kind[4]), .zero_o(kind[3]), .inf_o(kind[2]),
         .nan_o(kind[1]), .invalid_o(kind[0]));
     localparam [4:0] MINUS_ZERO = 5'b11000;
     generate
-        if (WAIT == 0) begin : g_at_once
+        if (Z_EARLY != 0) begin : g_early
+            wire unused = &{no_product_i};
+            delay #(.W(2*P), .N(WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(p), .q_o(p_3));
+            assign {place_3, kind_3} = {place, kind};
+        end else if (WAIT == 0) begin : g_at_once
             assign p_3     = p & {2*P{!no_product_i}};
             assign place_3 = place;
             assign kind_3 = no_product_i ? MINUS_ZERO : kind;
@@ -97,8 +104,7 @@ module fp_fma #(
 
     // A subnormal z counts as twice as large, with the exponent 0: so the distance waits for no comparison.
     wire [P-1:0]     sig      = z_normal ? {1'b1, fz} : {fz, 1'b0};
-    wire [PLACE-1:0] e_z      = {{PLACE-EXP{1'b0}}, ez};
-    wire [PLACE-1:0] distance = place_3 - e_z;
+    wire [PLACE-1:0] distance = Z_EARLY != 0 ? distance_early : place_3 - e_z;
     wire             stays    = px_zero || distance[PLACE-1];
     wire             beyond   = |distance[PLACE-2:7];
     wire [6:0]       n        = (distance[6:0] | {7{beyond}}) & {7{!stays}};
@@ -112,13 +118,19 @@ module fp_fma #(
         .d_i({sig, p_3, n, stays ? e_z : place_3, minus, z_sign, z_inf ? z_sign : px_sign ^ subtract_i, inf, nan, invalid}),
         .q_o({sig_4, p_4, n_4, e_4, what_4}));
 
+    // With Z_EARLY all but the product waits for it here.
+    localparam BESIDE = Z_EARLY == 0 ? 0 : WAIT + {31'd0, CUTS[0]} + {31'd0, CUTS[1]} + {31'd0, CUTS[2]} + {31'd0, CUTS[3]};
+    wire [PLACE-1:0] e_late;
+    wire [5:0]       what_late;
+    delay #(.W(PLACE+6), .N(BESIDE)) u_beside (.clk_i(clk_i), .rst_i(1'b0), .d_i({e_4, what_4}), .q_o({e_late, what_late}));
+
     wire [W-2:0]     z_5;
     wire [2*P-1:0]   p_5;
     wire [PLACE-1:0] e_5;
     wire             lost_5, lost_6, lost_7, lost_8, lost_9;
-    fp_fma_align #(.P(P), .W(W-1), .CUTS(CUTS[5])) u_align (.clk_i(clk_i), .z_i(sig_4), .n_i(n_4), .d_o(z_5), .lost_o(lost_5));
+    fp_fma_align #(.P(P), .W(W-1), .WAIT(BESIDE), .CUTS(CUTS[5])) u_align (.clk_i(clk_i), .z_i(sig_4), .n_i(n_4), .d_o(z_5), .lost_o(lost_5));
     cut #(.W(2*P+PLACE+6), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
-        .d_i({p_4 ^ {2*P{what_4[5]}}, e_4, what_4}), .q_o({p_5, e_5, what_5}));
+        .d_i({p_4 ^ {2*P{what_late[5]}}, e_late, what_late}), .q_o({p_5, e_5, what_5}));
 
     // z, plus or minus the product. What is lost of z is above what the sum has.
     wire [W-3:0] sum;
@@ -134,7 +146,7 @@ module fp_fma #(
     wire             more_9, negative_9;
     wire [PLACE-1:0] e_9;
     wire [3:0]       n_9;
-    fp_fma_normalize #(.W(W), .K(P+2), .PLACE(PLACE), .CUTS(CUTS[9:7])) u_normalize (.clk_i(clk_i), .s_i(s_6),
+    fp_fma_normalize #(.W(W), .K(P+2), .PLACE(PLACE), .LATE(Z_EARLY), .CUTS(CUTS[9:7])) u_normalize (.clk_i(clk_i), .s_i(s_6),
         .negative_i(what_6[5] && s_6[W-1]), .limit_i(e_6), .d_o(d_9), .more_o(more_9), .negative_o(negative_9), .limit_o(e_9), .n_o(n_9));
     cut #(.W(7), .ON(CUTS[7])) u_7 (.clk_i(clk_i), .d_i({lost_6, what_6}), .q_o({lost_7, what_7}));
     cut #(.W(7), .ON(CUTS[8])) u_8 (.clk_i(clk_i), .d_i({lost_7, what_7}), .q_o({lost_8, what_8}));

@@ -12,6 +12,7 @@ module fp_fma_normalize #(
     parameter       W     = 77,        // bits of the sum
     parameter       K     = 26,        // bits kept: a significand and two more
     parameter       PLACE = 10,        // bits of the exponent, at least 8
+    parameter       LATE  = 0,         // 1: fours are counted behind place 1
     parameter [2:0] CUTS  = 0
 ) (
     input  wire             clk_i,
@@ -76,17 +77,29 @@ module fp_fma_normalize #(
     wire             tight = last_1[a_1];
     wire [G-1:0]     flat4 = flat_1 >> {a_1, 2'd0};
     wire             unused = &{pass[7], moved, s, flat4, room};
-    wire pass4_1 = flat4[0] && (!tight || limit_1[3:2] != 2'd0);
-    wire pass4_2 = pass4_1 && flat4[1] && (!tight || limit_1[3]);
-    wire pass4_3 = pass4_2 && flat4[2] && (!tight || limit_1[3:2] == 2'd3);
-    wire [1:0] b = {pass4_2, pass4_3 || (pass4_1 && !pass4_2)};
 
     wire [A-1:0]     d_2;
     wire [PLACE-1:0] left_2;
-    wire [1:0]       b_2;
     wire             below_2, negative_2, tight_2;
-    cut #(.W(A+PLACE+5), .ON(CUTS[1])) u_sixteens (.clk_i(clk_i),
-        .d_i({sixteens, left, b, below_1[a_1], negative_1, tight}), .q_o({d_2, left_2, b_2, below_2, negative_2, tight_2}));
+    cut #(.W(A+PLACE+3), .ON(CUTS[1])) u_sixteens (.clk_i(clk_i),
+        .d_i({sixteens, left, below_1[a_1], negative_1, tight}), .q_o({d_2, left_2, below_2, negative_2, tight_2}));
+
+    wire [2:0] known;
+    wire [1:0] limit, b, b_2;
+    wire       known_tight;
+    generate
+        if (LATE != 0) begin : g_late
+            cut #(.W(3), .ON(CUTS[1])) u_flat (.clk_i(clk_i), .d_i(flat4[2:0]), .q_o(known));
+            assign {limit, known_tight, b_2} = {left_2[3:2], tight_2, b};
+        end else begin : g_early
+            assign {known, limit, known_tight} = {flat4[2:0], limit_1[3:2], tight};
+            cut #(.W(2), .ON(CUTS[1])) u_fours (.clk_i(clk_i), .d_i(b), .q_o(b_2));
+        end
+    endgenerate
+    wire pass4_1 = known[0] && (!known_tight || limit != 2'd0);
+    wire pass4_2 = pass4_1 && known[1] && (!known_tight || limit[1]);
+    wire pass4_3 = pass4_2 && known[2] && (!known_tight || limit == 2'd3);
+    assign b = {pass4_2, pass4_3 || (pass4_1 && !pass4_2)};
 
     wire [B-1:0] fours;
     mux4 #(.W(B)) u_fours (.n_i(b_2), .q_o(fours),

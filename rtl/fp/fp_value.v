@@ -2,15 +2,16 @@
 //
 // Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for its
 //           product: the sum of z_o and -0 is the instruction's result, with its flags.
-// Latency   MUL_LATENCY, as beside the multiplier: up to three registers in the logic, the others behind it.
+// Latency   MUL_LATENCY - EARLY, at least 1, as beside the multiplier: up to three registers in the logic, the others behind it.
 //           no_product_o comes a cycle before z_o: the product beside it is to be -0.
 // Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
 //           all of this is a delay, as long as z_o is not read late enough (Z_LATE). Bits below the fraction are not 0 in
 //           z_o where an estimate has more bits: the adder reads none of them.
 //
-//     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY edges later
+//     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY - EARLY edges later
 `default_nettype none
 module fp_value #(
+    parameter EARLY = 0,               // registers less
 `include "config/config.vh"
 ) (
     input  wire        clk_i,
@@ -23,13 +24,14 @@ module fp_value #(
 );
 `include "gen/isa.vh"
 `include "gen/choices.vh"
-    localparam STAGES = MUL_LATENCY < 3 ? MUL_LATENCY : 3;
+    localparam DEPTH   = MUL_LATENCY - EARLY;
+    localparam STAGES  = DEPTH < 3 ? DEPTH : 3;
 
     generate
         if (VALUES == 0) begin : g_plain
             wire unused = &{choice_i, b_i, true_i};
             assign no_product_o = 1'b0;
-            delay #(.W(32), .N(MUL_LATENCY - Z_LATE)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
+            delay #(.W(32), .N(DEPTH - Z_LATE)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
             wire [31:0] a = a_i & KEPT, b = b_i & KEPT;      // arithmetic reads what is below as 0
             wire plain = choice_i == CHOICE_NONE;
@@ -38,7 +40,7 @@ module fp_value #(
             wire root = choice_i == CHOICE_RSQRT, estimated = root || choice_i == CHOICE_RCP;
             wire rint = ROUND != 0 && choice_i == CHOICE_RINT;
             wire logb = choice_i == CHOICE_LOGB, exponent = ROUND != 0 && (logb || choice_i == CHOICE_EXP2);
-            delay #(.W(1), .N(MUL_LATENCY-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
+            delay #(.W(1), .N(DEPTH-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
 
             // Magnitudes are ordered as integers; without infinities, subnormal numbers are read as zeros. What is known of the operands, and then what follows.
             wire        a_nan = FINITE == 0 && &a[30:23] && |a[22:0], b_nan = FINITE == 0 && &b[30:23] && |b[22:0];
@@ -89,7 +91,7 @@ module fp_value #(
             wire [31:0] number = rounded & {32{is_rint}} | scaled & {32{is_exponent}}
                                  | {estimate & {19{is_estimate}}, 13'd0} | BITS_ONE & {32{one}};
             cut #(.W(32), .ON(STAGES >= 2)) u_3 (.clk_i(clk_i), .d_i(made ? number : chosen), .q_o(z));
-            delay #(.W(32), .N(MUL_LATENCY-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
+            delay #(.W(32), .N(DEPTH-STAGES)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(z), .q_o(z_o));
         end
     endgenerate
 endmodule

@@ -96,6 +96,6 @@ module decode #(
     assign d = field_d[REGISTER_W-1:0];
     assign a = choice == CHOICE_SEL ? third : first;
     assign b = has_b(op) || takes ? second : first;
-    assign c = valued ? first : third;
+    assign c = (FUSED != 0 && INTERLEAVE == 0 ? !to_chain : valued) ? first : third;
 endmodule
 `default_nettype wire

@@ -75,9 +75,6 @@ end
 if (FUSED < 0 || FUSED > 1) begin : g_fused_must_be_0_to_1
     FUSED_must_be_0_to_1 u_error ();
 end
-if (FUSED > 0 && INTERLEAVE == 0) begin : g_fused_needs_interleave
-    FUSED_needs_INTERLEAVE u_error ();
-end
 if (FUSED > 0 && CHAIN != 0) begin : g_fused_excludes_chain
     FUSED_excludes_CHAIN u_error ();
 end

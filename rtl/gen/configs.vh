@@ -3,8 +3,8 @@
 // verilator lint_off UNUSEDPARAM
 
 // Cuts of the named configurations, in the order of isa/configs.toml, each pair once; the first is in the low bits.
-localparam CUT_PAIRS       = 8;
-localparam [55:0] ADD_CUTS = {7'h7f, 7'h6e, 7'h2a, 7'h3f, 7'h0a, 7'h04, 7'h00, 7'h7f};
-localparam [55:0] MUL_CUTS = {7'h0f, 7'h2b, 7'h2b, 7'h4f, 7'h13, 7'h04, 7'h00, 7'h7f};
+localparam CUT_PAIRS       = 9;
+localparam [62:0] ADD_CUTS = {7'h7f, 7'h6e, 7'h2a, 7'h3f, 7'h0a, 7'h10, 7'h04, 7'h00, 7'h7f};
+localparam [62:0] MUL_CUTS = {7'h0f, 7'h2b, 7'h2b, 7'h4f, 7'h13, 7'h04, 7'h04, 7'h00, 7'h7f};
 
 // verilator lint_on UNUSEDPARAM

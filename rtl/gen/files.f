@@ -87,11 +87,13 @@ rtl/tile.v
 rtl/tile_scheduler.v
 rtl/unit/adder.v
 rtl/unit/arbiter.v
+rtl/unit/fused_adder.v
 rtl/unit/fused_arith.v
 rtl/unit/lane_arith.v
 rtl/unit/log_arith.v
 rtl/unit/multiplier.v
 rtl/unit/shared_arith.v
 rtl/unit/solo_arith.v
+rtl/unit/solo_fused.v
 rtl/unit/unit.v
 rtl/unit/units.v

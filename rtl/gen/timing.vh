@@ -18,3 +18,4 @@ parameter integer TIMING_SETTLE      = 14, // from the last issue of a round to 
 parameter integer TIMING_RESET       = 2,  // how long a reset lasts, beyond a cycle for each group of lanes: until it has passed the last one
 parameter integer TIMING_BUS         = 8,  // from the handshake of a read to its response, beyond the memory that is read
 parameter integer TIMING_SOLO_ACCESS = 1,  // from the host's access of a register's word to the word
+parameter integer TIMING_SOLO_FUSED  = 1,  // by which a multiply-add that is rounded once takes less than a product and a sum: there is no register between them

@@ -14,7 +14,7 @@
 //           earliest correct reader issues one cycle before the write (BYPASS), or one cycle after
 //           it. A result that the next instruction can read (BYPASS, latency 1) is never flagged.
 // Promise   No instruction is refused for another reason, so none waits longer than the results in
-//           flight. Only a chain reads c_i: for other instructions its flag does not count.
+//           flight. The flag of c_i counts only for an instruction that reads it.
 //           The promises are proved for the latencies and options of every configuration:
 //           tests/formal/scoreboard_spec.v.
 // Hazard    issue_i only with blocked_o and taken_o low, and for one unit.
@@ -37,6 +37,7 @@ module scoreboard #(
     input  wire             to_add_i,
     input  wire             to_mul_i,
     input  wire             to_chain_i,
+    input  wire             reads_c_i,
     input  wire [REG_W-1:0] d_i,
     input  wire [REG_W-1:0] a_i,
     input  wire [REG_W-1:0] b_i,
@@ -106,7 +107,7 @@ module scoreboard #(
         else       busy_q <= busy_q & ~(unflag ? one << d_q[FREE] : {(1<<REG_W){1'b0}})
                                     |  (flag   ? one << d_i       : {(1<<REG_W){1'b0}});
 
-    assign blocked_o = busy_q[d_i] || busy_q[a_i] || busy_q[b_i] || (busy_q[c_i] && to_chain_i);
+    assign blocked_o = busy_q[d_i] || busy_q[a_i] || busy_q[b_i] || (busy_q[c_i] && reads_c_i);
 
 `ifdef FP3_CHECK
     always @(posedge clk_i)

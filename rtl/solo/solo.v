@@ -81,10 +81,18 @@ module solo #(
         .retire_flags_o(retire_flags));
     assign retire_flags_o = FLAGS != 0 ? retire_flags : 5'd0;
 
-    solo_arith #(.CONFIG(CONFIG)) u_arith (
-        .clk_i(clk_i), .rst_i(rst_i),
-        .chain_i(chain), .operands_i(operands), .add_a_i(add_a), .add_b_i(add_b),
-        .chain_soon_o(chain_soon), .chain_z_o(chain_z), .sum_o(sum), .product_o(product));
+    generate
+        if (FUSED != 0) begin : g_fused
+            wire unused_chain = &{chain, add_a, add_b};
+            assign {chain_soon, chain_z} = 33'd0;
+            solo_fused #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .sum_o(sum), .product_o(product));
+        end else begin : g_separate
+            solo_arith #(.CONFIG(CONFIG)) u_arith (
+                .clk_i(clk_i), .rst_i(rst_i),
+                .chain_i(chain), .operands_i(operands), .add_a_i(add_a), .add_b_i(add_b),
+                .chain_soon_o(chain_soon), .chain_z_o(chain_z), .sum_o(sum), .product_o(product));
+        end
+    endgenerate
 
     assign event_cycles  = running;
     assign event_retired = retire_valid_o;

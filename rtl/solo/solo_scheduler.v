@@ -62,6 +62,7 @@ module solo_scheduler #(
     output wire [31:0]                     retire_value_o,
     output wire [4:0]                      retire_flags_o
 );
+`include "gen/isa.vh"
 `include "gen/choices.vh"
 
     // Fetch and decode ------------------------------------------------------------------------
@@ -105,10 +106,14 @@ module solo_scheduler #(
     assign `DECODED = decoded_q;
     wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half};      // for many objects
 
-    // What fp_value makes reaches the adder where a product would.
+    // What fp_value makes reaches the adder where a product would. With FUSED it is as late as a product, and a multiply-add
+    // as late as a sum: then a sum alone is c + 1 * b, and c is also a.
     wire valued = choice != CHOICE_NONE;
-    wire sums   = to_add && !valued;
-    wire chains = to_chain || valued;
+    wire alone  = to_add && !valued;
+    wire sums   = alone || (FUSED != 0 && to_chain);
+    wire muls   = to_mul || (FUSED != 0 && valued);
+    wire chains = FUSED == 0 && (to_chain || valued);
+    localparam SUM_LATENCY = FUSED != 0 ? PRODUCT_LATENCY + ADD_LATENCY : ADD_LATENCY;
 
     // Issue -----------------------------------------------------------------------------------
     wire             blocked, taken, in_flight_none, write, write_mul;
@@ -121,10 +126,11 @@ module solo_scheduler #(
     assign advance   = !valid_q || issue;
     assign illegal_o = valid_q && !legal;
 
-    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN != 0 || VALUES != 0),
-                 .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
+    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(FUSED == 0 && (CHAIN != 0 || VALUES != 0)),
+                 .ADD_LATENCY(SUM_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i),
-        .issue_i(issue), .to_add_i(sums), .to_mul_i(to_mul), .to_chain_i(chains),
+        .issue_i(issue), .to_add_i(sums), .to_mul_i(muls), .to_chain_i(chains),
+        .reads_c_i(FUSED != 0 || chains),
         .d_i({1'b0, d}), .a_i(a), .b_i(b), .c_i(c),
         .blocked_o(blocked), .taken_o(taken),
         .a_bypass_o(a_bypass), .b_bypass_o(b_bypass), .c_bypass_o(c_bypass),
@@ -136,7 +142,7 @@ module solo_scheduler #(
     wire [4:0]  sum_flags, product_flags;
     assign {sum_flags, sum, product_flags, product} = {sum_i, product_i};
     wire [31:0] result = write_mul ? product : sum;
-    reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;
+    reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;    // of a_bypass_q 3 is 1
     reg  [1:0]  add_a_q, add_b_q;      // likewise; of add_a_q 3 is a chain's addend
     reg         chain_q, subtract_q;
     reg  [CHOICE_W-1:0] choice_q;
@@ -151,7 +157,7 @@ module solo_scheduler #(
     assign host_rdata_o = a_value;
 
     always @(posedge clk_i) begin
-        a_bypass_q <= a_bypass;
+        a_bypass_q <= FUSED != 0 && alone ? 2'b11 : a_bypass;
         b_bypass_q <= b_bypass;
         c_bypass_q <= c_bypass;
         add_a_q    <= chain_soon_i ? 2'b11 : a_bypass;
@@ -163,7 +169,7 @@ module solo_scheduler #(
 
     `OPERANDS_FIELDS
     assign {operands_choice, operands_subtract, operands_twice, operands_half} = {choice_q, subtract_q, 2'b00};
-    assign operands_y = a_bypass_q[1] ? product : a_bypass_q[0] ? sum : a_value;
+    assign operands_y = FUSED != 0 && &a_bypass_q ? BITS_ONE : a_bypass_q[1] ? product : a_bypass_q[0] ? sum : a_value;
     assign operands_x = b_bypass_q[1] ? product : b_bypass_q[0] ? sum : b_value;
     assign operands_z = c_bypass_q[1] ? product : c_bypass_q[0] ? sum : c_value;
     assign operands_o = `OPERANDS;

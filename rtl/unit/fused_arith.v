@@ -2,8 +2,7 @@
 //
 // Purpose   What lane_arith is, with a fused multiply-add. A product alone is -0 + x * y, a sum alone z + x * 1: one rounding
 //           leaves both right. What fp_value makes of z, x and y is added to -0.
-// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the rest. Of MUL_CUTS the first
-//           four count, those of the product; the other cycles of MUL_LATENCY are registers behind it.
+// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the rest.
 //
 //     fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .result_o(result));
 //     // with 5 and 8, subtract 1, z 40400000, x 3F800000, y 40000000  ->  3F800000, thirteen edges later
@@ -19,22 +18,14 @@ module fused_arith #(
     `OPERANDS_FIELDS
     assign `OPERANDS = operands_i;
     wire unused = operands_twice | operands_half;          // y says so
-    wire unused_below = &{operands_x, operands_y, z};     // bits below the fraction
 
-    localparam WAIT = MUL_LATENCY - ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]});
     wire        no_product;                // in the next cycle
     wire        subtract;
     wire [31:0] z;
     delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
     fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
         .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
-
-    wire [31:BELOW] value, value_late;
-    wire [4:0]      flags, flags_late;
-    fp_fma #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS({ADD_CUTS[6:0], MUL_CUTS[3:0]}), .WAIT(WAIT)) u_fma (.clk_i(clk_i),
-        .x_i(operands_x[31:BELOW]), .y_i(operands_y[31:BELOW]), .no_product_i(no_product), .subtract_i(subtract), .z_i(z[31:BELOW]),
-        .z_o(value), .flags_o(flags));
-    delay #(.W(37 - BELOW), .N(ADD_SPARE)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, value}), .q_o({flags_late, value_late}));
-    assign result_o = {flags_late, value_late, {BELOW{1'b0}}};
+    fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(no_product), .subtract_i(subtract),
+        .z_i(z), .x_i(operands_x), .y_i(operands_y), .result_o(result_o));
 endmodule
 `default_nettype wire

@@ -17,6 +17,7 @@ module lane_arith #(
     input  wire [`OPERANDS_W-1:0] operands_i,
     output wire [`RESULT_W-1:0]   result_o
 );
+`include "gen/isa.vh"
 `include "gen/choices.vh"
     `OPERANDS_FIELDS
     `RESULT_FIELDS
@@ -27,7 +28,7 @@ module lane_arith #(
     wire        no_product;                // in the next cycle
     wire [31:0] product;
     wire [4:0]  product_flags;
-    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product), .instead_i({5'd0, BITS_MINUS_ZERO}),
         .a_i(operands_x), .b_i(operands_y), .value_o(product), .flags_o(product_flags));
 
     // What the adder needs besides waits for the product.

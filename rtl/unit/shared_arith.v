@@ -74,7 +74,7 @@ module shared_arith #(
 
     wire [31:0] product, sum, product_late;
     wire [4:0]  product_flags, sum_flags, product_flags_late;
-    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0),
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(37'd0),
         .a_i(mul_x_q), .b_i(mul_y_q), .value_o(product), .flags_o(product_flags));
     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(subtract_late),
         .a_i(z_late), .b_i(chain_late ? product : x_late), .value_o(sum), .flags_o(sum_flags));

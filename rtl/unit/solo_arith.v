@@ -28,6 +28,7 @@ module solo_arith #(
     output wire [`RESULT_W-1:0]   sum_o,
     output wire [`RESULT_W-1:0]   product_o
 );
+`include "gen/isa.vh"
     `OPERANDS_FIELDS
     assign `OPERANDS = operands_i;
     wire unused = operands_twice | operands_half;          // for many objects
@@ -63,7 +64,7 @@ module solo_arith #(
 
     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : operands_subtract),
         .a_i(add_a_i), .b_i(add_b_i), .value_o(sum), .flags_o(sum_flags));
-    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
+    multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product), .instead_i({5'd0, BITS_MINUS_ZERO}),
         .a_i(operands_y), .b_i(operands_x), .value_o(product), .flags_o(product_flags));
     assign sum_o     = {sum_flags | chain_flags, sum};
     assign product_o = {product_flags, product};

@@ -38,7 +38,7 @@ module unit #(
             assign result_o = `RESULT;
         end else begin : g_product
             wire unused = &{operands_choice, operands_subtract, operands_twice, operands_half, operands_z};
-            multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0),
+            multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(37'd0),
                 .a_i(operands_x), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `RESULT;
         end

@@ -29,6 +29,7 @@
 #define FP3_TIMING_SOLO_ACCESS   1u  /* from the host's access of a register's word to the word */
 #define FP3_TIMING_SOLO_OPERANDS 1u  /* from an issue to its operands */
 #define FP3_TIMING_SOLO_READ     2u  /* from the issue that a bypass allows to the issue that reads the register file */
+#define FP3_TIMING_SOLO_FUSED    1u  /* by which a multiply-add that is rounded once takes less than a product and a sum: there is no register between them */
 #define FP3_TIMING_SOLO_AROUND   4u  /* of a run, before the first issue and after the last write */
 
 /* clang-format on */

@@ -10,8 +10,13 @@
 
 uint32_t fp3_cycles_latency(const fp3_config *config, uint32_t op) {
     const unsigned path = fp3_operation_find(op)->path;
-    return (path & FP3_UNIT_ADDER ? config->add_latency : 0) +
-           (path & (FP3_UNIT_MULTIPLIER | FP3_UNIT_VALUE) ? config->mul_latency : 0);
+    const int adds = (path & FP3_UNIT_ADDER) != 0;
+    if (!config->fused || config->interleave)
+        return (adds ? config->add_latency : 0) +
+               (path & (FP3_UNIT_MULTIPLIER | FP3_UNIT_VALUE) ? config->mul_latency : 0);
+    /* A sum alone is a multiply-add, too; a value is as late as a product. */
+    return config->mul_latency +
+           (adds && !(path & FP3_UNIT_VALUE) ? config->add_latency - FP3_TIMING_SOLO_FUSED : 0);
 }
 
 /* From a result that a bypass brings to the one that is read. */

@@ -1,6 +1,7 @@
 /* stages.c - see stages.h. */
 #include "stages.h"
 
+#include "gen/timing.h"
 #include "machine/cycles.h"
 #include "machine/operation.h"
 
@@ -26,11 +27,12 @@ static void add(fp3_stages *s, const char *name, uint64_t from, uint64_t until) 
 static void of_one(const fp3_config *config, const fp3_traced *t, unsigned path, fp3_stages *s) {
     const unsigned before = path & (FP3_UNIT_VALUE | FP3_UNIT_MULTIPLIER);
     const uint64_t from = t->issued + fp3_cycles_operands(config);
+    const uint64_t joined = config->fused && path & FP3_UNIT_MULTIPLIER ? FP3_TIMING_SOLO_FUSED : 0;
     add(s, "Is", t->issued, t->ended);
     if (before)
         add(s, path & FP3_UNIT_VALUE ? "Va" : "Mu", from, t->ended);
     if (path & FP3_UNIT_ADDER)
-        add(s, "Ad", before ? from + config->mul_latency : from, t->ended);
+        add(s, "Ad", before ? from + config->mul_latency - joined : from, t->ended);
     add(s, "Wb", t->ended, s->end);
 }
 

@@ -5,19 +5,21 @@ import subprocess
 
 import pytest
 
-ROWS = {"odd": {"fraction": 18, "nearest": 0, "subnormal": 0}, "fused": {"fraction": 11, "fused": 1, "chain": 0}}
+ROWS = {"odd": ("many_full", {"fraction": 18, "nearest": 0, "subnormal": 0}), "fused": ("many_full", {"fraction": 11, "fused": 1, "chain": 0}),
+        "alone": ("single_fused", {"fraction": 18, "nearest": 0, "subnormal": 0})}
 
 
 @pytest.fixture(scope="module", params=ROWS)
 def tree(request, root, build, tmp_path_factory):
-    """`many_full` with these numbers, uncut."""
+    """A named configuration with these numbers, uncut."""
+    name, keys = ROWS[request.param]
     tree = tmp_path_factory.mktemp("fraction") / "tree"
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(root / "tools")
         import random_configs
         from fp3gen.read import load
-        row = next(row for row in load(root).configs if row["name"] == "many_full")
-        row |= {"name": request.param, "mul_cuts": 0, "add_cuts": 0, "mul_latency": 2, "add_latency": 2} | ROWS[request.param]
+        row = next(row for row in load(root).configs if row["name"] == name)
+        row |= {"name": request.param, "mul_cuts": 0, "add_cuts": 0, "mul_latency": 2, "add_latency": 2} | keys
         random_configs.build(row, tree, build)
     return tree
 

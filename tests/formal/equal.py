@@ -315,14 +315,14 @@ def cut(yosys, files, fmt, operation, mask):
     Constants, and undefined bits (equally named in both circuits), fit in at every depth. The product is taken
     out of both, as its algebra is shown here, too: cadical need not know it.
     """
-    name, g, words = "fma_late" if operation == "fma" else f"fp_{operation}", Aig(), []
-    if operation == "fma":
-        files = files | {"fma_late.v": Path(__file__).with_name("fma_late.v").read_text()}
-    for cuts in (0, mask):
+    g, words = Aig(), []
+    names = {"fma": ("fma_late", "fma_late"), "fma early": ("fma_late", "fma_early")}.get(operation, (f"fp_{operation}",) * 2)
+    files = files | {f"{name}.v": Path(__file__).with_name(f"{name}.v").read_text() for name in names if name.startswith("fma")}
+    for name, cuts in zip(names, (0, mask)):
         design = core(yosys, files, name, fmt, cuts)
         if cuts:
             check_depth(yosys.map(design, name, flatten=True), cuts)
-        if operation in ("mul", "fma"):
+        if operation in ("mul", "fma", "fma early"):
             product.prove(*take_out(design, name, "fp_mul_product"))
         netlist = yosys.map(design, name)
         inputs = {port: g.word(port, len(lits)) for port, lits in netlist.inputs.items() if port != "clk_i"}

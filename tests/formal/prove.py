@@ -76,10 +76,11 @@ def configured_cuts(parser, args):
             parser.error(f"{path} names no {core}_cuts: give --cuts-{core}")
         setattr(args, f"cuts_{core}", sorted(used))
     if args.cuts_fma is None:
-        args.cuts_fma = sorted({(c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
-                                for c in configs if c.get("fused")})
+        fused = [(c.get("interleave", 0), c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
+                 for c in configs if c.get("fused")]
+        args.cuts_fma, args.cuts_fma_early = (sorted({(mask, used) for own, mask, used in fused if own == late}) for late in (1, 0))
     else:
-        args.cuts_fma = sorted((mask, format_of(args)) for mask in args.cuts_fma)
+        args.cuts_fma = args.cuts_fma_early = sorted((mask, format_of(args)) for mask in args.cuts_fma)
 
 
 def format_of(args):
@@ -99,7 +100,8 @@ def cases(args):
     rest = []
     if "cuts" in args.only:
         rest += [(core, f"cuts {mask:#x}{name_of(used)}", partial(equal.cut, yosys, files, used, core, mask))
-                 for core, cuts in (("add", args.cuts_add), ("mul", args.cuts_mul), ("fma", args.cuts_fma)) for mask, used in cuts]
+                 for core, cuts in (("add", args.cuts_add), ("mul", args.cuts_mul), ("fma", args.cuts_fma), ("fma early", args.cuts_fma_early))
+                 for mask, used in cuts]
     if "mutants" in args.only:
         rest += [(bug.core, f"seeded: {bug.name}", partial(mutants.find, yosys, files, fmt, bug))
                  for bug in mutants.BUGS]

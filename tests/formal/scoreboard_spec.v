@@ -21,6 +21,7 @@ module scoreboard_spec #(
     input wire               to_add_i,
     input wire               to_mul_i,
     input wire               to_chain_i,
+    input wire               reads_c_i,
     input wire [4*REG_W-1:0] names_i,    // c, b, a, d
     input wire [4*REG_W-1:0] who_i       // four registers, chosen once: the promises are about these
 );
@@ -33,7 +34,7 @@ module scoreboard_spec #(
     scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i), .issue_i(issue_i),
-        .to_add_i(to_add_i), .to_mul_i(to_mul_i), .to_chain_i(to_chain_i),
+        .to_add_i(to_add_i), .to_mul_i(to_mul_i), .to_chain_i(to_chain_i), .reads_c_i(reads_c_i),
         .d_i(names_i[0 +: REG_W]), .a_i(names_i[REG_W +: REG_W]),
         .b_i(names_i[2*REG_W +: REG_W]), .c_i(names_i[3*REG_W +: REG_W]),
         .blocked_o(blocked), .taken_o(taken),
@@ -121,13 +122,13 @@ module scoreboard_spec #(
         if (write) assert (write_mul == writes_mul && write_d == writes_d);
         assert (empty == !later);
         // An instruction is refused for these reasons and no others: what may issue does.
-        if (about) assert (blocked == (|early[2:0] || (early[3] && to_chain_i)));
+        if (about) assert (blocked == (|early[2:0] || (early[3] && reads_c_i)));
         if (named) assert (taken == port);
         if (quiet_q == OLDEST_8) assert (empty && (!about || !blocked) && (!named || !taken));
         // Operands come from where their newest value is.
         if (about && named && !blocked) begin
             assert (a_bypass == from[1] && b_bypass == from[2]);
-            if (to_chain_i) assert (c_bypass == from[3]);
+            if (reads_c_i) assert (c_bypass == from[3]);
         end
     end
 

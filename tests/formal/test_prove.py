@@ -18,7 +18,7 @@ SHORT = {
     "mul in 12 bits": ["mul", "--exp", "5", "--frac", "6"],
     "fma in 8 bits": ["fma", "--exp", "4", "--frac", "3"],
     "product": ["mul", "--case", "^(?!all pairs)"],
-    "cuts": ["cuts", "--case", "0x(04|4|7f|7ff)$"],
+    "cuts": ["cuts", "--case", "0x(04|4|7f|7ff|104)$"],
     **{f"cuts in 12 bits, {mode}": ["cuts", "--exp", "5", "--frac", "6", "--cuts-add", "0x7f,0x6e", "--cuts-mul", "0x7f,0x2b", *flags]
        for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"], "both": ["--flush", "--truncate"]}.items()},
     "scale": ["scale"],

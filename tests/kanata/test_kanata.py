@@ -137,6 +137,15 @@ def test_a_value_is_made_beside_the_multiplier(write, config, latency):
     assert found[2:] == [["Is", *read, "Wa" if config == "shared_full" else "Mu", "Ad", "Wb"]] * is_many
 
 
+def test_stages_of_a_multiply_add_that_is_rounded_once(write):
+    """It is added a cycle earlier than a chained product, and so is a sum. A value is as late as a product."""
+    source = "step:\n    fmadd r0, r1, r2, r3\n    add r4, r1, r2\n    mul r5, r1, r2\n    max r6, r1, r2\n"
+    done, log = write(source, "single_fused", [end(0, 4, 0, 1), end(10, 14, 1, 1), end(20, 23, 2, 1), end(30, 33, 3, 1)])
+    assert [[(name, end - begin) for _, name, begin, end in one.stages] for one in check.read(log.read_text(), None, None)] == [
+        [("Is", 1), ("Mu", 1), ("Ad", 2), ("Wb", 1)], [("Is", 1), ("Ad", 3), ("Wb", 1)], [("Is", 1), ("Mu", 2), ("Wb", 1)],
+        [("Is", 1), ("Va", 2), ("Wb", 1)]]
+
+
 @pytest.mark.parametrize("config, add, mul", [("single", 2, 2), ("uncut", 1, 1)])
 def test_stages_of_one_object(write, config, add, mul):
     """The addition ends after the product that was issued before it, or with it: rows go by issue."""

@@ -153,6 +153,8 @@ MISTAKES = [
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\nselect = 1\nchain = 0', "config 'uncut': select = 1 needs chain = 1"),
     ("isa.toml", 'needs    = "sleep"', 'needs    = "slept"', "op 'sleep': needs 'slept', which is no key"),
     ("isa.toml", 'needs    = "sleep"', 'needs    = "contexts"', "op 'sleep': needs 'contexts', which is no key"),
+    ("configs.toml", 'name = "uncut"', 'name = "uncut"\nchain = 0\nfused = 1\nround = 1',
+     "config 'uncut': for one object, fused with select, estimate or round needs mul_latency of at least 2"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\ncontexts = 2', "config 'uncut': contexts = 2 needs interleave = 1"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\nsleep = 1', "config 'uncut': sleep = 1 needs interleave = 1"),
     ("configs.toml", "registers = 64", "registres = 64", "config 'single_full': unknown key 'registres'"),

@@ -51,6 +51,7 @@ def expected(word):
         return None
     if KEYS["dual"] and row["path"] != ["store"] and mixes(row, d, a, b):
         return None
+    repeats = KEYS["fused"] and not KEYS["interleave"] and "c" not in row["operands"]         # a, as c: what a sum alone adds to
     name, path, gives, takes = row["name"], row["path"], row.get("gives"), row.get("computes")
     return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"], ["store", "adder"])), "to_mul": int(path in (["multiplier"], ["store", "multiplier"])),
             "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
@@ -59,7 +60,7 @@ def expected(word):
             "ldn": int(gives == "word"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
             "twice": int(name in ("addt", "subt")), "half": int(name in ("addh", "subh")), "d": d,
             **({"a": a, "b": b, "c": c} if name == "sel" else {x: value for x, value in zip("abc", (a, b, c)) if x in row["operands"] and
-                                                                path[0] != "value"})}
+                                                                path[0] != "value"}), **({"c": a} if repeats else {})}
 
 
 def said(dut, sel):

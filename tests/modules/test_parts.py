@@ -49,6 +49,7 @@ PARTS = {
     "decode, everything for one object in turn": decode(FULL, 4000),
     "decode, as little as can be": decode(PLAIN, 2000),
     "decode, multiply-add rounded once": decode({**FULL, "chain": 0, "scale": 0, "fused": 1}, 3000),
+    "decode, multiply-add rounded once for one object": decode({**PLAIN, "fused": 1, "select": 1, "estimate": 1, "round": 1}, 2000),
     "decode, neighbours": decode({"registers": 32, "interleave": 1, "neighbours": 1}, 3000),
     "tile, batches": tile("tile_steps_each_object_of_each_batch", LANES=2),
     "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, DUAL=1),

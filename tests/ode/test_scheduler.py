@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-SOLO = ["paper", "walk_slot", "walk_bypass", "uncut", "single", "single_full"]
+SOLO = ["paper", "walk_slot", "walk_bypass", "uncut", "single", "single_full", "single_fused"]
 CONTEXTS = ["many", "many_full", "sixteen", "lanes", "array"]
 COUNT = 150
 SLOW = ("lanes", "array")                # to simulate

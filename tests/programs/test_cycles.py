@@ -35,6 +35,12 @@ CAUSES = [
     ("single_full", "rcp r0, r1\nmul r4, r0, r0\nmul r5, r6, r6\n", {"dependency": 3}),
     # ... and takes the adder from a sum
     ("single_full", "max r0, r1, r2\nmul r4, r5, r5\nadd r6, r7, r7\n", {"unit": 1}),
+    # rounded once, it takes three cycles, and so does a sum; a product and what is made beside it take two
+    ("single_fused", "fmadd r0, r1, r2, r3\nadd r4, r0, r0\nmul r5, r4, r4\nmin r6, r5, r5\nmul r7, r6, r6\n", {"dependency": 6}),
+    # a product that ends with the sum before it
+    ("single_fused", "add r0, r1, r1\nmul r2, r3, r3\n", {"writeback": 1}),
+    # of a product nobody waits for register 0, which its empty field would name; a sum waits for a alone
+    ("single_fused", "fmadd r0, r1, r2, r3\nmul r4, r5, r5\n", {"writeback": 1}),
     # nobody waits for an operand that an instruction does not have: r0
     ("single_full", "mul r0, r4, r4\nabs r1, r5\nmul r0, r4, r4\nmul r2, r4, r4\nmul r3, r4, r4\n", {"writeback": 1}),
     # sixteen contexts hide what their cores take
@@ -60,3 +66,17 @@ def test_a_stall_has_its_cause(fp3, tmp_path, config, source, causes):
     per_step = {key.removeprefix("stall_"): (int(out[11][key]) - int(out[1][key])) / 10
                 for key in out[1] if key.startswith("stall_")}
     assert {key: count for key, count in per_step.items() if count} == causes
+
+
+def test_a_product_and_its_sum_take_less_when_they_are_rounded_once(fp3, root, tmp_path):
+    """The compiled ship, its steps on the hardware as predicted."""
+    cycles = {}
+    for config in ("single_full", "single_fused"):
+        model = ("programs/ship.ode", "-i", "rk4", "-c", config)
+        report = subprocess.run([fp3, "compile", *model, "--report"], cwd=root, check=True, capture_output=True, text=True).stdout
+        runs = [subprocess.run([fp3, "run", *model, "-e", "rtl", "-n", str(n)], cwd=root, check=True, capture_output=True, text=True).stdout
+                for n in (10, 110)]
+        first, last = (int(re.search(r"^cycles +(\d+)$", out, re.M)[1]) for out in runs)
+        cycles[config] = (last - first) / 100
+        assert cycles[config] == float(re.search(r"cycles per object-step +([\d.]+)", report)[1])
+    assert cycles["single_fused"] <= 0.9 * cycles["single_full"]

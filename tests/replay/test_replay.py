@@ -49,6 +49,15 @@ def test_icarus_agrees_with_verilator(root, fp3, icarus, tmp_path, program, conf
     assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
 
 
+def test_icarus_agrees_on_a_multiply_add_that_is_rounded_once(root, fp3, icarus, tmp_path):
+    """And on products and values, which end beside it: a compiled model, for one object."""
+    session = tmp_path / "x.session"
+    done = start(fp3, "run", "programs/projectile.ode", "-i", "rk4", "-c", "single_fused", "-n", 20, "--bus-log", session, cwd=root)
+    assert done.returncode == 0, done.stderr
+    done = replay(root, icarus("single_fused"), session)
+    assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
+
+
 @pytest.mark.parametrize("kind, column", [("r", 2), ("h", 1), ("h", 2)])
 def test_a_wrong_answer_fails(root, fp3, icarus, tmp_path, kind, column):
     """One digit of one recorded answer is changed: the bench must see it."""
@@ -307,7 +316,7 @@ MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY
 
 @pytest.mark.parametrize("parameters, rule", [
     (["REGISTERS=24"], "REGISTERS_must_be"), (["PROGRAM_WORDS=16384"], "PROGRAM_WORDS_must_be"),
-    (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"),
+    (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"), (["FUSED=1", "CHAIN=0", "ROUND=1"], "FUSED_for_one_object_with"), (["FUSED=1"], "FUSED_excludes_CHAIN"),
     ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
     (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
     ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "needs_INTERLEAVE"),

@@ -108,6 +108,8 @@ def check_configs(rows, known):
                  f"{where}: {unit}_latency {row[f'{unit}_latency']} is less than the {least} of its cuts")
         for key in known.values():
             check_value(row, key, where)
+        need(row["interleave"] or not row["fused"] or row["mul_latency"] >= 2 or not any(row[key] for key in ("select", "estimate", "round")), FILE,
+             f"{where}: for one object, fused with select, estimate or round needs mul_latency of at least 2")
         if row["interleave"]:
             check_interleaved(row, where, known["store_words"]["range"][1])
         done.append({name: row[name] for name in ("name", "doc", *known)})

@@ -153,9 +153,8 @@ static int absorb_one(const chooser *c, uint32_t i, fp3_choice_of_node *made) {
 }
 
 static int has_slack(const chooser *c, uint32_t i) {
-    const fp3_config *config = c->p->options->config;
     return c->p->policy == CHAIN_LONG ||
-           c->due[i] >= c->ready[i] + config->add_latency + config->mul_latency;
+           c->due[i] >= c->ready[i] + latency(c, chain(c, FP3_OP_ADD));
 }
 
 /* a + b as a + 1 b and a b as -0 + a b: the same bits and flags, as late as a chain. */
