@@ -148,6 +148,7 @@ MISTAKES = [
     ("configs.toml", "contexts = 24", "contexts = 65", "config 'many': contexts = 65 is not in 1 .. 64"),
     ("configs.toml", "tiles = 4", "tiles = 65", "config 'array': tiles = 65 is not in 1 .. 64"),
     ("configs.toml", "lanes = 8", "lanes = 8\nschedulers = 2", "config 'lanes': lanes share one scheduler"),
+    ("configs.toml", "neighbours = 1", "neighbours = 1\nschedulers = 2", "config 'world': with neighbours a tile has one scheduler"),
     ("configs.toml", "store_words = 512\n", "store_words = 8\n", "config 'lanes': store_words = 8 holds no object"),
     ("configs.toml", "store_words = 512\n", "store_words = 520\n", "config 'lanes': store_words = 520 is not a power of two"),
     ("configs.toml", 'name = "uncut"', 'name = "uncut"\nselect = 1\nchain = 0', "config 'uncut': select = 1 needs chain = 1"),

@@ -122,6 +122,7 @@ def check_interleaved(row, where, words):
     need(row["lanes"] == 1 or row["schedulers"] == 1, FILE,
          f"{where}: lanes share one scheduler, or schedulers share one arithmetic unit, not both")
     need(not row["fused"] or row["schedulers"] == 1, FILE, f"{where}: fused needs schedulers = 1, as these share an adder and a multiplier")
+    need(not row["neighbours"] or row["schedulers"] == 1, FILE, f"{where}: with neighbours a tile has one scheduler")
     need(row["tiles"] * row["schedulers"] <= 64, FILE, f"{where}: at most 64 schedulers have an address")
     need(row["store_words"] >= max(16, row["registers"]), FILE,
          f"{where}: store_words = {row['store_words']} holds no object of {row['registers']} registers, or less than two")
