@@ -194,7 +194,7 @@ module tile_scheduler #(
                     report_count, report_longest, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    // What was granted AHEAD + TO_END + 1 cycles ago ends in the first lane, TIMING_END cycles before its result.
+    // What was granted AHEAD + TO_END + 1 cycles ago ends in the first lane, ENDED cycles before its result.
     generate
         if (DUAL == 0) begin : g_granted
             wire granted;

@@ -7,7 +7,7 @@
 //           cycle    0         1, 2       3         .. W = TO_RESULT        W+1
 //           issue    operands  registers  operands  arithmetic, result   written, retired
 //                    named     read       to it
-//           retire             told TIMING_END (TIMING_DUAL_END) before W; the store's word there in W (W-1)
+//           retire             told ENDED before W; the store's word there in W (W-1)
 //
 //           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result (_w6 is in
 //           cycle W-6). Where objects see each other, what is read of the store is told AHEAD before cycle 0 (reach), and

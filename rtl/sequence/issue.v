@@ -8,7 +8,7 @@
 //
 // Latency   reach_o one cycle after issue_i, issue_o AHEAD cycles later; z, minus and zero in it Z_LATE cycles after
 //           that. retire_o TO_END cycles after issue_o,
-//           step_o TO_RESULT: so a lane has them where it needs them, TIMING_END cycles before the result and with it.
+//           step_o TO_RESULT: so a lane has them where it needs them, ENDED cycles before the result and with it.
 // Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
 //           round from its first issue to its last.
 //           After `each` no instruction issues for LATE cycles (loops), so that its REACH has no other in its way (checked).
