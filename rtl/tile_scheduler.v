@@ -64,8 +64,8 @@ module tile_scheduler #(
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
 
-    // Where records have 16 bits a word for one is rounded before it goes to its lane, if it is none that is kept whole, and every access
-    // goes as much later.
+    // Where records have 16 bits a word for one is rounded before it goes to its lane, unless it is the word that is kept whole. Every access
+    // is delayed by the same time.
     `SETTINGS_FIELDS
     assign `SETTINGS = settings;
     wire        late_access, late_write, late_whole;

@@ -41,14 +41,13 @@ parameter integer ADD_SPARE = ADD_LATENCY -
 parameter integer MUL_SPARE = MUL_LATENCY -
     ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
      + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
-// With FUSED, from x and y to their exact product, where z comes.
+// With FUSED, from x and y to their exact product. Where contexts take turns, z comes then.
 parameter integer PRODUCT_LATENCY = MUL_LATENCY - (INTERLEAVE == 0 ? TIMING_SOLO_FUSED : 0),
 // Where contexts take turns, from operands to result; and as if all operands were read as soon as a sum's scaled one.
 parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
                                : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
 parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
-// In cycles: from what the lanes are told of an instruction to its result; from what they are told of its end to its result; from the
-// one to the other.
+// In cycles: TO_RESULT from ISSUE to the result, ENDED from RETIRE to the result, TO_END from ISSUE to RETIRE.
 parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
 parameter integer WIDENED   = STORAGE != 0 ? TIMING_WIDEN : 0,
 parameter integer ENDED     = DUAL != 0 ? TIMING_DUAL_END : TIMING_END + WIDENED,

@@ -10,8 +10,8 @@
 //           end is always that of z or more, and a subnormal result needs no shift to the right.
 //           The sum may be negative: it is normalised as it is, and negated where it is rounded.
 // Latency   x and y: popcount(CUTS) + WAIT cycles, one operation per cycle. z_i and subtract_i come as much later as
-//           the product takes: popcount(CUTS[3:0]) + WAIT cycles. With Z_EARLY they come with x and y, and z is shifted beside
-//           the multiplication, so that this takes no time behind it. CUTS = 0, WAIT = 0 is a function.
+//           the product takes: popcount(CUTS[3:0]) + WAIT cycles. With Z_EARLY they come with x and y: z is shifted by
+//           ones and fours beside the multiplication, and only by sixteens behind it. CUTS = 0, WAIT = 0 is a function.
 //           Places: 0 operands, 1 partial products, 2 first sums, 3 product, 4 distance, 5 z shifted, 6 added, 7 zeros
 //           in front counted by sixteens, 8 shifted by them, 9 normalised, 10 rounded.
 // Result    As of fp_add and fp_mul: every NaN result is the quiet NaN with sign 0 and only the top fraction bit;

@@ -3,9 +3,9 @@
 // front/decoded.vh shows how a bundle is used.
 //
 //     draws                       at random; else to nearest
-//     number                      what the draw of the object in lane 0 is mixed from; the next lane's is one more. With SLEEP without
-//                                 the object, which only its lane knows:
-//     first, stride               ... in row r of lane l it is first + l + r * stride
+//     number                      what the draw of the object in lane 0 is mixed from; the next lane's is one more. With SLEEP
+//                                 each lane adds its object's number:
+//     first, stride               first + l + r * stride in row r of lane l
 `define DRAW_FIELDS \
     wire draw_draws; \
     wire [31:0] draw_number, draw_first; \

@@ -165,7 +165,7 @@ module lane #(
 
     // What the sequencer and the host hear ---------------------------------------------------------------
     wire [31:0]      status;
-    wire [ROW_W-1:0] row_w3;
+    wire [ROW_W-1:0] row_w3;                    // with STORAGE, too
     delay #(.W(ROW_W), .N(WIDENED)) u_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_load_row), .q_o(row_w3));
     lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
         .row_w3_i(row_w3), .raises_i(raises[0]), .flags_i(raised[4:0]), .step_i(data_i[26:0]), .status_o(status),

@@ -6,7 +6,7 @@
 //           cycle    W-6       W-3                    W
 //                    retire_i  row, store to be read  end_o; word_i is there
 //
-//           With STORAGE W-6, W-4 and W-3 are WIDENED earlier. Where objects see each other, what is read of the store
+//           With STORAGE W-6, W-4 and W-3, w4 and w3 in names too, are WIDENED earlier. Where objects see each other, what is read of the store
 //           follows from reach_i, and is there as soon behind it (lists).
 //
 // Latency   As shown; of a store's row, two cycles after issue_i.
@@ -47,7 +47,7 @@ module lane_end #(
     `MOVE_FIELDS
     `END_FIELDS
     assign `ISSUE  = issue_i;           // cycle 0
-    assign `RETIRE = retire_i;          // cycle W-6
+    assign `RETIRE = retire_i;          // cycle W - ENDED
     assign `ACCESS = access_i;
     assign {move_record, move_st, move_lasts, move_register} = {issue_record, issue_st, issue_lasts, issue_register};
     assign {move_o, end_o} = {`MOVE, `END};
@@ -138,7 +138,7 @@ module lane_end #(
     wire [REG_W-1:0] named;                     // by the instruction of TO_END cycles ago
     reg  [15:0]      age [0:CONTEXTS-1];        // cycles since a context came
     reg  [15:0]      since_q;                   // since an access
-    reg  [ENDED+1:0] valid_q;                   // W-5 .. W+2
+    reg  [ENDED+1:0] valid_q;                   // W - ENDED + 1 .. W + 2
     integer          k;
     delay #(.W(REG_W), .N(TO_END)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}), .q_o(named));
     always @(posedge clk_i) begin

@@ -26,7 +26,7 @@ module lane_report #(
     input  wire                 asleep_i,       // two cycles after valid_i
     input  wire                 mine_i,         // the host asks this lane
     input  wire [2:0]           space_i,        // for what: lane_host.vh
-    input  wire                 copied_i,       // three cycles later, as the words: another lane gets it
+    input  wire                 copied_i,       // three cycles later, as the words (without STORAGE): another lane gets it
     input  wire [31:0]          stored_i,       // as late as the answer
     input  wire [31:0]          status_i,       // three cycles later
     output wire [`REPORT_W-1:0] report_o

@@ -7,7 +7,7 @@
 //           word of each record is kept whole if objects sleep: its upper half is in a memory of its own, by rows.
 //
 // Latency   Stored five cycles after the issue (cycle 5 has the new word), with STORAGE ROUNDED + 2. Loaded: three cycles from the row to
-//           word_o, with STORAGE WIDENED more: so much earlier W-3 and W-2 are then.
+//           word_o, with STORAGE WIDENED more.
 // Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds everything drains,
 //           and within a round no object loads what another stores (checked).
 //           Published words are loaded from one half of the store and stored in the other, whose rows are then as many.
@@ -17,6 +17,8 @@
 //     store    st_i   row_i2_i, absent..   value_i3  written  there
 //     cycle    W-3    W-2   W-1   W
 //     load     row    read        word_o
+//     cycle    W-5    W-4   W-3   W-2        W-1     W
+//     STORAGE  row    read        read_word  half_q  word_o
 `default_nettype none
 `include "lane/move.vh"
 `include "lane/draw.vh"

@@ -6,10 +6,10 @@
 //           cycle  W-6       W-3       W            W+1
 //           row_i            row_w3_o  executed_o   row_late_o
 //
-// Latency   As shown; W-6 and W-3 are WIDENED earlier where the store is read so. Of a store's row, two cycles after st_row_i.
+// Latency   As shown; with STORAGE W-6 and W-3, w3 in names too, are WIDENED earlier. Of a store's row, two cycles after st_row_i.
 // Hazard    The count changes only between runs.
 //
-//     a lane of 5 objects, row_i = 5:     six cycles later absent_o = 1, executed_o = 0
+//     a lane of 5 objects, row_i = 5:     ENDED cycles later absent_o = 1, executed_o = 0
 `default_nettype none
 module visits_in_order #(
 `include "config/config.vh"

@@ -142,7 +142,7 @@ module solo_scheduler #(
     wire [4:0]  sum_flags, product_flags;
     assign {sum_flags, sum, product_flags, product} = {sum_i, product_i};
     wire [31:0] result = write_mul ? product : sum;
-    reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;    // of a_bypass_q 3 is 1
+    reg  [1:0]  a_bypass_q, b_bypass_q, c_bypass_q;    // a_bypass_q = 3: the constant 1.0
     reg  [1:0]  add_a_q, add_b_q;      // likewise; of add_a_q 3 is a chain's addend
     reg         chain_q, subtract_q;
     reg  [CHOICE_W-1:0] choice_q;

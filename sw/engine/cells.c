@@ -99,7 +99,7 @@ static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word
         (double)kept);
 }
 
-/* Whether word i of these cells is none: the register of `sleep`, or what leads to a list of neighbours. */
+/* Whether word i of these cells is an integer and no number: the register of `sleep`, or what leads to a list of neighbours. */
 static int is_whole(const fp3_engine *engine, fp3_cells cells, size_t i) {
     if (cells.kind != FP3_CELLS_REGISTER)
         return 0;

@@ -17,7 +17,7 @@
 #define FP3_TIMING_ACCESS        5u  /* from the host's access of a lane's word to the word, beyond a cycle for each group of lanes */
 #define FP3_TIMING_MIX           4u  /* of the mixer of a draw */
 #define FP3_TIMING_HALVE         2u  /* from a word to the half that the store keeps of it; an access of the host takes as much longer */
-#define FP3_TIMING_WIDEN         2u  /* from a half of the store to the word that it is: the store is read so much earlier, and an access of the host takes as much longer */
+#define FP3_TIMING_WIDEN         2u  /* from a half of the store to the word that it is: the store is read this many cycles earlier, and an access of the host takes as many more */
 #define FP3_TIMING_LIST          12u /* from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes */
 #define FP3_TIMING_COPY          11u /* of the copies before a round, beyond those of its words and a cycle for each group of lanes */
 #define FP3_TIMING_SETTLE        14u /* from the last issue of a round to the last report, beyond the latency and a cycle for each lane */
@@ -29,7 +29,7 @@
 #define FP3_TIMING_SOLO_ACCESS   1u  /* from the host's access of a register's word to the word */
 #define FP3_TIMING_SOLO_OPERANDS 1u  /* from an issue to its operands */
 #define FP3_TIMING_SOLO_READ     2u  /* from the issue that a bypass allows to the issue that reads the register file */
-#define FP3_TIMING_SOLO_FUSED    1u  /* by which a multiply-add that is rounded once takes less than a product and a sum: there is no register between them */
+#define FP3_TIMING_SOLO_FUSED    1u  /* cycles that a fused multiply-add saves over a product and a sum: there is no register between them */
 #define FP3_TIMING_SOLO_AROUND   4u  /* of a run, before the first issue and after the last write */
 
 /* clang-format on */

@@ -60,9 +60,9 @@ static fp3_status check_machine(const fp3_tune_def *def, fp3_error *error) {
     const double bits = fmin(config->fraction + 1, log2(fp3_storage_counts(config))),
                  unit = exp2(-bits), least = FP3_TUNE_LEAST * unit * 0x1p24;
     if (def->tolerance < least)
-        return fp3_fail(error, least > FP3_TUNE_LEAST ? FP3_E_PROGRAM : FP3_E_ARGUMENT,
-                        "the tolerance is %g: expected one from %.2g, as configuration '%s' "
-                        "rounds by %.1g",
+        return fp3_fail(error, def->tolerance >= FP3_TUNE_LEAST ? FP3_E_PROGRAM : FP3_E_ARGUMENT,
+                        "the tolerance is %g: expected one from %.3g, as configuration '%s' "
+                        "rounds by %.2g",
                         def->tolerance, least, config->name, unit);
     return FP3_OK;
 }

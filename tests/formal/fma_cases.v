@@ -1,7 +1,7 @@
 // fma_cases: the case that the operands of z + x * y or z - x * y fall in, and normal factors in place of one that is subnormal.
 //
-// A subnormal factor is shifted left until it is normal, and the other factor's exponent is lessened by as much. The exact product
-// is the same, if it has a bit in the window beside z: so its exponent can be lessened, and the other factor stays normal.
+// A subnormal factor is shifted left until it is normal, and the other factor's exponent is reduced by as much: the exact product
+// stays the same. This needs the other factor's exponent to stay above 0.
 `default_nettype none
 module fma_cases #(
     parameter EXP = 8, FRAC = 23, SUBNORMAL = 1

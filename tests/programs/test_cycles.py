@@ -39,7 +39,7 @@ CAUSES = [
     ("single_fused", "fmadd r0, r1, r2, r3\nadd r4, r0, r0\nmul r5, r4, r4\nmin r6, r5, r5\nmul r7, r6, r6\n", {"dependency": 6}),
     # a product that ends with the sum before it
     ("single_fused", "add r0, r1, r1\nmul r2, r3, r3\n", {"writeback": 1}),
-    # of a product nobody waits for register 0, which its empty field would name; a sum waits for a alone
+    # a product does not wait for register 0, which its unused field names; a sum waits for a alone
     ("single_fused", "fmadd r0, r1, r2, r3\nmul r4, r5, r5\n", {"writeback": 1}),
     # nobody waits for an operand that an instruction does not have: r0
     ("single_full", "mul r0, r4, r4\nabs r1, r5\nmul r0, r4, r4\nmul r2, r4, r4\nmul r3, r4, r4\n", {"writeback": 1}),

@@ -35,7 +35,7 @@ def test_the_cheapest_arithmetic_is_chosen(tune, fp3, root, tmp_path):
     done, found = tune("m.ode", "--tolerance", "1e-4", "--spread", "k=0.5:2", "--arithmetic", "all", "--output", "m.scene", "--objects", "50")
     rows, of = {row["config"]: row for row in found["arithmetics"]}, known(root)
     assert done.returncode == 0 and rows.keys() >= {"many_full", "flush", "cell", "bfloat", "middle", "log"}
-    assert {name for name, row in rows.items() if not row["met"]} == {"bfloat"} and re.search(r"^bfloat .* left out: .*rounds by 0.004$", done.stdout, re.M)
+    assert {name for name, row in rows.items() if not row["met"]} == {"bfloat"} and re.search(r"^bfloat .* left out: .*rounds by 0.0039$", done.stdout, re.M)
     rows.pop("bfloat")
     for name, row in rows.items():
         assert (row["lut4"], row["mhz"]) == of[name] and row["error"] <= 1e-4
@@ -73,12 +73,12 @@ def test_a_configuration_that_cannot_run_the_model_is_told_and_left_out(tune, tm
         assert done.returncode == 2 and "sin(x)" in done.stderr
 
 
-@pytest.mark.parametrize("config, least", [("many_full", 1e-7), ("middle", 2.6e-5), ("many_half", 8.2e-4), ("bfloat", 6.6e-3)])
+@pytest.mark.parametrize("config, least", [("many_full", 1e-7), ("middle", 2.56e-5), ("many_half", 8.192e-4), ("bfloat", 6.5536e-3)])
 def test_what_numbers_are_too_short_for_is_refused(tune, config, least):
     """Instead of a search that cannot end well. At the limit the search begins."""
-    done, found = tune("m.ode", "--tolerance", str(least * 0.9), "-c", config)
-    assert done.returncode == 2 and f"expected one from {least:.2g}, as configuration '{config}' rounds by" in done.stderr and found is None
-    assert tune("m.ode", "--tolerance", str(least * 1.1), "-c", config)[0].returncode in (0, 3)
+    done, found = tune("m.ode", "--tolerance", str(least * 0.999), "-c", config)
+    assert done.returncode == 2 and f"expected one from {least:.3g}, as configuration '{config}' rounds by" in done.stderr and found is None
+    assert tune("m.ode", "--tolerance", str(least * 1.001), "-c", config)[0].returncode in (0, 3)
 
 
 def test_some_of_several_miss_the_tolerance(tune):
