@@ -201,7 +201,7 @@ module tile_scheduler #(
             `RETIRE_FIELDS
             assign `RETIRE = retires[0 +: `RETIRE_W];
             wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
-                                  retire_batch, retire_context, retire_register};
+                                  retire_whole, retire_batch, retire_context, retire_register};
             delay #(.W(1), .N(AHEAD+TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin

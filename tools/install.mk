@@ -79,7 +79,7 @@ install: released $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, comman
 	@install $(RELEASED)/bin/fp3 $(COMMAND)
 	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
-	@install -m 644 sw/include/fp3/status.h sw/include/fp3/image.h $(BARE)/fp3
+	@install -m 644 sw/include/fp3/status.h sw/include/fp3/image.h sw/include/fp3/isa.h $(BARE)/fp3
 
 # Directories that other programs share stay.
 uninstall: ## Remove what install put there

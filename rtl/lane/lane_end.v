@@ -110,10 +110,10 @@ module lane_end #(
                 .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
             delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
             assign move_load_whole = 1'b0;
-            wire unused_lists = &{own_row_w3, register_w3};
+            wire unused_lists = &{own_row_w3, register_w3, retire_whole};
         end else begin : g_no_lists
             delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
-            delay #(.W(1), .N(TIMING_END-3)) u_whole_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(WHOLE != 0 && retire_lds), .q_o(move_load_whole));
+            delay #(.W(1), .N(TIMING_END-3)) u_whole_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_whole), .q_o(move_load_whole));
             assign {ended, move_load_place, move_load_upper} = 3'd0;
             assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
             assign move_load_row      = own_row_w3;

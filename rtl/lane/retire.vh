@@ -6,15 +6,16 @@
 //     valid                       an instruction ends; without it only context and register are set
 //     begins, ends, lasts         the first, the last of a visit; in its last part
 //     lds, sleep, load, arithmetic   what it does; a store does none of these
+//     whole                       it loads all 32 bits of its word, with STORAGE
 //     batch                       two batches in a row differ in it
 //     context, register           whose register is written
 //     row                         the store's row of the context's object, without SLEEP
-`define RETIRE_W (10 + REG_W + ROW_W)
+`define RETIRE_W (11 + REG_W + ROW_W)
 `define RETIRE_FIELDS \
     wire retire_round, retire_valid, retire_begins, retire_ends, retire_lasts; \
-    wire retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch; \
+    wire retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_whole, retire_batch; \
     wire [CONTEXT_W-1:0] retire_context; \
     wire [REGISTER_W-1:0] retire_register; \
     wire [ROW_W-1:0] retire_row;
 `define RETIRE {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts, \
-    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch, retire_context, retire_register, retire_row}
+    retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_whole, retire_batch, retire_context, retire_register, retire_row}

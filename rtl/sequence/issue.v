@@ -178,7 +178,8 @@ module issue #(
     assign `SETTINGS      = settings_i;
     assign issue_record   = setting_record;
     assign issue_register = d_q;
-    assign issue_whole    = WHOLE != 0 && st_q && setting_whole == {{7-REGISTER_W{1'b0}}, d_q};
+    wire   whole          = WHOLE != 0 && setting_whole == {{7-REGISTER_W{1'b0}}, d_q};
+    assign issue_whole    = st_q && whole;
     assign issue_row      = row;
     assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};
     assign issue_y        = {y_q[REGISTER_W] ? SHARED : issue_context, y_q[REGISTER_W-1:0]};
@@ -195,6 +196,7 @@ module issue #(
     assign retire_sleep      = sleep_q;
     assign retire_load       = load_q;
     assign retire_arithmetic = arithmetic_q;
+    assign retire_whole      = load_q && whole;
     assign retire_batch      = batch_q;
     assign retire_context    = issue_context;
     assign retire_register   = d_q;

@@ -47,10 +47,10 @@ static void write_program(FILE *out, const char *name, const fp3_image *image,
                 image->constant_count);
     fprintf(out,
             "    .registers = %u,\n    .shared = %u,\n    .record = %u,\n    .revision = %d,\n"
-            "    .arithmetic = %u,\n    .slept = %d,\n};\n",
+            "    .arithmetic = %u,\n};\n",
             image->registers, image->shared,
-            visit->log2 < LEAST_RECORD ? LEAST_RECORD : visit->log2, FP3_ISA_REVISION, image->words,
-            fp3_image_slept(image) + 1);
+            visit->log2 < LEAST_RECORD ? LEAST_RECORD : visit->log2, FP3_ISA_REVISION,
+            image->words);
 }
 
 /* What the host gives, and reads back. */

@@ -2,6 +2,7 @@
 #include "fp3_bare.h"
 
 #include <fp3/image.h>
+#include <fp3/isa.h>
 
 #define BIT(field) (1u << FP3_##field##_LO)
 #define FIELD(word, field)                                                                         \
@@ -175,6 +176,16 @@ static int has_room(const fp3_bare *fp3, const fp3_bare_program *program, uint32
            (fp3->store == 0 || fp3->store >> program->record > 0);
 }
 
+/* The register that `sleep` writes, which keeps all its bits in a record of 16 bits; NO_WORD: there is none. */
+static uint32_t whole_of(const fp3_bare_program *program) {
+    for (uint32_t i = 0; i < program->word_count; i++) {
+        const uint32_t word = program->words[i], op = word >> FP3_FIELD_OP_LO;
+        if (op == FP3_OP_SLEEP || op == FP3_OP_LDS)
+            return FIELD(word, FIELD_D);
+    }
+    return NO_WORD;
+}
+
 static fp3_status put_shape(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_program *program,
                             uint32_t skipped, uint32_t words) {
     fp3_status status = put(fp3, scheduler, FP3_ADDR_STEP, program->step - skipped);
@@ -186,7 +197,7 @@ static fp3_status put_shape(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_pr
         status = put(fp3, scheduler, FP3_ADDR_RECORD, program->record);
     if (!status && FIELD(fp3->features, FEATURES_SLEEP) &&
         FIELD(fp3->features_more, FEATURES_MORE_STORAGE))
-        status = put(fp3, scheduler, FP3_ADDR_WHOLE, program->slept ? program->slept - 1 : NO_WORD);
+        status = put(fp3, scheduler, FP3_ADDR_WHOLE, whole_of(program));
     return status;
 }
 

@@ -9,7 +9,7 @@
  *         ... fp3.failed_at is the address that was refused, if one was ...
  *
  * Freestanding C11: no libc, no libfp3, no memory of its own. It consists of this file, fp3_bare.c,
- * gen/registers.h (docs/registers.md) and fp3/status.h; `make install` puts them below
+ * gen/registers.h (docs/registers.md) and fp3/status.h, image.h and isa.h; `make install` puts them below
  * share/fp3/bare. `fp3 dis IMAGE --header FILE` writes a program for it. docs/integration.md shows a whole host.
  *
  * A call that would be refused by the hardware, because a program runs or because there is no such thing, is
@@ -56,7 +56,6 @@ typedef struct {
     uint32_t record;            /* the binary logarithm of the words of an object, 3 to 6 */
     uint32_t revision;          /* of the instruction set */
     uint32_t arithmetic;        /* that it is compiled for: fp3_image.words (fp3/image.h) */
-    uint32_t slept;             /* the register that `sleep` writes, plus 1; 0: none does */
 } fp3_bare_program;
 
 /* All schedulers. Elsewhere a number from 0 on. */

@@ -279,7 +279,7 @@ static void let_go(const fp3_drive *d, int is_in_visit, uint32_t end) {
 static void leave_out(const fp3_drive *d) {
     const fp3_fast_plan *p = &d->fast->plan;
     fp3_fast_lanes *l = d->lanes;
-    if (p->slept < 0 || !(p->written & p->read & (uint64_t)1 << p->slept))
+    if (!p->has_lds || !(p->written >> p->slept & 1))
         return;
     const uint32_t *word = (const uint32_t *)(const void *)l->records[p->slept];
     for (uint32_t i = 0; i < l->count; i++)

@@ -82,6 +82,7 @@ static void note(fp3_fast_plan *plan, uint32_t pc) {
     if (is_arithmetic(in))
         plan->written |= bit(in->d);
     plan->sleeps |= in->op == FP3_OP_SLEEP;
+    plan->has_lds |= in->op == FP3_OP_LDS;
 }
 
 /* What a neighbour gives a word; arithmetic with it becomes that of registers. loaded: by `ldl`, of this turn. */

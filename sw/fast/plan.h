@@ -74,6 +74,7 @@ typedef struct {
     int are_sums;      /* what loops keep: native code has no other loops */
     uint32_t *phase;   /* where each phase begins, and where the last one ends */
     int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
+    int has_lds;       /* objects whose word for sleep is not 0 make no visit */
 } fp3_fast_plan;
 
 /* Of a program with neighbours: words of a record, whole quads of them. */

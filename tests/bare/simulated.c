@@ -2,11 +2,14 @@
  *
  *     simulated LIBRARY BITS SEED SHIPS STEPS     prints "v s" of each ship, as bits
  *     simulated LIBRARY BITS 0 latency            prints the cycles of transfers
+ *     simulated LIBRARY BITS SEED sleep           prints in which step an object fell asleep, the first after 69,999
  *
  * BITS: of the bus's addresses. A window of that size is all that a processor gives FP3.
- * ships.c and ship.h are made by the test.
+ * ships.c, ship.h and sleeper.h are made by the test.
  */
 #include "ships.c"
+
+#include "sleeper.h"
 
 #include "fp3_rtl.h"
 #include <dlfcn.h>
@@ -245,6 +248,19 @@ static void print_latency(board *b) {
            stream(b, 0, object));
 }
 
+static void print_sleep(const fp3_bare_bus *bus) {
+    fp3_bare fp3;
+    fp3_bare_outcome outcome;
+    uint32_t slept = 0;
+    EXPECT(!fp3_bare_open(&fp3, bus) && !fp3_bare_load(&fp3, FP3_ALL, &sleeper_program));
+    EXPECT(!fp3_bare_write(&fp3, FP3_ALL, 0, sleeper_state_x, 0));
+    EXPECT(!fp3_bare_write(&fp3, FP3_ALL, 0, sleeper_asleep, 0) && !fp3_bare_list(&fp3, 0, 1));
+    EXPECT(!fp3_bare_start(&fp3, 0, 10, 0, 69999) && !fp3_bare_wait(&fp3, 0, POLLS, &outcome));
+    EXPECT(outcome == FP3_BARE_DONE);
+    EXPECT(!fp3_bare_read(&fp3, FP3_ALL, 0, sleeper_asleep, &slept));
+    printf("%" PRIu32 "\n", slept);
+}
+
 int main(int argc, char **argv) {
     static uint32_t v[SHIPS_MAX], s[SHIPS_MAX];
     EXPECT(argc >= 5);
@@ -257,7 +273,9 @@ int main(int argc, char **argv) {
     EXPECT(b.rtl);
     const fp3_bare_bus bus = {read_word, write_word, &b};
     const uint32_t ships = (uint32_t)strtoul(argv[4], NULL, 10);
-    if (ships == 0) {
+    if (strcmp(argv[4], "sleep") == 0) {
+        print_sleep(&bus);
+    } else if (ships == 0) {
         print_latency(&b);
     } else {
         fp3_bare fp3;

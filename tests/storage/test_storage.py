@@ -146,6 +146,19 @@ LATE = ".state slept t\n.shared limit\n.temp left\nstep:\nadd t, t, 1.0\nsub lef
 
 
 @pytest.mark.smoke
+@pytest.mark.parametrize("config", ["many_half", "many_full"])
+@pytest.mark.parametrize("load, steps", [("ld", 6), ("lds", 2)])
+def test_a_program_may_write_and_load_the_word_itself(run, config, load, steps):
+    """`ld` of the register of `sleep` gets all of its bits, and goes on; after `lds` of a word that is not 0 the object makes no visit."""
+    own = f".state x slept\nfirst:\nld x\n{load} slept\nstep:\nadd x, x, 1.0\nadd slept, slept, 1.0009765625\nsleep slept, 1.0, 0.5\nlast:\nst x\nst slept\n"
+    for engine, how in ENGINES:
+        said = states(run(own, "-e", engine, "-o", 2, "-n", 6, "--visit", 2, "--all", "--set", "x=0", "--set", "slept=0", how=how, config=config))
+        word = {2: "40002000", 6: "40c03000"}[steps]
+        assert [row[1:3] for row in said if row[0] == "x"] == [(str(steps), {2: "40000000", 6: "40c00000"}[steps])] * 2, (engine, how)
+        assert {row[2] for row in said if row[0] == "slept"} == {word}, (engine, how)
+
+
+@pytest.mark.smoke
 def test_adaptive_steps_are_refused(run, fp3, tmp_path):
     """By the compiler, and by an engine that gets such a program ready-made."""
     (tmp_path / "m.ode").write_text("state x = 1\nx' = -x\nstep 0.125\nspan 1\n")
