@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The design for Verilator (-f) and Icarus (-c), from the project's directory.
 // One module per file: a module's name is enough to find it.
 +incdir+rtl

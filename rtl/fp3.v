@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp3: the field-programmable physics processor.
 //
 // Purpose   Integrates equations of motion. A host loads a program and objects over an AXI4-Lite bus

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tile: schedulers and lanes with the arithmetic that they work on.
 //
 // Purpose   Two ways to share. Several schedulers, each with a program of its own, share one adder

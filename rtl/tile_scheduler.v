@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
 //
 // Purpose   Puts together what belongs to one program: the host port, the sequencer and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // board_clock: a board's clock in simulation: the pin, good at once. The families' own are in rtl/fpga/.
 `default_nettype none
 module board_clock #(

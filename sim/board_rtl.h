@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* board_rtl.h - one simulated board: rtl/board/board_top.v with a configuration, seen from its serial line.
  *
  * sim/board_shim.cpp, compiled once for each configuration that has a board, is a library,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3_rtl.h - one simulated FP3: its clock, its bus, what it issues and retires.
  *
  * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator. With its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* fp3_shim.cpp - clocks one Verilated configuration; compile with -DFP3_CONFIG=<name>.
  *
  * A cycle: the inputs are set, the low phase settles what depends on them and is where outputs are

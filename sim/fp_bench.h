@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp_bench.h - run operands through the floating-point cores of tests/fp/fp_bench.v.
  *
  *     fp3_bench *bench = fp3_bench_open();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_bench_shim: the Verilated tests/fp/fp_bench.v behind the C interface of fp_bench.h.
 #include "fp_bench.h"
 

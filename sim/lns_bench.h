@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lns_bench.h - run operands through the units of tests/lns/lns_bench.v.
  *
  *     fp3_lns_bench *bench = fp3_lns_bench_open();

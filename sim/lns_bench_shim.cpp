@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_bench_shim: the Verilated tests/lns/lns_bench.v behind the C interface of lns_bench.h.
 #include "lns_bench.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // replay: runs a recorded host session on the processor, and checks every answer.
 //
 // Purpose   The same requests that the C host sent to the processor under Verilator, sent to it

@@ -22,7 +22,7 @@ sys.dont_write_bytecode = True  # nothing but what it generates appears in the t
 from fp3gen import c, decode, families, fusesoc, host, pages, parameters, python, rdl, registers, timing, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load
-from fp3gen.text import MARK
+from fp3gen.text import MARK, licensed
 
 
 def outputs(root):
@@ -64,14 +64,14 @@ def outputs(root):
     }
     files |= {f"rtl/gen/fp3_{row['name']}.v": verilog.config_verilog(row, regs) for row in configs}
     files["python/fp3/_declarations.py"] = python.declarations_python(root, files["sw/include/fp3/isa.h"])
-    return {name: "\n".join(lines) + "\n" for name, lines in files.items()}
+    return {name: "\n".join(licensed(name, lines)) + "\n" for name, lines in files.items()}
 
 
 def orphans(root, files):
     """What was generated once and is not any more: all of two directories, and what bears the mark in two others."""
     for pattern, is_ours in (("rtl/gen/*", True), ("sw/gen/*", True), ("sw/include/fp3/*.h", False), ("docs/*.md", False)):
         for path in sorted(root.glob(pattern)):
-            marked = is_ours or path.read_text(encoding="utf-8").partition("\n")[0].find(MARK.partition("{")[0]) >= 0
+            marked = is_ours or MARK.partition("{")[0] in path.read_text(encoding="utf-8")[:200]
             if marked and path.relative_to(root).as_posix() not in files:
                 yield path
 

@@ -117,8 +117,9 @@ def blocks(text):
 
 
 def header(path):
-    """A page: what the first comment says, then each declaration with its comment."""
-    intro, _, rest = path.read_text(encoding="utf-8").partition("*/")
+    """A page: what the first comment below the line of the licence says, then each declaration with its comment."""
+    _, _, text = path.read_text(encoding="utf-8").partition("\n")
+    intro, _, rest = text.partition("*/")
     title, _, about = comment(intro).partition("\n")
     name, dash, what = title.partition(" - ")
     yield f"# {name if dash else f'fp3/{path.name}'}\n\n{what[:1].upper() + what[1:] if dash else title}\n" + about.rstrip() + "\n"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // answer_tx: the bytes of a frame, from the answer to a request.
 //
 // Purpose   Sends an end, sequence number, status, words, CRC-32 and an end. The end in front makes

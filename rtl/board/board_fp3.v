@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // board_fp3: the processor behind a serial line, without any vendor's parts.
 //
 // Purpose   What a board's own top and the simulated board instantiate: all but clock, reset and pins.

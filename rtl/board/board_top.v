@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // board_top: what a board's pins see: clock, power-up reset, board_fp3 and a light.
 //
 // Purpose   The top of every bitstream, and of the simulated board. Boards differ in their entries in

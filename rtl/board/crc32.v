@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // crc32: one byte more in a CRC-32 (IEEE 802.3, clause 3.2.9, bits reflected: zlib's crc32).
 //
 // Purpose   The check of a frame. A CRC begins with all ones; what is sent is its complement, low byte first.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // request_rx: a request of the host, from the bytes of a frame.
 //
 // Purpose   Checks a frame while it comes: its command, its length, its CRC-32. Its words leave for the store of

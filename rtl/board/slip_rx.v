@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slip_rx: bytes of frames, from bytes of a line (SLIP, RFC 1055).
 //
 // Purpose   8'hc0 ends a frame; 8'hdb 8'hdc stands for a 8'hc0 within it, 8'hdb 8'hdd for a 8'hdb.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // slip_tx: bytes of a line, from bytes of frames (SLIP, RFC 1055).
 //
 // Purpose   The other end of slip_rx.

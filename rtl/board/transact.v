@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // transact: carries out a request as a master of AXI4-Lite, and keeps its answer.
 //
 // Purpose   The words of a request go to, or come from, addresses that grow by 4, one transfer after the other, until

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // uart_bridge: a serial line as a master of AXI4-Lite.
 //
 // Purpose   Lets a host that has a serial port read and write words on the bus. docs/board.md has the frames.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // uart_rx: bytes from a serial line, 8N1 (a start bit, eight data bits with the lowest first, a stop bit).
 //
 // Purpose   Finds the start bit's falling edge, then samples the middle of each bit.

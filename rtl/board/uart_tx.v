@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // uart_tx: bytes onto a serial line, 8N1 (a start bit, eight data bits with the lowest first, a stop bit).
 //
 // Purpose   The other end of uart_rx.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // axi_lite: an AXI4-Lite slave in front of a host port.
 //
 // Purpose   A bus that processors, interconnects and vendor tools know. One word of 32 bits for each

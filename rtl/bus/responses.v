@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // responses: the responses of one kind, from their requests on until the master takes them.
 //
 // Purpose   What answers cannot wait, and the master may let a response wait. So each request that goes keeps

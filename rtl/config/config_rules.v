@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // config_rules: ends elaboration where a configuration cannot be built.
 //
 // Purpose   The rules that tools/generate.py checks for the named configurations, for those that set

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // derived.vh: what follows from the keys of a configuration. Part of a parameter list, behind the keys: of config.vh, and of
 // fp3, which has them as parameters of its own. Not to be set.
 //

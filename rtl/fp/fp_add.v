@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_add: z = a + b or a - b, IEEE 754 binary.
 //
 // Purpose   One adder for every format, depth and rounding: correctly rounded, with flags.

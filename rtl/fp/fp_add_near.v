@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_add_near: the path of fp_add for differences that lose leading bits.
 //
 // Purpose   Operands at most one place apart may cancel; their difference is exact, so it

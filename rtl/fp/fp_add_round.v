@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_add_round: the end of fp_add: normalises by 0, 1 or 2 places, rounds, and packs.
 //
 // Purpose   Chooses between those places and the near path in one four-way choice, so that

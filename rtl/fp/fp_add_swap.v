@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_add_swap: the front of fp_add: decodes, compares, and puts the greater operand first.
 //
 // Purpose   What follows may assume big >= little, and meets no infinity and no NaN: such a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_estimate: a first approximation of 1 / a or 1 / sqrt(a), from a table.
 //
 // Purpose   The bits of sw/machine/estimate.c, except for a NaN, of which z_o says nothing: whoever has one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_exponent: a power of two from its exponent, or an exponent from its number.
 //
 // Purpose   exp2: 2^n for a's integral part n; what is above 2^127 is infinity, from 2^-127 to 2^-149 subnormal,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_fma: fused multiply-add, z + x * y or z - x * y, rounded once, IEEE 754 binary.
 //
 // Purpose   The exact product and z are added in one window, wide enough that what falls below it is only sticky:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_fma_align: shifts the addend of fp_fma right, from the top of the window to its place beside the product.
 //
 // Purpose   By ones and fours first, while the word is narrow, then by sixteens. lost_o is the OR of the bits

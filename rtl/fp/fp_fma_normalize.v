@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_fma_normalize: shifts the sum of fp_fma left until its first significant bit is at the top.
 //
 // Purpose   By sixteens, fours and ones. Each step looks at the bits in front of it, so that no leading zeros are

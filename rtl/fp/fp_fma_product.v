@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_fma_product: the front of fp_fma: the exact product of x and y, where it stands, and its class.
 //
 // Purpose   Nothing is rounded here. The product is the integer p_o; its place is told as place_o, the exponent

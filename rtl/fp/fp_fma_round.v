@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_fma_round: rounds and packs the normalised sum of fp_fma.
 //
 // Purpose   The one rounding of a fused multiply-add, with all flags. A negative sum -v comes as the bits of its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_mul: floating-point multiplier, IEEE 754, subnormals and flags included.
 //
 // Purpose   z = a * b in a binary format with EXP >= 3, FRAC from 2 to 30 (SW bits hold the shift); default binary32, round

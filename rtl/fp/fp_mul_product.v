@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_mul_product: the exact product of two significands, in four tiles of at most 18 bits.
 //
 // Purpose   The multiplication proper of fp_mul, a module of its own so that a proof can take

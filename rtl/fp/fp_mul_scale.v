@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_mul_scale: how far fp_mul shifts its product, and which exponent results.
 //
 // Purpose   {product, 0} >> shift_o puts the leading one of a normal product at the top of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_rint: a number rounded to an integral value.
 //
 // Purpose   IEEE 754's roundToIntegral: to nearest, ties to even, or (NEAREST = 0) toward zero. The

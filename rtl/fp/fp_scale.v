@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_scale: twice or half of a number, without a multiplier.
 //
 // Purpose   The same bits and flags as a product with 2 or 1/2. Only the exponent changes, unless

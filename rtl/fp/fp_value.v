@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_value: an operand of the adder, or what a comparison, a selection, an estimate, a rounding or an exponent makes of it.
 //
 // Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for its

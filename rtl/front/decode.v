@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // decode: what an instruction word asks for, and whether this build can do it.
 //
 // Purpose   The only reader of the instruction set's fields in hardware.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // decoded.vh: the decoded instruction as a bundle, its fields, order and width. Included before a
 // module that names CONFIG's keys; both ends declare the fields and name the bundle:
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fetch: instruction memory, program counter and the step loop.
 //
 // Purpose   Delivers a visit's instructions in order: the first part once, the step part

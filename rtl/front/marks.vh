@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // marks.vh: the bundle MARKS, an instruction's place in its visit: from fetch, through the sweep, to
 // issue. Used as decoded.vh shows.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // answer.vh: the bundle ANSWER, what a host port answers. All 0 in a cycle without an answer, so that a hub ORs
 // what it hears. front/decoded.vh shows how a bundle is used.
 //

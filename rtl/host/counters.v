@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // counters: counts the cycles in which each of N events happens.
 //
 // Purpose   Says where a run's cycles went. A count wraps at 2^W: with 48 bits, after a month at 10 ns.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // host_decode: where a host's address leads.
 //
 // Purpose   Of host_port: tells registers, counters, program and the memories behind it apart. Whether an

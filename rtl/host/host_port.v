@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // host_port: the host's registers, its counters, and its windows onto the memories.
 //
 // Purpose   Loads programs, constants and objects, starts and stops runs, and shows how they went. Each

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // hub: one host port in front of those of all schedulers.
 //
 // Purpose   The top of an address names a scheduler, or all of them: then a write goes to all, and

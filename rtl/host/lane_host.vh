@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What an access of the host to a lane is about. Included inside modules, which use what they need.
 // verilator lint_off UNUSEDPARAM
 localparam [2:0] HOST_OBJECT   = 3'd0;   // a word of the store

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // access.vh: the bundle ACCESS, which goes from lane to lane: what the host wants of them.
 // front/decoded.vh shows how a bundle is used.
 //

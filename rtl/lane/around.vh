@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // around.vh: the bundle AROUND: what an instruction has to do with an object's neighbours. From the sequencer's loops to the
 // lane's lists; one bit, 0, where objects do not see each other.
 // front/decoded.vh shows how a bundle is used.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // dual_end: for whom instructions are executed: their ends, where a sum and a product may end at once.
 //
 // Purpose   Nobody sleeps, and objects come in order: an instruction is executed where there is an object. Says which words

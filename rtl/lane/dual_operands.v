@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // dual_operands: a lane's registers in two banks, and the operands that a sum and a product take from them at once.
 //
 // Purpose   Sums are written to one bank, products to the other; every operation reads at most one register of each, so

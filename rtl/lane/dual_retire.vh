@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // dual_retire.vh: the bundle DUAL_RETIRE, which goes from lane to lane TO_END cycles after DUAL_ISSUE: what
 // the ends of two instructions need.
 // front/decoded.vh shows how a bundle is used.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // end.vh: the bundle END, the end of an instruction in a lane, in the cycle W of its result.
 // front/decoded.vh shows how a bundle is used.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // halve: a binary32 number rounded to the 16 bits that a store keeps of it.
 //
 // Purpose   STORAGE is 1: bfloat16, 2: binary16. Rounds to nearest, ties to even; or, if draws_i, up as often as the fraction that

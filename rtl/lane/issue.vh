@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // issue.vh: the bundle ISSUE, which goes from lane to lane: the instruction that issues, for one
 // context.
 // front/decoded.vh shows how a bundle is used.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane: the registers of some objects, the store behind them, and what becomes of each result.
 //
 // Purpose   Does what its sequencer says, in each cycle an instruction of each stream, for as many objects as there are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_end: for whom an instruction is executed: its end, where one ends in each cycle.
 //
 // Purpose   Takes what a lane hears of an instruction's end, finds the object in its context, and decides: is it there, is it

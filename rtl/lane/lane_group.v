@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_group: lanes that hear the same in the same cycle, and answer as one.
 //
 // Purpose   What goes from group to group is registered once in each, for all its lanes. As the lanes are

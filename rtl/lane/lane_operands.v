@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_operands: a lane's registers, and the operands x, y and z that an instruction takes from them.
 //
 // Purpose   Three copies of the registers, so that three are read in a cycle. A sum is z +/- x * 1 (or 2,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_report: what a lane adds to the report of those before it.
 //
 // Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_result: the end of an instruction of one stream: what is written to the registers, and the trace of it.
 //
 // Purpose   The register between a result and the registers' write port, and what the host and the trace hear of it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_status: what happened to each object: the step of its first failure, and its exceptions.
 //
 // Purpose   A word for each row: {step of the first NV or OF (27 bits), exceptions}. Each result of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_store: the records of a lane's objects, loaded and stored word by word.
 //
 // Purpose   A record has 8 << record words, one for each register. A store knows its row two cycles after

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lists: where each context is in its object's list of neighbours.
 //
 // Purpose   `each` notes the place and the length of each object's list, which its register holds. All contexts go through their

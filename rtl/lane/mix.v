@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // mix: 32 bits that look as if they were drawn at random, from 32 others.
 //
 // Purpose   The hash of draws (sw/machine/storage.h has the same): each bit of the result depends on every bit of the number, and

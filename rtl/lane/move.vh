@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // move.vh: the bundle MOVE, the words that a lane loads from its store and stores there.
 // front/decoded.vh shows how a bundle is used. lane_store says in which cycle each is.
 //

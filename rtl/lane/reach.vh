@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // reach.vh: the bundle REACH, which goes from lane to lane AHEAD cycles before ISSUE: what an instruction reads of the store, so
 // that it is there beside the operands. One bit, 0, where objects do not see each other: then RETIRE says it, later.
 // front/decoded.vh shows how a bundle is used.

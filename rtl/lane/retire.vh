@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // retire.vh: the bundle RETIRE, which goes from lane to lane TO_END cycles after ISSUE: what the
 // end of an instruction needs.
 // front/decoded.vh shows how a bundle is used.

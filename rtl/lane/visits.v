@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // visits: whose turn it is, where objects can sleep. The list of a lane's objects, the object in each context, and who sleeps.
 //
 // Purpose   A visit takes an object from the list's head and, if it is still awake at its end, puts

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // visits_in_order: whose turn it is where nobody sleeps: every object's, one row after the other.
 //
 // Purpose   Takes the place of visits without SLEEP. A round goes through rows 0, 1 .. in the order in which

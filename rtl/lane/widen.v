@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // widen: the binary32 number that 16 bits of a store are.
 //
 // Purpose   STORAGE is 1: bfloat16, 2: binary16. Exact.

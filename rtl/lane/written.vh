@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // written.vh: the bundle WRITTEN, an instruction's end in a lane, for the trace alone: left open, it costs nothing.
 // front/decoded.vh shows how a bundle is used. Its widths are those of fp3's ports.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // cut: a pipeline register that a parameter puts in or leaves out.
 //
 // Purpose   Every place where a floating-point core may be cut is one of these, so that a

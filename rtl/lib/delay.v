@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // delay: N registers in a row.
 //
 // Purpose   Keeps what travels beside a pipeline in step with it.

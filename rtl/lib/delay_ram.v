@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // delay_ram: what `delay` does, in a distributed memory.
 //
 // Purpose   For wide words that wait long: a register takes a flip-flop for each bit and cycle, this one for each bit.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lutram_1r1w: an inferred distributed memory with one write port and one combinational read port.
 //
 // Purpose   The memory for few words that must be fast: its reader registers the word, so that

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lzc: counts the zeros above the highest one.
 //
 // Purpose   Says how far a sum or a significand must move left to be normal. Of an all-zero input only

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // multiply: a product of two numbers of 18 bits, and where it is cut by registers.
 //
 // Purpose   One multiplier of a device, with the registers that are inside it: rtl/fpga/ecp5/multiply.v takes its place there.

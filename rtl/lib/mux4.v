@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // mux4: one of four words.
 //
 // Purpose   A level of a shifter by two bits, or any choice by two bits that is on a long path.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ram_1r1w: an inferred block memory with one write port and one synchronous read port.
 //
 // Purpose   The memory for many words: one form, so that each tool's inference is met once.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ram_forward: a memory whose read sees the write of its own cycle.
 //
 // Purpose   A read port of the register file, of whichever kind of memory suits its size.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ram_registered: an inferred block memory with a register behind its read port.
 //
 // Purpose   The memory for many words at a high clock: a block memory is slow to show its word,

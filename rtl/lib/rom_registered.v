@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rom_registered: a table in block memory with a register behind it.
 //
 // Purpose   As ram_registered: a block memory is slow to show its word, so the word is registered before anything is done with it.

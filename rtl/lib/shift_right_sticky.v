@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // shift_right_sticky: moves right and remembers whether a one fell out.
 //
 // Purpose   Aligns a significand without losing what rounding must know of it. sticky_o tells of this

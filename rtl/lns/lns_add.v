@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_add: z = a + b or a - b of logarithmic words.
 //
 // Purpose   The larger operand's logarithm plus a function of the distance r of both logarithms: log2(1 + 2^-r) or

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_add_curve: the functions behind a logarithmic sum, as quadratics: c0 - c1 * u + (c2 * u + c3) * u.
 //
 // Purpose   log2(1 + 2^-r), and of a difference -log2(1 - 2^-r), or for r < 4 what is left of it without its pole. The result

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_curve: a logarithm or a power of two of a fraction, from a table of quadratics.
 //
 // Purpose   log2(1 + x), or with POWER 2^x - 1, x in 0 .. 1: x itself and a small correction, which is tabulated. The bits of

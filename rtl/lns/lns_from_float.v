@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_from_float: the logarithmic word of a binary32 number.
 //
 // Purpose   The exponent, and the logarithm of the significand. Numbers up to 2^-127 become zeros, with UF and NX.

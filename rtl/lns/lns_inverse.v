@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_inverse: 1 / a or 1 / sqrt(a) of a binary32 number, through its logarithm.
 //
 // Purpose   Normalises a, takes the logarithm of its significand, negates or negates and halves it, and takes the power of two. The bits

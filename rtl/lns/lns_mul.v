@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_mul: z = a * b or a / b of logarithmic words, exact unless the result leaves the range.
 //
 // Purpose   Adds or subtracts two logarithms.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_root: z = sqrt(a) or 1 / sqrt(a) of a logarithmic word, to the nearest word, ties to even.
 //
 // Purpose   Halves a logarithm.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lns_to_float: the binary32 number of a logarithmic word.
 //
 // Purpose   The logarithm's integer part is the exponent, 2^fraction the significand. Below 2^-126 the result is subnormal, with UF and NX.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // batch: which contexts have an object in this visit, and which of these objects are awake.
 //
 // Purpose   A round visits its objects batch by batch, as many at a time as there are contexts. Fetch is

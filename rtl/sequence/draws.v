@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // draws: which draw rounds the word that an object stores.
 //
 // Purpose   A draw depends on the seed, the object, the step and the register, and on nothing else: so every engine, any number of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // dual_pace: when the next sweep may begin, where a sweep of sums and one of products may be under way at once.
 //
 // Purpose   A sweep waits for its unit, and so long after the one before that no context reads a result before

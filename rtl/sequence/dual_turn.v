@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // dual_turn: the instruction that is under way to one unit, one context in each cycle.
 //
 // Purpose   Where sums and products have a turn each: the sweep of one of them, and what the lanes are told

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // exchange: copies published words from lane to lane, before each round.
 //
 // Purpose   A neighbour in another lane is a ghost: a row of the own store with a copy of what is published. This module

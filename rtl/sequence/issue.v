@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // issue: what the lanes are told of each instruction: what it reads of the store, its operands, and its end.
 //
 // Purpose   Turns the instruction and the one context that sweep shows into operands' addresses (ISSUE);

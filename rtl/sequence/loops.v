@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // loops: where a program goes on in which objects see each other: loops over neighbours, phases, batches.
 //
 // Purpose   Fetch delivers one word after the other. This module looks at each word that is taken and says whether it issues,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // one_stream: the instruction under way, where one issues in each cycle.
 //
 // Purpose   An instruction waits until pace lets its sweep begin, which issues it for one context in each cycle in which it is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // pace: when the next sweep may begin, so that no context reads a result before it is written.
 //
 // Purpose   The pause rule, which stands for busy flags. If a sweep of m contexts follows one of n

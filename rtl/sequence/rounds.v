@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rounds: a run as a sequence of rounds, in each of which every awake object is visited once.
 //
 // Purpose   Divides the steps of a run into rounds, begins each when all is at rest, and ends the run:

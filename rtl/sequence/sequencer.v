@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // sequencer: runs a program over the objects of its lanes, as many at a time as there are contexts.
 //
 // Purpose   Tells its lanes, every cycle, which instruction to execute for which context; of two streams, which sum and

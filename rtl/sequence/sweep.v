@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // sweep: goes through the contexts that an instruction is for, one in each cycle.
 //
 // Purpose   The next set bit of a mask in every cycle, without a gap between two sweeps.

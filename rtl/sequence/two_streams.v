@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // two_streams: the instructions under way, where a sum and a product may issue at once.
 //
 // Purpose   An instruction begins GAP cycles after the one before at the soonest, and when its unit is free: a product is

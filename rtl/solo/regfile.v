@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // regfile: three reads and one write per cycle, of the registers of all contexts.
 //
 // Purpose   Holds every object's registers and, as one context more, the constants they share.

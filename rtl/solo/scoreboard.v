@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // scoreboard: one busy flag per register of each context, and the results in flight.
 //
 // Purpose   Says whether an instruction may issue: no register that it names is flagged (paper,

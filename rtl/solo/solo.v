@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // solo: one scheduler with busy flags and its arithmetic unit, for one object.
 //
 // Purpose   The paper's machine, and the one with the shortest time for a single object: results

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // solo_scheduler: the paper's workload scheduler. Fetches a program, issues its instructions and
 // writes the results back, for one object in the shortest time. (For many: tile_scheduler.)
 //

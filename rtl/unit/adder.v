@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // adder: fp_add as a configuration has it, and the registers behind it.
 //
 // Purpose   a + b or a - b, rounded, as late as the configuration says.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // arbiter: which schedulers get the adder, the multiplier, or both, in this cycle.
 //
 // Purpose   Each request names the units that it needs. The multiplier is the scarcer one: requests

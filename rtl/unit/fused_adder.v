@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fused_adder: fp_fma as a configuration has it, and the registers behind it.
 //
 // Purpose   z + x * y or z - x * y, rounded once, as late as the configuration says; or z alone, added to -0.

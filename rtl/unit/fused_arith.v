@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fused_arith: z + x * y or z - x * y, rounded once.
 //
 // Purpose   What lane_arith is, with a fused multiply-add. A product alone is -0 + x * y, a sum alone z + x * 1: one rounding

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // lane_arith: z + x * y or z - x * y, multiplied, rounded, added, rounded.
 //
 // Purpose   The one operation of the throughput machine's lane: a multiplier whose results all go

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // log_arith: z + x * y or z - x * y of logarithmic words.
 //
 // Purpose   As lane_arith, in the arithmetic of docs/logarithmic.md: the product is exact, and a reciprocal or the one of a root

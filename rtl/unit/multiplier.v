@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // multiplier: fp_mul as a configuration has it, and the registers behind it.
 //
 // Purpose   a * b, rounded, as late as the configuration says; or what takes its place: where an adder

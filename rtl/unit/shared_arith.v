@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // shared_arith: one adder and one multiplier for several schedulers.
 //
 // Purpose   The paper's Figure 3. In each cycle one scheduler may use the adder, one, perhaps

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // socket.vh: the bundles OPERANDS and RESULT, what an arithmetic takes and what it gives: its socket.
 // front/decoded.vh shows how a bundle is used.
 //

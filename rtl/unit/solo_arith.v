@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // solo_arith: the pipelined adder and multiplier, and the chain from one to the other.
 //
 // Purpose   One door to the floating-point cores: operands go in every cycle, meant or not, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // solo_fused: a multiply-add that is rounded once, and a multiplier beside it, for one object.
 //
 // Purpose   What solo_arith is, with a fused multiply-add. Sums go through it, too: a sum alone is z + x * 1. So there is no

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // unit: the arithmetic of one stream of a lane, behind its socket.
 //
 // Purpose   The only place that knows which arithmetic a configuration has: z +/- x * y in one stream, rounded twice or

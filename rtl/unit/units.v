@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // units: the arithmetic of a tile, behind one socket for each stream of each lane.
 //
 // Purpose   A lane has units of its own, except where several schedulers share one adder and one multiplier: then they

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fill.c - one object after the other, at random places until one is free; a grid of cells tells who is near. */
 #include "fill.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fill.h - objects at random in a box, none too near another; the same on every machine. */
 #ifndef FP3_ARRANGE_FILL_H
 #define FP3_ARRANGE_FILL_H

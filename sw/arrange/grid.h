@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* grid.h - objects in a row, a sheet or a block, and which of them are linked.
  *
  * Object number: the first axis runs first.

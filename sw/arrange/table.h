@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* table.h - numbers in columns with names, from a file of values with commas between them.
  *
  *     fp3_table points;

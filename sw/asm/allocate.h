@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* allocate.h - which register a name or a number has. */
 #ifndef FP3_ASM_ALLOCATE_H
 #define FP3_ASM_ALLOCATE_H

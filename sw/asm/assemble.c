@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* assemble.c - the assembler. The first pass (parse.c) reads every line; the second gives registers
  * to names and numbers and encodes. So a name may be used before the line that declares it. */
 #include <fp3/image.h>

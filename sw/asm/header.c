@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* header.c - an image as a C header, for sw/bare. */
 #include <fp3/image.h>
 #include <stdio.h>

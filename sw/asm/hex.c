@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hex.c - an image as text that $readmemh reads, with the meaning of each word. */
 #include <fp3/image.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lexer.h - the words of the assembly language. */
 #ifndef FP3_ASM_LEXER_H
 #define FP3_ASM_LEXER_H

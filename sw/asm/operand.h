@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* operand.h - how operands are written: numbers, and registers by number. */
 #ifndef FP3_ASM_OPERAND_H
 #define FP3_ASM_OPERAND_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* parse.h - the first pass of the assembler. */
 #ifndef FP3_ASM_PARSE_H
 #define FP3_ASM_PARSE_H

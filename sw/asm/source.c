@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "source.h"
 
 const asm_declaration *fp3_asm_find(const asm_source *a, fp3_token name) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* source.h - one assembly source between the two passes: what its lines say, then which registers
  * its names and numbers have. */
 #ifndef FP3_ASM_SOURCE_H

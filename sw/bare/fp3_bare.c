@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3_bare.c - see fp3_bare.h. */
 #include "fp3_bare.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3_bare.h - runs FP3 from a processor of your own.
  *
  *     static const fp3_bare_bus bus = {read_word, write_word, NULL};

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cc.c - see cc.h. */
 #include "cc.h"
 

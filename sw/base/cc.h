@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cc.h - the C compiler of this machine, for text that is compiled while a program runs. */
 #ifndef FP3_CC_H
 #define FP3_CC_H

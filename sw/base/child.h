@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* child.h - another program that is started, and ends in its time or is ended.
  *
  *     fp3_child child;

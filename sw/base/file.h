@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* file.h - whole files in and out.
  *
  * "-" is standard input and standard output. Whoever reads a file that this is about reads it here.

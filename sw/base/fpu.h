@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fpu.h - the processor's rounding and its sticky flags, faster than <fenv.h>, which also has those of units that nobody uses.
  *
  * What a processor must have: binary32 arithmetic that is rounded once. Where it detects tininess before rounding (ARM), a

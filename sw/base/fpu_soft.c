@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fpu_soft.c - see fpu_soft.h. */
 #include "fpu_soft.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fpu_soft.h - what fpu.h has, for a processor that only rounds to nearest and raises nothing.
  *
  * A register of each thread has the mode and the sticky flags; sums and products look at it. A product of two floats is exact

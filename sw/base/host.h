@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* host.h - the thread of a caller, with the locale and the arithmetic that the library counts on.
  *
  * A host may write 0,5 for 0.5, round upwards, or flush small numbers to zero (as one does that is linked with

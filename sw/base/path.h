@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* path.h - which file a path is, and whether it can be written, before anything is read or written. */
 #ifndef FP3_PATH_H
 #define FP3_PATH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* printable.h - text of files and names on its way to a terminal, which must not be told to do anything by it. */
 #ifndef FP3_PRINTABLE_H
 #define FP3_PRINTABLE_H

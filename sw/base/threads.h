@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* threads.h - threads that live as long as their owner, and help him with a task.
  *
  * They are started when they are first wanted. Who comes late finds the task done: the owner waits only for those

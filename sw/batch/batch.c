@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* batch.c - see fp3/batch.h. */
 #include "batch.h"
 

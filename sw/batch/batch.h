@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* batch.h - what the project itself asks of a batch besides fp3/batch.h. */
 #ifndef FP3_BATCH_BATCH_H
 #define FP3_BATCH_BATCH_H

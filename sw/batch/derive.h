@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* derive.h - inputs of a compiled program that are made of fields: which of them have to be
  * computed again, for which objects.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* field.h - what a program's objects have by name: which names there are, where each is kept.
  *
  * A compiled model has its params, its states, h and, if it counts them, `steps`; any other image what it

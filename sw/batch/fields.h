@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fields.h - the values of a group of an engine's objects, by the names of its program.
  *
  * What the engine gets is computed as fp3_compiled_inputs does it, again where something has changed

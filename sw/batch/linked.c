@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* linked.c - see linked.h. */
 #include "linked.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* linked.h - links that are kept, by the names of their relations. */
 #ifndef FP3_BATCH_LINKED_H
 #define FP3_BATCH_LINKED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* program.c - a program from a file: an image is read, assembly assembled, a model compiled. */
 #include <fp3/program.h>
 

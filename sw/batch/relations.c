@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* relations.c - see relations.h. */
 #include "relations.h"
 

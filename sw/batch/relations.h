@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* relations.h - what objects of a program see of others: links as they are given, all and those near by themselves.
  *
  *     fp3_relations r = {.to = ..., .linked = links};

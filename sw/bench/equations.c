@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* equations.c - see equations.h. One line for each expression, in the order of the model. */
 #include "equations.h"
 

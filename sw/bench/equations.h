@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* equations.h - a model as text for other solvers: C for a compiler, Python for JAX.
  *
  * C, with `real` as the type of all numbers, and STATES and PARAMS as their counts:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* native.h - C text that is compiled and loaded while a program runs. */
 #ifndef FP3_BENCH_NATIVE_H
 #define FP3_BENCH_NATIVE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* variants.c - see variants.h. */
 #include "variants.h"
 

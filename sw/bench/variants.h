@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* variants.h - objects of a model that differ a little. */
 #ifndef FP3_BENCH_VARIANTS_H
 #define FP3_BENCH_VARIANTS_H

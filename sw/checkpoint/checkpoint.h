@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* checkpoint.h - the state of a run in a file, from which another process goes on with the same bits (docs/checkpoints.md). */
 #ifndef FP3_CHECKPOINT_H
 #define FP3_CHECKPOINT_H

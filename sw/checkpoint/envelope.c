@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* envelope.c - see envelope.h. */
 #include "envelope.h"
 

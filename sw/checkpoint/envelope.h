@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* envelope.h - the first 512 bytes of a checkpoint: a text that says how long the rest is, and its SHA-256.
  *
  * So a file that is cut off, damaged or of something else never reaches libhdf5.

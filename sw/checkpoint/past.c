@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* past.c - what a run knows of itself, and what it was loaded with, as words and hashes. */
 #include "checkpoint.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* read.c - opens a checkpoint, and gives its state to an engine that has been loaded alike. */
 #include "checkpoint.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* state.h - all that a program keeps of its objects from step to step: which words, and a hash of them.
  *
  *     fp3_state state;

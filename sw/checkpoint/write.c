@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* write.c - writes a checkpoint: HDF5 behind an envelope. */
 #include "checkpoint.h"
 

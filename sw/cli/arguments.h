@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* arguments.h - a command line, by argp, with what all commands have in common. */
 #ifndef FP3_CLI_ARGUMENTS_H
 #define FP3_CLI_ARGUMENTS_H

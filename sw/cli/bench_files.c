@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_files.c - see bench_files.h. */
 #include "bench_files.h"
 

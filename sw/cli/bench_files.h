@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_files.h - what fp3 bench MODEL measured, as files. */
 #ifndef FP3_CLI_BENCH_FILES_H
 #define FP3_CLI_BENCH_FILES_H

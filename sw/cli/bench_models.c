@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_models.c - see bench_models.h. measure/measure.h measures; here are the names and the tables. */
 #include "bench_models.h"
 

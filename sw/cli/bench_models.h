@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_models.h - fp3 bench MODEL...: error against run time of models. */
 #ifndef FP3_CLI_BENCH_MODELS_H
 #define FP3_CLI_BENCH_MODELS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_page.c - see bench_files.h: the tables and the pictures of fp3 bench MODEL as one page, which loads nothing. */
 #include "bench_files.h"
 

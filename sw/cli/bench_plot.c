@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_plot.c - see bench_files.h: a panel for each model and unit, a curve for each way to run. */
 #include "bench_files.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_programs.h - fp3 bench without MODEL: programs on the hardware, the ship unless another is named. */
 #ifndef FP3_CLI_BENCH_PROGRAMS_H
 #define FP3_CLI_BENCH_PROGRAMS_H

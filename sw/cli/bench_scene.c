@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_scene.c - see bench_scene.h. */
 #include "bench_scene.h"
 

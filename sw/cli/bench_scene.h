@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_scene.h - fp3 bench SCENE.scene: what a step of a scene takes on this machine. */
 #ifndef FP3_CLI_BENCH_SCENE_H
 #define FP3_CLI_BENCH_SCENE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_table.c - see bench_table.h. */
 #include "bench_table.h"
 

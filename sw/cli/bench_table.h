@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench_table.h - what fp3 bench tells of a run: a row of the table, and the same as JSON. */
 #ifndef FP3_CLI_BENCH_TABLE_H
 #define FP3_CLI_BENCH_TABLE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cli.c - how every subcommand ends. */
 #include "cli.h"
 

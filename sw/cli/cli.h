@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cli.h - the subcommands of fp3, one file cmd_<name>.c each. */
 #ifndef FP3_CLI_H
 #define FP3_CLI_H

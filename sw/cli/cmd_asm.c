@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_asm.c - fp3 asm: assembly text to an image. */
 #include "arguments.h"
 #include "cli.h"

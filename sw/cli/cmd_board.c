@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_board.c - fp3 board: a simulated board, whose serial line is a pseudo-terminal. */
 #include "arguments.h"
 #include "board_rtl.h"

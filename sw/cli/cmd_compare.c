@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement. */
 #include "arguments.h"
 #include "bench/variants.h"

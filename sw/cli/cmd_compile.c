@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_compile.c - fp3 compile: a model and an integrator to assembly. */
 #include "arguments.h"
 #include "cli.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_dis.c - fp3 dis: an image, or single words, to assembly text; an image to a C header. */
 #include "arguments.h"
 #include "cli.h"

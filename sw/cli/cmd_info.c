@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_info.c - fp3 info: what an image needs, or what this build has. */
 #include "arguments.h"
 #include "cli.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_run.c - fp3 run: a program, or a scene of several, on an engine, from the host's values to the
  * final ones.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_tune.c - fp3 tune: the cheapest integrator, step or tolerance of steps, and arithmetic for an error. */
 #include "arguments.h"
 #include "cli.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_view.c - fp3 view: a recording as a page that plays it, and as pictures. */
 #include "cli.h"
 #include "files.h"

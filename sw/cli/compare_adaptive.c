@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* compare_adaptive.c - see compare_adaptive.h. */
 #include "compare_adaptive.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* compare_adaptive.h - fp3 compare with --tolerance: adaptive steps beside fixed ones of the same error. */
 #ifndef FP3_COMPARE_ADAPTIVE_H
 #define FP3_COMPARE_ADAPTIVE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* files.h - the files that a command reads and writes, checked before it does anything else.
  *
  *     fp3_files files = {0};

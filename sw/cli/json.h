@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* json.h - what commands write as JSON. */
 #ifndef FP3_CLI_JSON_H
 #define FP3_CLI_JSON_H

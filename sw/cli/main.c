@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* main.c - the command fp3: finds the subcommand and hands it the rest of the line. */
 #include "cli.h"
 #include "text/nearest.h"

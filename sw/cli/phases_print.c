@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* phases_print.c - see phases_print.h. */
 #include "phases_print.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* phases_print.h - what it costs that objects see each other. */
 #ifndef FP3_PHASES_PRINT_H
 #define FP3_PHASES_PRINT_H

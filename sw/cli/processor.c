@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* processor.c - see processor.h. */
 #include "processor.h"
 

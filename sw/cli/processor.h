@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* processor.h - what this machine's processor is called. */
 #ifndef FP3_CLI_PROCESSOR_H
 #define FP3_CLI_PROCESSOR_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* progress.h - on a terminal, one line that says that a command goes on, and how far it is. */
 #ifndef FP3_CLI_PROGRESS_H
 #define FP3_CLI_PROGRESS_H

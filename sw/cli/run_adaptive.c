@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_adaptive.c - see run_adaptive.h. */
 #include "run_adaptive.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_adaptive.h - steps that objects choose: options of fp3 run and fp3 compile, what a run prints, who failed. */
 #ifndef FP3_RUN_ADAPTIVE_H
 #define FP3_RUN_ADAPTIVE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_check.c - see run_check.h. */
 #include "run_check.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_check.h - fp3 run --check: runs the objects again with half the time step, or a tenth of the tolerance, and
  * estimates the error of each final state from the difference.
  */

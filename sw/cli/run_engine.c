@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_engine.c - see run_engine.h. */
 #include "run_engine.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_engine.h - the engine that fp3 run is asked for: what its options say, and which go together. */
 #ifndef FP3_CLI_RUN_ENGINE_H
 #define FP3_CLI_RUN_ENGINE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_loss.c - see run_loss.h. */
 #include "run_loss.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_loss.h - what FP32 loses in a run without a flag that tells: increments that are too small for their state, and
  * numbers too small for FP32. The host evaluates the equations in double, and looks.
  */

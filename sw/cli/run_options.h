@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_options.h - the command line of fp3 run. */
 #ifndef FP3_CLI_RUN_OPTIONS_H
 #define FP3_CLI_RUN_OPTIONS_H

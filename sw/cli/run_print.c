@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_print.c - see run_print.h. */
 #include "run_print.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_print.h - what fp3 run prints: final states, who sleeps, who failed, what the run cost. */
 #ifndef FP3_RUN_PRINT_H
 #define FP3_RUN_PRINT_H

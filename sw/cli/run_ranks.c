@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_ranks.c - see run_ranks.h. */
 #include "run_ranks.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_ranks.h - fp3 run started by mpirun: one of the processes of a cluster. */
 #ifndef FP3_CLI_RUN_RANKS_H
 #define FP3_CLI_RUN_RANKS_H

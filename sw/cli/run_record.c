@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_record.c - see run_record.h. */
 #include "run_record.h"
 

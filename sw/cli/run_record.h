@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_record.h - the options of fp3 run that say what is recorded of it. */
 #ifndef FP3_RUN_RECORD_H
 #define FP3_RUN_RECORD_H

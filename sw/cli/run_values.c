@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_values.c - see run_values.h. */
 #include "run_values.h"
 

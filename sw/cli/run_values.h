@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run_values.h - the options of fp3 run and fp3 tune that give values. */
 #ifndef FP3_RUN_VALUES_H
 #define FP3_RUN_VALUES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tune_machines.c - see tune_machines.h. */
 #include "tune_machines.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tune_machines.h - fp3 tune --arithmetic: the same for configurations that compute in other ways, and the one that costs least. */
 #ifndef FP3_CLI_TUNE_MACHINES_H
 #define FP3_CLI_TUNE_MACHINES_H

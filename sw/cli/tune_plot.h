@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tune_plot.h - what fp3 tune tried, as a picture: error against cost. */
 #ifndef FP3_CLI_TUNE_PLOT_H
 #define FP3_CLI_TUNE_PLOT_H

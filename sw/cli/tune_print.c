@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tune_print.c - see tune_print.h. */
 #include "tune_print.h"
 

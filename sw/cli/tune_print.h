@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tune_print.h - what fp3 tune says, and the files that it writes. */
 #ifndef FP3_CLI_TUNE_PRINT_H
 #define FP3_CLI_TUNE_PRINT_H

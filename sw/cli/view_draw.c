@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* view_draw.c - see view_draw.h. */
 #include "view_draw.h"
 

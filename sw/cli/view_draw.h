@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* view_draw.h - the pictures of fp3 view. */
 #ifndef FP3_CLI_VIEW_DRAW_H
 #define FP3_CLI_VIEW_DRAW_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* view_options.c - see view_options.h. */
 #include "view_options.h"
 

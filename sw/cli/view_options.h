@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* view_options.h - the command line of fp3 view. */
 #ifndef FP3_CLI_VIEW_OPTIONS_H
 #define FP3_CLI_VIEW_OPTIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* divide.c - which rank has which object. */
 #include "inside.h"
 #include "positions.h"

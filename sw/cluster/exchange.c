@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* exchange.c - guests are brought up to date, when a phase begins. */
 #include "inside.h"
 #include "positions.h"

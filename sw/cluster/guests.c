@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* guests.c - which objects of other ranks a rank needs, and which of its own others need. */
 #include "inside.h"
 #include "positions.h"

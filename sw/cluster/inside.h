@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* inside.h - what an engine of many ranks keeps: fp3_engine.self. */
 #ifndef FP3_CLUSTER_INSIDE_H
 #define FP3_CLUSTER_INSIDE_H

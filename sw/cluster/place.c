@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* place.c - an engine for what a rank has, and objects that move from one rank to another. */
 #include "engine/cells.h"
 #include "inside.h"

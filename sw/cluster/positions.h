@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* positions.h - where the objects of all ranks are, where they see those that are near. */
 #ifndef FP3_CLUSTER_POSITIONS_H
 #define FP3_CLUSTER_POSITIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* processes.h - the processes of a cluster, which mpirun has started. */
 #ifndef FP3_CLUSTER_PROCESSES_H
 #define FP3_CLUSTER_PROCESSES_H

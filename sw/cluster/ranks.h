@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ranks.h - an engine whose objects are divided among the processes of a cluster.
  *
  * Every process makes the same calls in the same order, with the same arguments: each has the whole scene in view and an engine of its own for

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* use.h - what each rank did: its cycles, its bus, what it sent to the others. */
 #ifndef FP3_CLUSTER_USE_H
 #define FP3_CLUSTER_USE_H

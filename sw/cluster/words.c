@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* words.c - words of objects, wherever they are. */
 #include "engine/cells.h"
 #include "inside.h"

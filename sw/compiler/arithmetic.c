@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* arithmetic.c - what each arithmetic is called, what it implies, and what it is for. */
 #include <fp3/compile.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* carry.c - nodes and their images under the step. */
 #include "carry.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* carry.h - values that the step before has computed already ("first same as last").
  *
  * If the step computes a value from its old states, and the same value from its new states, the next

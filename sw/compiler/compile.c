@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* compile.c - runs the passes; their schedule becomes an image, and a text for people. */
 #include <fp3/compile.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* compiled.h - what a compiled program keeps: fp3_compiled.self. */
 #ifndef FP3_COMPILED_H
 #define FP3_COMPILED_H

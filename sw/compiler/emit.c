@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* emit.c - head, declarations, lines, comments. */
 #include "emit.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* emit.h - a schedule as assembly that a person can read. */
 #ifndef FP3_EMIT_H
 #define FP3_EMIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* image.h - a schedule as the image that the hardware takes. */
 #ifndef FP3_COMPILER_IMAGE_H
 #define FP3_COMPILER_IMAGE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* inputs.h - what the host writes before a run, by name and formula. */
 #ifndef FP3_COMPILER_INPUTS_H
 #define FP3_COMPILER_INPUTS_H

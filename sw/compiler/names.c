@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* names.c - registers and constants by names that stand once. */
 #include "names.h"
 

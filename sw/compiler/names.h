@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* names.h - what the program calls its registers and constants. */
 #ifndef FP3_NAMES_H
 #define FP3_NAMES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* passes.c - names of passes. */
 #include <fp3/compile.h>
 

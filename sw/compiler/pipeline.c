@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pipeline.c - passes, and the choice among ways to chain products. */
 #include "pipeline.h"
 

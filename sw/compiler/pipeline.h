@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pipeline.h - the passes in a row: a model and an integrator to a schedule.
  *
  *     model, integrator -> fit -> integrate -> carry -> choose, convert -> schedule

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* rest.h - the instruction by which an object ends its run. */
 #ifndef FP3_REST_H
 #define FP3_REST_H

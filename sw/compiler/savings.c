@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* savings.c - the same model once more without each pass. */
 #include "savings.h"
 

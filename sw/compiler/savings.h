@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* savings.h - what each pass saves. */
 #ifndef FP3_SAVINGS_H
 #define FP3_SAVINGS_H

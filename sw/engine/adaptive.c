@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive.c - runs of adaptive steps, and what became of their objects. */
 #include <fp3/engine.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* backend.h - what an engine provides behind fp3/engine.h.
  *
  * The calls check every argument, so a backend sees valid ones only: objects, registers and constants

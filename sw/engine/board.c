@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* board.c - the "board" engine: hardware behind a serial port, driven as driver.h says. */
 #include "driver.h"
 #include "identity.h"

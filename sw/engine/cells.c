@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cells.c - registers and constants, by number and by name.
  *
  * Here numbers become words of the machine and words numbers: callers of fp3/engine.h see binary32, everything in this folder sees words.

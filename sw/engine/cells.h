@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cells.h - registers and constants, written without a check of their place. */
 #ifndef FP3_CELLS_H
 #define FP3_CELLS_H

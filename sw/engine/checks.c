@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* checks.c - what calls of fp3/engine.h check first, and what they ask about an object. */
 #include "checks.h"
 

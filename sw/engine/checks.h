@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* checks.h - what calls of fp3/engine.h check first, and what they ask about an object. */
 #ifndef FP3_CHECKS_H
 #define FP3_CHECKS_H

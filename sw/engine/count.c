@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* count.c - objects are asked once, then the host counts along. */
 #include "count.h"
 

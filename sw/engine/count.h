@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* count.h - programs that count their steps in an FP32 number, and where that ends. */
 #ifndef FP3_ENGINE_COUNT_H
 #define FP3_ENGINE_COUNT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* driver.h - how a host drives FP3, over any bus.
  *
  * A backend with a bus has an fp3_driver as the first member of its engine's `self`, gives it an fp3_bus, and

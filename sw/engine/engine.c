@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* engine.c - opens and closes engines of every backend. */
 #include "backend.h"
 #include "checks.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* failure.c - which objects failed in a run, found by making it again.
  *
  * The hardware's flags are of a whole run. Where a configuration keeps a status of each object, that has

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fast.c - the "fast" engine: blocks of objects by sw/fast, in as many threads as there are processors.
  *
  * It holds objects as columns, a word of each object in the order of their numbers, made when they

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fast_around.c - phases of the "fast" engine, each by all threads. */
 #include "fast_own.h"
 

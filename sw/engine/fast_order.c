@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fast_order.c - in which order objects stand in the columns of the "fast" engine. */
 #include "fast_own.h"
 

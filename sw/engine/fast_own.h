@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fast_own.h - what the "fast" engine keeps: fp3_engine.self. */
 #ifndef FP3_ENGINE_FAST_OWN_H
 #define FP3_ENGINE_FAST_OWN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* foreseen.c - see foreseen.h. */
 #include "foreseen.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* foreseen.h - how many cycles the hardware will take for a run of objects that see each other. */
 #ifndef FP3_FORESEEN_H
 #define FP3_FORESEEN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ghosts.c - see ghosts.h. */
 #include "ghosts.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ghosts.h - neighbours in other lanes: each lane has a copy of what they publish, in rows behind its own objects.
  *
  * An object that all other lanes need is in the same row of all of them, so that one copy reaches all.

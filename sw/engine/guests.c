@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* guests.c - objects of other engines, which neighbours read here. */
 #include "backend.h"
 

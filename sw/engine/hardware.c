@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hardware.c - see hardware.h. */
 #include "hardware.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hardware.h - finds and loads the simulated hardware of a configuration.
  *
  *     fp3_hardware hardware;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* identity.h - which configuration answers on a bus, by the registers that say so. */
 #ifndef FP3_IDENTITY_H
 #define FP3_IDENTITY_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* in_flight.h - which issued instruction is it that ends?
  *
  * A lane with contexts ends instructions in the order of issue, each of them once. Without contexts

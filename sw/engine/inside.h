@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* inside.h - what the project itself asks of an engine besides fp3/engine.h. */
 #ifndef FP3_ENGINE_INSIDE_H
 #define FP3_ENGINE_INSIDE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* install.c - where `make install` puts what libfp3 loads; compiled again if that place changes. */
 #include "install.h"
 

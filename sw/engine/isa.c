@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* isa.c - the "isa" engine: the instruction set, one instruction after the other.
  *
  * It knows objects, visits and rounds of visits, but no contexts: within a round an instruction is

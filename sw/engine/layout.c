@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* layout.c - groups of objects: placed, found again. */
 #include "layout.h"
 

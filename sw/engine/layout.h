@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* layout.h - groups of objects, each with its program, and where each object is.
  *
  * Object i of a group is row i / columns of lane i % columns, counted through the lanes of the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* library.h - finds and loads what libfp3 does without until somebody asks for it. */
 #ifndef FP3_LIBRARY_H
 #define FP3_LIBRARY_H

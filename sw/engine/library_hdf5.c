@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* library_hdf5.c - see library_hdf5.h. */
 #include "library_hdf5.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* library_hdf5.h - finds fp3_hdf5.so, which reads and writes HDF5 files and makes hashes. */
 #ifndef FP3_LIBRARY_HDF5_H
 #define FP3_LIBRARY_HDF5_H

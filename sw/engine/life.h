@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* life.h - which objects live, and where a run is split because that changes.
  *
  * An object makes the steps born + 1 .. gone, counted from the load. From one change to the next a run is a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lists.c - lists of neighbours: copied, kept until the next load, made again as objects move. */
 #include "lists.h"
 

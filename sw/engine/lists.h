@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lists.h - the lists of neighbours of a group's objects, which its program's loops go through. */
 #ifndef FP3_ENGINE_LISTS_H
 #define FP3_ENGINE_LISTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* load.c - programs and groups: whether the configuration has room for them, and loading them. */
 #include "cells.h"
 #include "checks.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* luggage.c - what objects and groups hold, while a load moves them to other places. */
 #include "luggage.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* luggage.h - what objects and groups hold, while a load moves them to other places. */
 #ifndef FP3_LUGGAGE_H
 #define FP3_LUGGAGE_H

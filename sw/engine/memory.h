@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* memory.h - a driver's side of the hardware's memories; the calls are those of backend.h. */
 #ifndef FP3_MEMORY_H
 #define FP3_MEMORY_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* near.c - objects are sorted into cells as large as they see; neighbours are in the cells around. */
 #include "near.h"
 

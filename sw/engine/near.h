@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* near.h - lists of those that are near: made on a grid with a skin, and made again before one could be missed.
  *
  * A list has all pairs that are nearer than reach + skin. As long as nobody has moved by more than half the skin

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* neighbours.c - lists of neighbours as the caller gives them: checked. */
 #include "checks.h"
 #include "machine/format.h"

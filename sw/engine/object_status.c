@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* object_status.c - flags of objects, and their sleep. */
 #include "cells.h"
 #include "checks.h"

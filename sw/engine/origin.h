@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* origin.h - what objects and groups held when the last run began, so that it can be made again.
  *
  * It mirrors what the host writes. What a run changes is read back when the next run begins, and only

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* part_failures.c - see part_failures.h. */
 #include "part_failures.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* part_failures.h - who failed in a run that was made in parts, where the backend knows it of each part. */
 #ifndef FP3_PART_FAILURES_H
 #define FP3_PART_FAILURES_H

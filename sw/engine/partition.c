@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* partition.c - see partition.h.
  *
  * The objects of some lanes are divided in two, for one half of the lanes and the other: a walk in breadth begins at an object far from

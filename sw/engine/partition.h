@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* partition.h - which objects share a lane, so that few neighbours are in other lanes. */
 #ifndef FP3_PARTITION_H
 #define FP3_PARTITION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run.c - a run: who is awake at its beginning, what it cost, how many steps were made. */
 #include "checks.h"
 #include "count.h"

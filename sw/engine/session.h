@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* session.h - a run as a driver makes it: start, wait, ask how it ended. */
 #ifndef FP3_SESSION_H
 #define FP3_SESSION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* store_lists.c - see store_lists.h. */
 #include "store_lists.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* store_lists.h - a driver's side of objects that see each other: during a run the hardware's store has the lists of
  * neighbours, and published words are in one of its halves.
  *

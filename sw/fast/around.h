@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* around.h - a phase of objects that see each other, a block of them at a time.
  *
  * Objects are columns, as in fast.h. A word that neighbours read and a phase stores has two columns: a phase reads

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* block.h - the objects that a worker has in hand, lane by lane: what they hold, what is known of them. */
 #ifndef FP3_FAST_BLOCK_H
 #define FP3_FAST_BLOCK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cache.h - shared libraries that were compiled from a text. */
 #ifndef FP3_CACHE_H
 #define FP3_CACHE_H

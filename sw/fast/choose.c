@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* choose.c - which interpreter suits this processor and this arithmetic. */
 #include "sweep.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* drive.h - lanes through all steps of a run: visits, parts, those who fall asleep on the way. */
 #ifndef FP3_DRIVE_H
 #define FP3_DRIVE_H

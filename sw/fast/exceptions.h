@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* exceptions.h - what sums and products raise, for a vector, known from their operands alone. */
 #ifndef FP3_FAST_EXCEPTIONS_H
 #define FP3_FAST_EXCEPTIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fast.c - see fast.h: a program made ready, and a block of objects taken through a run. */
 #include "fast.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fast.h - a program over many objects, a block of them at a time, as native code or interpreted.
  *
  * Objects are columns: for each register the words of all objects one after the other. A worker, one for

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fused.h - multiply-add, rounded once. Its text stands behind that of lanes.h, where a configuration has the instruction. */
 #ifndef FP3_FAST_FUSED_H
 #define FP3_FAST_FUSED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* halves.h - what a store of 16-bit words makes of a vector, with the bits of machine/storage.c. Its text stands behind that of
  * lanes.h where a configuration has `storage`. */
 #ifndef FP3_FAST_HALVES_H

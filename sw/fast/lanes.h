@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lanes.h - each arithmetic operation for a vector of objects, lane by lane, with the bits of machine/execute.c.
  *
  * It is compiled into the interpreter (sw/fast/sweep.c), once for each kind of processor, and its text

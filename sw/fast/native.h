@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* native.h - the C of a program, compiled once and kept in a cache.
  *
  * The cache is the directory FP3_CACHE_DIR, or fp3 in XDG_CACHE_HOME, or .cache/fp3 at home; without one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pack.c - see pack.h.
  *
  * An object's neighbours keep their order, but a vector need not take the first neighbours of all its objects in one turn: who

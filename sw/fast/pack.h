@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pack.h - lists of neighbours as native code goes through them: see fp3_fast_list. */
 #ifndef FP3_FAST_PACK_H
 #define FP3_FAST_PACK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* place.h - the block of objects that code works on. Its text stands in front of that of lanes.h. */
 #ifndef FP3_FAST_PLACE_H
 #define FP3_FAST_PLACE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* plan.h - a program as the fast engine executes it: decoded, with what each instruction has to take care of.
  *
  * The parts of a program are executed for a block of objects at a time, a row of lanes for each register

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* raised.h - the processor's sticky flags as those of the machine. */
 #ifndef FP3_FAST_RAISED_H
 #define FP3_FAST_RAISED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run.h - what a run of a program over many objects is. */
 #ifndef FP3_FAST_RUN_H
 #define FP3_FAST_RUN_H

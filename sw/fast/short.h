@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* short.h - operations of numbers with fewer fraction bits than binary32, for a vector of objects, in double: 53 bits are enough that
  * a sum or product of at most 24 bits may be rounded once more (Figueroa, "When is double rounding innocuous?", ACM SIGNUM
  * Newsletter 30, 1995). For sweep.c, behind tiny.h. What is not ordinary is left to machine/execute.h: infinities, NaN, results that

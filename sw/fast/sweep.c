@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL and, where it is 1,
  * FP3_FINITE or FP3_OF_WORDS. */
 #include "sweep.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sweep.h - the interpreter: one instruction for all objects of a block, then the next.
  *
  * sweep.c is compiled for several kinds of processor and arithmetic; fp3_sweep_choose finds the one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* text.h - place.h, lanes.h, fused.h, halves.h and turns.h as text. */
 #ifndef FP3_TEXT_H
 #define FP3_TEXT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tiny.h - products of subnormal numbers without the processor's help.
  *
  * Many processors multiply subnormal numbers in microcode, 100 times slower. fp3_tiny_product tells all that a

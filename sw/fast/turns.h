@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* turns.h - what a turn of a list gives: neighbours' words and fields. Its text stands behind that of lanes.h; FP3_RECORD is defined
  * before it, the floats of a record: see fp3_fast_around. */
 

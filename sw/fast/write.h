@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* write.h - a program as C: the text of place.h, lanes.h and, with `fused` or `storage`, fused.h or halves.h, then a function for a stretch of steps.
  *
  * Objects are independent, so several vectors of them go through a step side by side, as many as keep

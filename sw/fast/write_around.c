@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* write_around.c - see write_around.h and, in place.h, fp3_fast_list.
  *
  * Registers of the vector are r5_0, those of turn s of the turns that are side by side r5_(s + 1), what arithmetic there is given by

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* write_words.c - see write_words.h. */
 #include "write_words.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* write_words.h - words and names of the C that a program becomes: for write.c and write_around.c.
  *
  * Names in the text: r5_2 is register 5 of the vector 2 of those side by side, k3 a shared constant.

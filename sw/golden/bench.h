@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bench.h - one program on one configuration of the hardware: run, compared and measured.
  *
  * Objects differ in one value, a param or the start of a state. Every write to the register of a

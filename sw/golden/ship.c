@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ship.c - Equations (1) of the paper, line by line, in FP32.
  *
  * Must be compiled without contraction (-ffp-contract=off): a fused a*b + c has other bits.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ship.h - the ship of the paper's Equations (1) in FP32, independently of any instruction
  * stream.
  *

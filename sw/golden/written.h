@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* written.h - what a run writes to the registers of states, object by object. */
 #ifndef FP3_BENCH_WRITTEN_H
 #define FP3_BENCH_WRITTEN_H

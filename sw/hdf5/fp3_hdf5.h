@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3_hdf5.h - what fp3_hdf5.so provides: HDF5 files of tables, written and read, by libhdf5; and SHA-256, by Nettle.
  *
  * It is a library of its own because libhdf5 brings 30 others along: linked with them, every start of the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hdf5.c - see fp3_hdf5.h. */
 #include "inside.h"
 

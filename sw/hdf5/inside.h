@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* inside.h - a file as its writer and its reader have it. */
 #ifndef FP3_HDF5_INSIDE_H
 #define FP3_HDF5_INSIDE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* read.c - the datasets of a file that somebody wrote: what they are, their numbers and attributes. */
 #include "inside.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sum.c - SHA-256, by Nettle. */
 #include "inside.h"
 

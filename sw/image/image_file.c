@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Images as words and as files; fp3/image.h says how they are laid out. */
 #include <fp3/image.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* image_words.c - the names of what a program is made for. */
 #include <fp3/image.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* neighbours.h - what a program reads of other objects: its lists, its phases, what it publishes.
  *
  * A program with neighbours has loops (`each` .. `next`) and phases (`phase`). In a phase all loads come

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* visit.c - which registers a visit loads and stores, and the code with both. */
 #include "visit.h"
 

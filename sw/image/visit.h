@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* visit.h - a program as one visit of an object executes it: loads, the program, stores.
  *
  * Between visits an object is a record in the object store, word r for register r; while it is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* chebyshev.c - coefficients of the method from its two numbers, stages and damping.
  *
  * On y' = w y with a step of 1 stage j is the polynomial a_j + b_j T_j(w0 + w1 w): T_j is Chebyshev's, w0 = 1 + damping /

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* chebyshev.h - Runge-Kutta-Chebyshev methods of second order: their recurrence, and the table that it comes to. */
 #ifndef FP3_CHEBYSHEV_H
 #define FP3_CHEBYSHEV_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* conditions.c - order conditions of Runge-Kutta methods and of splittings.
  *
  * A method has order p if the elementary weight of every rooted tree with at most p vertices is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* conditions.h - how far an integrator is from the conditions of each order. */
 #ifndef FP3_CONDITIONS_H
 #define FP3_CONDITIONS_H

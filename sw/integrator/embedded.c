@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* embedded.c - the order of the second method, whether stages are shared between steps, and what the estimate does not see.
  *
  * On y' = a y, with z = h a, a step of either method is 1 + sum_k b.L^k.1 w^(k+1), w = z/(1 - gamma z), gamma being the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* embedded.h - pairs of Runge-Kutta methods on the same stages. */
 #ifndef FP3_EMBEDDED_H
 #define FP3_EMBEDDED_H

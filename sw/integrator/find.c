@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* find.c - integrators by name: those that are built in, and files. */
 #include <fp3/model.h>
 

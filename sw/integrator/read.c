@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* read.c - an integrator from its table, and what is wrong with the table. */
 #include <fp3/model.h>
 

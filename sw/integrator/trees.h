@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* trees.h - rooted trees, which count the conditions for the order of an integrator.
  *
  * As in Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, chapter II.2.

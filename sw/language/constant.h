@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* constant.h - values that are known before a run. */
 #ifndef FP3_ODE_CONSTANT_H
 #define FP3_ODE_CONSTANT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* copy.c - a second model like the first, for who changes it. */
 #include <fp3/model.h>
 

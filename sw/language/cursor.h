@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cursor.h - where a source is read: the next token, and what happens after an error.
  *
  * After a syntax error the cursor is lost: the next token is one that nothing accepts, and no

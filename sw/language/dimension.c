@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dimension.c - a derived unit of the SI becomes the units that it is made of. Every other name is a
  * base unit, because nothing is converted. */
 #include "dimension.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dimension.h - what a quantity is measured in: a product of powers of units. */
 #ifndef FP3_ODE_DIMENSION_H
 #define FP3_ODE_DIMENSION_H

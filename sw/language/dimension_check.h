@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dimension_check.h - the dimension of each expression, from those of its operands. */
 #ifndef FP3_ODE_DIMENSION_CHECK_H
 #define FP3_ODE_DIMENSION_CHECK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dimension_read.h - a unit of measurement as it is written: "[kg*m/s^2]". */
 #ifndef FP3_ODE_DIMENSION_READ_H
 #define FP3_ODE_DIMENSION_READ_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* evaluate.h - the operations of expressions, and their values in double. */
 #ifndef FP3_ODE_EVALUATE_H
 #define FP3_ODE_EVALUATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* event.h - `when CONDITION: x = .., v = ..`, `when root(g) rising: ..`, `at t = TIME: ..`, and `project x = .., v = ..` */
 #ifndef FP3_ODE_EVENT_H
 #define FP3_ODE_EVENT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* expression.c - by recursive descent: each function reads what binds at least as tightly as its
  * name says. */
 #include "expression.h"

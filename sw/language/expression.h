@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* expression.h - expressions, from tokens to values; and the indices and ranges that are made of them. */
 #ifndef FP3_ODE_EXPRESSION_H
 #define FP3_ODE_EXPRESSION_H

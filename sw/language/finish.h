@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* finish.h - what only the end of a source can tell. */
 #ifndef FP3_ODE_FINISH_H
 #define FP3_ODE_FINISH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* formula.c - constant expressions, with names or without: read once, evaluated at any time. */
 #include "formula.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* formula.h - what a formula (fp3/model.h) is made of. */
 #ifndef FP3_ODE_FORMULA_H
 #define FP3_ODE_FORMULA_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* function_rows.h - the functions of the language, a row each: all that is to say of one, but for the
  * instructions that it becomes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* keyword.h - the reserved words of the language. Functions are in function.h. */
 #ifndef FP3_ODE_KEYWORD_H
 #define FP3_ODE_KEYWORD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lexer.c - the end of a line ends a statement, unless the statement cannot end there. */
 #include "lexer.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lexer.h - the words of the model language. A name may have a component: r.x is one token. */
 #ifndef FP3_ODE_LEXER_H
 #define FP3_ODE_LEXER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loss.h - values in double, and which of them lost digits at the lower end of double. */
 #ifndef FP3_ODE_LOSS_H
 #define FP3_ODE_LOSS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* meaning.h - what names stand for in an expression. */
 #ifndef FP3_ODE_MEANING_H
 #define FP3_ODE_MEANING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* model.c - models that have been read. */
 #include <fp3/model.h>
 

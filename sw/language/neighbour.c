@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* neighbour.c - a sum over neighbours is one expression, whose term is read once. */
 #include "neighbour.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* number.h - the numbers of the model language, as double. */
 #ifndef FP3_ODE_NUMBER_H
 #define FP3_ODE_NUMBER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* parser.h - one model while it is read. Each file below fills in its part and stands on those
  * above it.
  *

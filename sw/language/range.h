@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* range.h - "i in 1..4", a name for each whole number from 1 to 4: what is read again for each of them.
  * expression.h reads ranges. */
 #ifndef FP3_ODE_RANGE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* read.c - sources become models, and constant expressions numbers. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* relation.c - relations are declared; where they may not be used. */
 #include "relation.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* relation.h - how objects see others: `links`, `near`, `all`. */
 #ifndef FP3_ODE_RELATION_H
 #define FP3_ODE_RELATION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* side.h - the two sides of an equation: whose it is, and what that is. */
 #ifndef FP3_ODE_SIDE_H
 #define FP3_ODE_SIDE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* standstill.c - states that plain steps are too small to change. */
 #include <fp3/model.h>
 #include <math.h>

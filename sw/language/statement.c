@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "statement.h"
 
 #include <stdlib.h>

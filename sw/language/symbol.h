@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* symbol.h - names: what they may be, and what they stand for. A name may carry a component, r.x;
  * its base is the name alone. */
 #ifndef FP3_ODE_SYMBOL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "turn.h"
 
 int fp3_turn_can(fp3_expr_op op) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* turn.h - which expressions of a model jump or bend, and what that depends on.
  *
  * Comparisons, min, max and abs turn: which of two things they are changes where their operands are alike.

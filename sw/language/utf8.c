@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "utf8.h"
 
 /* The length of the character at p in bytes; 0 if there is none, or a control character. */

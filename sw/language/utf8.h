@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* utf8.h - a check of texts that are shown to users. */
 #ifndef FP3_ODE_UTF8_H
 #define FP3_ODE_UTF8_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ahead.c - see ahead.h. One pass backwards: what is live after the step does not count. */
 #include "ahead.h"
 

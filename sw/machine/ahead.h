@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ahead.h - which instructions of a step are of the next one.
  *
  * A program may compute at the end of a step what the next step begins with. The last step of a visit

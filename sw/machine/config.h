@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* config.h - the named configurations of isa/configs.toml as a table, and their keys. */
 #ifndef FP3_CONFIG_H
 #define FP3_CONFIG_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cycles.c - the issue stage of the solo machine, and the sweeps of the other one, counted. */
 #include "cycles.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cycles.h - how many cycles a sequence of instructions takes, exactly. The one place in the software
  * that knows the machine's timing; its constants are those of isa/timing.toml.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* estimate.c - see estimate.h; rtl/fp/fp_value.v does the same. */
 #include "estimate.h"
 

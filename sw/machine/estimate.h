@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* estimate.h - the first approximations that rcp and rsqrt give, bit for bit.
  *
  * Binary32 bits in and out. A NaN comes out as it went in: the instruction then adds -0, which makes

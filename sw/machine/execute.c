@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* execute.c - see execute.h.
  *
  * base/fpu.h computes values and flags: it is IEEE 754 binary32, in its two roundings. What is left to do is the one quiet

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* execute.h - what each arithmetic operation gives: the only place in C that says so.
  *
  *     uint32_t flags;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* finite.c - see finite.h; rtl/fp/ does the same with FINITE = 1. */
 #include "finite.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* finite.h - the arithmetic of a configuration with `finite`: Cell's, in integers.
  *
  * Numbers are binary32's, but exponent 255 is a number's like any other: up to (2 - 2^-23) 2^128, and neither infinity nor

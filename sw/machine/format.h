@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* format.h - numbers as words of the machine. The host speaks binary32; what a register or a constant holds, the configuration says.
  *
  *     uint32_t word;

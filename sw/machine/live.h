@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* live.h - which registers of a program something reads later.
  *
  * Between two steps a state may be in its register or, in a program with loads and stores of its own,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lns.c - see lns.h; rtl/lns/lns_*.v does the same. */
 #include "lns.h"
 

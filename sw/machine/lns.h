@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lns.h - logarithmic arithmetic, bit for bit as rtl/lns/lns_*.v computes it: see docs/logarithmic.md.
  *
  *     uint32_t flags;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* narrow.c - see narrow.h. */
 #include "narrow.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* narrow.h - the arithmetic of a configuration with fewer fraction bits than binary32, in integers.
  *
  *     uint32_t flags;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* needs.h - what a program needs of a configuration, and which configuration has it. */
 #ifndef FP3_NEEDS_H
 #define FP3_NEEDS_H

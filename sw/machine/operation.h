@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* operation.h - the rows of isa/isa.toml as a table.
  *
  * Whoever asks what an operation is (which operands, which unit, what a configuration must have for

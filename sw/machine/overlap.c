@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* overlap.c - see overlap.h. */
 #include "overlap.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* overlap.h - cycles of the sweeps of a visit, where those of sums and of products overlap (`dual`).
  *
  * A sweep begins when its unit is free, and at least GAP cycles after the one before. Nothing else makes

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* phased.c - see phased.h. */
 #include "phased.h"
 

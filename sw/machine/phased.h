@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* phased.h - cycles of a program in which objects see each other: its phases, its loops over neighbours.
  *
  * A phase is a round. All contexts of a batch go through a loop as often as the longest of their lists is long, so the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* placement.c - which schedulers run which group of objects.
  *
  * How many each group gets is solved exactly; which schedulers share an arithmetic unit, where

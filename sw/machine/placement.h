@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* placement.h - which schedulers run which group of objects, so that all end as early as possible.
  *
  * A scheduler with its lanes runs one program; a group may have several, and its objects then go round

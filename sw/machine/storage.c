@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* storage.c - see storage.h; rtl/lane/halve.v and sw/fast/halves.h do the same. */
 #include "storage.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* storage.h - records of 16 bits (key `storage`): what a store makes of a word, and how it draws where it rounds at random.
  *
  *     uint32_t flags;

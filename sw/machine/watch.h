@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* watch.h - what goes wrong with each object in a run of the isa engine. */
 #ifndef FP3_WATCH_H
 #define FP3_WATCH_H

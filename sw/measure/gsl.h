@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* gsl.h - the solvers of GSL, each with a sweep of tolerances. */
 #ifndef FP3_MEASURE_GSL_H
 #define FP3_MEASURE_GSL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loop.c - the plain C loop of bench/loop.h of the library: one object after the other, and in columns. */
 #include "loop.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loop.h - the plain C loop, scalar and as vectors. */
 #ifndef FP3_MEASURE_LOOP_H
 #define FP3_MEASURE_LOOP_H

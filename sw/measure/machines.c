@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* machines.c - see machines.h. */
 #include "machines.h"
 

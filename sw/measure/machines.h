@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* machines.h - the engines of fp3 that points share. */
 #ifndef FP3_MEASURE_MACHINES_H
 #define FP3_MEASURE_MACHINES_H

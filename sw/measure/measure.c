@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* measure.c - see measure.h: a model by everything that solves it. */
 #include "measure.h"
 

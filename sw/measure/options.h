@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* options.h - how much is measured. */
 #ifndef FP3_MEASURE_OPTIONS_H
 #define FP3_MEASURE_OPTIONS_H

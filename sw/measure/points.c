@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* points.c - ways to solve a problem: each is run for its error, then all in turn for their times. */
 #include "points.h"
 

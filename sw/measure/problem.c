@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* problem.c - a model, its variants, and where they really end. */
 #include "problem.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* problem.h - what is solved: a model from 0 to its span, for objects that differ a little (variants). */
 #ifndef FP3_MEASURE_PROBLEM_H
 #define FP3_MEASURE_PROBLEM_H

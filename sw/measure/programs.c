@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
  *
  * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once as the arithmetic has them: what that moves

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* programs.h - programs of fp3 on its own engines, and the cycles of hardware. */
 #ifndef FP3_MEASURE_PROGRAMS_H
 #define FP3_MEASURE_PROGRAMS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* run.h - the variants of a problem through a program on an engine, once. */
 #ifndef FP3_MEASURE_RUN_H
 #define FP3_MEASURE_RUN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* divide.h - inside fp3_mpi.so: which rank gets which thing, as fp3_mpi.h describes it. */
 #ifndef FP3_MPI_DIVIDE_H
 #define FP3_MPI_DIVIDE_H

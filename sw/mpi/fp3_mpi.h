@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3_mpi.h - what fp3_mpi.so provides: the processes of a cluster, and how objects are divided among them, by MPI and Scotch.
  *
  * It is a library of its own because an MPI library opens files and devices when it is loaded: linked with it, every start of the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* mpi.c - see fp3_mpi.h. */
 #include "divide.h"
 #include "plan.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* plan.c - an exchange that is made again and again: through memory with ranks of the node, by messages with the others.
  *
  * In memory, each rank has two places for the words of each peer, by turns, and a number: the turn whose words are there. A sender

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* together.c - see together.h. */
 #include "together.h"
 

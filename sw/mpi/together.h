@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* together.h - inside fp3_mpi.so: what all ranks do at the same time; fp3_mpi.h describes each. */
 #ifndef FP3_MPI_TOGETHER_H
 #define FP3_MPI_TOGETHER_H

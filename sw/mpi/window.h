@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* window.h - inside fp3_mpi.so: memory that the ranks of a node share. */
 #ifndef FP3_MPI_WINDOW_H
 #define FP3_MPI_WINDOW_H

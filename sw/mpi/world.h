@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* world.h - inside fp3_mpi.so: the processes, the windows that they share, and what they keep. */
 #ifndef FP3_MPI_WORLD_H
 #define FP3_MPI_WORLD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* around.c - see around.h. */
 #include "around.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* around.h - what a recording keeps of relations: who is linked, and within what distance objects are near. */
 #ifndef FP3_OUTPUT_AROUND_H
 #define FP3_OUTPUT_AROUND_H

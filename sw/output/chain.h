@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* chain.h - the chain of hashes of a checkpoint or of a recording in HDF5. */
 #ifndef FP3_OUTPUT_CHAIN_H
 #define FP3_OUTPUT_CHAIN_H

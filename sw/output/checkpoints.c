@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* checkpoints.c - see checkpoints.h. */
 #include "checkpoints.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* checkpoints.h - the checkpoints of a run, and hashes of its state. */
 #ifndef FP3_OUTPUT_CHECKPOINTS_H
 #define FP3_OUTPUT_CHECKPOINTS_H

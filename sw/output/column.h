@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* column.h - the values that a recording observes: which they are, and what they are for a block of
  * objects.
  */

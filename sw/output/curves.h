@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* curves.h - what a picture is drawn of: values of some objects over time. */
 #ifndef FP3_OUTPUT_CURVES_H
 #define FP3_OUTPUT_CURVES_H

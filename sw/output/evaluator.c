@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* evaluator.c - see evaluator.h. */
 #include "evaluator.h"
 

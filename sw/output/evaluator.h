@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* evaluator.h - definitions and invariants of a model in double, from the states of objects. */
 #ifndef FP3_OUTPUT_EVALUATOR_H
 #define FP3_OUTPUT_EVALUATOR_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* expected.c - see expected.h. */
 #include "expected.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* expected.h - hashes that a run is to have: those of another run, which fp3 verify makes again. */
 #ifndef FP3_OUTPUT_EXPECTED_H
 #define FP3_OUTPUT_EXPECTED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* family.h - which family a method belongs to: a family has one colour in every picture.
  * programs/integrators/families.toml has the list; tools/ reads it, too.
  */

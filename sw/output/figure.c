@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* figure.c - see figure.h. */
 #include "figure.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* figure.h - curves as a script for gnuplot: panels over time, orbits, phase planes. */
 #ifndef FP3_OUTPUT_FIGURE_H
 #define FP3_OUTPUT_FIGURE_H

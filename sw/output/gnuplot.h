@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* gnuplot.h - runs gnuplot on a script. */
 #ifndef FP3_OUTPUT_GNUPLOT_H
 #define FP3_OUTPUT_GNUPLOT_H

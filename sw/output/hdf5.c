@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hdf5.c - see hdf5.h. A chunk of about 1 MB is one piece of the file: it is gathered here, then written
  * whole, so that libhdf5 keeps none.
  */

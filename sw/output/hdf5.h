@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hdf5.h - a recording as HDF5: a dataset [snapshot][object] for each name, with its unit. */
 #ifndef FP3_OUTPUT_HDF5_H
 #define FP3_OUTPUT_HDF5_H

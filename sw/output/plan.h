@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* plan.h - after which steps of a run a snapshot is taken. */
 #ifndef FP3_OUTPUT_PLAN_H
 #define FP3_OUTPUT_PLAN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* planes.h - which of the observed names are drawn one against another, and which share a panel.
  *
  * Consecutive names that end in x, y and, maybe, z after the same letters (r_x, r_y) are the components of a vector.

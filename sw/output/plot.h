@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* plot.h - a recording as a picture, SVG or PNG. */
 #ifndef FP3_OUTPUT_PLOT_H
 #define FP3_OUTPUT_PLOT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sink.h - what a form of file provides to a recording. */
 #ifndef FP3_OUTPUT_SINK_H
 #define FP3_OUTPUT_SINK_H

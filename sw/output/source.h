@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* source.h - where a recording gets its values. */
 #ifndef FP3_OUTPUT_SOURCE_H
 #define FP3_OUTPUT_SOURCE_H

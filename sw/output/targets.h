@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* targets.h - snapshots of adaptive steps: objects end at each time, and go on from there. */
 #ifndef FP3_OUTPUT_TARGETS_H
 #define FP3_OUTPUT_TARGETS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The controls, runs in the worker, and what they give.
 const of = id => document.getElementById(id);
 const {models, integrators} = JSON.parse(of("about").textContent);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Curves on a canvas: lines = [{xs, ys, colour}], with the names and ends of both axes.
 const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const number = (value, digits) => Number.isFinite(value) ? String(Number(value.toPrecision(digits))) : String(value);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // WASI for one program: its words, its clock, and files in memory; what it writes is there when it ends.
 // makeWasi(words, files).run(module) -> {code, out, err, files}: files map names to bytes.
 const makeWasi = (words, given) => {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Beside the page, so that it does not freeze: each message is a run, and is answered by what fp3 said and wrote.
 let module;
 

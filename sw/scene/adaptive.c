@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive.c - see adaptive.h. */
 #include "adaptive.h"
 

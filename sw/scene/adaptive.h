@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive.h - groups of a scene whose objects choose their steps. */
 #ifndef FP3_SCENE_ADAPTIVE_H
 #define FP3_SCENE_ADAPTIVE_H

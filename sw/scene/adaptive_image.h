@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive_image.h - what values of a program of adaptive steps may be that is no model. */
 #ifndef FP3_SCENE_ADAPTIVE_IMAGE_H
 #define FP3_SCENE_ADAPTIVE_IMAGE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* apply.c - the values of a program, for a block of objects at once: those that an image declares, those that a
  * compiled model computes from its own.
  *

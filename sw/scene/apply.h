@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* apply.h - a program's values to an engine. */
 #ifndef FP3_SCENE_APPLY_H
 #define FP3_SCENE_APPLY_H

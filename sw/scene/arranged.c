@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* arranged.c - see arranged.h. */
 #include "arranged.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* arranged.h - objects of a group that a structure or a file places and links: `grid`, `random`, `points`, `links`, `only`. */
 #ifndef FP3_SCENE_ARRANGED_H
 #define FP3_SCENE_ARRANGED_H

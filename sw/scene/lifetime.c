@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lifetime.c - see lifetime.h. */
 #include "lifetime.h"
 

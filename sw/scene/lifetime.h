@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lifetime.h - when the objects of a scene are born and gone: from the file, to the engine. */
 #ifndef FP3_SCENE_LIFETIME_H
 #define FP3_SCENE_LIFETIME_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* only.c - see only.h. */
 #include "only.h"
 

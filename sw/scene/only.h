@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* only.h - values of some objects of a group. */
 #ifndef FP3_SCENE_ONLY_H
 #define FP3_SCENE_ONLY_H

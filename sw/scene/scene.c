@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* scene.c - a scene from its file to an engine. */
 #include <fp3/program.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* scene_read.c - the file of a scene: its settings, programs and values, each refused in its line. */
 #include "scene_read.h"
 

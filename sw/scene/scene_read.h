@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* scene_read.h - what the file of a scene says, into a scene. */
 #ifndef FP3_SCENE_READ_H
 #define FP3_SCENE_READ_H

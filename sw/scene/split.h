@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* split.h - whether a run may be split into parts. */
 #ifndef FP3_SCENE_SPLIT_H
 #define FP3_SCENE_SPLIT_H

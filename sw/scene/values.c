@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* values.c - values by name: from files, from name=value, for an object. */
 #include "values.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* values.h - the values of fp3_params, as scenes write them and programs read them. */
 #ifndef FP3_SCENE_VALUES_H
 #define FP3_SCENE_VALUES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* values_at.c - what a value is for an object: its number, or what its formula makes of others. */
 #include "values.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* values_own.h - what fp3_params is inside: values by name, and links. */
 #ifndef FP3_SCENE_VALUES_OWN_H
 #define FP3_SCENE_VALUES_OWN_H

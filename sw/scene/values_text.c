@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* values_text.c - what the host gives a compiled program, as a file of parameters.
  *
  * What the compiler has made of h and params stands there as a formula, so that a run computes it

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* allocate.c - which gaps a value needs, and a register that is free there. */
 #include "allocate.h"
 

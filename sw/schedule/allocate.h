@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* allocate.h - registers for an order of issue.
  *
  * A block of n instructions has gaps: gap 0 before the first one, gap p + 1 behind instruction p.

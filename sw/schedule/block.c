@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* block.c - nodes, added one by one. */
 #include "block.h"
 

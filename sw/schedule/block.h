@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* block.h - a part of a program as nodes: the first, the step or the last part.
  *
  * A node is an operation, or a copy. Its operands name other nodes, or a variable as it was when the

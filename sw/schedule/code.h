@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* code.h - the operations of one step before they have places.
  *
  * Operands name values. The compiler makes it; the scheduler turns it into lines (lines.h).

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* copies.c - which old values need a copy. */
 #include "copies.h"
 

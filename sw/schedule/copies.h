@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* copies.h - copies of old values.
  *
  * A node that reads the old value of a variable must issue before the variable is written. If it

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cost.c - loads and stores of a visit, cycles, and what no order can beat. */
 #include "cost.h"
 

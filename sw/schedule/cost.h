@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cost.h - what a schedule costs. */
 #ifndef FP3_COST_H
 #define FP3_COST_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dependences.c - the edges between the nodes of a block, found from both ends. */
 #include "dependences.h"
 

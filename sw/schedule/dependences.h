@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dependences.h - which node of a block waits for which other one, and how long. */
 #ifndef FP3_DEPENDENCES_H
 #define FP3_DEPENDENCES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ends.c - lines for the first and the last part. */
 #include "ends.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ends.h - the parts that run once: before the steps, and after them. */
 #ifndef FP3_ENDS_H
 #define FP3_ENDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* interval.c - dependences around the loop, and the longest way through them. */
 #include "interval.h"
 

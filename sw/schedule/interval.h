@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* interval.h - the shortest interval at which steps can follow each other (solo machine).
  *
  * Steps overlap: the same cycles, an interval later, do for the next step. Operands are there, a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lines.h - the instructions of a program in their order of issue, with registers. */
 #ifndef FP3_LINES_H
 #define FP3_LINES_H

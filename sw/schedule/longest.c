@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* longest.c - the longest dependence from step to step. */
 #include "longest.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* longest.h - how long a step must take on the solo machine, from its data alone. */
 #ifndef FP3_LONGEST_H
 #define FP3_LONGEST_H

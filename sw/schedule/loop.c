@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loop.c - list scheduling of a loop, with the write port. */
 #include "loop.h"
 

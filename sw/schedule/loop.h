@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loop.h - the step part of the solo machine, filled cycle by cycle.
  *
  * The list goes through the step as the issue stage does, and lets issue in every cycle what can

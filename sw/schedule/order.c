@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* order.c - list scheduling: of what may issue, the best by some rule. */
 #include "order.h"
 

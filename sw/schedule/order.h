@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* order.h - orders of issue that keep what has to come first first. */
 #ifndef FP3_SCHEDULE_ORDER_H
 #define FP3_SCHEDULE_ORDER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* parts.c - the operations of a part become nodes; who writes each variable. */
 #include "parts.h"
 

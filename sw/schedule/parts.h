@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* parts.h - the first, the step and the last part of a program as blocks. */
 #ifndef FP3_PARTS_H
 #define FP3_PARTS_H

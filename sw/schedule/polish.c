@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* polish.c - see polish.h. */
 #include "polish.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* polish.h - a good order made better by moving one instruction at a time. */
 #ifndef FP3_SCHEDULE_POLISH_H
 #define FP3_SCHEDULE_POLISH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* room.c - values that are there in each gap of what is left of a plan. */
 #include "room.h"
 

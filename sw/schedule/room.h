@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* room.h - which instructions can issue before their turn while the rest still has its registers.
  *
  * A plan is an order of the step part with few values at a time. Instructions leave it one by one,

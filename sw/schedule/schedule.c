@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* schedule.c - code to lines: the step part first, then the parts around it. */
 #include "schedule.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* schedule.h - an order of issue and registers for a configuration. */
 #ifndef FP3_SCHEDULE_H
 #define FP3_SCHEDULE_H

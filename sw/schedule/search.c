@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* search.c - orders are proposed, timed and get registers; the best one is taken. */
 #include "search.h"
 

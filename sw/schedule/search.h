@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* search.h - the best order of the step part that was found.
  *
  * Orders that fit come before others, then those with fewer cycles, then those with fewer

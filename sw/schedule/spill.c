@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* spill.c - see spill.h. The part is gone through in order. A register that is wanted is taken from the
  * value that is needed the latest, for what it costs (Belady, IBM Systems Journal 5, 1966). */
 #include "spill.h"

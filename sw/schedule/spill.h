@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* spill.h - registers for a part whose values do not fit, with loads and stores in between.
  *
  * An object's record has a word for each register. So a register has room for a second value: one is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* spilled.h - a program whose values do not fit into the registers, with loads and stores in each part. */
 #ifndef FP3_SPILLED_H
 #define FP3_SPILLED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* timing.c - nodes and lines as the busy flags see them. */
 #include "timing.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* timing.h - cycles of an order of nodes, or of lines, on the solo machine. */
 #ifndef FP3_SCHEDULE_TIME_H
 #define FP3_SCHEDULE_TIME_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* frame.h - the frames between a host and a board: docs/board.md. */
 #ifndef FP3_FRAME_H
 #define FP3_FRAME_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* link.h - reads and writes words on a board's bus, over a serial port; asks again where an answer is lost. */
 #ifndef FP3_LINK_H
 #define FP3_LINK_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* port.h - a serial port: 8N1, raw, without flow control. */
 #ifndef FP3_PORT_H
 #define FP3_PORT_H

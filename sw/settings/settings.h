@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* settings.h - files in libconfig's syntax, the one reader of scenes, values and tables.
  *
  * Numbers are read here, from their spelling, and never by libconfig: an integer has as many digits

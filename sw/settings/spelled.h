@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* spelled.h - a text of settings as libconfig may read it, and its numbers as they are spelled.
  *
  * libconfig keeps 32 bits of an integer, or of a hexadecimal number as a negative one, and makes of

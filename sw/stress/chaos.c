@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* chaos.c - the largest Lyapunov exponent of Lorenz's equations, with the linearised ones beside them. */
 #include "sections.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* drift.c - a planet over a million steps: what becomes of its energy, its momentum and its place.
  *
  * 64 objects are the same orbit, turned, so that their roundings are independent: their mean is the method's drift,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* failures.c - overflow and NaN put into one object of many: the engine names the object and the step. */
 #include "sections.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* kepler.c - see kepler.h. */
 #include "kepler.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* kepler.h - a planet for the suite: objects that are the same orbit, turned, so that their roundings differ. */
 #ifndef FP3_STRESS_KEPLER_H
 #define FP3_STRESS_KEPLER_H

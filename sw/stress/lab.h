@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lab.h - one program over many objects whose params and starts differ, on the engine fast.
  *
  *     fp3_lab *lab = NULL;

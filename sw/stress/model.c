@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* model.c - what of the suite applies to any model: its invariants, its errors by step size, the way back, and params
  * over many decades, each beside the same steps in double. */
 #include "suite.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* reversal.c - a planet goes forward, its velocity is turned, and it goes as far again: a symmetric method comes back
  * to where it began but for roundings (Hairer, Lubich and Wanner, Geometric Numerical Integration, chapter V). */
 #include "kepler.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sections.h - the parts of the suite. Each adds its verdicts. */
 #ifndef FP3_STRESS_SECTIONS_H
 #define FP3_STRESS_SECTIONS_H

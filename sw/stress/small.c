@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* small.c - where a step moves nothing any more: beside a state of ordinary size, near an equilibrium, and at the
  * lower end of the numbers. What should be is exact, from the rules of IEEE 754. */
 #include "sections.h"

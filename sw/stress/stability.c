@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stability.c - up to which time step nothing grows, found by bisection with a block of objects at a time.
  *
  * The equations are x' = v, v' = -k x - c v with eigenvalues at an angle from the negative real axis, and a step of

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* steps.c - the error of an oscillator, free or driven by t, from long time steps to short ones: the method's on
  * the left, the roundings' on the right. */
 #include "sections.h"

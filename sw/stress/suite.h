@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* suite.h - what a machine of FP32 does to integrators, beside what theory says that it does. */
 #ifndef FP3_STRESS_SUITE_H
 #define FP3_STRESS_SUITE_H

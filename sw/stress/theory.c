@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* theory.c - see theory.h. */
 #include "theory.h"
 

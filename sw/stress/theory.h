@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* theory.h - what an integrator does to x' = v, v' = -k x - c v, from its table alone, in double.
  *
  * With a time step of 1. The eigenvalues are -z e^(+-i angle), so k = z^2 and c = 2 z cos(angle): angle 0 is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* trial.h - what the parts of the suite share: what is asked for, an integrator on trial, a lab for a text. */
 #ifndef FP3_STRESS_TRIAL_H
 #define FP3_STRESS_TRIAL_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* verdicts.c - see verdicts.h. */
 #include "verdicts.h"
 

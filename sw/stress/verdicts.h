@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* verdicts.h - results of a stress suite: each a measured figure beside what it should be. */
 #ifndef FP3_VERDICTS_H
 #define FP3_VERDICTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* location.h - a line and a column of a source. */
 #ifndef FP3_LOCATION_H
 #define FP3_LOCATION_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* name.c - what is a name, in programs and models. */
 #include <fp3/image.h>
 #include <string.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* nearest.h - which word was meant. */
 #ifndef FP3_NEAREST_H
 #define FP3_NEAREST_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* number.h - numbers as text, in the locale "C" (base/host.h). fp3/image.h has fp3_number_text. */
 #ifndef FP3_NUMBER_H
 #define FP3_NUMBER_H

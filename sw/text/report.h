@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* report.h - the errors of one source, each shown with its line and a caret. */
 #ifndef FP3_REPORT_H
 #define FP3_REPORT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* scanner.h - the bytes of a source, line by line. The lexers stand on it.
  *
  * The source needs no NUL at its end: whatever stands behind it reads as the end of a line.

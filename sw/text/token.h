@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* token.h - the words of a source, with their locations. Each language has a lexer of its own. */
 #ifndef FP3_TOKEN_H
 #define FP3_TOKEN_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* unit.h - units of measurement as texts, for who has no model of them. */
 #ifndef FP3_TEXT_UNIT_H
 #define FP3_TEXT_UNIT_H

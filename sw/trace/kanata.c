@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* kanata.c - the instructions that a log is made of, from the engine to the file. */
 #include <fp3/trace.h>
 

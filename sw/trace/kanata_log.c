@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* kanata_log.c - see kanata_log.h. Konata wants the events of all instructions by cycle, so those in
  * flight are kept and advanced together. */
 #include "kanata_log.h"

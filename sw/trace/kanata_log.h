@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* kanata_log.h - the text of a Kanata log. */
 #ifndef FP3_TRACE_KANATA_LOG_H
 #define FP3_TRACE_KANATA_LOG_H

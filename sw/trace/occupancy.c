@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* occupancy.c - where the cycles of a run went, as text. */
 #include <fp3/trace.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stages.h - the stages of an instruction, as docs/tracing.md draws them. */
 #ifndef FP3_TRACE_STAGES_H
 #define FP3_TRACE_STAGES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* before.c - states at the start, and one step before it. */
 #include "before.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* before.h - what the variables of a step are when a run begins. */
 #ifndef FP3_BEFORE_H
 #define FP3_BEFORE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bsimp.c - states that a step moves far are shifted away from 0.
  *
  * GSL's bsimp takes a step for unstable if a state becomes many times what it was. So it would hardly leave a point at which one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* bsimp.h - GSL's bsimp, also where a state is near 0. */
 #ifndef FP3_TRUTH_BSIMP_H
 #define FP3_TRUTH_BSIMP_H

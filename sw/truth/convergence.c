@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* convergence.c - error against time step. */
 #include <fp3/tune.h>
 

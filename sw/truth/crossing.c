@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* crossing.c - the time of an event or a turn by bisection, as far as double can tell two times apart. */
 #include "crossing.h"
 

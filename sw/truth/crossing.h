@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* crossing.h - where in a step of a solution an event happens, and what it makes of the states; and where a switch turns.
  *
  * An event happens at the first time at which firing all events changes a state or stops the object. One that is true and

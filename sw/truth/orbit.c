@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* orbit.c - see orbit.h. */
 #include "orbit.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* orbit.h - one way of an object from time 0 to an end, by a method of GSL's, with its events and the turns of its equations. */
 #ifndef FP3_TRUTH_ORBIT_H
 #define FP3_TRUTH_ORBIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* part.h - from the beginning of a step to a time within it. */
 #ifndef FP3_TRUTH_PART_H
 #define FP3_TRUTH_PART_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* path.c - polynomials between the steps of a solution, each as long as it may be.
  *
  * One of degree 7 goes through four points and has their slopes, which begin as those of three steps. Where it

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* path.h - where an object of a model is at any time, from 0 to an end and a little beyond it.
  *
  *     fp3_path *path = NULL;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* reference.c - what a step means: one operation after the other, in the order of its nodes. */
 #include <fp3/tune.h>
 

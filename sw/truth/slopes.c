@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* slopes.c - see slopes.h. */
 #include "slopes.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* slopes.h - the equations of an object as GSL takes them: the derivatives of its states, and theirs.
  *
  *     fp3_slopes slopes;

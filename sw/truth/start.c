@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* start.c - values of a program's inputs, rounded once. */
 #include "start.h"
 

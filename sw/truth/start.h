@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* start.h - some inputs of a compiled program, for block after block of objects.
  *
  *     fp3_start *start = NULL;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stiff.c - eigenvalues by GSL, where the norm of the Jacobian allows large ones. */
 #include "stiff.h"
 

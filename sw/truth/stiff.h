@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stiff.h - whether the steps of an explicit method are as long as its stability allows. */
 #ifndef FP3_TRUTH_STIFF_H
 #define FP3_TRUTH_STIFF_H

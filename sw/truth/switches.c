@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* switches.c - see switches.h. */
 #include "switches.h"
 

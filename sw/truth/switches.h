@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* switches.h - where the right-hand side of a model jumps or bends, so that its truth stops there.
  *
  * A comparison, min, max and abs of what changes with time is a switch: it has two sides. Between two turns every

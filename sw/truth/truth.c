@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* truth.c - where an object of a model really is: GSL at a tight tolerance, and a second opinion.
  *
  * The second is the model's closed form, or another method of GSL's.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* candidate.c - see candidate.h. */
 #include "candidate.h"
 

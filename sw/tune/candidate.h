@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* candidate.h - an integrator with an arithmetic, as a program, and what it costs. */
 #ifndef FP3_TUNE_CANDIDATE_H
 #define FP3_TUNE_CANDIDATE_H

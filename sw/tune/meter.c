@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* meter.c - see meter.h. */
 #include "meter.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* meter.h - how large the error of a program is on a sample. */
 #ifndef FP3_TUNE_METER_H
 #define FP3_TUNE_METER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* placed.c - see placed.h. */
 #include "placed.h"
 

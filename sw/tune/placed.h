@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* placed.h - what whole processors take on an FPGA. */
 #ifndef FP3_TUNE_PLACED_H
 #define FP3_TUNE_PLACED_H

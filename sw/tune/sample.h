@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sample.h - objects with parameters from their ranges, and where each really is. */
 #ifndef FP3_TUNE_SAMPLE_H
 #define FP3_TUNE_SAMPLE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* scene_text.c - a choice as a scene that runs as it is. */
 #include <fp3/tune.h>
 

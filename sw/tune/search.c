@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* search.c - see search.h.
  *
  * The error falls with the power of the order until rounding stops it. So a look tells about how many steps

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* search.h - how many steps, or which tolerance of adaptive ones, an integrator needs to meet a target. */
 #ifndef FP3_TUNE_SEARCH_H
 #define FP3_TUNE_SEARCH_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* search_adaptive.c - the tolerance of adaptive steps that meets a target.
  *
  * Over the span, errors are about proportional to the tolerance of a step: the estimate is of the order of the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sensitivity.c - see sensitivity.h. */
 #include "sensitivity.h"
 

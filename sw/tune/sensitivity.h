@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* sensitivity.h - how far a truth moves when one number of its object moves by one unit in the last place.
  *
  * A param is no better known than that, so no arithmetic and no step makes a result better than this.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* trim.c - see trim.h. */
 #include "trim.h"
 

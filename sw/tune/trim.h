@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* trim.h - of a configuration only what a program needs. */
 #ifndef FP3_TUNE_TRIM_H
 #define FP3_TUNE_TRIM_H

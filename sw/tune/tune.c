@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
 #include "search.h"
 #include "sensitivity.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* axes.h - which values of a recording say where an object is, how large it is and what colour it has. */
 #ifndef FP3_VIEW_AXES_H
 #define FP3_VIEW_AXES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* camera.c - see camera.h. */
 #include "camera.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* csv.c - a recording as CSV: a head with names and units, a row for each object of each snapshot. */
 #include "reader.h"
 

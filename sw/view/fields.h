@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fields.h - what objects can be coloured by: each value, and the length of each vector, with their ranges. */
 #ifndef FP3_VIEW_FIELDS_H
 #define FP3_VIEW_FIELDS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* hdf5.c - a recording in HDF5: a dataset of each name, links and reaches beside them. */
 #include "reader.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pack.h - numbers as text in a page: 16 bits of each, or all 32, as differences that deflate makes small, in base64.
  *
  * The page undoes it (page/data.js). A stream is deflated; its first byte is the order of the differences, then come all

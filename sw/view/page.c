@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* page.c - see page.h. What comes from files is in one JSON text without '<', so that nothing in it can end the element that
  * it is in; the page shows it as text alone.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* page.h - a recording as one HTML file that loads nothing. */
 #ifndef FP3_VIEW_PAGE_H
 #define FP3_VIEW_PAGE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* picture.h - a snapshot of a recording as pixels, without a display: what the page shows at first, in its light colours and
  * without words.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* png.h - pictures as PNG, and several of them as an animated one (APNG, which everything that shows a PNG shows the first
  * picture of). Pixels are 3 bytes: red, green, blue.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* raster.c - see raster.h. */
 #include "raster.h"
 

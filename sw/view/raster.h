@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* raster.h - balls and lines as pixels.
  *
  * Which pixels are drawn, and in what colour, is decided in whole numbers alone, so they are the same on every machine.

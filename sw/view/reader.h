@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* reader.h - what a form of file provides to recording.c. */
 #ifndef FP3_VIEW_READER_H
 #define FP3_VIEW_READER_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* recorded.h - what is known of a recording: its columns, by name, and who sees whom. */
 #ifndef FP3_VIEW_RECORDED_H
 #define FP3_VIEW_RECORDED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* recording.h - a recording as fp3 run writes it (docs/outputs.md), read again: names first, values when it is known which
  * are wanted.
  *

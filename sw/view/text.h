@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* text.h - the files of page/, as texts that end with 0. */
 #ifndef FP3_VIEW_TEXT_H
 #define FP3_VIEW_TEXT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* video.h - a film as MP4, by ffmpeg. */
 #ifndef FP3_VIEW_VIDEO_H
 #define FP3_VIEW_VIDEO_H

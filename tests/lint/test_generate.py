@@ -116,7 +116,7 @@ MISTAKES = [
     ("isa.toml", "base = 64", "base = 63", "overlap in code 63"),
     ("isa.toml", "base = 64", "base = 65", "bank 'shared' does not fit"),
     ("isa.toml", "revision = 3", "revision = 0", "revision"),
-    ("isa.toml", "revision = 3", "revision = ", "isa/isa.toml: Invalid value (at line 3"),
+    ("isa.toml", "revision = 3", "revision = ", "isa/isa.toml: Invalid value (at line 4"),
     ("registers.toml", "at = 0x0024", "at = 0x0020", "'steps' and 'step' overlap at 0x0020"),
     ("registers.toml", "at = 0x0024", "at = 0x0022", "'step': 0x0022 is not the address of a word"),
     ("registers.toml", "at = 0x0024", "at = 0x0084", "'step' and 'counter cycles' overlap at 0x0084"),

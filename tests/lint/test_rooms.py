@@ -25,7 +25,9 @@ def hand_written(root, folder):
 
 
 def lines(path):
-    return path.read_text(encoding="utf-8").count("\n")
+    """The line of the licence is not the file's own."""
+    text = path.read_text(encoding="utf-8")
+    return text.count("\n") - ("SPDX-License-Identifier" in text.partition("\n")[0])
 
 
 def stem(root, path):
@@ -203,6 +205,16 @@ def test_no_room_is_too_large(root, language):
 @pytest.mark.parametrize("folder", LONGEST)
 def test_no_file_is_too_long(root, folder):
     assert {path.name: lines(path) for path in hand_written(root, folder) if lines(path) > LONGEST[folder]} == {}
+
+
+def test_each_source_names_its_licence(root):
+    """In its first line; a page of HTML may begin with its doctype. What is in no language with comments has none."""
+    names = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", "rtl", "sw", "sim", "boards", "isa"],
+                           cwd=root, capture_output=True, text=True, check=True).stdout.split()
+    texts = {name: (root / name).read_text(encoding="utf-8") for name in names if (root / name).exists() and not name.endswith(".gtkw")}
+    assert len(texts) > 900
+    assert [name for name, text in texts.items()
+            if "SPDX-License-Identifier: Apache-2.0" not in text.removeprefix("<!doctype html>\n").partition("\n")[0]] == []
 
 
 def test_a_module_fits_a_screen_or_two(root):

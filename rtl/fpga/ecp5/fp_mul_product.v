@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_mul_product: the exact product of two significands, by the multipliers of an ECP5.
 //
 // Purpose   Takes the place of rtl/fp/fp_mul_product.v: the registers at cuts 0 and 1 are those inside

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // multiply: a product of two numbers of 18 bits, by a multiplier of an ECP5.
 //
 // Purpose   Takes the place of rtl/lib/multiply.v: the registers are those inside the MULT18X18D, whose delay without them bounds the clock.

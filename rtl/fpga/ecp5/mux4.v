@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // mux4: one of four words, by the multiplexers in an ECP5's slices.
 //
 // Purpose   Takes the place of rtl/lib/mux4.v: each bit is one slice, two LUTs and the PFUMX behind them. n_i[1],

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ram_registered: block memory of an ECP5 with the register at its output.
 //
 // Purpose   Takes the place of rtl/lib/ram_registered.v: the second register is the one inside the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rom_registered: a table in the block memory of an ECP5, with the register at its output.
 //
 // Purpose   Takes the place of rtl/lib/rom_registered.v: the second register is the one inside the DP16KD, which shows its word 1 ns

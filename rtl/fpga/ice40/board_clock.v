@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // board_clock: the processor's clock from a board's oscillator, by the PLL of an iCE40.
 //
 // Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low until the clock

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // counters: counts the cycles in which each of N events happens, with most bits in block memory.
 //
 // Purpose   Takes the place of rtl/host/counters.v where logic is scarce. A counter has its low 8 bits in

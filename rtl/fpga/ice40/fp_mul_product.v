@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fp_mul_product: the exact product of two significands, by the multipliers of an iCE40 UltraPlus.
 //
 // Purpose   Takes the place of rtl/fp/fp_mul_product.v: four SB_MAC16, whose own registers are those at cuts 0

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ram_forward: a memory whose read sees the write of its own cycle, in the block memory of an iCE40.
 //
 // Purpose   Takes the place of rtl/lib/ram_forward.v: an iCE40 has no distributed memory, so that few words would

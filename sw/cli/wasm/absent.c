@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* absent.c - what WebAssembly has not: other programs, libraries that are loaded, native code, serial ports. Who asks
  * for one of them hears that.
  */

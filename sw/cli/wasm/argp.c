@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* argp.c - see include/argp.h. */
 #include <argp.h>
 #include <getopt.h>

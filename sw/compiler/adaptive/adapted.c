@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adapted.c - see adapted.h. */
 #include "adapted.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adapted.h - what values of adaptive steps may be. */
 #ifndef FP3_ADAPTED_H
 #define FP3_ADAPTED_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive.c - the step that is made, whether it is good, and the one that follows. */
 #include "adaptive.h"
 

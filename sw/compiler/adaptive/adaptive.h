@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive.h - steps that each object chooses by itself: what surrounds the method.
  *
  * A method that fills fp3_advance.error can be used; docs/adaptive.md says what is computed.

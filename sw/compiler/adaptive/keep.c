@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* keep.c - what a stage at the end of a step has made is what the next one begins with, if the step is accepted. */
 #include "keep.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* keep.h - values that a step leaves to the next one. */
 #ifndef FP3_KEEP_H
 #define FP3_KEEP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* locate.c - see locate.h. */
 #include "locate.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* locate.h - events of adaptive steps: a step that goes too far beyond one is made again, shorter. */
 #ifndef FP3_LOCATE_H
 #define FP3_LOCATE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* root.c - on which side of a root a step begins and ends. */
 #include "root.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* root.h - the roots of events, as a step sees them. */
 #ifndef FP3_ROOT_H
 #define FP3_ROOT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* banks.c - see banks.h. */
 #include "banks.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* banks.h - sums and products apart (`dual`): every operation reads at most one of each.
  *
  * A value is kept with what makes it: sums with sums, products with products, variables with sums.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* check.c - operations, constants and words against what a configuration has. */
 #include "check.h"
 

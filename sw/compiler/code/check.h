@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* check.h - whether a program fits into a configuration. */
 #ifndef FP3_CHECK_H
 #define FP3_CHECK_H

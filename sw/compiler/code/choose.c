@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* choose.c - each addition may take in one product that nothing else reads, or that only additions read which all take it in. */
 #include "choose.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* choose.h - what each node of a part is executed as: scaled sums, chained products. */
 #ifndef FP3_CHOOSE_H
 #define FP3_CHOOSE_H

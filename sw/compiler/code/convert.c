@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* convert.c - nodes become operations of the first, the step and the last part. */
 #include "convert.h"
 

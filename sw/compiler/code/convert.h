@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* convert.h - a step to code: operations whose operands name values, for one configuration. */
 #ifndef FP3_CONVERT_H
 #define FP3_CONVERT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* arc.c - arcs: a quotient or a root where the argument is large, and a polynomial. */
 #include "arc.h"
 

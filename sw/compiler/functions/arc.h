@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* arc.h - what arcs of floats share with those of pairs. */
 #ifndef FP3_ARC_H
 #define FP3_ARC_H

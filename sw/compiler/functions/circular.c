@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* circular.c - sine, cosine, tangent: the argument less a multiple of pi or pi/2, and a polynomial. */
 #include "circular.h"
 

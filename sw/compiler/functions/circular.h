@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* circular.h - what sine, cosine and tangent of floats share with those of pairs. */
 #ifndef FP3_CIRCULAR_H
 #define FP3_CIRCULAR_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* division.c - a series makes an estimate of 9 bits a quotient or root of 24; with fewer bits its first term is enough. */
 #include "division.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* division.h - quotients and roots from the machine's estimates. */
 #ifndef FP3_DIVISION_H
 #define FP3_DIVISION_H

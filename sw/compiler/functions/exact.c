@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* exact.c - quotients and roots rounded to nearest: two digits of 12 bits, and a choice by exact remainders. */
 #include "exact.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* exact.h - quotients and roots rounded to nearest, ties to even, as IEEE 754 has them. */
 #ifndef FP3_EXACT_H
 #define FP3_EXACT_H

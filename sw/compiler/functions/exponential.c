@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* exponential.c - e^x as 2^k e^r, with k an integer and |r| half of ln 2, or less than ln 2 where that is
  * all that keeps 2^k finite or where the configuration truncates. tools/polynomials.py computes the
  * coefficients; highest power first. */

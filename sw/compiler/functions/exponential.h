@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* exponential.h - powers of e, for whatever is made of them. */
 #ifndef FP3_EXPONENTIAL_H
 #define FP3_EXPONENTIAL_H

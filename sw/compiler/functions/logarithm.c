@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* logarithm.c - x as m 2^-e with m near 1. tools/polynomials.py computes the coefficients; highest power
  * first. */
 #include "logarithm.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* logarithm.h - log, and powers with an exponent that is known. docs/compiler.md has the errors. */
 #ifndef FP3_LOGARITHM_H
 #define FP3_LOGARITHM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* chebyshev.c - stages by a recurrence: of a state only the last sum and its last change are kept.
  *
  * Both are increments of the state, so roundings are of their size, not of the state's.

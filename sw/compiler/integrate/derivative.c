@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* derivative.c - rules of differentiation on expressions, as their arrays are: operands come first. */
 #include "derivative.h"
 

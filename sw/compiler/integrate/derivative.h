@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* derivative.h - a model with the partial derivatives of its equations. */
 #ifndef FP3_DERIVATIVE_H
 #define FP3_DERIVATIVE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* events.c - a condition, and a selection for each state that it changes. */
 #include "events.h"
 

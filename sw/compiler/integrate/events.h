@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* events.h - what `when` does to the states that a step has made. */
 #ifndef FP3_EVENTS_H
 #define FP3_EVENTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* integrate.c - the variables of a step, and what becomes of them. */
 #include "integrate.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* integrate.h - a model and an integrator to one step. */
 #ifndef FP3_INTEGRATE_H
 #define FP3_INTEGRATE_H

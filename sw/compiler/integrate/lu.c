@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lu.c - elimination on terms: what is 0 costs nothing. */
 #include "lu.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lu.h - a sparse system of linear equations, solved by instructions without pivoting. */
 #ifndef FP3_LU_H
 #define FP3_LU_H

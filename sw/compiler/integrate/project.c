@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* project.c - the value that a projection gives, or compensated what it adds.
  *
  * A compensated state knows more than its value: what a step adds to it and rounding takes off is in a->lost. So a projection is one

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* project.h - what `project` does to the states that a step has made. */
 #ifndef FP3_PROJECT_H
 #define FP3_PROJECT_H

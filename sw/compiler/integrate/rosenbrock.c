@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* rosenbrock.c - stages that each solve one system of linear equations, all with the same matrix.
  *
  *     (1/(gamma h) - J) u_i = f(y + sum a_ij u_j) + sum (c_ij/h) u_j + gamma_i h f_t,   y += sum m_i u_i

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* rosenbrock.h - a step of a linearly implicit method (Rosenbrock and Wanner). */
 #ifndef FP3_ROSENBROCK_H
 #define FP3_ROSENBROCK_H

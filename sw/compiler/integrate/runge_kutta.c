@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* runge_kutta.c - stages, and sums of slopes. */
 #include "runge_kutta.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* runge_kutta.h - a step of a Runge-Kutta method, as its table says. */
 #ifndef FP3_RUNGE_KUTTA_H
 #define FP3_RUNGE_KUTTA_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* splitting.c - substeps, each of which moves all positions or all velocities. */
 #include "splitting.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* splitting.h - a step as kicks of velocities and drifts of positions. */
 #ifndef FP3_SPLITTING_H
 #define FP3_SPLITTING_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stoermer.c - positions within a step, velocities at the end of a run. */
 #include "stoermer.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stoermer.h - a step that finds positions from the two before (Stoermer, Verlet). */
 #ifndef FP3_STOERMER_H
 #define FP3_STOERMER_H

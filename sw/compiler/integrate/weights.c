@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* weights.c - roundings that cancel each other.
  *
  * Rounded to nearest, five weights add up to 1 + 1e-8, and after a time T a solution is T 1e-8 too far, whatever h. That is far above

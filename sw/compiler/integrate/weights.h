@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* weights.h - coefficients in FP32 whose sum is exact. */
 #ifndef FP3_WEIGHTS_H
 #define FP3_WEIGHTS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* double_single.c - error-free transformations, and what is made of them. */
 #include "double_single.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* double_single.h - arithmetic with unevaluated sums of two floats, as instructions.
  *
  * A pair stands for high + low, where high is that sum rounded to FP32. u = 2^-24. All bounds are relative

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* double_step.c - nodes to pairs, from the first to the last. */
 #include "double_step.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* double_step.h - a step whose values are floats to one whose values are pairs of them. */
 #ifndef FP3_DOUBLE_STEP_H
 #define FP3_DOUBLE_STEP_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loose.c - see loose.h. */
 #include "loose.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* loose.h - pairs that are not renormalised: sums and products of a step.
  *
  * A sum of pairs takes 8 operations instead of 20, a product about two thirds. What is given up is the error relative to a sum

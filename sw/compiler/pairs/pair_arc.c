@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pair_arc.c - arcs of double-single: those of floats, corrected once by the tangent. */
 #include "compiler/functions/arc.h"
 #include "compiler/functions/division.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pair_circular.c - sine, cosine and tangent of double-single: as circular.c, with more of everything.
  * tools/polynomials.py computes the coefficients; highest power first. */
 #include "compiler/functions/circular.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pair_exponential.c - exponentials and logarithms of double-single. tools/polynomials.py computes the
  * coefficients; highest power first. */
 #include "compiler/functions/exponential.h"

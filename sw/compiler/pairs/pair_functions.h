@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* pair_functions.h - functions of double-single (double_single.h). docs/compiler.md has their errors, and
  * says what they are at the ends of the range. */
 #ifndef FP3_PAIR_FUNCTIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cut.c - the sections of a step, as the plan has them. */
 #include "cut.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* cut.h - a step with sums over neighbours as sections: straight code, and loops over neighbours.
  *
  * A sum reads what neighbours held when its phase began. So the step is cut into phases, in each of which

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fold.h - loads of a loop over neighbours become operands of the arithmetic that reads them.
  *
  *     ldn t, x ; sub d, t, y    becomes    rsbn d, y, x

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* phases.c - sections are converted and scheduled one by one, then put in a row, loads of neighbours in their use. */
 #include "phases.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* plan.h - when each value of a step is computed, and which variable keeps it until it is used.
  *
  * `when` of a node is phase * SLOTS + slot. Straight code has even slots, loops have odd ones.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adapt.c - the states and params that adaptive steps add to a model. */
 #include <fp3/compile.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* advance.c - places, coefficients and updates. */
 #include "advance.h"
 

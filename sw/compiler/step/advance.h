@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* advance.h - what all kinds of integrators share: states as a step goes on, and their updates. */
 #ifndef FP3_ADVANCE_H
 #define FP3_ADVANCE_H

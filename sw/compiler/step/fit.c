@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fit.c - positions, velocities, and what depends on what. */
 #include "fit.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fit.h - whether an integrator fits a model, and which states have to be computed. */
 #ifndef FP3_FIT_H
 #define FP3_FIT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lower.c - expressions to operations of the machine, functions to those of the files that make them. */
 #include "lower.h"
 

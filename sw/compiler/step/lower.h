@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* lower.h - expressions of a model to operations that the machine has.
  *
  * It fixes, for every integrator and pass, what the machine computes and in which order it rounds;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* notes.h - what each operation is for, in words: the comments of the assembly. */
 #ifndef FP3_NOTES_H
 #define FP3_NOTES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* options.c - passes for a configuration, and sets of states. */
 #include "options.h"
 

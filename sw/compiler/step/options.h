@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* options.h - what is asked of the passes. Each of them gets the same options and changes none. */
 #ifndef FP3_OPTIONS_H
 #define FP3_OPTIONS_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* step.c - known values, nodes and variables of a step. */
 #include "step.h"
 

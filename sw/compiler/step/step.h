@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* step.h - one step of an integrator on a model: its values, and the variables that it advances.
  *
  * integrate.h fills it, carry.h adds variables, convert.h reads it. The model must stay.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* switching.c - see switching.h. */
 #include "switching.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* switching.h - the times at which a model's conditions in t change, where the host knows them. */
 #ifndef FP3_SWITCHING_H
 #define FP3_SWITCHING_H

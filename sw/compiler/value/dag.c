@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dag.c - nodes, found again by a hash table. */
 #include "dag.h"
 

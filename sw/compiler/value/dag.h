@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* dag.h - the values of a step: every value once, operands before what is made of them.
  *
  * A node is an instruction of the machine, or a leaf: a known value, or a variable as it was when the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fold.c - known operands, identities, and values that are there already. */
 #include "fold.h"
 

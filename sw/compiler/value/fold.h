@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fold.h - an operation as the cheapest node that has its bits. */
 #ifndef FP3_FOLD_H
 #define FP3_FOLD_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* formula.c - infix notation, with as few parentheses as the rounding allows. */
 #include "formula.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* formula.h - known values and expressions as a reader would write them. */
 #ifndef FP3_FORMULA_H
 #define FP3_FORMULA_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* known.h - what the host knows before a run: numbers, h, params, and what is made of them.
  *
  * Computed in double and rounded to FP32 once, when it is written to a register.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* ops.h - the operations that functions are made of, by short names.
  *
  *     const uint32_t z = mul(g, x, x);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* term.c - signs go to the addition that comes next. */
 #include "term.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* term.h - a node with a sign that no instruction has paid for yet: an addition takes it in. */
 #ifndef FP3_TERM_H
 #define FP3_TERM_H

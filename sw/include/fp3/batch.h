@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/batch.h - many objects of one model: columns in, steps, columns out.
  *
  *     static float thrust[10000], s[10000], v[10000];

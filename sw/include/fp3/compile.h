@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/compile.h - compiles a model and an integrator to a program.
  *
  *     fp3_compile_def def = fp3_compile_default();

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/engine.h - runs programs over objects.
  *
  * Every engine gives the same bits for the same program. "rtl" is the hardware under Verilator,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/image.h - a program as the hardware executes it: code, constants, names of registers.
  *
  *     fp3_image *image = NULL;

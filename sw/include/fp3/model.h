@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/model.h - a model: the equations of motion of an object, read from a .ode text.
  *
  *     fp3_model *model = NULL;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/program.h - a program as a user names it: an image, assembly, or a model with an integrator.
  *
  *     fp3_program_def def = fp3_program_default();

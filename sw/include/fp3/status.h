@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/status.h - how every call of the library reports failure, and why it failed.
  *
  *     fp3_error error;

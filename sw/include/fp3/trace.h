@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/trace.h - shows what happened in a run of the hardware: a log of its pipeline, and where the
  * cycles went.
  *

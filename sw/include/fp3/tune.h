@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* fp3/tune.h - finds the cheapest way to integrate a model to a tolerance, by measuring.
  *
  *     fp3_tune_def def = fp3_tune_default();

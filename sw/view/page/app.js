@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Playing, the controls, the mouse, fingers and keys.
 const {about, camera, scene, plots} = fp3;
 const of = id => document.getElementById(id);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the eye is: it looks at a target from a distance, turned around an axis that points up.
 const about = fp3.about;
 const axes = about.position.columns.map(k => about.columns[k]);

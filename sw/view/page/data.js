@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The numbers of the recording: unpacked piece by piece, as the browser reads the file. sw/view/pack.h says how they are packed.
 const HOLE = 65535;
 const about = JSON.parse(document.getElementById("about").textContent);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Curves over time of the picked object, and the names and numbers along the axes.
 const {about, camera, world, axes, scene} = fp3;
 const list = document.getElementById("plots");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws a snapshot with WebGL: objects, links, trails, walls, axes.
 const {about, camera, world, axes} = fp3;
 const canvas = document.getElementById("scene");

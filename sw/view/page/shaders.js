@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What runs on the graphics: balls that are squares with the look and the depth of a ball, and lines.
 const place = `#version 300 es
 precision highp float;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* argp.h - what the command uses of glibc's <argp.h>, which other C libraries do not have.
  *
  * Options by getopt_long. --help lists them, with what each one does in one line.
