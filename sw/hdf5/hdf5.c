@@ -20,7 +20,8 @@ static fp3_hdf5 *create(const char *path, uint64_t front) {
     if (!f)
         return NULL;
     const hid_t list = H5Pcreate(H5P_FILE_CREATE);
-    const int is_placed = H5Pset_userblock(list, front) >= 0;
+    const int is_placed =
+        H5Pset_userblock(list, front) >= 0 && H5Pset_obj_track_times(list, 0) >= 0;
     f->file = is_placed ? H5Fcreate(path, H5F_ACC_TRUNC, list, H5P_DEFAULT) : -1;
     fp3_hdf5_check(f, f->file >= 0);
     H5Pclose(list);
@@ -48,6 +49,7 @@ static hid_t creation_of(const fp3_hdf5_table *t) {
     const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_chunk(list, t->columns ? 2 : 1, chunk);
     H5Pset_fill_time(list, H5D_FILL_TIME_NEVER); /* all is written */
+    H5Pset_obj_track_times(list, 0);             /* equal runs write equal files */
     if (t->is_compressed) {
         H5Pset_shuffle(list);
         H5Pset_deflate(list, DEFLATE);

@@ -4,6 +4,7 @@ import csv
 import hashlib
 import re
 import struct
+import time
 
 import h5py
 import pytest
@@ -103,6 +104,17 @@ def test_failures_of_groups_are_told_apart(start, root, tmp_path):
 
 
 # ---- recordings ----
+
+def test_equal_runs_write_equal_files(start, world, tmp_path):
+    """Made in different seconds: no time of day is in them."""
+    run = (*world("cloth"), "--steps", 20, "-e", "fast", "--every", 10, "--checkpoint", "a.ck")
+    made = []
+    for _ in range(2):
+        start("run", *run, "--output", "a.h5", "--compress")
+        made.append([(tmp_path / name).read_bytes() for name in ("a.ck", "a.h5")])
+        time.sleep(1.05 - time.time() % 1)
+    assert made[0] == made[1]
+
 
 def test_a_recording_begins_at_the_restart(start, world, tmp_path):
     run = (*world("cloth"), "--steps", 50, "-e", "fast", "--every", 20)
