@@ -504,7 +504,7 @@ world: all ## Objects that see each other: the same bits everywhere, speed, cycl
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
 
 .PHONY: four
-four: all ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4
+four: all | need-cluster ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4
 	@tools/four.sh $(BUILD)/fp3 $(if $(SCENE),$(SCENE),programs/world/cloth.scene) $(if $(STEPS),$(STEPS),10) $(if $(RANKS),$(RANKS),4)
 
 world-report: ## Write docs/world.md from what `make world` found
@@ -612,7 +612,7 @@ everywhere: $(ELSEWHERE) $(BUILD)/wasm/fp3.wasm $(BUILD)/wasm/operations.wasm $(
 
 PICTURE = $(PYTHON) tools/picture.py --fp3 $(BUILD)/bin/fp3 --output docs/picture.svg
 .PHONY: picture
-picture: all ## Draw README's picture, after make setup-bench; MEASURE=1: with new times of fp3 bench
+picture: all | need-plot ## Draw README's picture; MEASURE=1: with new times of fp3 bench
 	@$(PICTURE) $(if $(MEASURE),--measure,--figures) docs/picture.json
 
 .PHONY: gallery

@@ -25,6 +25,7 @@ import sys
 import tempfile
 
 import measured
+import plot
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 # Configuration, and what pages call its arithmetic. `pairs` is not among them: it is another machine, which has neighbours and neither sleep nor status.
@@ -174,13 +175,12 @@ def page(found):
 
 
 def draw(found, path):
-    import plot
     by = collections.defaultdict(list)
     for row in found["rows"]:
         by[row["model"]].append(row)
     columns = 4
     lines = -(-len(by) // columns)
-    figure = plot.Figure(figsize=(12, 2.4 * lines))
+    figure = plot.figure((12, 2.4 * lines))
     axes = figure.subplots(lines, columns, squeeze=False)
     for ax in axes.flat[len(by):]:
         ax.set_visible(False)

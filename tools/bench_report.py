@@ -21,6 +21,7 @@ import sys
 from bench import write
 from bench_figures import PEERS, curves, fast_of, fronts, in_fp32, speed_grids, summary
 from fp3gen.text import table
+from plot import inline
 
 LEAST_RATIO = 20        # fast is to be so many times as fast as GSL at the same error
 INTRODUCTION = """\
@@ -252,8 +253,6 @@ def blocks(text):
 
 def page(data, has_integrators):
     """has_integrators: also a picture of all of them for each model."""
-    from plot import inline     # matplotlib is for pages with pictures alone
-
     def figure(series):
         return inline(series, *AXES, unit="s", size=(11, 6))
 

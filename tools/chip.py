@@ -100,6 +100,7 @@ def place(args, name, seed):
 
 def make(args):
     row = array(args)
+    flow.require(args.tools, ("yosys", "nextpnr-ecp5"))
     (ROOT / WORK).mkdir(parents=True, exist_ok=True)
     name, used = netlist(args.tools, row)
     placed = [place(args, name, seed) for seed in args.seeds]

@@ -20,6 +20,13 @@ def tool(folder, name):
     return packaged if packaged.exists() else folder / name
 
 
+def require(folder, names):
+    """Fails if a program is not there. The first one takes minutes, so this comes before it."""
+    absent = [name for name in names if not tool(folder, name).exists()]
+    if absent:
+        raise RuntimeError(f"there is no {' and no '.join(absent)} in {folder}: run make setup-fpga")
+
+
 def version(path):
     """A program's name and version: of YoWASP's package as pip has it, else as it says itself."""
     if path.name.startswith("yowasp-"):

@@ -16,9 +16,10 @@ until [ "$(cat "$folder"/port* | wc -l)" -eq "$boards" ]; do
     sleep 0.1
     [ "$(jobs -pr | wc -l)" -eq "$boards" ] || { echo "four.sh: a board has ended" >&2 && exit 1; }
 done
-# Open MPI starts no more ranks than there are processors, unless it is told to.
+# Open MPI starts no more ranks than there are processors, and none as root, unless it is told to.
 more=
 if mpirun --version | grep -q 'Open MPI\|OpenRTE'; then more=--oversubscribe; fi
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 mpirun $more -n "$boards" "$fp3" run --scene "$scene" --config world --steps "$steps" --engine board \
     --port "$(cat "$folder"/port* | paste -sd,)" --output "$folder/boards.csv"
 "$fp3" run --scene "$scene" --config world --steps "$steps" --engine fast --output "$folder/one.csv" >"$folder/one.txt"

