@@ -1,6 +1,9 @@
 """The compiler: the ship as a person wrote it, passes that keep the bits, errors, time."""
+import concurrent.futures
 import math
 import os
+import pathlib
+import random
 import re
 import struct
 import subprocess
@@ -49,6 +52,32 @@ def compiled(tmp_path, name, *options):
     image, params = tmp_path / "c.fp3", tmp_path / "c.cfg"
     fp3("compile", model(name), *options, "--image", image, "--params", params)
     return image, params
+
+
+@pytest.mark.parametrize("name, integrator, status, said", [("cloth", "dopri5", 0, ""), ("cloth", "rk6", 2, "needs 65 object registers"),
+                                                            ("balls", "tsit5", 2, "needs 70 object registers")])
+def test_neighbours_with_many_stages(name, integrator, status, said):
+    """Making what neighbours see at a late stage adds what they see at the stages before it."""
+    done = fp3("compile", model(f"world/{name}"), "-i", integrator, "-c", "world", check=False)
+    assert done.returncode == status and said in done.stderr, done.stderr
+
+
+def combinations(seed, every, part="0/1"):
+    paths = sorted(str(path) for path in pathlib.Path(PROGRAMS).rglob("*.ode"))
+    done = subprocess.run([os.path.join(BUILD, "tests/combinations"), str(seed), str(every), part, *paths], capture_output=True, text=True)
+    assert done.returncode == 0, (seed, done.stdout.splitlines()[-1:], done.stderr)
+    return {word: int(number) for number, word in re.findall(r"(\d+) (\w+)", done.stdout.splitlines()[-1])}
+
+
+def test_each_model_by_each_integrator_is_a_program_or_is_refused(long):
+    seed = random.randrange(1 << 32)
+    print("seed", seed)
+    if long:
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            found = list(pool.map(lambda k: combinations(seed, 1, f"{k}/16"), range(16)))
+    else:
+        found = [combinations(seed, 400)]
+    assert sum(counts["made"] for counts in found) and sum(counts["refused"] for counts in found)
 
 
 @pytest.mark.smoke

@@ -128,10 +128,9 @@ static uint32_t loaded(builder *b, uint32_t node) {
         if (!used && !fp3_cut_is_taken(c, c->pool[at], now - 1, now + 1))
             break;
     }
-    if (at == c->pool_count)
-        fp3_cut_pool(c);
-    s->loads[s->load_count] = (fp3_loaded){c->pool[at], n->op, n->a};
-    return s->loads[s->load_count++].variable;
+    const uint32_t variable = at < c->pool_count ? c->pool[at] : fp3_cut_pool(c);
+    s->loads[s->load_count++] = (fp3_loaded){variable, n->op, n->a};
+    return variable;
 }
 
 static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t slot,

@@ -224,25 +224,33 @@ static int is_inside(const lowering *l, uint32_t expr) {
            fp3_turn_is_linear(l->model, l->kind, expr);
 }
 
-/* What the neighbour has there, objects see of each other. */
-static term others_state(lowering *l, uint32_t state) {
-    fp3_sight *sight = l->sight;
+static int is_seen(const lowering *l, uint32_t state) {
+    const fp3_sight *sight = l->sight;
     uint32_t i = 0;
     while (i < sight->count && (sight->list[i].place != l->index || sight->list[i].state != state))
         i++;
-    if (i == sight->count) {
-        if (sight->count == sight->room) {
-            const uint32_t room = sight->room ? 2 * sight->room : 16;
-            fp3_seen *list = realloc(sight->list, room * sizeof *list);
-            sight->has_failed |= !list;
-            if (!list)
-                return fp3_term(num(l->g, 0));
-            sight->list = list;
-            sight->room = room;
-        }
-        const uint32_t node = fp3_term_value(l->g, l->state(l, state));
-        sight->list[sight->count++] = (fp3_seen){l->index, state, node};
+    return i < sight->count;
+}
+
+/* The node comes in finished: making it makes earlier places, which add to this list themselves. */
+static void add_seen(lowering *l, uint32_t state, uint32_t node) {
+    fp3_sight *sight = l->sight;
+    if (sight->count == sight->room) {
+        const uint32_t room = sight->room ? 2 * sight->room : 16;
+        fp3_seen *list = realloc(sight->list, room * sizeof *list);
+        sight->has_failed |= !list;
+        if (!list)
+            return;
+        sight->list = list;
+        sight->room = room;
     }
+    sight->list[sight->count++] = (fp3_seen){l->index, state, node};
+}
+
+/* What the neighbour has there, objects see of each other. */
+static term others_state(lowering *l, uint32_t state) {
+    if (!is_seen(l, state))
+        add_seen(l, state, fp3_term_value(l->g, l->state(l, state)));
     return fp3_term(fp3_dag_neighbour(l->g, NODE_OTHER_STATE, state, l->index, FP3_NONE));
 }
 
