@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import os
 import pathlib
 import threading
 import weakref
-from typing import Any, Optional
+from typing import Any, Iterator, NoReturn, Optional
 
 from . import _declarations as d
 from . import errors
@@ -70,6 +71,15 @@ _lock = threading.Lock()
 _loaded: Optional[_Library] = None
 
 
+def _renew_lock() -> None:
+    """In the child of a fork: a thread that held it is not there to let go of it."""
+    global _lock
+    _lock = threading.Lock()
+
+
+os.register_at_fork(after_in_child=_renew_lock)
+
+
 def library() -> _Library:
     """The library, loaded when it is first needed."""
     global _loaded
@@ -98,7 +108,10 @@ def name_bytes(what: str, value: object) -> bytes:
     """A name or a path for the library."""
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{what}: found {value!r}, expected a string")
-    encoded = os.fsencode(value)
+    try:
+        encoded = os.fsencode(value)
+    except UnicodeEncodeError:
+        raise errors.ArgumentError(f"{what}: found {value!r}, which no file can be called") from None
     if b"\0" in encoded:
         raise errors.ArgumentError(f"{what}: found {value!r}, a name has no NUL")
     return encoded
@@ -115,11 +128,46 @@ class Handle:
         self._free = weakref.finalize(self, _free, getattr(library(), close), pointer, self.pid, keep)
         self._free.atexit = False
 
-    def check_process(self) -> None:
-        if os.getpid() != self.pid:
-            raise errors.ArgumentError("this was opened by the process that forked this one: open another one here")
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("what the library has opened cannot be pickled or copied")
 
 
 def _free(close: Any, pointer: Any, pid: int, keep: Any) -> None:
     if os.getpid() == pid:
         close(ctypes.byref(pointer))
+
+
+class Owner:
+    """What has a C object that is used by one thread at a time, until it is closed, in the process that opened it."""
+
+    _what = ""  # in messages
+
+    def _own(self) -> None:
+        """To be called first. The C object follows, in _handle."""
+        self._lock, self._error, self._lib, self._pid = threading.RLock(), d.fp3_error(), library(), os.getpid()
+        self._handle: Optional[Handle] = None
+
+    def close(self) -> None:
+        """Frees it, after the call that uses it now. What a column shows stays as it is."""
+        if os.getpid() != self._pid:  # a thread of the parent may have held the lock when it forked
+            self._handle = None
+            return
+        with self._lock:
+            self._handle = None
+
+    def __exit__(self, *of: Any) -> None:
+        self.close()
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(f"a {self._what} cannot be pickled or copied: open another one, and give it the values of this one")
+
+    @contextlib.contextmanager
+    def _c(self) -> Iterator[Any]:
+        """The C object, for one thread at a time. Arguments are read before: they may run code of the caller."""
+        if os.getpid() != self._pid:  # before the lock, as in close
+            raise errors.ArgumentError(f"this {self._what} was opened by the process that forked this one: open another one here")
+        with self._lock:
+            handle = self._handle  # kept here: a signal handler may close it at any time, and then the call goes on with it
+            if handle is None:
+                raise errors.ArgumentError(f"this {self._what} is closed")
+            yield handle.pointer

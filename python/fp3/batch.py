@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
+import os
 import sys
-import threading
 import time
-from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+import weakref
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import _declarations as d
-from ._library import Handle, check, library, name_bytes
+from ._library import Handle, Owner, check, name_bytes
 from .errors import ArgumentError, FailedError
+from .given import as_count, as_flag, as_mapping, as_number, as_values, links_of, split_links
 from .model import How, Model, Program, Source, as_model
 
 Value = Union[float, "np.ndarray[Any, Any]", Sequence[float]]
@@ -32,7 +33,7 @@ class Failure(NamedTuple):
 
 
 class Column(np.ndarray):
-    """A column of an engine, without a copy: it shows what the objects hold now, and cannot be written.
+    """A column of a batch: it shows what the objects hold after the last step, and cannot be written.
 
     Other libraries take it by DLPack: torch.from_dlpack(batch["x"]). They must not write into it, either.
     """
@@ -54,64 +55,9 @@ class _Memory:
         self.__array_interface__ = {"version": 3, "shape": shape, "typestr": kind, "data": (address, is_read_only)}
 
 
-def links_of(a: Any, b: Any, fields: Mapping[str, Any], keep: List[Any]) -> d.fp3_links:
-    """Links as the library takes them; `keep` gets the arrays."""
-    ends = []
-    for what, column in (("a", a), ("b", b)):
-        column = np.asarray(column)
-        if column.ndim != 1 or column.dtype.kind not in "iu":
-            raise ArgumentError(f"links: '{what}' is of {column.dtype} and shape {column.shape}, expected whole numbers, one for each link")
-        if column.size and (column.min() < 0 or column.max() >= 2**32 - 1):
-            raise ArgumentError(f"links: '{what}' has {column.min() if column.min() < 0 else column.max()}, expected numbers of objects")
-        ends.append(np.ascontiguousarray(column, np.uint32))
-    if len(ends[0]) != len(ends[1]):
-        raise ArgumentError(f"links: 'a' has {len(ends[0])} and 'b' {len(ends[1])} numbers, expected one of each for each link")
-    columns = []
-    for name, values in fields.items():
-        values = np.asarray(values, np.float32)
-        if values.shape not in ((), ends[0].shape):
-            raise ArgumentError(f"links: '{name}' has the shape {values.shape}, expected a number or one for each of {len(ends[0])} links")
-        columns.append(np.ascontiguousarray(np.broadcast_to(values, ends[0].shape)))
-    names = (ctypes.c_char_p * len(fields))(*(name_bytes("links", name) for name in fields))
-    pointers = (ctypes.c_void_p * len(fields))(*(column.ctypes.data for column in columns))
-    keep += [*ends, *columns, names, pointers]
-    return d.fp3_links(len(ends[0]), ends[0].ctypes.data, ends[1].ctypes.data, names, pointers, len(fields))
-
-
-def as_number(what: str, value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"{what}: found {value!r}, expected a number") from None
-
-
-def as_count(what: str, value: Any, least: int, most: int) -> int:
-    if isinstance(value, (bool, float)) or not hasattr(value, "__index__"):
-        raise ArgumentError(f"{what}: found {value!r}, expected a whole number")
-    if not least <= (number := int(value.__index__())) <= most:
-        raise ArgumentError(f"{what}: found {number}, expected {least} to {most}")
-    return number
-
-
-def split_links(links: Optional[Mapping[str, Any]]) -> Dict[str, Tuple[Any, Any, Mapping[str, Any]]]:
-    """Of each relation: a, b and fields."""
-    found = {}
-    for name, of in (links or {}).items():
-        if not isinstance(of, (tuple, list)) or len(of) not in (2, 3) or (len(of) == 3 and not isinstance(of[2], Mapping)):
-            raise ArgumentError(f"links: '{name}' is {type(of).__name__}, expected (a, b) or (a, b, fields)")
-        found[name] = (of[0], of[1], of[2] if len(of) == 3 else {})
-    return found
-
-
 def link_all(batch: "Batch", links: Optional[Mapping[str, Any]]) -> None:
     for relation, (a, b, fields) in split_links(links).items():
         batch.link(relation, a, b, **fields)
-
-
-def check_mask(what: str, value: Any) -> None:
-    """A mask says that a number is none; the library has no word for that."""
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        raise ArgumentError(f"{what}: found masked values, expected a number everywhere")
 
 
 def part_of(left: int, part: int) -> int:
@@ -131,11 +77,11 @@ def print_share(share: float) -> None:
     print(f"\r  {share:6.1%}" + ("\n" if share >= 1 else ""), end="", file=sys.stderr, flush=True)
 
 
-class Batch:
+class Batch(Owner):
     """Many objects of one model, for loops that write, step and read.
 
         with fp3.Batch("drone.ode", objects=10_000) as drones:
-            x, y = drones["x_x"], drones["x_y"]         # columns, without a copy: they follow the steps
+            x, y = drones["x_x"], drones["x_y"]         # columns, which follow the steps
             for frame in range(600):
                 drones["F_x"] = force_x                 # a number, or one for each object
                 drones.step()
@@ -149,12 +95,15 @@ class Batch:
     A batch may be used by several threads; their calls follow each other. After a fork a child opens its own.
     """
 
+    _what = "batch"
+    __iter__ = None  # len() counts objects, and columns have names: there is no order to go through
+
     def __init__(self, model: Union[Model, Source], objects: int = 1, *, params: Optional[Mapping[str, Value]] = None,
                  method: Optional[str] = None, h: Optional[float] = None, tolerance: Optional[float] = None,
                  absolute: float = 0.0, until: float = 0.0, maxstep: float = 0.0, arithmetic: str = "plain",
                  config: Optional[str] = None, engine: str = "fast", threads: int = 0, may_compile: bool = False,
                  skin: float = 0.0, links: Optional[Mapping[str, Tuple[Any, ...]]] = None) -> None:
-        numbers = {"tolerance": tolerance or 0.0, "absolute": absolute, "until": until, "maxstep": maxstep, "skin": skin}
+        numbers = {"tolerance": 0.0 if tolerance is None else tolerance, "absolute": absolute, "until": until, "maxstep": maxstep, "skin": skin}
         numbers = {name: as_number(name, value) for name, value in numbers.items()}
         for name, number in numbers.items():
             if not 0 <= number < np.inf:
@@ -162,18 +111,19 @@ class Batch:
         self.model = as_model(model)
         adaptive = None if tolerance is None else (numbers["tolerance"], numbers["absolute"], numbers["until"], numbers["maxstep"])
         self._open(self.model.program(How(method, arithmetic, config, adaptive)), as_count("objects", objects, 1, 2**32 - 1), h, engine,
-                   as_count("threads", threads, 0, 1024), bool(may_compile), numbers["skin"])
+                   as_count("threads", threads, 0, 1024), may_compile, numbers["skin"])
         link_all(self, links)
-        for name, value in (params or {}).items():
+        for name, value in as_mapping("params", params).items():
             self[name] = value
 
     def _open(self, program: Program, objects: int, h: Optional[float], engine: str, threads: int, may_compile: bool, skin: float) -> None:
-        self._lock, self._error = threading.RLock(), d.fp3_error()
-        self._lib = lib = library()
+        self._own()
+        lib = self._lib
         definition = lib.fp3_batch_default()
         definition.compiled = program.c.compiled
         definition.compile.config = program.c.config
-        definition.objects, definition.threads, definition.may_compile, definition.skin = objects, threads, may_compile, skin
+        definition.objects, definition.threads, definition.skin = objects, threads, skin
+        definition.may_compile = as_flag("may_compile", may_compile)
         definition.h = 0.0 if h is None else as_number("h", h)
         if h is not None and not definition.h > 0:
             raise ArgumentError(f"h: found {h}, expected a number above 0")
@@ -181,23 +131,18 @@ class Batch:
         definition.error = ctypes.pointer(self._error)
         pointer = ctypes.c_void_p()
         check(lib.fp3_batch_open(definition, pointer), self._error)
-        self._handle: Optional[Handle] = Handle(pointer, "fp3_batch_close", program, definition, self._error)
+        self._handle = Handle(pointer, "fp3_batch_close", program, definition, self._error)
+        #: Where columns are that the engine does not have in one piece, while somebody looks at them.
+        self._copies: "weakref.WeakValueDictionary[str, _Memory]" = weakref.WeakValueDictionary()
         self._program, self._objects, self._used = program, objects, objects
         self._part, self._is_adaptive = PART_FIRST, program.how.adaptive is not None
         self._is_wide = program.c.compiled.contents.arithmetic == d.FP3_DOUBLE_SINGLE
+        self._dtype = np.float64 if self._is_wide else np.float32
 
     # ---- the object itself ----
 
-    def close(self) -> None:
-        """Frees the batch. Columns that are still around keep their memory."""
-        with self._lock:
-            self._handle = None
-
     def __enter__(self) -> "Batch":
         return self
-
-    def __exit__(self, *of: Any) -> None:
-        self.close()
 
     def __len__(self) -> int:
         return self._objects
@@ -205,70 +150,95 @@ class Batch:
     def __repr__(self) -> str:
         return f"fp3.Batch({self.model.name}: {self._objects} objects{', closed' if self._handle is None else ''})"
 
-    @contextlib.contextmanager
-    def _c(self) -> Iterator[Any]:
-        """The C object, for one thread at a time."""
-        with self._lock:
-            if self._handle is None:
-                raise ArgumentError("this batch is closed")
-            self._handle.check_process()
-            yield self._handle.pointer
-
     # ---- values ----
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a value of this name."""
+        try:
+            key = name_bytes("name", name)
+        except (TypeError, ValueError):
+            return False
+        with self._c() as c:
+            return bool(self._lib.fp3_batch_read(c, (ctypes.c_char_p * 1)(key), 1, 0, 0, (ctypes.c_void_p * 1)()) == d.FP3_OK)
 
     def __setitem__(self, name: str, value: Value) -> None:
         """A number for all objects, or one for each."""
-        if np.ndim(value) == 0:
-            with self._c() as c:
-                check(self._lib.fp3_batch_set(c, name_bytes("name", name), as_number(name, value)), self._error)
-        else:
-            self.write(name, value, 0, self._objects)
+        key, values = name_bytes("name", name), as_values(f"'{name}'", value)
+        if values.ndim:
+            self._write(name, values, 0, self._objects)
+            return
+        with self._c() as c:
+            check(self._lib.fp3_batch_set(c, key, float(values)), self._error)
+            self._show(name)
 
     def write(self, name: str, values: Value, first: int = 0, count: Optional[int] = None) -> None:
         """Writes one number for each of the objects from `first` on."""
-        check_mask(f"'{name}'", values)
-        array = np.asarray(values)
-        if array.ndim != 1 or array.dtype.kind not in "fiu":
+        self._write(name, as_values(f"'{name}'", values), as_count("first", first, 0, 2**63),
+                    None if count is None else as_count("count", count, 0, 2**63))
+
+    def _write(self, name: str, array: "np.ndarray[Any, Any]", first: int, count: Optional[int]) -> None:
+        key = name_bytes("name", name)
+        if array.ndim != 1:
             raise ArgumentError(f"'{name}': found {array.dtype} of shape {array.shape}, expected a column of numbers")
         if count is not None and len(array) != count:
             raise ArgumentError(f"'{name}': found {len(array)} numbers, expected one for each of {count} objects")
-        if array.dtype == np.float32 and array.dtype.isnative:
-            array, call = np.ascontiguousarray(array), self._lib.fp3_batch_write
+        if array.dtype == np.float32:
+            array, call = np.require(array, np.float32, ["C", "A"]), self._lib.fp3_batch_write
         else:
-            array, call = np.ascontiguousarray(array, np.float64), self._lib.fp3_batch_write_double
+            array, call = np.require(array, np.float64, ["C", "A"]), self._lib.fp3_batch_write_double
         with self._c() as c:
-            check(call(c, name_bytes("name", name), as_count("first", first, 0, 2**63), len(array), array.ctypes.data), self._error)
+            check(call(c, key, first, len(array), array.ctypes.data), self._error)
+            self._show(name)
 
     def read(self, name: str, first: int = 0, count: Optional[int] = None, out: Optional["np.ndarray[Any, Any]"] = None) -> "np.ndarray[Any, Any]":
         """A copy of a column: float32, or float64 in double-single. out: an array of this type that receives it."""
-        first = as_count("first", first, 0, self._objects)
+        key, first = name_bytes("name", name), as_count("first", first, 0, self._objects)
         count = self._objects - first if count is None else as_count("count", count, 0, self._objects - first)
-        dtype = np.float64 if self._is_wide else np.float32
         if out is None:
-            out = np.empty(count, dtype)
-        elif not isinstance(out, np.ndarray) or out.dtype not in (np.float32, np.float64) or out.shape != (count,) \
-                or not out.flags.c_contiguous or not out.flags.writeable or not out.dtype.isnative:
+            out = np.empty(count, self._dtype)
+        elif not isinstance(out, np.ndarray) or isinstance(out, np.ma.MaskedArray) or out.dtype not in (np.float32, np.float64) or out.shape != (count,) \
+                or not out.flags.carray or not out.dtype.isnative:
             raise ArgumentError(f"out: expected an array of float32 or float64 that can be written, of shape ({count},) and without strides")
-        call = self._lib.fp3_batch_read if out.dtype == np.float32 else self._lib.fp3_batch_read_double
         with self._c() as c:
-            check(call(c, (ctypes.c_char_p * 1)(name_bytes("name", name)), 1, first, count, (ctypes.c_void_p * 1)(out.ctypes.data)), self._error)
+            self._read(c, key, first, count, out)
         return out
 
-    def __getitem__(self, name: str) -> "np.ndarray[Any, Any]":
-        """A column of all objects: without a copy where the engine has one, else a copy (see docs/python.md)."""
-        address = ctypes.c_void_p()
+    def _read(self, c: Any, key: bytes, first: int, count: int, out: "np.ndarray[Any, Any]") -> None:
+        call = self._lib.fp3_batch_read if out.dtype == np.float32 else self._lib.fp3_batch_read_double
+        check(call(c, (ctypes.c_char_p * 1)(key), 1, first, count, (ctypes.c_void_p * 1)(out.ctypes.data)), self._error)
+
+    def __getitem__(self, name: str) -> Column:
+        """A column of all objects, which follows the steps: the engine's own memory, or else a copy that each step renews."""
+        key, address = name_bytes("name", name), ctypes.c_void_p()
         with self._c() as c:
-            check(self._lib.fp3_batch_column(c, name_bytes("name", name), address), self._error)
+            check(self._lib.fp3_batch_column(c, key, address), self._error)
             if address.value is not None:
                 return np.asarray(_Memory(self._handle, address.value, (self._objects,), "<f4")).view(Column)
-        return self.read(name)
+            name = key.decode(errors="surrogateescape")
+            memory = self._copies.get(name)
+            if memory is None:
+                copy = np.empty(self._objects, self._dtype)
+                memory = _Memory(copy, copy.ctypes.data, copy.shape, copy.dtype.str)
+            self._read(c, key, 0, self._objects, memory.owner)
+            self._copies[name] = memory
+            return np.asarray(memory).view(Column)
+
+    def _show(self, *names: str) -> None:
+        """Renews the copies of these columns that somebody looks at."""
+        if not self._copies:
+            return
+        with self._c() as c:
+            for name in names:
+                memory = self._copies.get(name)
+                if memory is not None:
+                    self._read(c, os.fsencode(name), 0, self._objects, memory.owner)
 
     def link(self, relation: str, a: Any, b: Any, **fields: Any) -> None:
         """Gives a relation its links, in place of those before: the two objects of each, and its fields by name."""
         keep: List[Any] = []
-        links = links_of(a, b, fields, keep)
+        key, links = name_bytes("relation", relation), links_of(a, b, fields, keep)
         with self._c() as c:
-            check(self._lib.fp3_batch_link(c, name_bytes("relation", relation), links), self._error)
+            check(self._lib.fp3_batch_link(c, key, links), self._error)
 
     # ---- steps ----
 
@@ -281,7 +251,10 @@ class Batch:
         with self._c():
             while left > 0 or is_new:
                 now, begun = part_of(left, self._part), time.perf_counter()
-                self._advance(now, is_new)
+                try:
+                    self._advance(now, is_new)
+                finally:
+                    self._show(*self._copies)
                 self._part = next_part(self._part, now, time.perf_counter() - begun)
                 left, is_new = left - now, False
                 is_last = not left or (self._is_adaptive and self._is_over())
@@ -315,14 +288,16 @@ class Batch:
 
     def use(self, count: int) -> None:
         """From now on objects 0 .. count-1 make steps; the others keep what they hold."""
+        count = as_count("count", count, 0, 2**63)
         with self._c() as c:
-            check(self._lib.fp3_batch_use(c, as_count("count", count, 0, 2**63)), self._error)
+            check(self._lib.fp3_batch_use(c, count), self._error)
             self._used = count
 
     def restart(self) -> None:
         """Goes back to the starts, at time 0. Params and h stay as they are."""
         with self._c() as c:
             check(self._lib.fp3_batch_restart(c), self._error)
+            self._show(*self._copies)
 
     @property
     def used(self) -> int:

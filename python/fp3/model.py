@@ -93,7 +93,7 @@ class Model:
 
     def __init__(self, source: Source, *, name: Optional[str] = None) -> None:
         if isinstance(source, str) and "\n" in source:
-            self._text, self._where = source.encode(), name_bytes("name", name or "text")
+            self._text, self._where = source.encode(errors="surrogatepass"), name_bytes("name", name or "text")
         else:
             self._where = name_bytes("source", source)
             with open(source, "rb") as file:
@@ -139,13 +139,17 @@ class Model:
 
     def program(self, how: How = How()) -> Program:
         """Compiles the model, or finds what was compiled before."""
-        if how.method and (os.sep in how.method or how.method.endswith(".cfg")):
+        method, arithmetic, config = (None if name is None else os.fsdecode(name_bytes(what, name))
+                                      for what, name in (("method", how.method), ("arithmetic", how.arithmetic), ("config", how.config)))
+        how = how._replace(method=method, arithmetic=arithmetic or "plain", config=config)
+        if method and (os.sep in method or method.endswith(".cfg")):
             return Program(self, how)  # a file, which may change
-        if how not in self._programs:
+        found = self._programs.get(how)
+        if found is None:
             if len(self._programs) >= _PROGRAMS_MOST:
-                self._programs.pop(next(iter(self._programs)), None)
-            self._programs[how] = Program(self, how)
-        return self._programs[how]
+                self._programs.pop(list(self._programs)[0], None)
+            found = self._programs[how] = Program(self, how)
+        return found
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return _again, (self._text, self._where)

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import ctypes
 import os
-import threading
 import time
 from typing import Any, Callable, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _declarations as d
-from ._library import Handle, check, library, name_bytes
-from .batch import PART_FIRST, STEPS_MOST, Failure, as_count, as_number, next_part, part_of, print_share
+from ._library import Handle, Owner, check, library, name_bytes
+from .batch import PART_FIRST, STEPS_MOST, Failure, next_part, part_of, print_share
 from .errors import ArgumentError, FailedError
+from .given import as_count, as_mapping, as_number, as_teller
 
 
 class Group:
     """Objects of a scene that run one program. group["x"] is a copy of a column."""
 
+    __iter__ = None  # len() counts objects, and columns have names: there is no order to go through
+
     def __init__(self, scene: "Scene", number: int) -> None:
-        c = scene._c.groups[number]
+        c = scene._scene_c.groups[number]
         self._scene, self._program = scene, c.program
         self.path: str = os.fsdecode(c.path)
         self.first: int = c.first
@@ -35,6 +37,9 @@ class Group:
     def __repr__(self) -> str:
         return f"fp3.Group({self.path}: {self.objects} objects, {', '.join(self.names)})"
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.names
+
     def __getitem__(self, name: str) -> "np.ndarray[Any, Any]":
         if name not in self.names:
             raise ArgumentError(f"the program of this group has no '{name}', it has {', '.join(self.names)}")
@@ -46,7 +51,7 @@ class Group:
         return high if low < 0 else high.astype(np.float64) + self._scene._read(self.first, self.objects, low)
 
 
-class Scene:
+class Scene(Owner):
     """A scene file (docs/scenes.md): what `fp3 run --scene FILE` runs.
 
         scene = fp3.Scene("programs/mixed.scene", engine="fast")
@@ -56,16 +61,18 @@ class Scene:
     config and engine replace what the file says. values: for the number of a group, values by name, as in its `set`.
     """
 
+    _what = "scene"
+
     def __init__(self, path: Union[str, "os.PathLike[str]"], *, config: Optional[str] = None, engine: Optional[str] = None, threads: int = 0,
                  values: Optional[Mapping[int, Mapping[str, float]]] = None) -> None:
-        self._lock, self._error, self._lib = threading.RLock(), d.fp3_error(), library()
+        self._own()
         pointer = ctypes.POINTER(d.fp3_scene)()
         check(self._lib.fp3_scene_open(name_bytes("path", path), None if config is None else name_bytes("config", config), pointer, self._error),
               self._error)
-        self._scene: Optional[Handle] = Handle(pointer, "fp3_scene_close")
-        for number, given in (values or {}).items():
-            group = self._c.groups[as_count("values", number, 0, self._c.group_count - 1)]
-            for name, value in given.items():
+        self._scene = Handle(pointer, "fp3_scene_close")
+        for number, given in as_mapping("values", values).items():
+            group = self._scene_c.groups[as_count("values", number, 0, self._scene_c.group_count - 1)]
+            for name, value in as_mapping(f"values: {number}", given).items():
                 check(self._lib.fp3_params_put(group.params, name_bytes("values", name), as_number(name, value), self._error), self._error)
         self._definition = self._lib.fp3_scene_engine(pointer)
         self._definition.error = ctypes.pointer(self._error)
@@ -74,58 +81,43 @@ class Scene:
             self._definition.engine = name_bytes("engine", engine)
         opened = ctypes.c_void_p()
         check(self._lib.fp3_engine_open(self._definition, opened), self._error)
-        self._handle: Optional[Handle] = Handle(opened, "fp3_engine_close", self._scene, self._definition, self._error)
+        self._handle = Handle(opened, "fp3_engine_close", self._scene, self._definition, self._error)
         check(self._lib.fp3_scene_load(pointer, opened, self._error), self._error)
         #: The groups, in the order of the file.
-        self.groups: List[Group] = [Group(self, i) for i in range(self._c.group_count)]
-        self.steps: int = self._c.steps
-        self.objects: int = self._c.objects
+        self.groups: List[Group] = [Group(self, i) for i in range(self._scene_c.group_count)]
+        self.steps: int = self._scene_c.steps
+        self.objects: int = self._scene_c.objects
         # A program in assembly may do more in its first and last part than prepare: then a run is not the same in parts.
-        self._has_parts = all(self._c.groups[i].program.contents.model for i in range(len(self.groups)))
+        self._has_parts = all(self._scene_c.groups[i].program.contents.model for i in range(len(self.groups)))
 
     @property
-    def _c(self) -> Any:
-        assert self._scene is not None
+    def _scene_c(self) -> Any:
         return self._scene.pointer.contents
-
-    def _engine(self) -> Any:
-        if self._handle is None:
-            raise ArgumentError("this scene is closed")
-        self._handle.check_process()
-        return self._handle.pointer
-
-    def close(self) -> None:
-        """Frees the engine."""
-        with self._lock:
-            self._handle = None
 
     def __enter__(self) -> "Scene":
         return self
 
-    def __exit__(self, *of: Any) -> None:
-        self.close()
-
     def __repr__(self) -> str:
-        return f"fp3.Scene({os.fsdecode(self._c.path)}: {self.objects} objects in {len(self.groups)} groups)"
+        return f"fp3.Scene({os.fsdecode(self._scene_c.path)}: {self.objects} objects in {len(self.groups)} groups)"
 
     def _read(self, first: int, count: int, reg: int) -> "np.ndarray[Any, Any]":
         values = np.empty(count, np.float32)
-        with self._lock:
-            check(self._lib.fp3_engine_read(self._engine(), first, count, reg, values.ctypes.data), self._error)
+        with self._c() as engine:
+            check(self._lib.fp3_engine_read(engine, first, count, reg, values.ctypes.data), self._error)
         return values
 
     def run(self, steps: Optional[int] = None, *, check_failures: bool = True,
             progress: Union[None, bool, Callable[[float], None]] = None) -> None:
         """Runs the scene's steps, or this number. FailedError: objects failed; all values can be read."""
         left = total = self.steps if steps is None else as_count("steps", steps, 0, STEPS_MOST)
-        tell = print_share if progress is True else progress or (lambda share: None)
-        with self._lock:  # counted from here; a configuration that keeps no status has nothing to clear
-            self._lib.fp3_engine_clear_status(self._engine(), 0, self.objects)
+        tell = as_teller(progress, print_share) or (lambda share: None)
+        with self._c() as engine:  # counted from here; a configuration that keeps no status has nothing to clear
+            self._lib.fp3_engine_clear_status(engine, 0, self.objects)
         part, first = PART_FIRST if self._has_parts and not self._is_mixed() else total, None
         while left > 0 and not (left < total and self._is_over()):
             now, begun = part_of(left, part), time.perf_counter()
-            with self._lock:
-                check(self._lib.fp3_engine_advance(self._engine(), now, None), self._error)
+            with self._c() as engine:
+                check(self._lib.fp3_engine_advance(engine, now, None), self._error)
                 if check_failures and (not self._is_adaptive() or left == now or self._is_over()):
                     first = first or self.failure()
             part, left = next_part(part, now, time.perf_counter() - begun), left - now
@@ -151,8 +143,8 @@ class Scene:
     def _status(self) -> "np.ndarray[Any, Any]":
         """A row of fp3_object_status for each object: flags, failed, slept."""
         found = np.zeros((self.objects, 3), np.uint32)
-        with self._lock:
-            check(self._lib.fp3_engine_status(self._engine(), 0, self.objects, ctypes.cast(found.ctypes.data, ctypes.POINTER(d.fp3_object_status))), self._error)
+        with self._c() as engine:
+            check(self._lib.fp3_engine_status(engine, 0, self.objects, ctypes.cast(found.ctypes.data, ctypes.POINTER(d.fp3_object_status))), self._error)
         return found
 
     def _adaptive(self, group: Group) -> bool:
@@ -162,16 +154,16 @@ class Scene:
         """How objects failed in the last run, or None: of the first group with such objects."""
         found, text = d.fp3_failure(), ctypes.create_string_buffer(d.FP3_ADAPTIVE_TEXT_SIZE)
         for group in self.groups:
-            with self._lock:
+            with self._c() as engine:
                 if self._adaptive(group):
                     report = d.fp3_adaptive_report()
-                    check(self._lib.fp3_adaptive_report_make(self._engine(), group.first, group.objects, report), self._error)
+                    check(self._lib.fp3_adaptive_report_make(engine, group.first, group.objects, report), self._error)
                     if report.failed:
                         self._lib.fp3_adaptive_text(report.first, report.why, text)
                         return Failure(report.failed, report.first, report.why.accepted, text.value.decode())
                     continue
-                check(self._lib.fp3_engine_failure(self._engine(), group.first, group.objects, found), self._error)
+                check(self._lib.fp3_engine_failure(engine, group.first, group.objects, found), self._error)
                 if found.failed:
-                    self._lib.fp3_engine_failure_text(self._engine(), found, text)
+                    self._lib.fp3_engine_failure_text(engine, found, text)
                     return Failure(found.failed, found.object, found.step, text.value.decode())
         return None

@@ -12,11 +12,11 @@ import numpy as np
 
 from . import _declarations as d
 from ._library import check, library, name_bytes
-from .batch import STEPS_MOST, Batch, Value, as_count, as_number, check_mask, link_all, next_part, part_of, print_share, split_links
+from .batch import STEPS_MOST, Batch, Value, link_all, next_part, part_of, print_share
 from .errors import ArgumentError, DigitsWarning, FailedWarning
+from .given import as_count, as_flag, as_mapping, as_number, as_teller, as_values, ends_of, shown, split_links
 from .loss import params_of, standstill
 from .model import How, Model, Program, Source, as_model
-
 
 
 class Solution(Dict[str, Any]):
@@ -39,6 +39,13 @@ class Solution(Dict[str, Any]):
         if name not in dict.__getitem__(self, "states"):
             raise KeyError(name)
         return self.state(name)
+
+    def __contains__(self, name: object) -> bool:
+        return dict.__contains__(self, name) or name in dict.get(self, "states", ())
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """What solution[name] is, or the default."""
+        return self[name] if name in self else default
 
     def state(self, name: str) -> "np.ndarray[Any, Any]":
         """The values of a state, also of one that is named like a field: `y`, `t`, `h`."""
@@ -81,7 +88,7 @@ def solve_ivp(model: Union[Model, Source], t_span: Sequence[float], y0: Union[No
     model = as_model(model)
     span = read_span(t_span)
     times = read_times(t_eval, span)
-    starts, given = read_starts(model, y0), dict(params or {})
+    starts, given = read_starts(model, y0), {name: as_values(f"'{name}'", value) for name, value in as_mapping("params", params).items()}
     count = count_objects({**starts, **given}, objects, links)
     check_params(model, given)
     clock = choose_clock(model, span, times, How(method, arithmetic, config), h, rtol, atol, max_step, cut)
@@ -90,7 +97,7 @@ def solve_ivp(model: Union[Model, Source], t_span: Sequence[float], y0: Union[No
         warnings.warn(f"{model.name}: {program.warning}", RuntimeWarning, stacklevel=2)
     batch = Batch.__new__(Batch)
     batch.model = model
-    batch._open(program, count or 1, clock.h if not clock.chooses else None, engine, as_count("threads", threads, 0, 1024), bool(may_compile), 0.0)
+    batch._open(program, count or 1, clock.h if not clock.chooses else None, engine, as_count("threads", threads, 0, 1024), may_compile, 0.0)
     with batch:
         link_all(batch, links)
         write_values(batch, model, starts, given)
@@ -111,38 +118,39 @@ def solve_ivp(model: Union[Model, Source], t_span: Sequence[float], y0: Union[No
 
 
 def read_span(t_span: Sequence[float]) -> Tuple[float, float]:
-    pair = np.asarray(t_span, np.float64) if np.ndim(t_span) == 1 else np.empty(0)
+    pair = as_values("t_span", t_span, "two times").astype(np.float64)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[1] > pair[0]:
-        raise ArgumentError(f"t_span: found {t_span!r}, expected two finite times, the second after the first")
+        raise ArgumentError(f"t_span: found {shown(t_span)}, expected two finite times, the second after the first")
     return float(pair[0]), float(pair[1])
 
 
 def read_times(t_eval: Optional[Sequence[float]], span: Tuple[float, float]) -> "np.ndarray[Any, Any]":
+    """What is outside of the span by less than FP32 tells is its end: 7 * 0.1 of (0, 0.7)."""
     if t_eval is None:
         return np.array(span)
-    times = np.asarray(t_eval)
-    if times.ndim != 1 or not times.size or times.dtype.kind not in "fiu":
+    times = as_values("t_eval", t_eval, "a list of times")
+    if times.ndim != 1 or not times.size:
         raise ArgumentError(f"t_eval: found {times.dtype} of shape {times.shape}, expected a list of times")
-    times = times.astype(np.float64)
-    if not (np.isfinite(times).all() and (np.diff(times) > 0).all() and span[0] <= times[0] and times[-1] <= span[1]):
+    times, least = times.astype(np.float64), (span[1] - span[0]) * 2**-24
+    if not (np.isfinite(times).all() and (np.diff(times) > 0).all() and span[0] - least <= times[0] and times[-1] <= span[1] + least):
         raise ArgumentError(f"t_eval: expected times that ascend, from {span[0]:.9g} to {span[1]:.9g}")
-    return times
+    kept: "np.ndarray[Any, Any]" = np.clip(times, *span)
+    return kept
 
 
 def read_starts(model: Model, y0: Any) -> Dict[str, Any]:
     if y0 is None:
         return {}
-    check_mask("y0", y0)
     if isinstance(y0, Mapping):
         for name in y0:
             if name not in model.states:
                 raise ArgumentError(f"y0: the model has no state {name!r}, it has {', '.join(model.states)}")
-        return dict(y0)
-    array = np.asarray(y0)
-    if array.dtype.kind not in "fiu" or array.ndim not in (1, 2) or array.shape[-1] != len(model.states):
+        return {name: as_values(f"'{name}'", value) for name, value in y0.items()}
+    array = as_values("y0", y0, f"({len(model.states)},) or (objects, {len(model.states)}) numbers: {', '.join(model.states)}")
+    if array.ndim not in (1, 2) or array.shape[-1] != len(model.states):
         raise ArgumentError(f"y0: found {array.dtype} of shape {array.shape}, expected ({len(model.states)},) or "
                             f"(objects, {len(model.states)}) numbers: {', '.join(model.states)}")
-    return {name: array[..., i] if array.ndim == 2 else float(array[i]) for i, name in enumerate(model.states)}
+    return {name: array[..., i] for i, name in enumerate(model.states)}
 
 
 def count_objects(values: Mapping[str, Any], objects: Optional[int], links: Optional[Mapping[str, Tuple[Any, ...]]]) -> Optional[int]:
@@ -155,7 +163,7 @@ def count_objects(values: Mapping[str, Any], objects: Optional[int], links: Opti
         if shape:
             counts[name] = shape[0]
     if not counts and links:
-        counts["links"] = max((int(np.max(end)) for of in split_links(links).values() for end in of[:2] if np.size(end)), default=0) + 1
+        counts["links"] = max((int(end.max()) for of in split_links(links).values() for end in map(ends_of, "ab", of[:2]) if end.size), default=0) + 1
     if len(set(counts.values())) > 1:
         raise ArgumentError("the number of objects is not one: " + ", ".join(f"{name} has {n}" for name, n in counts.items()))
     return next(iter(counts.values()), None)
@@ -214,11 +222,11 @@ def choose_clock(model: Model, span: Tuple[float, float], times: "np.ndarray[Any
     if rtol is not None:
         return adaptive_clock(model, span, times, how, h, rtol, atol, max_step)
     h = model.step if h is None else h
-    if cut is not True:
+    if cut is None or not as_flag("cut", cut):
         clock = fixed_clock(model, span, times, how, h)
         if clock is not None:
             return clock
-        if cut is False:
+        if cut is not None:
             raise ArgumentError(f"cut=False: a time of t_span or t_eval is no multiple of h = {h:.9g}")
     return until_clock(model, span, times, how._replace(adaptive=(0.0, 0.0, until_of(model, span), 0.0)), h, False)
 
@@ -264,10 +272,11 @@ def adaptive_clock(model: Model, span: Tuple[float, float], times: "np.ndarray[A
                    atol: Optional[float], max_step: Optional[float]) -> Clock:
     numbers = []
     for name, value in (("rtol", rtol), ("atol", atol), ("max_step", max_step)):
-        number = 0.0 if value is None or (name == "max_step" and value == math.inf) else as_number(name, value)
-        if value is not None and not (0 < number < math.inf or (name == "max_step" and value == math.inf)):
+        number = 0.0 if value is None else as_number(name, value)
+        is_endless = name == "max_step" and number == math.inf
+        if value is not None and not (0 < number < math.inf or is_endless):
             raise ArgumentError(f"{name}: found {value}, expected a finite number above 0")
-        numbers.append(number)
+        numbers.append(0.0 if is_endless else number)
     return until_clock(model, span, times, how._replace(adaptive=(numbers[0], numbers[1], until_of(model, span), numbers[2])), h, True)
 
 
@@ -331,7 +340,7 @@ class Run:
         self.batch, self.clock, self.attempts = batch, clock, attempts
         self.lib = library()
         self.model, self.objects = batch.model, len(batch)
-        self.tell = print_share if progress is True else progress or None
+        self.tell = as_teller(progress, print_share)
         self.first: Optional[str] = None  # the first failure, in words
         self.failed = np.zeros(self.objects, bool)
         self.y = np.empty((len(clock.marks) - 1, len(self.model.states), self.objects))

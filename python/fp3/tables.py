@@ -18,6 +18,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ._library import home
 from .errors import ArgumentError, FailedError, ProgramError, SystemFailure
+from .given import as_mapping, as_number, shown as shown_value
 from .model import Model, Source, as_model
 
 _OBJECTS_FAILED = 3  # exit code: all is written, and something is not as it should be
@@ -105,17 +106,18 @@ class _Files:
 
 def _numbers(option: str, values: Optional[Mapping[str, Any]], width: int) -> List[str]:
     words = []
-    for name, value in (values or {}).items():
+    for name, value in as_mapping(option, values).items():
         parts = [value] if width == 1 else list(value)
         if len(parts) != width:
-            raise ArgumentError(f"'{name}': found {value!r}, expected a pair, first and last")
-        words.append(f"--{option}={name}=" + ":".join(repr(float(part)) for part in parts))
+            raise ArgumentError(f"'{name}': found {shown_value(value)}, expected a pair, first and last")
+        words.append(f"--{option}={name}=" + ":".join(repr(as_number(f"'{name}'", part)) for part in parts))
     return words
 
 
 def _options(**options: Any) -> List[str]:
     """--name=value of those that are given; True is a flag."""
-    return [f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}") for name, value in options.items() if value not in (None, False)]
+    return [f"--{name.replace('_', '-')}" + ("" if value is True else f"={value}") for name, value in options.items()
+            if value is not None and value is not False]
 
 
 def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapping[str, Tuple[float, float]]] = None,
@@ -128,7 +130,7 @@ def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapp
     """
     with _Files([model]) as files:
         scene = files.path / "found.scene"
-        found = command(["tune", files.models[0], f"--tolerance={float(tolerance)!r}", f"--output={scene}",
+        found = command(["tune", files.models[0], f"--tolerance={as_number('tolerance', tolerance)!r}", f"--output={scene}",
                  *_numbers("spread", ranges, 2), *_numbers("set", params, 1),
                  *_options(around=around, span=span, config=config, objects=objects, held_out=held_out)], files.found, progress=progress)
         text = scene.read_text() if scene.exists() else ""

@@ -1,6 +1,9 @@
 """What must not be: every misuse is an exception that says what was expected, never a crash or a silent number."""
 
+import copy
 import os
+import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -15,6 +18,7 @@ import fp3
 
 TEXT = "param k = 1\nshared g = 1\nstate x = 1\nstate y = 0\nstep 0.0625\nx' = -k*x*g\ny' = x\n"
 NAN, INF = float("nan"), float("inf")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize("options, told", [
@@ -67,6 +71,193 @@ def test_what_a_batch_refuses(misuse, told):
 def test_what_cannot_be_opened(options):
     with pytest.raises(fp3.Error):
         fp3.Batch(TEXT, **options)
+
+
+CABLE = fp3.Model("param k = 1\nlinks rope(rest = 1)\nstate x[2] = (1, 0)\nstep 0.0625\nx' = sum(o in rope: o.x - x)*k\n")
+NUMBERS = {
+    "set": lambda b, v: b.__setitem__("k", v), "write": lambda b, v: b.write("k", v), "write some": lambda b, v: b.write("k", [v]), "first": lambda b, v: b.write("k", [1.0], v),
+    "count": lambda b, v: b.read("k", 0, v), "from": lambda b, v: b.read("k", v), "use": lambda b, v: b.use(v), "step": lambda b, v: b.step(v),
+    "link": lambda b, v: b.link("rope", [0], v), "link one": lambda b, v: b.link("rope", [0], [v]), "field": lambda b, v: b.link("rope", [0], [1], rest=v),
+    "fields": lambda b, v: b.link("rope", [0], [1], rest=[v]), **{name: lambda b, v, name=name: fp3.Batch(TEXT, **{name: v}) for name in ("objects", "h", "skin", "threads", "until")},
+    "tolerance": lambda b, v: fp3.Batch(TEXT, tolerance=v), "params": lambda b, v: fp3.Batch(TEXT, 4, params={"k": v}), "tune": lambda b, v: fp3.tune(TEXT, v),
+    "ranges": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": (v, 2)}), "t_span": lambda b, v: fp3.solve_ivp(TEXT, (0, v)), "begin": lambda b, v: fp3.solve_ivp(TEXT, (v, 2)),
+    **{name: lambda b, v, name=name: fp3.solve_ivp(TEXT, (0, 1), **{name: v}) for name in ("y0", "t_eval", "h", "rtol", "objects", "threads", "attempts")},
+    "y0 of one": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), [v, 0]), "y0 by name": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), {"x": v}), "given": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), params={"k": v}),
+    "max_step": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), rtol=1e-3, max_step=v), "time": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), t_eval=[v])}
+NO_NUMBERS = ["3", b"3", np.str_("3"), np.array("3", object), np.array("3"), 1j, 10**400, -10**5000, NAN, [[1], [2, 3]], np.ma.masked, np.ma.array([1.0, 2], mask=[0, 1]),
+              np.datetime64(1, "s"), np.zeros(2, "f4,i4"), object(), {"a": 1}, {1}, lambda: 1, np.array([True] * 4), ["3"] * 4, [None] * 4, np.zeros((2, 2, 2))]
+
+
+@pytest.mark.filterwarnings("ignore:Warning. converting a masked element:UserWarning")
+@pytest.mark.parametrize("use", NUMBERS)
+def test_what_is_no_number(use):
+    """Text that looks like one, an integer without a float, a mask ...: each is refused in words, and nothing has changed."""
+    with fp3.Batch(CABLE, 4) as batch:
+        before = batch.read("k")
+        for value in NO_NUMBERS + ([True, np.True_] if use not in ("write some", "link one", "fields", "y0 of one", "time", "t_span", "begin") else []):
+            with pytest.raises(fp3.ArgumentError, match="[a-z0-9 ']+"):
+                print(use, type(value), NUMBERS[use](batch, value))
+        assert np.array_equal(batch.read("k"), before)
+
+
+@pytest.mark.parametrize("options, told", [
+    ({"params": [1]}, "a dict"), ({"params": np.ones(2)}, "a dict"), ({"links": [1]}, "a dict"), ({"cut": 1}, "True or False"), ({"may_compile": "no"}, "True or False"),
+    ({"progress": 3}, "a function"), ({"method": "\ud800"}, "called"), ({"y0": {3: 1}}, "no state 3"), ({"y0": {"x": [1, 2], "y": [1]}}, "objects")])
+def test_what_else_solve_ivp_refuses(options, told):
+    with pytest.raises(fp3.ArgumentError, match=told):
+        fp3.solve_ivp(TEXT, (0, 1), **options)
+
+
+@pytest.mark.parametrize("name", [None, 3, b"x", ["x"], ("x",), np.float32(1), ("x", 1)])
+def test_names_are_strings(name):
+    with fp3.Batch(TEXT, 4) as batch:
+        for use in (lambda: batch[name], lambda: batch.__setitem__(name, 1), lambda: batch.read(name), lambda: batch.write(name, [1]), lambda: batch.link(name, [], []),
+                    lambda: fp3.Batch(TEXT, engine=name), lambda: fp3.solve_ivp(TEXT, (0, 1), arithmetic=name or 0)):
+            with pytest.raises(TypeError, match="expected a string"):
+                use()
+        assert name not in batch and "x" in batch and "k" in batch and "z" not in batch and "x\0" not in batch and "\ud800" not in batch
+
+
+def test_arrays_of_other_layouts():
+    """Not aligned, backwards, read-only, of a record, of another order of bytes: the values count, not how they lie."""
+    record = np.zeros(4, "u1,f4")
+    record["f1"] = [1, 2, 3, 4]
+    locked = np.array([1, 2, 3, 4], np.float32)
+    locked.flags.writeable = False
+    with fp3.Batch(TEXT, 4) as batch:
+        for array in (record["f1"], np.frombuffer(b"!" + locked.tobytes(), np.float32, offset=1), locked, locked[::-1].copy()[::-1], locked.astype(">f4"), locked.astype(">i2")):
+            batch["k"] = 9
+            batch["k"] = array
+            assert batch.read("k").tolist() == [1, 2, 3, 4]
+        for out in (np.empty(17, "u1")[1:].view(np.float32), np.empty(8, np.float32)[::2], np.empty(4, ">f4"), locked, np.ma.array(np.empty(4)), batch["k"]):
+            with pytest.raises(fp3.ArgumentError, match="out"):
+                batch.read("k", out=out)
+
+
+def test_what_a_batch_is_not(root):
+    """It is no sequence, and no copy of it can be made: it says so. What can be copied is copied."""
+    batch, scene = fp3.Batch(TEXT, 4), fp3.Scene(root / "programs/mixed.scene", engine="fast")
+    for of, kind in ((batch, "batch"), (scene, "scene")):
+        for use in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError, match=f"a {kind} cannot be pickled or copied"):
+                use(of)
+    for of in (batch, scene.groups[0]):
+        with pytest.raises(TypeError, match="not iterable"):
+            list(of)
+    for use in (copy.copy, copy.deepcopy):
+        with pytest.raises(TypeError, match="cannot be pickled or copied"):
+            use(batch._program)
+    assert "r_x" in scene.groups[0] and "q" not in scene.groups[0] and 0 not in scene.groups[0]
+    solution = fp3.solve_ivp(batch.model, (0, 1))
+    for use in (copy.copy, copy.deepcopy, lambda of: pickle.loads(pickle.dumps(of))):
+        assert np.array_equal(use(solution)["x"], solution["x"]) and use(batch.model).states == ("x", "y") and use(batch["x"]).tolist() == [1] * 4
+    assert "x" in solution and "t" in solution and "z" not in solution and solution.get("x") is not None and solution.get("z", 3) == 3
+
+
+class Closes:
+    """A value that closes the batch while it is read."""
+
+    def __init__(self, batch):
+        self.batch = batch
+
+    def __float__(self):
+        self.batch.close()
+        return 1.0
+
+    def __index__(self):
+        self.batch.close()
+        return 1
+
+    def __array__(self, *of, **options):
+        self.batch.close()
+        return np.zeros(4, np.float32)
+
+    def __fspath__(self):
+        self.batch.close()
+        return "x"
+
+
+class ClosesAsNumber:
+    __init__, __float__, __index__ = Closes.__init__, Closes.__float__, Closes.__index__
+
+
+CLOSING = [lambda b, v: b.__setitem__("x", v), lambda b, v: b.write("x", v), lambda b, v: b.write("x", [1.0], v), lambda b, v: b.read("x", v), lambda b, v: b.read("x", 0, v),
+           lambda b, v: b.use(v), lambda b, v: b.step(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]), lambda b, v: b.link("near", v, v),
+           lambda b, v: b.link("near", [0], [1], f=v), lambda b, v: b.link(v, [0], [1])]
+
+
+@pytest.mark.parametrize("number", range(len(CLOSING)))
+def test_arguments_that_close_the_batch(number):
+    for kind in (Closes, ClosesAsNumber):
+        batch = fp3.Batch(TEXT, 4)
+        with pytest.raises((fp3.ArgumentError, TypeError)):
+            CLOSING[number](batch, kind(batch))
+        assert kind is ClosesAsNumber or "closed" in repr(batch)
+
+
+def test_a_signal_handler_closes_the_batch():
+    """Wherever it comes: the call that is on its way ends as it would have, and the next one is refused."""
+    before, refused = signal.getsignal(signal.SIGALRM), 0
+    try:
+        for turn in range(40):
+            batch = fp3.Batch(TEXT, 50)
+            x = batch["h"]
+            signal.signal(signal.SIGALRM, lambda *of: batch.close())
+            signal.setitimer(signal.ITIMER_REAL, 0.0003 + 0.0001 * turn)
+            try:
+                while True:
+                    batch.step()
+                    batch["x"], batch["k"] = 0.5, x[:1].repeat(50)
+                    batch.use(50)
+            except fp3.ArgumentError as error:
+                refused += "closed" in str(error)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert refused == 40
+
+
+def test_a_progress_that_closes_the_scene(root):
+    scene = fp3.Scene(root / "programs/mixed.scene", engine="fast")
+    with pytest.raises(fp3.ArgumentError, match="scene is closed"):
+        scene.run(1000, progress=lambda share: scene.close())
+
+
+def test_a_fork_while_another_thread_steps(python):
+    """The lock of its parent's thread is held for ever in the child, which is refused all the same, can close, and can open its own."""
+    told = python(f"""
+import os, signal, threading, time, fp3
+batch, scene, stop = fp3.Batch({TEXT!r}, 20_000, threads=1), fp3.Scene({str(ROOT / "programs/mixed.scene")!r}, engine="fast"), []
+def work():
+    while not stop:
+        with batch._c(), scene._c(), fp3._library._lock:
+            batch.step(20)
+fp3.Batch({TEXT!r})
+thread = threading.Thread(target=work)
+thread.start()
+time.sleep(0.1)
+for turn in range(3):
+    child = os.fork()
+    if not child:
+        signal.alarm(20)  # if it hangs
+        refused = 0
+        for use in (batch.step, scene.run, lambda: batch["x"], lambda: batch.time):
+            try:
+                use()
+            except fp3.ArgumentError as error:
+                refused += "forked" in str(error)
+        batch.close()
+        scene.close()
+        fp3._library._loaded = None
+        with fp3.Batch({TEXT!r}, 50) as own:
+            own.step()
+        os._exit(refused)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+stop.append(1)
+thread.join()
+batch.step()
+""")
+    assert told.split() == ["4"] * 3
 
 
 USES = [lambda b: b["x"], lambda b: b.step(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.use(1), lambda b: b.restart(), lambda b: b.time,

@@ -74,6 +74,18 @@ def test_cut_steps_have_the_bits_of_the_command(model, ran):
     assert not np.array_equal(whole.y[:, -1], cut.y[:, -1])
 
 
+@pytest.mark.parametrize("options", [{}, {"rtol": 1e-4}, {"cut": True}], ids=["fixed", "chosen", "cut"])
+def test_times_that_end_the_span_but_for_rounding(options):
+    """6 * 0.1 is above 0.6 and 3 * 0.1 above 0.3 by a unit of double: in FP32, with which objects end, they are the same."""
+    text = "state x = 1\nstep 0.05\nx' = -x\n"
+    told = fp3.solve_ivp(text, (0, 0.6), t_eval=np.arange(7) * 0.1, **options)
+    assert np.array_equal(told.y, fp3.solve_ivp(text, (0, 0.6), t_eval=[*np.arange(6) * 0.1, 0.6], **options).y) and told.y.shape == (1, 7)
+    assert np.array_equal(fp3.solve_ivp(text, (3 * 0.1, 1.3), t_eval=[0.3, 1.3], **options).y, fp3.solve_ivp(text, (0.3, 1.3), **options).y)
+    for times in ([0, 0.6000001], [-1e-7, 0.5]):
+        with pytest.raises(fp3.ArgumentError, match="ascend"):
+            fp3.solve_ivp(text, (0, 0.6), t_eval=times, **options)
+
+
 def test_every_model_of_the_project(root, ran):
     """By its defaults, over some steps: whatever states, events, vectors and relations it has."""
     seen = 0
