@@ -5,6 +5,7 @@
 #include "cli.h"
 
 #include "language/evaluate.h"
+#include "machine/config.h"
 #include "scene/apply.h"
 
 #include <float.h>
@@ -24,6 +25,7 @@
 struct fp3_run_loss {
     fp3_run_part part;
     const fp3_model *model;
+    const fp3_config *config;
     fp3_object_values values;
     size_t looked;
     int is_adaptive;
@@ -86,6 +88,7 @@ fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_
     if (!l)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     const fp3_model *m = l->model = part->program->model;
+    l->config = fp3_config_find(part->program->config);
     l->part = *part;
     l->is_adaptive = fp3_adaptive_is(part->program->image);
     l->looked = part->objects < LOOKED ? part->objects : LOOKED;
@@ -127,12 +130,52 @@ void fp3_run_loss_close(fp3_run_loss **loss) {
 
 /* ---- one object ---- */
 
-static double clip(double value) {
-    return fabs(value) < (double)FLT_MIN ? (double)(float)value : value;
+static int is_tiny(double value) { return fabs(value) < (double)FLT_MIN; }
+
+static double clip(const fp3_run_loss *l, double value) {
+    return !is_tiny(value)        ? value
+           : l->config->subnormal ? (double)(float)value
+                                  : copysign(0, value);
 }
 
 /* Whether FP32 has a number less exactly than it has a normal one. */
-static int is_spoiled(double value) { return fabs(clip(value) - value) > ROUNDING * fabs(value); }
+static int is_spoiled(const fp3_run_loss *l, double value) {
+    return fabs(clip(l, value) - value) > ROUNDING * fabs(value);
+}
+
+/* ---- roots of subnormal numbers, as compiler/functions/division.c makes them ---- */
+
+/* b's, if the expression is b's root from an estimate; else FP3_NONE. */
+static uint32_t base_of_root(const fp3_run_loss *l, const fp3_expr *e) {
+    const int is_exact =
+        (l->part.program->compiled->passes & FP3_PASS(FP3_PASS_EXACT_DIVISION)) != 0;
+    const int is_half = e->op == FP3_EXPR_POWER && l->model->exprs[e->operand[1]].is_known &&
+                        l->exact[e->operand[1]] == 0.5;
+    if (e->is_known || l->config->logarithmic || l->config->mixed)
+        return FP3_NONE;
+    return is_half || (e->op == FP3_EXPR_SQRT && !is_exact) ? e->operand[0] : FP3_NONE;
+}
+
+static int is_tiny_root(const fp3_run_loss *l, const fp3_expr *e) {
+    const uint32_t base = base_of_root(l, e);
+    return base != FP3_NONE && is_tiny(l->clipped[base]) && l->clipped[base] > 0;
+}
+
+/* With the estimate of 2^-126; a pair is corrected once. */
+static double root_of_tiny(const fp3_run_loss *l, double b) {
+    const double e = 1 - b * 0x1p126, y = 0x1p63 * (1 + e * (0.5 + 0.375 * e)), root = b * y;
+    return l->part.program->compiled->arithmetic == FP3_DOUBLE_SINGLE
+               ? root + (b - root * root) * y / 2
+               : root;
+}
+
+static double make(const fp3_run_loss *l, const fp3_expr *e, const fp3_point *at) {
+    if (is_tiny_root(l, e))
+        return root_of_tiny(l, l->clipped[e->operand[0]]);
+    if (e->op == FP3_EXPR_DIV && is_tiny_root(l, &l->model->exprs[e->operand[1]]))
+        return l->clipped[e->operand[0]] * INFINITY; /* by 1/sqrt(b), which is infinite */
+    return fp3_ode_compute(e, at, l->clipped);
+}
 
 static fp3_point point_of(const fp3_run_loss *l, const double *states) {
     return (fp3_point){
@@ -146,8 +189,7 @@ static void evaluate(fp3_run_loss *l) {
     const fp3_point at = point_of(l, l->states);
     fp3_model_evaluate(m, &at, l->exact);
     for (uint32_t i = 0; i < m->expr_count; i++)
-        l->clipped[i] = clip(m->exprs[i].is_known ? l->exact[i]
-                                                  : fp3_ode_compute(&m->exprs[i], &at, l->clipped));
+        l->clipped[i] = clip(l, m->exprs[i].is_known ? l->exact[i] : make(l, &m->exprs[i], &at));
 }
 
 static fp3_status look(fp3_run_loss *l, size_t object, fp3_error *error) {
@@ -202,9 +244,10 @@ __attribute__((format(printf, 2, 3))) static void warn(warner *w, const char *fo
 }
 
 static void say_digits(warner *w, size_t object, const char *name, double value) {
-    if (is_spoiled(value))
+    const double there = clip(w->loss, value);
+    if (is_spoiled(w->loss, value))
         warn(w, "object %zu: %s = %.9g loses digits: FP32 has %.3g (%.2g %% off)", object, name,
-             value, clip(value), 100 * fabs(clip(value) / value - 1));
+             value, there, 100 * fabs(there / value - 1));
 }
 
 /* Numbers that the program reads. A state with two words has more, but not down here. */
@@ -226,13 +269,16 @@ static void warn_of_digits(warner *w, size_t object) {
     }
 }
 
-/* The first expression that underflows; its operands do not. */
+/* The first expression that underflows, or the first root of what is too small for one; operands do not underflow. */
 static uint32_t line_of_underflow(const fp3_run_loss *l, double *value) {
-    for (uint32_t i = 0; i < l->model->expr_count; i++)
-        if (l->is_needed[i] && is_spoiled(l->exact[i])) {
-            *value = l->exact[i];
-            return l->model->exprs[i].line;
+    for (uint32_t i = 0; i < l->model->expr_count; i++) {
+        const fp3_expr *e = &l->model->exprs[i];
+        const int is_root = is_tiny_root(l, e);
+        if (l->is_needed[i] && (is_spoiled(l, l->exact[i]) || is_root)) {
+            *value = l->exact[is_root ? e->operand[0] : i];
+            return e->line;
         }
+    }
     return 0;
 }
 

@@ -10,6 +10,7 @@ GROW = "state x = 1\nx' = 1e-5*x\nstep 0.00390625\n"
 COUNT = "state x = 16380\nx' = 1\nstep 0.0009765625\n"
 UNDERFLOW = "state T = 1\nstate y = 0\nT' = 0\ny' = 1e38*exp(-105/T)*1e8\nstep 0.0078125\n"
 SUBNORMAL = "param k = 2e-45\nstate y = 0\nstate z = 1e37\nz' = 0\ny' = k*z*1e8\nstep 0.0078125\n"
+ROOT = "state x = 2^-70\nstate s = 0\nx' = 0*x\ns' = sqrt(x*x)\nstep 1\n"  # the square is exact, so nothing raises underflow
 NUMBER = SUBNORMAL.replace("param k = 2e-45\n", "").replace("k*", "2e-45*")
 OREGONATOR = ("state x = 1\nstate y = 2\nstate z = 3\nx' = 77.27*(y - x*y + x - 8.375e-6*x^2)\n"
               "y' = (-(1 + x)*y + z)/77.27\nz' = 0.161*(x - z)\nstep 0.0078125\n")
@@ -130,6 +131,8 @@ def test_more_steps_than_t_can_count_are_refused_before_they_are_made(run):
     (GROW, 2**20, "object 0: x stands still: a step adds 3.9e-08, and FP32 rounds x = 1 by up to 6e-08; use --compensated or a longer step"),
     (COUNT, 2**16, "object 0: x stands still: a step adds 0.00098, and FP32 rounds x = 16384 by up to 0.00098; use --compensated or a longer step"),
     (UNDERFLOW, 128, "object 0: y' is 2.51, but FP32 makes it 0: a value of 2.51e-46 in line 4 is too small for FP32; scale the equations"),
+    (ROOT, 4, "object 0: s' is 8.47e-22, but FP32 makes it 1.24e-23: a value of 7.17e-43 in line 4 is too small for FP32; scale the equations"),
+    (ROOT.replace("sqrt(x*x)", "min(3, 1e-30/(x*x)^0.5)"), 4, "object 0: s' is 1.18e-09, but FP32 makes it 3: a value of 7.17e-43 in line 4 is too small for FP32; scale the equations"),
     (SUBNORMAL, 128, "object 0: k = 2e-45 loses digits: FP32 has 1.4e-45 (30 % off)"),
     (NUMBER, 128, "object 0: a number in line 4 = 2e-45 loses digits: FP32 has 1.4e-45 (30 % off)"),
     ("state x = 3e-45\nx' = 0*x\nstep 1\n", 1, "object 0: x = 3e-45 loses digits: FP32 has 2.8e-45 (6.6 % off)")])
@@ -138,6 +141,13 @@ def test_a_loss_is_told_and_strict_fails(run, model, steps, text):
     assert re.search(r"^fp3 run: .*m\.ode: warning: " + re.escape(text) + "$", done.stderr, re.M), done.stderr
     strict = run(model, "-n", str(steps), "--strict", code=3)
     assert strict.stderr.startswith(done.stderr) and "--strict allows none" in strict.stderr
+
+
+@pytest.mark.parametrize("config, arguments", [("single_full", []), ("many_full", ["--double-single"]), ("flush", [])])
+def test_the_error_of_a_subnormal_number_s_root_is_estimated(run, config, arguments):
+    """The second run has the same wrong root."""
+    value, error, _ = estimates(run(ROOT, "-n", "10", "--check", *arguments, engine=["-e", "fast", "-c", config]))["s", 0]
+    assert error > 5e-21 and abs(10*2**-70 - value) == pytest.approx(error, rel=0.02)
 
 
 @pytest.mark.parametrize("model, arguments", [
