@@ -17,6 +17,7 @@
 //
 // Latency   around_o and drop_o are of the word that is taken in this cycle, jump_o comes a cycle later.
 // Hazard    jump_o comes while hold_o is high: fetch drops what it has fetched.
+//           half_o stands from a run's end to the next start: the host reads it, also after an abort.
 //
 //     lists of 2, 0, 1 entries:   each  ldn ..  next  ldn ..  next       turns 0 and 1
 //     issues                      yes   yes     yes   yes     no
@@ -30,7 +31,8 @@ module loops #(
     input  wire                   clk_i,
     input  wire                   rst_i,
     // The run and its rounds
-    input  wire                   start_i,       // a run starts, or is aborted
+    input  wire                   start_i,       // a run starts
+    input  wire                   abort_i,       // it ends early
     input  wire [`SETTINGS_W-1:0] settings_i,
     input  wire                   round_end_i,   // a round has come to its end
     // The word that is taken
@@ -85,7 +87,7 @@ module loops #(
     wire known  = waits_q && still_i && wait_q == {WAIT_W{1'b0}};
 
     always @(posedge clk_i)
-        if (rst_i || start_i) begin
+        if (rst_i || start_i || abort_i) begin
             {inside_q, skips_q, waits_q, knows_q, jump_q, partial_q} <= 6'd0;
             phase_q  <= {PROGRAM_W{1'b0}};
             target_q <= {PROGRAM_W{1'b0}};

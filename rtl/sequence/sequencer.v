@@ -168,7 +168,7 @@ module sequencer #(
     generate
         if (NEIGHBOURS != 0) begin : g_loops
             loops #(.CONFIG(CONFIG)) u_loops (.clk_i(clk_i), .rst_i(rst_i),
-                .start_i(start_i || abort), .settings_i(settings_i), .round_end_i(closed),
+                .start_i(start_i), .abort_i(abort), .settings_i(settings_i), .round_end_i(closed),
                 .take_i(ready && fetched), .decoded_i(decoded), .pc_i(fetch_pc), .ends_i(ends), .more_i(more),
                 .drop_o(drop), .around_o(around), .hold_o(hold), .still_i(!valid_q && !busy), .longest_i(report_longest),
                 .jump_o(jump), .jump_on_o(jump_on), .jump_begins_o(jump_begins), .jump_pc_o(jump_pc),

@@ -289,8 +289,8 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
  * within a step, a few cycles late. After either, registers can be read, stats (may be NULL) is
  * filled, and the next run numbers its steps as if this run had not taken place. If the
- * configuration interleaves, objects hold what their last complete visit stored; otherwise all
- * instructions before the end were executed.
+ * configuration interleaves, objects hold what their last complete visit stored (if they see each
+ * other: docs/neighbours.md); otherwise all instructions before the end were executed.
  * Every run after the first since a load begins by reading back the states and the registers that
  * its programs load, unless they were written since: fp3_engine_failure may need them. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
