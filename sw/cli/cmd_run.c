@@ -64,6 +64,7 @@ static fp3_status record(fp3_run_options *o, const fp3_run_task *of, fp3_engine 
     return status ? status : fp3_recording_run(o->recording, cost, error);
 }
 
+/* warnings: NULL after a run in which objects failed. */
 static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const fp3_run_part *part,
                                size_t *warnings, fp3_error *error) {
     fp3_run_loss *loss = NULL;
@@ -71,24 +72,31 @@ static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const
         return FP3_OK;
     fp3_status status = fp3_run_loss_open(part, &loss, error);
     if (!status)
-        status = fp3_run_loss_warn(loss, path, o->check.bound, warnings, error);
+        status = warnings ? fp3_run_loss_warn(loss, path, o->check.bound, warnings, error)
+                          : fp3_run_loss_warn_failed(loss, path, error);
     fp3_run_loss_close(&loss);
+    return status;
+}
+
+static fp3_status warn_of_parts(const fp3_run_options *o, const fp3_run_task *of,
+                                fp3_engine *engine, size_t *warnings, fp3_error *error) {
+    fp3_run_part part = {of->program, o->values.params,           engine,
+                         0,           fp3_engine_objects(engine), o->steps};
+    fp3_status status = of->program ? warn_of_part(o, o->program, &part, warnings, error) : FP3_OK;
+    for (size_t i = 0; !status && of->scene && i < of->scene->group_count; i++) {
+        const fp3_scene_group *group = &of->scene->groups[i];
+        part = (fp3_run_part){group->program, group->params,  engine,
+                              group->first,   group->objects, o->steps};
+        status = warn_of_part(o, group->path, &part, warnings, error);
+    }
     return status;
 }
 
 /* What no flag tells. */
 static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
                         const fp3_run_check *check, fp3_error *error) {
-    fp3_run_part part = {of->program, o->values.params,           engine,
-                         0,           fp3_engine_objects(engine), o->steps};
     size_t warnings = 0;
-    fp3_status status = of->program ? warn_of_part(o, o->program, &part, &warnings, error) : FP3_OK;
-    for (size_t i = 0; !status && of->scene && i < of->scene->group_count; i++) {
-        const fp3_scene_group *group = &of->scene->groups[i];
-        part = (fp3_run_part){group->program, group->params,  engine,
-                              group->first,   group->objects, o->steps};
-        status = warn_of_part(o, group->path, &part, &warnings, error);
-    }
+    fp3_status status = warn_of_parts(o, of, engine, &warnings, error);
     if (status || !o->check.is_strict)
         return status;
     if (check)
@@ -137,6 +145,10 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
     }
     if (!status && !o->allows_failures)
         status = fp3_run_failed(engine, of, &cost, error);
+    if (status == FP3_E_FAILED && *has_run && !o->is_quiet) {
+        fp3_error other; /* why it failed stays the message */
+        (void)warn_of_parts(o, of, engine, NULL, &other);
+    }
     if (!status && !o->is_quiet)
         status = judge(o, of, engine, check, error);
     fp3_run_check_free(&check);

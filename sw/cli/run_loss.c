@@ -332,3 +332,47 @@ fp3_status fp3_run_loss_warn(fp3_run_loss *l, const char *path, double bound, si
     *warnings += w.warnings;
     return status;
 }
+
+/* ---- what failed ---- */
+
+/* Sines end at 2^16 (compiler/functions/circular.c). An attempt that goes beyond is rejected: then the object is a little
+ * before it. */
+#define ANGLE_END 0x1p16
+#define ANGLE_SIZE (0.999 * ANGLE_END)
+
+static const char *name_of_circular(fp3_expr_op op) {
+    return op == FP3_EXPR_SIN   ? "sin"
+           : op == FP3_EXPR_COS ? "cos"
+           : op == FP3_EXPR_TAN ? "tan"
+                                : NULL;
+}
+
+/* Returns whether it said something. */
+static int warn_of_angle(warner *w, size_t object) {
+    const fp3_run_loss *l = w->loss;
+    for (uint32_t i = 0; i < l->model->expr_count; i++) {
+        const fp3_expr *e = &l->model->exprs[i];
+        const char *name = e->is_known || !l->is_needed[i] ? NULL : name_of_circular(e->op);
+        const double angle = name ? l->exact[e->operand[0]] : 0;
+        if (fabs(angle) >= ANGLE_SIZE) {
+            warn(w,
+                 "object %zu: the argument of %s in line %" PRIu32
+                 " is %.9g at the end, and a program computes %s below %.0f only; make the angle a "
+                 "state, and let `when x > pi: x = x - 2*pi` take turns off it",
+                 object, name, e->line, angle, name, ANGLE_END);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+fp3_status fp3_run_loss_warn_failed(fp3_run_loss *l, const char *path, fp3_error *error) {
+    warner w = {.loss = l, .path = path};
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && !w.warnings && i < l->looked; i++) {
+        status = look(l, i, error);
+        if (!status)
+            warn_of_angle(&w, l->part.first + i);
+    }
+    return status;
+}

@@ -44,4 +44,8 @@ fp3_status fp3_run_loss_look(fp3_run_loss *loss, size_t number, fp3_run_lost *fo
 fp3_status fp3_run_loss_warn(fp3_run_loss *loss, const char *path, double bound, size_t *warnings,
                              fp3_error *error);
 
+/* After a run in which objects failed: a warning for the first object, if any, with the argument of a sine, a cosine or a
+ * tangent that is too large for FP32 to reduce. */
+fp3_status fp3_run_loss_warn_failed(fp3_run_loss *loss, const char *path, fp3_error *error);
+
 #endif

@@ -160,6 +160,15 @@ def test_what_loses_nothing_is_not_told(run, model, arguments):
     assert run(model, *arguments, "--strict").stderr == ""
 
 
+@pytest.mark.parametrize("model, arguments, angle", [
+    ("state x = 0\nx' = cos(64*pi*t)\nstep 0.5\n", ["-n", "700"], "cos in line 2 is 70371.6754"),
+    ("state x = 0\nx' = cos(64*pi*t)\nstep 0.5\nspan 400\n", ["--until", "400"], "cos in line 2 is "),
+    ("state a = 65000\nstate x = 0\na' = 1\nx' = sin(a) + sin(x)\nstep 0.5\n", ["-n", "1200"], "sin in line 4 is 65600")])
+def test_the_angle_that_was_too_large_is_named(run, model, arguments, angle):
+    done = run(model, *arguments, code=3)
+    assert f"warning: object 0: the argument of {angle}" in done.stderr and "below 65536 only" in done.stderr
+
+
 def test_each_group_of_a_scene_is_looked_at(fp3, tmp_path):
     (tmp_path / "a.ode").write_text("state x = 1\nx' = -x\nstep 0.0078125\n")
     (tmp_path / "b.ode").write_text(UNDERFLOW)
