@@ -2,6 +2,7 @@
 #include "file.h"
 
 #include "path.h"
+#include "temporary.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,7 +15,6 @@
 #define SIZE_LIMIT (64u << 20)
 #define PATIENCE_MS 10000 /* for whoever is at the other end of a named pipe */
 #define LOOK_MS 20
-#define NAMES_MOST 100 /* of temporaries, until one is free */
 
 /* ---- reading ---- */
 
@@ -92,30 +92,54 @@ fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error 
 struct fp3_output {
     FILE *stream;
     char *path, *real; /* as it was named, and behind all links */
-    char *temporary;   /* NULL: written directly, or published */
-    char *before;      /* where the content goes that publishing replaces; NULL: it is lost */
+    fp3_temporary
+        temporary; /* open until the content is published, or until nothing more follows */
+    char *fresh;   /* the name of the new content; NULL: written directly, or published */
+    char *before;  /* where the content goes that publishing replaces; NULL: it is lost */
 };
 
-/* A temporary beside real, a name that is free. */
-static int open_temporary(fp3_output *o, mode_t mode) {
-    const char *slash = strrchr(o->real, '/');
-    int file = -1;
-    for (int i = 0; file < 0 && i < NAMES_MOST; i++) {
-        free(o->temporary);
-        if (asprintf(&o->temporary, "%.*s/.fp3-%ld-%d.tmp", (int)(slash - o->real), o->real,
-                     (long)getpid(), i) < 0) {
-            o->temporary = NULL;
-            return -1;
-        }
-        file = open(o->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-        if (file < 0 && errno != EEXIST)
-            break;
-    }
-    if (file < 0) { /* it is not ours to remove */
-        free(o->temporary);
-        o->temporary = NULL;
-    }
-    return file;
+static fp3_status no_memory(const char *path, fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
+}
+
+static fp3_status cannot_write(const fp3_output *o, fp3_error *error) {
+    return fp3_path_fail(error, o->path, "cannot write");
+}
+
+static fp3_status open_temporary(fp3_output *o, fp3_error *error) {
+    char *folder = o->real ? fp3_temporary_path(o->real, "") : NULL;
+    if (!folder)
+        return cannot_write(o, error);
+    fp3_status status = FP3_OK;
+    if (fp3_temporary_open(folder, &o->temporary))
+        status = errno == EBUSY
+                     ? fp3_fail(error, FP3_E_ARGUMENT, "%s: another process is writing it", o->path)
+                 : errno == EEXIST
+                     ? fp3_fail(error, FP3_E_ARGUMENT,
+                                "%s: cannot write: %s is in the way: remove it, if no other "
+                                "process is writing this file",
+                                o->path, folder)
+                     : cannot_write(o, error);
+    free(folder);
+    return status;
+}
+
+fp3_status fp3_output_begin(fp3_output *o, fp3_error *error) {
+    struct stat found;
+    const int exists = !stat(o->real, &found);
+    const mode_t mode = exists ? found.st_mode & 0777 : 0666;
+    o->fresh = fp3_temporary_path(o->real, FP3_TEMPORARY_NEW);
+    if (!o->fresh)
+        return no_memory(o->path, error);
+    const int file = open(o->fresh, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    if (file >= 0 && exists)
+        fchmod(file, mode); /* whatever the umask */
+    if (file >= 0 && (o->stream = fdopen(file, "wb")))
+        return FP3_OK;
+    const fp3_status status = cannot_write(o, error);
+    if (file >= 0)
+        close(file);
+    return status;
 }
 
 /* Not blocked by a named pipe without a reader. */
@@ -131,52 +155,60 @@ static int open_direct(const char *path) {
     return file;
 }
 
-static int open_output(fp3_output *o) {
-    struct stat found;
-    const int own = fp3_path_stream(o->path, 1);
-    if (own >= 0)
-        return fcntl(own, F_DUPFD_CLOEXEC, 0);
-    const int exists = !stat(o->path, &found);
-    if (exists && !S_ISREG(found.st_mode))
-        return open_direct(o->path);
-    o->real = fp3_path_resolve(o->path);
-    if (!o->real)
-        return -1;
-    const int file = open_temporary(o, exists ? found.st_mode & 0777 : 0666);
-    if (file >= 0 && exists)
-        fchmod(file, found.st_mode & 0777); /* whatever the umask */
-    return file;
+static fp3_status open_stream(fp3_output *o, int own, fp3_error *error) {
+    const int file = own >= 0 ? fcntl(own, F_DUPFD_CLOEXEC, 0) : open_direct(o->path);
+    if (file >= 0 && (o->stream = fdopen(file, "wb")))
+        return FP3_OK;
+    const fp3_status status = cannot_write(o, error);
+    if (file >= 0)
+        close(file);
+    return status;
 }
 
-/* A link that cannot be made: the file system has none. Then path is missing for a moment. */
+static fp3_status open_output(fp3_output *o, fp3_error *error) {
+    struct stat found;
+    const int own = fp3_path_stream(o->path, 1);
+    if (own >= 0 || (!stat(o->path, &found) && !S_ISREG(found.st_mode)))
+        return open_stream(o, own, error);
+    o->real = fp3_path_resolve(o->path);
+    const fp3_status status = open_temporary(o, error);
+    return status ? status : fp3_output_begin(o, error);
+}
+
+static fp3_status open_again(fp3_output *o, fp3_error *error) {
+    o->real = fp3_path_resolve(o->path);
+    o->before = o->real ? fp3_output_before(o->real) : NULL;
+    return open_temporary(o, error);
+}
+
+/* The name before is never missing: a new link of another name replaces it. If both are links of one file, as a killed run
+ * may leave them, renaming does nothing. A link that cannot be made: the file system has none; then path is missing for a moment. */
 static int keep_before(const fp3_output *o) {
-    if (unlink(o->before) && errno != ENOENT)
-        return -1;
-    return link(o->real, o->before) && errno != ENOENT && rename(o->real, o->before);
+    char *name = fp3_temporary_path(o->real, FP3_TEMPORARY_BEFORE);
+    int failed = name ? 0 : -1;
+    if (!failed && link(o->real, name))
+        failed = errno != ENOENT && rename(o->real, o->before);
+    else if (!failed)
+        failed = rename(name, o->before) || (unlink(name) && errno != ENOENT);
+    free(name);
+    return failed;
 }
 
 static int publish(fp3_output *o) {
-    if (fsync(fileno(o->stream)) || (o->before && keep_before(o)) || rename(o->temporary, o->real))
+    if (fsync(fileno(o->stream)) || (o->before && keep_before(o)) || rename(o->fresh, o->real))
         return -1;
-    free(o->temporary);
-    o->temporary = NULL;
+    free(o->fresh);
+    o->fresh = NULL;
+    if (!o->before)
+        fp3_temporary_close(&o->temporary);
+    else if (fclose(o->stream))
+        return o->stream = NULL, -1;
+    else
+        o->stream = NULL;
     return 0;
 }
 
-static int open_again(fp3_output *o) {
-    struct stat found;
-    const int exists = !stat(o->path, &found);
-    o->real = fp3_path_resolve(o->path);
-    o->before = o->real ? fp3_output_before(o->real) : NULL;
-    if (!o->before || asprintf(&o->temporary, "%s.tmp", o->real) < 0) {
-        o->temporary = NULL;
-        return -1;
-    }
-    return open(o->temporary, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC,
-                exists ? found.st_mode & 0777 : 0666);
-}
-
-typedef int open_fn(fp3_output *o);
+typedef fp3_status open_fn(fp3_output *o, fp3_error *error);
 
 static fp3_status open_by(open_fn *open_it, const char *path, fp3_output **output,
                           fp3_error *error) {
@@ -187,15 +219,11 @@ static fp3_status open_by(open_fn *open_it, const char *path, fp3_output **outpu
     fp3_output *o = calloc(1, sizeof *o);
     if (!o || !(o->path = strdup(path))) {
         free(o);
-        return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
+        return no_memory(path, error);
     }
-    const int file = open_it(o);
-    if (file < 0 || !(o->stream = fdopen(file, "wb"))) {
-        status = fp3_path_fail(error, path, "cannot write");
-        if (file >= 0)
-            close(file);
+    status = open_it(o, error);
+    if (status)
         fp3_output_close(&o);
-    }
     *output = o;
     return status;
 }
@@ -219,18 +247,18 @@ char *fp3_output_before(const char *path) {
 
 FILE *fp3_output_stream(const fp3_output *output) { return output->stream; }
 
-const char *fp3_output_temporary(const fp3_output *output) { return output->temporary; }
+const char *fp3_output_temporary(const fp3_output *output) { return output->fresh; }
 
 void fp3_output_begin_writing(const fp3_output *output) {
-    if (output->temporary)
+    if (output->fresh)
         sync_file_range(fileno(output->stream), 0, 0, SYNC_FILE_RANGE_WRITE);
 }
 
 fp3_status fp3_output_publish(fp3_output *o, fp3_error *error) {
     int failed = fflush(o->stream) || ferror(o->stream);
-    if (!failed && o->temporary)
+    if (!failed && o->fresh)
         failed = publish(o);
-    return failed ? fp3_path_fail(error, o->path, "cannot write") : FP3_OK;
+    return failed ? cannot_write(o, error) : FP3_OK;
 }
 
 void fp3_output_close(fp3_output **output) {
@@ -240,9 +268,8 @@ void fp3_output_close(fp3_output **output) {
         return;
     if (o->stream)
         fclose(o->stream);
-    if (o->temporary)
-        unlink(o->temporary);
-    free(o->temporary);
+    fp3_temporary_close(&o->temporary);
+    free(o->fresh);
     free(o->path);
     free(o->real);
     free(o->before);

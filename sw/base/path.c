@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "path.h"
 
+#include "temporary.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -136,12 +138,28 @@ int fp3_path_same(const fp3_path_id *a, const fp3_path_id *b) {
     return a->device == b->device && a->inode == b->inode && !strcmp(a->name, b->name);
 }
 
+static int is_inside(const char *real, const char *inside, const fp3_path_id *id) {
+    fp3_path_id of;
+    char *path = fp3_temporary_path(real, inside);
+    const int is = path && !fp3_path_identify(path, 1, &of) && fp3_path_same(&of, id);
+    free(path);
+    return is;
+}
+
+int fp3_path_is_temporary_of(const char *output, const fp3_path_id *id) {
+    char *real = fp3_path_stream(output, 1) < 0 ? fp3_path_resolve(output) : NULL;
+    const int is = real && (is_inside(real, FP3_TEMPORARY_NEW, id) ||
+                            is_inside(real, FP3_TEMPORARY_BEFORE, id));
+    free(real);
+    return is;
+}
+
 /* ---- whether it can be written ---- */
 
 /* A temporary has to stand beside it. */
 static int check_directory(char *path) {
     char *slash = strrchr(path, '/');
-    if (strlen(slash + 1) > NAME_MAX) {
+    if (strlen(slash + 1) + FP3_TEMPORARY_EXTRA > NAME_MAX) {
         errno = ENAMETOOLONG;
         return -1;
     }

@@ -29,6 +29,8 @@ typedef struct {
 /* 0, or -1 if there is no such file and no directory for it. */
 int fp3_path_identify(const char *path, int is_output, fp3_path_id *id);
 int fp3_path_same(const fp3_path_id *a, const fp3_path_id *b);
+/* Whether writing the file `output` makes or removes the file of id on the way: it is in its temporary (temporary.h). */
+int fp3_path_is_temporary_of(const char *output, const fp3_path_id *id);
 
 /* FP3_E_ARGUMENT: a file cannot be written there; error says why, beginning with path. Nothing is
  * opened or changed. */

@@ -3,13 +3,14 @@
 #include "native.h"
 
 #include "base/cc.h"
+#include "base/temporary.h"
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define FLAGS_MOST 16
 
@@ -34,22 +35,21 @@ static fp3_status load(const char *path, fp3_bench_native *native, fp3_error *er
 fp3_status fp3_bench_native_open(const char *text, const char *const *flags,
                                  fp3_bench_native **native, fp3_error *error) {
     const char *top = secure_getenv("TMPDIR");
-    char library[4096];
-    snprintf(library, sizeof library, "%s/fp3-XXXXXX", top && *top ? top : "/tmp");
+    char library[PATH_MAX];
+    fp3_temporary place;
     *native = calloc(1, sizeof **native);
     if (!*native)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    const int fd = mkstemp(library);
-    fp3_status status =
-        fd < 0 ? fp3_fail(error, FP3_E_SYSTEM, "%s: %s", library, strerror(errno)) : FP3_OK;
-    if (fd >= 0)
-        close(fd);
-    if (!status)
-        status = compile(text, library, flags, error);
+    top = top && *top ? top : "/tmp";
+    if (fp3_temporary_open_in(top, &place)) {
+        fp3_bench_native_close(native);
+        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", top, strerror(errno));
+    }
+    snprintf(library, sizeof library, "%s/" FP3_TEMPORARY_NEW, place.path);
+    fp3_status status = compile(text, library, flags, error);
     if (!status)
         status = load(library, *native, error);
-    if (fd >= 0)
-        remove(library);
+    fp3_temporary_close(&place);
     if (status)
         fp3_bench_native_close(native);
     return status;

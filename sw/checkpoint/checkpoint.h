@@ -5,6 +5,8 @@
 
 #include "state.h"
 
+#include "base/file.h"
+
 /* What a run knows of itself besides its state. */
 typedef struct {
     uint64_t step;    /* that is made since the load */
@@ -24,7 +26,8 @@ void fp3_past_free(fp3_past *past);
 typedef struct {
     const char *path;
     const char *command; /* the arguments of the run, one a line */
-    int is_silent; /* looks at the state, and writes nothing: another process of a cluster does */
+    fp3_output *output;  /* of path, opened again and again; NULL: looks at the state, and writes
+                            nothing: another process of a cluster does */
 } fp3_checkpoint_def;
 
 /* Gives past its hash, adds that to the chain, and writes the file: whole, or not at all. What it held before stays as path.1. */

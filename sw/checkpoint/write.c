@@ -186,10 +186,13 @@ static fp3_status put_all(writer *w, fp3_error *error) {
 static fp3_status write_file(writer *w, fp3_output *output, fp3_error *error) {
     const fp3_hdf5_ops *calls = w->state->calls;
     w->dataset = -1;
+    fp3_status status = fp3_output_begin(output, error);
+    if (status)
+        return status;
     w->file = calls->create(fp3_output_temporary(output), FP3_ENVELOPE_SIZE);
     if (!w->file)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    fp3_status status = put_all(w, error);
+    status = put_all(w, error);
     if (!status && calls->flush(w->file))
         status = failed(w, error);
     calls->close(w->file);
@@ -218,12 +221,5 @@ static fp3_status look_only(writer *w, fp3_error *error) {
 fp3_status fp3_checkpoint_write(const fp3_checkpoint_def *def, fp3_state *state, fp3_past *past,
                                 fp3_error *error) {
     writer w = {.def = def, .state = state, .past = past};
-    fp3_output *output = NULL;
-    if (def->is_silent)
-        return look_only(&w, error);
-    fp3_status status = fp3_output_open_again(def->path, &output, error);
-    if (!status)
-        status = write_file(&w, output, error);
-    fp3_output_close(&output);
-    return status;
+    return def->output ? write_file(&w, def->output, error) : look_only(&w, error);
 }

@@ -33,7 +33,7 @@ static int stream_of(const fp3_files *files, size_t i) {
 }
 
 /* A device may be written by two; what is read twice is read from its beginning. */
-static int collide(const fp3_files *files, const fp3_path_id *id, size_t i, size_t j) {
+static int are_one(const fp3_files *files, const fp3_path_id *id, size_t i, size_t j) {
     const int one = stream_of(files, i), other = stream_of(files, j);
     if (!files->list[i].is_output && !files->list[j].is_output)
         return one == STDIN_FILENO && other == STDIN_FILENO;
@@ -41,6 +41,16 @@ static int collide(const fp3_files *files, const fp3_path_id *id, size_t i, size
         return 1;
     return fp3_path_same(&id[i], &id[j]) &&
            (!id[i].mode || S_ISREG(id[i].mode) || S_ISFIFO(id[i].mode));
+}
+
+static int is_on_the_way(const fp3_files *files, const fp3_path_id *id, size_t out, size_t other) {
+    return files->list[out].is_output &&
+           fp3_path_is_temporary_of(files->list[out].path, &id[other]);
+}
+
+static int collide(const fp3_files *files, const fp3_path_id *id, size_t i, size_t j) {
+    return are_one(files, id, i, j) || is_on_the_way(files, id, i, j) ||
+           is_on_the_way(files, id, j, i);
 }
 
 enum { SHOWN = 200 };

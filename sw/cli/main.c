@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* main.c - the command fp3: finds the subcommand and hands it the rest of the line. */
 #include "cli.h"
+
+#include "base/temporary.h"
 #include "text/nearest.h"
 
 #include <argp.h>
@@ -71,6 +73,21 @@ static void check_standard_output(void) {
     _exit(1);
 }
 
+/* What would be left of outputs is removed; then the signal does what it would have done. */
+static void end(int number) {
+    fp3_temporary_remove_all();
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+static void catch_signals(void) {
+    static const int numbers[] = {SIGHUP, SIGINT, SIGPIPE, SIGTERM};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (signal(numbers[i], end) == SIG_IGN) /* as nohup has it */
+            signal(numbers[i], SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a write that fails, with a message */
+}
+
 int main(int argc, char **argv) {
     static char name[64];
     static const struct argp argp = {
@@ -79,7 +96,7 @@ int main(int argc, char **argv) {
     argp_err_exit_status = 2;
     int at = 0;
     atexit(check_standard_output);
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is a write that fails, with a message */
+    catch_signals();
     if (argp_parse(&argp, argc, argv, ARGP_IN_ORDER, NULL, &at))
         return 1;
     for (int i = 0; i < COUNT; i++) {

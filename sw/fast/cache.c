@@ -131,8 +131,7 @@ static int append(const char *path, const char *text, const trailer *end) {
     return is_written;
 }
 
-fp3_status fp3_cache_keep(const fp3_cache *cache, const char *file, const char *text,
-                          fp3_error *error) {
+fp3_status fp3_cache_seal(const char *file, const char *text, fp3_error *error) {
     char *data = NULL;
     size_t size = 0;
     fp3_status status = fp3_file_read(file, &data, &size, error);
@@ -142,7 +141,15 @@ fp3_status fp3_cache_keep(const fp3_cache *cache, const char *file, const char *
     end.crc = (uint32_t)crc32_z(crc32_z(0, (const unsigned char *)data, size),
                                 (const unsigned char *)text, strlen(text));
     free(data);
-    if (!append(file, text, &end) || rename(file, cache->path))
-        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", cache->path, strerror(errno));
-    return FP3_OK;
+    return append(file, text, &end)
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_SYSTEM, "%s: %s", file, strerror(errno));
+}
+
+fp3_status fp3_cache_keep(const fp3_cache *cache, const char *file, const char *text,
+                          fp3_error *error) {
+    const fp3_status status = fp3_cache_seal(file, text, error);
+    return status || !rename(file, cache->path)
+               ? status
+               : fp3_fail(error, FP3_E_SYSTEM, "%s: %s", cache->path, strerror(errno));
 }

@@ -5,15 +5,15 @@
 #include "base/cc.h"
 #include "base/file.h"
 #include "base/path.h"
+#include "base/temporary.h"
 #include "cache.h"
 #include "write.h"
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* The first line of the text is for a file that is shipped. The second names the compiler and its options, so
  * that they count in the cache. */
@@ -62,25 +62,21 @@ static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *err
     return fp3_fail(error, FP3_E_SYSTEM, "%s: " FP3_FAST_NAME " is missing", path);
 }
 
-/* A directory of this user alone, for a library that is being made: a compiler replaces the file that it
- * writes, and nobody else may do so in between. */
+/* A place for a library that is being made: a compiler replaces the file that it writes, and nobody else may do so in
+ * between. */
 typedef struct {
-    char directory[PATH_MAX], file[PATH_MAX + 16];
+    fp3_temporary temporary;
+    char file[PATH_MAX];
 } workshop;
 
 static fp3_status open_workshop(const char *in, workshop *w, fp3_error *error) {
-    if (snprintf(w->directory, PATH_MAX, "%s/fp3-XXXXXX", in) >= PATH_MAX)
-        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", in, strerror(ENAMETOOLONG));
-    if (!mkdtemp(w->directory))
+    if (fp3_temporary_open_in(in, &w->temporary))
         return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", in, strerror(errno));
-    snprintf(w->file, sizeof w->file, "%s/code.so", w->directory);
+    snprintf(w->file, sizeof w->file, "%s/" FP3_TEMPORARY_NEW, w->temporary.path);
     return FP3_OK;
 }
 
-static void close_workshop(const workshop *w) {
-    unlink(w->file);
-    rmdir(w->directory);
-}
+static void close_workshop(workshop *w) { fp3_temporary_close(&w->temporary); }
 
 /* In the cache or, without one, where temporary files go. */
 static fp3_status find_workshop(const fp3_cache *cache, workshop *w, fp3_error *error) {
@@ -130,26 +126,35 @@ fp3_status fp3_fast_native_open(const fp3_fast_plan *plan, const char *kind, int
 
 /* ---- a file that is shipped ---- */
 
+static fp3_status copy(const char *from, const char *to, fp3_output *output, fp3_error *error) {
+    char *data = NULL;
+    size_t size = 0;
+    fp3_status status = fp3_file_read(from, &data, &size, error);
+    if (!status && fwrite(data, 1, size, fp3_output_stream(output)) != size)
+        status = fp3_path_fail(error, to, "cannot write");
+    free(data);
+    return status ? status : fp3_output_publish(output, error);
+}
+
 fp3_status fp3_fast_native_write(const fp3_fast_plan *plan, const char *path, const char *kind,
                                  fp3_error *error) {
-    const char *slash = strrchr(path, '/');
-    const int length = slash == path ? 1 : slash ? (int)(slash - path) : 1;
-    char *text = NULL;
-    fp3_cache as;
+    const fp3_cache none = {.directory = ""};
     workshop w = {.file = ""};
-    if (strlen(path) >= PATH_MAX)
-        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(ENAMETOOLONG));
-    snprintf(as.path, sizeof as.path, "%s", path);
-    snprintf(as.directory, sizeof as.directory, "%.*s", length, slash ? path : ".");
-    fp3_status status = write_text(plan, kind, &text, error);
-    if (!status && !(status = open_workshop(as.directory, &w, error))) {
+    char *text = NULL;
+    fp3_output *output = NULL;
+    fp3_status status = fp3_output_open(path, &output, error);
+    if (!status)
+        status = write_text(plan, kind, &text, error);
+    if (!status)
+        status = find_workshop(&none, &w, error);
+    if (!status)
         status = compile(text, kind, w.file, error);
-        if (!status && chmod(w.file, 0644))
-            status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", path, strerror(errno));
-        if (!status)
-            status = fp3_cache_keep(&as, w.file, text, error);
-        close_workshop(&w);
-    }
+    if (!status)
+        status = fp3_cache_seal(w.file, text, error);
+    if (!status)
+        status = copy(w.file, path, output, error);
+    close_workshop(&w);
+    fp3_output_close(&output);
     free(text);
     return status;
 }

@@ -29,7 +29,7 @@ static fp3_status open_restart(fp3_checkpoints *c, const char *path, fp3_error *
 
 fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine,
                                 fp3_checkpoints *c, fp3_error *error) {
-    *c = (fp3_checkpoints){.def = {def->checkpoint, def->command, def->is_silent},
+    *c = (fp3_checkpoints){.def = {def->checkpoint, def->command, NULL},
                            .every = def->checkpoint_every,
                            .steps = def->steps,
                            .hashed = NEVER};
@@ -41,6 +41,8 @@ fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine
     if (status || !c->is_there)
         return status;
     status = fp3_state_open(engine, &c->state, error);
+    if (!status && def->checkpoint && !def->is_silent)
+        status = fp3_output_open_again(def->checkpoint, &c->def.output, error);
     if (!status)
         status = fp3_state_hash(&c->state, 0, &c->past.start, error);
     return !status && def->restart ? open_restart(c, def->restart, error) : status;
@@ -48,6 +50,7 @@ fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine
 
 void fp3_checkpoints_close(fp3_checkpoints *c) {
     fp3_checkpoint_close(&c->from);
+    fp3_output_close(&c->def.output);
     fp3_state_free(&c->state);
     fp3_past_free(&c->past);
     *c = (fp3_checkpoints){0};

@@ -1,9 +1,12 @@
 """Files of a command: none is lost, outputs are whole or not there, what cannot be written is found before the work."""
 
+import fcntl
 import os
 import resource
+import signal
 import stat
 import subprocess
+import time
 
 import pytest
 
@@ -219,3 +222,97 @@ def test_assembly_and_images_have_endings_in_any_case(start, folder):
     assert start("asm P.S -o P.FP3").returncode == 0 and start("run P.S -e isa --set x=1").returncode == 0
     done = start("compile P.S")
     assert done.returncode == 2 and b"expected a model (*.ode, or --model)" in done.stderr
+
+
+# Each way of writing: what is read as a file, HDF5, a checkpoint, pictures, pages, native code.
+OUTPUTS = ["compile m.ode -o {}", "compile m.ode --native -o {}", "run m.ode -e isa --output {}", "run m.ode -e isa --output {}.h5", "run m.ode -e isa --checkpoint {}",
+           "run m.ode --bus-log {}", "run m.ode --kanata {}", "asm p.s --listing {}", "compare m.ode --quick -i euler --most-steps 64 --json {}", "view r.csv --position x -o {}"]
+
+
+def temporary_of(folder, command):
+    return folder / f".fp3-{command.format('out').rsplit(' ')[-1]}.tmp"
+
+
+@pytest.mark.parametrize("command", OUTPUTS)
+def test_what_stands_at_the_name_of_a_temporary_is_safe(start, folder, command):
+    """A link or a file there is refused, whoever made it. What another process writes now is refused, what was left behind is replaced."""
+    (folder / "r.csv").write_text("step,object,x\n0,0,1\n1,0,2\n")
+    (folder / "victim").write_text("precious")
+    (folder / "door").mkdir()
+    (folder / "door/new").write_text("precious")
+    at = temporary_of(folder, command)
+    for make in (lambda: at.symlink_to("victim"), lambda: at.symlink_to("door"), lambda: os.link(folder / "victim", at)):
+        make()
+        done = start(command.format("out"))
+        assert done.returncode == 2 and f"{at.name} is in the way".encode() in done.stderr, done
+        assert (folder / "victim").read_text() == (folder / "door/new").read_text() == "precious"
+        at.unlink()
+    at.mkdir()
+    (at / "new").write_text("left behind")
+    has = os.open(at, os.O_RDONLY)
+    fcntl.flock(has, fcntl.LOCK_EX)
+    done = start(command.format("out"))
+    assert done.returncode == 2 and b"another process is writing it" in done.stderr and not list(folder.glob("out*")), done
+    os.close(has)
+    done = start(command.format("out"))
+    assert done.returncode == 0 and not list(folder.glob(".fp3-*")) and list(folder.glob("out*"))[0].stat().st_size, done
+
+
+def test_an_input_in_the_temporary_of_an_output_is_not_lost(start, folder):
+    (folder / ".fp3-log.tmp").mkdir()
+    (folder / ".fp3-log.tmp/new").write_text(MODEL)
+    for option in ("--bus-log", "--kanata", "--checkpoint", "--output"):
+        done = start(f"run --model .fp3-log.tmp/new {option} log")
+        assert done.returncode == 2 and b"log would overwrite PROGRAM .fp3-log.tmp/new" in done.stderr, done
+    assert (folder / ".fp3-log.tmp/new").read_text() == MODEL
+
+
+@pytest.mark.parametrize("command", OUTPUTS)
+def test_an_output_has_the_mode_that_the_umask_leaves(start, folder, command):
+    (folder / "r.csv").write_text("step,object,x\n0,0,1\n1,0,2\n")
+    assert start(command.format("out"), preexec_fn=lambda: os.umask(0o027)).returncode == 0
+    assert [stat.S_IMODE(path.stat().st_mode) for path in folder.glob("out*")] == [0o640]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_run_that_a_signal_ends(fp3, start, folder, number):
+    """It has the names of its outputs for itself, and leaves nothing but after SIGKILL, and that the next run removes."""
+    command = "run m.ode -e isa -n 4000000000 --every 1 --output out.h5 --checkpoint a.ck --checkpoint-every 1000"
+    before = {path.name for path in folder.iterdir()}
+    with subprocess.Popen([fp3, *command.split()], cwd=folder) as run:
+        try:
+            while run.poll() is None and not (folder / "a.ck.1").exists():
+                time.sleep(0.01)
+            for more in ("--output out.h5", "--checkpoint a.ck", "--checkpoint ./folder/../a.ck"):
+                done = start(f"run m.ode -e isa -n 9 {more}")
+                assert done.returncode == 2 and b"another process is writing it" in done.stderr, done
+            assert run.poll() is None
+        finally:
+            run.send_signal(number)
+    assert run.returncode == -number
+    left = {path.name for path in folder.iterdir()} - before - {"a.ck", "a.ck.1"}
+    assert left == ({".fp3-a.ck.tmp", ".fp3-out.h5.tmp"} if number == signal.SIGKILL else set())
+    assert start("run m.ode -e isa -n 9 --output out.h5 --checkpoint a.ck").returncode == 0
+    assert not list(folder.glob(".fp3-*"))
+
+
+def test_an_ignored_signal_stays_ignored(fp3, folder):
+    """As under nohup."""
+    with subprocess.Popen([fp3, *"run m.ode -e isa -n 20000 --output out.csv --every 1".split()], cwd=folder, stdout=subprocess.PIPE,
+                          preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)) as run:
+        while run.poll() is None and not (folder / ".fp3-out.csv.tmp").exists():
+            time.sleep(0.001)
+        run.send_signal(signal.SIGHUP)
+        assert run.wait() == 0 and (folder / "out.csv").exists()
+
+
+def test_what_stands_beside_a_checkpoint_is_safe(start, folder):
+    """FILE.tmp is a name like any other: a link, a program, the checkpoint of a restart."""
+    (folder / "victim").write_text("precious")
+    for make in (lambda: (folder / "a.ck.tmp").symlink_to("victim"), lambda: os.link(folder / "victim", folder / "a.ck.tmp")):
+        make()
+        assert start("run m.ode -e isa -n 5 --checkpoint a.ck").returncode == 0 and (folder / "victim").read_text() == "precious"
+        (folder / "a.ck.tmp").unlink()
+    (folder / "a.ck").rename(folder / "a.ck.tmp")
+    kept = (folder / "a.ck.tmp").read_bytes()
+    assert start("run m.ode -e isa -n 9 --restart a.ck.tmp --checkpoint a.ck").returncode == 0 and (folder / "a.ck.tmp").read_bytes() == kept

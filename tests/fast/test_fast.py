@@ -296,7 +296,7 @@ def test_a_cache_that_cannot_be_written(run, tmp_path):
     for place in [tmp_path / "file", tmp_path / "open", "/dev/null/x", "/proc/none"]:
         assert run(*SHIP, FP3_CACHE_DIR=str(place), TMPDIR=str(tmp_path)) == expected
         assert run.how.startswith("native"), place
-    assert not list((tmp_path / "open").iterdir()) and not list(tmp_path.glob("fp3-*"))
+    assert not list((tmp_path / "open").iterdir()) and not list(tmp_path.glob(".fp3-*"))
 
 
 def test_a_full_disk(fp3, root, tmp_path):
@@ -305,7 +305,7 @@ def test_a_full_disk(fp3, root, tmp_path):
     done = subprocess.run(["bash", "-c", 'trap "" XFSZ; ulimit -f 8; exec "$@"', "-", fp3, "run", "-e", "fast", *map(str, SHIP)], cwd=root,
                           env=environment, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0 and "interpreter" in done.stdout, done.stdout + done.stderr
-    assert not list(tmp_path.glob("**/fp3-*")) and not list((tmp_path / "cache").glob("*"))
+    assert not list(tmp_path.glob("**/.fp3-*")) and not list((tmp_path / "cache").glob("*"))
 
 
 def test_the_cache_is_its_owner_s(run, tmp_path):

@@ -379,7 +379,7 @@ def test_outputs_are_replaced_whole_or_not_at_all(run, tmp_path):
     assert (tmp_path / "out.fp3").is_symlink()
     assert (tmp_path / "target.fp3").read_bytes()[:4] == b"FP3I"
     assert (tmp_path / "target.fp3").stat().st_mode & 0o777 == 0o640
-    assert not list(tmp_path.glob("*.tmp"))
+    assert not list(tmp_path.glob(".fp3-*"))
 
 
 def test_hex_holds_the_words_of_the_image(assemble, root, tmp_path):

@@ -56,9 +56,9 @@ def killed_while_it_writes(fp3, root, tmp_path):
         run = subprocess.Popen([fp3, "run", root / "programs/ship.ode", "-e", "isa", "-n", "4000000000", "--every", "1", "--output", output],
                                cwd=tmp_path, stdout=subprocess.DEVNULL)
         try:
-            while run.poll() is None and not any(path.stat().st_size for path in tmp_path.glob(".fp3-*")):
+            while run.poll() is None and not any(path.stat().st_size for path in tmp_path.glob(".fp3-*/new")):
                 time.sleep(0.02)
         finally:
             run.kill()
-        assert run.wait() == -signal.SIGKILL and any(path.stat().st_size for path in tmp_path.glob(".fp3-*")), "the run ended before it wrote"
+        assert run.wait() == -signal.SIGKILL and any(path.stat().st_size for path in tmp_path.glob(".fp3-*/new")), "the run ended before it wrote"
     return kill
