@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The design for Verilator (-f) and Icarus (-c), from the project's directory.
 // One module per file: a module's name is enough to find it.
+// Memories are zero at power-up. Synthesis does not define this: no memory needs it.
++define+FP3_ZEROS
 +incdir+rtl
 +incdir+rtl/gen
 -y rtl

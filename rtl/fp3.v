@@ -70,7 +70,8 @@ module fp3 #(
     // one, whose reports would still be old; so long nothing is taken from the bus. At power-up all are in reset.
     wire             clk = s_axi_aclk, bus_rst = !s_axi_aresetn;
     localparam integer RESET = GROUPS + TIMING_RESET;
-    reg [RESET-1:0]  reset_q = {RESET{1'b1}};
+    reg [RESET-1:0]  reset_q;
+    initial          reset_q = {RESET{1'b1}};
     wire             rst = reset_q[0];
     reg              irq_q;
     always @(posedge clk) reset_q <= bus_rst ? {RESET{1'b1}} : reset_q >> 1;

@@ -9,7 +9,7 @@
 //           scheduler ──┐ arbiter                         ┌─► lane ◄─► multiplier ─► adder
 //           scheduler ──┴───► multiplier, adder           scheduler ─► lane ◄─► multiplier ─► adder
 //
-// Latency   See lane and units.
+// Latency   See lane and tile_units.
 `default_nettype none
 `include "host/answer.vh"
 `include "lane/written.vh"
@@ -36,7 +36,7 @@ module tile #(
     wire [SCHEDULERS-1:0]                 running, adds, muls, last, grant;
     wire [`OPERANDS_W*SCHEDULERS*N-1:0]   operands;
     wire [`RESULT_W*SCHEDULERS*N-1:0]     results;
-    units #(.CONFIG(CONFIG)) u_units (.clk_i(clk_i), .rst_i(rst_i),
+    tile_units #(.CONFIG(CONFIG)) u_units (.clk_i(clk_i), .rst_i(rst_i),
         .running_i(running), .adds_i(adds), .muls_i(muls), .last_i(last), .grant_o(grant),
         .operands_i(operands), .result_o(results));
 

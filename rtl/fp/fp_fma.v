@@ -101,7 +101,7 @@ module fp_fma #(
     wire clash  = z_inf && px_inf && !px_nan && minus;
     wire nan    = z_nan || px_nan || clash;
     wire invalid = px_invalid || (z_nan && !fz[FRAC-1]) || clash;
-    wire inf    = (z_inf || px_inf) && !nan;
+    wire infinite = (z_inf || px_inf) && !nan;
 
     // A subnormal z counts as twice as large, with the exponent 0: so the distance waits for no comparison.
     wire [P-1:0]     sig      = z_normal ? {1'b1, fz} : {fz, 1'b0};
@@ -116,7 +116,7 @@ module fp_fma #(
     wire [PLACE-1:0] e_4;
     wire [5:0]       what_4, what_5, what_6, what_7, what_8, what_9;   // minus, signs of z and of infinity, kind
     cut #(.W(3*P+PLACE+13), .ON(CUTS[4])) u_4 (.clk_i(clk_i),
-        .d_i({sig, p_3, n, stays ? e_z : place_3, minus, z_sign, z_inf ? z_sign : px_sign ^ subtract_i, inf, nan, invalid}),
+        .d_i({sig, p_3, n, stays ? e_z : place_3, minus, z_sign, z_inf ? z_sign : px_sign ^ subtract_i, infinite, nan, invalid}),
         .q_o({sig_4, p_4, n_4, e_4, what_4}));
 
     // With Z_EARLY all but the product waits for it here.

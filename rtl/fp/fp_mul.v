@@ -72,7 +72,7 @@ module fp_mul #(
     wire a_nan = a_top_0 && !a_empty_0, b_nan = b_top_0 && !b_empty_0;
     wire nv = (a_nan && !a_quiet_0) || (b_nan && !b_quiet_0)
            || (a_top_0 && b_zero && a_empty_0) || (b_top_0 && a_zero && b_empty_0);
-    wire inf  = a_top_0 || b_top_0;
+    wire infinite = a_top_0 || b_top_0;
     wire zero = a_zero || b_zero;
 
     // Beside the product: how far to shift it, its exponent, its class.
@@ -84,7 +84,7 @@ module fp_mul #(
                  .shift_o(shift_2), .place_o(place_2));
     wire nv_1, quiet_1, inf_1, zero_1, sign_1;
     cut #(.W(5), .ON(CUTS[1])) u_1 (.clk_i(clk_i),
-        .d_i({nv, a_nan || b_nan, inf, zero, sign_0}), .q_o({nv_1, quiet_1, inf_1, zero_1, sign_1}));
+        .d_i({nv, a_nan || b_nan, infinite, zero, sign_0}), .q_o({nv_1, quiet_1, inf_1, zero_1, sign_1}));
     wire nan = nv_1 || quiet_1;
     wire [4:0] class_2, class_3, class_4, class_5;
     cut #(.W(5), .ON(CUTS[2])) u_2 (.clk_i(clk_i),

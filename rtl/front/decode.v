@@ -64,6 +64,14 @@ module decode #(
     wire plain_memory = st || lds || (INTERLEAVE != 0 && op == OP_LD);
     assign to_memory  = plain_memory || each || next || loads_word || loads_field;
 
+    // Sums and products apart: each writes its bank, and reads at most one register of each; of what is scaled
+    // only b is, which then is none of the sums.
+    wire a_even = !field_a[6] && !field_a[0], a_odd = !field_a[6] && field_a[0];
+    wire b_even = !field_b[6] && !field_b[0], b_odd = !field_b[6] && field_b[0];
+    wire apart  = !(has_b(op) && ((a_even && b_even) || (a_odd && b_odd)))
+               && !((half || twice) && (a_odd || b_even));
+    wire banked = DUAL == 0 || to_memory || (apart && field_d[0] == to_mul);
+
     // An index fits if shifting out the bits that the register file has leaves nothing.
     wire in_range = ((field_d      >> REGISTER_W) == 6'd0)
                  && ((field_a[5:0] >> REGISTER_W) == 6'd0)
@@ -81,14 +89,6 @@ module decode #(
             assign legal = in_range && !extra && banked && (to_add || to_mul || to_chain || to_sleep || to_memory || phase);
         end
     endgenerate
-
-    // Sums and products apart: each writes its bank, and reads at most one register of each; of what is scaled
-    // only b is, which then is none of the sums.
-    wire a_even = !field_a[6] && !field_a[0], a_odd = !field_a[6] && field_a[0];
-    wire b_even = !field_b[6] && !field_b[0], b_odd = !field_b[6] && field_b[0];
-    wire apart  = !(has_b(op) && ((a_even && b_even) || (a_odd && b_odd)))
-               && !((half || twice) && (a_odd || b_even));
-    wire banked = DUAL == 0 || to_memory || (apart && field_d[0] == to_mul);
 
     // The operands
     wire [REGISTER_W:0] first  = {field_a[6], field_a[REGISTER_W-1:0]};

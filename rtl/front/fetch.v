@@ -66,8 +66,19 @@ module fetch #(
 
     reg                begins_q, lasts_q;
 
-    // Whether pc_q is at an end is found a cycle ahead, for each word that may come next.
-    reg  steps_over, ends, again_over, again_ends, zero_over, zero_ends;
+    reg  steps_over, ends;              // pc_q is at the end of the step part; of the program
+    wire [31:0] fewer = steps_q - 1'b1;
+    wire one        = steps_q == (pending_q ? 32'd3 : 32'd2);   // the next is the last
+    wire again      = steps_over && !none_q && !skip_i;
+    wire jump       = NEIGHBOURS != 0 && jump_i;
+    wire turns      = NEIGHBOURS == 0 && more_i;                // by itself
+    wire anew       = start_i || (advance_i && active_q && ends && !again && turns) || (jump && jump_begins_i);
+    wire [PROGRAM_W-1:0] from = NEIGHBOURS != 0 ? jump_pc_i : {PROGRAM_W{1'b0}};
+    wire unused     = &{jump_on_i, jump_begins_i, jump_pc_i, more_i};
+    assign again_o  = anew && !start_i;
+
+    // Both are found a cycle ahead, for each word that may come next.
+    reg  again_over, again_ends, zero_over, zero_ends;
     reg  [PROGRAM_W-1:0] before_step_end_q, before_end_q;
     always @(posedge clk_i) begin
         {again_over, again_ends} <= {step == step_end_q, step == end_q};
@@ -78,15 +89,6 @@ module fetch #(
         else if (advance_i && active_q) {steps_over, ends} <= again ? {again_over, again_ends}
                                                                     : {pc_q == before_step_end_q, pc_q == before_end_q};
     end
-    wire [31:0] fewer = steps_q - 1'b1;
-    wire one        = steps_q == (pending_q ? 32'd3 : 32'd2);   // the next is the last
-    wire again      = steps_over && !none_q && !skip_i;
-    wire jump       = NEIGHBOURS != 0 && jump_i;
-    wire turns      = NEIGHBOURS == 0 && more_i;                // by itself
-    wire anew       = start_i || (advance_i && active_q && ends && !again && turns) || (jump && jump_begins_i);
-    wire [PROGRAM_W-1:0] from = NEIGHBOURS != 0 ? jump_pc_i : {PROGRAM_W{1'b0}};
-    wire unused     = &{jump_on_i, jump_begins_i, jump_pc_i, more_i};
-    assign again_o  = anew && !start_i;
 
     always @(posedge clk_i) begin
         pending_q <= advance_i && active_q && again && !start_i;

@@ -96,5 +96,5 @@ rtl/unit/multiplier.v
 rtl/unit/shared_arith.v
 rtl/unit/solo_arith.v
 rtl/unit/solo_fused.v
+rtl/unit/tile_units.v
 rtl/unit/unit.v
-rtl/unit/units.v

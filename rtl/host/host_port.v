@@ -74,6 +74,7 @@ module host_port #(
     wire [19:0] address;
     wire [5:0]  counter;
     wire        ours = in_registers || in_counters;
+    wire        ok;                                       // this access has a meaning now
     host_decode #(.CONFIG(CONFIG)) u_decode (
         .clk_i(clk_i), .write_i(req_write_i), .addr_i(req_addr_i),
         .registers_o(in_registers), .counters_o(in_counters), .program_o(in_program), .memory_o(in_memory),
@@ -150,9 +151,9 @@ module host_port #(
 
     wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable) && !(|(ranged_q & ~fits_q));
     wire beyond = (space == HOST_AWAKE && !is_count) || (space == HOST_WAKE && !is_row);
-    wire ok = in_registers ? register_ok                  // this access has a meaning now
-            : in_counters  ? !write_q
-            : !running_i && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
+    assign ok = in_registers ? register_ok
+              : in_counters  ? !write_q
+              : !running_i && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
 
     // What the registers show: the configuration, settings, and the outcome. One mux of them all would be the longest
     // path of the processor: one register of each group is chosen, and a group in the next cycle.

@@ -47,6 +47,7 @@ module lane #(
     localparam S = STREAMS;
     `ACCESS_FIELDS
     `MOVE_FIELDS
+    wire [`MOVE_W-1:0] move;
     assign `ACCESS = access_i;
     assign `MOVE   = move;
     wire mine         = access_valid && access_lane == index_i;
@@ -59,7 +60,6 @@ module lane #(
     wire [S-1:0]         writes;                // W+1
     wire [REG_W*S-1:0]   registers;
     wire [32*S-1:0]      values;
-    wire [`MOVE_W-1:0]   move;
     wire [`END_W*S-1:0]  ends;                  // W
     wire [31:0]          st_value_i3, word;     // of a store; read of the store
     wire [31:0]          loaded;                // W: what was read for this instruction

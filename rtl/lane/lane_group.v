@@ -41,7 +41,8 @@ module lane_group #(
     input  wire [`RESULT_W*STREAMS*N-1:0]   result_i,
     output wire [`WRITTEN_W*STREAMS*N-1:0]  written_o
 );
-    reg                 rst_q = 1'b1;  // at power-up, until the first reset arrives
+    reg                 rst_q;
+    initial             rst_q = 1'b1;  // at power-up, until the first reset arrives
     reg [`REACH_W-1:0]       reach_q;
     reg [`LANE_ISSUE_W-1:0]  issue_q;
     reg [`LANE_RETIRE_W-1:0] retire_q;

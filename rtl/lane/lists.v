@@ -73,13 +73,13 @@ module lists #(
     wire [AROUND_W-1:0] around_r1;
     wire                valid_r1, other_r2;
     wire [ROW_W-1:0]    own_r2;
+    `AROUND_FIELDS
+    assign `AROUND = around_r1;
     delay #(.W(AROUND_W+CONTEXT_W), .N(1)) u_r1 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_i, reach_context_i}), .q_o({around_r1, context_r1}));
     delay #(.W(1), .N(1)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_r1));
     delay #(.W(CONTEXT_W), .N(1)) u_context_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_r1), .q_o(context_r2));
     delay #(.W(1), .N(1)) u_other_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(around_ldn), .q_o(other_r2));
     delay #(.W(ROW_W), .N(2)) u_own_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(own_i), .q_o(own_r2));
-    `AROUND_FIELDS
-    assign `AROUND = around_r1;
     wire unused = &{around_each, word_i, word_i3};
 
     wire [ROW_W-1:0]   row_r2;

@@ -16,16 +16,16 @@ module mix (
     output wire [31:0] mixed_o
 );
     reg  [31:0] first_q, second_q, third_q, fourth_q;
+    reg  [31:0] second_late_q;         // the third sum and this one make second * 2057
     wire [31:0] first  = first_q ^ (first_q >> 12);
     wire [31:0] second = second_q ^ (second_q >> 4);
     always @(posedge clk_i) begin
-        first_q  <= ~number_i + (number_i << 15);
-        second_q <= first + (first << 2);
-        third_q  <= second + (second << 3);
-        fourth_q <= third_q + (second_late_q << 11);
+        first_q       <= ~number_i + (number_i << 15);
+        second_q      <= first + (first << 2);
+        third_q       <= second + (second << 3);
+        second_late_q <= second;
+        fourth_q      <= third_q + (second_late_q << 11);
     end
-    reg  [31:0] second_late_q;         // the third sum and this one make second * 2057
-    always @(posedge clk_i) second_late_q <= second;
     assign mixed_o = fourth_q ^ (fourth_q >> 16);
 endmodule
 `default_nettype wire

@@ -4,7 +4,8 @@
 // Purpose   The memory for few words that must be fast: its reader registers the word, so that
 //           nothing but a flip-flop's delay is in front of what uses it.
 // Latency   0. A read in the cycle of a write to the same word returns the old word.
-// Contents  Zero at power-up; there is no reset.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
+//           Synthesis must not see the loop: not every device can load such a memory, and some tools stop at 5,000 words.
 `default_nettype none
 // The hierarchy is kept because Yosys would otherwise move the reader's register in front of the
 // memory, to the address, and the memory into the path behind it.
@@ -22,8 +23,10 @@ module lutram_1r1w #(
 );
     (* ram_style = "distributed" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
 
+`ifdef FP3_ZEROS
     integer i;
     initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};
+`endif
 
     always @(posedge clk_i) if (write_i) memory[write_addr_i] <= write_value_i;
     assign read_value_o = memory[read_addr_i];

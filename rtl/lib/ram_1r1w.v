@@ -5,7 +5,7 @@
 // Latency   1: the word addressed while read_i is high is on read_value_o in the next cycle,
 //           and stays there until the next read. A read in the cycle of a write to the same word
 //           returns the old word.
-// Contents  Zero at power-up; there is no reset.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
 `default_nettype none
 module ram_1r1w #(
     parameter ADDR_W = 9,              // 2^ADDR_W words
@@ -22,8 +22,10 @@ module ram_1r1w #(
     (* ram_style = "block" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
     reg [W-1:0] read_q;
 
+`ifdef FP3_ZEROS
     integer i;
     initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};
+`endif
 
     always @(posedge clk_i) begin
         if (write_i) memory[write_addr_i] <= write_value_i;

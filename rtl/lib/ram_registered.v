@@ -5,7 +5,7 @@
 //           so the word is registered before anything is done with it.
 // Latency   2: the word addressed in a cycle is on read_value_o two cycles later. With read_i low
 //           both registers keep what they have.
-// Contents  Zero at power-up; there is no reset.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
 // Hazard    A read of the word that is written in the same cycle is not used: a device may give anything.
 //           Here it gives the old word, and with FP3_CHECK its inverse, so that a use changes results.
 //
@@ -29,8 +29,10 @@ module ram_registered #(
     (* ram_style = "block", no_rw_check *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
     reg [W-1:0] word_q, read_q;
 
+`ifdef FP3_ZEROS
     integer i;
     initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};
+`endif
 
 `ifdef FP3_CHECK
     wire [W-1:0] word = memory[read_addr_i] ^ {W{write_i && write_addr_i == read_addr_i}};

@@ -4,7 +4,7 @@
 // Purpose   Holds every object's registers and, as one context more, the constants they share.
 // Latency   1: the word addressed in a cycle is on value_o in the next.
 // Promise   A word written in the cycle in which it is addressed is read as written.
-// Contents  Zero at power-up; reset leaves them alone.
+// Contents  Arbitrary at power-up (lutram_1r1w, ram_1r1w); reset leaves them alone.
 //
 //     cycle      0     1     2
 //     write_i    1     0     0        address 5, value x

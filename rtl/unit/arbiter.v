@@ -38,10 +38,10 @@ module arbiter #(
 
     reg  [N*N-1:0] before_q;           // N*i + j: j comes before i
     reg  [8*N-1:0] waited_q;
+    reg  [N-1:0]   grant_q;
     wire [N-1:0]   needs = adds_i | muls_i;
     wire [N-1:0]   over  = grant_q & needs & last_i;
     wire [N-1:0]   stays = needs & ~over;
-    reg  [N-1:0]   grant_q;
     reg  [N-1:0]   urgent, grant, ahead;
     reg            adder_free, multiplier_free;
     integer        i, level, rank, m, n;

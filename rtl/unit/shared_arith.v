@@ -98,7 +98,8 @@ module shared_arith #(
     endgenerate
 
 `ifdef FP3_CHECK
-    reg [15:0] clean_q = 16'd0;                           // what the delays had at power-up has left
+    reg [15:0] clean_q;                                   // what the delays had at power-up has left
+    initial    clean_q = 16'd0;
     always @(posedge clk_i) begin
         clean_q <= {clean_q[14:0], 1'b1};
         if (clean_q[15] && (|(adds_i & (adds_i - 1'b1)) || |(muls_i & (muls_i - 1'b1)))) begin

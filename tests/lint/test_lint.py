@@ -11,9 +11,15 @@ def lint(root, *arguments):
 
 
 def test_this_tree_is_clean(root, long):
-    """Verilator, with -Wall, and Icarus have read every configuration when it was built: here a few, or with --long all."""
+    """Debian's Verilator, with -Wall, and Icarus have read every configuration when it was built: here a few, or with --long all."""
     few = [] if long else ["CONFIGS=single small many shared_full"]
     done = subprocess.run(["make", "lint", *few], cwd=root, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and done.stdout + done.stderr == "", done.stdout + done.stderr
+
+
+def test_slang_reads_every_configuration(root):
+    done = subprocess.run([root / ".venv/bin/python", "tools/slang.py", *sorted(map(str, (root / "rtl/gen").glob("fp3_*.v")))], cwd=root,
+                          capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and done.stdout + done.stderr == "", done.stdout + done.stderr
 
 
@@ -32,6 +38,12 @@ SPOILED = {
     "clang-format": ("sw/base/spoiled.h", "int   g(void);\n", ["c"], "clang-format-violations"),
     "verilator": ("rtl/spoiled.v", "module spoiled (input wire a_i, output wire [3:0] z_o);\n"
                   "    assign z_o = a_i + 5'd3;\nendmodule\n", ["rtl", "spoiled"], "Warning-WIDTH"),
+    "slang": ("rtl/spoiled.v", "`default_nettype none\nmodule spoiled (input wire a_i, output wire z_o);\n    assign z_o = b;\n    wire b = a_i;\n"
+              "endmodule\n`default_nettype wire\n", ["rtl", "spoiled"], "'b' used before its declaration"),
+    "verible": ("rtl/spoiled.v", "`default_nettype none\nmodule spoiled (input wire a_i, output wire z_o);\n    wire inf = a_i;\n    assign z_o = inf;\n"
+                "endmodule\n`default_nettype wire\n", ["rtl", "spoiled"], 'syntax error at token "inf"'),
+    "a new verilator": ("rtl/spoiled.v", "`default_nettype none\nmodule spoiled (input wire clk_i, output wire z_o);\n    reg z_q = 1'b1;\n"
+                        "    always @(posedge clk_i) z_q <= !z_q;\n    assign z_o = z_q;\nendmodule\n`default_nettype wire\n", ["rtl", "spoiled"], "Warning-PROCASSINIT"),
     "icarus": ("rtl/spoiled.v", "`default_nettype none\nmodule spoiled (input wire a_i, output logic z_o);\n"
                "    assign z_o = a_i;\nendmodule\n`default_nettype wire\n", ["rtl", "spoiled"], "cannot be driven by"),
     "no such module": ("rtl/other.v", "", ["rtl", "spoiled"], "there is no module spoiled"),
@@ -41,11 +53,13 @@ SPOILED = {
 @pytest.mark.parametrize("tool", SPOILED)
 def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
     file, text, arguments, said = SPOILED[tool]
-    for name in ("tools/lint.sh", "rtl/fp3.f", ".clang-format"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+    for name in ("tools/lint.sh", "tools/slang.py", "rtl/fp3.f", ".clang-format"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(root / name, tmp_path / name)
     for name in ("sw/base", "sim", "tests", "rtl/board", "rtl/bus", "rtl/lib", "rtl/lns", "rtl/config", "rtl/fp", "rtl/front", "rtl/gen", "rtl/host", "rtl/lane", "rtl/sequence", "rtl/solo", "rtl/unit"):
-        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name).mkdir(parents=True, exist_ok=True)
+    (tmp_path / "rtl/gen/files.f").write_text("")
+    (tmp_path / ".venv").symlink_to(root / ".venv")
     (tmp_path / file).write_text(text)
     done = lint(tmp_path, *arguments)
     assert done.returncode != 0 and said in done.stdout + done.stderr, done.stdout + done.stderr

@@ -40,14 +40,15 @@ def core_file(root, configs):
     out += ["  replay:", "    files:", "      - rtl/gen/mnemonic.vh: {file_type: verilogSource, is_include_file: true, include_path: rtl}",
             "      - sim/replay.v: {file_type: verilogSource}", f"      - programs/{SESSION}: {{file_type: user, copyto: {SESSION}}}"]
     out += ["", "parameters:", "  session: {datatype: str, paramtype: plusarg, description: a recorded session}",
-            "  FP3_CHECK: {datatype: bool, paramtype: vlogdefine, description: the RTL's own checks}", "",
+            "  FP3_CHECK: {datatype: bool, paramtype: vlogdefine, description: the RTL's own checks}",
+            "  FP3_ZEROS: {datatype: bool, paramtype: vlogdefine, description: memories are zero at power-up (for simulation alone)}", "",
             "targets:", "  default:", "    filesets: [rtl]", "    toplevel: fp3"]
     for name in names:
         out += [f"  {name}:", f"    filesets: [rtl, {name}]", f"    toplevel: fp3_{name}"]
     if SAMPLE in names:
         out += ["  lint:", f"    filesets: [rtl, {SAMPLE}]", f"    toplevel: fp3_{SAMPLE}", "    parameters: [FP3_CHECK=true]",
                 "    flow: lint", "    flow_options: {tool: verilator, verilator_options: [-Wall]}",
-                "  replay:", f"    filesets: [rtl, {SAMPLE}, replay]", "    toplevel: replay", f"    parameters: [FP3_CHECK=true, session={SESSION}]",
+                "  replay:", f"    filesets: [rtl, {SAMPLE}, replay]", "    toplevel: replay", f"    parameters: [FP3_CHECK=true, FP3_ZEROS=true, session={SESSION}]",
                 "    flow: sim", "    flow_options: {tool: icarus, iverilog_options: [-g2012]}",
                 "  ecp5:", f"    filesets: [rtl, {SAMPLE}]", f"    toplevel: fp3_{SAMPLE}",
                 "    flow: generic", "    flow_options: {tool: yosys, arch: ecp5, output_format: json}"]

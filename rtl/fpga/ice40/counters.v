@@ -68,11 +68,7 @@ module counters #(
     wire [INDEX_W-1:0] at    = read_i ? index_i : turn_q;
     wire [REST-1:0]    sum   = (word_q & {REST{!none_q}}) + {{REST-1{1'b0}}, one_q};
     wire               write = own_q && one_q && !read_i && !clear_i;
-    integer i;
-    initial begin
-        for (i = 0; i < SPREAD; i = i + 1) memory[i] = {REST{1'b0}};
-        turn_q = {INDEX_W{1'b0}};
-    end
+    initial turn_q = {INDEX_W{1'b0}};                     // any turn does; a simulation needs one that is known
     always @(posedge clk_i) begin
         if (write) memory[at_q] <= sum;
         word_q <= memory[at];

@@ -5,7 +5,7 @@
 //           become flip-flops. A block memory shows any word in the cycle of its write; then the written value is
 //           shown instead.
 // Latency   1, as there.
-// Contents  Zero at power-up; there is no reset.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
 `default_nettype none
 module ram_forward #(
     parameter ADDR_W = 6,              // 2^ADDR_W words
@@ -22,8 +22,10 @@ module ram_forward #(
     reg [W-1:0] read_q, write_value_q;
     reg         forward_q;
 
+`ifdef FP3_ZEROS
     integer i;
     initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};
+`endif
 
     always @(posedge clk_i) begin
         if (write_i) memory[write_addr_i] <= write_value_i;

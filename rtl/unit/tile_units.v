@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// units: the arithmetic of a tile, behind one socket for each stream of each lane.
+// tile_units: the arithmetic of a tile, behind one socket for each stream of each lane.
 //
 // Purpose   A lane has units of its own, except where several schedulers share one adder and one multiplier: then they
 //           ask, and an arbiter grants.
@@ -12,7 +12,7 @@
 // Hazard    In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
 `include "unit/socket.vh"
-module units #(
+module tile_units #(
 `include "config/config.vh"
 ) (
     input  wire                  clk_i,
