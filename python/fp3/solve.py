@@ -15,7 +15,7 @@ from ._library import check, library, name_bytes
 from .batch import STEPS_MOST, Batch, Value, link_all, next_part, part_of, print_share
 from .errors import ArgumentError, DigitsWarning, FailedWarning
 from .given import as_count, as_flag, as_mapping, as_number, as_teller, as_values, ends_of, shown, split_links
-from .loss import params_of, standstill
+from .loss import standstill
 from .model import How, Model, Program, Source, as_model
 
 
@@ -100,7 +100,7 @@ def solve_ivp(model: Union[Model, Source], t_span: Sequence[float], y0: Union[No
     batch._open(program, count or 1, clock.h if not clock.chooses else None, engine, as_count("threads", threads, 0, 1024), may_compile, 0.0)
     with batch:
         link_all(batch, links)
-        write_values(batch, model, starts, given)
+        write_values(batch, starts, given)
         clock.begin(batch)
         run = Run(batch, clock, as_count("attempts", attempts, 1, STEPS_MOST), progress)
         solution = run.all()
@@ -296,40 +296,9 @@ def until_clock(model: Model, span: Tuple[float, float], times: "np.ndarray[Any,
 # ---- values ----
 
 
-def write_values(batch: Batch, model: Model, starts: Dict[str, Any], params: Dict[str, Any]) -> None:
-    for name, value in params.items():
+def write_values(batch: Batch, starts: Dict[str, Any], params: Dict[str, Any]) -> None:
+    for name, value in {**params, **starts}.items():
         batch[name] = value
-    for name, value in {**derived_starts(batch, model, starts, params), **starts}.items():
-        batch[name] = value
-
-
-def derived_starts(batch: Batch, model: Model, starts: Mapping[str, Any], params: Mapping[str, Any]) -> Dict[str, Any]:
-    """Starts that the model computes from params follow those that are given, as with `fp3 run --set`."""
-    c, lib = model._c, library()
-    wanted = {name: c.states[i].start for i, name in enumerate(model.states)
-              if name not in starts and c.states[i].start != d.FP3_NONE and depends(c, c.states[i].start, params)}
-    if not wanted:
-        return {}
-    count = len(batch) if any(np.ndim(value) for value in params.values()) else 1
-    table = params_of(model, params, count, batch._is_wide)
-    initial = np.array([c.states[i].value for i in range(c.state_count)])
-    values, found = np.empty(c.expr_count), {name: np.empty(count) for name in wanted}
-    for n in range(count):
-        point = d.fp3_point(initial.ctypes.data, table[n].ctypes.data, None, 0.0)
-        lib.fp3_model_evaluate(model._handle.pointer, point, values.ctypes.data)
-        for name, start in wanted.items():
-            found[name][n] = values[start]
-    return {name: column if count > 1 else column[0] for name, column in found.items()}
-
-
-def depends(c: d.fp3_model, start: int, params: Mapping[str, Any]) -> bool:
-    todo = [start]
-    while todo:
-        e = c.exprs[todo.pop()]
-        if e.op == d.FP3_EXPR_PARAM and c.params[e.index].name.decode() in params:
-            return True
-        todo += [operand for operand in e.operand if operand != d.FP3_NONE]
-    return False
 
 
 # ---- the run ----

@@ -80,6 +80,16 @@ static void place_param(const fp3_compiled *c, int is_adapted, fp3_field *q) {
     q->is_pending = !q->is_kept;
 }
 
+/* The params that an expression is made of, a bit each. */
+static uint64_t params_of(const fp3_model *model, uint32_t expr) {
+    const fp3_expr *e = &model->exprs[expr];
+    uint64_t params = e->op == FP3_EXPR_PARAM ? (uint64_t)1 << e->index : 0;
+    for (int i = 0; i < 3; i++)
+        if (e->operand[i] != FP3_NONE)
+            params |= params_of(model, e->operand[i]);
+    return params;
+}
+
 static void list_model(const fp3_compiled *c, double h, fp3_field_table *t) {
     const fp3_model *model = t->model;
     const int is_adapted = fp3_model_adapted(model) != FP3_NONE;
@@ -98,6 +108,8 @@ static void list_model(const fp3_compiled *c, double h, fp3_field_table *t) {
         q->place = place_of_role(c, ROLE_STATE, i);
         q->low = place_of_role(c, ROLE_LOW, i);
         q->lost = place_of_role(c, ROLE_LOST, i);
+        if (model->states[i].start != FP3_NONE)
+            q->follows = params_of(model, model->states[i].start);
     }
     t->has_before = has_before(c, model->state_count);
     const int count = fp3_image_steps(c->image);
@@ -133,8 +145,10 @@ fp3_status fp3_field_list(const fp3_image *image, const fp3_compiled *compiled, 
 }
 
 void fp3_field_close(fp3_field_table *table) {
-    for (uint32_t i = 0; i < table->count; i++)
+    for (uint32_t i = 0; i < table->count; i++) {
         free(table->list[i].column);
+        free(table->list[i].is_given);
+    }
     free(table->list);
     *table = (fp3_field_table){0};
 }

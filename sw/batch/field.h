@@ -38,6 +38,10 @@ typedef struct {
     int is_pending; /* not kept, and `uniform` is not in the engine yet */
     double uniform; /* the value of all objects, unless there is a column */
     double *column; /* of each object; NULL: all have the same */
+    uint64_t
+        follows; /* of a state: the params its start is made of, a bit each; 0: it is written, or a number */
+    unsigned char *
+        is_given; /* of a start that follows: of which objects it is written all the same; NULL: of none */
 } fp3_field;
 
 typedef struct {

@@ -4,6 +4,7 @@
 
 #include "derive.h"
 #include "field.h"
+#include "follow.h"
 
 #include "compiler/value/known.h"
 #include "engine/inside.h"
@@ -19,6 +20,7 @@ struct fp3_fields {
     fp3_field_table table;
     fp3_derive *derive; /* NULL: of an image */
     int has_moved;      /* since the start */
+    uint64_t written;   /* params, a bit each, that starts do not follow yet */
     float block[BLOCK];
 };
 
@@ -172,6 +174,24 @@ static fp3_status move_all(fp3_fields *q, const fp3_field *of, double value, fp3
 
 /* ---- writing ---- */
 
+static int is_on_its_way(const fp3_fields *q, const fp3_field *of) {
+    return q->has_moved && q->table.model && of->kind == FP3_FIELD_STATE;
+}
+
+static void note(fp3_fields *q, const fp3_field *of) {
+    if (q->table.model && of->kind == FP3_FIELD_PARAM)
+        q->written |= (uint64_t)1 << of->index;
+}
+
+/* Once objects have moved, the next start follows. */
+static fp3_status follow(fp3_fields *q, fp3_error *error) {
+    if (!q->written || q->has_moved)
+        return FP3_OK;
+    const fp3_status status = fp3_follow(&q->def, &q->table, q->written, q->derive, error);
+    q->written = status ? q->written : 0;
+    return status;
+}
+
 static fp3_status check_step(const fp3_fields *q, double h, fp3_error *error) {
     if (!q->has_moved || !q->table.model)
         return FP3_OK;
@@ -185,10 +205,6 @@ static fp3_status check_step(const fp3_fields *q, double h, fp3_error *error) {
                           "keeps where objects were one step before",
                           h)
                : FP3_OK;
-}
-
-static int is_on_its_way(const fp3_fields *q, const fp3_field *of) {
-    return q->has_moved && q->table.model && of->kind == FP3_FIELD_STATE;
 }
 
 fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_error *error) {
@@ -205,6 +221,10 @@ fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_err
     fp3_status status = of->kind == FP3_FIELD_STEP ? check_step(q, value, error) : FP3_OK;
     if (status || is_on_its_way(q, of))
         return status ? status : move_all(q, of, value, error);
+    status = fp3_follow_not(of, 0, q->def.objects, q->def.objects, error);
+    if (status)
+        return status;
+    note(q, of);
     free(of->column);
     of->column = NULL;
     of->uniform = value;
@@ -252,14 +272,16 @@ fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_
     if (is_on_its_way(q, of))
         return move(q, of, first, count, values, error);
     if (of->is_kept)
-        return keep(q, of, first, count, values, error);
-    if (count < q->def.objects)
+        status = keep(q, of, first, count, values, error);
+    else if (count < q->def.objects)
         status = settle_one(q, of, error);
-    if (!status)
+    if (!status && !of->is_kept)
         status = put_numbers(q, of, first, count, values, error);
-    if (!status)
-        of->is_pending = 0;
-    return status;
+    if (status)
+        return status;
+    of->is_pending = 0;
+    note(q, of);
+    return fp3_follow_not(of, first, count, q->def.objects, error);
 }
 
 /* A field of each row, which has `width` numbers. */
@@ -327,6 +349,9 @@ fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t
     if (is_on_its_way(q, of) && of->place < 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "the program has no state '%s': it is not observed",
                         name);
+    status = follow(q, error);
+    if (status)
+        return status;
     if (!q->table.model && of->is_shared && !of->is_pending) {
         float word = 0;
         status =
@@ -351,7 +376,7 @@ fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_er
 /* ---- runs ---- */
 
 fp3_status fp3_fields_settle(fp3_fields *q, fp3_error *error) {
-    fp3_status status = FP3_OK;
+    fp3_status status = follow(q, error);
     for (uint32_t i = 0; !status && i < q->table.count; i++)
         status = settle_one(q, &q->table.list[i], error);
     return status || !q->derive ? status : fp3_derive_settle(q->derive, error);

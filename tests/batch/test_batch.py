@@ -99,6 +99,38 @@ def test_folded(root, fp3, script, ran, tmp_path):
     assert numbers(script(program, lines, "-n", 2)) != rows
 
 
+STARTS = "param a = 2\nparam b = 3\nparam c = 0.1\nstate x = a*b + 0.1\nstate y = b\nstate z = 7\nstep 0.125\nx' = -c*x\ny' = -y\nz' = b - z\n"
+
+
+@pytest.mark.parametrize("engine", ["fast", "isa", "rtl"])
+def test_starts_follow_params(script, ran, tmp_path, engine):
+    """As with --set, before the first step and after a restart; a start that is written follows no more."""
+    (tmp_path / "m.ode").write_text(STARTS)
+
+    def told(*lines, objects=3):
+        return numbers(script(tmp_path / "m.ode", [*lines], "-n", objects, "-e", engine))
+
+    def run(*options, steps=4):
+        return ran(tmp_path / "m.ode", steps, 3, *options)[1]
+    spread, same = ["--spread=a=0.3:0.7", "--set=b=0.7"], ["spread a 0.3 0.7", "set b 0.7"]
+    assert told(*same, "step 4", "read x y z") == run(*spread) != run()
+    assert told(*same, "read x")[1] == [single(0.5 * single(0.7) + 0.1)]
+    assert told("step 2", *same, "restart", "step 4", "read x y z") == run(*spread)
+    assert told("set x 5", *same, "set y 6", "step 4", "read x y z") == run(*spread, "--set=x=5", "--set=y=6")
+    assert told("set c 0.2", "set z 1", "read x y z") == [[single(6.1), 3, 1]] * 3
+    some = told("write x 1 5", *same, "write y 0 8 9", "step 2", "restart", "read x y", "set b 0.5", "read x y")
+    assert some == [[single(0.3 * single(0.7) + 0.1), 8], [5, 9], [single(single(0.7) * single(0.7) + 0.1), single(0.7)],
+                    [single(single(0.3) * 0.5 + 0.1), 8], [5, 9], [single(single(0.7) * 0.5 + 0.1), 0.5]]
+
+
+@pytest.mark.parametrize("arithmetic", ["compensated", "double_single"])
+def test_starts_follow_params_in_two_words(script, ran, tmp_path, arithmetic):
+    (tmp_path / "m.ode").write_text(STARTS)
+    rows = ran(tmp_path / "m.ode", 5, 600, "--spread=a=0.3:0.7", "--set=b=0.7", *ARITHMETICS[arithmetic])[1]
+    lines = ["spread a 0.3 0.7", "set b 0.7", "step 5", f"{'wide' if arithmetic == 'double_single' else 'read'} x y z"]
+    assert numbers(script(tmp_path / "m.ode", lines, "-n", 600, "-a", arithmetic)) == rows
+
+
 def test_the_hardware_gives_the_same(root, script):
     program, (sets, spreads) = root / "programs/ship.ode", MODELS["ship"]
     lines = [*given(sets, spreads), "step 5", "write T 1 2e5", "set m 8e5", "step 5", "read v s T"]

@@ -131,6 +131,21 @@ def test_use_and_restart():
         assert (batch["x"] == 1).all() and batch.time == 0
 
 
+def test_starts_follow_params():
+    model = fp3.Model("param x0 = 1\nstate x = 2*x0\nstate y = x0\nstep 0.0625\nx' = 0*x\ny' = x\n")
+    with fp3.Batch(model, 2, params={"x0": 3}) as batch:
+        x = batch["x"]
+        assert batch.read("x").tolist() == x.tolist() == [6, 6]
+        batch["x0"], batch["y"] = [5, 6], 0.5
+        batch.step()
+        assert x.tolist() == [10, 12] and batch["y"].tolist() == [1.125, 1.25]
+        batch["x0"] = 7
+        batch.step()
+        assert x.tolist() == [10, 12], "objects that have moved go on from where they are"
+        batch.restart()
+        assert batch.read("x").tolist() == [14, 14] and batch.read("y").tolist() == [0.5, 0.5]
+
+
 def test_failures_are_told():
     with fp3.Batch("param a = 0\nstate x = 1\nstep 0.125\nx' = a*x*x\n", 3) as batch:
         batch["a"] = [0.0, 0.0, 1e30]

@@ -94,7 +94,8 @@ void fp3_batch_close(fp3_batch **batch);
  * value is not finite; nothing is changed. Whether the values computed from it fit FP32 is checked
  * by the next step.
  * A state that is written before the first step sets where its object starts. Later, the object
- * goes on from there. After the first step, an integrator that keeps earlier positions (stoermer)
+ * goes on from there. A start that the model computes from params follows them, at the first step
+ * and after fp3_batch_restart, unless it is written itself. After the first step, an integrator that keeps earlier positions (stoermer)
  * refuses new states and another h; another h is also refused if the equations contain t. */
 
 /* Sets a value of all objects, or one that they share. */
