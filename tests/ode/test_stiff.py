@@ -151,8 +151,15 @@ def test_a_pivot_that_cancels_fails_the_object(model):
     assert "invalid" in fp3(*run, status=3).stderr
 
 
-def test_more_states_than_twelve_are_refused(model):
-    names = [f"x{i}" for i in range(13)]
-    path = model("".join(f"state {n} = 1\n" for n in names) + "".join(f"{n}' = -{n}\n" for n in names) + "step 1\n")
-    refused = fp3("compile", path, "-i", "ros2", status=2)
-    assert "integrator 'ros2' solves linear equations for each state: found 13 states, expected at most 12" in refused.stderr
+def test_registers_limit_the_states(model):
+    """One more than fit where each depends on all, and a chain of more than twice as many."""
+    def text(rates):
+        return "".join(f"state x{i} = 1\n" for i in range(len(rates))) + "".join(f"x{i}' = {rate}\n" for i, rate in enumerate(rates)) + "step 0.0078125\n"
+
+    everyone = " + ".join(f"x{i}" for i in range(13))
+    refused = fp3("compile", model(text([f"-{i + 1}*x{i}*({everyone})" for i in range(13)])), "-i", "ros2", "-c", "many_full", status=2)
+    assert "the program needs 143 object registers" in refused.stderr
+    chain = model(text([f"{'x' + str(i - 1) if i else '0'} - 2*x{i} + {'x' + str(i + 1) if i < 29 else '0'}" for i in range(30)]))
+    ran = [states(fp3("run", chain, "-i", "ros2", "-c", "many_full", "-e", engine, "-o", 1, "-n", 128).stdout) for engine in ("isa", "fast")]
+    assert ran[0] == ran[1] and len(ran[0]) == 30
+    assert ran[0]["x0"] == pytest.approx(0.5237776, abs=1e-4)  # exp(-2)(I0(2) + I1(2))

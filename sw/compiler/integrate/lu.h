@@ -3,9 +3,10 @@
 #ifndef FP3_LU_H
 #define FP3_LU_H
 
+#include "compiler/step/options.h"
 #include "compiler/value/term.h"
 
-#define FP3_LU_MOST 12 /* equations */
+#define FP3_LU_MOST FP3_STATES_MAX /* equations */
 /* A pivot that is smaller than this share of what it came from has lost its digits. */
 #define FP3_LU_LEAST 0x1p-12
 

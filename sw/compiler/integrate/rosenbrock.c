@@ -233,26 +233,17 @@ static term over_own_step(const fp3_advance *a) {
     return fp3_one_over(g, fp3_term(sel(g, h, h, num(g, 1))));
 }
 
-static fp3_status find_states(rosenbrock *r, fp3_error *error) {
-    const fp3_model *model = r->a->step->model;
-    uint32_t count = 0;
-    for (uint32_t s = 0; s < model->state_count; s++)
-        if (fp3_fit_is_moved(r->a->fit, s) && count++ < FP3_LU_MOST)
+static void find_states(rosenbrock *r) {
+    for (uint32_t s = 0; s < r->a->step->model->state_count; s++)
+        if (fp3_fit_is_moved(r->a->fit, s))
             r->states[r->count++] = s;
-    return count <= FP3_LU_MOST
-               ? FP3_OK
-               : fp3_fail(error, FP3_E_PROGRAM,
-                          "integrator '%s' solves linear equations for each state: found %" PRIu32
-                          " states, expected at most %d",
-                          r->a->integrator->name, count, FP3_LU_MOST);
 }
 
 fp3_status fp3_rosenbrock(fp3_advance *a, const uint32_t *partial, fp3_error *error) {
     const unsigned stages = a->integrator->stages;
     rosenbrock r = {.a = a, .partial = partial};
-    fp3_status status = find_states(&r, error);
-    if (!status)
-        status = fp3_advance_places(a, stages, "k", state_at, &r, error);
+    find_states(&r);
+    const fp3_status status = fp3_advance_places(a, stages, "k", state_at, &r, error);
     if (status)
         return status;
     find_coefficients(&r);
