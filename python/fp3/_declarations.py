@@ -436,6 +436,7 @@ class fp3_arithmetic_facts(Structure):
 
 class fp3_compile_def(Structure):
     _fields_ = [
+        ("cookie", c_uint32),
         ("config", c_char_p),
         ("passes", c_uint),
         ("arithmetic", c_int),
@@ -487,6 +488,7 @@ class fp3_compiled(Structure):
 
 class fp3_adaptive_def(Structure):
     _fields_ = [
+        ("cookie", c_uint32),
         ("tolerance", c_double),
         ("absolute", c_double),
         ("until", c_double),
@@ -698,6 +700,7 @@ class fp3_adaptive_report(Structure):
 
 class fp3_program_def(Structure):
     _fields_ = [
+        ("cookie", c_uint32),
         ("integrator", c_char_p),
         ("is_model", c_int),
         ("is_adaptive", c_int),
@@ -759,6 +762,7 @@ class fp3_scene(Structure):
 
 class fp3_recording_def(Structure):
     _fields_ = [
+        ("cookie", c_uint32),
         ("path", c_char_p),
         ("plot", c_char_p),
         ("observed", POINTER(c_char_p)),
@@ -798,6 +802,7 @@ class fp3_cost(Structure):
 class fp3_batch_def(Structure):
     _fields_ = [
         ("cookie", c_uint32),
+        ("error", POINTER(fp3_error)),
         ("model", c_char_p),
         ("text", c_char_p),
         ("text_size", c_size_t),
@@ -815,7 +820,6 @@ class fp3_batch_def(Structure):
         ("tasks_user", c_void_p),
         ("allocator", fp3_allocator),
         ("skin", c_double),
-        ("error", POINTER(fp3_error)),
     ]
 
 
@@ -879,7 +883,7 @@ PROTOTYPES = {
     "fp3_arithmetic_of": (POINTER(fp3_arithmetic_facts), (c_int,)),
     "fp3_arithmetic_find": (c_int, (c_char_p,)),
     "fp3_arithmetic_applies": (c_int, (c_int, POINTER(fp3_integrator), c_int)),
-    "fp3_compile_default": (fp3_compile_def, ()),
+    "fp3_compile_set_default": (None, (POINTER(fp3_compile_def), c_size_t)),
     "fp3_compile": (c_int,
         (POINTER(fp3_model), POINTER(fp3_integrator), POINTER(fp3_compile_def), POINTER(POINTER(fp3_compiled)), POINTER(fp3_error))),
     "fp3_compiled_free": (None, (POINTER(POINTER(fp3_compiled)),)),
@@ -887,7 +891,7 @@ PROTOTYPES = {
     "fp3_compiled_cycles": (c_uint64, (POINTER(fp3_compiled), c_uint64)),
     "fp3_compiled_inputs": (c_int,
         (POINTER(fp3_compiled), c_void_p, c_void_p, c_double, c_void_p, POINTER(fp3_error))),
-    "fp3_adaptive_default": (fp3_adaptive_def, ()),
+    "fp3_adaptive_set_default": (None, (POINTER(fp3_adaptive_def), c_size_t)),
     "fp3_model_adapt": (c_int, (POINTER(fp3_model), POINTER(fp3_adaptive_def), POINTER(fp3_error))),
     "fp3_model_adapted": (c_uint32, (POINTER(fp3_model),)),
     "fp3_model_chooses_steps": (c_int, (POINTER(fp3_model),)),
@@ -945,7 +949,7 @@ PROTOTYPES = {
     "fp3_params_count": (c_size_t, (c_void_p,)),
     "fp3_params_has": (c_int, (c_void_p, c_char_p)),
     "fp3_params_get": (c_int, (c_void_p, c_char_p, c_void_p, POINTER(fp3_error))),
-    "fp3_program_default": (fp3_program_def, ()),
+    "fp3_program_set_default": (None, (POINTER(fp3_program_def), c_size_t)),
     "fp3_program_is_model": (c_int, (c_char_p,)),
     "fp3_program_is_named": (c_int, (c_char_p,)),
     "fp3_program_open": (c_int,
@@ -959,9 +963,9 @@ PROTOTYPES = {
     "fp3_scene_open": (c_int, (c_char_p, c_char_p, POINTER(POINTER(fp3_scene)), POINTER(fp3_error))),
     "fp3_scene_close": (None, (POINTER(POINTER(fp3_scene)),)),
     "fp3_scene_life": (None, (POINTER(fp3_scene_group), c_size_t, c_void_p, c_void_p)),
-    "fp3_scene_engine": (fp3_engine_def, (POINTER(fp3_scene),)),
+    "fp3_scene_set_engine": (None, (POINTER(fp3_scene), POINTER(fp3_engine_def))),
     "fp3_scene_load": (c_int, (POINTER(fp3_scene), c_void_p, POINTER(fp3_error))),
-    "fp3_recording_default": (fp3_recording_def, ()),
+    "fp3_recording_set_default": (None, (POINTER(fp3_recording_def), c_size_t)),
     "fp3_recording_steps": (c_int,
         (POINTER(fp3_program), c_void_p, c_void_p, c_size_t, c_void_p, POINTER(fp3_error))),
     "fp3_recording_open": (c_int,
@@ -969,7 +973,7 @@ PROTOTYPES = {
     "fp3_recording_run": (c_int, (c_void_p, POINTER(fp3_cost), POINTER(fp3_error))),
     "fp3_recording_share": (c_double, (c_void_p, c_double)),
     "fp3_recording_close": (None, (POINTER(c_void_p),)),
-    "fp3_batch_default": (fp3_batch_def, ()),
+    "fp3_batch_set_default": (None, (POINTER(fp3_batch_def), c_size_t)),
     "fp3_batch_open": (c_int, (POINTER(fp3_batch_def), POINTER(c_void_p))),
     "fp3_batch_close": (None, (POINTER(c_void_p),)),
     "fp3_batch_set": (c_int, (c_void_p, c_char_p, c_double)),

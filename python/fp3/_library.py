@@ -30,10 +30,6 @@ def home() -> pathlib.Path:
                       "(FP3_HOME names another directory, with lib/ and bin/ in it; in the sources, make all builds it)")
 
 
-class _Room(ctypes.Structure):
-    _fields_ = [("definition", d.fp3_batch_def), ("more", ctypes.c_char * 4096)]
-
-
 class _Library:
     """Its attributes are the functions; each is declared when it is first used."""
 
@@ -44,15 +40,15 @@ class _Library:
         except OSError as why:
             raise ImportError(f"{path}: {why} (it needs GSL, libconfig and zlib of this machine)") from why
         version = self._declared("fp3_version")(None).decode()
-        if version != d.VERSION or self._size() != ctypes.sizeof(d.fp3_batch_def):
+        if version != d.VERSION or not self.default(d.fp3_batch_def).objects:  # another size: the library leaves it empty
             raise ImportError(f"{self._cdll._name} is of version {version}, this package is of {d.VERSION}: "
                               "both must come from one build")
 
-    def _size(self) -> int:
-        """Of its fp3_batch_def, which its default has in the cookie. There is room for a larger one than ours."""
-        default = self._cdll.fp3_batch_default
-        default.restype, default.argtypes = _Room, ()
-        return int(default().definition.cookie) & 0xffff
+    def default(self, kind: Any) -> Any:
+        """A definition with its defaults. ctypes cannot call fp3_NAME_default(), which is inline: this does what it does."""
+        made = kind()
+        getattr(self, kind.__name__.replace("_def", "_set_default"))(made, ctypes.sizeof(made))
+        return made
 
     def _declared(self, name: str) -> Any:
         function = getattr(self._cdll, name)

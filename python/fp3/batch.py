@@ -119,7 +119,7 @@ class Batch(Owner):
     def _open(self, program: Program, objects: int, h: Optional[float], engine: str, threads: int, may_compile: bool, skin: float) -> None:
         self._own()
         lib = self._lib
-        definition = lib.fp3_batch_default()
+        definition = lib.default(d.fp3_batch_def)
         definition.compiled = program.c.compiled
         definition.compile.config = program.c.config
         definition.objects, definition.threads, definition.skin = objects, threads, skin

@@ -28,7 +28,7 @@ class Program(Handle):
 
     def __init__(self, model: "Model", how: How) -> None:
         lib, error, report = library(), d.fp3_error(), ctypes.c_char_p()
-        definition = lib.fp3_program_default()
+        definition = lib.default(d.fp3_program_def)
         definition.compile.arithmetic = find_arithmetic(how.arithmetic)
         definition.alone = b"many_full"
         if how.method is not None:
@@ -37,7 +37,8 @@ class Program(Handle):
             definition.compile.config = name_bytes("config", how.config)
         if how.adaptive is not None:
             definition.is_adaptive = 1
-            definition.adaptive = d.fp3_adaptive_def(how.adaptive[0], how.adaptive[1], how.adaptive[2], 0, how.adaptive[3])
+            adaptive = definition.adaptive
+            adaptive.tolerance, adaptive.absolute, adaptive.until, adaptive.maxstep = how.adaptive
         pointer = ctypes.POINTER(d.fp3_program)()
         check(lib.fp3_program_read(model._text, len(model._text), model._where, definition, pointer, report, error), error, report)
         super().__init__(pointer, "fp3_program_close", definition)  # the program has the name of its configuration from there

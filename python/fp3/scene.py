@@ -74,7 +74,8 @@ class Scene(Owner):
             group = self._scene_c.groups[as_count("values", number, 0, self._scene_c.group_count - 1)]
             for name, value in as_mapping(f"values: {number}", given).items():
                 check(self._lib.fp3_params_put(group.params, name_bytes("values", name), as_number(name, value), self._error), self._error)
-        self._definition = self._lib.fp3_scene_engine(pointer)
+        self._definition = self._lib.default(d.fp3_engine_def)
+        self._lib.fp3_scene_set_engine(pointer, self._definition)
         self._definition.error = ctypes.pointer(self._error)
         self._definition.threads = as_count("threads", threads, 0, 1024)
         if engine is not None:

@@ -2,6 +2,7 @@
 /* batch.c - see fp3/batch.h. */
 #include "batch.h"
 
+#include "base/definition.h"
 #include "base/host.h"
 #include "engine/inside.h"
 #include "fields.h"
@@ -15,7 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COOKIE (0x46420000u + (uint32_t)sizeof(fp3_batch_def))
 #define CONFIG "many_full" /* of objects that do not see each other */
 
 struct fp3_batch {
@@ -34,11 +34,13 @@ struct fp3_batch {
     int is_adaptive, may_sleep;
 };
 
-fp3_batch_def fp3_batch_default(void) {
-    fp3_batch_def def = {
-        .cookie = COOKIE, .objects = 1, .engine = "fast", .compile = fp3_compile_default()};
-    def.compile.config = NULL;
-    return def;
+void fp3_batch_set_default(fp3_batch_def *def, size_t size) {
+    if (!fp3_definition_begin(def, size, sizeof *def))
+        return;
+    def->objects = 1;
+    def->engine = "fast";
+    def->compile = fp3_compile_default();
+    def->compile.config = NULL;
 }
 
 /* ---- open and close ---- */
@@ -47,8 +49,12 @@ static fp3_status open_program(const fp3_batch_def *def, fp3_batch *b) {
     fp3_program_def how = fp3_program_default();
     how.integrator = def->integrator;
     how.is_adaptive = def->adaptive != NULL;
-    if (def->adaptive)
+    if (def->adaptive) {
+        if (fp3_definition_check(def->adaptive, sizeof *def->adaptive, "fp3_adaptive_def",
+                                 def->error))
+            return FP3_E_ARGUMENT;
         how.adaptive = *def->adaptive;
+    }
     how.compile = def->compile;
     how.alone = CONFIG;
     const int sources = (def->model != NULL) + (def->text != NULL) + (def->compiled != NULL);
@@ -121,7 +127,8 @@ static fp3_status make(const fp3_batch_def *def, fp3_batch *b) {
 fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
     FP3_HOST;
     *batch = NULL;
-    if (def->cookie != COOKIE) /* then def->error may be anything, too */
+    if (fp3_definition_check(def, sizeof *def, "fp3_batch_def",
+                             fp3_definition_error(def, def->error)))
         return FP3_E_ARGUMENT;
     fp3_batch *b = calloc(1, sizeof *b);
     if (!b)
@@ -147,14 +154,18 @@ void fp3_batch_close(fp3_batch **batch) {
     *batch = NULL;
 }
 
-size_t fp3_batch_objects(const fp3_batch *batch) { return batch->objects; }
-fp3_engine *fp3_batch_engine(fp3_batch *batch) { return batch->engine; }
-const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch) { return batch->compiled; }
+size_t fp3_batch_objects(const fp3_batch *batch) { return batch ? batch->objects : 0; }
+fp3_engine *fp3_batch_engine(fp3_batch *batch) { return batch ? batch->engine : NULL; }
+const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch) {
+    return batch ? batch->compiled : NULL;
+}
 
 /* ---- values ---- */
 
 fp3_status fp3_batch_set(fp3_batch *b, const char *name, double value) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     const fp3_status status = fp3_fields_set(b->fields, name, value, b->error);
     b->is_reach_new = 1;
     if (status || strcmp(name, FP3_NAME_STEP) != 0)
@@ -168,6 +179,8 @@ fp3_status fp3_batch_set(fp3_batch *b, const char *name, double value) {
 fp3_status fp3_batch_write(fp3_batch *b, const char *name, size_t first, size_t count,
                            const float *values) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     return fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.single = values},
                             b->error);
 }
@@ -175,12 +188,16 @@ fp3_status fp3_batch_write(fp3_batch *b, const char *name, size_t first, size_t 
 fp3_status fp3_batch_write_double(fp3_batch *b, const char *name, size_t first, size_t count,
                                   const double *values) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     return fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.wide = values}, b->error);
 }
 
 fp3_status fp3_batch_read(fp3_batch *b, const char *const *names, size_t name_count, size_t first,
                           size_t count, float *const *values) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < name_count; i++)
         status = fp3_fields_read(b->fields, names[i], first, count, values[i], NULL, b->error);
@@ -190,6 +207,8 @@ fp3_status fp3_batch_read(fp3_batch *b, const char *const *names, size_t name_co
 fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < name_count; i++)
         status = fp3_fields_read(b->fields, names[i], first, count, NULL, values[i], b->error);
@@ -198,6 +217,8 @@ fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t 
 
 fp3_status fp3_batch_column(fp3_batch *b, const char *name, const float **values) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     return fp3_fields_column(b->fields, name, values, b->error);
 }
 
@@ -210,6 +231,8 @@ fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const 
 
 fp3_status fp3_batch_link(fp3_batch *b, const char *relation, const fp3_links *links) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     fp3_relations one = b->relations; /* with these links alone */
     one.linked = NULL;
     fp3_status status = fp3_linked_put(&one.linked, relation, links, 0, NULL, b->error);
@@ -242,6 +265,8 @@ static fp3_status settle_reach(fp3_batch *b) {
 
 fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
     fp3_status status = fp3_fields_settle(b->fields, b->error);
     if (!status)
         status = settle_reach(b);
@@ -259,6 +284,8 @@ fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
 }
 
 fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
+    if (!b)
+        return FP3_E_ARGUMENT;
     if (count > b->objects)
         return fp3_fail(b->error, FP3_E_ARGUMENT, "%zu objects: there are %zu", count, b->objects);
     if (count < b->objects && fp3_relations_are(&b->relations))
@@ -270,9 +297,11 @@ fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
     return FP3_OK;
 }
 
-double fp3_batch_time(const fp3_batch *b) { return b->before + (double)b->since * b->h; }
+double fp3_batch_time(const fp3_batch *b) { return b ? b->before + (double)b->since * b->h : 0; }
 
 fp3_status fp3_batch_restart(fp3_batch *b) {
+    if (!b)
+        return FP3_E_ARGUMENT;
     fp3_engine_use(b->engine, 0, b->objects);
     const fp3_status status = fp3_engine_load(b->engine, b->image);
     fp3_engine_use(b->engine, 0, b->used);
@@ -287,9 +316,11 @@ fp3_status fp3_batch_restart(fp3_batch *b) {
 
 fp3_status fp3_batch_failure(fp3_batch *b, fp3_failure *failure, char text[FP3_FAILURE_TEXT_SIZE]) {
     *failure = (fp3_failure){0};
-    const fp3_status status = b->used ? fp3_engine_failure(b->engine, 0, b->used, failure) : FP3_OK;
     if (text)
         text[0] = '\0';
+    if (!b)
+        return FP3_E_ARGUMENT;
+    const fp3_status status = b->used ? fp3_engine_failure(b->engine, 0, b->used, failure) : FP3_OK;
     if (!status && text && failure->failed)
         fp3_engine_failure_text(b->engine, failure, text);
     return status;

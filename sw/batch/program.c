@@ -8,16 +8,19 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/definition.h"
 #include "base/file.h"
 #include "image/neighbours.h"
 #include "relations.h"
 #include "text/report.h"
 
-fp3_program_def fp3_program_default(void) {
-    fp3_program_def def = {.adaptive = fp3_adaptive_default(), .compile = fp3_compile_default()};
-    def.alone = def.compile.config;
-    def.compile.config = NULL;
-    return def;
+void fp3_program_set_default(fp3_program_def *def, size_t size) {
+    if (!fp3_definition_begin(def, size, sizeof *def))
+        return;
+    def->adaptive = fp3_adaptive_default();
+    def->compile = fp3_compile_default();
+    def->alone = def->compile.config;
+    def->compile.config = NULL;
 }
 
 static int ends(const char *path, const char *end) {
@@ -103,6 +106,14 @@ static fp3_status compile_file(const char *path, const fp3_program_def *def, fp3
     return status;
 }
 
+static fp3_status begin(const fp3_program_def *def, fp3_program **program, fp3_error *error) {
+    *program = NULL;
+    if (fp3_definition_check(def, sizeof *def, "fp3_program_def", error))
+        return FP3_E_ARGUMENT;
+    *program = calloc(1, sizeof **program);
+    return *program ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
 /* *said goes to the caller, or nowhere. */
 static fp3_status hand_over(fp3_status status, fp3_program **program, char *said, char **report) {
     if (status)
@@ -118,10 +129,10 @@ fp3_status fp3_program_read(const char *text, size_t size, const char *name,
                             const fp3_program_def *def, fp3_program **program, char **report,
                             fp3_error *error) {
     char *said = NULL;
-    *program = calloc(1, sizeof **program);
-    return hand_over(*program ? compile(text, size, name, def, *program, &said, error)
-                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory"),
-                     program, said, report);
+    fp3_status status = begin(def, program, error);
+    if (!status)
+        status = compile(text, size, name, def, *program, &said, error);
+    return hand_over(status, program, said, report);
 }
 
 static fp3_status look_for_others(fp3_program *program, fp3_error *error) {
@@ -135,11 +146,10 @@ static fp3_status look_for_others(fp3_program *program, fp3_error *error) {
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
                             char **report, fp3_error *error) {
     char *said = NULL;
-    fp3_status status;
-    *program = calloc(1, sizeof **program);
-    if (!*program)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    else if (def->is_model || fp3_program_is_model(path))
+    fp3_status status = begin(def, program, error);
+    if (status)
+        return hand_over(status, program, said, report);
+    if (def->is_model || fp3_program_is_model(path))
         status = compile_file(path, def, *program, &said, error);
     else if (ends(path, ".s"))
         status = assemble(path, *program, &said, error);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/definition.h"
 #include "base/host.h"
 #include "compiled.h"
 #include "compiler/integrate/integrate.h"
@@ -17,8 +18,11 @@
 #include "schedule/cost.h"
 #include "schedule/schedule.h"
 
-fp3_compile_def fp3_compile_default(void) {
-    return (fp3_compile_def){.config = "single_full", .passes = fp3_passes_that(0)};
+void fp3_compile_set_default(fp3_compile_def *def, size_t size) {
+    if (!fp3_definition_begin(def, size, sizeof *def))
+        return;
+    def->config = "single_full";
+    def->passes = fp3_passes_that(0);
 }
 
 /* ---- the program ---- */
@@ -185,7 +189,9 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
     FP3_HOST;
     *compiled = NULL;
     const fp3_config *config = NULL;
-    fp3_status status = fp3_config_choose(def->config, &config, error);
+    fp3_status status = fp3_definition_check(def, sizeof *def, "fp3_compile_def", error);
+    if (!status)
+        status = fp3_config_choose(def->config, &config, error);
     if (status)
         return status;
     fp3_compiled *made = calloc(1, sizeof *made);

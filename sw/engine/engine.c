@@ -5,13 +5,11 @@
 #include "life.h"
 #include "origin.h"
 
+#include "base/definition.h"
 #include "gen/registers.h"
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* In front of a definition, in each version; the lower half is its size. */
-#define COOKIE(size) (0x46500000u | (uint32_t)(size))
 
 static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa, &fp3_backend_fast,
                                               &fp3_backend_board};
@@ -19,22 +17,10 @@ static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
 void fp3_engine_set_default(fp3_engine_def *def, size_t size) {
-    memset(def, 0, size);
-    if (size == sizeof *def)
-        *def = (fp3_engine_def){.engine = "rtl", .config = "single"};
-    def->cookie = COOKIE(size);
-}
-
-static fp3_status check_cookie(const fp3_engine_def *def) {
-    if (def->cookie == COOKIE(sizeof *def))
-        return FP3_OK;
-    if (def->cookie >> 16 != COOKIE(0) >> 16) /* then def->error may be anything, too */
-        return FP3_E_ARGUMENT;
-    return fp3_fail(def->error, FP3_E_ARGUMENT,
-                    "fp3_engine_def has %" PRIu32
-                    " bytes, and %zu in this library: the program was "
-                    "compiled with headers of another version than " FP3_VERSION,
-                    def->cookie & 0xffff, sizeof *def);
+    if (!fp3_definition_begin(def, size, sizeof *def))
+        return;
+    def->engine = "rtl";
+    def->config = "single";
 }
 
 /* NULL with an error: there is none. */
@@ -146,7 +132,8 @@ static fp3_status check_bus(const fp3_engine_def *def, const fp3_backend *backen
 
 fp3_status fp3_engine_check(const fp3_engine_def *def, const fp3_backend **found,
                             const fp3_config **config) {
-    if (check_cookie(def))
+    if (fp3_definition_check(def, sizeof *def, "fp3_engine_def",
+                             fp3_definition_error(def, def->error)))
         return FP3_E_ARGUMENT;
     const fp3_backend *backend = find(def->engine, def->error);
     if (!backend)

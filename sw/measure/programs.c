@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
  *
- * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once as the arithmetic has them: what that moves
- * the end is part of the error. Where a model has events, the same steps are also cut at them, and end with the span. Adaptive ones have tolerances 10^-2,
- * 10^-3, ... A short run of the variants alone says which of them are worth a point.
+ * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once: what that moves the end is part of the error.
+ * With events they are also cut there. Adaptive ones have tolerances 10^-2, 10^-3, ... A short run says which are worth a point.
  */
 #include "programs.h"
 
@@ -423,8 +422,9 @@ static fp3_status add_family(family *f, fp3_error *error) {
 
 /* *adapted is NULL: the model cannot have such steps, and is left out. */
 static fp3_status adapt(family *f, fp3_error *error) {
-    const fp3_adaptive_def def = {.tolerance = f->kind == ADAPTIVE ? 1e-5 : 0,
-                                  .until = f->problem->end};
+    fp3_adaptive_def def = fp3_adaptive_default();
+    def.tolerance = f->kind == ADAPTIVE ? 1e-5 : 0;
+    def.until = f->problem->end;
     char *name = malloc(strlen(f->name) + 16);
     fp3_model *model = NULL;
     fp3_status status = name ? fp3_measure_machines_keep(f->machines, name, error)

@@ -10,6 +10,7 @@
 #include "plot.h"
 #include "targets.h"
 
+#include "base/definition.h"
 #include "base/host.h"
 #include "engine/inside.h"
 #include "scene/split.h"
@@ -43,7 +44,10 @@ struct fp3_recording {
     fp3_group_cost *groups;
 };
 
-fp3_recording_def fp3_recording_default(void) { return (fp3_recording_def){.steps = 1}; }
+void fp3_recording_set_default(fp3_recording_def *def, size_t size) {
+    if (fp3_definition_begin(def, size, sizeof *def))
+        def->steps = 1;
+}
 
 fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *params,
                                const double *times, size_t count, uint64_t *steps,
@@ -219,7 +223,9 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
                               fp3_recording **recording, fp3_error *error) {
     FP3_HOST;
     *recording = NULL;
-    fp3_status status = check(def, engine, error);
+    fp3_status status = fp3_definition_check(def, sizeof *def, "fp3_recording_def", error);
+    if (!status)
+        status = check(def, engine, error);
     if (status)
         return status;
     fp3_recording *r = calloc(1, sizeof *r);

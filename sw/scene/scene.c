@@ -4,6 +4,7 @@
 
 #include "adaptive.h"
 #include "apply.h"
+#include "base/definition.h"
 #include "base/host.h"
 #include "engine/inside.h"
 #include "lifetime.h"
@@ -53,14 +54,14 @@ void fp3_scene_close(fp3_scene **scene) {
     *scene = NULL;
 }
 
-fp3_engine_def fp3_scene_engine(const fp3_scene *scene) {
-    fp3_engine_def def = fp3_engine_default();
-    def.engine = scene->engine;
-    def.config = scene->config;
-    def.objects = (uint32_t)scene->objects;
-    def.visit = scene->visit;
-    def.seed = scene->seed;
-    return def;
+void fp3_scene_set_engine(const fp3_scene *scene, fp3_engine_def *def) {
+    if (fp3_definition_check(def, sizeof *def, "fp3_engine_def", NULL))
+        return; /* fp3_engine_open refuses it, and says why */
+    def->engine = scene->engine;
+    def->config = scene->config;
+    def->objects = (uint32_t)scene->objects;
+    def->visit = scene->visit;
+    def->seed = scene->seed;
 }
 
 static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {

@@ -257,10 +257,11 @@ static fp3_status run(const measurement *k, fp3_meter_found *found) {
 /* The sample's model with the params and states of adaptive steps. */
 static fp3_status adapt(const fp3_sample *s, const fp3_stepping *how, fp3_model **adapted,
                         fp3_error *error) {
-    const fp3_adaptive_def def = {.tolerance = how->is_cut ? 0 : how->tolerance,
-                                  .absolute = how->absolute,
-                                  .until = (float)s->span,
-                                  .maxstep = how->maxstep};
+    fp3_adaptive_def def = fp3_adaptive_default();
+    def.tolerance = how->is_cut ? 0 : how->tolerance;
+    def.absolute = how->absolute;
+    def.until = (float)s->span;
+    def.maxstep = how->maxstep;
     const fp3_status status = fp3_model_copy(s->model, adapted, error);
     return status ? status : fp3_model_adapt(*adapted, &def, error);
 }

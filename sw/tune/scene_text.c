@@ -2,6 +2,7 @@
 /* scene_text.c - a choice as a scene that runs as it is. */
 #include <fp3/tune.h>
 
+#include "base/definition.h"
 #include "base/host.h"
 #include "scene/values.h"
 
@@ -89,6 +90,8 @@ fp3_status fp3_tuning_scene(const fp3_tune_def *def, const fp3_tuning *tuning, c
     FP3_HOST;
     size_t size = 0;
     *text = NULL;
+    if (fp3_definition_check(def, sizeof *def, "fp3_tune_def", error))
+        return FP3_E_ARGUMENT;
     if (tuning->best >= tuning->row_count)
         return fp3_fail(error, FP3_E_ARGUMENT, "nothing meets the tolerance: there is no scene");
     FILE *to = open_memstream(text, &size);

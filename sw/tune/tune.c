@@ -3,6 +3,7 @@
 #include "search.h"
 #include "sensitivity.h"
 
+#include "base/definition.h"
 #include "base/host.h"
 #include "machine/format.h"
 #include "machine/storage.h"
@@ -36,8 +37,13 @@ typedef struct {
     fp3_error *error;
 } tuner;
 
-fp3_tune_def fp3_tune_default(void) {
-    return (fp3_tune_def){.safety = 1.25, .sample = 32, .held_out = 64, .rounds = 4};
+void fp3_tune_set_default(fp3_tune_def *def, size_t size) {
+    if (!fp3_definition_begin(def, size, sizeof *def))
+        return;
+    def->safety = 1.25;
+    def->sample = 32;
+    def->held_out = 64;
+    def->rounds = 4;
 }
 
 static void say(const tuner *k, const char *what) {
@@ -420,6 +426,9 @@ static void end(tuner *k) {
 
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error) {
     FP3_HOST;
+    *tuning = NULL;
+    if (fp3_definition_check(def, sizeof *def, "fp3_tune_def", error))
+        return FP3_E_ARGUMENT;
     *tuning = calloc(1, sizeof **tuning);
     gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
     if (!*tuning || !random) {

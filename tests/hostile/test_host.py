@@ -21,3 +21,18 @@ def test_the_host_does_not_count(root, build, tmp_path, host):
             pytest.skip("no sources of locales here")
         environment = {"LOCPATH": str(tmp_path)}
     assert run(root, build, host, **environment) == run(root, build)
+
+
+def test_a_definition_of_other_headers_is_refused_by_name(build):
+    """Smaller or larger than the library's, nothing is written beyond its end; without a default it is refused, too."""
+    out = subprocess.run([build / "tests/definitions"], capture_output=True, text=True, timeout=60)
+    assert out.returncode == 0, out.stdout + out.stderr
+    *lines, null = out.stdout.splitlines()
+    assert null == "NULL: 1 1 1 1 1 1 1 1 1 1 1, 0 0 0" and len(lines) == 40
+    for line in lines:
+        (what, name), status, said = line.split(": ", 1)[0].split(), *line.split(": ", 1)[1].split(" ", 1)
+        if what == "right":
+            assert "headers" not in said and "default" not in said, line
+        else:
+            assert status == "1" and said.startswith(f"fp3_{name}_def has "), line
+            assert f"begin with fp3_{name}_default()" in said if what == "zeros" else "headers of another version" in said, line

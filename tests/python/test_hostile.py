@@ -394,8 +394,8 @@ def test_a_keyboard_interrupt_ends_a_command(begun, root, tmp_path, call):
 
 def test_a_library_of_another_version_is_refused(python, environment, tmp_path):
     (tmp_path / "lib").mkdir()
-    (tmp_path / "lib.c").write_text('typedef struct { unsigned cookie; char rest[400]; } def;\nconst char *fp3_version(unsigned *n) { (void)n; return "9.9.9"; }\n'
-                                    'def fp3_batch_default(void) { def d = {0}; return d; }\n')
+    (tmp_path / "lib.c").write_text('const char *fp3_version(unsigned *n) { (void)n; return "9.9.9"; }\n'
+                                    'void fp3_batch_set_default(void *def, unsigned long size) { (void)def; (void)size; }\n')
     subprocess.run(["gcc", "-shared", "-fPIC", tmp_path / "lib.c", "-o", tmp_path / "lib/libfp3.so.0"], check=True)
     environment["FP3_HOME"] = str(tmp_path)
     try:

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/definition.h"
 #include "base/host.h"
 #include "options.h"
 #include "switching.h"
@@ -27,7 +28,10 @@ int fp3_model_chooses_steps(const fp3_model *model) {
     return fp3_model_adapted(model) != FP3_NONE && fp3_model_param(model, "tolerance") != FP3_NONE;
 }
 
-fp3_adaptive_def fp3_adaptive_default(void) { return (fp3_adaptive_def){.tolerance = 1e-5}; }
+void fp3_adaptive_set_default(fp3_adaptive_def *def, size_t size) {
+    if (fp3_definition_begin(def, size, sizeof *def))
+        def->tolerance = 1e-5;
+}
 
 uint32_t fp3_model_adapted(const fp3_model *model) {
     return fp3_model_state(model, "t"); /* a text cannot declare it: t is reserved */
@@ -130,6 +134,8 @@ static void start_short(fp3_model *model, int is_chosen, double locate) {
 
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error) {
     FP3_HOST;
+    if (fp3_definition_check(def, sizeof *def, "fp3_adaptive_def", error))
+        return FP3_E_ARGUMENT;
     const double until = def->until != 0 ? def->until : model->span;
     const int is_chosen = def->tolerance != 0, has_events = model->event_count > 0;
     const struct {

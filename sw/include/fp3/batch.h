@@ -42,8 +42,8 @@ typedef struct fp3_batch fp3_batch;
  * to. `compiled`, `native`, `error` and whatever the two `user` pointers point to must outlive the
  * batch; the rest need only last until fp3_batch_open returns. */
 typedef struct {
-    uint32_t cookie; /* set by fp3_batch_default(): detects a missing default, and a definition of
-                        another size */
+    uint32_t cookie;  /* as in fp3_engine_def */
+    fp3_error *error; /* receives the message when a call of this batch fails; or NULL */
     /* Exactly one of three: the name of a file, which is a model (.ode), assembly (.s) or else an
      * image; the text of a model; or a program that was compiled for compile.config. */
     const char *model;
@@ -76,14 +76,20 @@ typedef struct {
     /* Of objects that see those near: how much farther their lists go, as a share of the reach, so that they last
      * until an object has moved by half of it. 0 (default): 0.3. It changes no bit. */
     double skin;
-    fp3_error *error; /* receives the message when a call of this batch fails; or NULL */
 } fp3_batch_def;
 
-fp3_batch_def fp3_batch_default(void);
+/* For fp3_batch_default() only. size is that of fp3_batch_def in the calling program. */
+void fp3_batch_set_default(fp3_batch_def *def, size_t size);
+static inline fp3_batch_def fp3_batch_default(void) {
+    fp3_batch_def def;
+    fp3_batch_set_default(&def, sizeof def);
+    return def;
+}
 
 /* Opens a batch. All objects have the model's defaults and are at time 0. The caller closes *batch,
  * which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and
- * fp3_engine_open. */
+ * fp3_engine_open. A call with a batch that is NULL, because it could not be opened, does nothing: it
+ * returns FP3_E_ARGUMENT, 0 or NULL. */
 fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch);
 /* Closes *batch and sets it to NULL. *batch may be NULL already. */
 void fp3_batch_close(fp3_batch **batch);

@@ -20,6 +20,7 @@
 #include <fp3/image.h>
 #include <fp3/model.h>
 #include <fp3/status.h>
+#include <stddef.h>
 #include <stdint.h>
 
 FP3_API_BEGIN
@@ -85,7 +86,11 @@ fp3_arithmetic fp3_arithmetic_find(const char *name);
 int fp3_arithmetic_applies(fp3_arithmetic arithmetic, const fp3_integrator *integrator,
                            int is_adaptive);
 
+/* How to compile. Always start from fp3_compile_default(). */
 typedef struct {
+    /* Set by fp3_compile_default(): detects a missing default, and a program that was compiled with
+     * headers of another version. */
+    uint32_t cookie;
     const char *config; /* the configuration to schedule for */
     unsigned passes;    /* a set of FP3_PASS(...), besides those that arithmetic implies */
     fp3_arithmetic arithmetic;
@@ -94,8 +99,14 @@ typedef struct {
     int finds_savings; /* 1: also fill fp3_compiled.saved: compiles again for each pass */
 } fp3_compile_def;
 
+/* For fp3_compile_default() only. size is that of fp3_compile_def in the calling program. */
+void fp3_compile_set_default(fp3_compile_def *def, size_t size);
 /* "single_full", every pass that keeps the bits, plain, all states observed. */
-fp3_compile_def fp3_compile_default(void);
+static inline fp3_compile_def fp3_compile_default(void) {
+    fp3_compile_def def;
+    fp3_compile_set_default(&def, sizeof def);
+    return def;
+}
 
 /* What the host writes before a run. */
 typedef struct {
@@ -140,7 +151,7 @@ typedef struct {
     void *self;
 } fp3_compiled;
 
-/* FP3_E_ARGUMENT: no such configuration or state. FP3_E_PROGRAM: the integrator does not suit the
+/* FP3_E_ARGUMENT: no such configuration or state, or a definition from another version of the library. FP3_E_PROGRAM: the integrator does not suit the
  * model (a splitting, but no velocities), a number is outside the range of FP32, or the
  * configuration lacks an operation, registers, constants or words; the message says how many are
  * needed. Messages about a place in the model begin "line:column: error: ". */
@@ -183,8 +194,10 @@ fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *param
  * docs/adaptive.md describes what a step computes, and how the two words of t keep time.
  */
 
-/* Defaults of the params that adaptive steps add to a model, in the model's own units. */
+/* Defaults of the params that adaptive steps add to a model, in the model's own units. Always start from
+ * fp3_adaptive_default(). */
 typedef struct {
+    uint32_t cookie; /* as in fp3_compile_def */
     /* A step of a state y may be wrong by absolute + tolerance |y|. 0: steps are not chosen. Each is h
      * long, by any integrator with steps of its own, and ends earlier at `until`, where a condition in
      * t changes, and at events; the next one ends where the whole step would have. */
@@ -199,7 +212,13 @@ typedef struct {
     double maxstep;
 } fp3_adaptive_def;
 
-fp3_adaptive_def fp3_adaptive_default(void);
+/* For fp3_adaptive_default() only. size is that of fp3_adaptive_def in the calling program. */
+void fp3_adaptive_set_default(fp3_adaptive_def *def, size_t size);
+static inline fp3_adaptive_def fp3_adaptive_default(void) {
+    fp3_adaptive_def def;
+    fp3_adaptive_set_default(&def, sizeof def);
+    return def;
+}
 
 /* The default integrators, with fixed and with adaptive steps. */
 #define FP3_FIXED_INTEGRATOR "rk4"
@@ -210,7 +229,8 @@ fp3_adaptive_def fp3_adaptive_default(void);
  * if there are events; the param until of each object; and the shared params tolerance, absolute,
  * locate if there are events, and maxstep if one is given or needed. Without a tolerance smallest,
  * largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to an event. fp3_compile then makes a program with adaptive steps.
- * FP3_E_PROGRAM: the model already has one of these names, or is too large. */
+ * FP3_E_PROGRAM: the model already has one of these names, or is too large. FP3_E_ARGUMENT: a definition
+ * from another version of the library. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 
 /* The index of state t, which the others follow, or FP3_NONE if the model is not adapted. */

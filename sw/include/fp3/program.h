@@ -73,8 +73,10 @@ fp3_status fp3_params_get(const fp3_params *params, const char *name, double *va
 
 /* ---- programs ---- */
 
-/* How a model is compiled. Has no effect on assembly and images. */
+/* How a model is compiled. Has no effect on assembly and images. Always start from
+ * fp3_program_default(). */
 typedef struct {
+    uint32_t cookie;        /* as in fp3_compile_def */
     const char *integrator; /* a built-in table or a file; NULL: the default (fp3/compile.h) */
     int is_model;           /* treat the program as a model, whatever its name */
     int is_adaptive;        /* adapt the model (fp3/compile.h) with `adaptive` */
@@ -84,8 +86,14 @@ typedef struct {
     const char *alone; /* default "single_full" */
 } fp3_program_def;
 
+/* For fp3_program_default() only. size is that of fp3_program_def in the calling program. */
+void fp3_program_set_default(fp3_program_def *def, size_t size);
 /* Fixed steps, fp3_adaptive_default(), and fp3_compile_default() without a config. */
-fp3_program_def fp3_program_default(void);
+static inline fp3_program_def fp3_program_default(void) {
+    fp3_program_def def;
+    fp3_program_set_default(&def, sizeof def);
+    return def;
+}
 
 /* Read it, never change it. Everything that it points to belongs to it. */
 typedef struct {
@@ -108,7 +116,7 @@ int fp3_program_is_named(const char *path);
 /* Opens a program. The end of its name says what it is, in upper or lower case: .ode a model, .s
  * assembly, anything else an image; or def says so. "-" is standard input. The caller closes
  * *program, which is NULL on failure. *report is as for fp3_model_load; report may be NULL.
- * Messages begin with the path. */
+ * Messages begin with the path. FP3_E_ARGUMENT: also a definition from another version of the library. */
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
                             char **report, fp3_error *error);
 /* The same for the text of a model, which has size bytes. name appears in messages. */
@@ -207,9 +215,15 @@ void fp3_scene_close(fp3_scene **scene);
 /* The lifetime of one object of a group; object is 0 .. objects - 1. */
 void fp3_scene_life(const fp3_scene_group *group, size_t object, uint64_t *born, uint64_t *gone);
 
+/* For fp3_scene_engine() only: writes what the scene says into a definition of this version. */
+void fp3_scene_set_engine(const fp3_scene *scene, fp3_engine_def *def);
 /* The definition of an engine for the scene: fp3_engine_default() with the scene's engine,
  * configuration, objects and visit. The scene must outlive the engine. */
-fp3_engine_def fp3_scene_engine(const fp3_scene *scene);
+static inline fp3_engine_def fp3_scene_engine(const fp3_scene *scene) {
+    fp3_engine_def def = fp3_engine_default();
+    fp3_scene_set_engine(scene, &def);
+    return def;
+}
 
 /* Loads programs, values and lifetimes into an engine that has as many objects as the scene. If the
  * engine refuses something, the message is in the error of the engine's definition, and begins with
@@ -240,6 +254,7 @@ typedef struct fp3_recording fp3_recording;
 /* What to record. Always start from fp3_recording_default(). The caller owns what it points to,
  * which must last until fp3_recording_open returns. */
 typedef struct {
+    uint32_t cookie; /* as in fp3_compile_def */
     /* A file, a picture, or both; NULL: none. A file is HDF5 if its name ends in .h5 or .hdf5, else
      * CSV; "-" is standard output. A picture shows at most 8 objects; its name ends in .svg or
      * .png, and gnuplot draws it. */
@@ -272,7 +287,13 @@ typedef struct {
     struct fp3_expected *expected; /* NULL; fp3 verify has some */
 } fp3_recording_def;
 
-fp3_recording_def fp3_recording_default(void);
+/* For fp3_recording_default() only. size is that of fp3_recording_def in the calling program. */
+void fp3_recording_set_default(fp3_recording_def *def, size_t size);
+static inline fp3_recording_def fp3_recording_default(void) {
+    fp3_recording_def def;
+    fp3_recording_set_default(&def, sizeof def);
+    return def;
+}
 
 /* The number of steps of a run to the last of these times. Times must be whole multiples of h, to
  * within rounding of h and of the time. FP3_E_ARGUMENT: one is not; error names the nearest two. */
@@ -303,7 +324,7 @@ typedef struct {
 /* Opens a recording. The program and these params must be loaded (fp3_program_load), and the engine
  * must have one group unless only checkpoints are written. All of them must outlive the recording. The file is written under another
  * name next to its place. The caller closes *recording, which is NULL on failure. FP3_E_ARGUMENT:
- * no such name; times that are not steps; too much for a picture; a file that cannot be written; or
+ * a definition from another version of the library; no such name; times that are not steps; too much for a picture; a file that cannot be written; or
  * there are snapshots during the run, and the program's first or last part does more than prepare
  * and complete values, so that a run in parts would differ from the whole run. */
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,

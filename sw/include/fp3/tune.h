@@ -41,7 +41,9 @@ FP3_API_BEGIN
 
 typedef void fp3_tune_say_fn(void *user, const char *what);
 
+/* What to search. Always start from fp3_tune_default(). */
 typedef struct {
+    uint32_t cookie;            /* as in fp3_compile_def */
     const fp3_program *program; /* a model for one of the known configurations, not adapted */
     const char *config;         /* that configuration: costs are its cycles */
     const fp3_params *params;   /* a spread value may have any value of its range */
@@ -55,8 +57,14 @@ typedef struct {
     void *user;
 } fp3_tune_def;
 
+/* For fp3_tune_default() only. size is that of fp3_tune_def in the calling program. */
+void fp3_tune_set_default(fp3_tune_def *def, size_t size);
 /* No tolerance; safety 1.25, a sample of 32 objects, 64 held out, 4 rounds. */
-fp3_tune_def fp3_tune_default(void);
+static inline fp3_tune_def fp3_tune_default(void) {
+    fp3_tune_def def;
+    fp3_tune_set_default(&def, sizeof def);
+    return def;
+}
 
 /* A run of the sample: what it cost, for an object, and its error. */
 typedef struct {
@@ -107,7 +115,7 @@ typedef struct {
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
  * meets the tolerance: see is_met. FP3_E_PROGRAM: the tolerance is below what words of fewer bits can keep. FP3_E_ARGUMENT: it is below FP3_TUNE_LEAST, or not
  * below 1; the span is not above 0, or shorter than the model's step; the cycles of the configuration
- * cannot be predicted; the program is not a model, or has adaptive steps. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
+ * cannot be predicted; the program is not a model, or has adaptive steps; a definition from another version of the library. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
 /* Frees *tuning and sets it to NULL. *tuning may be NULL already. */
 void fp3_tuning_free(fp3_tuning **tuning);
