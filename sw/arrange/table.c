@@ -214,7 +214,7 @@ static fp3_status take_row(const fp3_table *t, size_t row, size_t most, fp3_tabl
                                made->ends[row]);
     for (size_t i = 2; !status && i < t->columns; i++) {
         const double number = t->number[i * t->rows + row];
-        const char *expected = fp3_number_single(number, &made->words[(i - 2) * t->rows + row]);
+        const char *expected = fp3_number_written(number, &made->words[(i - 2) * t->rows + row]);
         if (expected)
             return fp3_table_wrong(t, row, i, error, "%s is %.9g, expected %s", t->names[i], number,
                                    expected);

@@ -184,6 +184,6 @@ const char *fp3_field_word(const fp3_field_table *table, const fp3_field *q, dou
         memcpy(word, &step, sizeof step);
         return NULL;
     }
-    const char *expected = fp3_number_single(value, word);
+    const char *expected = fp3_number_written(value, word);
     return !expected && table->needs_finite && !isfinite(*word) ? "a finite number" : expected;
 }

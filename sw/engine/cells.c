@@ -206,7 +206,7 @@ fp3_status fp3_engine_read_shared_words(fp3_engine *engine, size_t group, uint32
 static const char *word_of(const fp3_engine *engine, fp3_cells cells, size_t i, float value,
                            uint32_t *word) {
     if (!is_whole(engine, cells, i))
-        return fp3_format_word(engine->config, value, word);
+        return fp3_format_written(engine->config, value, word);
     memcpy(word, &value, sizeof *word);
     return NULL;
 }

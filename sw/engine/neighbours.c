@@ -61,7 +61,7 @@ static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const
     if (!*words)
         return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; i < fields; i++) {
-        const char *wrong = fp3_format_word(engine->config, n->fields[i], &(*words)[i]);
+        const char *wrong = fp3_format_written(engine->config, n->fields[i], &(*words)[i]);
         if (wrong)
             return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                             "list '%s': field %zu of entry %zu is %g, which %s: configuration "

@@ -8,6 +8,7 @@
 
 #include <fp3/image.h>
 #include <fp3/isa.h>
+#include <math.h>
 #include <string.h>
 
 #define INFINITE 0x7f800000u
@@ -91,6 +92,11 @@ const char *fp3_format_word(const fp3_config *config, float value, uint32_t *wor
         return of->word(config, bits, word);
     *word = bits;
     return NULL;
+}
+
+const char *fp3_format_written(const fp3_config *config, float value, uint32_t *word) {
+    const char *wrong = fp3_format_word(config, value, word);
+    return wrong && fabsf(value) < 1 ? fp3_format_word(config, copysignf(0, value), word) : wrong;
 }
 
 float fp3_format_value(const fp3_config *config, uint32_t word) {

@@ -20,6 +20,8 @@ int fp3_format_is_float(const fp3_config *config);
 /* NULL: *word is the number, rounded to a word. Else what is wrong with it ("is nearer to 0 than ..."), and *word is unchanged. Infinities and
  * NaN have words. */
 const char *fp3_format_word(const fp3_config *config, float value, uint32_t *word);
+/* The same for what the host writes in a run: a number that is too small for a word becomes 0. */
+const char *fp3_format_written(const fp3_config *config, float value, uint32_t *word);
 /* Likewise rounded. */
 float fp3_format_value(const fp3_config *config, uint32_t word);
 

@@ -49,7 +49,7 @@ static fp3_status read_set(const fp3_settings *s, const config_setting_t *from, 
         double number = 0;
         float word = 0;
         status = fp3_setting_number(s, at, name, &number);
-        const char *expected = status ? NULL : fp3_number_single(number, &word);
+        const char *expected = status ? NULL : fp3_number_written(number, &word);
         if (expected)
             status = fp3_setting_expected(s, at, name, expected);
         float *column = status ? NULL : malloc((links + 1) * sizeof *column);

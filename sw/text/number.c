@@ -83,6 +83,11 @@ const char *fp3_number_single(double value, float *single) {
     return fp3_number_fits(*single, value == 0, isinf(value));
 }
 
+const char *fp3_number_written(double value, float *single) {
+    const char *expected = fp3_number_single(value, single);
+    return *single == 0 ? NULL : expected;
+}
+
 double fp3_number_given(double value, unsigned words) {
     float first;
     if (fp3_number_single(value, &first) || !isnormal(first))

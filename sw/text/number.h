@@ -20,6 +20,8 @@ const char *fp3_number_read(const char *text, double *value);
 const char *fp3_number_fits(float rounded, int is_zero, int is_infinite);
 /* Rounds once, to nearest. */
 const char *fp3_number_single(double value, float *single);
+/* Likewise, what the host gives a run: a number that is too small for FP32 becomes 0, as a result of the machine does. */
+const char *fp3_number_written(double value, float *single);
 /* What equations have of a param or of h, from which all else is computed: the FP32 number nearest to it, or the
  * sum of two words nearest to it. The value itself where FP32 has no normal number for it. */
 double fp3_number_given(double value, unsigned words);

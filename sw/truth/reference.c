@@ -39,7 +39,7 @@ static fp3_status give(const runner *r, double x, double *given, fp3_error *erro
         *given = x;
         return FP3_OK;
     }
-    const char *wrong = fp3_format_word(r->config, (float)x, &word);
+    const char *wrong = fp3_format_written(r->config, (float)x, &word);
     if (wrong)
         return fp3_fail(error, FP3_E_ARGUMENT, "%g %s: configuration '%s' has no word for it", x,
                         wrong, r->config->name);

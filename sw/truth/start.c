@@ -15,6 +15,10 @@
 #include "compiler/inputs.h"
 #include "text/number.h"
 
+/* A param or start below both is on its way to 0. A constant of nature may be small, but it is not far below its default. */
+#define TINY 0x1p-50
+#define FAR_BELOW 0x1p-20
+
 /* Where an input comes from: a variable of the step, or a known value. */
 typedef struct {
     uint32_t variable, known; /* FP3_NONE: not from there */
@@ -111,6 +115,52 @@ static void say_line(const fp3_compilation *k, uint32_t id, char *text, size_t s
         snprintf(text, size, " (line %" PRIu32 " of the model)", line);
 }
 
+/* What a host gives: params and starts of one object. */
+typedef struct {
+    const double *params, *initial; /* columns */
+    double h;
+    size_t count, object;
+} gift;
+
+/* What one object has, with 0 for what is on its way there. */
+static double *vanished_row(const double *columns, const fp3_quantity *of, uint32_t width,
+                            const gift *g) {
+    double *row = malloc((width + 1u) * sizeof *row);
+    for (uint32_t i = 0; row && i < width; i++) {
+        const double value = columns[i * g->count + g->object], usual = fabs(of[i].value);
+        const int is_far = usual == 0 || fabs(value) < FAR_BELOW * usual;
+        row[i] = is_far && fabs(value) < TINY ? copysign(0, value) : value;
+    }
+    return row;
+}
+
+/* Whether an input is too small because what it is made of is: without that it is 0, which *value then is. A product of
+ * numbers that are not small is refused, because it shows that the units do not suit FP32. */
+static int vanishes(const fp3_start *s, uint32_t input, const gift *g, float *value) {
+    const fp3_step *step = &s->compilation->p.step;
+    const fp3_model *model = step->model;
+    const origin o = s->origins[input];
+    double *params = vanished_row(g->params, model->params, model->param_count, g);
+    double *initial = vanished_row(g->initial, model->states, model->state_count, g);
+    double *known = malloc((step->known.count + 1u) * sizeof *known);
+    double *variables = malloc((step->variable_count + 1u) * sizeof *variables);
+    int is_zero = 0;
+    if (params && initial && known && variables) {
+        fp3_known_values(&s->subset, params, g->h, 1, known);
+        if (!s->has_variables ||
+            !fp3_before_start(step, params, initial, g->h, 1, variables, NULL)) {
+            const double now = o.known == FP3_NONE ? variables[o.variable] : known[o.known];
+            is_zero = now == 0;
+            *value = (float)now;
+        }
+    }
+    free(params);
+    free(initial);
+    free(known);
+    free(variables);
+    return is_zero;
+}
+
 /* Whether all have room in FP32. */
 static int round_column(const double *wanted, size_t count, float *values) {
     int is_good = 1;
@@ -121,7 +171,8 @@ static int round_column(const double *wanted, size_t count, float *values) {
     return is_good;
 }
 
-static fp3_status check_room(const fp3_start *s, uint32_t input, double wanted, fp3_error *error) {
+static fp3_status check_room(const fp3_start *s, uint32_t input, double wanted, const gift *g,
+                             float *value, fp3_error *error) {
     const uint32_t known = s->origins[input].known;
     float single;
     char line[48];
@@ -129,14 +180,15 @@ static fp3_status check_room(const fp3_start *s, uint32_t input, double wanted, 
     if (!expected && !isfinite(single))
         expected = isnan(wanted) ? "a finite number, and none below 2.2e-308 on the way"
                                  : "a finite number";
-    if (!expected)
+    if (!expected || ((single == 0 || isnan(single)) && vanishes(s, input, g, value)))
         return FP3_OK;
     say_line(s->compilation, known, line, sizeof line);
     return fp3_fail(error, FP3_E_ARGUMENT, "%s%s is %.9g: expected %s",
                     s->compiled->inputs[input].formula, line, wanted, expected);
 }
 
-static fp3_status round_all(const fp3_start *s, size_t count, float *values, fp3_error *error) {
+static fp3_status round_all(const fp3_start *s, gift g, float *values, fp3_error *error) {
+    const size_t count = g.count;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < s->count; i++) {
         const uint32_t input = s->wanted[i];
@@ -145,8 +197,9 @@ static fp3_status round_all(const fp3_start *s, size_t count, float *values, fp3
             o.known == FP3_NONE ? s->variables + o.variable * count : s->known + o.known * count;
         if (round_column(wanted, count, values + input * count))
             continue;
-        for (size_t n = 0; !status && n < count; n++)
-            status = check_room(s, input, wanted[n], error);
+        for (g.object = 0; !status && g.object < count; g.object++)
+            status = check_room(s, input, wanted[g.object], &g, &values[input * count + g.object],
+                                error);
     }
     return status;
 }
@@ -163,7 +216,8 @@ fp3_status fp3_start_values(fp3_start *s, const double *params, const double *in
     fp3_status status = fp3_adapted_check(step->model, &k->options, params, initial, count, error);
     if (!status && s->has_variables)
         status = fp3_before_start(step, params, initial, h, count, s->variables, error);
-    return status ? status : round_all(s, count, values, error);
+    const gift g = {params, initial, h, count, 0};
+    return status ? status : round_all(s, g, values, error);
 }
 
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,

@@ -181,7 +181,8 @@ def test_a_block_is_computed_as_its_objects_are(root, script):
              "x' = (c + a*b)*x/(b + 1) - cos(a)*exp(-b) + max(sqrt(b + 1), c - a)\n")
     some = [(3, 1e-200, 3e-200), (7, 0.1, 0.7), (11, 1.7, 1e-9), (600, 0, 1e-300), (601, 2.5, 2)]
     lines = [f"double {name} {i} {value}" for i, *values in some for name, value in zip("ab", values)]
-    told = script(model, [*lines, "set c 0", "double a 599 1e-200", "double b 599 1e-200", "step 1", "set c 0.3", "step 7", "read x"], "-n", 700, "-x")
+    told = script(model, [*lines, "set c 0", "double a 599 1e-200", "double b 599 1e-200", "double b 3 800", "step 1", "double b 3 3e-200", "set c 0.3",
+                          "step 7", "read x"], "-n", 700, "-x")
     assert told[0].startswith("error 1: object 3: ") and "none below 2.2e-308 on the way" in told[0]
     rows = numbers(told[1:])
     for i, a, b in [*some, (5, 2, 3), (599, 1e-200, 1e-200)]:
@@ -316,16 +317,30 @@ def test_who_names_a_vector_is_told_its_first_component(root, script):
 
 
 def test_the_ends_of_fp32(root, script):
-    """Rounded once: what becomes 0 or an infinity is refused, the last that does not is taken."""
+    """Rounded once: what becomes an infinity is refused, the last that does not is taken; what is given and too small becomes 0."""
     model = "model m\nparam l = 1\nparam k = 2\nstate x = 0\nstate v = 0\nstep 1\nspan 1\nx' = v\nv' = l*k - x\n"
-    for line, expected in (("l 1 1e-46", "object 1: l*k"), ("l 1 4e-46", None), ("l 1 1.7e38", None), ("l 1 1.8e38", "object 1: l*k"),
-                           ("x 0 1e39", "object 0: x at the start"), ("v 1 7e-46", "object 1: v at the start"), ("v 1 7.1e-46", None)):
+    for line, expected in (("l 1 1e-46", None), ("l 1 4e-46", None), ("l 1 1.7e38", None), ("l 1 1.8e38", "object 1: l*k"),
+                           ("x 0 1e39", "object 0: x at the start"), ("v 1 7e-46", None), ("v 1 7.1e-46", None)):
         told = script(model, [f"double {line}", "step 1"], "-n", 2, "-x")
         assert not told if expected is None else len(told) == 1 and f"error 1: {expected}" in told[0] and "FP32" in told[0], told
     # What moves, and what nothing is made of, is rounded at once.
-    told = script(model, ["step 1", "double x 1 1e39", "double x 1 1e-46", "double x 1 3e38", "read x"], "-n", 2, "-x")
-    assert [line.split(": expected")[0] for line in told[:2]] == ["error 1: object 1: 'x' is 1e+39", "error 1: object 1: 'x' is 1e-46"]
-    assert numbers(told[2:])[1] == [single(3e38)]
+    told = script(model, ["step 1", "double x 1 1e39", "double x 1 -1e-46", "read x", "double x 1 3e38", "read x"], "-n", 2, "-x")
+    assert told[0].split(": expected")[0] == "error 1: object 1: 'x' is 1e+39"
+    assert told[2] == "-0" and numbers(told[3:])[1] == [single(3e38)]
+
+
+STICK = "model m\nparam steer = 1\nparam m = 8e5\nstate x = 0\nstep 0.015625\nspan 1\nx' = steer*steer/m - {0}steer*x\n"
+
+
+@pytest.mark.parametrize("own", ["", "0*"])
+def test_a_value_that_decays_ends_at_zero(script, own):
+    """Through all small numbers of FP32 and of double, also where only what is computed from it is in the program. Params of common size
+    whose product is too small are refused."""
+    decay = [f"1e{power}" for power in (-3, -17, -20, -37, -39, -44, -46, -60, -155, -200, -307, -310)]
+    lines = [line for value in decay for line in (f"double steer 1 -{value}", "step 1", "read steer")]
+    told = script(STICK.format(own), lines, "-n", 2, "-x")
+    assert [single(float(word)) for word in told[1::2]] == [-single(float(value)) for value in decay]
+    assert "expected 0 or" in script(STICK.format(own).replace("steer = 1", "steer = 1e-20"), ["double steer 1 1e-21", "step 1"], "-n", 2, "-x")[0]
 
 
 def test_who_failed(root, script):

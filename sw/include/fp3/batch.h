@@ -97,8 +97,8 @@ void fp3_batch_close(fp3_batch **batch);
 /* ---- values ----
  *
  * FP3_E_ARGUMENT: there is no such name (the message suggests the nearest), no such object, or the
- * value is not finite; nothing is changed. Whether the values computed from it fit FP32 is checked
- * by the next step.
+ * value is not finite; nothing is changed. A value below 2^-150 becomes 0. Whether the values
+ * computed from it fit FP32 is checked by the next step.
  * A state that is written before the first step sets where its object starts. Later, the object
  * goes on from there. A start that the model computes from params follows them, at the first step
  * and after fp3_batch_restart, unless it is written itself. After the first step, an integrator that keeps earlier positions (stoermer)
@@ -141,8 +141,8 @@ fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_link
 /* ---- steps ---- */
 
 /* All objects make this number of steps. With adaptive steps, each makes at most this number of
- * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is not finite, or is not 0
- * but outside the range of FP32 ("object 3: 1/m is inf"); nothing was executed. Other errors are
+ * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is refused as by
+ * fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. Other errors are
  * those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all do. The others cost a step nothing. They
