@@ -129,6 +129,72 @@ void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *i
         exit(argp_err_exit_status);
 }
 
+/* ---- what a line says ---- */
+
+typedef struct {
+    arguments all;
+    int argc, at;
+    char *const *argv;
+    fp3_argument_fn *tell;
+    void *user;
+    fp3_error *error;
+} reader;
+
+/* attached: what stands in the same word; NULL: nothing. */
+static fp3_status tell(reader *r, int option, const char *attached) {
+    const struct argp_option *o = &r->all.table[option];
+    if (attached && !o->arg)
+        return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: found a value, expected none", o->name);
+    if (o->arg && !attached && !(o->flags & OPTION_ARG_OPTIONAL)) {
+        if (r->at + 1 == r->argc)
+            return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: expected a value", o->name);
+        attached = r->argv[++r->at];
+    }
+    return r->tell(r->user, o, attached, r->error);
+}
+
+static fp3_status tell_long(reader *r, const char *text) {
+    const size_t length = strcspn(text, "=");
+    int count;
+    const int option = find_long(&r->all, text, length, &count);
+    if (option < 0 || count != 1)
+        return fp3_fail(r->error, FP3_E_ARGUMENT,
+                        "--%.*s: no option of %s, or of several the beginning",
+                        length < 100 ? (int)length : 100, text, r->all.command);
+    return tell(r, option, text[length] ? &text[length + 1] : NULL);
+}
+
+static fp3_status tell_short(reader *r, const char *text) {
+    fp3_status status = FP3_OK;
+    for (; !status && *text; text++) {
+        const int option = find_short(&r->all, *text);
+        if (option < 0)
+            return fp3_fail(r->error, FP3_E_ARGUMENT, "-%c: no option of %s", *text,
+                            r->all.command);
+        if (r->all.table[option].arg)
+            return tell(r, option, text[1] ? &text[1] : NULL);
+        status = tell(r, option, NULL);
+    }
+    return status;
+}
+
+fp3_status fp3_arguments_each(const struct argp_option *table, int argc, char *const *argv,
+                              fp3_argument_fn *fn, void *user, fp3_error *error) {
+    reader r = {{.table = table, .command = argv[0]}, argc, 1, argv, fn, user, error};
+    fp3_status status = FP3_OK;
+    int is_over = 0; /* after "--" */
+    for (; !status && r.at < argc; r.at++) {
+        const char *word = argv[r.at];
+        if (!is_over && !strcmp(word, "--"))
+            is_over = 1;
+        else if (is_over || word[0] != '-' || !word[1])
+            status = fn(user, NULL, word, error);
+        else
+            status = word[1] == '-' ? tell_long(&r, word + 2) : tell_short(&r, word + 1);
+    }
+    return status;
+}
+
 uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,
                               uint64_t least, uint64_t most) {
     char *end;

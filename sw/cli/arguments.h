@@ -5,12 +5,22 @@
 
 #include <argp.h>
 #include <fp3/compile.h>
+#include <fp3/status.h>
 #include <stdint.h>
 
 /* argp_parse, for options that need no argp children. Ends with 2 and a message at an option that
  * there is not, naming the nearest; and at an option with a value that is given twice, unless
  * its help says "may be repeated". */
 void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *input);
+
+/* What a line says, without doing it: options of the table, by whatever form, and arguments that are none (option NULL), in
+ * their order. value: of an option that has none NULL. */
+typedef fp3_status fp3_argument_fn(void *user, const struct argp_option *option, const char *value,
+                                   fp3_error *error);
+/* Ends with what `tell` returns, unless it is FP3_OK. FP3_E_ARGUMENT: an option that the table has not (--help is none of
+ * the table's), or is not clear, or has a value too few or too many. */
+fp3_status fp3_arguments_each(const struct argp_option *table, int argc, char *const *argv,
+                              fp3_argument_fn *tell, void *user, fp3_error *error);
 
 /* A number in decimal digits; ends with 2 and a message if it is none from least to most. */
 uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,

@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "cli.h"
 #include "run_options.h"
+#include "verify_command.h"
 
 #include "base/file.h"
 #include "checkpoint/checkpoint.h"
@@ -75,41 +76,6 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
-/* ---- the command of the run ---- */
-
-/* Takes command apart; the caller frees *argv. */
-static fp3_status split(char *command, int *argc, char ***argv, fp3_error *error) {
-    static char name[] = "fp3 run";
-    size_t lines = 1;
-    for (const char *at = command; (at = strchr(at, '\n')); at++)
-        lines++;
-    *argv = calloc(lines + 2, sizeof **argv);
-    if (!*argv)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    (*argv)[0] = name;
-    *argc = 1;
-    for (char *rest = command, *line; (line = strsep(&rest, "\n"));)
-        (*argv)[(*argc)++] = line;
-    return FP3_OK;
-}
-
-/* What a second run leaves out: it writes nothing, and runs no code that a file brings. */
-static void change(fp3_run_options *run, const options *o) {
-    run->record.def = fp3_recording_default();
-    run->check = (fp3_run_check_def){0};
-    run->is_quiet = run->allows_failures = 1;
-    run->on.bus_log = run->on.kanata = run->on.native = NULL;
-    run->on.cycle_limit = 0;
-    if (o->engine)
-        run->on = (fp3_run_engine){.engine = o->engine, .visit = run->on.visit};
-    if (o->threads)
-        run->on.threads = o->threads;
-    if (o->source && run->scene)
-        run->scene = o->source;
-    else if (o->source)
-        run->program = o->source;
-}
-
 /* ---- where it begins, and what it compares ---- */
 
 /* Of a checkpoint the one before, if nobody says otherwise. */
@@ -160,37 +126,44 @@ static fp3_status choose(const options *o, const fp3_chain *chain, uint64_t begi
 
 /* ---- the second run ---- */
 
-static fp3_status run_again(const options *o, char *command, const char *restart,
+static fp3_status run_by(const options *o, fp3_run_options *run, fp3_run_ranks *ranks,
+                         char **report, fp3_error *error) {
+    run->is_quiet = run->allows_failures = 1;
+    run->on.engine = o->engine ? o->engine : run->on.engine;
+    run->on.threads = o->threads;
+    if (o->source)
+        *(run->scene ? &run->scene : &run->program) = o->source;
+    fp3_status status = fp3_run_ranks_begin(ranks, error);
+    run->ranks = ranks->is_one ? NULL : &ranks->all;
+    run->record.def.is_silent = ranks->all.rank != 0;
+    if (status)
+        return status;
+    run->progress = fp3_progress_begin("verify", o->path);
+    status = fp3_run_make(run, report, error);
+    fp3_progress_end(&run->progress);
+    return status;
+}
+
+static fp3_status run_again(const options *o, char *text, const char *restart,
                             fp3_expected *expected, fp3_run_ranks *ranks, char **report,
                             fp3_error *error) {
     fp3_run_options run;
-    char **argv = NULL;
-    int argc = 0;
-    fp3_status status = split(command, &argc, &argv, error);
-    if (status)
-        return status;
-    status = fp3_run_options_parse(argc, argv, &run, error);
-    change(&run, o);
-    run.record.def.restart = restart;
-    run.record.def.expected = expected;
-    run.steps = expected->list[expected->count - 1].step;
-    run.has_steps = 1;
-    if (!status)
-        status = fp3_run_ranks_begin(ranks, error);
-    run.ranks = ranks->is_one ? NULL : &ranks->all;
-    run.record.def.is_silent = ranks->all.rank != 0;
-    if (!status)
-        status = fp3_run_ranks_port(ranks, &run.on, error);
+    fp3_verify_command command = {.path = o->path, .engine = o->engine};
+    fp3_status status = fp3_verify_command_make(&command, text, error);
     if (!status) {
-        run.progress = fp3_progress_begin("verify", o->path);
-        status = fp3_run_make(&run, report, error);
-        fp3_progress_end(&run.progress);
+        status = fp3_run_options_parse(command.argc, command.argv, &run, error);
+        run.record.def.restart = restart;
+        run.record.def.expected = expected;
+        run.steps = expected->list[expected->count - 1].step;
+        run.has_steps = 1;
+        if (!status)
+            status = run_by(o, &run, ranks, report, error);
+        fp3_run_options_free(&run);
     }
-    if (!status && !ranks->all.rank && expected->agreed != expected->count)
+    fp3_verify_command_free(&command);
+    if (!status && !ranks->all.rank && (!expected->agreed || expected->agreed != expected->count))
         status = fp3_fail(error, FP3_E_MISMATCH, "%s: of %zu hashes the second run has made %zu",
                           o->path, expected->count, expected->agreed);
-    fp3_run_options_free(&run);
-    free(argv);
     return status;
 }
 

@@ -347,6 +347,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
+const struct argp_option *fp3_run_options_table(void) { return table; }
+
 fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *o, fp3_error *error) {
     const struct argp argp = {
         .options = table,

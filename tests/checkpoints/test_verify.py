@@ -1,5 +1,8 @@
 """fp3 verify: a part of a run again, on any engine, and whether its hashes agree."""
 
+import os
+import time
+
 import h5py
 import pytest
 
@@ -54,6 +57,57 @@ def test_a_program_with_options(start, root, made):
     (made / "log").unlink()
     assert "4 hashes of steps 0 to 12" in start("verify", "k.h5", "-e", "fast").stdout
     assert "4 hashes of steps 0 to 12" in start("verify", "k.h5").stdout and not (made / "log").exists()
+
+
+# ---- the command that a file keeps ----
+
+@pytest.fixture
+def keeps(start, root, tmp_path):
+    """Gives the recording of a run another command, and verifies it."""
+    start("run", root / "programs/kepler.ode", "-e", "isa", "-n", 8, "--every", 4, "--output", "k.h5")
+    with h5py.File(tmp_path / "k.h5") as file:
+        command = file.attrs["command"]
+
+    def keeps(*words, options=(), code=0):
+        with h5py.File(tmp_path / "k.h5", "r+") as file:
+            file.attrs["command"] = "\n".join([str(root / "programs/kepler.ode"), *words] if words else [command])
+        return start("verify", "k.h5", *options, code=code)
+    return keeps
+
+
+@pytest.mark.parametrize("words", ["--help", "--version", "--usage", "-?", "-V", "--HANG=5", "--he", "--us", "--v", "-eisa --help", "-k?", "--", "--nonesuch"])
+def test_what_is_no_option_of_a_run_is_refused(keeps, words):
+    """None of them ends the command before hashes are compared. Behind -- a word is a name."""
+    done = keeps(*words.split(), *(["--help"] if words == "--" else []), code=2)
+    assert done.stdout == "" and done.stderr.startswith("fp3"), done.stderr
+    assert words in ("--", "-k?") or words.split()[-1].split("=")[0] in done.stderr, done.stderr
+
+
+def test_no_port_is_opened(keeps, tmp_path):
+    os.mkfifo(tmp_path / "port")
+    for words in (("--engine", "board", "--port", "port"), ("-eboard", "--po=port"), ("-ke", "board", "--port=port", "--baud=9600")):
+        assert "no port that a file names is opened" in keeps(*words, code=2).stderr
+    assert "3 hashes" in keeps("--engine", "board", "--port", "port", options=("-e", "isa")).stdout
+
+
+def test_arguments_have_limits(keeps):
+    for words in (["--set=h=1"] * 200000, ["x" * 200000]):
+        before = time.monotonic()
+        assert "more than 4096 arguments, or one of more than" in keeps(*words, code=2).stderr
+        assert time.monotonic() - before < 10
+
+
+def test_every_form_of_an_option_is_understood(keeps):
+    for words in ((), ("-n8", "-eisa"), ("--eng=isa", "--ste", "8"), ("-e", "fast", "--threads=2", "--all", "--strict", "--check", "--clock", "5MHz"),
+                  ("--out", "x.h5", "--every=3", "--compress", "--checkpoint", "x.ck", "--checkpoint-every", "5", "--restart=none", "--allow"),
+                  ("--bus-log", "x", "--kan=y", "--native=z", "--bus-waits", "7", "--cycle-limit", "1", "--times", "1,2", "--observe", "r_x", "--plot", "p.svg")):
+        assert "3 hashes of steps 0 to 8 agree" in keeps(*words).stdout, words
+    assert "after 0 steps" in keeps("-o", "2", "-cmany_full", code=1).stderr
+
+
+def test_draws_are_those_of_the_seed_on_every_engine(start, root):
+    start("run", root / "programs/kepler.ode", "-c", "many_half", "-o", 3, "--seed", 7, "-e", "fast", "-n", 8, "--output", "s.h5")
+    assert "2 hashes" in start("verify", "s.h5", "-e", "isa").stdout
 
 
 def test_what_cannot_be_compared(start, root, made):

@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* verify_command.c - see verify_command.h. */
+#include "verify_command.h"
+
+#include "arguments.h"
+#include "run_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define WORDS_MOST 4096
+#define LENGTH_MOST 131072 /* as of the kernel, of one argument */
+
+/* They decide the bits of a run. */
+static const char *const decide[] = {
+    "compensated", "config",  "double-single", "engine", "integrator", "links",
+    "model",       "objects", "params",        "scene",  "seed",       "set",
+    "spread",      "steps",   "tolerance",     "until",  "visit",
+};
+/* They say what is written, printed, judged or measured, or how fast it goes. */
+static const char *const beside[] = {
+    "all",        "allow-failures",   "baud",    "bus-log",  "bus-waits",   "check",
+    "checkpoint", "checkpoint-every", "clock",   "compress", "cycle-limit", "every",
+    "kanata",     "native",           "observe", "output",   "plot",        "port",
+    "restart",    "strict",           "threads", "times",
+};
+#define HAS(list, name) is_in(list, sizeof(list) / sizeof *(list), name)
+
+static int is_in(const char *const *list, size_t count, const char *name) {
+    size_t i = 0;
+    while (i < count && strcmp(list[i], name) != 0)
+        i++;
+    return i < count;
+}
+
+static fp3_status add(fp3_verify_command *c, const char *format, const char *one, const char *other,
+                      fp3_error *error) {
+    char *word = NULL;
+    if (asprintf(&word, format, one, other) < 0)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    c->argv[c->argc++] = word;
+    return FP3_OK;
+}
+
+/* An fp3_argument_fn. */
+static fp3_status take(void *user, const struct argp_option *option, const char *value,
+                       fp3_error *error) {
+    fp3_verify_command *c = user;
+    if (!option)
+        return FP3_OK;
+    if (!strcmp(option->name, "engine") && c->engine)
+        return FP3_OK;
+    if (!strcmp(option->name, "engine") && !strcmp(value, "board"))
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "its run was on engine board, and no port that a file names is opened: choose "
+            "another engine by --engine");
+    if (HAS(decide, option->name))
+        return add(c, value ? "--%s=%s" : "--%s", option->name, value, error);
+    return HAS(beside, option->name)
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_ARGUMENT, "--%s is not run again", option->name);
+}
+
+/* An fp3_argument_fn: they follow behind all options. */
+static fp3_status take_others(void *user, const struct argp_option *option, const char *value,
+                              fp3_error *error) {
+    return option ? FP3_OK : add(user, "%s%s", value, "", error);
+}
+
+static fp3_status take_words(fp3_verify_command *c, int count, char *const *words,
+                             fp3_error *error) {
+    const struct argp_option *table = fp3_run_options_table();
+    fp3_error why = {.text = ""};
+    c->argv = calloc((size_t)count + 3, sizeof *c->argv);
+    if (!c->argv)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = add(c, "%s%s", words[0], "", error);
+    if (!status)
+        status = fp3_arguments_each(table, count, words, take, c, &why);
+    if (!status)
+        status = add(c, "%s%s", "--", "", &why);
+    if (!status)
+        status = fp3_arguments_each(table, count, words, take_others, c, &why);
+    return status ? fp3_fail(error, status, "%s: the command that it keeps: %s", c->path, why.text)
+                  : FP3_OK;
+}
+
+fp3_status fp3_verify_command_make(fp3_verify_command *c, char *text, fp3_error *error) {
+    static char name[] = "fp3 run";
+    char **words = calloc(WORDS_MOST + 1, sizeof *words);
+    int count = 0;
+    c->argc = 0;
+    c->argv = NULL;
+    if (!words)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    words[count++] = name;
+    fp3_status status = FP3_OK;
+    for (char *rest = text, *line; !status && (line = strsep(&rest, "\n"));) {
+        if (count > WORDS_MOST || strlen(line) >= LENGTH_MOST)
+            status = fp3_fail(error, FP3_E_ARGUMENT,
+                              "%s: the command that it keeps has more than %d arguments, or one of "
+                              "more than %d bytes",
+                              c->path, WORDS_MOST, LENGTH_MOST - 1);
+        else
+            words[count++] = line;
+    }
+    if (!status)
+        status = take_words(c, count, words, error);
+    free(words);
+    return status;
+}
+
+void fp3_verify_command_free(fp3_verify_command *c) {
+    for (int i = 0; i < c->argc; i++)
+        free(c->argv[i]);
+    free(c->argv);
+    c->argv = NULL;
+    c->argc = 0;
+}
