@@ -4,7 +4,6 @@
  */
 #include "cli.h"
 #include "run_adaptive.h"
-#include "run_loss.h"
 #include "run_options.h"
 #include "run_print.h"
 #include "run_ranks.h"
@@ -64,6 +63,46 @@ static fp3_status record(fp3_run_options *o, const fp3_run_task *of, fp3_engine 
     return status ? status : fp3_recording_run(o->recording, cost, error);
 }
 
+/* Of a program one part, of a scene one for each group. */
+static size_t parts_of(const fp3_run_task *of) { return of->scene ? of->scene->group_count : 1; }
+
+static fp3_run_part part_of(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
+                            size_t number) {
+    if (!of->scene)
+        return (fp3_run_part){of->program, o->values.params,           engine,
+                              0,           fp3_engine_objects(engine), o->steps};
+    const fp3_scene_group *group = &of->scene->groups[number];
+    return (fp3_run_part){group->program, group->params,  engine,
+                          group->first,   group->objects, o->steps};
+}
+
+/* Leaves a check for each part, or none. */
+static fp3_status make_checks(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
+                              const fp3_engine_def *def, fp3_run_check ***checks,
+                              fp3_error *error) {
+    *checks = calloc(parts_of(of), sizeof **checks);
+    if (!*checks)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; i < parts_of(of); i++) {
+        const fp3_run_part part = part_of(o, of, engine, i);
+        const fp3_scene_group *group = of->scene ? &of->scene->groups[i] : NULL;
+        const fp3_status status = fp3_run_check_make(&part, group, def, &(*checks)[i], error);
+        if (status)
+            return status;
+    }
+    return FP3_OK;
+}
+
+static void free_checks(const fp3_run_task *of, fp3_run_check ***checks) {
+    for (size_t i = 0; *checks && i < parts_of(of); i++)
+        fp3_run_check_free(&(*checks)[i]);
+    free(*checks);
+    *checks = NULL;
+}
+
+/* An fp3_run_say_fn. */
+static void say(const char *path, const char *warning) { fp3_cli_warn("run", path, warning); }
+
 /* warnings: NULL after a run in which objects failed. */
 static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const fp3_run_part *part,
                                size_t *warnings, fp3_error *error) {
@@ -72,35 +111,32 @@ static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const
         return FP3_OK;
     fp3_status status = fp3_run_loss_open(part, &loss, error);
     if (!status)
-        status = warnings ? fp3_run_loss_warn(loss, path, o->check.bound, warnings, error)
-                          : fp3_run_loss_warn_failed(loss, path, error);
+        status = warnings ? fp3_run_loss_warn(loss, say, path, o->check.bound, warnings, error)
+                          : fp3_run_loss_warn_failed(loss, say, path, error);
     fp3_run_loss_close(&loss);
     return status;
 }
 
 static fp3_status warn_of_parts(const fp3_run_options *o, const fp3_run_task *of,
                                 fp3_engine *engine, size_t *warnings, fp3_error *error) {
-    fp3_run_part part = {of->program, o->values.params,           engine,
-                         0,           fp3_engine_objects(engine), o->steps};
-    fp3_status status = of->program ? warn_of_part(o, o->program, &part, warnings, error) : FP3_OK;
-    for (size_t i = 0; !status && of->scene && i < of->scene->group_count; i++) {
-        const fp3_scene_group *group = &of->scene->groups[i];
-        part = (fp3_run_part){group->program, group->params,  engine,
-                              group->first,   group->objects, o->steps};
-        status = warn_of_part(o, group->path, &part, warnings, error);
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < parts_of(of); i++) {
+        const fp3_run_part part = part_of(o, of, engine, i);
+        status = warn_of_part(o, of->scene ? of->scene->groups[i].path : o->program, &part,
+                              warnings, error);
     }
     return status;
 }
 
 /* What no flag tells. */
 static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
-                        const fp3_run_check *check, fp3_error *error) {
+                        fp3_run_check *const *checks, fp3_error *error) {
     size_t warnings = 0;
     fp3_status status = warn_of_parts(o, of, engine, &warnings, error);
     if (status || !o->check.is_strict)
         return status;
-    if (check)
-        status = fp3_run_check_judge(check, o->check.bound, error);
+    for (size_t i = 0; !status && checks && i < parts_of(of); i++)
+        status = fp3_run_check_judge(checks[i], o->check.bound, error);
     return !status && warnings
                ? fp3_fail(error, FP3_E_FAILED, "%zu of these warnings, and --strict allows none",
                           warnings)
@@ -111,7 +147,7 @@ static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_en
 static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engine_def *def,
                       int *has_run, fp3_error *error) {
     fp3_engine *engine = NULL;
-    fp3_run_check *check = NULL;
+    fp3_run_check **checks = NULL;
     fp3_cost cost = {.stats = {.flags = 0}};
     if (o->on.cycle_limit && fp3_run_is_adaptive(of))
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -134,13 +170,11 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         /* What a failed run left is read by all ranks together, and they may be elsewhere. */
         *has_run = !status || (!o->ranks && (status == FP3_E_LIMIT || status == FP3_E_PROGRAM));
         if (!status && o->check.is_asked)
-            status = fp3_run_check_make(
-                &(fp3_run_checked){of->program, o->values.params, engine, def, o->steps}, &check,
-                error);
+            status = make_checks(o, of, engine, def, &checks, error);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         if (*has_run && !o->is_quiet)
-            fp3_run_print(engine, of, def, &cost, check, o->all, o->on.clock);
+            fp3_run_print(engine, of, def, &cost, status ? NULL : checks, o->all, o->on.clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
@@ -150,8 +184,8 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         (void)warn_of_parts(o, of, engine, NULL, &other);
     }
     if (!status && !o->is_quiet)
-        status = judge(o, of, engine, check, error);
-    fp3_run_check_free(&check);
+        status = judge(o, of, engine, checks, error);
+    free_checks(of, &checks);
     fp3_recording_close(&o->recording);
     fp3_engine_close(&engine);
     return status;

@@ -114,7 +114,7 @@ static const struct argp_option table[] = {
      "overflow, or a state is NaN or infinite in the end",
      0},
     {"check", KEY_CHECK, NULL, 0,
-     "Of a model: run again with h/2 and twice the steps, or with a tenth of the tolerance, in "
+     "Of models: run again with h/2 and twice the steps, or with a tenth of the tolerance, in "
      "double-single where that compiles, and print an estimate of the error beside each final "
      "state",
      0},
@@ -194,7 +194,11 @@ static void check(fp3_run_options *o, struct argp_state *state) {
                    "--cycle-limit: a limit is of one run, and --output, --plot, --checkpoint and "
                    "--restart make a run of each part");
     fp3_run_record_check(&o->record, state);
-    fp3_run_check_check(&o->check, o->is_model, o->values.params, state);
+    if (o->check.is_asked && !o->is_model && !o->scene)
+        argp_error(state, "--check: only a model (*.ode, or --model) has a step that can be "
+                          "halved; an image and assembly do not say how it enters");
+    if (o->check.has_bound && !o->check.is_asked)
+        argp_error(state, "--strict=TOL: expected --check, too; TOL is for its estimates");
 }
 
 /* They are read when it is known how many objects there are. */
@@ -279,7 +283,10 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         o->check.is_asked = 1;
         break;
     case KEY_STRICT:
-        fp3_run_check_strict(&o->check, state, text);
+        o->check.is_strict = 1;
+        o->check.has_bound = text != NULL;
+        if (text)
+            o->check.bound = fp3_arguments_above_zero(state, "--strict", text);
         break;
     case KEY_LIMIT:
         o->on.cycle_limit = fp3_arguments_number(state, "--cycle-limit", text, 0, UINT64_MAX);

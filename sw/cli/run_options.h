@@ -5,13 +5,20 @@
 
 #include "files.h"
 #include "progress.h"
-#include "run_check.h"
 #include "run_engine.h"
 #include "run_ranks.h"
 #include "run_record.h"
 #include "run_values.h"
 
 #include <fp3/program.h>
+
+#define FP3_RUN_BOUND 1e-3 /* of errors relative to the size of a state, where no other is given */
+
+/* Of --check and --strict. */
+typedef struct {
+    int is_asked, is_strict, has_bound;
+    double bound;
+} fp3_run_check_def;
 
 typedef struct {
     const char *program, *scene, *config, *integrator;

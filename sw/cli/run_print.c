@@ -259,9 +259,10 @@ static part part_of_all(const fp3_engine *engine, const fp3_program *program,
 }
 
 static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t number,
-                        const fp3_cost *cost, int all) {
+                        const fp3_cost *cost, const fp3_run_check *check, int all) {
     const fp3_scene_group *group = &scene->groups[number];
-    const part of = part_of(scene, number, cost);
+    part of = part_of(scene, number, cost);
+    of.check = check;
     fp3_cli_line(stdout, "group %-10zu %s, objects %zu to %zu", number, group->path, group->first,
                  group->first + group->objects - 1);
     print_states(engine, &of, all);
@@ -270,7 +271,9 @@ static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t numbe
     const uint64_t steps = scene->group_count == 1 ? cost->stats.object_steps
                            : cost->groups          ? cost->groups[number].object_steps
                                                    : fp3_engine_group_steps(engine, number);
-    printf("%-16s %" PRIu64 "\n\n", "object_steps", steps);
+    printf("%-16s %" PRIu64 "\n", "object_steps", steps);
+    fp3_run_check_print(check);
+    putchar('\n');
 }
 
 /* Whose cycles each scheduler spent, and how long the first to end waited for the last. */
@@ -294,18 +297,18 @@ static void print_balance(fp3_engine *engine, const fp3_cost *cost) {
 }
 
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_cost *cost, const fp3_run_check *check, int all, double clock) {
+                   const fp3_cost *cost, fp3_run_check *const *checks, int all, double clock) {
     const fp3_stats *stats = &cost->stats;
     const int is_rtl = strcmp(def->engine, "rtl") == 0;
     const int is_hardware = is_rtl || strcmp(def->engine, "board") == 0;
     if (of->program) {
         part objects = part_of_all(engine, of->program, cost);
-        objects.check = check;
+        objects.check = checks ? checks[0] : NULL;
         print_states(engine, &objects, all);
         print_status(engine, &objects, cost);
     }
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
-        print_group(engine, of->scene, i, cost, all);
+        print_group(engine, of->scene, i, cost, checks ? checks[i] : NULL, all);
     const char *how = fp3_engine_how(engine);
     print_cost(stats, !*how);
     if (*how)
@@ -318,8 +321,8 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         print_occupancy(engine, cost);
     if (is_hardware && of->scene && !fp3_engine_is_divided(engine))
         print_balance(engine, cost);
-    if (check)
-        fp3_run_check_print(check);
+    if (checks && of->program)
+        fp3_run_check_print(checks[0]);
     if (*cost->hash)
         printf("%-16s %s\n", "hash", cost->hash);
     if (*cost->chain)

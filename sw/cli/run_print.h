@@ -3,7 +3,7 @@
 #ifndef FP3_RUN_PRINT_H
 #define FP3_RUN_PRINT_H
 
-#include "run_check.h"
+#include "check/run_check.h"
 
 /* What is run: a program, or a scene; the other is NULL. */
 typedef struct {
@@ -13,9 +13,10 @@ typedef struct {
 
 /* cost: of a recording all; of a plain run stats alone, and the engine knows the rest.
  * A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles take;
- * 0: not asked for. check: estimates of the errors of the states, or NULL. */
+ * 0: not asked for. checks: estimates of the errors of the states, one for the
+ * program or for each group of the scene; or NULL. */
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_cost *cost, const fp3_run_check *check, int all, double clock);
+                   const fp3_cost *cost, fp3_run_check *const *checks, int all, double clock);
 
 /* Whether a group, or the program, has adaptive steps. */
 int fp3_run_is_adaptive(const fp3_run_task *of);

@@ -88,7 +88,7 @@ def test_estimates_are_near_the_errors(run, how):
 
 def test_a_check_changes_nothing_else_and_engines_agree(run):
     plain, done = (run("kepler.ode", "-n", "300", "--spread=r_x=0.4:0.6", *more, objects=12) for more in ([], ["--check"]))
-    bare = re.sub(r"   error \S+, relative \S+$|^(check|worst) .*\n", "", done.stdout, flags=re.M)
+    bare = re.sub(r"   error \S+, relative \S+$|^(check|worst|invariant) .*\n", "", done.stdout, flags=re.M)
     assert re.sub("^time.*", "", bare, flags=re.M) == re.sub("^time.*", "", plain.stdout, flags=re.M)
     assert len(estimates(done)) == 8 * 4 and re.search(r"^check +h = 0.0078125 in 600 steps, double-single; ", done.stdout, re.M)
     for engine in ("isa", "rtl"):
@@ -175,3 +175,105 @@ def test_each_group_of_a_scene_is_looked_at(fp3, tmp_path):
     (tmp_path / "m.scene").write_text('config = "shared_full"; engine = "isa"; steps = 9; groups = ({ program = "a.ode"; objects = 2; }, { program = "b.ode"; objects = 2; });')
     done = subprocess.run([fp3, "run", "--scene", "m.scene", "--strict"], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.returncode == 3 and re.search(r"^fp3 run: .*b\.ode: warning: object 2: y' is 2.51", done.stderr, re.M), done.stderr
+
+
+# ---- scenes, and objects that see each other ----
+
+SPRING = ("shared k = 4\nstate x = 0\nstate v = 0\nlinks s\nstep 0.0625\n"
+          "x' = v\nv' = sum(o in s: k*(o.x - x))\n")
+TWO = 'links = { relation = "s"; file = "s.csv"; };'
+
+
+@pytest.fixture
+def scene(fp3, tmp_path):
+    def start(model, groups, *arguments, code=0):
+        """groups: what each says besides its program; model: of the first."""
+        (tmp_path / "m.ode").write_text(model)
+        (tmp_path / "s.csv").write_text("a,b\n0,1\n")
+        (tmp_path / "alone.ode").write_text("state x = 1\nx' = -x\nstep 0.125\n")
+        named = ", ".join("{ program = \"%s\"; %s }" % ("alone.ode" if i else "m.ode", text) for i, text in enumerate(groups))
+        (tmp_path / "m.scene").write_text(f"groups = ( {named} );")
+        done = subprocess.run([fp3, "run", "--scene", "m.scene", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+        assert done.returncode == code, done.stdout + done.stderr
+        return done
+    return start
+
+
+@pytest.mark.parametrize("integrator, engine", [("leapfrog", "fast"), ("rk4", "fast"), ("semi_implicit_euler", "isa")])
+def test_estimates_of_objects_that_see_each_other_are_near_the_errors(run, tmp_path, integrator, engine):
+    """Two equal masses, one spring: x0 - x1 is a cosine of sqrt(2 k) t. A bystander rests."""
+    (tmp_path / "s.csv").write_text("a,b\n0,1\n")
+    done = run(SPRING, "-i", integrator, "--spread=x=1:-1", "--links=s=s.csv", "-n", "100", "--check", objects=3, engine=["-e", engine, "-c", "world"])
+    # x of the three is 1, 0, -1 at the start: the mean of the first two stays, their difference swings
+    swing = 0.5 * math.cos(math.sqrt(8) * 6.25)
+    exact = {0: 0.5 + swing, 1: 0.5 - swing, 2: -1}
+    found = estimates(done)
+    for number, real in exact.items():
+        value, error, relative = found["x", number]
+        assert abs(value - real) / 4 <= error <= 4 * abs(value - real) and relative == pytest.approx(error, rel=0.2), (number, real, found)
+
+
+def test_a_close_encounter_is_told_and_strict_fails(scene):
+    """Burrau, 1913: three bodies at rest, of masses 3, 4, 5. The first pass is closer than steps of 2^-10 resolve."""
+    model = ("shared G = 1\nparam m = 1\nstate v[2] = (0, 0)\nstate r[2] = (0, 0)\nall others\nstep 2^-10\n"
+             "r' = v\nv' = sum(o in others: G*o.m/norm(o.r - r)^3*(o.r - r))\n")
+    bodies = ("objects = 3; integrator = \"leapfrog\"; only = ( { objects = 0; set = { m = 3; r_x = 1; r_y = 3; }; }, "
+              "{ objects = 1; set = { m = 4; r_x = -2; r_y = -1; }; }, { objects = 2; set = { m = 5; r_x = 1; r_y = -1; }; } );")
+    done = scene(model, [bodies], "-n", "3072", "--check", "--strict", code=3)
+    assert worst(done)[3] > 0.1 and "--strict allows 0.001" in done.stderr
+    assert scene(model, [bodies], "-n", "512", "--check", "--strict").stderr == ""
+
+
+@pytest.mark.parametrize("integrator, limit, growth", [
+    ("semi_implicit_euler", 2, lambda z: z*z/2 - 1 + math.sqrt((z*z/2 - 1)**2 - 1)), ("leapfrog", 2, lambda z: z*z/2 - 1 + math.sqrt((z*z/2 - 1)**2 - 1)),
+    ("rk4", 2.8284271, lambda z: math.hypot(1 - z**2/2 + z**4/24, z - z**3/6))])
+def test_a_step_too_long_for_a_sum_is_told(scene, integrator, limit, growth):
+    """The frequency of two masses at one spring is sqrt(2 k/m). The step beyond which it grows is the method's, by theory."""
+    group = f'objects = 2; integrator = "{integrator}"; {TWO} spread = {{ x = [1e-9, -1e-9]; }};'
+    for share, is_told in ((0.98, False), (1.1, True)):
+        h = share * limit / math.sqrt(8)
+        done = scene(SPRING, [group.replace("spread", f"set = {{ h = {h!r}; }}; spread")], "-n", "100", *([] if is_told else ["--strict"]))
+        if not is_told:
+            assert done.stderr == ""
+            continue
+        found = re.search(r"warning: object [01]: the step is too long: a small error grows (\S+) times in each step of h = (\S+) by (\w+); "
+                          r"with h = (\S+) it does not grow$", done.stderr, re.M)
+        assert float(found[1]) == pytest.approx(growth(share * limit), rel=0.02) and float(found[2]) == pytest.approx(h, rel=0.01)
+        assert found[3] == integrator and 0.85 * h / share < float(found[4]) < h / share
+
+
+def test_motion_that_grows_by_itself_is_no_fault_of_the_step(scene):
+    """x' = v, v' = 40 x: a factor of e^0.4 a step, whatever the step."""
+    model = SPRING.replace("k = 4", "k = -20")
+    group = f'objects = 2; integrator = "rk4"; {TWO} spread = {{ x = [1e-30, -1e-30]; }}; set = {{ h = 0.0625; }};'
+    assert scene(model, [group], "-n", "100", "--strict").stderr == ""
+
+
+def test_what_has_flown_apart_is_seen_at_the_start_and_by_a_check(scene):
+    model = ("state x = 0\nstate v = 0\nnear touch(x, 1)\nstep 0.03125\nx' = v\n"
+             "v' = sum(o in touch: abs(o.x - x) < 1 ? 5000*(1 - abs(o.x - x))*(x > o.x ? 1 : -1) : 0)\n")
+    group = 'objects = 2; integrator = "semi_implicit_euler"; spread = { x = [0, 0.9]; };'
+    assert "object 0: the step is too long" in scene(model, [group], "-n", "100").stderr.replace("object 1", "object 0")
+    done = scene(model, [group.replace("0, 0.9]", "0, 1.1]; v = [1, -1]")], "-n", "16", "--check")
+    assert re.search(r"^unstable +object [01]: the step is too long", done.stdout, re.M) and done.stderr == ""
+
+
+def test_groups_are_checked_one_by_one(scene):
+    """The second group starts at object 2, and is born late."""
+    alone = 'objects = 3; born = [0, 8]; integrator = "euler"; set = { h = 0.125; };'
+    done = scene(SPRING.replace("links s\n", "").replace("sum(o in s: k*(o.x - x))", "-k*x"), ["objects = 2; set = { x = 1; };", alone], "-n", "16", "-c", "shared_full", "-e", "isa", "--check")
+    found = estimates(done)
+    assert len(re.findall(r"^check ", done.stdout, re.M)) == 2
+    for number, age in ((2, 2), (3, 1.5), (4, 1)):
+        value, error, _ = found["x", number]
+        assert error / 2 < abs(value - math.exp(-age)) < 2 * error
+    refused = scene("state x = 1\nx' = -x\nstep 0.125\n", ["objects = 3; born = [0, 7];"], "-n", "16", "-c", "many_full", "-e", "isa", "--check", code=2)
+    assert "births of 3 objects from step 0 to 7 are rounded to whole steps" in refused.stderr
+
+
+def test_invariants_are_told(run):
+    done = run("kepler.ode", "-n", "200", "--set=h=2^-4", "--check")
+    first, change = re.search(r"^invariant +object 0, energy: was (\S+), changed by (\S+)$", done.stdout, re.M).groups()
+    end = {name: value for (name, _), (value, _, _) in estimates(done).items()}
+    energy = (end["v_x"]**2 + end["v_y"]**2)/2 - 1/math.hypot(end["r_x"], end["r_y"])
+    assert float(first) == -0.5 and float(change) == pytest.approx(energy + 0.5, rel=0.05)

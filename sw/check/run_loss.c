@@ -2,7 +2,8 @@
 /* run_loss.c - see run_loss.h. */
 #include "run_loss.h"
 
-#include "cli.h"
+#include "others.h"
+#include "run_growth.h"
 
 #include "language/evaluate.h"
 #include "machine/config.h"
@@ -18,6 +19,11 @@
 
 /* Objects, the first of a part: a warning costs little, however many there are. */
 #define LOOKED 1024
+/* Fewer, where to see their neighbours would take more pairs than this. */
+#define PAIRS 4194304
+
+/* In a run of fewer steps nothing grows much. */
+#define FEW 100
 
 /* More than a normal number loses when FP32 rounds it. */
 #define ROUNDING 5.9604644775390625e-8
@@ -31,7 +37,10 @@ struct fp3_run_loss {
     int is_adaptive;
     char *is_needed; /* expressions that derivatives and events are made of */
     char *is_read;   /* those that an instruction reads, if they are known before the run */
-    double *columns; /* final states of the first `looked` objects */
+    size_t seen;     /* objects: those that are looked at and their neighbours may be among them */
+    double *columns; /* their final states */
+    fp3_others *others;
+    double *common; /* of objects that see each other, the size of each state */
     double *states, *lost;
     double *room; /* for fp3_model_standstill */
     /* Of each expression: in double, and without what FP32 has no room for. */
@@ -61,6 +70,26 @@ fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, ui
     return status;
 }
 
+static int are_of_one_vector(const char *one, const char *other) {
+    const char *end = strrchr(one, '_');
+    const size_t length = end ? (size_t)(end - one) + 1 : 0;
+    return length && !strncmp(one, other, length) && !strchr(other + length, '_');
+}
+
+void fp3_run_common_size(const fp3_model *model, uint32_t states, size_t objects, double *size) {
+    const fp3_quantity *of = model->states;
+    for (uint32_t first = 0, end; first < states; first = end) {
+        double common = 0;
+        end = first + 1;
+        while (end < states && are_of_one_vector(of[first].name, of[end].name))
+            end++;
+        for (size_t k = first * objects; k < end * objects; k++)
+            common = fmax(common, fabs(size[k]));
+        for (size_t k = first * objects; k < end * objects; k++)
+            size[k] = common;
+    }
+}
+
 /* ---- open and close ---- */
 
 static void mark_root(fp3_run_loss *l, uint32_t expr) {
@@ -83,6 +112,25 @@ static void mark(fp3_run_loss *l) {
         }
 }
 
+static size_t looked_of(const fp3_run_part *part) {
+    const size_t most = part->program->sees_others ? PAIRS / part->objects + 1 : LOOKED;
+    const size_t looked = most < LOOKED ? most : LOOKED;
+    return part->objects < looked ? part->objects : looked;
+}
+
+static fp3_status find_common(fp3_run_loss *l, fp3_error *error) {
+    const uint32_t states = l->model->state_count;
+    double *size = malloc((states * l->seen + 1) * sizeof *size);
+    if (!size)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    memcpy(size, l->columns, states * l->seen * sizeof *size);
+    fp3_run_common_size(l->model, states, l->seen, size);
+    for (uint32_t s = 0; s < states; s++)
+        l->common[s] = size[s * l->seen];
+    free(size);
+    return FP3_OK;
+}
+
 fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_error *error) {
     fp3_run_loss *l = *loss = calloc(1, sizeof *l);
     if (!l)
@@ -91,25 +139,32 @@ fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_
     l->config = fp3_config_find(part->program->config);
     l->part = *part;
     l->is_adaptive = fp3_adaptive_is(part->program->image);
-    l->looked = part->objects < LOOKED ? part->objects : LOOKED;
+    l->looked = looked_of(part);
+    l->seen = part->program->sees_others ? part->objects : l->looked;
     l->is_needed = calloc(m->expr_count + 1u, 1);
     l->is_read = calloc(m->expr_count + 1u, 1);
-    l->columns = calloc(m->state_count * l->looked + 1, sizeof *l->columns);
-    l->states = calloc(3u * m->state_count + 2u * m->expr_count + 1u, sizeof *l->states);
+    l->columns = calloc(m->state_count * l->seen + 1, sizeof *l->columns);
+    l->states = calloc(4u * m->state_count + 2u * m->expr_count + 1u, sizeof *l->states);
     l->exact = calloc(2u * m->expr_count + 1u, sizeof *l->exact);
     fp3_status status = l->is_needed && l->is_read && l->columns && l->states && l->exact
                             ? fp3_object_values_open(part->program, part->params, &l->values, error)
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    l->lost = l->states + m->state_count;
+    l->common = l->lost + m->state_count;
+    l->room = l->common + m->state_count;
+    l->clipped = l->exact + m->expr_count;
     for (uint32_t s = 0; !status && s < m->state_count; s++)
-        status = fp3_run_state_read(part->program, part->engine, s, part->first, l->looked,
-                                    l->columns + s * l->looked, error);
+        status = fp3_run_state_read(part->program, part->engine, s, part->first, l->seen,
+                                    l->columns + s * l->seen, error);
+    if (!status && part->program->sees_others)
+        status = find_common(l, error);
+    if (!status)
+        status = fp3_others_open(part->program, part->params, l->seen, l->looked, l->columns,
+                                 &l->others, error);
     if (status) {
         fp3_run_loss_close(loss);
         return status;
     }
-    l->lost = l->states + m->state_count;
-    l->room = l->lost + m->state_count;
-    l->clipped = l->exact + m->expr_count;
     mark(l);
     return FP3_OK;
 }
@@ -119,6 +174,7 @@ void fp3_run_loss_close(fp3_run_loss **loss) {
     if (!l)
         return;
     fp3_object_values_free(&l->values);
+    fp3_others_close(&l->others);
     free(l->is_needed);
     free(l->is_read);
     free(l->columns);
@@ -169,12 +225,19 @@ static double root_of_tiny(const fp3_run_loss *l, double b) {
                : root;
 }
 
-static double make(const fp3_run_loss *l, const fp3_expr *e, const fp3_point *at) {
+/* An fp3_others_fn: what the program has of an expression, where the host has computed value from the program's
+ * operands. A value that is known before the run is computed in double: only what the program reads of it, as the host
+ * has rounded it, is FP32. */
+static double as_program(const void *loss, uint32_t expr, double value) {
+    const fp3_run_loss *l = loss;
+    const fp3_expr *e = &l->model->exprs[expr];
+    if (e->is_known)
+        return clip(l, l->exact[expr]);
     if (is_tiny_root(l, e))
-        return root_of_tiny(l, l->clipped[e->operand[0]]);
+        return clip(l, root_of_tiny(l, l->clipped[e->operand[0]]));
     if (e->op == FP3_EXPR_DIV && is_tiny_root(l, &l->model->exprs[e->operand[1]]))
         return l->clipped[e->operand[0]] * INFINITY; /* by 1/sqrt(b), which is infinite */
-    return fp3_ode_compute(e, at, l->clipped);
+    return clip(l, value);
 }
 
 static fp3_point point_of(const fp3_run_loss *l, const double *states) {
@@ -182,14 +245,10 @@ static fp3_point point_of(const fp3_run_loss *l, const double *states) {
         .states = states, .params = l->values.params, .initial = l->values.initial, .t = l->t};
 }
 
-/* What the program has where the host has exact[]. A value that is known before the run is computed in double: only
- * what the program reads of it, as the host has rounded it, is FP32. */
-static void evaluate(fp3_run_loss *l) {
-    const fp3_model *m = l->model;
+static void evaluate(fp3_run_loss *l, size_t object) {
     const fp3_point at = point_of(l, l->states);
-    fp3_model_evaluate(m, &at, l->exact);
-    for (uint32_t i = 0; i < m->expr_count; i++)
-        l->clipped[i] = clip(l, m->exprs[i].is_known ? l->exact[i] : make(l, &m->exprs[i], &at));
+    fp3_others_evaluate(l->others, object, &at, NULL, NULL, l->exact);
+    fp3_others_evaluate(l->others, object, &at, as_program, l, l->clipped);
 }
 
 static fp3_status look(fp3_run_loss *l, size_t object, fp3_error *error) {
@@ -200,7 +259,7 @@ static fp3_status look(fp3_run_loss *l, size_t object, fp3_error *error) {
     if (status)
         return status;
     for (uint32_t s = 0; s < m->state_count; s++)
-        l->states[s] = l->columns[s * l->looked + object];
+        l->states[s] = l->columns[s * l->seen + object];
     double before = 0;
     for (uint32_t i = 0; i < l->part.program->compiled->input_count; i++)
         if (!strcmp(l->part.program->compiled->inputs[i].name, FP3_NAME_STEPS))
@@ -208,7 +267,7 @@ static fp3_status look(fp3_run_loss *l, size_t object, fp3_error *error) {
     l->span = l->is_adaptive ? l->states[fp3_model_adapted(m)]
                              : (double)l->part.steps * (double)(float)l->values.h;
     l->t = l->is_adaptive ? l->span : l->span + before * (double)(float)l->values.h;
-    evaluate(l);
+    evaluate(l, object);
     for (uint32_t s = 0; s < m->state_count; s++) {
         const uint32_t of = m->states[s].derivative;
         l->lost[s] = of == FP3_NONE ? 0 : fabs(l->exact[of] - l->clipped[of]) * fabs(l->span);
@@ -220,14 +279,16 @@ size_t fp3_run_loss_looked(const fp3_run_loss *l) { return l->looked; }
 
 fp3_status fp3_run_loss_look(fp3_run_loss *l, size_t object, fp3_run_lost *found,
                              fp3_error *error) {
-    *found = (fp3_run_lost){l->states, l->values.initial, l->lost};
-    return look(l, object, error);
+    const fp3_status status = look(l, object, error);
+    *found = (fp3_run_lost){l->states, l->values.initial, l->lost, l->values.params, l->t};
+    return status;
 }
 
 /* ---- warnings ---- */
 
 typedef struct {
     fp3_run_loss *loss;
+    fp3_run_say_fn *say;
     const char *path;
     double bound;
     size_t warnings;
@@ -239,7 +300,7 @@ __attribute__((format(printf, 2, 3))) static void warn(warner *w, const char *fo
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fp3_cli_warn("run", w->path, text);
+    w->say(w->path, text);
     w->warnings++;
 }
 
@@ -282,12 +343,17 @@ static uint32_t line_of_underflow(const fp3_run_loss *l, double *value) {
     return 0;
 }
 
+static double size_of(const fp3_run_loss *l, uint32_t state) {
+    const double own = fmax(fabs(l->states[state]), fabs(l->values.initial[state]));
+    return l->part.program->sees_others ? fmax(own, l->common[state]) : own;
+}
+
 /* Returns whether it said something. */
 static int warn_of_underflow(warner *w, size_t object) {
     const fp3_run_loss *l = w->loss;
     const fp3_model *m = l->model;
     for (uint32_t s = 0; s < m->state_count; s++) {
-        const double size = fmax(fabs(l->states[s]), fabs(l->values.initial[s]));
+        const double size = size_of(l, s);
         if (!(l->lost[s] > w->bound * size))
             continue;
         const uint32_t of = m->states[s].derivative;
@@ -312,10 +378,29 @@ static int warn_of_standstill(warner *w, size_t object) {
     return 1;
 }
 
+/* At the start, and at the end: where objects that touched have flown apart, the end does not show it. */
+static fp3_status warn_of_growth(warner *w, fp3_error *error) {
+    fp3_run_loss *l = w->loss;
+    const fp3_run_part *part = &l->part;
+    fp3_run_growth found = {.factor = 1};
+    char text[FP3_RUN_GROWTH_TEXT_SIZE];
+    if (part->steps < FEW || !part->program->sees_others)
+        return FP3_OK;
+    fp3_status status = fp3_run_growth_find(
+        &(fp3_run_moment){part->program, part->params, l->columns, l->seen, l->t}, &found, error);
+    if (!status && !(found.factor > 1))
+        status = fp3_run_growth_find_at_start(part->program, part->params, l->seen, &found, error);
+    if (status || !(found.factor > 1))
+        return status;
+    fp3_run_growth_text(&found, part->program, part->first, text);
+    warn(w, "%s", text);
+    return FP3_OK;
+}
+
 /* Each kind is said of the first object that has it. */
-fp3_status fp3_run_loss_warn(fp3_run_loss *l, const char *path, double bound, size_t *warnings,
-                             fp3_error *error) {
-    warner w = {.loss = l, .path = path, .bound = bound};
+fp3_status fp3_run_loss_warn(fp3_run_loss *l, fp3_run_say_fn *say, const char *path, double bound,
+                             size_t *warnings, fp3_error *error) {
+    warner w = {.loss = l, .say = say, .path = path, .bound = bound};
     int has_underflow = 0;
     int has_standstill = l->is_adaptive || l->part.program->compiled->arithmetic != FP3_PLAIN;
     fp3_status status = FP3_OK;
@@ -329,6 +414,8 @@ fp3_status fp3_run_loss_warn(fp3_run_loss *l, const char *path, double bound, si
         if (!status && !has_standstill)
             has_standstill = warn_of_standstill(&w, object);
     }
+    if (!status)
+        status = warn_of_growth(&w, error);
     *warnings += w.warnings;
     return status;
 }
@@ -366,8 +453,9 @@ static int warn_of_angle(warner *w, size_t object) {
     return 0;
 }
 
-fp3_status fp3_run_loss_warn_failed(fp3_run_loss *l, const char *path, fp3_error *error) {
-    warner w = {.loss = l, .path = path};
+fp3_status fp3_run_loss_warn_failed(fp3_run_loss *l, fp3_run_say_fn *say, const char *path,
+                                    fp3_error *error) {
+    warner w = {.loss = l, .say = say, .path = path};
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && !w.warnings && i < l->looked; i++) {
         status = look(l, i, error);

@@ -2,9 +2,9 @@
 /* run_check.c - see run_check.h. */
 #include "run_check.h"
 
-#include "arguments.h"
-#include "run_loss.h"
+#include "run_growth.h"
 
+#include "scene/lifetime.h"
 #include "scene/values.h"
 
 #include <inttypes.h>
@@ -13,11 +13,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CONFIG "many_full" /* has room for the longest programs */
-#define LOOKS 16           /* at the second run, for the size of each state */
+#define LOOKS 16 /* at the second run, for the size of each state */
+
+/* The object whose invariant has changed most. */
+typedef struct {
+    size_t object;
+    double first, change;
+} kept;
 
 struct fp3_run_check {
-    fp3_run_checked run;
+    fp3_run_part run; /* the one that has ended */
+    const fp3_scene_group *group;
+    const fp3_engine_def *first;
     const fp3_model *model;
     uint32_t states; /* those of the model, without what adaptive steps add */
     size_t objects;
@@ -30,35 +37,24 @@ struct fp3_run_check {
     fp3_engine_def def;
     int is_adaptive, is_chosen;
     char how[400];
+    double end; /* of fixed steps: the time */
     size_t worst_object;
     uint32_t worst_state;
+    kept *invariants;
+    fp3_run_growth growth; /* the largest of all looks, with the step of the first run */
 };
 
-void fp3_run_check_strict(fp3_run_check_def *def, struct argp_state *state, const char *text) {
-    def->is_strict = 1;
-    def->has_bound = text != NULL;
-    if (text)
-        def->bound = fp3_arguments_above_zero(state, "--strict", text);
-}
-
-void fp3_run_check_check(const fp3_run_check_def *def, int is_model, const fp3_params *params,
-                         struct argp_state *state) {
-    if (def->is_asked && !is_model)
-        argp_error(state, "--check: only a model (*.ode, or --model) has a step that can be "
-                          "halved; an image, assembly and a scene do not say how it enters");
-    if (def->is_asked && fp3_params_has(params, FP3_NAME_STEPS))
-        argp_error(state, "--check: found a value of 'steps', but with half the step an object "
-                          "that starts at this number of steps starts at another time");
-    if (def->has_bound && !def->is_asked)
-        argp_error(state, "--strict=TOL: expected --check, too; TOL is for its estimates");
-}
-
 /* ---- the second run ---- */
+
+/* One with room for long programs. */
+static const char *config_of(const fp3_run_check *c) {
+    return c->run.program->sees_others ? "world" : "many_full";
+}
 
 static fp3_status compile(fp3_run_check *c, fp3_arithmetic arithmetic, fp3_error *error) {
     const fp3_program *first = c->run.program;
     fp3_compile_def def = fp3_compile_default();
-    def.config = CONFIG;
+    def.config = config_of(c);
     def.arithmetic = arithmetic;
     fp3_compiled_free(&c->compiled);
     const fp3_status status =
@@ -106,6 +102,7 @@ static fp3_status scale_all(fp3_run_check *c, fp3_error *error) {
     fp3_status status = fp3_params_copy(c->run.params, &c->params, error);
     if (!status && !c->is_chosen) {
         status = scale(c, FP3_NAME_STEP, 0.5, &value, error);
+        c->end = 2 * value * (double)c->run.steps;
         snprintf(c->how, sizeof c->how, "h = %.9g", value);
         if (!c->is_adaptive)
             snprintf(c->how + strlen(c->how), sizeof c->how - strlen(c->how),
@@ -120,11 +117,37 @@ static fp3_status scale_all(fp3_run_check *c, fp3_error *error) {
     return status ? status : check_formulas(c, error);
 }
 
+/* The same times in twice the steps. */
+static fp3_status double_steps(const fp3_run_check *c, const char *what, fp3_scene_steps *steps,
+                               fp3_error *error) {
+    const uint64_t apart =
+        steps->last > steps->first ? steps->last - steps->first : steps->first - steps->last;
+    if (steps->first == FP3_FOREVER)
+        return FP3_OK;
+    if (c->objects > 1 && apart % (c->objects - 1))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--check: the %s of %zu objects from step %" PRIu64 " to %" PRIu64
+                        " are rounded to whole steps, and with half the step to other times",
+                        what, c->objects, steps->first, steps->last);
+    steps->first *= 2;
+    steps->last *= 2;
+    return FP3_OK;
+}
+
+static fp3_status live(const fp3_run_check *c, fp3_error *error) {
+    fp3_scene_group second = *c->group;
+    second.first = 0;
+    fp3_status status = double_steps(c, "births", &second.born, error);
+    if (!status)
+        status = double_steps(c, "ends", &second.gone, error);
+    return status ? status : fp3_lifetime_apply(&second, c->engine);
+}
+
 static fp3_status open_engine(fp3_run_check *c, fp3_error *error) {
-    const fp3_engine_def *first = c->run.def;
+    const fp3_engine_def *first = c->first;
     c->def = fp3_engine_default();
     c->def.engine = "fast";
-    c->def.config = CONFIG;
+    c->def.config = config_of(c);
     c->def.objects = (uint32_t)c->objects;
     c->def.threads = first->threads;
     c->def.is_interpreted = strcmp(first->engine, "fast") != 0 || first->native;
@@ -132,11 +155,25 @@ static fp3_status open_engine(fp3_run_check *c, fp3_error *error) {
     c->def.error = error;
     fp3_engine_close(&c->engine);
     fp3_status status = fp3_engine_open(&c->def, &c->engine);
-    return status ? status : fp3_program_load(&c->program, c->params, c->engine, error);
+    if (!status)
+        status = fp3_program_load(&c->program, c->params, c->engine, error);
+    return status || !c->group ? status : live(c, error);
+}
+
+static fp3_status look_for_growth(fp3_run_check *c, double t, fp3_error *error) {
+    const fp3_program *first = c->run.program;
+    fp3_run_growth found;
+    if (!first->sees_others)
+        return FP3_OK;
+    const fp3_status status = fp3_run_growth_find(
+        &(fp3_run_moment){first, c->run.params, c->error, c->objects, t}, &found, error);
+    if (!status && found.factor > c->growth.factor)
+        c->growth = found;
+    return status;
 }
 
 /* Notes how large each state is, and leaves the states in c->error. */
-static fp3_status look(fp3_run_check *c, fp3_error *error) {
+static fp3_status look(fp3_run_check *c, double share, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t s = 0; !status && s < c->states; s++) {
         double *row = c->error + s * c->objects, *size = c->size + s * c->objects;
@@ -144,18 +181,18 @@ static fp3_status look(fp3_run_check *c, fp3_error *error) {
         for (size_t i = 0; !status && i < c->objects; i++)
             size[i] = fmax(size[i], fabs(row[i]));
     }
-    return status;
+    return status ? status : look_for_growth(c, share * c->end, error);
 }
 
 static fp3_status run_again(fp3_run_check *c, fp3_error *error) {
     const uint64_t all = 2 * c->run.steps, parts = c->is_adaptive ? 1 : LOOKS;
-    fp3_status status = look(c, error);
+    fp3_status status = look(c, 0, error);
     for (uint64_t i = 0; !status && i < parts; i++) {
         const uint64_t steps =
             c->is_adaptive ? 10 * c->run.steps : all * (i + 1) / parts - all * i / parts;
         status = fp3_engine_advance(c->engine, steps < UINT32_MAX ? steps : UINT32_MAX, NULL);
         if (!status)
-            status = look(c, error);
+            status = look(c, (double)(i + 1) / (double)parts, error);
     }
     return status;
 }
@@ -173,8 +210,8 @@ static double share_of(const fp3_run_check *c) {
 static fp3_status compare_states(fp3_run_check *c, uint32_t state, double *first, int *is_lost,
                                  fp3_error *error) {
     double *row = c->error + state * c->objects, *size = c->size + state * c->objects;
-    fp3_status status =
-        fp3_run_state_read(c->run.program, c->run.engine, state, 0, c->objects, first, error);
+    fp3_status status = fp3_run_state_read(c->run.program, c->run.engine, state, c->run.first,
+                                           c->objects, first, error);
     for (size_t i = 0; !status && i < c->objects; i++) {
         *is_lost |= isfinite(first[i]) && !isfinite(row[i]);
         row[i] = fabs(first[i] - row[i]) * share_of(c);
@@ -188,7 +225,7 @@ static fp3_status judge_ends(fp3_run_check *c, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && c->is_adaptive && i < c->objects; i++) {
         fp3_adaptive_object first, second;
-        status = fp3_adaptive_look(c->run.engine, i, &first);
+        status = fp3_adaptive_look(c->run.engine, c->run.first + i, &first);
         if (!status)
             status = fp3_adaptive_look(c->engine, i, &second);
         if (!status && first.until != second.until)
@@ -204,12 +241,30 @@ static fp3_status judge_ends(fp3_run_check *c, fp3_error *error) {
     return status;
 }
 
+/* values: of the model's expressions, twice. */
+static void note_invariants(fp3_run_check *c, size_t object, const fp3_run_lost *found,
+                            double *values) {
+    const fp3_model *m = c->model;
+    double *const end = values + m->expr_count;
+    fp3_point at = {.states = found->start, .params = found->params, .initial = found->start};
+    fp3_model_evaluate(m, &at, values);
+    at.states = found->states;
+    at.t = found->t;
+    fp3_model_evaluate(m, &at, end);
+    for (uint32_t i = 0; i < m->invariant_count; i++) {
+        const uint32_t e = m->invariants[i].expr;
+        const double change = end[e] - values[e];
+        if (object == 0 || !(fabs(change) <= fabs(c->invariants[i].change)))
+            c->invariants[i] = (kept){object, values[e], change};
+    }
+}
+
 /* Both runs underflow alike. */
-static fp3_status add_underflow(fp3_run_check *c, fp3_error *error) {
-    const fp3_run_part part = {c->run.program, c->run.params, c->run.engine, 0,
-                               c->objects,     c->run.steps};
+static fp3_status look_at_ends(fp3_run_check *c, fp3_error *error) {
     fp3_run_loss *loss = NULL;
-    fp3_status status = fp3_run_loss_open(&part, &loss, error);
+    double *values = calloc(2u * c->model->expr_count + 1u, sizeof *values);
+    fp3_status status = values ? fp3_run_loss_open(&c->run, &loss, error)
+                               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; !status && i < fp3_run_loss_looked(loss); i++) {
         fp3_run_lost found;
         status = fp3_run_loss_look(loss, i, &found, error);
@@ -218,8 +273,11 @@ static fp3_status add_underflow(fp3_run_check *c, fp3_error *error) {
             c->error[at] += found.lost[s];
             c->size[at] = fmax(c->size[at], found.lost[s]);
         }
+        if (!status)
+            note_invariants(c, i, &found, values);
     }
     fp3_run_loss_close(&loss);
+    free(values);
     return status;
 }
 
@@ -255,6 +313,7 @@ static fp3_status check_count(const fp3_run_check *c, fp3_error *error) {
 static fp3_status run_in(fp3_run_check *c, fp3_arithmetic arithmetic, double *first, int *is_lost,
                          fp3_error *error) {
     memset(c->size, 0, c->objects * c->states * sizeof *c->size);
+    c->growth = (fp3_run_growth){.factor = 1};
     *is_lost = 0;
     fp3_status status = compile(c, arithmetic, error);
     if (!status)
@@ -284,33 +343,46 @@ static fp3_status make(fp3_run_check *c, fp3_error *error) {
     double *first = malloc(c->objects * sizeof *first);
     c->error = calloc(c->objects * c->states, sizeof *c->error);
     c->size = calloc(c->objects * c->states, sizeof *c->size);
-    fp3_status status = first && c->error && c->size
+    c->invariants = calloc(c->model->invariant_count + 1u, sizeof *c->invariants);
+    fp3_status status = first && c->error && c->size && c->invariants
                             ? scale_all(c, error)
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
         status = run_in_best(c, first, error);
     free(first);
     if (!status)
-        status = add_underflow(c, error);
+        status = look_at_ends(c, error);
+    if (!status && c->run.program->sees_others)
+        fp3_run_common_size(c->model, c->states, c->objects, c->size);
     if (!status)
         find_worst(c);
     return status;
 }
 
-fp3_status fp3_run_check_make(const fp3_run_checked *run, fp3_run_check **check, fp3_error *error) {
+fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *group,
+                              const fp3_engine_def *def, fp3_run_check **check, fp3_error *error) {
+    *check = NULL;
+    if (!part->program->model)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--check: %s is no model, so it does not say how the step enters",
+                        group->path);
+    if (fp3_params_has(part->params, FP3_NAME_STEPS))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--check: found a value of 'steps', but with half the step an object that "
+                        "starts at this number of steps starts at another time");
     fp3_run_check *c = *check = calloc(1, sizeof *c);
     if (!c)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    c->run = *run;
-    c->model = run->program->model;
-    c->is_adaptive = fp3_adaptive_is(run->program->image);
+    c->run = *part;
+    c->group = group;
+    c->first = def;
+    c->model = part->program->model;
+    c->is_adaptive = fp3_adaptive_is(part->program->image);
     c->is_chosen = fp3_model_chooses_steps(c->model);
     c->states = c->is_adaptive ? fp3_model_adapted(c->model) : c->model->state_count;
-    c->objects = fp3_engine_objects(run->engine);
+    c->objects = part->objects;
     fp3_error why = {.text = ""};
-    fp3_status status = fp3_model_check_alone(c->model, &why);
-    if (!status)
-        status = make(c, &why);
+    fp3_status status = make(c, &why);
     if (!status)
         return FP3_OK;
     fp3_run_check_free(check);
@@ -327,6 +399,7 @@ void fp3_run_check_free(fp3_run_check **check) {
     fp3_params_free(&c->params);
     free(c->error);
     free(c->size);
+    free(c->invariants);
     free(c);
     *check = NULL;
 }
@@ -337,24 +410,40 @@ void fp3_run_check_print_state(const fp3_run_check *c, const char *name, size_t 
     const uint32_t state = c ? fp3_model_state(c->model, name) : FP3_NONE;
     if (state == FP3_NONE || state >= c->states)
         return;
-    const size_t at = state * c->objects + object;
+    const size_t at = state * c->objects + object - c->run.first;
     printf("   error %.1e, relative %.1e", c->error[at], relative(c, at));
 }
 
+static void print_growth(const fp3_run_check *c) {
+    char text[FP3_RUN_GROWTH_TEXT_SIZE];
+    if (!(c->growth.factor > 1))
+        return;
+    fp3_run_growth_text(&c->growth, c->run.program, c->run.first, text);
+    printf("%-16s %s\n", "unstable", text);
+}
+
 void fp3_run_check_print(const fp3_run_check *c) {
+    if (!c)
+        return;
     const size_t at = c->worst_state * c->objects + c->worst_object;
     printf("%-16s %s, %s; %s\n", "check", c->how, fp3_arithmetic_of(c->compiled->arithmetic)->text,
            fp3_engine_how(c->engine));
-    printf("%-16s object %zu, %s: error %.1e, relative %.1e\n", "worst", c->worst_object,
-           c->model->states[c->worst_state].name, c->error[at], relative(c, at));
+    printf("%-16s object %zu, %s: error %.1e, relative %.1e\n", "worst",
+           c->run.first + c->worst_object, c->model->states[c->worst_state].name, c->error[at],
+           relative(c, at));
+    for (uint32_t i = 0; i < c->model->invariant_count; i++)
+        printf("%-16s object %zu, %s: was %.9g, changed by %.1e\n", "invariant",
+               c->run.first + c->invariants[i].object, c->model->invariants[i].name,
+               c->invariants[i].first, c->invariants[i].change);
+    print_growth(c);
 }
 
 fp3_status fp3_run_check_judge(const fp3_run_check *c, double bound, fp3_error *error) {
-    const size_t at = c->worst_state * c->objects + c->worst_object;
-    return relative(c, at) <= bound
+    const size_t at = c ? c->worst_state * c->objects + c->worst_object : 0;
+    return !c || relative(c, at) <= bound
                ? FP3_OK
                : fp3_fail(error, FP3_E_FAILED,
                           "object %zu, %s: relative error %.2g, and --strict allows %.2g",
-                          c->worst_object, c->model->states[c->worst_state].name, relative(c, at),
-                          bound);
+                          c->run.first + c->worst_object, c->model->states[c->worst_state].name,
+                          relative(c, at), bound);
 }
