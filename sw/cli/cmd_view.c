@@ -83,6 +83,17 @@ static fp3_status write_page(fp3_view_options *o, const fp3_view_recording *r,
     return status;
 }
 
+static fp3_status set_range(const fp3_view_options *o, fp3_view_fields *fields, fp3_error *error) {
+    if (!o->has_range)
+        return FP3_OK;
+    if (fields->colour == FP3_VIEW_NO_COLUMN)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--range: nothing is coloured, expected --colour NAME");
+    fields->list[fields->colour].least = o->range[0];
+    fields->list[fields->colour].most = o->range[1];
+    return FP3_OK;
+}
+
 static fp3_status view(fp3_view_options *o, fp3_progress *progress, fp3_error *error) {
     fp3_view_recording *r = NULL;
     fp3_view_axes axes;
@@ -101,6 +112,8 @@ static fp3_status view(fp3_view_options *o, fp3_progress *progress, fp3_error *e
     }
     if (!status)
         status = fp3_view_fields_find(r, &axes, &fields, error);
+    if (!status)
+        status = set_range(o, &fields, error);
     if (!status)
         status = fp3_view_draw(o, progress, error);
     if (!status && o->output) {

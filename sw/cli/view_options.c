@@ -15,6 +15,7 @@
 enum {
     KEY_POSITION = 256,
     KEY_COLOUR,
+    KEY_RANGE,
     KEY_SIZE,
     KEY_OBSERVE,
     KEY_EVERY,
@@ -43,6 +44,8 @@ static const struct argp_option table[] = {
      "Colour objects by this value, or by the length of this vector (default: the speed, if it is "
      "known)",
      0},
+    {"range", KEY_RANGE, "LEAST:MOST", 0,
+     "From which value to which colours go (default: all values of the recording)", 0},
     {"size", KEY_SIZE, "RADIUS", 0,
      "Draw objects as balls of this radius, in the unit of the position, or of a radius that has "
      "this "
@@ -66,7 +69,8 @@ static const struct argp_option table[] = {
      "by ffmpeg",
      0},
     {"at", KEY_AT, "TIME", 0,
-     "The time of the snapshot of --png; a recording without times: its step (default: the last)",
+     "The time of the snapshot of --png, or near it; a recording without times: its step (default: "
+     "the last)",
      0},
     {"width", KEY_WIDTH, "PIXELS", 0, "The width of --png and --film (default 1280)", 0},
     {"height", KEY_HEIGHT, "PIXELS", 0, "Their height (default 720)", 0},
@@ -75,7 +79,9 @@ static const struct argp_option table[] = {
      "it "
      "(default 31.5:20, as the page at first)",
      0},
-    {"rate", KEY_RATE, "N", 0, "Snapshots a second of --film (default 30)", 0},
+    {"rate", KEY_RATE, "N", 0,
+     "Snapshots a second of --film (default 30); real: as many as a second of the recording has",
+     0},
     {0},
 };
 
@@ -114,6 +120,19 @@ static void box(struct argp_state *state, fp3_view_page *page, char *text) {
                        colon + 1);
     }
     page->box_axes = k;
+}
+
+static void range(struct argp_state *state, fp3_view_options *o, char *text) {
+    char *colon = strchr(text, ':');
+    if (!colon)
+        argp_error(state, "--range: found '%s', expected LEAST:MOST", text);
+    *colon = 0;
+    o->range[0] = number(state, "--range", text);
+    o->range[1] = number(state, "--range", colon + 1);
+    o->has_range = 1;
+    if (!(o->range[0] < o->range[1]))
+        argp_error(state, "--range: found %s:%s, expected the smaller number first", text,
+                   colon + 1);
 }
 
 static int up(struct argp_state *state, const char *text) {
@@ -158,7 +177,9 @@ static int parse_picture(int key, char *text, struct argp_state *state, fp3_view
         turn(state, &o->look, text);
         return 1;
     case KEY_RATE:
-        o->rate = (uint16_t)fp3_arguments_number(state, "--rate", text, 1, 1000);
+        o->rate = strcmp(text, "real") == 0
+                      ? 0
+                      : (uint16_t)fp3_arguments_number(state, "--rate", text, 1, 1000);
         return 1;
     default:
         return 0;
@@ -195,6 +216,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         break;
     case KEY_COLOUR:
         o->wishes.colour = text;
+        break;
+    case KEY_RANGE:
+        range(state, o, text);
         break;
     case KEY_SIZE:
         o->wishes.size = text;

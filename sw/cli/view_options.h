@@ -11,7 +11,9 @@ typedef struct {
     const char *png, *film;         /* NULL: not asked for */
     double at;                      /* the time of the picture */
     int has_at;
-    uint16_t rate; /* of the film: snapshots a second */
+    uint16_t rate;   /* of the film: snapshots a second; 0: as many as in the recording's time */
+    double range[2]; /* of colours */
+    int has_range;
     fp3_view_look look;
     fp3_view_wishes wishes;
     uint64_t every; /* snapshots */

@@ -22,6 +22,7 @@ typedef struct {
     int time;         /* -1: there is none */
     size_t at;        /* snapshots that are kept */
     size_t held;      /* snapshots that there is room for */
+    size_t *columns;  /* that each field is kept in; FP3_VIEW_NO_COLUMN: in none */
 } csv;
 
 /* ---- lines and fields ---- */
@@ -152,18 +153,16 @@ static fp3_status read_number(const fp3_view_recording *r, const char *at, const
 static fp3_status take_value(fp3_view_recording *r, int field, const char *at, const char *end,
                              uint64_t object, int is_kept, fp3_error *error) {
     const csv *self = (const csv *)r->reader;
-    for (size_t i = 0; i < r->column_count; i++) {
-        fp3_view_column *c = &r->columns[i];
-        double wide;
-        if (c->source != field || !c->is_wanted || !is_kept)
-            continue;
-        fp3_status status = read_number(r, at, end, &wide, error);
-        if (!status && !fp3_view_narrow(wide, &c->values[self->at * r->objects + object]))
-            status = fail(r, at, error, "a number beyond those of FP32",
-                          "one that can be shown: leave the column out with --observe");
-        return status;
-    }
-    return FP3_OK;
+    const size_t column = self->columns[field];
+    double wide;
+    if (column == FP3_VIEW_NO_COLUMN || !is_kept)
+        return FP3_OK;
+    fp3_status status = read_number(r, at, end, &wide, error);
+    float *value = &r->columns[column].values[self->at * r->objects + object];
+    if (!status && !fp3_view_narrow(wide, value))
+        status = fail(r, at, error, "a number beyond those of FP32",
+                      "one that can be shown: leave the column out with --observe");
+    return status;
 }
 
 /* What a row is of; its values come later, when there is room for them. */
@@ -300,11 +299,25 @@ static fp3_status take_row(fp3_view_recording *r, progress *p, uint64_t every, f
     return status;
 }
 
+/* Now it is known which are wanted. */
+static fp3_status find_columns(fp3_view_recording *r, fp3_error *error) {
+    csv *self = (csv *)r->reader;
+    self->columns = malloc((size_t)self->fields * sizeof *self->columns);
+    if (!self->columns)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (int i = 0; i < self->fields; i++)
+        self->columns[i] = FP3_VIEW_NO_COLUMN;
+    for (size_t i = 0; i < r->column_count; i++)
+        if (r->columns[i].is_wanted && !r->columns[i].is_made)
+            self->columns[r->columns[i].source] = i;
+    return FP3_OK;
+}
+
 static fp3_status csv_load(fp3_view_recording *r, uint64_t every, fp3_error *error) {
     csv *self = (csv *)r->reader;
     progress p = {0};
     int is_end = 0;
-    fp3_status status = FP3_OK;
+    fp3_status status = find_columns(r, error);
     r->objects = 0;
     while (!status && !(status = next_line(r, &is_end, error)) && !is_end)
         status = take_row(r, &p, every, error);
@@ -331,6 +344,7 @@ static void csv_close(fp3_view_reader *reader) {
     if (self->file)
         fclose(self->file);
     free(self->line);
+    free(self->columns);
     free(self);
 }
 

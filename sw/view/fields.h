@@ -10,8 +10,9 @@ typedef struct {
     int length;       /* of the name */
     const char *unit;
     size_t columns[FP3_VIEW_AXES];
-    unsigned count;     /* of columns; above 1: the length of the vector */
-    double least, most; /* of what is finite; both 0 if nothing is */
+    unsigned count; /* of columns; above 1: the length of the vector */
+    double least,
+        most; /* colours go from here to there: all that is finite (both 0 if nothing is), or what was asked for */
 } fp3_view_field;
 
 typedef struct {

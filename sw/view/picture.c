@@ -47,7 +47,7 @@ static fp3_view_ink colour_of(const fp3_view_page *page, size_t at) {
     const double width = field->most - field->least;
     if (!isfinite(value))
         return none;
-    const double part = width > 0 ? (value - field->least) / width : 0.5;
+    const double part = width > 0 ? fmin(1, fmax(0, (value - field->least) / width)) : 0.5;
     const uint32_t share = (uint32_t)floor(part * SHARE_MOST * (STOPS - 1) + 0.5);
     const uint32_t stop = share / SHARE_MOST < STOPS - 1 ? share / SHARE_MOST : STOPS - 2;
     const uint32_t rest = share - stop * SHARE_MOST;

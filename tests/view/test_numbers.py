@@ -1,5 +1,7 @@
 """A page holds the recording's numbers, to the error that it tells; what is no recording is refused."""
 
+import subprocess
+
 import h5py
 import numpy
 import pytest
@@ -223,6 +225,14 @@ def test_from_a_pipe_to_a_pipe(run, root, tmp_path, fp3):
     made = run("view", "-", "--position", "r", "-o", "-", input=csv)
     assert made.stdout.startswith("<!doctype html>") and made.stdout.endswith("</html>\n") and "kept to" in made.stderr
     assert "expected --output FILE" in run("view", "-", input=csv, code=2).stderr
+
+
+def test_many_columns_take_time_in_proportion(run, root, tmp_path, fp3):
+    """It took the square: 4 s of a processor for these 1.2 million numbers, now below 0.1 s."""
+    names, row = ",".join(f"c{i}" for i in range(4000)), ",".join(f"{i}.5" for i in range(4000))
+    (tmp_path / "wide.csv").write_text(f"step,time [s],object,{names}\n" + "".join(f"{k},{k},0,{row}\n" for k in range(300)))
+    done = subprocess.run(["prlimit", "--cpu=2", fp3, "view", tmp_path / "wide.csv", "--position", "c0", "--observe", "c3999", "-o", tmp_path / "wide.html"])
+    assert done.returncode == 0
 
 
 def test_too_much_is_refused_before_it_is_read(run, tmp_path):

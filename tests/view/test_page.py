@@ -37,6 +37,21 @@ def test_it_plays_and_stops(shown):
     assert shown.data("playing") == "false"
 
 
+def test_it_plays_in_real_time(shown):
+    """As many seconds pass as the recording has. It is the first speed where that is 1 s to 2 min; others say what they are."""
+    from selenium.webdriver.support.select import Select
+    seconds = shown.script("return fp3.time(40) - fp3.time(0)")
+    speed = Select(shown.of("speed"))
+    texts = [option.text for option in speed.options]
+    assert texts[0] == "real time" and f"10 / s ({shown.script('return fp3.number(arguments[0], 2)', 10 * seconds / 40)}\u00d7)" in texts
+    assert (speed.first_selected_option.text == "real time") == (1 <= seconds <= 120)
+    speed.select_by_visible_text("real time")
+    shown.script("fp3.begun = performance.now(); document.getElementById('play').click()")
+    shown.wait(lambda: shown.data("playing") == "false" or shown.data("drawn") == "40")
+    passed = shown.script("return performance.now() - fp3.begun") / 1000
+    assert seconds * 0.9 <= passed, (seconds, passed)
+
+
 def test_it_scrubs(shown, balls, tmp_path):
     from selenium.webdriver import ActionChains
     scrub = shown.of("scrub")

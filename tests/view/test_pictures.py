@@ -92,6 +92,42 @@ def test_a_film_has_each_snapshot(run, some, tmp_path):
     assert struct.unpack(">HH", control[20:24]) == (1, 12)
 
 
+def test_the_nearest_snapshot(run, some, tmp_path):
+    """Only what was recorded is shown: of two that are as near the earlier one."""
+    for at, shown in (("0.3", "0.25"), ("0.3125", "0.25"), ("0.32", "0.375"), ("0.01", "0")):
+        assert f"1 snapshot from time {shown} on" in run("view", some, *ARGUMENTS, "--png", "a.png", "--at", at).stdout
+        run("view", some, *ARGUMENTS, "--png", "b.png", "--at", shown)
+        assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_a_range_of_colours(run, some, tmp_path):
+    """As if all values beyond it were at its ends; on the page, too."""
+    told = run("view", some, *ARGUMENTS, "--range", "2:5", "--png", "a.png", "-o", "a.html").stdout
+    assert "colours: from 2, dark, to 5, bright" in told
+    assert '"name":"q","unit":"","columns":[4],"least":2.0,"most":5.0' in (tmp_path / "a.html").read_text()
+    head, *lines = SOME.splitlines()
+    cut = [",".join([*line.split(",")[:-1], str(min(5, max(2, int(line.split(",")[-1]))))]) for line in lines]
+    (tmp_path / "cut.csv").write_text("\n".join([head, *cut]) + "\n")
+    run("view", "cut.csv", *ARGUMENTS, "--png", "b.png")
+    run("view", some, *ARGUMENTS, "--png", "c.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes() != (tmp_path / "c.png").read_bytes()
+
+
+def test_a_film_in_real_time(run, some, tmp_path):
+    """Snapshots are 1/8 s apart. What it cannot be is refused, and how fast another one is is said."""
+    assert "4 snapshots from time 0 on, 8 a second: 1 times real time" in run("view", some, *ARGUMENTS, "--film", "f.png", "--rate", "real").stdout
+    control = next(body for name, body in chunks((tmp_path / "f.png").read_bytes()) if name == "fcTL")
+    assert struct.unpack(">HH", control[20:24]) == (1, 8)
+    assert "12 a second: 1.5 times real time" in run("view", some, *ARGUMENTS, "--film", "f.png", "--rate", "12").stdout
+    for text, message in ((SOME.replace("time [s]", "time [h]"), "times are in s"), (SOME.replace("time [s]", "t"), "times are in s"),
+                          (SOME.splitlines()[0] + "\n0,0,0,1,2,3,1,1\n", "several snapshots"),
+                          (SOME.splitlines()[0] + "\n0,0,0,1,2,3,1,1\n1,0.0001,0,1,2,3,1,1\n", "has 1e+04 snapshots, expected 1 to 1000: --every takes fewer"),
+                          (SOME.splitlines()[0] + "\n0,0,0,1,2,3,1,1\n1,100,0,1,2,3,1,1\n", "has 0.01 snapshots")):
+        (tmp_path / "other.csv").write_text(text)
+        assert message in run("view", "other.csv", "--position", "p", "--film", "g.png", "--rate", "real", code=2).stderr
+    assert not (tmp_path / "g.png").exists()
+
+
 def test_readers_read_it(run, some, tmp_path):
     image = pytest.importorskip("PIL.Image", reason="no Pillow: make setup-view installs it")
     run("view", some, *ARGUMENTS, "--film", "f.png")
@@ -152,7 +188,13 @@ def test_what_is_nearer_hides_what_is_behind(run, tmp_path):
 
 
 @pytest.mark.parametrize("arguments, message", [
-    (["--png", "a.png", "--at", "0.3"], "--at: there is no snapshot at 0.3: those beside it are at 0.25 and 0.375"),
+    (["--png", "a.png", "--at", "0.4"], "--at: found 0.4, expected a time from 0 to 0.375"),
+    (["--png", "a.png", "--at", "-0.1"], "--at: found -0.1, expected a time from 0 to 0.375"),
+    (["--png", "a.png", "--range", "0:5"], "--range: nothing is coloured, expected --colour NAME"),
+    (["--colour", "q", "--range", "5"], "--range: found '5', expected LEAST:MOST"),
+    (["--colour", "q", "--range", "5:5"], "expected the smaller number first"),
+    (["--colour", "q", "--range", "0:inf"], "--range: 'inf' is no number"),
+    (["--film", "a.png", "--rate", "0"], "--rate: '0' is no number from 1 to 1000"),
     (["--at", "0"], "--at: expected --png FILE"),
     (["--png", "a.png", "--width", "8"], "--width: '8' is no number from 16 to 8192"),
     (["--png", "a.png", "--turn", "5"], "--turn: found '5', expected AZIMUTH:ELEVATION"),

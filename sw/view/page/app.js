@@ -54,11 +54,30 @@ fp3.go = snapshot => {
   fp3.redraw();
 };
 
-const advance = now => {
-  carried += Math.min(250, now - before) / 1000 * Number(of("speed").value);
-  before = now;
+// Of the recording in seconds; 0: it has one snapshot, no times, or times in another unit.
+const seconds = about.timeUnit === "s" && about.times !== null ? Math.max(0, fp3.time(last) - fp3.time(0)) : 0;
+
+// As many seconds of the recording pass as of the clock. The last snapshot is shown until the next frame.
+const snapshotsInReal = passed => {
+  const now = scene.snapshot;
+  let next = now;
+  carried += passed;
+  while (next < last && fp3.time(next + 1) - fp3.time(now) <= carried) next++;
+  carried = now === last ? 0 : carried - (fp3.time(next) - fp3.time(now));
+  return now === last ? 1 : next - now;
+};
+
+const snapshotsAt = (rate, passed) => {
+  carried += passed * rate;
   const steps = Math.floor(carried);
   carried -= steps;
+  return steps;
+};
+
+const advance = now => {
+  const passed = Math.min(250, now - before) / 1000, speed = of("speed").value;
+  const steps = speed === "real" ? snapshotsInReal(passed) : snapshotsAt(Number(speed), passed);
+  before = now;
   if (!steps) return;
   const next = scene.snapshot + steps;
   if (next <= last) fp3.go(next); // what is not unpacked yet is waited for
@@ -119,7 +138,10 @@ const setUp = () => {
   option("colour", "one colour", -1, false);
   about.fields.forEach((field, i) => option("colour", fp3.named(field.name, field.unit), i, false));
   const usual = Math.min(60, Math.max(5, Math.round(last / 10)));
-  for (const rate of [...new Set([1, 2, 5, 10, 15, 30, 60, 120, usual])].sort((a, b) => a - b)) option("speed", `${rate} / s`, rate, rate === usual);
+  const isReal = seconds >= 1 && seconds <= 120;
+  if (seconds) option("speed", "real time", "real", isReal);
+  for (const rate of [...new Set([1, 2, 5, 10, 15, 30, 60, 120, usual])].sort((a, b) => a - b))
+    option("speed", `${rate} / s${seconds ? ` (${fp3.number(rate * seconds / last, 2)}×)` : ""}`, rate, rate === usual && !isReal);
   ["x", "y", "z"].forEach((name, k) => { if (k) option("up", fp3.axes[k] ? fp3.axes[k].name : name, k, k === about.up); });
   of("ramp").style.background = `linear-gradient(to right, ${fp3.stops.map(c => `rgb(${c})`).join()})`;
   of("scrub").max = last;

@@ -123,7 +123,7 @@ const fillTints = snapshot => {
   const least = field.least, width = field.most - field.least;
   for (let i = 0; i < count; i++) {
     const value = fp3.fieldValue(field, snapshot * count + i);
-    tints[i] = Number.isFinite(value) ? (width > 0 ? (value - least) / width : 0.5) : -2;
+    tints[i] = Number.isFinite(value) ? (width > 0 ? Math.min(1, Math.max(0, (value - least) / width)) : 0.5) : -2;
   }
 };
 
