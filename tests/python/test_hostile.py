@@ -30,7 +30,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
     ({"params": {"k": NAN}}, "'k' is -?nan"), ({"params": {"k": [1, NAN]}}, "object 1: 'k'"), ({"params": {"q": 1}}, "no 'q'"), ({"params": {"x": 1}}, "is a state"),
     ({"params": {"g": [1, 2]}}, "shared"), ({"params": {"h": 1}}, "h="), ({"params": {"until": 1}}, "t_span"), ({"params": {"k": [[1]]}}, "shape"),
     ({"params": {"k": "fast"}}, "expected"), ({"params": {"k": ["a"]}}, "expected"), ({"params": {"k": [1, 2]}, "y0": np.zeros((3, 2))}, "number of objects"),
-    ({"params": {"k": 1e-50}}, "k"), ({"objects": 0}, "objects"), ({"objects": -1}, "objects"), ({"objects": 2.0}, "whole number"), ({"objects": True}, "whole number"),
+    ({"params": {"k": 1e50}}, "k"), ({"objects": 0}, "objects"), ({"objects": -1}, "objects"), ({"objects": 2.0}, "whole number"), ({"objects": True}, "whole number"),
     ({"objects": 2**26}, "objects"), ({"objects": 2**40}, "objects"), ({"objects": 3, "y0": [[1, 0]]}, "number of objects"),
     ({"h": 0}, "h"), ({"h": -1}, "h"), ({"h": NAN}, "h"), ({"h": "small"}, "h"), ({"h": 1e-46}, "h|steps"), ({"h": INF}, "h"),
     ({"rtol": 0}, "rtol"), ({"rtol": NAN}, "rtol"), ({"rtol": 1e-12}, "tolerance"), ({"rtol": "x"}, "rtol"), ({"atol": 1e-3}, "without rtol"), ({"max_step": 1}, "without rtol"),
