@@ -334,6 +334,8 @@ fp3_status fp3_run_make(fp3_run_options *o, char **report, fp3_error *error) {
 }
 
 int fp3_cmd_run(int argc, char **argv) {
+    /* Threads change no bit; what files hold is compared when it is loaded. */
+    static const char *const own[] = {"threads", "scene", "params", "links", "integrator", NULL};
     fp3_run_options o;
     fp3_error error = {.text = ""};
     char *report = NULL;
@@ -344,6 +346,8 @@ int fp3_cmd_run(int argc, char **argv) {
         status = fp3_run_record_command(&o.record, argc, argv, &error);
     if (!status)
         status = fp3_run_ranks_begin(&ranks, &error);
+    if (!status)
+        status = fp3_run_ranks_agree(&ranks, fp3_run_options_table(), argc, argv, own, &error);
     o.ranks = ranks.is_one ? NULL : &ranks.all;
     o.record.def.is_silent = ranks.all.rank != 0;
     if (!status)

@@ -133,13 +133,10 @@ static fp3_status run_by(const options *o, fp3_run_options *run, fp3_run_ranks *
     run->on.threads = o->threads;
     if (o->source)
         *(run->scene ? &run->scene : &run->program) = o->source;
-    fp3_status status = fp3_run_ranks_begin(ranks, error);
     run->ranks = ranks->is_one ? NULL : &ranks->all;
     run->record.def.is_silent = ranks->all.rank != 0;
-    if (status)
-        return status;
     run->progress = fp3_progress_begin("verify", o->path);
-    status = fp3_run_make(run, report, error);
+    const fp3_status status = fp3_run_make(run, report, error);
     fp3_progress_end(&run->progress);
     return status;
 }
@@ -214,13 +211,18 @@ int fp3_cmd_verify(int argc, char **argv) {
                "checkpoint or a recording in HDF5. FILE keeps the arguments of its run. Exit code "
                "0: all hashes agree; 1: one does "
                "not, or the run failed; 2: there is nothing to compare."};
+    static const char *const own[] = {"threads", "source", NULL}; /* as of fp3 run */
     options o = {.to = UINT64_MAX};
     fp3_error error = {.text = ""};
     char *report = NULL;
     fp3_run_ranks ranks;
     fp3_run_ranks_first(&ranks);
     fp3_arguments_parse(&argp, argc, argv, &o);
-    const fp3_status status = verify(&o, &ranks, &report, &error);
+    fp3_status status = fp3_run_ranks_begin(&ranks, &error);
+    if (!status)
+        status = fp3_run_ranks_agree(&ranks, table, argc, argv, own, &error);
+    if (!status)
+        status = verify(&o, &ranks, &report, &error);
     const int exit_code = fp3_cli_end("verify", status, &error, report);
     const int is_told = fp3_run_ranks_end(&ranks, "verify", status, &error);
     free(report);

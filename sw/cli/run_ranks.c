@@ -2,13 +2,16 @@
 /* run_ranks.c - see run_ranks.h. */
 #include "run_ranks.h"
 
+#include "arguments.h"
 #include "cluster/use.h"
 
 #include <fcntl.h>
 #include <inttypes.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 static long number_in(const char *const *names, size_t count, long otherwise) {
@@ -39,8 +42,19 @@ static void be_silent(fp3_run_ranks *ranks) {
     close(nowhere);
 }
 
+/* Without its mpirun a rank would go on until MPI notices, a second or so, and replace checkpoints that a restarted run reads. Only the
+ * kernel can tell it at once; Linux can. */
+static void end_with_parent(void) {
+    const pid_t parent = getppid();
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent)
+        raise(SIGTERM);
+}
+
 void fp3_run_ranks_first(fp3_run_ranks *ranks) {
     *ranks = (fp3_run_ranks){.is_one = 1, .speaks = -1};
+    if (count_started() > 1)
+        end_with_parent();
     if (count_started() > 1 && rank_said() > 0)
         be_silent(ranks);
 }
@@ -61,6 +75,67 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     if (ranks->all.rank && ranks->speaks < 0)
         be_silent(ranks);
     return FP3_OK;
+}
+
+/* ---- whether ranks have the same options ---- */
+
+enum { OPTIONS_MOST = 64 };
+
+typedef struct {
+    const struct argp_option *table;
+    const char *const *own;
+    uint64_t values[OPTIONS_MOST]; /* of each option a hash */
+} given;
+
+/* An fp3_argument_fn. */
+static fp3_status note(void *user, const struct argp_option *option, const char *value,
+                       fp3_error *error) {
+    given *g = user;
+    (void)error;
+    for (const char *const *own = g->own; option && *own; own++)
+        if (!strcmp(*own, option->name))
+            return FP3_OK;
+    if (!option || option - g->table >= OPTIONS_MOST)
+        return FP3_OK;
+    uint64_t *hash = &g->values[option - g->table];
+    *hash = (*hash ^ 0x100) * 0x100000001b3u; /* FNV-1a; where a value begins */
+    for (; value && *value; value++)
+        *hash = (*hash ^ (unsigned char)*value) * 0x100000001b3u;
+    return FP3_OK;
+}
+
+static fp3_status compare(const struct argp_option *table, const uint64_t *all, unsigned ranks,
+                          fp3_error *error) {
+    for (unsigned r = 1; r < ranks; r++)
+        for (int i = 0; i < OPTIONS_MOST && table[i].name; i++)
+            if (all[(size_t)r * OPTIONS_MOST + (size_t)i] != all[i])
+                return fp3_fail(
+                    error, FP3_E_ARGUMENT,
+                    "--%s: rank %u was given another one than rank 0, or one of them none",
+                    table[i].name, r);
+    return FP3_OK;
+}
+
+fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_option *table,
+                               int argc, char *const *argv, const char *const *own,
+                               fp3_error *error) {
+    given g = {.table = table, .own = own};
+    const unsigned count = ranks->all.count;
+    if (ranks->is_one)
+        return FP3_OK;
+    uint64_t *bytes = calloc(count, sizeof *bytes);
+    uint64_t *all = calloc(count, sizeof g.values);
+    fp3_status status = bytes && all ? fp3_arguments_each(table, argc, argv, note, &g, error)
+                                     : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (unsigned r = 0; !status && r < count; r++)
+        bytes[r] = sizeof g.values;
+    if (!status) {
+        ranks->all.calls->gather(ranks->all.world, g.values, bytes, all);
+        status = compare(table, all, count, error);
+    }
+    free(bytes);
+    free(all);
+    return status;
 }
 
 static fp3_status check_ports(const char *text, unsigned ranks, fp3_error *error) {

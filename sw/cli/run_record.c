@@ -40,15 +40,16 @@ void fp3_run_record_times(fp3_run_record *record, struct argp_state *state, cons
     record->def.times = record->times;
 }
 
-void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, char *text) {
+void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, const char *text) {
     const size_t count = record->def.observed_count + count_parts(text);
-    const char **names = realloc(record->names, count * sizeof *names);
+    char **names = realloc(record->names, count * sizeof *names);
     if (!names)
         argp_failure(state, 1, 0, "out of memory");
     record->names = names;
-    for (char *part; (part = strsep(&text, ","));)
-        record->names[record->def.observed_count++] = part;
-    record->def.observed = record->names;
+    record->def.observed = (const char *const *)names;
+    for (; record->def.observed_count < count; text += strcspn(text, ",") + 1)
+        if (!(names[record->def.observed_count++] = strndup(text, strcspn(text, ","))))
+            argp_failure(state, 1, 0, "out of memory");
 }
 
 void fp3_run_record_checkpoint_every(fp3_run_record *record, struct argp_state *state,
@@ -124,6 +125,8 @@ void fp3_run_record_files(fp3_run_record *record, fp3_files *files) {
 void fp3_run_record_free(fp3_run_record *record) {
     free(record->command);
     free(record->before);
+    for (size_t i = 0; record->names && i < record->def.observed_count; i++)
+        free(record->names[i]);
     free(record->names);
     free(record->times);
 }

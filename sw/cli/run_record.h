@@ -10,7 +10,7 @@
 
 typedef struct {
     fp3_recording_def def; /* path and plot NULL: nothing is recorded */
-    const char **names;
+    char **names;          /* def.observed */
     double *times;
     char *command; /* def.command */
     char *before;  /* where checkpoints go that are replaced; NULL: there are none */
@@ -19,8 +19,7 @@ typedef struct {
 /* What the options say; they end with 2 and a message where it cannot be. */
 void fp3_run_record_every(fp3_run_record *record, struct argp_state *state, const char *text);
 void fp3_run_record_times(fp3_run_record *record, struct argp_state *state, const char *text);
-/* Takes text apart, which must outlive the record. */
-void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, char *text);
+void fp3_run_record_observe(fp3_run_record *record, struct argp_state *state, const char *text);
 /* --checkpoint-every. */
 void fp3_run_record_checkpoint_every(fp3_run_record *record, struct argp_state *state,
                                      const char *text);

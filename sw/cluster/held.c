@@ -15,9 +15,12 @@ fp3_status fp3_ranks_no_memory(fp3_engine *engine) {
 
 /* FNV-1a, a word at a time: it finds another scene, not one that was made to have the same hash. */
 void fp3_ranks_note(fp3_ranked *self, const void *words, size_t count) {
-    const uint32_t *of = words;
-    for (size_t i = 0; i < count; i++)
-        self->given = (self->given ^ of[i]) * 0x100000001b3u;
+    const char *of = words;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t word; /* whatever these bytes are elsewhere */
+        memcpy(&word, of + i * sizeof word, sizeof word);
+        self->given = (self->given ^ word) * 0x100000001b3u;
+    }
 }
 
 void fp3_ranks_forget_held(fp3_ranked *self) {

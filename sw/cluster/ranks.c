@@ -108,10 +108,10 @@ static void add_up(fp3_engine *engine, fp3_stats *stats) {
 }
 
 /* Ranks that were given other scenes or options would leave a result of neither, or wait for ever. */
-static fp3_status agree(fp3_engine *engine, uint32_t steps) {
+static fp3_status agree_ranked(fp3_engine *engine, const void *words, size_t size) {
     fp3_ranked *self = engine->self;
     const fp3_ranks *ranks = self->ranks;
-    fp3_ranks_note(self, &steps, 1);
+    fp3_ranks_note(self, words, size / sizeof(uint32_t));
     const uint64_t most = ranks->calls->most(ranks->world, self->given),
                    least = ~ranks->calls->most(ranks->world, ~self->given);
     return most == least ? FP3_OK
@@ -122,7 +122,7 @@ static fp3_status agree(fp3_engine *engine, uint32_t steps) {
 
 static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_ranked *self = engine->self;
-    fp3_status status = agree(engine, steps);
+    fp3_status status = agree_ranked(engine, &steps, sizeof steps);
     if (!status)
         status = fp3_ranks_wander(engine);
     if (!status && !self->is_placed)
@@ -212,6 +212,7 @@ static const fp3_backend ranked = {
     .run = run_ranked,
     .failures = failures_ranked,
     .how = how_ranked,
+    .agree = agree_ranked,
     .is_in_host = 1,
     .is_divided = 1,
 };

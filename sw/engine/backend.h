@@ -49,6 +49,8 @@ typedef struct {
     /* See fp3_engine_write_native; NULL: there is no native code. */
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
     const char *(*how)(const fp3_engine *engine); /* see fp3_engine_how; NULL: there is one way */
+    /* See fp3_engine_agree; NULL: there is one process. */
+    fp3_status (*agree)(fp3_engine *engine, const void *words, size_t size);
     uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
     int begins_at_0; /* a run makes steps of the first objects: fp3_engine_use has no other `first` */
     int is_divided; /* other engines have the objects, and know who failed */

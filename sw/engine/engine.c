@@ -48,6 +48,10 @@ size_t fp3_engine_room(const char *engine, const char *config) {
     return backend && of ? room_of(backend, of) : 0;
 }
 
+fp3_status fp3_engine_agree(fp3_engine *engine, const void *words, size_t size) {
+    return engine->backend->agree ? engine->backend->agree(engine, words, size) : FP3_OK;
+}
+
 const char *fp3_engine_how(const fp3_engine *engine) {
     return engine->backend->how ? engine->backend->how(engine) : "";
 }

@@ -87,6 +87,10 @@ fp3_status fp3_engine_set_numbers(fp3_engine *engine, const uint32_t *numbers);
 /* A word of a record of these objects, of the engine's only group. */
 fp3_status fp3_engine_gather(fp3_engine *engine, uint32_t reg, const uint32_t *objects,
                              size_t count, uint32_t *words);
+/* Of an engine that is divided among processes: whether all of them were given the same up to now, these 32-bit words of `size` bytes among it. What they do
+ * together must not depend on what they do not share. FP3_E_ARGUMENT, on all: they were not. */
+fp3_status fp3_engine_agree(fp3_engine *engine, const void *words, size_t size);
+
 /* What neighbours read and some phase stores, as a set of registers: what an exchange has to bring. */
 uint64_t fp3_engine_published(const fp3_engine *engine);
 

@@ -84,6 +84,20 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
                           def->steps);
 }
 
+/* Where a run is cut is the same on all ranks. */
+static fp3_status agree(const fp3_recording_def *def, fp3_engine *engine) {
+    const fp3_expected *expected = def->expected;
+    const uint64_t cuts[] = {
+        def->steps,  def->every,        def->checkpoint_every,         def->time_count,
+        !!def->path, !!def->checkpoint, expected ? expected->count : 0};
+    fp3_status status = fp3_engine_agree(engine, cuts, sizeof cuts);
+    if (!status && def->times)
+        status = fp3_engine_agree(engine, def->times, def->time_count * sizeof *def->times);
+    if (!status && expected)
+        status = fp3_engine_agree(engine, expected->list, expected->count * sizeof *expected->list);
+    return status;
+}
+
 static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def) {
     const fp3_program *program = r->source.program;
     fp3_engine *engine = r->source.engine;
@@ -226,6 +240,8 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
     fp3_status status = fp3_definition_check(def, sizeof *def, "fp3_recording_def", error);
     if (!status)
         status = check(def, engine, error);
+    if (!status)
+        status = agree(def, engine);
     if (status)
         return status;
     fp3_recording *r = calloc(1, sizeof *r);

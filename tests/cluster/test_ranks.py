@@ -1,9 +1,11 @@
 """Scenes on 1, 2, 3, 4 and 8 ranks, on every engine: the same bits. Ranks share the processors of one machine here."""
 
 import os
+import pathlib
 import re
 import shutil
 import subprocess
+import time
 
 import pytest
 
@@ -149,3 +151,56 @@ def test_ranks_with_other_files_are_refused(mpirun, small, root, fp3, wrong):
     done = mpirun(3, "sh", "-c", choose, fp3, small, small.parent / "other.scene", out, timeout=40)
     assert done.returncode == 2 and "the ranks have different programs, scenes or options" in done.stderr, done.stdout + done.stderr
     assert not out.exists()
+
+
+CHOOSE = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 1 ]; then exec $0 $2; else exec $0 $1; fi'
+
+
+@pytest.mark.parametrize("one, other, told", [
+    ("--checkpoint a.ck", "", "--checkpoint"), ("--output a.h5 --every 3", "--output a.h5 --every 5", "--every"),
+    ("-n 9 --checkpoint a.ck --checkpoint-every 3", "--steps=8 --checkpoint a.ck --checkpoint-every 3", "--steps"),
+    ("--all", "", "--all"), ("--output a.csv --observe x_x,x_y", "--output a.csv --observe x_x", "--observe")])
+def test_ranks_with_other_options_are_refused(mpirun, small, fp3, one, other, told):
+    """Each would wait for what the other never does."""
+    run = f"run --scene {small} -e fast"
+    done = mpirun(2, "sh", "-c", f"cd {small.parent}; {CHOOSE}", fp3, f"{run} {one}", f"{run} {other}", timeout=20)
+    assert done.returncode == 2 and f"fp3 run: {told}: rank 1 was given another one than rank 0" in done.stderr, done.stdout + done.stderr
+    assert sorted(path.name for path in small.parent.iterdir()) == ["cloth.ode", "small.scene"]
+
+
+def test_where_ranks_cut_a_run_is_compared_before_they_run(mpirun, small, fp3):
+    """Scenes of other lengths: up to the first checkpoint nothing differs. Threads may differ. What fp3 verify compares may not."""
+    (small.parent / "other.scene").write_text(SMALL.replace("steps = 40", "steps = 50"))
+    more = "-e fast --checkpoint a.ck --checkpoint-every 20"
+    in_folder = f"cd {small.parent}; {CHOOSE}"
+    done = mpirun(2, "sh", "-c", in_folder, fp3, f"run --scene small.scene {more}", f"run --scene other.scene {more}", timeout=40)
+    assert done.returncode == 2 and "the ranks have different programs, scenes or options" in done.stderr and not (small.parent / "a.ck").exists()
+    done = mpirun(2, "sh", "-c", in_folder, fp3, f"run --scene small.scene {more} --threads 1", f"run --scene ./small.scene {more}", timeout=40)
+    assert done.returncode == 0 and "hash" in done.stdout, done.stderr
+    for one, other, told in (("--from 20", "--from 10", "--from: rank 1"), ("a.ck.1", "a.ck", "different programs, scenes or options")):
+        done = mpirun(2, "sh", "-c", in_folder, fp3, f"verify {one} {'' if 'ck' in one else 'a.ck'}", f"verify {other} {'' if 'ck' in other else 'a.ck'}", timeout=40)
+        assert done.returncode == 2 and told in done.stderr and done.stdout == "", done.stderr
+
+
+def test_a_rank_ends_with_its_mpirun(fp3, root, tmp_path):
+    """At once, not when MPI notices: here it waits for a pipe, for 10 seconds, before there is any MPI."""
+    os.mkfifo(tmp_path / "pipe")
+    start = subprocess.Popen(["sh", "-c", f"{fp3} run {root}/programs/kepler.ode --params pipe & echo $!; wait"], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+                             env=os.environ | {"OMPI_COMM_WORLD_SIZE": "2", "OMPI_COMM_WORLD_RANK": "0"})
+    rank = int(start.stdout.readline())
+
+    def state():
+        try:
+            return pathlib.Path(f"/proc/{rank}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()[0]
+        except OSError:
+            return "Z"
+    while state() != "S" or "fp3" not in pathlib.Path(f"/proc/{rank}/cmdline").read_text(encoding="ascii").split("\0")[0] \
+            or not any(path.exists() and os.readlink(path).endswith("/pipe") for path in pathlib.Path(f"/proc/{rank}/fd").iterdir()):
+        assert state() != "Z"
+        time.sleep(0.01)
+    start.kill()
+    start.wait()
+    end = time.monotonic() + 5
+    while state() != "Z":
+        assert time.monotonic() < end, "the rank goes on"
+        time.sleep(0.01)

@@ -100,6 +100,13 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     return FP3_OK;
 }
 
+fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_option *table,
+                               int argc, char *const *argv, const char *const *own,
+                               fp3_error *error) {
+    (void)ranks, (void)table, (void)argc, (void)argv, (void)own, (void)error;
+    return FP3_OK;
+}
+
 fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_error *error) {
     (void)ranks, (void)on, (void)error;
     return FP3_OK;
