@@ -356,6 +356,10 @@ PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS)
 test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length
 	@$(PYTEST) $(if $(LONG),--long) $(PYTEST_ARGS) tests
 
+.PHONY: fresh
+fresh: ## Run README's commands and every test in a bare Debian, as root: half an hour; ROOT=directory to keep, COMMAND="make setup all"
+	@tools/fresh.sh $(if $(ROOT),--root "$(ROOT)") $(if $(COMMAND),--command "$(COMMAND)")
+
 quick: all | need-test ## Run the tests that take seconds
 	@$(PYTEST) -m smoke $(PYTEST_ARGS) tests
 

@@ -1,7 +1,9 @@
 """What every test shares: where things are, and the closing line of `make test`."""
 
+import collections
 import os
 import pathlib
+import re
 import subprocess
 
 import pytest
@@ -74,10 +76,21 @@ def pytest_make_parametrize_id(val):
     return ascii(val[:40])[1:-1] + "..." if isinstance(val, (str, bytes)) and len(val) > 60 else None
 
 
+def wanted(reasons):
+    """What would run skipped tests: each `make setup-…` that the reasons name, with how many name it; and how many name none."""
+    found = [re.findall(r"\bsetup(?:-\w+)?\b", " ".join(re.findall(r"\bmake ([\w -]+)", reason))) for reason in reasons]
+    count = collections.Counter(setup for setups in found for setup in set(setups))
+    parts = [f"make {setup} ({count[setup]})" for setup in sorted(count)] + [f"other reasons ({found.count([])})"] * ([] in found)
+    return f"{len(reasons)} skipped, with their reasons above: " + ", ".join(parts)
+
+
 def pytest_unconfigure(config):
-    """The last line of all, `N passed, N failed`; an error in a fixture or a file is a failure."""
+    """The last lines: what was skipped, and `N passed, N failed`; an error in a fixture or a file is a failure."""
     reporter = config.pluginmanager.get_plugin("terminalreporter")
     if hasattr(config, "workerinput") or reporter is None or config.option.collectonly:
         return
+    skipped = [report.longrepr[2] for report in reporter.stats.get("skipped", ())]
+    if skipped:
+        print(wanted(skipped))
     count = {key: len(reporter.stats.get(key, ())) for key in ("passed", "failed", "error")}
     print(f"{count['passed']} passed, {count['failed'] + count['error']} failed", flush=True)

@@ -15,6 +15,7 @@
 #   tools/setup.sh --docs         ... and Graphviz, pikchr and WaveDrom for `make docs`
 #   tools/setup.sh --check TARGET installs nothing; fails and says what TARGET lacks
 #   tools/setup.sh --list         the packages, what each is for
+#   tools/setup.sh --table        for programs: which setup, a package or package==version in .venv/, how to see it is there
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -78,7 +79,7 @@ python3-setuptools   | python:setuptools | packages | ... with make inside
 python3-wheel        | python:wheel      | packages | ... and opens it again, for the licences of what is in it
 lintian              | lintian           | packages | knows what Debian asks of packages
 man-db               | man               | packages | shows the installed manual page
-mmdebstrap           | mmdebstrap        | packages | an empty Debian, in which they are installed (with --long)
+mmdebstrap           | mmdebstrap        | fresh | a bare Debian for make fresh; with --long packages are installed in one
 lld                  | ld.lld            | soc   | links programs for a RISC-V
 "
 # Debian 12's yosys is 0.23; the proofs need the IEEE 754 model that came with 0.69.
@@ -140,12 +141,40 @@ needs() {
     fuzz) echo 'sim fuzz clang' ;;
     soc) echo 'sim soc clang' ;;
     everywhere) echo 'sim smoke everywhere' ;;
-    packages) echo 'sim packages' ;;
+    packages) echo 'sim packages fresh' ;;
+    fresh) echo 'fresh' ;;
     playground) echo 'sim' ;;
     all) echo 'setup sim smoke test prove lint bench' ;;
     *) echo "setup.sh: unknown target '$1'" >&2 && exit 2 ;;
     esac
 }
+
+options='--fpga --boards --fuzz --soc --bench --cluster --view --everywhere --packages --playground --docs'
+
+# The targets for which an option installs Debian's packages; without an option it is `all`.
+targets_of() {
+    case $1 in
+    '') echo 'all' ;;
+    --bench) echo 'bodies plot' ;;
+    --fuzz | --soc | --cluster | --view | --everywhere | --packages | --docs) echo "${1#--}" ;;
+    esac
+}
+
+# What an option installs in .venv/.
+pins_of() {
+    case $1 in
+    '') echo "$yosys" && pins_in "$libraries" ;;
+    --fpga) echo "$nextpnr $placers" ;;
+    --boards) echo "$nextpnr $placers $packer" ;;
+    --soc) pins_in "$soc_libraries" ;;
+    --packages) echo "$wheel_tools" ;;
+    --everywhere | --playground) echo "$zig" ;;
+    --docs) echo "$docs_tools" ;;
+    esac
+}
+
+# The first column of a table of Python packages.
+pins_in() { echo "$1" | sed -n 's/^\([^ ]*\) *|.*/\1/p'; }
 
 present() {
     case $1 in
@@ -226,6 +255,7 @@ check() {
         bitstream) echo "Run: make setup-boards" ;;
         fuzz | soc | cluster | everywhere | view | packages | playground | docs) echo "Run: make setup-$1" ;;
         plot) echo "Run: make setup-bench" ;;
+        fresh) echo "Run: make setup-packages" ;;
         *) echo "Run: make setup" ;;
         esac
     } >&2
@@ -275,10 +305,10 @@ install_python() {
     $venv/bin/python -m pip install --quiet --disable-pip-version-check --use-pep517 "$@"
 }
 
-# Argument: a table of Python packages.
-install_libraries() {
-    local pins
-    pins=$(missing_libraries "$1" | sed 's/ .*//')
+# Arguments: package==version, what is already there included. What is in one line is installed together.
+install_missing() {
+    local pin pins=
+    for pin in "$@"; do pinned "$pin" || pins="$pins $pin"; done
     # shellcheck disable=SC2086  (one word per package)
     [ -z "$pins" ] || install_python $pins
 }
@@ -310,28 +340,37 @@ case ${1:-} in
     echo "$libraries$soc_libraries" | sed -n 's/^\([^= ]*\)==[^|]*| /\1: /p'
     ;;
 --check) check "${2:?--check needs a target}" ;;
+--table)
+    for option in '' $options; do
+        setup="setup${option:+-${option#--}}"
+        groups=$(for target in $(targets_of "$option"); do needs "$target"; done)
+        echo "$packages" | while IFS='|' read -r package probe group reason; do
+            case " ${groups//$'\n'/ } " in
+            *" ${group// /} "*) [ -z "$reason" ] || echo "$setup ${package// /} ${probe// /}" ;;
+            esac
+        done
+        for pin in $(pins_of "$option"); do echo "$setup $pin pip"; done
+    done
+    ;;
 '' | --fpga | --boards | --fuzz | --soc | --bench | --cluster | --view | --everywhere | --packages | --playground | --docs)
-    install_packages all $([ "${1:-}" != --fuzz ] || echo fuzz) $([ "${1:-}" != --soc ] || echo soc) $([ "${1:-}" != --bench ] || echo bodies plot) $([ "${1:-}" != --cluster ] || echo cluster) $([ "${1:-}" != --view ] || echo view) $([ "${1:-}" != --everywhere ] || echo everywhere) $([ "${1:-}" != --packages ] || echo packages) $([ "${1:-}" != --docs ] || echo docs)
+    # shellcheck disable=SC2046  (one word per target)
+    install_packages all $([ -z "${1:-}" ] || targets_of "$1")
     # The simulator does not need yosys: without it the targets that do will say so themselves.
     install_pinned "$yosys" || {
         echo "Could not install $yosys, which make prove, make test and make synth need." >&2
         [ "${1:-}" != --fpga ] && [ "${1:-}" != --boards ]
     }
-    install_libraries "$libraries" || echo "Could not install the Python packages that make test needs." >&2
-    case ${1:-} in
-    --fpga | --boards) for pin in $nextpnr $placers; do install_pinned "$pin" || exit 1; done ;;
-    esac
-    [ "${1:-}" != --boards ] || pinned "$packer" || install_python "$packer"
-    [ "${1:-}" != --soc ] || install_libraries "$soc_libraries"
+    # shellcheck disable=SC2046  (one word per package)
+    install_missing $(pins_in "$libraries") || echo "Could not install the Python packages that make test needs." >&2
+    if [ -n "${1:-}" ]; then
+        for pin in $(pins_of "$1"); do
+            case $pin in yowasp-*) install_pinned "$pin" || exit 1 ;; esac
+        done
+        # shellcheck disable=SC2046
+        install_missing $(pins_of "$1")
+    fi
     [ "${1:-}" != --bench ] || install_peers
-    # shellcheck disable=SC2086  (one word per package)
-    [ "${1:-}" != --packages ] || { pinned "${wheel_tools%% *}" && pinned "${wheel_tools##* }"; } || install_python $wheel_tools
-    case ${1:-} in
-    --everywhere | --playground) pinned "$zig" || install_python "$zig" ;;
-    # shellcheck disable=SC2086  (one word per package)
-    --docs) for pin in $docs_tools; do pinned "$pin" || { install_python $docs_tools && break; } || exit 1; done ;;
-    esac
     echo "Everything is in place."
     ;;
-*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --cluster | --view | --everywhere | --packages | --playground | --docs | --check TARGET | --list]" >&2 && exit 2 ;;
+*) echo "usage: tools/setup.sh [--fpga | --boards | --fuzz | --soc | --bench | --cluster | --view | --everywhere | --packages | --playground | --docs | --check TARGET | --list | --table]" >&2 && exit 2 ;;
 esac

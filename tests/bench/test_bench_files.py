@@ -67,7 +67,7 @@ class Page(html.parser.HTMLParser):
             self.notes[-1][0] += text
 
 
-@pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot")
+@pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot: make setup")
 def test_a_table_and_a_picture(bench, tmp_path):
     done = bench("oscillator", "-i", "rk4", "--quick", "--json", tmp_path / "a.json", "--csv", tmp_path / "a.csv",
                  "--plot", tmp_path / "a.svg", "--html", tmp_path / "a.html")
@@ -120,7 +120,7 @@ REFUSED = {("--plot", "a.pdf"): "a.pdf: expected the name of a picture that ends
            ("--html", "programs/oscillator.ode"): "--html programs/oscillator.ode would overwrite MODEL"}
 
 
-@pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot")
+@pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot: make setup")
 @pytest.mark.parametrize("arguments", REFUSED)
 def test_a_picture_is_refused_before_the_work(bench, arguments):
     done = bench("oscillator", "--quick", *arguments)

@@ -54,7 +54,7 @@ def kill(going, chance, on):
 def test_kills(command, start, world, ranks, tmp_path, long, on):
     """Of a divided run one process, which makes mpirun end the others."""
     if on not in ranks:
-        pytest.skip("no mpirun, or no fp3_mpi.so")
+        pytest.skip("no mpirun, or no fp3_mpi.so: make setup-cluster all")
     chance = random.Random(on)
     run = (*world("cloth"), "--steps", STEPS[on], "-e")
     whole = start("run", *run, "fast", "--checkpoint", "whole.ck", "--checkpoint-every", 10)

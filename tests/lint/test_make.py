@@ -82,13 +82,16 @@ def test_goals_that_need_each_other_run_in_the_order_given(root, tmp_path, goals
     assert make(tmp_path, "-j4", *goals).stdout.split() == ["did", goals[0], "did", goals[1]]
 
 
-# A test file, and the closing line and success that must follow.
+# A test file, and the closing lines and success that must follow.
 RUNS = {
     "pass": ("def test_a(): pass\ndef test_b(): pass\n", "2 passed, 0 failed", True),
     "fail": ("def test_a(): pass\ndef test_b(): assert 1 == 2\n", "1 passed, 1 failed", False),
     "error": ("import pytest\n@pytest.fixture\ndef x(): 1 / 0\ndef test_a(x): pass\n", "0 passed, 1 failed", False),
     "broken": ("import no_such_module\n", "0 passed, 1 failed", False),
     "none": ("", "0 passed, 0 failed", False),
+    "skip": ("import pytest\n@pytest.mark.parametrize('why', ['no mouse: make setup-view all', 'nothing here', 'make setup-view setup-docs'])\n"
+             "def test_a(why): pytest.skip(why)\ndef test_b(): pass\n",
+             "3 skipped, with their reasons above: make setup-docs (1), make setup-view (2), other reasons (1)\n1 passed, 0 failed", True),
 }
 
 
@@ -103,7 +106,7 @@ def test_the_closing_line_counts_errors_as_failures(root, tmp_path, run, workers
     (tests / "test_it.py").write_text(text)
     done = subprocess.run([sys.executable, "-m", "pytest", "-n", workers, "tests"], cwd=tmp_path,
                           capture_output=True, text=True, timeout=120)
-    assert done.stdout.splitlines()[-1] == line
+    assert done.stdout.endswith(f"\n{line}\n"), done.stdout
     assert (done.returncode == 0) == success
 
 

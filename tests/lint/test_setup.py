@@ -105,6 +105,35 @@ def test_some_targets_point_to_their_own_setup(machine, target, setup, lacks):
     assert done.returncode != 0 and f"Run: make {setup}\n" in done.stderr and f"  {lacks} - " in done.stderr
 
 
+@pytest.mark.parametrize("user, says", [("1000", "fresh.sh: a bare Debian is mounted and entered as root"), ("0", "  mmdebstrap - a bare Debian")])
+def test_a_bare_debian_needs_root_and_mmdebstrap(machine, user, says):
+    machine.command("id", f"echo {user}")
+    done = machine.run("tools/fresh.sh")
+    assert done.returncode == 1 and says in done.stderr and done.stdout == "", done.stderr
+
+
+def test_a_bare_debian_gets_the_commands_of_readme(root, tmp_path):
+    """What makes and enters it is pretended; the end of what runs there is the end of all."""
+    tree = tmp_path / "tree"
+    for folder in (tree / "tools", tmp_path / "bare/etc", tmp_path / "bare/usr/local/share"):
+        folder.mkdir(parents=True)
+    for name in ("README.md", "tools/fresh.sh", "tools/setup.sh"):
+        shutil.copy(root / name, tree / name)
+    machine = Machine(tree, tmp_path)
+    for name in ("xargs", "tee", "cp"):
+        (machine.bin / name).symlink_to(shutil.which(name))
+    machine.command("id", "echo 0")
+    for name in ("mmdebstrap", "apt-config", "git"):
+        machine.command(name)
+    machine.command("unshare", 'while [ "$1" != run ]; do shift; done; shift; for one; do echo "in it: $one"; done; exit 5')
+    done = machine.run("tools/fresh.sh", "--root", str(tmp_path / "bare"))
+    assert done.returncode == 5, done.stderr
+    assert f" bookworm {tmp_path}/bare" in machine.calls("mmdebstrap")[0]
+    said = [line.removeprefix("in it: ").partition("#")[0].strip() for line in done.stdout.splitlines()]
+    assert said == ["apt-get update && apt-get install -y git make", "make setup all", "build/fp3 run programs/ship.ode --steps 60", "make setup test"]
+    assert (tree / "build/fresh.log").read_text() == done.stdout
+
+
 def test_list_gives_each_package_a_reason(root):
     done = subprocess.run(["tools/setup.sh", "--list"], cwd=root, capture_output=True, text=True, timeout=60)
     rows = [line.split(": ", 1) for line in done.stdout.splitlines()]

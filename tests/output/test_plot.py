@@ -9,7 +9,7 @@ import xml.etree.ElementTree as xml
 
 import pytest
 
-pytestmark = pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot")
+pytestmark = pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot: make setup")
 SVG = "{http://www.w3.org/2000/svg}"
 
 

@@ -132,7 +132,7 @@ def test_hdf5_tells_who_lives(scene, tmp_path):
 
 def test_pictures_tell_who_lives(scene, tmp_path):
     if not shutil.which("gnuplot"):
-        pytest.skip("gnuplot is not there")
+        pytest.skip("needs gnuplot: make setup")
     (tmp_path / "decay.ode").write_text(DECAY)
     scene(file("many_full", 4, group("decay.ode", 1, "born = 2;")), "--every", 1, "--plot", "x.svg")
     text = re.sub("<[^>]*>", "", (tmp_path / "x.svg").read_text())

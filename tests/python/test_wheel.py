@@ -25,8 +25,8 @@ def clean():
 
 @pytest.fixture(scope="module")
 def wheel(root, clean, tmp_path_factory):
-    pytest.importorskip("setuptools")
-    pytest.importorskip("wheel")
+    pytest.importorskip("setuptools", reason="no setuptools: make setup-packages installs it")
+    pytest.importorskip("wheel", reason="no wheel: make setup-packages installs it")
     where = tmp_path_factory.mktemp("wheel")
     before = set(root.iterdir())
     succeeds(sys.executable, "-m", "pip", "wheel", root, "--no-build-isolation", "--no-deps", "--no-index", "-w", where, env=clean)
