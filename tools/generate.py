@@ -21,7 +21,7 @@ sys.dont_write_bytecode = True  # nothing but what it generates appears in the t
 
 from fp3gen import c, decode, families, fusesoc, host, pages, parameters, python, rdl, registers, timing, verilog
 from fp3gen.check import Bad
-from fp3gen.read import load
+from fp3gen.read import load, version
 from fp3gen.text import MARK, licensed
 
 
@@ -45,7 +45,7 @@ def outputs(root):
         "rtl/gen/events.vh": host.events_verilog(regs),
         "rtl/gen/fp3.rdl": rdl.rdl_file(isa, regs, known, configs, parameters.default_row(known)),
         "rtl/gen/files.f": fusesoc.file_list(root),
-        "fp3.core": fusesoc.core_file(root, configs),
+        "fp3.core": fusesoc.core_file(root, version(root), configs),
         "sw/include/fp3/isa.h": c.isa_c(isa, regs),
         "sw/gen/operations.h": c.operations_c(isa, registers.exceptions(regs)),
         "rtl/gen/estimates.vh": verilog.estimates_verilog(),

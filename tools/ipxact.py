@@ -24,7 +24,7 @@ sys.dont_write_bytecode = True
 
 from fp3gen import fusesoc, verilog
 from fp3gen.check import Bad
-from fp3gen.read import load
+from fp3gen.read import load, version
 
 try:
     from peakrdl_ipxact import IPXACTExporter
@@ -33,7 +33,9 @@ except ImportError as error:
     sys.exit(f"ipxact.py: {error}: run make setup, and this with .venv/bin/python")
 
 SPACE = "ipxact:"
-IDENTITY = {"vendor": "fp3", "library": "fp3", "version": "0"}  # as in fp3.core
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+IDENTITY = {"vendor": "fp3", "library": "fp3", "version": ".".join(map(str, version(ROOT)))}  # as in fp3.core
+LICENCE = " SPDX-License-Identifier: Apache-2.0 "  # the schema has no element for it
 AXI = {"vendor": "amba.com", "library": "AMBA4", "name": "AXI4-Lite", "version": "r0p0"}
 
 
@@ -142,27 +144,27 @@ def component(compiler, root, row, regs, folder):
 
     body.appendChild(writer.files(seen(fusesoc.headers(root)), seen([*fusesoc.rtl_sources(root, "*.v"), f"gen/fp3_{row['name']}.v"])))
     body.appendChild(writer.element("description", row["doc"]))
+    doc.insertBefore(doc.createComment(LICENCE), body)
     return doc.toprettyxml(indent="  ", encoding="UTF-8")
 
 
 def main():
-    root = pathlib.Path(__file__).resolve().parents[1]
     parser = argparse.ArgumentParser(description="IP-XACT components of the configurations")
     parser.add_argument("configs", nargs="*", help="which; all of them if none is named")
-    parser.add_argument("--output", type=pathlib.Path, default=root / "build/ipxact", help="the folder (build/ipxact)")
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/ipxact", help="the folder (build/ipxact)")
     args = parser.parse_args()
     try:
-        machine = load(root)
+        machine = load(ROOT)
         unknown = sorted(set(args.configs) - {row["name"] for row in machine.configs})
         if unknown:
             raise Bad(f"there is no configuration {unknown[0]}")
         compiler = RDLCompiler()
-        compiler.compile_file(str(root / "rtl/gen/fp3.rdl"))
+        compiler.compile_file(str(ROOT / "rtl/gen/fp3.rdl"))
         args.output.mkdir(parents=True, exist_ok=True)
         for row in machine.configs:
             if not args.configs or row["name"] in args.configs:
                 path = args.output / f"fp3_{row['name']}.xml"
-                path.write_bytes(component(compiler, root, row, machine.registers, args.output.resolve()))
+                path.write_bytes(component(compiler, ROOT, row, machine.registers, args.output.resolve()))
                 print(f"wrote {path}")
     except (Bad, OSError, RDLCompileError) as error:
         sys.exit(f"ipxact.py: {error}")

@@ -95,7 +95,7 @@ static fp3_status load(void) {
 static fp3_status start(void) {
     is_ended = 0;
     handled = FP3_OK;
-    const fp3_status status = fp3_bare_interrupt(&fp3, FP3_ALL, 1);
+    const fp3_status status = fp3_bare_interrupt(&fp3, FP3_ALL, FP3_BARE_ON_END);
     return status ? status : fp3_bare_start(&fp3, FP3_ALL, STEPS, 0, 0);
 }
 

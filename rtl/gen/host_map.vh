@@ -4,7 +4,7 @@
 // verilator lint_off UNUSEDPARAM
 // By the number of a register, its address / 4: whether it can be read, and written.
 localparam integer REGISTER_COUNT = 32;
-localparam [31:0] READABLE = 32'h00073faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
+localparam [31:0] READABLE = 32'h00873faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
 localparam [31:0] WRITABLE = 32'h00020f10 | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
 // The settings of a run: how many bits each keeps (0: it is no setting), where they are in SETTINGS, what is
 // subtracted from the word, and what is kept after a reset.
@@ -50,8 +50,9 @@ localparam [31:0] REGISTER_FEATURES = (CHAIN & 1) << 0 | (BYPASS & 1) << 1 | (WR
 localparam [31:0] REGISTER_ARRAY = (TILES & 255) << 0 | (SCHEDULERS & 255) << 8 | (LANES & 255) << 16;
 localparam [31:0] REGISTER_STORE = STORE_WORDS;
 localparam [31:0] REGISTER_FEATURES_MORE = (NEIGHBOURS & 1) << 0 | (EXCHANGE & 1) << 1 | (FINITE & 1) << 2 | (FUSED & 1) << 3 | (LOGARITHMIC & 1) << 4 | ((32'd23 - FRACTION) & 31) << 5 | (STORAGE & 3) << 10 | (MIXED & 1) << 12;
+localparam [31:0] REGISTER_VERSION = (32'd0 & 255) << 0 | (32'd1 & 255) << 8 | (32'd0 & 65535) << 16;
 localparam [1023:0] SHOWN = {
-    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0,
+    32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_VERSION, 32'd0, 32'd0, 32'd0, 32'd0,
     REGISTER_FEATURES_MORE, 32'd0, 32'd0, 32'd0, 32'd0, REGISTER_STORE, REGISTER_ARRAY, 32'd0, 32'd0, 32'd0, 32'd0,
     32'd0, 32'd0, 32'd0, 32'd0, REGISTER_FEATURES, REGISTER_MEMORY, REGISTER_SHAPE, REGISTER_ID};
 // verilator lint_on UNUSEDPARAM

@@ -104,6 +104,7 @@ module host_port #(
     reg [PROGRAM_W-1:0] fault_q;
     reg [4:0]           flags_q;
     reg                 irq_enable_q, ended_q;
+    reg                 irq_enable_failed_q, failed_q;
 
     // Whether an access to a register has a meaning: its address is looked at first, then what happens now. That keeps
     // the path short.
@@ -171,6 +172,8 @@ module host_port #(
         if (NEIGHBOURS != 0) words[8*ADDR_HALF + HALF_UPPER_LO +: 1] = half_i;
         words[8*ADDR_INTERRUPT + INTERRUPT_ENABLE_LO +: 1] = irq_enable_q;
         words[8*ADDR_INTERRUPT + INTERRUPT_ENDED_LO +: 1]  = ended_q;
+        words[8*ADDR_INTERRUPT + INTERRUPT_ENABLE_FAILED_LO +: 1] = irq_enable_failed_q;
+        words[8*ADDR_INTERRUPT + INTERRUPT_FAILED_LO +: 1]        = failed_q;
     end
 
     // What was decoded is executed in the next cycle. A run may end in between, and nothing else
@@ -265,6 +268,15 @@ module host_port #(
             if (to_interrupt) irq_enable_q <= wdata_q[INTERRUPT_ENABLE_LO];
         end
 
+    // A host that sleeps wants to hear of an overflow and of an invalid operation before the run ends.
+    always @(posedge clk_i)
+        if (rst_i) {irq_enable_failed_q, failed_q} <= 2'd0;
+        else begin
+            if (flags_i[FLAGS_OVERFLOW_LO] || flags_i[FLAGS_INVALID_LO])         failed_q <= 1'b1;
+            else if (start || (to_interrupt && wdata_q[INTERRUPT_FAILED_LO])) failed_q <= 1'b0;
+            if (to_interrupt) irq_enable_failed_q <= wdata_q[INTERRUPT_ENABLE_FAILED_LO];
+        end
+
     assign {access_o, write_o, space_o, addr_o} = {access_q, writes_q, space_q, address_q};
     assign program_write_o  = load_q;
     assign program_addr_o   = address_q[PROGRAM_W-1:0];
@@ -274,7 +286,7 @@ module host_port #(
         .clk_i(clk_i), .clear_i(rst_i || clear_q), .event_i(events_i),
         .read_i(ours_q), .index_i(counter_q), .high_i(counters_high_q), .value_o(count));
 
-    assign irq_o       = irq_enable_q && ended_q;
+    assign irq_o       = (irq_enable_q && ended_q) || (irq_enable_failed_q && failed_q);
 
 `ifdef FP3_CHECK
     // A register, counter or constant is alone.

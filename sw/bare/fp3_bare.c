@@ -383,10 +383,12 @@ fp3_status fp3_bare_stop(fp3_bare *fp3, uint32_t scheduler) {
                                     : FP3_E_ARGUMENT;
 }
 
-fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, int is_enabled) {
+fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, unsigned events) {
     return is_there(fp3, scheduler)
                ? put(fp3, scheduler, FP3_ADDR_INTERRUPT,
-                     BIT(INTERRUPT_ENDED) | (is_enabled ? BIT(INTERRUPT_ENABLE) : 0))
+                     BIT(INTERRUPT_ENDED) | BIT(INTERRUPT_FAILED) |
+                         (events & FP3_BARE_ON_END ? BIT(INTERRUPT_ENABLE) : 0) |
+                         (events & FP3_BARE_ON_FAILURE ? BIT(INTERRUPT_ENABLE_FAILED) : 0))
                : FP3_E_ARGUMENT;
 }
 

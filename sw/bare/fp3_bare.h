@@ -126,9 +126,12 @@ fp3_status fp3_bare_wait(fp3_bare *fp3, uint32_t scheduler, uint32_t polls,
                          fp3_bare_outcome *outcome);
 /* Ends a run early; wait for it. All that is in flight retires first. */
 fp3_status fp3_bare_stop(fp3_bare *fp3, uint32_t scheduler);
-/* Takes the interrupt back, and lets the next end of a run raise it or not. Before start. */
-fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, int is_enabled);
-/* What a handler of the interrupt calls: takes it back and reads the status. The first scheduler that ends raises it:
+/* What raises the interrupt: 0, or these added. A failure is an overflow or an invalid operation, by any object, in the
+ * middle of a run or not; FP3_ADDR_FLAGS says which, and fp3_bare_read_status of which object. */
+enum { FP3_BARE_ON_END = 1, FP3_BARE_ON_FAILURE = 2 };
+/* Takes the interrupt back, and says what raises the next one. Before start. */
+fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, unsigned events);
+/* What a handler of the interrupt calls: takes it back and reads the status. A failure raises no other until it is asked for again. The first scheduler that ends raises it:
  * while *outcome is FP3_BARE_RUNNING the end of another one will raise it again, else nothing does until the next start. */
 fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome);
 

@@ -28,6 +28,7 @@
 #define FP3_ADDR_PUBLISHED_MORE 0x0050u
 #define FP3_ADDR_HALF           0x0054u
 #define FP3_ADDR_COPIES         0x0058u
+#define FP3_ADDR_VERSION        0x005cu
 #define FP3_ADDR_SEED           0x0060u
 #define FP3_ADDR_FIRST          0x0064u
 #define FP3_ADDR_STRIDE         0x0068u
@@ -112,6 +113,10 @@
 #define FP3_INTERRUPT_ENABLE_LO          0
 #define FP3_INTERRUPT_ENDED_HI           1
 #define FP3_INTERRUPT_ENDED_LO           1
+#define FP3_INTERRUPT_ENABLE_FAILED_HI   2
+#define FP3_INTERRUPT_ENABLE_FAILED_LO   2
+#define FP3_INTERRUPT_FAILED_HI          3
+#define FP3_INTERRUPT_FAILED_LO          3
 #define FP3_FEATURES_MORE_NEIGHBOURS_HI  0
 #define FP3_FEATURES_MORE_NEIGHBOURS_LO  0
 #define FP3_FEATURES_MORE_EXCHANGE_HI    1
@@ -130,6 +135,12 @@
 #define FP3_FEATURES_MORE_MIXED_LO       12
 #define FP3_HALF_UPPER_HI                0
 #define FP3_HALF_UPPER_LO                0
+#define FP3_VERSION_PATCH_HI             7
+#define FP3_VERSION_PATCH_LO             0
+#define FP3_VERSION_MINOR_HI             15
+#define FP3_VERSION_MINOR_LO             8
+#define FP3_VERSION_MAJOR_HI             31
+#define FP3_VERSION_MAJOR_LO             16
 #define FP3_COPIES_ROW_HI                19
 #define FP3_COPIES_ROW_LO                0
 #define FP3_COPIES_LANE_HI               25

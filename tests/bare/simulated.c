@@ -95,7 +95,7 @@ static int is_interrupted(const fp3_bare *fp3, board *b) {
 static void take_interrupts(fp3_bare *fp3, board *b) {
     fp3_bare_outcome outcome = FP3_BARE_RUNNING;
     unsigned times = 0;
-    EXPECT(!fp3_bare_list(fp3, FP3_ALL, 1) && !fp3_bare_interrupt(fp3, FP3_ALL, 1));
+    EXPECT(!fp3_bare_list(fp3, FP3_ALL, 1) && !fp3_bare_interrupt(fp3, FP3_ALL, FP3_BARE_ON_END));
     EXPECT(!fp3_bare_start(fp3, FP3_ALL, 1000, 0, 0));
     for (; outcome == FP3_BARE_RUNNING; times++) {
         for (unsigned polls = 0; !is_interrupted(fp3, b); polls++)

@@ -82,13 +82,13 @@ def of_an_object(chance):
 
 def never_read(chance):
     return chance.choice((AT["control"], AT["program"] + 4 * chance.randrange(WORDS), AT["constants"] + 4 * REGISTERS,
-                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19), 0x4c + 4 * chance.randrange(13),
-                          0x400000 + 4 * chance.randrange(1 << 20)))
+                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19),
+                          chance.choice([at for at in range(0x4c, 0x80, 4) if at != AT["version"]]), 0x400000 + 4 * chance.randrange(1 << 20)))
 
 
 def never_written(chance):
-    return chance.choice((AT["id"], AT["shape"], AT["status"], AT["fault"], AT["flags"], AT["array"], AT["features_more"], 0x80 + 4 * chance.randrange(26),
-                          AT["program"] + 4 * (WORDS + chance.randrange(99)), AT["size"] + 0x10000 * chance.randrange(1, 32),
+    return chance.choice((AT["id"], AT["shape"], AT["status"], AT["fault"], AT["flags"], AT["array"], AT["features_more"], AT["version"],
+                          0x80 + 4 * chance.randrange(26), AT["program"] + 4 * (WORDS + chance.randrange(99)), AT["size"] + 0x10000 * chance.randrange(1, 32),
                           AT["constants"] + 4 * REGISTERS, 0xc00000 + NOWHERE + 4 * chance.randrange(1 << 19),
                           *([] if RUN["store"] else [AT["wake"], AT["visit"], 0xc00000 + 4 * chance.randrange(1 << 20)])))
 
@@ -202,6 +202,29 @@ async def right_run(cpu, dut, quiet):
     assert dut.irq.value == 0 and await cpu.get(AT["interrupt"]) == 0
 
 
+async def a_failure_interrupts(cpu, dut):
+    """Of numbers that are too large, long before the run ends; the write that disables it takes it back."""
+    await load(cpu)
+    for address in (address for address, _ in RUN["setup"] if address >= OBJECTS):
+        await cpu.put(address, 0x7f7fffff)
+    await cpu.put(AT["steps"], 0xffffffff)
+    await cpu.put(AT["interrupt"], 0xe)
+    await cpu.put(AT["control"], 1)
+    for _ in range(100):
+        if dut.irq.value == 1:
+            break
+        await ClockCycles(dut.s_axi_aclk, 100)
+    assert dut.irq.value == 1 and await cpu.get(AT["status"]) == 1 and await cpu.get(AT["interrupt"]) == 0xc
+    await cpu.put(AT["interrupt"], 0)
+    await ClockCycles(dut.s_axi_aclk, 3)
+    assert dut.irq.value == 0
+    await cpu.put(AT["control"], 2)
+    while await cpu.get(AT["status"]) & 1:
+        pass
+    await cpu.put(AT["interrupt"], 0xa)
+    assert await cpu.get(AT["interrupt"]) == 0
+
+
 @cocotb.test()
 async def attack(dut):
     chance = random.Random(SEED)
@@ -220,4 +243,5 @@ async def attack(dut):
         cpu.words.clear()
         for quiet in (True, False):
             await right_run(cpu, dut, quiet)
+    await a_failure_interrupts(cpu, dut)
     dut._log.info("%d transfers answered as they must be", cpu.count)

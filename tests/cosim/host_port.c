@@ -112,6 +112,7 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_MEMORY, READ},
                      {FP3_ADDR_FEATURES, READ},
                      {FP3_ADDR_FEATURES_MORE, READ},
+                     {FP3_ADDR_VERSION, READ},
                      {FP3_ADDR_CONTROL, WRITE},
                      {FP3_ADDR_STATUS, READ},
                      {FP3_ADDR_FAULT, READ},
@@ -631,6 +632,34 @@ static void an_end_is_kept_until_it_is_seen(bench *b) {
     want(b, "a stop is an end:", FP3_ADDR_INTERRUPT, ended);
 }
 
+/* failed: set by an overflow; gone when the host writes 1 there, and with the next start. */
+static void a_failure_is_kept_until_it_is_seen(bench *b) {
+    const uint32_t enable = 1u << FP3_INTERRUPT_ENABLE_FAILED_LO,
+                   ended = 1u << FP3_INTERRUPT_ENDED_LO;
+    const uint32_t failed = 1u << FP3_INTERRUPT_FAILED_LO, large = 0x7f7f0000u;
+    const uint32_t fails = 1u << FP3_FLAGS_OVERFLOW_LO | 1u << FP3_FLAGS_INVALID_LO;
+    for (int i = 0; i < 4; i++) {
+        const uint32_t enabled = i % 2 ? enable : 0, word = i < 2 ? large : 0;
+        load(b, 1);
+        must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS, word);
+        must(b, "a register", in_space(0, FP3_SPACE_OBJECTS, 1), word);
+        must(b, "enable", FP3_ADDR_INTERRUPT, ended | enabled);
+        must(b, "a start", FP3_ADDR_CONTROL, start);
+        b->ops->clock(b->rtl, 10000, 100);
+        const uint32_t is_failed = get(b, FP3_ADDR_FLAGS) & fails ? failed : 0;
+        const int is_binary32 =
+            !b->config->logarithmic && !b->config->storage && !b->config->finite;
+        if (b->config->flags && is_binary32 && !is_failed != (i >= 2))
+            fail(b, "a sum of large numbers: flags", FP3_ADDR_FLAGS, is_failed, fails);
+        want(b, "a failure:", FP3_ADDR_INTERRUPT, ended | enabled | is_failed);
+        must(b, "a write of 0 there keeps it", FP3_ADDR_INTERRUPT, ended);
+        want(b, "not seen yet:", FP3_ADDR_INTERRUPT, is_failed);
+        if (i == 0)
+            must(b, "seen", FP3_ADDR_INTERRUPT, failed);
+        want(b, "seen, or the next start clears it:", FP3_ADDR_INTERRUPT, i == 0 ? 0 : is_failed);
+    }
+}
+
 /* What the isa engine, which takes them for illegal before they are loaded, cannot be asked. */
 static void what_is_left_out_is_illegal(bench *b) {
     for (uint32_t i = 0; i < fp3_operation_count; i++) {
@@ -684,6 +713,7 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     a_running_machine_guards_its_memories(&b);
     a_run_has_one_outcome(&b);
     an_end_is_kept_until_it_is_seen(&b);
+    a_failure_is_kept_until_it_is_seen(&b);
     what_is_left_out_is_illegal(&b);
     sweep(&b, 0);
     ops->close(b.rtl);

@@ -1,5 +1,6 @@
 """The generated files are fresh, and a mistake in isa/*.toml is reported with its file and place."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -73,6 +74,19 @@ def test_a_new_module_reaches_the_core_file(copy):
     assert "      - rtl/lib/novel.v\n" in (copy / "fp3.core").read_text()
 
 
+def test_the_version_stands_once(copy):
+    """In status.h; register, map and core follow it."""
+    status = copy / "sw/include/fp3/status.h"
+    status.write_text(re.sub(r'(#define FP3_VERSION) ".*"', r'\1 "7.8.9"', status.read_text()))
+    said = generate(copy).stdout
+    assert "wrote rtl/gen/host_map.vh" in said and "wrote rtl/gen/fp3.rdl" in said
+    assert (copy / "fp3.core").read_text().splitlines()[2:5] == ["name: fp3:fp3:fp3:7.8.9", "description: A field-programmable physics processor",
+                                                                 "license: Apache-2.0"]
+    assert "REGISTER_VERSION = (32'd9 & 255) << 0 | (32'd8 & 255) << 8 | (32'd7 & 65535) << 16;" in (copy / "rtl/gen/host_map.vh").read_text()
+    status.write_text(status.read_text().replace('"7.8.9"', '"7.8"'))
+    assert "status.h: there must be a line" in generate(copy, "--check").stderr
+
+
 @pytest.mark.parametrize("old, new, message", [
     ('"rk38", ', "", "rk38: in no family"), ('"rk38"', '"rk39"', "rk38: in no family"), ('"rk38"', '"rk38", "rk39"', "rk39: no such integrator"),
     ('"rk6"', '"rk4"', "'rk4' is in 'Runge-Kutta, order 4' and in 'Runge-Kutta, order 5 to 8'"), ('"#d55e00"', '"red"', "'Runge-Kutta, order 4': found colour 'red'"),
@@ -138,7 +152,7 @@ MISTAKES = [
     ("registers.toml", 'access = "wo"\nstream = true\ndoc = "Instruction', 'access = "wo"\ndoc = "Instruction', "'awake' has no address bit that says that it streams"),
     ("registers.toml", "at = 0x0024", "at = 0x0f00", "'step' at 0x0f00 is not below the counters"),
     ("registers.toml", "reset = 3", "reset = 8", "register 'record': 'reset' must be the value of its only field"),
-    ("registers.toml", 'ended = "enable" }', 'ended = "enabled" }', "register 'interrupt': 'interrupt' names 'enabled', which is no field"),
+    ("registers.toml", 'ended = "enable",', 'ended = "enabled",', "register 'interrupt': 'interrupt' names 'enabled', which is no field"),
     ("configs.toml", "mul_latency = 13", "mul_latency = 1", "config 'paper': mul_latency 1 is less than"),
     ("configs.toml", "mul_cuts = 0x04", "mul_cuts = 0x8000", "config 'single': mul_cuts = 0x8000 is not in 0x0000 .. 0x"),
     ("configs.toml", "chain = 0", "chain = 2", "config 'paper': chain = 2 is not in 0 .. 1"),

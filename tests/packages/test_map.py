@@ -72,6 +72,9 @@ def expected(root, name):
             pairs = {key: known["feature"] for key, known in configs["key"].items() if known.get("feature", [0])[0] >= 32}
             row["fields"] = {key: [high - 32, low - 32] for key, (high, low) in pairs.items()}
             row["shows"] = list(row["fields"])
+        if row["name"] == "version":
+            version = re.search(r'#define FP3_VERSION "(.*)"', (root / "sw/include/fp3/status.h").read_text())[1]
+            row["shows"] = [int(number) for number in reversed(version.split("."))]
         registers.append([row["name"], row["at"], sorted(fields(row, row.get("reset", 0)), key=lambda field: field[2])])
     for i, row in enumerate(regs["counter"]):
         for word, at in (("low", 0), ("high", 4)):
@@ -189,6 +192,9 @@ def test_ipxact_is_read_back(root, components, ipxact, name):
     found = ipxact[f"fp3_{name}"]
     assert found["errors"] == []
     compare(found, root, name, interrupts=False)
+    text = (components / f"fp3_{name}.xml").read_text()
+    version = re.search(r'#define FP3_VERSION "(.*)"', (root / "sw/include/fp3/status.h").read_text())[1]
+    assert "<!-- SPDX-License-Identifier: Apache-2.0 -->" in text and f"<ipxact:version>{version}</ipxact:version>" in text
     assert found["interfaces"] == INTERFACES
     module = (root / f"rtl/gen/fp3_{name}.v").read_text()
     assert found["ports"] == re.findall(r"^    (?:input|output) +wire .*?(\w+),?$", module, re.M)

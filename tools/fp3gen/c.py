@@ -119,7 +119,8 @@ def registers_c(regs, revision):
     def at(address):
         return f"0x{address:04x}u"
 
-    shows = [(row, shown(row, regs, revision, "(config)->{}".format, "(({}) != 0)", "{}u")) for row in regs["register"] if "shows" in row]
+    shows = [(row, shown(row, regs, revision, "(config)->{}".format, "(({}) != 0)", "{}u")) for row in regs["register"]
+             if "shows" in row and row["name"] != "version"]
     return c_header("registers", "isa/registers.toml", [
         "/* Byte addresses of 32-bit words. */",
         *defines([(f"FP3_ADDR_{row['name'].upper()}", at(row["at"])) for row in regs["register"]]), "",

@@ -26,11 +26,11 @@ def file_list(root):
             "+incdir+rtl", *[f"rtl/{name}" for name in rtl_sources(root, "*.v")]]
 
 
-def core_file(root, configs):
+def core_file(root, version, configs):
     """FuseSoC's description: the modules that there are, a target for each configuration, and three that do something with one."""
     names = [row["name"] for row in configs]
     out = ["CAPI=2:", f"# {MARK.format(source='isa/configs.toml and the files in rtl/')}",
-           "name: fp3:fp3:fp3:0", "description: A field-programmable physics processor", "",
+           f"name: fp3:fp3:fp3:{'.'.join(map(str, version))}", "description: A field-programmable physics processor", "license: Apache-2.0", "",
            "filesets:", "  rtl:", "    file_type: verilogSource", "    files:"]
     # The sources say `include "gen/isa.vh"`, from rtl/.
     out += [f"      - rtl/{name}: {{is_include_file: true, include_path: rtl}}" for name in headers(root)]

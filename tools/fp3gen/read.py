@@ -1,12 +1,13 @@
 """Reads and checks isa/*.toml."""
 
+import re
 import tomllib
 from typing import NamedTuple
 
 from .check import Bad, keys
 from .configs import check_configs, check_keys
 from .isa import check_isa, PATHS
-from .registers import check_keys_named, check_registers, exceptions, show_keys
+from .registers import check_keys_named, check_registers, exceptions, show_keys, show_version
 from .timing import check_timing
 
 
@@ -29,10 +30,19 @@ def read(root, file):
         raise Bad(f"isa/{file}: {error}") from None
 
 
+def version(root):
+    """The project's, as status.h has it: the numbers of "0.1.0"."""
+    found = re.search(r'^#define FP3_VERSION "(\d+)\.(\d+)\.(\d+)"$', (root / "sw/include/fp3/status.h").read_text(encoding="utf-8"), re.M)
+    if not found:
+        raise Bad('sw/include/fp3/status.h: there must be a line #define FP3_VERSION "MAJOR.MINOR.PATCH"')
+    return [int(number) for number in found.groups()]
+
+
 def load(root):
     isa, regs, configs, timing = (read(root, f"{name}.toml") for name in ("isa", "registers", "configs", "timing"))
     keys(configs, "configs.toml", "top level", {"key": dict, "config": list})
     show_keys(regs, configs["key"])
+    show_version(regs, version(root))
     check_registers(regs, sorted(set(PATHS.values())))
     known = check_keys(configs["key"], regs, root)
     check_keys_named(regs, known)

@@ -119,6 +119,14 @@ def show_keys(regs, config_keys):
                     row["shows"] = [shows.get(name, less_than_full(config_keys, name)) for name in row["fields"]]
 
 
+def show_version(regs, version):
+    """Register `version` has a field for each number of it, the last one lowest."""
+    for row in regs.get("register", []):
+        if row.get("name") == "version":
+            need(len(row.get("fields", {})) == len(version), "registers.toml", "register 'version' must have a field for each number of the version")
+            row["shows"] = version[::-1]
+
+
 def less_than_full(config_keys, name):
     """What a field shows of a key: of one with `full` how much less it is."""
     full = config_keys[name].get("full") if name in config_keys else None
