@@ -443,6 +443,7 @@ class fp3_compile_def(Structure):
         ("observed", POINTER(c_char_p)),
         ("observed_count", c_size_t),
         ("finds_savings", c_int),
+        ("is_for_host", c_int),
     ]
 
 

@@ -31,6 +31,7 @@ class Program(Handle):
         definition = lib.default(d.fp3_program_def)
         definition.compile.arithmetic = find_arithmetic(how.arithmetic)
         definition.alone = b"many_full"
+        definition.compile.is_for_host = 1
         if how.method is not None:
             definition.integrator = name_bytes("method", how.method)
         if how.config is not None:

@@ -41,6 +41,7 @@ void fp3_batch_set_default(fp3_batch_def *def, size_t size) {
     def->engine = "fast";
     def->compile = fp3_compile_default();
     def->compile.config = NULL;
+    def->compile.is_for_host = 1;
 }
 
 /* ---- open and close ---- */

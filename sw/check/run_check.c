@@ -56,6 +56,7 @@ static fp3_status compile(fp3_run_check *c, fp3_arithmetic arithmetic, fp3_error
     fp3_compile_def def = fp3_compile_default();
     def.config = config_of(c);
     def.arithmetic = arithmetic;
+    def.is_for_host = 1;
     fp3_compiled_free(&c->compiled);
     const fp3_status status =
         fp3_compile(first->model, first->integrator, &def, &c->compiled, error);

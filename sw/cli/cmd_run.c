@@ -292,6 +292,7 @@ static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *erro
     }
     how.is_model = o->is_model;
     how.compile.config = o->config;
+    how.compile.is_for_host = 1;
     how.integrator = o->integrator;
     def.objects = (uint32_t)o->objects;
     fp3_status status = read_links(o, &def, error);

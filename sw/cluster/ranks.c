@@ -251,6 +251,7 @@ fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ran
     self->backend = ranked;
     self->backend.name = own->name;
     self->backend.begins_at_0 = own->begins_at_0;
+    self->backend.is_hardware = own->is_hardware;
     self->ranks = ranks;
     self->def = *def;
     self->def.engine = own->name;

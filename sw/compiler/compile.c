@@ -201,7 +201,10 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
         free(k);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     }
-    k->options = (fp3_options){.config = config,
+    k->config = *config;
+    if (def->is_for_host)
+        k->config.program_words = FP3_IMAGE_CODE_LIMIT;
+    k->options = (fp3_options){.config = &k->config,
                                .passes = fp3_options_usable(asked(def), config),
                                .arithmetic = def->arithmetic,
                                .has_notes = 1};

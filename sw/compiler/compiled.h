@@ -8,6 +8,7 @@
 #include "pipeline.h"
 
 typedef struct {
+    fp3_config config; /* with as many words as a program counter reaches, if the host runs it */
     fp3_options options;
     fp3_pipeline p;
     fp3_differentiated

@@ -197,4 +197,5 @@ const fp3_backend fp3_backend_board = {
     .list = fp3_memory_list,
     .run = fp3_session_run,
     .begins_at_0 = 1,
+    .is_hardware = 1,
 };

@@ -22,6 +22,13 @@ static fp3_needs needs_of(const fp3_image *image) {
     return needs;
 }
 
+/* Where the host executes, words are in its memory. */
+static fp3_status check_needs(fp3_engine *engine, fp3_needs needs) {
+    if (!engine->backend->is_hardware)
+        needs.words = 0;
+    return fp3_needs_check(&needs, engine->config, engine->def.error);
+}
+
 static fp3_status check_operations(fp3_engine *engine, const fp3_image *image) {
     for (uint32_t i = 0; i < image->code_count; i++) {
         const fp3_decoded *word = &image->decoded[i];
@@ -81,10 +88,9 @@ static fp3_status check_constants(fp3_engine *engine, const fp3_image *image) {
 }
 
 static fp3_status check_image(fp3_engine *engine, const fp3_image *image) {
-    const fp3_needs needs = needs_of(image);
     fp3_status status = check_words(engine, image);
     if (!status)
-        status = fp3_needs_check(&needs, engine->config, engine->def.error);
+        status = check_needs(engine, needs_of(image));
     if (!status)
         status = check_storage(engine, image);
     if (!status)
@@ -101,7 +107,7 @@ static fp3_status check_visit(fp3_engine *engine, const fp3_image *image, const 
     fp3_needs needs = needs_of(image);
     needs.words = visit->code_count;
     needs.is_visited = 1;
-    const fp3_status status = fp3_needs_check(&needs, config, engine->def.error);
+    const fp3_status status = check_needs(engine, needs);
     if (status)
         return status;
     if (objects > room)

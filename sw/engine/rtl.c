@@ -170,4 +170,5 @@ const fp3_backend fp3_backend_rtl = {
     .list = fp3_memory_list,
     .run = rtl_run,
     .begins_at_0 = 1,
+    .is_hardware = 1,
 };

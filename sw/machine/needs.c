@@ -11,14 +11,14 @@ typedef struct {
     uint32_t needs, has;
 } row;
 
-#define ROWS 3
+enum { REGISTERS, CONSTANTS, WORDS, ROWS };
 
 static void find_rows(const fp3_needs *needs, const fp3_config *config, row rows[ROWS]) {
-    rows[0] = (row){"object registers", needs->registers, config->registers};
-    rows[1] = (row){"shared constants", needs->constants, config->registers};
-    rows[2] = (row){needs->is_visited ? "words of instruction memory with its loads and stores"
-                                      : "words of instruction memory",
-                    needs->words, config->program_words};
+    rows[REGISTERS] = (row){"object registers", needs->registers, config->registers};
+    rows[CONSTANTS] = (row){"shared constants", needs->constants, config->registers};
+    rows[WORDS] = (row){needs->is_visited ? "words of instruction memory with its loads and stores"
+                                          : "words of instruction memory",
+                        needs->words, config->program_words};
 }
 
 /* Index of what is too few; ROWS: nothing. */
@@ -68,8 +68,9 @@ fp3_status fp3_needs_check(const fp3_needs *needs, const fp3_config *config, fp3
     if (!other)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "the program needs %" PRIu32 " %s, configuration '%s' has %" PRIu32
-                        "; none has enough",
-                        here[i].needs, here[i].what, config->name, here[i].has);
+                        "; none has enough%s",
+                        here[i].needs, here[i].what, config->name, here[i].has,
+                        i == WORDS ? " (fp3 run takes it with engine isa or fast)" : "");
     find_rows(needs, other, there);
     return fp3_fail(
         error, FP3_E_PROGRAM,

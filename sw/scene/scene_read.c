@@ -132,6 +132,7 @@ static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_sc
                                    "tolerance: only a model (*.ode) is compiled");
     def->integrator = *integrator;
     how->config = r->machine->name;
+    how->is_for_host = 1;
     return status;
 }
 

@@ -168,6 +168,18 @@ def test_what_does_not_fit_even_so_is_refused(root, tmp_path, name, options, con
     assert re.search(text, done.stderr) and not done.stdout, done.stderr
 
 
+def test_words_are_a_limit_of_hardware_alone(root, tmp_path):
+    """A run, a check and a scene on the host take more than 2,048; bits are those of the isa engine. Others are refused, with who takes it."""
+    run = ("run", root / "programs/rigid_body.ode", "-i", "rk4", "--double-single", "-c", "many_full", "-o", 2, "-n", 8)
+    (tmp_path / "s.scene").write_text(f'config = "many_full"; engine = "fast"; steps = 8; groups = ({{ program = "{root}/programs/rigid_body.ode"; '
+                                      'integrator = "rk4"; double_single = true; objects = 2; });')
+    ends = [re.findall(r"^(\w+ +\S+ +0x\w+ 0x\w+) ", fp3(*how).stdout, re.M) for how in (
+        [*run, "-e", "isa"], [*run, "-e", "fast"], ["run", "--scene", tmp_path / "s.scene"])]
+    assert ends[0] and ends[1:] == ends[:1] * 2
+    assert "words of instruction memory, configuration 'many_full' has 2048; none has enough " \
+           "(fp3 run takes it with engine isa or fast)" in fp3(*run, "-e", "rtl", status=2).stderr
+
+
 @pytest.mark.parametrize("registers", [8, 12, 16, 24, 32])
 @pytest.mark.parametrize("mode", ["steps", "integrators"])
 def test_random_steps_keep_their_bits_where_they_spill(tmp_path, mode, registers):

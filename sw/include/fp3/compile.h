@@ -97,6 +97,9 @@ typedef struct {
     const char *const *observed; /* names of the states that will be read; NULL: all */
     size_t observed_count;
     int finds_savings; /* 1: also fill fp3_compiled.saved: compiles again for each pass */
+    /* 1: the program may have more words than the configuration's instruction memory. Engines isa and fast run it, with
+     * the same bits as a program that fits; loading it refuses on hardware. */
+    int is_for_host;
 } fp3_compile_def;
 
 /* For fp3_compile_default() only. size is that of fp3_compile_def in the calling program. */
