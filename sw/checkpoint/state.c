@@ -94,6 +94,7 @@ static fp3_status look_at_group(fp3_state *state, uint32_t number, fp3_hdf5_sum 
 
 fp3_status fp3_state_look(fp3_state *state, uint64_t step, fp3_state_fn *tell, void *user,
                           fp3_digest *hash, fp3_error *error) {
+    /* The upper word is 0 as long as no run has more than 2^32 - 1 steps. */
     const uint32_t steps[2] = {(uint32_t)step, (uint32_t)(step >> 32)};
     fp3_hdf5_sum *sum = state->calls->sum_begin();
     if (!sum)

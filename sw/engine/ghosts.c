@@ -26,12 +26,12 @@ static void place_objects(const fp3_engine *engine, fp3_ghosts *g) {
     }
 }
 
-/* Guests make no step, and need nobody. */
+/* Guests make no step, and need nobody. They stand behind: hardware begins with object 0. */
 static void find_needed(const fp3_engine *engine, fp3_ghosts *g) {
     const fp3_members *group = &engine->layout.groups[0];
     const fp3_lists *lists = &group->lists;
     for (uint32_t k = 0; k < lists->shape.list_count; k++)
-        for (uint32_t i = group->from; i < group->from + group->objects; i++) {
+        for (uint32_t i = 0; i < group->objects; i++) {
             const fp3_list *list = &lists->lists[k];
             const uint32_t lane = where(engine, i).lane;
             for (uint32_t turn = 0; turn < fp3_list_length(list, i); turn++) {

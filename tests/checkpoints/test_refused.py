@@ -68,6 +68,18 @@ def test_other_lifetimes_and_configurations(start, root, tmp_path):
         start("run", "--scene", "a.scene", "-c", "shared_full", "--restart", "a.ck", code=2).stderr
 
 
+def test_other_partners(start, tmp_path):
+    """As many links, of as many objects and without fields: who is linked with whom is all that differs."""
+    (tmp_path / "x.s").write_text(".state x y\n.temp ties n\nstep:\n    ld ties\n    add y, -0.0, 0.5\n    each ties\n    ldn n, x\n    add y, y, n\n    next\n"
+                                  "    add x, x, 1.0\n    st x\n    st y\n")
+    for name, pairs in (("one", "0,1\n2,3\n"), ("other", "0,2\n1,3\n")):
+        (tmp_path / f"{name}.csv").write_text("a,b\n" + pairs)
+    run = ("x.s", "-c", "world", "-e", "fast", "-o", 4, "--spread", "x=1:4", "--set", "y=0", "-n", 5)
+    start("run", *run, "--links", "ties=one.csv", "--checkpoint", "a.ck", "--checkpoint-every", 3)
+    assert start("run", *run, "--links", "ties=one.csv", "--restart", "a.ck.1").hash
+    assert "a.ck.1: its run began with other links between objects" in start("run", *run, "--links", "ties=other.csv", "--restart", "a.ck.1", code=2).stderr
+
+
 def test_a_part_that_cannot_be_cut(start, tmp_path):
     (tmp_path / "x.s").write_text(".state x\nfirst: add x, x, 1.0\nstep: add x, x, 1.0\n")
     run = ("x.s", "-e", "isa", "-c", "single", "--set", "x=0", "-n", 9, "--checkpoint", "a.ck")

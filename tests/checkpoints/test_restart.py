@@ -92,6 +92,14 @@ def test_failures_are_not_forgotten(start, tmp_path):
     assert flags.findall(again.stdout) == flags.findall(first.stdout)
 
 
+def test_a_failure_before_the_first_step_stays_one(start, tmp_path):
+    (tmp_path / "x.s").write_text(".state x\nstep: add x, x, 1.0\n")
+    run = ("x.s", "-c", "many", "-e", "isa", "-o", 3, "--set", "x=nan", "-n", 9)
+    first = start("run", *run, "--checkpoint", "a.ck", "--checkpoint-every", 5, code=3)
+    assert "object 0 before its first step: state x is NaN" in first.stderr
+    assert start("run", *run, "--restart", "a.ck.1", code=3).stderr == first.stderr
+
+
 def test_failures_of_groups_are_told_apart(start, root, tmp_path):
     (tmp_path / "x.s").write_text(".state x\n.param a\nstep: mul x, x, a\n")
     group = '{ program = "x.s"; objects = 3; set = { x = 1.0; a = %s; }; }'
