@@ -119,6 +119,8 @@ module fp3 #(
     assign irq = irq_q;
     wire unused = &{s_axi_awprot, s_axi_arprot};
 
+    // What has no width in one of these breaks a rule, too. Tools that met it first would end before they name the rule (Verilator: with an
+    // internal error).
     genvar t;
     generate
         if (INTERLEAVE == 0) begin : g_one
@@ -131,7 +133,7 @@ module fp3 #(
                 .issue_valid_o(issue_valid_o), .issue_pc_o(issue_pc_o), .issue_word_o(issue_word_o),
                 .retire_valid_o(retire_valid_o), .retire_register_o(retire_register_o),
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
-        end else begin : g_many
+        end else if (LANES > 0 && CONTEXTS > 0 && REGISTERS > 1 && STORE_WORDS >= 16) begin : g_many
             localparam S = SCHEDULERS, I = S * (DUAL + 1), L = I * LANES;
             wire [`ISSUED_W*TILES*I-1:0]  issued;
             wire [`WRITTEN_W*TILES*L-1:0] written;

@@ -46,7 +46,7 @@ module tile_scheduler #(
 `include "host/lane_host.vh"
 
     // The host -------------------------------------------------------------------------------
-    wire                 start, stop, running, illegal, half, program_write, access, host_write;
+    wire                 start, stop, running, illegal, half, overfull, program_write, access, host_write;
     wire [31:0]          host_wdata, word;
     wire [`SETTINGS_W-1:0] settings;
     wire [`EVENTS_W-1:0]   events;
@@ -60,7 +60,7 @@ module tile_scheduler #(
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
-        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .flags_i(flags), .events_i(events),
+        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
@@ -165,6 +165,7 @@ module tile_scheduler #(
     assign reports[0 +: `REPORT_W] = `REPORT_NONE;
     assign `REPORT                 = reports[`REPORT_W*GROUPS +: `REPORT_W];
     assign flags                   = report_flags;
+    assign overfull                = SLEEP != 0 && report_count[ROW_W] && report_count[0];       // the only count beyond
     assign lanes_answer            = report_answer;
 
     wire [`WRITTEN_W*STREAMS*LANES-1:0] written;

@@ -21,6 +21,9 @@ module config_rules #(
         if (INTERLEAVE != 0 && STORE_WORDS < 8 * CONTEXTS) begin : g_records
             STORE_WORDS_must_be_at_least_8_times_CONTEXTS u_error ();
         end
+        if (LANES * STORE_WORDS > 1048576) begin : g_words
+            LANES_times_STORE_WORDS_must_be_at_most_1048576 u_error ();
+        end
         if (TILES * SCHEDULERS > 64 || (SCHEDULERS > 1 && LANES > 1)) begin : g_array
             SCHEDULERS_must_be_at_most_64_in_all_and_1_with_LANES u_error ();
         end

@@ -12,7 +12,8 @@
 // Hazard    A request may come in every cycle. But a request to a register, a counter or a constant comes alone: all
 //           requests before it have been answered, the next one comes at least four cycles after its answer,
 //           and its address and data stay as they are until then.
-//           With start_o, step < last <= size in the settings.
+//           With start_o, step < last <= size in the settings, a visit is a step where words are published, and no list is overfull, as far
+//           as its lane had said that when the host asked for the start.
 //
 //     cycle           0     1     2     3     4    ..  3+M   M = MEMORY_LATENCY
 //     req_valid_i     1     0     0     0     0
@@ -44,6 +45,7 @@ module host_port #(
     input  wire                   illegal_i,
     input  wire [PROGRAM_W-1:0]   illegal_pc_i,
     input  wire                   half_i,                 // of the store: it has the published words
+    input  wire                   overfull_i,             // a lane's list was to get more than it has room for
     input  wire [4:0]             flags_i,                // raised in this cycle
     input  wire [`EVENTS_W-1:0]   events_i,
     // Its memories
@@ -114,12 +116,15 @@ module host_port #(
     reg  [RANGES-1:0] ranged_q, fits_q;                   // of a setting with this range; the value is in this range
     wire [4:0] register = req_addr_i[6:2];
     wire starts = req_write_i && register == ADDR_CONTROL[6:2] && req_wdata_i[CONTROL_START_LO];
+    reg  publishes_q, steps_once_q;                       // of the run to come: neighbours read words; a visit is a step
     wire stops  = req_write_i && register == ADDR_CONTROL[6:2] && req_wdata_i[CONTROL_STOP_LO];
     always @(posedge clk_i) begin
         has_q    <= req_write_i ? WRITABLE[register] && !(starts && stops) : READABLE[register];
         starts_q <= starts;
         sets_q   <= req_write_i && IS_SETTING[register];
-        runnable <= setting_step < setting_last && setting_last <= setting_size;
+        publishes_q  <= {setting_published_more, setting_published} != 64'd0;
+        steps_once_q <= setting_visit == 32'd1;
+        runnable <= setting_step < setting_last && setting_last <= setting_size && !overfull_i && (!publishes_q || steps_once_q);
     end
     genvar r;
     generate
@@ -256,6 +261,7 @@ module host_port #(
             was_running_q <= running_i;
             if (start) begin
                 {illegal_q, stopped_q, flags_q} <= 7'd0;
+                fault_q <= {PROGRAM_W{1'b0}};
                 {done_q, ended_q} <= {2{no_steps_q}};
             end else begin
                 // The first reason to end is the one that counts.

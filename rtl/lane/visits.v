@@ -10,6 +10,7 @@
 //
 // Latency   As shown; with STORAGE W-6 to W-3, w4 and w3 in names too, are WIDENED earlier. Of a store's row, two cycles after st_context_i.
 // Hazard    One context does not come twice within ENDED + 2 cycles.
+//           No run begins with a list that was to get more than it has room for: host_port sees to that.
 //           The list's head is not read in the cycle in which it is written.
 //           What is executed is executed for an object that is there and awake, or stored in the last part
 //           of the visit in which it fell asleep.
@@ -53,7 +54,7 @@ module visits #(
     input  wire                 host_clear_i,   // the list is empty
     input  wire                 host_wake_i,    // one more: this row
     input  wire [ROW_W-1:0]     host_row_i,
-    output wire [ROW_W:0]       count_o
+    output wire [ROW_W:0]       count_o         // on it; one more than there is room for: the host wanted more
 );
     // The list -----------------------------------------------------------------------------------
     reg  [ROW_W:0]   count_q, left_q;  // on it; of these not yet taken in this round
@@ -61,6 +62,7 @@ module visits #(
     wire             present = left_q != {ROW_W+1{1'b0}};
     wire             take    = take_i && present;
     wire [ROW_W-1:0] next_row;         // W-4
+    wire             beyond  = count_q[ROW_W] && count_q[0];
     reg              put_q;            // W+2
     reg  [ROW_W-1:0] put_row_q;
 
@@ -75,7 +77,7 @@ module visits #(
             head_q  <= {ROW_W{1'b0}};
             tail_q  <= {ROW_W{1'b0}};
         end else begin
-            count_q <= count_q + {{ROW_W{1'b0}}, put_q || host_wake_i} - {{ROW_W{1'b0}}, take};
+            count_q <= count_q + {{ROW_W{1'b0}}, put_q || (host_wake_i && !beyond)} - {{ROW_W{1'b0}}, take};
             head_q  <= head_q + {{ROW_W-1{1'b0}}, take};
             tail_q  <= tail_q + {{ROW_W-1{1'b0}}, put_q || host_wake_i};
         end
@@ -85,7 +87,9 @@ module visits #(
         .read_i(1'b1), .read_addr_i(head_q), .read_value_o(next_row));
 `ifdef FP3_CHECK
     always @(posedge clk_i)
-        if (!rst_i && take && (put_q || host_wake_i) && head_q == tail_q) begin
+        if (!rst_i && take && beyond) begin
+            $display("%m: a run of more objects than the list has room for"); $stop;
+        end else if (!rst_i && take && (put_q || host_wake_i) && head_q == tail_q) begin
             $display("%m: word %0d of the list is read in the cycle in which it is written", head_q); $stop;
         end
 `endif

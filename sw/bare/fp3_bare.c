@@ -196,6 +196,10 @@ static fp3_status put_shape(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_pr
         status = put(fp3, scheduler, FP3_ADDR_SIZE, words);
     if (!status && fp3->store)
         status = put(fp3, scheduler, FP3_ADDR_RECORD, program->record);
+    if (!status && FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS))
+        status = put(fp3, scheduler, FP3_ADDR_PUBLISHED, 0);
+    if (!status && FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS))
+        status = put(fp3, scheduler, FP3_ADDR_PUBLISHED_MORE, 0);
     if (!status && FIELD(fp3->features, FEATURES_SLEEP) &&
         FIELD(fp3->features_more, FEATURES_MORE_STORAGE))
         status = put(fp3, scheduler, FP3_ADDR_WHOLE, whole_of(program));
@@ -320,12 +324,29 @@ fp3_status fp3_bare_list(fp3_bare *fp3, uint32_t scheduler, uint32_t count) {
 
 fp3_status fp3_bare_wake(fp3_bare *fp3, uint32_t scheduler, uint32_t object) {
     place at;
+    uint32_t listed = 0;
     if (!FIELD(fp3->features, FEATURES_SLEEP) || !find(fp3, scheduler, object, &at))
         return FP3_E_ARGUMENT;
-    return put(fp3, at.scheduler, FP3_ADDR_WINDOW_WAKE + 4 * at.lane, at.row);
+    const fp3_status status = get(fp3, at.scheduler, FP3_ADDR_WINDOW_AWAKE + 4 * at.lane, &listed);
+    if (status)
+        return status;
+    return listed >= fp3->store >> LEAST_RECORD
+               ? FP3_E_ARGUMENT
+               : put(fp3, at.scheduler, FP3_ADDR_WINDOW_WAKE + 4 * at.lane, at.row);
 }
 
 /* ---- a run ---- */
+
+/* Where neighbours read words a visit is a step. */
+static fp3_status check_visit(fp3_bare *fp3, uint32_t scheduler, uint32_t visit) {
+    uint32_t low = 0, high = 0;
+    if (visit == 1 || !FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS))
+        return FP3_OK;
+    fp3_status status = get(fp3, scheduler, FP3_ADDR_PUBLISHED, &low);
+    if (!status)
+        status = get(fp3, scheduler, FP3_ADDR_PUBLISHED_MORE, &high);
+    return !status && (low || high) ? FP3_E_ARGUMENT : status;
+}
 
 fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uint32_t visit,
                           uint32_t clock) {
@@ -334,7 +355,9 @@ fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uin
     for (uint32_t i = first_of(scheduler); i < end_of(fp3, scheduler); i++)
         if (!fp3->record[i])
             return FP3_E_ARGUMENT;
-    fp3_status status = fp3->store ? put(fp3, scheduler, FP3_ADDR_VISIT, visit) : FP3_OK;
+    fp3_status status = check_visit(fp3, scheduler, visit);
+    if (!status && fp3->store)
+        status = put(fp3, scheduler, FP3_ADDR_VISIT, visit);
     if (!status && fp3->store)
         status = put(fp3, scheduler, FP3_ADDR_CLOCK, clock);
     if (!status)

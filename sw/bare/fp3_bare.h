@@ -113,11 +113,11 @@ fp3_status fp3_bare_read_status(fp3_bare *fp3, uint32_t scheduler, uint32_t obje
  * listed again, or woken. */
 fp3_status fp3_bare_list(fp3_bare *fp3, uint32_t scheduler, uint32_t count);
 /* Appends an object that fell asleep to its lane's list; the host wrote 0 into the register of `sleep` before. One that is
- * in the list already would be there twice. Where FP3_FEATURES_SLEEP. */
+ * in the list already would be there twice; FP3_E_ARGUMENT: the list is full of such. Where FP3_FEATURES_SLEEP. */
 fp3_status fp3_bare_wake(fp3_bare *fp3, uint32_t scheduler, uint32_t object);
 
 /* A run of so many steps. visit: steps per visit, 0: all. clock: steps made before this run. One object has no
- * use for these two. A program that counts its steps in FP32 counts to 2^24: the caller keeps count. */
+ * use for these two. visit must be 1 if you set `published` after the load, as neighbours need it. A program that counts its steps in FP32 counts to 2^24: the caller keeps count. */
 fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uint32_t visit,
                           uint32_t clock);
 /* Reads the status once; or until no scheduler runs, polls times at most. FP3_E_LIMIT: one still runs. */

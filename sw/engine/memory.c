@@ -34,6 +34,12 @@ static fp3_status load_group(fp3_engine *engine, uint32_t number) {
         status = put_group(engine, number, FP3_ADDR_WINDOW_PROGRAM + 4 * i, p->code[i]);
     for (size_t i = 0; !status && i < (engine->config->interleave ? 4 : 3); i++)
         status = put_group(engine, number, shape[i].address, shape[i].data);
+    /* Also that there are none: with them a run has one step in each visit, or does not start. */
+    const uint64_t published = fp3_layout_published(group);
+    if (!status && engine->config->neighbours)
+        status = put_group(engine, number, FP3_ADDR_PUBLISHED, (uint32_t)published);
+    if (!status && engine->config->neighbours)
+        status = put_group(engine, number, FP3_ADDR_PUBLISHED_MORE, (uint32_t)(published >> 32));
     if (!status && engine->config->storage && engine->config->sleep)
         status = put_group(engine, number, FP3_ADDR_WHOLE,
                            p->slept < 0 ? FP3_BANK_OBJECT_COUNT : (uint32_t)p->slept);

@@ -236,15 +236,6 @@ static fp3_status write_lists(fp3_engine *engine, uint32_t *words) {
 
 /* ---- a run ---- */
 
-static fp3_status set_published(fp3_engine *engine) {
-    const uint64_t published = fp3_layout_published(group_of(engine));
-    fp3_status status =
-        fp3_driver_put(engine, fp3_driver_of_all(engine, FP3_ADDR_PUBLISHED), (uint32_t)published);
-    return status ? status
-                  : fp3_driver_put(engine, fp3_driver_of_all(engine, FP3_ADDR_PUBLISHED_MORE),
-                                   (uint32_t)(published >> 32));
-}
-
 fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
     const fp3_members *group = group_of(engine);
     const uint32_t count = group->lists.shape.list_count;
@@ -273,7 +264,7 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
         free(lists->saved);
         lists->saved = NULL;
     }
-    return status ? status : set_published(engine);
+    return status;
 }
 
 /* The positions of all objects, for the lists that follow them. */

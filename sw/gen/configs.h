@@ -15,7 +15,7 @@ typedef struct {
     uint32_t registers;       /* object registers per context, and as many shared constants */
     uint32_t contexts;        /* objects that a scheduler holds at once, in each lane */
     uint32_t program_words;   /* words of instruction memory */
-    uint32_t store_words;     /* words of object store in each lane, one for each register of an object; 0 where the objects are the contexts */
+    uint32_t store_words;     /* words of object store in each lane, one for each register of an object; 0 where there is one object */
     uint32_t storage;         /* a word of the store has 32 bits (0), or 16: bfloat16 (1), binary16 (2); `st` rounds, `ld` widens ([arithmetic.md](arithmetic.md#records-of-16-bits)) */
     uint32_t bypass;          /* 1: a result goes straight to an operand that waits for it */
     uint32_t writeback_stall; /* 1: nothing is issued in a cycle in which a result is written */

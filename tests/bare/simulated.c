@@ -202,8 +202,9 @@ static void break_each_transfer(board *b, const fp3_bare_bus *bus) {
 
 /* A bus that is memory, with nothing behind it and with something that answers like one machine. */
 static void look_at_memory(void) {
-    static uint32_t memory[64];
+    static uint32_t memory[FP3_ADDR_WINDOW_WAKE / 4 + 1];
     fp3_bare fp3;
+    fp3_bare_outcome outcome;
     const fp3_bare_bus bus = fp3_bare_memory(memory);
     EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
     memory[FP3_ADDR_ID / 4] = 0x46503303;
@@ -216,6 +217,21 @@ static void look_at_memory(void) {
     memory[FP3_ADDR_FEATURES / 4] |= 1u << FP3_FEATURES_MORE_LO;
     EXPECT(!fp3_bare_open(&fp3, &bus) && fp3.features_more == 0x1234);
     EXPECT(!fp3_bare_stop(&fp3, FP3_ALL) && memory[FP3_ADDR_CONTROL / 4] == 2);
+    /* Two objects, words of which neighbours read; a list for two numbers. */
+    memory[FP3_ADDR_FEATURES / 4] |= 1u << FP3_FEATURES_SLEEP_LO;
+    memory[FP3_ADDR_FEATURES_MORE / 4] = 1u << FP3_FEATURES_MORE_NEIGHBOURS_LO;
+    memory[FP3_ADDR_STORE / 4] = 16;
+    memory[FP3_ADDR_PUBLISHED_MORE / 4] = 1;
+    EXPECT(!fp3_bare_open(&fp3, &bus));
+    fp3.record[0] = 3;
+    EXPECT(fp3_bare_start(&fp3, FP3_ALL, 1, 0, 0) == FP3_E_ARGUMENT);
+    EXPECT(memory[FP3_ADDR_CONTROL / 4] == 2 && !fp3_bare_start(&fp3, FP3_ALL, 1, 1, 0));
+    EXPECT(memory[FP3_ADDR_CONTROL / 4] == 1 && !fp3_bare_poll(&fp3, FP3_ALL, &outcome));
+    memory[FP3_ADDR_WINDOW_AWAKE / 4] = 1;
+    EXPECT(!fp3_bare_wake(&fp3, FP3_ALL, 1) && memory[FP3_ADDR_WINDOW_WAKE / 4] == 1);
+    memory[FP3_ADDR_WINDOW_AWAKE / 4] = 2;
+    EXPECT(fp3_bare_wake(&fp3, FP3_ALL, 0) == FP3_E_ARGUMENT);
+    EXPECT(memory[FP3_ADDR_WINDOW_WAKE / 4] == 1);
 }
 
 static uint64_t cycles_of(board *b, int is_write, uint32_t address) {

@@ -200,6 +200,24 @@ static void check_illegal(chance *c, const char *text) {
     close_bench(&s);
 }
 
+/* Nobody reads its words, so a visit makes all steps: the hardware has forgotten what was published. */
+static void check_ordinary(chance *c) {
+    static bench s;
+    static const char ordinary[] = ".state x\nstep:\nadd x, x, 1.0\n";
+    fp3_assembly *made = NULL;
+    float x = 0;
+    open_bench(&s, c, programs[0]);
+    told(fp3_assemble(ordinary, strlen(ordinary), "ordinary.s", &made, &error));
+    told(fp3_engine_run(s.b.rtl, 1, NULL));
+    told(fp3_engine_load(s.b.rtl, made->image));
+    told(fp3_engine_run(s.b.rtl, 3, NULL));
+    told(fp3_engine_read(s.b.rtl, most - 1, 1, 0, &x));
+    if (x != 3)
+        FAIL("three steps of a program without neighbours: %g", (double)x);
+    fp3_assembly_free(&made);
+    close_bench(&s);
+}
+
 int main(int argc, char **argv) {
     chance c = {.state = argc > 1 ? strtoull(argv[1], NULL, 0) : 1};
     if (argc > 2)
@@ -210,6 +228,7 @@ int main(int argc, char **argv) {
         check_stops(&c, programs[i]);
         check_illegal(&c, programs[i]);
     }
+    check_ordinary(&c);
     printf("%u runs, %u failed\n", runs, failed);
     return failed != 0;
 }

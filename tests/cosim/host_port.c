@@ -1,6 +1,6 @@
 /* host_port.c - every transfer on the bus is answered, and nonsense is refused without a change.
  *
- *     host_port
+ *     host_port [CONFIGURATION]    or all
  *
  * Addresses of every kind, read and written, idle and running, on each configuration; expected is
  * what isa/registers.toml says, written once more by hand. Every channel waits 0 to 3 cycles in every transfer.
@@ -551,6 +551,44 @@ static void nonsense_does_not_start(bench *b) {
     want(b, "no run came of it: status", FP3_ADDR_STATUS, 0);
 }
 
+/* With words that neighbours read a visit is one step. */
+static void who_is_seen_is_visited_each_step(bench *b) {
+    for (uint32_t i = 0; b->config->neighbours && i < 12; i++) {
+        static const uint32_t visits[] = {0, 1, 2, 0x10001};
+        const uint32_t visit = visits[i / 3], published = i % 3;
+        load(b, 1);
+        must(b, "visit", FP3_ADDR_VISIT, visit);
+        must(b, "published", FP3_ADDR_PUBLISHED, published == 1 ? 0x80000000u : 0);
+        must(b, "published_more", FP3_ADDR_PUBLISHED_MORE, published == 2);
+        const int is_refused = published && visit != 1;
+        if (put(b, FP3_ADDR_CONTROL, start) != is_refused)
+            fail(b, "a start with these steps per visit", FP3_ADDR_VISIT, visit, is_refused);
+        b->ops->clock(b->rtl, 10000, 100);
+    }
+    if (b->config->neighbours)
+        must(b, "published_more", FP3_ADDR_PUBLISHED_MORE, 0);
+}
+
+/* What a run begins with, also one of no steps: no fault and no count of the run before. */
+static void a_start_forgets_the_run_before(bench *b) {
+    for (uint32_t steps = 0; steps < 2; steps++) {
+        load(b, 1);
+        const uint32_t step = get(b, FP3_ADDR_STEP);
+        must(b, "no word", FP3_ADDR_WINDOW_PROGRAM + 4 * step, 0xffffffffu);
+        must(b, "a start", FP3_ADDR_CONTROL, start);
+        b->ops->clock(b->rtl, 10000, 100);
+        want(b, "an illegal word: fault", FP3_ADDR_FAULT, step);
+        if (!get(b, FP3_ADDR_COUNTER_CYCLES))
+            fail(b, "a run without cycles", FP3_ADDR_COUNTER_CYCLES, 0, 1);
+        load(b, steps);
+        must(b, "a start", FP3_ADDR_CONTROL, start);
+        b->ops->clock(b->rtl, 10000, 100);
+        want(b, "a legal run: fault", FP3_ADDR_FAULT, 0);
+        if (!get(b, FP3_ADDR_COUNTER_CYCLES) == (steps != 0))
+            fail(b, "a run has cycles if it has steps", FP3_ADDR_COUNTER_CYCLES, steps, steps);
+    }
+}
+
 static void a_running_machine_guards_its_memories(bench *b) {
     const uint32_t running = 1u << FP3_STATUS_RUNNING_LO, stopped = 1u << FP3_STATUS_STOPPED_LO;
     load(b, 0xffffffffu);
@@ -679,6 +717,29 @@ static void what_is_left_out_is_illegal(bench *b) {
     }
 }
 
+/* A list that got one number too many starts no run, also where the start follows at once. */
+static void an_overfull_list_does_not_start(bench *b) {
+    enum { ROWS_MAX = 2048 };
+    static fp3_rtl_word words[ROWS_MAX + 2];
+    const uint32_t rows = b->config->store_words / 8, lane = b->config->lanes - 1;
+    if (!b->config->sleep || rows > ROWS_MAX)
+        return;
+    for (uint32_t more = 0; more < 2; more++) {
+        load(b, 0);
+        must(b, "an empty list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, 0);
+        for (uint32_t i = 0; i < rows + more; i++)
+            words[i] = (fp3_rtl_word){FP3_ADDR_WINDOW_WAKE + 4 * lane, i % rows, 1, 0};
+        words[rows + more] = (fp3_rtl_word){FP3_ADDR_CONTROL, start, 1, 0};
+        const int answer = b->ops->transfer(b->rtl, words, rows + more + 1);
+        b->transfers += rows + more + 1;
+        if (answer || words[rows + more].is_refused != more)
+            fail(b, "a start with a full list", rows + more, words[rows + more].is_refused, more);
+        want(b, "a full list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, rows + more);
+    }
+    must(b, "an empty list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, 0);
+    must(b, "a start", FP3_ADDR_CONTROL, start);
+}
+
 static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *ops, bench *b) {
     bench quick = {.ops = ops, .config = config, .whole = FP3_BANK_OBJECT_COUNT, .c = {.state = 2}};
     quick.schedulers = fp3_config_schedulers(config);
@@ -690,6 +751,7 @@ static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *
     if (config->interleave)
         objects_stream(&quick);
     many_are_answered_in_order(&quick, 100);
+    an_overfull_list_does_not_start(&quick);
     ops->close(quick.rtl);
     b->failed += quick.failed;
     b->transfers += quick.transfers;
@@ -710,6 +772,8 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     all_units_are_one(&b);
     lists_count_their_objects(&b);
     nonsense_does_not_start(&b);
+    who_is_seen_is_visited_each_step(&b);
+    a_start_forgets_the_run_before(&b);
     a_running_machine_guards_its_memories(&b);
     a_run_has_one_outcome(&b);
     an_end_is_kept_until_it_is_seen(&b);
@@ -722,10 +786,12 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     return b.failed;
 }
 
-int main(void) {
+int main(int argc, char **argv) {
     unsigned failed = 0;
     uint64_t transfers = 0;
     for (uint32_t i = 0; i < fp3_config_count; i++) {
+        if (argc > 1 && strcmp(argv[1], fp3_configs[i].name) != 0)
+            continue;
         fp3_hardware hardware;
         fp3_error error;
         if (fp3_hardware_load(fp3_configs[i].name, &hardware, &error)) {

@@ -63,3 +63,16 @@ def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
     (tmp_path / file).write_text(text)
     done = lint(tmp_path, *arguments)
     assert done.returncode != 0 and said in done.stdout + done.stderr, done.stdout + done.stderr
+
+
+# Parameters of fp3, and the rule that must be named.
+BROKEN = [(["INTERLEAVE=1"], "STORE_WORDS_must_be_at_least_16_and_REGISTERS"),
+          (["INTERLEAVE=1", "STORE_WORDS=64", "CONTEXTS=0"], "CONTEXTS_must_be_1_to_64"),
+          (["INTERLEAVE=1", "STORE_WORDS=131072", "LANES=16"], "LANES_times_STORE_WORDS_must_be_at_most_1048576")]
+
+
+@pytest.mark.parametrize("keys, rule", BROKEN, ids=[rule for _, rule in BROKEN])
+def test_a_configuration_that_cannot_be_built_names_its_rule(root, keys, rule):
+    done = subprocess.run(["verilator", "--lint-only", "-Wno-lint", "-f", "rtl/fp3.f", "--top-module", "fp3", *[f"-G{key}" for key in keys], "rtl/fp3.v"],
+                          cwd=root, capture_output=True, text=True, timeout=120)
+    assert done.returncode != 0 and f"'{rule}'" in done.stderr and "Internal Error" not in done.stderr, done.stderr
