@@ -23,6 +23,7 @@ static fp3_status try_policy(fp3_pipeline *p, const fp3_options *options, chain_
     conversion c;
     fp3_schedule *schedule = NULL;
     fp3_status status = fp3_convert(&p->step, options, policy, chain, &c, error);
+    p->lacks_constants |= !status && c.code.constant_count > config->registers;
     if (!status) /* before an order of too many is searched for */
         status = fp3_check_code(&p->step, &c.code, config, error);
     if (!status && p->schedule && c.code.step_count >= p->schedule->cycles) {
@@ -78,11 +79,15 @@ static int is_tight(const fp3_pipeline *p, const fp3_config *config, fp3_status 
                                      s->registers == config->registers);
 }
 
-/* What a param is for one object it is for all: where registers run short it can be a constant. */
+/* What a param is for one object it is for all: where registers run short it can be a constant. Where constants run short, others
+ * are params. Sums and products apart (`dual`) copy from constants. */
 static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
-    fp3_options shared = *options;
+    fp3_options shared = *options, few = *options;
     shared.shares_params = 1;
+    few.has_few_constants = 1;
     const fp3_status status = try_policies(p, options, error);
+    if (status && p->lacks_constants && !options->config->dual)
+        return try_policies(p, &few, error);
     return options->config->interleave || !is_tight(p, options->config, status)
                ? status
                : try_policies(p, &shared, error);

@@ -17,6 +17,7 @@ typedef struct {
     conversion code;
     fp3_schedule *schedule;
     fp3_fit fit;
+    int lacks_constants; /* there are more than the configuration has */
     int lacks_registers; /* the words of a program fit, but its values do not */
 } fp3_pipeline;
 

@@ -62,6 +62,40 @@ def test_neighbours_with_many_stages(name, integrator, status, said):
     assert done.returncode == status and said in done.stderr, done.stderr
 
 
+def level(segments, names):
+    """A ball above segments, each with six numbers; half of these are params, or none."""
+    choose, params, lines, forces = random.Random(5), [], [], []
+    for i in range(segments):
+        numbers = [repr(round(low + width*choose.random(), 5)) for low, width in ((i, 0.3), (0, 1), (0.01, 0.1), (0.4, 0.6), (0.5, 0.5), (50, 900))]
+        for k in range(3, 6) if names else ():
+            params.append(f"param p{i}_{k} = {numbers[k]}")
+            numbers[k] = f"p{i}_{k}"
+        at, above, slope, long, share, stiff = numbers
+        lines.append(f"d{i} = max(0, {above} + {slope}*(x - {at}) - y*{share})*(x > {at} and x < {at} + {long})")
+        forces.append(f"{stiff}*d{i}")
+    starts = ["state x = 0.3", "state y = 2", "state vx = 1", "state vy = 0", "step 0.00390625"]
+    ends = ["x' = vx", "y' = vy", "vx' = -0.1*vx", "vy' = -9.81 + " + " + ".join(forces)]
+    return "\n".join([*params, *starts, *lines, *ends, ""])
+
+
+@pytest.mark.parametrize("config", ["many_full", "single_full"])
+def test_numbers_beyond_the_constants_are_params(tmp_path, config):
+    """69 constants and more: the same bits as with params in their place, on hardware, too, and the text is the image."""
+    ends = set()
+    for names in (0, 1):
+        (tmp_path / "m.ode").write_text(level(11, names))
+        for engine in ("isa", "fast", "rtl"):
+            out = fp3("run", tmp_path / "m.ode", "-c", config, "-e", engine, "-o", 1, "-n", 300).stdout
+            ends.add(tuple(re.findall(r"^(\w+) +\S+ +(0x\w+) +object 0$", out, re.M)))
+        fp3("compile", tmp_path / "m.ode", "-c", config, "-o", tmp_path / "m.s", "--image", tmp_path / "a.fp3")
+        fp3("asm", tmp_path / "m.s", "-o", tmp_path / "b.fp3")
+        assert (tmp_path / "a.fp3").read_bytes() == (tmp_path / "b.fp3").read_bytes()
+    assert len(ends) == 1 and len(ends.pop()) == 4
+    (tmp_path / "m.ode").write_text(level(20, 0))
+    refused = fp3("compile", tmp_path / "m.ode", "-c", "many_full", check=False)
+    assert refused.returncode == 2 and "the program needs 70 object registers, configuration 'many_full' has 64; none has enough" in refused.stderr
+
+
 def combinations(seed, every, part="0/1"):
     paths = sorted(str(path) for path in pathlib.Path(PROGRAMS).rglob("*.ode"))
     done = subprocess.run([os.path.join(BUILD, "tests/combinations"), str(seed), str(every), part, *paths], capture_output=True, text=True)
@@ -581,9 +615,11 @@ def test_what_does_not_fit_names_the_nearest_configuration_that_it_fits(path, co
 @pytest.mark.smoke
 def test_constants_and_words_of_an_image_are_counted_against_the_configuration(tmp_path):
     """The nearest configuration with room must have the program's instructions, too."""
-    numbers = written(tmp_path, "state x = 1", "x' = " + " + ".join(f"{i}.5*x" for i in range(40)))
+    numbers = written(tmp_path, "state x = 1", "x' = " + " + ".join(f"{i}.5*x" for i in range(70)))
     done = fp3("compile", numbers, "-c", "uncut", "-i", "euler", check=False)
-    assert re.search(r"needs 4\d shared constants, configuration 'uncut' has 32; 'single_full' has 64\n", done.stderr)
+    assert re.search(r"needs 4\d object registers, configuration 'uncut' has 32; 'single_full' has 64\n", done.stderr)
+    done = fp3("compile", numbers, "-c", "dual", "-i", "euler", check=False)
+    assert re.search(r"needs 7\d shared constants, configuration 'dual' has 32; none has enough\n", done.stderr), done.stderr
     source, image = tmp_path / "p.s", tmp_path / "p.fp3"
     source.write_text(".state x\nstep:\n" + "    addh x, x, x\n" * 600)
     fp3("asm", source, "-o", image)

@@ -52,30 +52,46 @@ static known_slot *same_number(const converter *c, const known *k) {
     return NULL;
 }
 
+/* Of h, of -0, which copies read, and of the limit below which objects sleep. */
+#define SPARE_CONSTANTS 3
+
 /* A number is in the image, and a step always has the name h: both have no other place. */
 static int is_constant(const converter *c, const known *k) {
     const fp3_options *options = c->part.options;
+    if (options->has_few_constants && k->op != KNOWN_STEP &&
+        c->made->code.constant_count + SPARE_CONSTANTS >= options->config->registers)
+        return 0;
     return k->op == KNOWN_NUMBER || k->op == KNOWN_STEP || options->shares_params ||
            (k->is_shared && fp3_has_pass(options, FP3_PASS_SHARE));
+}
+
+static fp3_ref place_known(const converter *c, uint32_t id, int is_constant) {
+    known_slot *slot = &c->made->slots[id];
+    fp3_step_code *code = &c->made->code;
+    if (is_constant) {
+        *slot = (known_slot){FP3_AT_CONSTANT, code->constant_count};
+        c->made->constants[code->constant_count++] = id;
+    } else {
+        *slot = (known_slot){FP3_AT_PARAM, code->param_count};
+        c->made->params[code->param_count++] = id;
+    }
+    return (fp3_ref){slot->at, slot->index};
 }
 
 static fp3_ref known_ref(const converter *c, uint32_t id) {
     const known *k = &c->step->known.list[id];
     known_slot *slot = &c->made->slots[id];
-    fp3_step_code *code = &c->made->code;
-    if (slot->at == FP3_AT_NOWHERE) {
-        const known_slot *same = same_number(c, k);
-        if (same)
-            *slot = *same;
-        else if (is_constant(c, k)) {
-            *slot = (known_slot){FP3_AT_CONSTANT, code->constant_count};
-            c->made->constants[code->constant_count++] = id;
-        } else {
-            *slot = (known_slot){FP3_AT_PARAM, code->param_count};
-            c->made->params[code->param_count++] = id;
-        }
-    }
-    return (fp3_ref){slot->at, slot->index};
+    const known_slot *same = slot->at == FP3_AT_NOWHERE ? same_number(c, k) : NULL;
+    if (same)
+        *slot = *same;
+    return slot->at == FP3_AT_NOWHERE ? place_known(c, id, is_constant(c, k))
+                                      : (fp3_ref){slot->at, slot->index};
+}
+
+/* `sleep` reads no register of the object in its place: if it is one already, it is a constant besides. */
+static fp3_ref constant_ref(const converter *c, uint32_t id) {
+    const fp3_ref there = known_ref(c, id);
+    return there.at == FP3_AT_CONSTANT ? there : place_known(c, id, 1);
 }
 
 static fp3_ref ref(const converter *c, uint32_t node) {
@@ -186,7 +202,7 @@ static fp3_status convert_parts(const fp3_part *part, fp3_chain_nodes chain, con
     made->code.step_count = c.count;
     made->operations = c.operations;
     if (!status && step->tested != FP3_NONE && part->options->config->sleep)
-        made->least = known_ref(&c, step->least).index;
+        made->least = constant_ref(&c, step->least).index;
     if (!status)
         status = convert_part(&first, first_root, first_ref, error);
     made->code.first = first.ops;

@@ -16,6 +16,7 @@ typedef struct {
     const uint32_t *partial; /* of the model, as of fp3_differentiate; NULL: nobody needs them */
     int has_notes;           /* the assembly gets comments */
     int shares_params;       /* params of the object are constants, too */
+    int has_few_constants;   /* those for which there is no room are params of the object */
     int may_spill;           /* values that do not fit are kept in the object's record */
 } fp3_options;
 
