@@ -39,6 +39,8 @@ class _Library:
             self._cdll = ctypes.CDLL(str(path))
         except OSError as why:
             raise ImportError(f"{path}: {why} (it needs GSL, libconfig and zlib of this machine)") from why
+        self.free = ctypes.CDLL(None).free
+        self.free.argtypes, self.free.restype = [ctypes.c_void_p], None
         version = self._declared("fp3_version")(None).decode()
         if version != d.VERSION or not self.default(d.fp3_batch_def).objects:  # another size: the library leaves it empty
             raise ImportError(f"{self._cdll._name} is of version {version}, this package is of {d.VERSION}: "
@@ -63,24 +65,57 @@ class _Library:
         return function
 
 
+class _Loading:
+    """Around calls that load code, or take it away. A fork waits for those of other threads: the linker's lock, which such a thread
+    holds, would never be free in the child."""
+
+    def __init__(self) -> None:
+        self._changed, self._inside, self._own = threading.Condition(), 0, threading.local()
+
+    def _mine(self) -> int:
+        return int(getattr(self._own, "inside", 0))
+
+    def _add(self, count: int) -> None:
+        with self._changed:
+            self._inside += count
+            self._own.inside = self._mine() + count
+            self._changed.notify_all()
+
+    def __enter__(self) -> None:
+        self._add(1)
+
+    def __exit__(self, *of: Any) -> None:
+        self._add(-1)
+
+    def hold(self) -> None:
+        """Before a fork. A thread that Ctrl-C has stopped on its way in is counted for ever: so the wait ends."""
+        self._changed.acquire()
+        self._changed.wait_for(lambda: self._inside <= self._mine(), FORK_SECONDS)
+
+    def let_go(self) -> None:
+        self._changed.release()
+
+
+FORK_SECONDS = 60  # a C compiler may be at work for some of them
+loading = _Loading()
 _lock = threading.Lock()
 _loaded: Optional[_Library] = None
 
 
-def _renew_lock() -> None:
-    """In the child of a fork: a thread that held it is not there to let go of it."""
-    global _lock
-    _lock = threading.Lock()
+def _renew() -> None:
+    """In the child of a fork: a thread that held these is not there to let go of them."""
+    global loading, _lock
+    loading, _lock = _Loading(), threading.Lock()
 
 
-os.register_at_fork(after_in_child=_renew_lock)
+os.register_at_fork(before=lambda: loading.hold(), after_in_parent=lambda: loading.let_go(), after_in_child=_renew)
 
 
 def library() -> _Library:
     """The library, loaded when it is first needed."""
     global _loaded
     if _loaded is None:
-        with _lock:
+        with _lock, loading:
             _loaded = _loaded or _Library()
     return _loaded
 
@@ -90,9 +125,7 @@ def check(status: int, error: d.fp3_error, report: Optional[ctypes.c_char_p] = N
     text = ""
     if report is not None and report.value is not None:
         text = report.value.decode(errors="replace")
-        free = ctypes.CDLL(None).free
-        free.argtypes, free.restype = [ctypes.c_void_p], None
-        free(ctypes.cast(report, ctypes.c_void_p))
+        library().free(ctypes.cast(report, ctypes.c_void_p))
     if status == d.FP3_OK:
         return
     message = error.text.decode(errors="replace") or "fp3: no reason is known"
@@ -130,7 +163,8 @@ class Handle:
 
 def _free(close: Any, pointer: Any, pid: int, keep: Any) -> None:
     if os.getpid() == pid:
-        close(ctypes.byref(pointer))
+        with loading:
+            close(ctypes.byref(pointer))
 
 
 class Owner:

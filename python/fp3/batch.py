@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from . import _declarations as d
+from . import _library
 from ._library import Handle, Owner, check, name_bytes
 from .errors import ArgumentError, FailedError
 from .given import as_count, as_flag, as_mapping, as_number, as_values, links_of, split_links
@@ -130,7 +131,8 @@ class Batch(Owner):
         definition.engine = name_bytes("engine", engine)
         definition.error = ctypes.pointer(self._error)
         pointer = ctypes.c_void_p()
-        check(lib.fp3_batch_open(definition, pointer), self._error)
+        with _library.loading:
+            check(lib.fp3_batch_open(definition, pointer), self._error)
         self._handle = Handle(pointer, "fp3_batch_close", program, definition, self._error)
         #: Where columns are that the engine does not have in one piece, while somebody looks at them.
         self._copies: "weakref.WeakValueDictionary[str, _Memory]" = weakref.WeakValueDictionary()
@@ -295,7 +297,7 @@ class Batch(Owner):
 
     def restart(self) -> None:
         """Goes back to the starts, at time 0. Params and h stay as they are."""
-        with self._c() as c:
+        with self._c() as c, _library.loading:
             check(self._lib.fp3_batch_restart(c), self._error)
             self._show(*self._copies)
 

@@ -10,6 +10,7 @@ from typing import Any, Callable, List, Mapping, Optional, Tuple, Union
 import numpy as np
 
 from . import _declarations as d
+from . import _library
 from ._library import Handle, Owner, check, library, name_bytes
 from .batch import PART_FIRST, STEPS_MOST, Failure, next_part, part_of, print_share
 from .errors import ArgumentError, FailedError
@@ -81,9 +82,10 @@ class Scene(Owner):
         if engine is not None:
             self._definition.engine = name_bytes("engine", engine)
         opened = ctypes.c_void_p()
-        check(self._lib.fp3_engine_open(self._definition, opened), self._error)
-        self._handle = Handle(opened, "fp3_engine_close", self._scene, self._definition, self._error)
-        check(self._lib.fp3_scene_load(pointer, opened, self._error), self._error)
+        with _library.loading:
+            check(self._lib.fp3_engine_open(self._definition, opened), self._error)
+            self._handle = Handle(opened, "fp3_engine_close", self._scene, self._definition, self._error)
+            check(self._lib.fp3_scene_load(pointer, opened, self._error), self._error)
         #: The groups, in the order of the file.
         self.groups: List[Group] = [Group(self, i) for i in range(self._scene_c.group_count)]
         self.steps: int = self._scene_c.steps

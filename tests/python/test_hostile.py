@@ -260,6 +260,34 @@ batch.step()
     assert told.split() == ["4"] * 3
 
 
+def test_a_fork_waits_for_code_that_is_loaded(python):
+    """By another thread. The child would wait for the linker's lock for ever: one of 50 did."""
+    told = python(f"""
+import os, threading, time, fp3
+fp3.Batch({TEXT!r})
+begun, done = threading.Event(), []
+def work():
+    with fp3._library.loading:
+        begun.set()
+        time.sleep(0.3)
+        done.append(1)
+thread = threading.Thread(target=work)
+thread.start()
+begun.wait()
+child = os.fork()
+if not child:
+    fp3.Batch({TEXT!r}).step()
+    os._exit(len(done))
+with fp3._library.loading:
+    inner = os.fork()  # one that this thread itself is in, as a signal handler may be, waits for nobody
+    if not inner:
+        os._exit(2)
+print([os.waitstatus_to_exitcode(os.waitpid(each, 0)[1]) for each in (child, inner)])
+fp3.Batch({TEXT!r}).step()
+""")
+    assert told.split("\n")[0] == "[1, 2]"
+
+
 USES = [lambda b: b["x"], lambda b: b.step(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.use(1), lambda b: b.restart(), lambda b: b.time,
         lambda b: b.how, lambda b: b.failure(), lambda b: b.status(), lambda b: b.link("near", [0], [1])]
 
