@@ -5,7 +5,7 @@ A new device is a row of DEVICES; a new family a row of FAMILIES besides, and it
 
 from collections import namedtuple
 
-# maker   and the family's name. The family's key is also the folder of rtl/fpga/ with its versions of modules.
+# maker   and the family's name. The family's key is also the folder of rtl/fpga/ with its versions of modules, if `own` says no other.
 # synth   yosys commands. {top} and {json} are the module and the file of the netlist.
 # kinds   of each figure the cells that count, as a regular expression, and how much each counts.
 # placed  which figure of nextpnr's report is the number of logic cells; None: not placed here
@@ -18,7 +18,8 @@ from collections import namedtuple
 # pin     how the placer wants to be told a pin: a line with {port} and {site}. None: placed without pins, the top's
 #         ports being registers; otherwise the top has three pins, and shifts its inputs in.
 # loose   inputs of cells that are to be open where their driver is the constant cell
-Family = namedtuple("Family", "maker synth kinds placed tool place limits alone timed bitstream pin loose", defaults=[None])
+# own     the folder of rtl/fpga/, if it is not that of its key
+Family = namedtuple("Family", "maker synth kinds placed tool place limits alone timed bitstream pin loose own", defaults=[None, None])
 
 # cells   yosys's models of the primitives
 # routed  the placer's argument for what the packer reads, {routed}
@@ -36,7 +37,7 @@ FAMILIES = {
     # There is no distributed memory: what asks for it gets what there is. Not with abc9: it loses multipliers without registers.
     "ice40": Family(
         "Lattice iCE40 UltraPlus",
-        "hierarchy -top {top}; proc; setattr -unset ram_style a:ram_style=distributed; opt; opt_share; "
+        "hierarchy -top {top}; proc; setattr -unset ram_style -unset ramstyle -unset syn_ramstyle a:ram_style=distributed; opt; opt_share; "
         "synth_ice40 -device u -top {top} -json {json}",
         {"lut4": {"SB_LUT4": 1}, "carry": {"SB_CARRY": 1}, "ff": {"SB_DFF.*": 1}, "dsp": {"SB_MAC16": 1}, "ebr": {"SB_RAM40_4K.*": 1}},
         "ICESTORM_LC", "nextpnr-ice40",
@@ -69,12 +70,12 @@ FAMILIES = {
         "AMD 7 series", "synth_xilinx -family xc7 -flatten -noiopad -noclkbuf -top {top} -json {json}",
         {"lut4": {"LUT[1-6]": 1}, "carry": {"CARRY4": 1}, "ff": {"FD[RSCP]E": 1}, "dsp": {"DSP48E1": 1},
          "ebr": {"RAMB18E1": 0.5, "RAMB36E1": 1}},
-        None, None, None, None, None, True, None, None),
+        None, None, None, None, None, True, None, None, None, "wide"),
     "cyclonev": Family(
         "Intel Cyclone V", "synth_intel_alm -family cyclonev -noiopad -noclkbuf -top {top}; write_json {json}",
         {"lut4": {"MISTRAL_(ALUT[2-6]|NOT)": 1}, "carry": {"MISTRAL_ALUT_ARITH": 1}, "ff": {"MISTRAL_FF": 1},
          "dsp": {"MISTRAL_MUL9X9": 0.33, "MISTRAL_MUL18X18": 0.5, "MISTRAL_MUL27X27": 1}, "ebr": {"MISTRAL_M10K": 1}},
-        None, None, None, None, None, True, None, None),
+        None, None, None, None, None, True, None, None, None, "wide"),
 }
 
 # more    arguments of the placer that say which device

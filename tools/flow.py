@@ -55,7 +55,7 @@ def sources(family, own, board=False):
     files = {pathlib.Path(name).name: f"rtl/{name}" for name in fusesoc.rtl_sources(ROOT, "*.v")}
     if board:
         files |= {path.name: path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "rtl/board").glob("*.v"))}
-    for path in sorted((ROOT / "rtl/fpga" / family).glob("*.v")):
+    for path in sorted((ROOT / "rtl/fpga" / (FAMILIES[family].own or family)).glob("*.v")):
         if (path.name in files and (own or path.name in WITHOUT_REGISTERS)) or (board and path.name == "board_clock.v"):
             files[path.name] = path.relative_to(ROOT).as_posix()
     return list(files.values())

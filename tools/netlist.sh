@@ -24,7 +24,7 @@ ecp5) # Icarus 11 does not read an elaboration-time $error.
     synth="synth_ecp5 -abc9"
     { grep -v '\$error(' "$share/ecp5/common_sim.vh" && cat tests/fpga/ecp5_primitives.v; } >"$stem.cells.v" ;;
 ice40) # no distributed RAM: those memories become flip-flops
-    synth="proc; setattr -unset ram_style m:* *; synth_ice40 -dsp"
+    synth="proc; setattr -unset ram_style -unset ramstyle -unset syn_ramstyle m:* *; synth_ice40 -dsp"
     cp "$share/ice40/cells_sim.v" "$stem.cells.v" ;;
 *) echo "netlist.sh: expected ecp5 or ice40, got $family" >&2 && exit 1 ;;
 esac

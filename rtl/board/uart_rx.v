@@ -25,6 +25,7 @@ module uart_rx #(
     localparam integer BIT = DIVISOR - 1, HALF = DIVISOR / 2 - 1;
     localparam [3:0] IDLE = 4'd0, START = 4'd1, STOP = 4'd10;
 
+    (* ASYNC_REG = "TRUE" *)
     reg [2:0]   line_q;                // two flip-flops for metastability, and what the line was before
     reg [3:0]   bit_q;                 // which bit's middle is awaited: data bits are 2 .. 9
     reg [W-1:0] left_q;                // cycles until then

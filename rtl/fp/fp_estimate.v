@@ -25,7 +25,7 @@ module fp_estimate #(
     wire       top  = FINITE == 0 && e == 8'd255;      // infinity
     wire       high = e >= 8'd253;                       // 1 / a is subnormal or zero
 
-    (* rom_style = "block" *) reg [8:0] words [0:2047];
+    (* rom_style = "block", syn_romstyle = "block_rom" *) reg [8:0] words [0:2047];
     reg [8:0] word_q;
     integer   i;
     initial for (i = 0; i < 2048; i = i + 1) words[i] = ESTIMATES[9*i +: 9];

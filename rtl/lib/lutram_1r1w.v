@@ -21,7 +21,7 @@ module lutram_1r1w #(
     input  wire [ADDR_W-1:0] read_addr_i,
     output wire [W-1:0]      read_value_o
 );
-    (* ram_style = "distributed" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
+    (* ram_style = "distributed", ramstyle = "MLAB", syn_ramstyle = "distributed" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
 
 `ifdef FP3_ZEROS
     integer i;

@@ -19,7 +19,7 @@ module ram_1r1w #(
     input  wire [ADDR_W-1:0] read_addr_i,
     output wire [W-1:0]      read_value_o
 );
-    (* ram_style = "block" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
+    (* ram_style = "block", syn_ramstyle = "block_ram" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
     reg [W-1:0] read_q;
 
 `ifdef FP3_ZEROS

@@ -26,7 +26,7 @@ module ram_registered #(
     input  wire [ADDR_W-1:0] read_addr_i,
     output wire [W-1:0]      read_value_o
 );
-    (* ram_style = "block", no_rw_check *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
+    (* ram_style = "block", no_rw_check, ramstyle = "no_rw_check", syn_ramstyle = "block_ram" *) reg [W-1:0] memory [0:(1<<ADDR_W)-1];
     reg [W-1:0] word_q, read_q;
 
 `ifdef FP3_ZEROS

@@ -15,7 +15,7 @@ module rom_registered #(
     input  wire [ADDR_W-1:0] at_i,
     output wire [W-1:0]      word_o
 );
-    (* rom_style = "block" *) reg [W-1:0] words [0:(1<<ADDR_W)-1];
+    (* rom_style = "block", syn_romstyle = "block_rom" *) reg [W-1:0] words [0:(1<<ADDR_W)-1];
     reg [W-1:0] read_q, word_q;
     genvar      i;
     generate

