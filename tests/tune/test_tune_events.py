@@ -104,7 +104,7 @@ def wall(e, end=16.0):
 def test_steps_that_are_cut_keep_their_order(tune, fp3, tmp_path):
     """At 1e-5 an event at the end of its step would take 1e5 steps and more."""
     done, row = tune(WALL, "--tolerance", "1e-5", "--spread", "e=0.85:0.95", "--objects", "9")
-    assert done.returncode == 0 and row["met"] and row["cut"] and row["h"] > 0.125 and row["cost_ratio"] < 0.5, done.stderr
+    assert done.returncode == 0 and row["met"] and row["cut"] and row["h"] > 0.125 and row["cost_ratio"] < 0.6, done.stderr
     assert "cut at events" in done.stdout and row["attempts"] < 250
     out = subprocess.run([fp3, "run", "--all", "--scene", "m.scene"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
     found = {name: [float(x) for x in re.findall(rf"^{name} +(\S+) .* object \d", out, re.M)] for name in ("x", "v", "n", "accepted", "rejected")}

@@ -135,6 +135,12 @@ static uint32_t cut(const fp3_advance *a) {
                              : fp3_advance_held(a, &a->step->values, ROLE_STATE, state).node;
 }
 
+/* Nothing is located. A step whose error is too large is shorter next time, and the search begins again. */
+static uint32_t is_found(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    return a->is_chosen ? sel(g, a->is_small, a->is_in_time, num(g, 1)) : a->is_in_time;
+}
+
 /* Likewise, or up to an event. */
 static uint32_t tried(const fp3_advance *a) {
     const uint32_t most = cut(a);
@@ -343,12 +349,27 @@ static void count(const fp3_advance *a) {
             op2(g, FP3_OP_MAX, old(a, LARGEST), mul(g, a->is_good, fp3_dag_first(g, a->h.node))));
 }
 
-/* Where an event is too early in the step, what is made again ends where it is likely to be. */
 static uint32_t next_cut(const fp3_advance *a) {
     dag *g = &a->step->values;
     note(a, "the longest step up to an event");
-    const uint32_t h = fp3_dag_first(g, a->h.node);
-    return sel(g, a->is_in_time, num(g, NO_CUT), mul(g, h, a->part));
+    return sel(g, is_found(a), num(g, NO_CUT), a->next);
+}
+
+static void keep(const fp3_advance *a, const char *name, uint32_t value) {
+    dag *g = &a->step->values;
+    note(a, "between which two steps an event is");
+    a->now[fp3_model_state(a->step->model, name)] = fp3_term(sel(g, is_found(a), num(g, 0), value));
+}
+
+static void keep_bracket(const fp3_advance *a) {
+    if (a->is_in_time == FP3_NONE)
+        return;
+    keep(a, FP3_STATE_BEFORE, a->before);
+    keep(a, FP3_STATE_BEHIND, a->behind);
+    if (a->root_before == FP3_NONE)
+        return;
+    keep(a, FP3_STATE_ROOT_BEFORE, a->root_before);
+    keep(a, FP3_STATE_ROOT_BEHIND, a->root_behind);
 }
 
 /* Whether an event says how long the step is, or the next one. */
@@ -423,6 +444,7 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     put(a, H, h);
     if (a->is_chosen && a->is_in_time != FP3_NONE)
         a->now[fp3_model_state(a->step->model, "h_cut")] = fp3_term(next_cut(a));
+    keep_bracket(a);
     if (!g->is_abstract)
         a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a);

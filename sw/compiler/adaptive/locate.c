@@ -7,13 +7,20 @@
 
 #include <inttypes.h>
 
-#define NOTHING 0x1p-126     /* of a root, but a divisor */
-#define HALF 0.5             /* of a step within which a condition becomes true */
-#define NEARER (1 - 0x1p-20) /* to the beginning of the step: h less a short time may be h */
-/* Of the way back to a root. Where steps are short a line is nearly the root's way: who is a little beyond it gets closer by one
- * line more, and who falls short of it begins with a whole step again. */
-#define SHORT (1 - 0x1p-6)
-#define LEAST 0.0625 /* of a step that has to end earlier, which is left */
+#define FINE                                                                                       \
+    0x1p-4 /* of `locate`, within which a root is found by halves: so it is hardly late as a rule */
+#define FINEST 0x1p-21 /* of the step: two that are closer may be neighbours in FP32 */
+#define LEAVE                                                                                      \
+    0x1p-10 /* likewise, in double-single: then the search goes on from the end that is before the event */
+#define SHORT                                                                                      \
+    0x1p-1 /* of what is near enough: so much before the root that a line tells the next attempt ends, */
+#define BEYOND 0x1p-4 /* or so much behind it */
+#define GAIN                                                                                       \
+    0.75 /* the next end is nearer to this one than other ends are, by this at least: else the middle is next */
+#define MIDDLE                                                                                     \
+    (0.5 +                                                                                         \
+     0x1p-24) /* of the sum of both ends: between neighbours it is not the first of them again */
+#define WRONG 0x1p6 /* the event is not where it was said to be, so close before that end */
 
 static void note(const fp3_advance *a, const char *text) {
     a->step->values.note = fp3_note(&a->step->notes, "%s", text);
@@ -52,45 +59,137 @@ static uint32_t becomes(const fp3_advance *a, const fp3_event *event, lowering *
                has_parts ? has_lost(before, after, event->condition, 1, is_after) : is_after);
 }
 
-/* Which part of the step comes after the root, by a straight line from before to after; 0 if it is not reached. Never a quotient
- * without a value, but a NaN if the root has become one: then nobody knows. The estimate of the quotient is at most 0.25 % too
- * small. `min` and `max` give their second operand where one is a NaN. */
-static uint32_t since_root(const fp3_advance *a, const fp3_event *event, lowering *before,
-                           lowering *after) {
+/* What the events of a step tell. Nodes, FP3_NONE where there is no such event. */
+typedef struct {
+    uint32_t is_ahead; /* 1: the step ends before all roots */
+    uint32_t sum;      /* of the roots after the step: a NaN where one has become a NaN */
+    uint32_t from,
+        to; /* the nearest root before and after the step, if a line is to tell where it is 0 */
+    uint32_t begins; /* 1: a condition has become true */
+} sight;
+
+static uint32_t both(dag *g, uint32_t op, uint32_t so_far, uint32_t other) {
+    return so_far == FP3_NONE ? other : op2(g, op, so_far, other);
+}
+
+static void see_root(const fp3_advance *a, const fp3_event *event, lowering *before,
+                     lowering *after, sight *seen) {
     dag *g = &a->step->values;
     const fp3_reach r = fp3_root_reach(a, event, before, after);
-    const uint32_t nearest = r.is_falling ? FP3_OP_MAX : FP3_OP_MIN;
-    const uint32_t farthest = r.is_falling ? FP3_OP_MIN : FP3_OP_MAX;
-    g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": how late", event->line);
-    const uint32_t from = op2(g, nearest, r.from, num(g, r.is_falling ? NOTHING : -NOTHING));
-    const uint32_t beyond = op2(g, farthest, num(g, 0), r.to);
-    return mul(g, beyond, op1(g, FP3_OP_RCP, sub(g, beyond, from)));
+    seen->is_ahead = both(g, FP3_OP_MUL, seen->is_ahead, fp3_root_is_ahead(a, event, &r));
+    note(a, "has a root no value");
+    seen->sum = both(g, FP3_OP_ADD, seen->sum, r.to);
+    if (a->is_chosen)
+        fp3_root_nearest(a, event, &r, &seen->from, &seen->to);
 }
 
-static uint32_t sum(dag *g, uint32_t so_far, uint32_t other) {
-    return so_far == FP3_NONE ? other : other == FP3_NONE ? so_far : add(g, so_far, other);
+/* ---- the search ----
+ *
+ * Of two steps from here, one ends before the event and one behind it. Attempts between them bring them closer, until the one
+ * behind is accepted. All begin here: what FP3 rounds off in an attempt is not lost, and whatever the function, each shortens
+ * the bracket. */
+
+static uint32_t held(const fp3_advance *a, const char *name) {
+    const uint32_t state = fp3_model_state(a->step->model, name);
+    return fp3_dag_first(&a->step->values,
+                         fp3_advance_held(a, &a->step->values, ROLE_STATE, state).node);
 }
 
-/* roots: the sum of the parts behind them, so that no NaN is lost; begins: 1 if a condition has become true, which may have been so
- * since the beginning. */
-static void judge(fp3_advance *a, uint32_t roots, uint32_t begins) {
+/* Nodes: the bracket so far; from its ends to that of this attempt; whether that is before all events; how far apart both ends
+ * may be. */
+typedef struct {
+    uint32_t before, behind, since, until, is_before, near;
+} attempt;
+
+/* Of a step that is not chosen the host knows it, unless the search goes on from elsewhere. */
+static uint32_t near_enough(const fp3_advance *a, const sight *seen, uint32_t h) {
+    dag *g = &a->step->values;
+    known_table *known = &a->step->known;
+    const double share = a->is_chosen || seen->is_ahead == FP3_NONE ? 1 : FINE;
+    const uint32_t locate = fp3_known_make(known, KNOWN_MUL, fp3_known_number(known, share),
+                                           fp3_known_param(known, "locate"));
+    note(a, "how far apart both steps may be");
+    if (a->is_chosen || g->is_abstract)
+        return add(g, fp3_dag_first(g, fp3_dag_known(g, locate)), mul(g, num(g, FINEST), h));
+    const uint32_t least =
+        fp3_known_make(known, KNOWN_MUL, fp3_known_number(known, FINEST), fp3_known_step(known));
+    return fp3_dag_known(g, fp3_known_make(known, KNOWN_ADD, locate, least));
+}
+
+/* What has to be near enough where the step ends before the event: nothing if none is looked for. The event is not where it was said
+ * to be if the other end is next to this one. What controls steps is floats, and double-single can tell more apart. */
+static uint32_t gap_before(const fp3_advance *a, const attempt *is, uint32_t h) {
+    dag *g = &a->step->values;
+    return g->is_abstract ? sub(g, is->until, mul(g, num(g, LEAVE), h))
+                          : mul(g, num(g, WRONG), is->until);
+}
+
+/* Where the line between both ends of the bracket crosses 0, seen from the new one. A little beyond that, on the other side, so that
+ * the root is soon between two ends that are close. */
+static uint32_t by_line(fp3_advance *a, const sight *seen, const attempt *is) {
+    dag *g = &a->step->values;
+    note(a, "the root at the step that ends before the event");
+    const uint32_t before = held(a, FP3_STATE_ROOT_BEFORE);
+    const uint32_t first = sel(g, is->behind, before, seen->from);
+    const uint32_t behind = held(a, FP3_STATE_ROOT_BEHIND);
+    a->root_before = sel(g, is->is_before, seen->to, first);
+    note(a, "the root at the step that ends behind the event");
+    a->root_behind = sel(g, is->is_before, behind, seen->to);
+    note(a, "from here to the root");
+    const uint32_t other = sel(g, is->is_before, behind, first);
+    const uint32_t room = sel(g, is->is_before, is->until, sub(g, num(g, 0), is->since));
+    const uint32_t share = mul(g, seen->to, op1(g, FP3_OP_RCP, sub(g, seen->to, other)));
+    const uint32_t far = mul(g, room, share);
+    note(a, "and a little further");
+    return add(g, far, mul(g, sel(g, is->is_before, num(g, BEYOND), num(g, -SHORT)), is->near));
+}
+
+/* The end of the next attempt: where the line says, if that is much closer to this end; else in the middle. */
+static uint32_t next_end(fp3_advance *a, const sight *seen, const attempt *is, uint32_t h) {
+    dag *g = &a->step->values;
+    note(a, "the middle between both steps");
+    const uint32_t middle = mul(g, num(g, MIDDLE), add(g, a->before, a->behind));
+    if (seen->to == FP3_NONE)
+        return middle;
+    const uint32_t by = by_line(a, seen, is);
+    note(a, "is the root there");
+    const uint32_t nearest = op2(g, FP3_OP_MIN, is->since, op1(g, FP3_OP_ABS, is->until));
+    uint32_t is_good = op2(g, FP3_OP_LE, op1(g, FP3_OP_ABS, by), mul(g, num(g, GAIN), nearest));
+    if (seen->begins != FP3_NONE)
+        is_good = sel(g, seen->begins, num(g, 0), is_good);
+    note(a, "where the next attempt ends");
+    return sel(g, is_good, add(g, h, by), middle);
+}
+
+static void judge(fp3_advance *a, const sight *seen) {
     dag *g = &a->step->values;
     const uint32_t h = fp3_dag_first(g, a->h.node);
-    const uint32_t locate = fp3_dag_first(g, fp3_dag_known(g, fp3_known_param(g->known, "locate")));
-    note(a, "does an event happen late enough in the step");
-    a->is_in_time = op2(g, FP3_OP_LE, mul(g, h, sum(g, roots, begins)), locate);
-    note(a, "the part of the step that is made again if not");
-    const uint32_t half = begins == FP3_NONE ? FP3_NONE : mul(g, num(g, HALF), begins);
-    const double share = a->is_chosen ? 1 : SHORT;
-    const uint32_t left = sub(g, num(g, NEARER), mul(g, num(g, share), sum(g, roots, half)));
-    a->part = op2(g, FP3_OP_MAX, left, num(g, LEAST));
+    attempt is = {.before = held(a, FP3_STATE_BEFORE), .behind = held(a, FP3_STATE_BEHIND)};
+    note(a, "does the step end before all events");
+    is.is_before = seen->is_ahead == FP3_NONE ? num(g, 1) : seen->is_ahead;
+    if (seen->begins != FP3_NONE)
+        is.is_before = sel(g, seen->begins, num(g, 0), is.is_before);
+    note(a, "from the step that ends before the event");
+    is.since = sub(g, h, is.before);
+    note(a, "to the step that ends behind the event");
+    is.until = sub(g, is.behind, h);
+    is.near = near_enough(a, seen, h);
+    note(a, "may the step end here");
+    uint32_t gap = is.since;
+    if (seen->sum != FP3_NONE)
+        gap = add(g, gap, mul(g, seen->sum, num(g, 0)));
+    gap = sel(g, is.is_before, gap_before(a, &is, h), gap);
+    a->is_in_time = op2(g, FP3_OP_LE, gap, is.near);
+    note(a, "between which two steps an event is");
+    a->before = sel(g, is.is_before, h, is.before);
+    a->behind = sel(g, is.is_before, is.behind, h);
+    a->next = next_end(a, seen, &is, h);
 }
 
 fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
     const fp3_model *model = a->step->model;
-    dag *g = &a->step->values;
     fp3_status status = FP3_OK;
-    uint32_t roots = FP3_NONE, begins = FP3_NONE;
+    sight seen = {FP3_NONE, FP3_NONE, FP3_NONE, FP3_NONE, FP3_NONE};
     for (uint32_t i = 0; !status && i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
         const int is_root = fp3_root_is(a, event);
@@ -101,15 +200,17 @@ fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
         if (!status)
             status = fp3_advance_event(a, event, 1, &after, error);
         if (!status && is_root) {
-            roots = sum(g, roots, since_root(a, event, &before, &after));
+            see_root(a, event, &before, &after, &seen);
         } else if (!status) {
             const uint32_t has_begun = becomes(a, event, &before, &after);
-            begins = begins == FP3_NONE ? has_begun : either(g, begins, has_begun);
+            seen.begins = seen.begins == FP3_NONE
+                              ? has_begun
+                              : either(&a->step->values, seen.begins, has_begun);
         }
         fp3_lower_close(&before);
         fp3_lower_close(&after);
     }
-    if (!status && (roots != FP3_NONE || begins != FP3_NONE))
-        judge(a, roots, begins);
+    if (!status && (seen.is_ahead != FP3_NONE || seen.begins != FP3_NONE))
+        judge(a, &seen);
     return status;
 }

@@ -6,19 +6,18 @@
 
 #include <inttypes.h>
 
-/* Whether it compares t itself with a time that is known, at which steps end. */
-static int is_timed(const fp3_advance *a, const fp3_event *event) {
-    const fp3_model *model = a->step->model;
-    const fp3_expr *e = &model->exprs[event->condition];
-    int has_end = !a->is_adaptive; /* there nothing is looked for */
-    for (uint32_t i = 0; i < a->switchings.count; i++)
-        has_end |= a->switchings.expr[i] == event->condition;
-    return has_end && model->exprs[e->operand[0]].is_known &&
-           model->exprs[e->operand[1]].op == FP3_EXPR_TIME;
-}
+#define FAR                                                                                        \
+    0x1p100 /* a root at which nothing can happen in this step, where the nearest is looked for */
 
+/* Steps that are not adaptive end where they do: there nothing is looked for. */
 int fp3_root_is(const fp3_advance *a, const fp3_event *event) {
-    return event->armed != FP3_NONE && !is_timed(a, event);
+    const fp3_model *model = a->step->model;
+    if (event->armed == FP3_NONE)
+        return 0;
+    if (a->is_adaptive)
+        return !fp3_switchings_time(model, &a->switchings, event);
+    const fp3_expr *e = &model->exprs[event->condition];
+    return !model->exprs[e->operand[0]].is_known || model->exprs[e->operand[1]].op != FP3_EXPR_TIME;
 }
 
 /* What the condition of a root is the sign of: b - a of a <= b. */
@@ -44,5 +43,27 @@ fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering 
     const uint32_t to = fp3_dag_first(g, is_falling ? g1.node : fp3_term_value(g, g1));
     const uint32_t zero = num(g, 0);
     const uint32_t is_armed = is_falling ? op2(g, op, zero, from) : op2(g, op, from, zero);
-    return (fp3_reach){from, sel(g, is_armed, to, num(g, is_falling ? 1 : -1)), is_falling};
+    const double far = (a->is_chosen ? FAR : 1) * (is_falling ? 1 : -1);
+    return (fp3_reach){from, sel(g, is_armed, to, num(g, far)), is_armed, is_falling};
+}
+
+uint32_t fp3_root_is_ahead(const fp3_advance *a, const fp3_event *event, const fp3_reach *r) {
+    dag *g = &a->step->values;
+    const uint32_t zero = num(g, 0);
+    g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": is the root still ahead", event->line);
+    return r->is_falling ? op2(g, FP3_OP_LT, zero, r->to) : op2(g, FP3_OP_LT, r->to, zero);
+}
+
+static uint32_t above_zero(dag *g, const fp3_reach *r, uint32_t value) {
+    return r->is_falling ? value : sub(g, num(g, 0), value);
+}
+
+void fp3_root_nearest(const fp3_advance *a, const fp3_event *event, const fp3_reach *r,
+                      uint32_t *from, uint32_t *to) {
+    dag *g = &a->step->values;
+    g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": is this root the nearest", event->line);
+    const uint32_t begin = sel(g, r->is_armed, above_zero(g, r, r->from), num(g, FAR));
+    const uint32_t end = above_zero(g, r, r->to);
+    *from = *from == FP3_NONE ? begin : op2(g, FP3_OP_MIN, *from, begin);
+    *to = *to == FP3_NONE ? end : op2(g, FP3_OP_MIN, *to, end);
 }

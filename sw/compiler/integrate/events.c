@@ -8,52 +8,63 @@
 #include <fp3/isa.h>
 #include <inttypes.h>
 
-static uint32_t chosen(dag *g, uint32_t condition, term then, term otherwise) {
-    return fp3_fold(g, FP3_OP_SEL, fp3_term_value(g, then), fp3_term_value(g, otherwise),
-                    condition);
+/* Whether an event happens: if the node is not 0, or, where it is the opposite, if it is. */
+typedef struct {
+    uint32_t node;
+    int is_opposite;
+} occurrence;
+
+static uint32_t chosen(dag *g, occurrence when, term then, term otherwise) {
+    const uint32_t a = fp3_term_value(g, then), b = fp3_term_value(g, otherwise);
+    return when.is_opposite ? sel(g, when.node, b, a) : sel(g, when.node, a, b);
 }
 
 /* A state that the event sets has no rounding error yet. */
-static void set(const fp3_advance *a, const fp3_event *event, uint32_t state, uint32_t condition,
+static void set(const fp3_advance *a, const fp3_event *event, uint32_t state, occurrence when,
                 term value) {
     dag *g = &a->step->values;
     const char *name = fp3_advance_name(a, state);
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": new %s", event->line, name);
-    a->now[state] = fp3_term(chosen(g, condition, value, a->now[state]));
+    a->now[state] = fp3_term(chosen(g, when, value, a->now[state]));
     if (a->options->arithmetic != FP3_COMPENSATED)
         return;
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": what is lost of %s", event->line, name);
     const term none = fp3_term(fp3_dag_number(g, 0));
-    a->lost[state] = fp3_term(chosen(g, condition, none, a->lost[state]));
+    a->lost[state] = fp3_term(chosen(g, when, none, a->lost[state]));
 }
 
 /* Whether it happens. */
 static fp3_status happens(const fp3_advance *a, const fp3_event *event, lowering *l,
-                          uint32_t *condition, fp3_error *error) {
+                          occurrence *when, fp3_error *error) {
     dag *g = &a->step->values;
     lowering before = {0};
     if (event->armed == FP3_NONE) {
-        *condition = fp3_lower(l, event->condition).node;
+        when->node = fp3_lower(l, event->condition).node;
         return FP3_OK;
     }
     const fp3_status status = fp3_advance_event(a, event, 0, &before, error);
     if (!status && fp3_root_is(a, event)) {
         const fp3_reach r = fp3_root_reach(a, event, &before, l);
-        g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": is the root reached", event->line);
-        *condition =
-            r.is_falling ? op2(g, FP3_OP_LE, r.to, num(g, 0)) : op2(g, FP3_OP_LE, num(g, 0), r.to);
+        if (a->is_adaptive) { /* the search needs it; a step that ends without a value is not accepted */
+            *when = (occurrence){fp3_root_is_ahead(a, event, &r), 1};
+        } else {
+            g->note =
+                fp3_note(&a->step->notes, "line %" PRIu32 ": is the root reached", event->line);
+            when->node = r.is_falling ? op2(g, FP3_OP_LE, r.to, num(g, 0))
+                                      : op2(g, FP3_OP_LE, num(g, 0), r.to);
+        }
     } else if (!status) {
         const uint32_t is = fp3_lower(l, event->condition).node;
         const uint32_t was = fp3_lower(&before, event->armed).node;
         g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": becomes true", event->line);
-        *condition = sel(g, was, is, num(g, 0));
+        when->node = sel(g, was, is, num(g, 0));
     }
     fp3_lower_close(&before);
     return status;
 }
 
 /* All values come from the states before any of them changes. */
-static void fire(fp3_advance *a, const fp3_event *event, lowering *l, uint32_t condition) {
+static void fire(fp3_advance *a, const fp3_event *event, lowering *l, occurrence when) {
     const fp3_model *model = a->step->model;
     const fp3_assignment *list = &model->assignments[event->first];
     term value[FP3_STATES_MAX];
@@ -62,14 +73,15 @@ static void fire(fp3_advance *a, const fp3_event *event, lowering *l, uint32_t c
             value[i] = fp3_lower(l, list[i].expr);
     for (uint32_t i = 0; i < event->count; i++)
         if (fp3_fit_is_live(a->fit, list[i].state))
-            set(a, event, list[i].state, condition, value[i]);
+            set(a, event, list[i].state, when, value[i]);
     if (!event->stops)
         return;
     a->step->values.note = fp3_note(&a->step->notes, "line %" PRIu32 ": stop", event->line);
-    a->stops = a->stops == FP3_NONE
-                   ? condition
-                   : chosen(&a->step->values, condition,
-                            fp3_term(fp3_dag_number(&a->step->values, 1)), fp3_term(a->stops));
+    const term yes = fp3_term(num(&a->step->values, 1));
+    const term so_far = fp3_term(a->stops == FP3_NONE ? num(&a->step->values, 0) : a->stops);
+    a->stops = a->stops == FP3_NONE && !when.is_opposite
+                   ? when.node
+                   : chosen(&a->step->values, when, yes, so_far);
 }
 
 fp3_status fp3_events(fp3_advance *a, fp3_error *error) {
@@ -77,15 +89,15 @@ fp3_status fp3_events(fp3_advance *a, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < model->event_count; i++) {
         const fp3_event *event = &model->events[i];
-        uint32_t condition = FP3_NONE;
+        occurrence when = {FP3_NONE, 0};
         lowering l;
         if (!fp3_fit_has_event(a->fit, model, event))
             continue;
         status = fp3_advance_event(a, event, 1, &l, error);
         if (!status)
-            status = happens(a, event, &l, &condition, error);
+            status = happens(a, event, &l, &when, error);
         if (!status)
-            fire(a, event, &l, condition);
+            fire(a, event, &l, when);
         fp3_lower_close(&l);
     }
     return status;

@@ -94,7 +94,7 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     a.slope = calloc(model->state_count + 1u, sizeof *a.slope);
     a.is_adaptive = fit->control != 0;
     a.is_chosen = fp3_model_chooses_steps(model);
-    a.is_in_time = a.part = a.stops = FP3_NONE;
+    a.is_in_time = a.next = a.root_before = a.root_behind = a.stops = FP3_NONE;
     a.error_scale = fp3_term(FP3_NONE);
     fp3_status status = fp3_step_open(step, model, options, error);
     if (!status && (!a.now || !a.lost || !a.error || !a.slope))

@@ -122,6 +122,15 @@ static int has_condition(const fp3_model *model) {
     return has;
 }
 
+/* Whether there is an event to look for; is_root: at a root. */
+static int has_located(const fp3_model *model, const fp3_switchings *switchings, int is_root) {
+    int has = 0;
+    for (uint32_t i = 0; switchings->kind && i < model->event_count; i++)
+        has |= !fp3_switchings_time(model, switchings, &model->events[i]) &&
+               (!is_root || model->events[i].armed != FP3_NONE);
+    return has;
+}
+
 /* A condition may be true at the start, and then its event happens at once: the first step is as long as an event may be late. */
 static void start_short(fp3_model *model, int is_chosen, double locate) {
     const uint32_t param = fp3_model_param(model, "locate");
@@ -138,6 +147,10 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         return FP3_E_ARGUMENT;
     const double until = def->until != 0 ? def->until : model->span;
     const int is_chosen = def->tolerance != 0, has_events = model->event_count > 0;
+    fp3_switchings switchings;
+    fp3_status status = fp3_switchings_find(model, &switchings, error);
+    const int is_located = has_located(model, &switchings, 0);
+    const int has_line = is_chosen && has_located(model, &switchings, 1);
     const struct {
         addition what;
         int is_wanted, is_time;
@@ -149,6 +162,10 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
         {{"smallest", "accepted step, as it was meant", NO_STEP_YET, 0}, is_chosen, 1},
         {{"largest", "accepted step", 0, 0}, is_chosen, 1},
         {{"h_cut", "the longest step up to an event", NO_STEP_YET, 0}, has_events && is_chosen, 1},
+        {{FP3_STATE_BEFORE, "a step that ends before the event", 0, 0}, is_located, 1},
+        {{FP3_STATE_BEHIND, "a step that ends behind it", 0, 0}, is_located, 1},
+        {{FP3_STATE_ROOT_BEFORE, "the root there", 0, 0}, has_line, 0},
+        {{FP3_STATE_ROOT_BEHIND, "the root there", 0, 0}, has_line, 0},
     };
     const addition params[] = {
         {"until", "where the object ends", until, 0},
@@ -160,8 +177,6 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
     };
     const char *unit = model->time_unit;
     const int is_short = has_condition(model);
-    fp3_switchings switchings;
-    fp3_status status = fp3_switchings_find(model, &switchings, error);
     const int is_wanted[] = {1, is_chosen, is_chosen, has_events,
                              is_chosen && (def->maxstep != 0 || switchings.unknown != FP3_NONE)};
     fp3_switchings_close(&switchings);

@@ -3,6 +3,7 @@
 #include "fit.h"
 
 #include "notes.h"
+#include "switching.h"
 
 #include <fp3/compile.h>
 
@@ -126,11 +127,14 @@ static void find_live(const fitting *f, const fp3_options *options) {
     const uint64_t all = count == 64 ? UINT64_MAX : BIT(count) - 1;
     uint64_t *live = &f->fit->live;
     *live = fp3_has_pass(options, FP3_PASS_DEAD) ? options->observed : all;
-    const uint32_t cut = fp3_model_state(f->model, "h_cut");
+    static const char *const located[] = {"h_cut", FP3_STATE_BEFORE, FP3_STATE_BEHIND,
+                                          FP3_STATE_ROOT_BEFORE, FP3_STATE_ROOT_BEHIND};
     if (f->fit->control) /* an object needs t and h, whoever looks */
         *live |= UINT64_C(3) << fp3_model_adapted(f->model);
-    if (f->fit->control && cut != FP3_NONE)
-        *live |= BIT(cut);
+    for (size_t i = 0; f->fit->control && i < sizeof located / sizeof *located; i++) {
+        const uint32_t state = fp3_model_state(f->model, located[i]);
+        *live |= state == FP3_NONE ? 0 : BIT(state);
+    }
     for (uint32_t i = 0; i < f->model->event_count; i++)
         if (f->model->events[i].stops)
             *live |= f->needs[f->model->events[i].condition];
@@ -281,10 +285,39 @@ static unsigned order_of(const fitting *f) {
     return integrator->order;
 }
 
+/* The first event that a step may pass over, as no one says how long it may be; NULL: there is none. */
+static fp3_status find_passed(const fp3_fit *fit, const fp3_model *model, const fp3_event **event,
+                              fp3_error *error) {
+    fp3_switchings switchings;
+    *event = NULL;
+    if (!fp3_model_chooses_steps(model) || fp3_model_param(model, "maxstep") != FP3_NONE)
+        return FP3_OK;
+    const fp3_status status = fp3_switchings_find(model, &switchings, error);
+    for (uint32_t i = 0; !status && !*event && i < model->event_count; i++)
+        if (fp3_fit_has_event(fit, model, &model->events[i]) &&
+            !fp3_switchings_time(model, &switchings, &model->events[i]))
+            *event = &model->events[i];
+    fp3_switchings_close(&switchings);
+    return status;
+}
+
 fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
                         const fp3_integrator *integrator, char **warning, fp3_error *error) {
+    const fp3_event *event;
     *warning = NULL;
-    if (fit->fallen == FP3_NONE || integrator->order <= fit->order)
+    const fp3_status status = find_passed(fit, model, &event, error);
+    if (status)
+        return status;
+    if (event &&
+        asprintf(warning,
+                 "line %" PRIu32 ": a step that is as long as the tolerance allows may pass "
+                 "over this event, if what it waits for comes and goes within the step: "
+                 "give a 'maxstep' that is shorter",
+                 event->line) < 0) {
+        *warning = NULL;
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    }
+    if (event || fit->fallen == FP3_NONE || integrator->order <= fit->order)
         return FP3_OK;
     const fp3_quantity *q = &model->states[fit->fallen];
     const int length = asprintf(

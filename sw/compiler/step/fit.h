@@ -31,7 +31,8 @@ int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_even
 int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model);
 int fp3_fit_has_projections(const fp3_fit *fit, const fp3_model *model);
 
-/* Says so: *warning is NULL where no state is fallen; else the caller frees it. */
+/* Says what to know of the program: a state is fallen, or a step may pass over an event. *warning is NULL if there is nothing; else the
+ * caller frees it. */
 fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
                         const fp3_integrator *integrator, char **warning, fp3_error *error);
 

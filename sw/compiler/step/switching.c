@@ -35,6 +35,15 @@ void fp3_switchings_close(fp3_switchings *s) {
     *s = (fp3_switchings){0};
 }
 
+int fp3_switchings_time(const fp3_model *model, const fp3_switchings *s, const fp3_event *event) {
+    const fp3_expr *e = &model->exprs[event->condition];
+    int has_end = 0;
+    for (uint32_t i = 0; i < s->count; i++)
+        has_end |= s->expr[i] == event->condition;
+    return has_end && event->armed != FP3_NONE && model->exprs[e->operand[0]].is_known &&
+           model->exprs[e->operand[1]].op == FP3_EXPR_TIME;
+}
+
 /* ---- when ---- */
 
 /* slope t + offset, of known values. */

@@ -232,7 +232,10 @@ static inline fp3_adaptive_def fp3_adaptive_default(void) {
  * next step to try, at first the model's step), accepted, rejected, smallest and largest, and h_cut
  * if there are events; the param until of each object; and the shared params tolerance, absolute,
  * locate if there are events, and maxstep if one is given or needed. Without a tolerance smallest,
- * largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to an event. fp3_compile then makes a program with adaptive steps.
+ * largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to an event.
+ * Events that have to be looked for also need h_before and h_behind, and roots root_before and
+ * root_behind with a tolerance (docs/adaptive.md). fp3_compile then makes a program with adaptive
+ * steps.
  * FP3_E_PROGRAM: the model already has one of these names, or is too large. FP3_E_ARGUMENT: a definition
  * from another version of the library. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
