@@ -178,6 +178,18 @@ def test_a_time_may_belong_to_the_object(written):
     assert found[3:] == [0, 0] and found[:3] == pytest.approx([0.2, 0.6, 1.0], rel=1e-6)
 
 
+@pytest.mark.parametrize("how", [["--steps", 8], ["--until", 1], ["--tolerance", 1e-3]])
+def test_a_time_at_the_start_is_refused(written, how):
+    """It would never happen. An event before a start that is late is past."""
+    path = written("param T = 0\nstate x = 0\nx' = 1\nat t = T: x = 5\nstep 0.125\nspan 1\n")
+    for values in ([], ["--set", "T=-1"], ["--set", "T=1e-50"], ["-o", 3, "-c", "many_full", "--spread", "T=0:1"]):
+        said = fp3("run", path, *how, "-e", "isa", *values, status=2).stderr
+        assert "line 4: the event at t = " in said and "never happens, as the object starts at t = 0: expected a time after the start" in said
+    assert run(path, *how, "--set", "T=0.5")[0]["x"] == 5.5
+    if "--until" in how:
+        assert run(path, "--until", 3, "--set", "t=2", "--set", "T=1")[0]["x"] == 1 and run(path, "--until", 1, "--set", "t=-1")[0]["x"] == 6
+
+
 def test_exactly_on_the_root(written):
     """x is 0.5 at the end of the fourth step, which is the event, and not a second one when it goes on."""
     path = written("state x = 0\nstate n = 0\nx' = 1\nn' = 0\nwhen root(x - 0.5) rising: n = n + 1\nstep 0.125\n")

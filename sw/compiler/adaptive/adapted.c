@@ -7,6 +7,7 @@
 #include <fp3/compile.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 
 /* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met. What is compensated
  * loses a like part of what a step adds to a state, some sixteenth of it. */
@@ -77,12 +78,60 @@ static fp3_status check_object(double absolute, double until, double t, double h
     return FP3_OK;
 }
 
+static int is_at_time(const fp3_model *model, const fp3_event *event) {
+    const fp3_expr *e = &model->exprs[event->condition];
+    return event->armed != FP3_NONE && model->exprs[e->operand[0]].is_known &&
+           model->exprs[e->operand[1]].op == FP3_EXPR_TIME;
+}
+
+/* An event at the time at which the object starts never happens: there is no step before it. What a run that begins late has behind
+ * it is past. */
+static fp3_status check_time(const fp3_event *event, double time, double start, fp3_error *error) {
+    const float at = (float)time, from = (float)start;
+    if (!(at <= from) || (at < from && from != 0))
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "line %" PRIu32
+                    ": the event at t = %.9g never happens, as the object starts at "
+                    "t = %.9g: expected a time after the start",
+                    event->line, time, start);
+}
+
+static fp3_status check_times(const fp3_model *model, const double *params, const double *initial,
+                              size_t count, fp3_error *error) {
+    const uint32_t t = fp3_model_adapted(model);
+    const size_t states = model->state_count, all = states + model->param_count;
+    uint32_t timed = 0;
+    for (uint32_t k = 0; k < model->event_count; k++)
+        timed += (uint32_t)is_at_time(model, &model->events[k]);
+    double *row = timed ? calloc(all + model->expr_count + 1, sizeof *row) : NULL;
+    double *values = row + all;
+    if (timed && !row)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; timed && !status && i < count; i++) {
+        for (size_t s = 0; s < states; s++)
+            row[s] = initial[s * count + i];
+        for (size_t p = 0; p < model->param_count; p++)
+            row[states + p] = params[p * count + i];
+        fp3_model_evaluate(model, &(fp3_point){.states = row, .params = row + states}, values);
+        for (uint32_t k = 0; !status && k < model->event_count; k++)
+            if (is_at_time(model, &model->events[k]))
+                status = check_time(&model->events[k],
+                                    values[model->exprs[model->events[k].condition].operand[0]],
+                                    t == FP3_NONE ? 0 : row[t], error);
+    }
+    free(row);
+    return status;
+}
+
 fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
                              const double *params, const double *initial, size_t count,
                              fp3_error *error) {
     const uint32_t t = fp3_model_adapted(model);
-    if (t == FP3_NONE)
-        return FP3_OK;
+    fp3_status status = check_times(model, params, initial, count, error);
+    if (t == FP3_NONE || status)
+        return status;
     const uint32_t locate = fp3_model_param(model, "locate");
     const uint32_t maxstep = fp3_model_param(model, "maxstep");
     const int is_chosen = fp3_model_chooses_steps(model);
@@ -91,7 +140,6 @@ fp3_status fp3_adapted_check(const fp3_model *model, const fp3_options *options,
     const double *absolute = params + (is_chosen ? fp3_model_param(model, "absolute") * count : 0);
     const double *until = params + fp3_model_param(model, "until") * count;
     const double *start = initial + t * count, *h = start + count;
-    fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < count; i++) {
         status = is_chosen ? check_tolerance(tolerance[i], options, error) : FP3_OK;
         if (!status)
