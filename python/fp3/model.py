@@ -95,7 +95,7 @@ class Model:
 
     def __init__(self, source: Source, *, name: Optional[str] = None) -> None:
         if isinstance(source, str) and "\n" in source:
-            self._text, self._where = source.encode(errors="surrogatepass"), name_bytes("name", name or "text")
+            self._text, self._where = source.encode(errors="surrogatepass"), name_bytes("name", "text" if name is None else name)
         else:
             self._where = name_bytes("source", source)
             with open(source, "rb") as file:

@@ -39,10 +39,11 @@ class Group:
         return f"fp3.Group({self.path}: {self.objects} objects, {', '.join(self.names)})"
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names
+        return isinstance(name, str) and name in self.names
 
     def __getitem__(self, name: str) -> "np.ndarray[Any, Any]":
-        if name not in self.names:
+        name_bytes("name", name)
+        if name not in self:
             raise ArgumentError(f"the program of this group has no '{name}', it has {', '.join(self.names)}")
         c, lib = self._program.contents, library()
         reg = lib.fp3_image_find(c.image, name.encode(), 1 << d.FP3_SYMBOL_STATE | 1 << d.FP3_SYMBOL_PARAM).contents.index

@@ -107,7 +107,7 @@ class _Files:
 def _numbers(option: str, values: Optional[Mapping[str, Any]], width: int) -> List[str]:
     words = []
     for name, value in as_mapping(option, values).items():
-        parts = [value] if width == 1 else list(value)
+        parts = [value] if width == 1 else list(value) if isinstance(value, (tuple, list)) else []
         if len(parts) != width:
             raise ArgumentError(f"'{name}': found {shown_value(value)}, expected a pair, first and last")
         words.append(f"--{option}={name}=" + ":".join(repr(as_number(f"'{name}'", part)) for part in parts))

@@ -80,7 +80,7 @@ NUMBERS = {
     "link": lambda b, v: b.link("rope", [0], v), "link one": lambda b, v: b.link("rope", [0], [v]), "field": lambda b, v: b.link("rope", [0], [1], rest=v),
     "fields": lambda b, v: b.link("rope", [0], [1], rest=[v]), **{name: lambda b, v, name=name: fp3.Batch(TEXT, **{name: v}) for name in ("objects", "h", "skin", "threads", "until")},
     "tolerance": lambda b, v: fp3.Batch(TEXT, tolerance=v), "params": lambda b, v: fp3.Batch(TEXT, 4, params={"k": v}), "tune": lambda b, v: fp3.tune(TEXT, v),
-    "ranges": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": (v, 2)}), "t_span": lambda b, v: fp3.solve_ivp(TEXT, (0, v)), "begin": lambda b, v: fp3.solve_ivp(TEXT, (v, 2)),
+    "ranges": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": (v, 2)}), "range": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": v}), "t_span": lambda b, v: fp3.solve_ivp(TEXT, (0, v)), "begin": lambda b, v: fp3.solve_ivp(TEXT, (v, 2)),
     **{name: lambda b, v, name=name: fp3.solve_ivp(TEXT, (0, 1), **{name: v}) for name in ("y0", "t_eval", "h", "rtol", "objects", "threads", "attempts")},
     "y0 of one": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), [v, 0]), "y0 by name": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), {"x": v}), "given": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), params={"k": v}),
     "max_step": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), rtol=1e-3, max_step=v), "time": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), t_eval=[v])}
@@ -115,7 +115,10 @@ def test_names_are_strings(name):
                     lambda: fp3.Batch(TEXT, engine=name), lambda: fp3.solve_ivp(TEXT, (0, 1), arithmetic=name or 0)):
             with pytest.raises(TypeError, match="expected a string"):
                 use()
-        assert name not in batch and "x" in batch and "k" in batch and "z" not in batch and "x\0" not in batch and "\ud800" not in batch
+        group = fp3.Scene(ROOT / "programs/mixed.scene", engine="fast").groups[0]
+        with pytest.raises(TypeError, match="expected a string"):
+            group[name]
+        assert name not in group and name not in batch and "x" in batch and "k" in batch and "z" not in batch and "x\0" not in batch and "\ud800" not in batch
 
 
 def test_arrays_of_other_layouts():
