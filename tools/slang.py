@@ -19,7 +19,8 @@ OPTIONS = "--std 1364-2005 -Werror -Wno-shift-count-overflow -Wno-unconnected-ou
 
 
 def read(file):
-    listed = [line for line in (ROOT / "rtl/gen/files.f").read_text(encoding="utf-8").splitlines() if line.startswith("rtl/")]
+    listed = [line for line in (ROOT / "rtl/gen/files.f").read_text(encoding="utf-8").splitlines() if line.startswith("rtl/")
+              and pathlib.Path(line).name != pathlib.Path(file).name]  # which may be a family's
     board = [path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "rtl/board").glob("*.v")) if path.stem != "board_top"]
     around = [*board, "rtl/gen/fp3_single.v"] if file in board else []
     driver = Driver()

@@ -38,6 +38,10 @@ module counters #(
     wire [SPREAD-1:0]       freshs = {{SPREAD-N{1'b0}}, fresh_q};
     always @(posedge clk_i) event_q <= clear_i ? {N{1'b0}} : event_i;
 
+    reg  [INDEX_W-1:0] turn_q, at_q;                      // the next word to be read, the word read
+    reg                own_q, one_q, none_q;              // ours, not the host's; its carry; it stands for 0
+    wire               write = own_q && one_q && !read_i && !clear_i;
+
     genvar k;
     generate
         for (k = 0; k < SPREAD; k = k + 1) begin : g_counter
@@ -61,13 +65,10 @@ module counters #(
     // The memory is never read where it is written: a read keeps the write from happening.
     (* ram_style = "block", no_rw_check *) reg [REST-1:0] memory [0:SPREAD-1];
     reg  [REST-1:0]    word_q;
-    reg  [INDEX_W-1:0] turn_q, at_q;                      // the next word to be read, the word read
-    reg                own_q, one_q, none_q;              // ours, not the host's; its carry; it stands for 0
     reg                high_q;
     reg  [LOW-1:0]     low_q;
     wire [INDEX_W-1:0] at    = read_i ? index_i : turn_q;
     wire [REST-1:0]    sum   = (word_q & {REST{!none_q}}) + {{REST-1{1'b0}}, one_q};
-    wire               write = own_q && one_q && !read_i && !clear_i;
     initial turn_q = {INDEX_W{1'b0}};                     // any turn does; a simulation needs one that is known
     always @(posedge clk_i) begin
         if (write) memory[at_q] <= sum;
