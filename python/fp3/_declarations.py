@@ -632,6 +632,7 @@ class fp3_failure(Structure):
         ("flags", c_uint32),
         ("state", c_uint32),
         ("value", c_float),
+        ("partner", c_uint32),
     ]
 
 
@@ -821,6 +822,7 @@ class fp3_batch_def(Structure):
         ("tasks_user", c_void_p),
         ("allocator", fp3_allocator),
         ("skin", c_double),
+        ("may_fail", c_int),
     ]
 
 

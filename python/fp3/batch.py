@@ -124,6 +124,7 @@ class Batch(Owner):
         definition.compiled = program.c.compiled
         definition.compile.config = program.c.config
         definition.objects, definition.threads, definition.skin = objects, threads, skin
+        definition.may_fail = 1  # step looks by itself: a run may have many parts
         definition.may_compile = as_flag("may_compile", may_compile)
         definition.h = 0.0 if h is None else as_number("h", h)
         if h is not None and not definition.h > 0:

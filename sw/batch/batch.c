@@ -31,7 +31,8 @@ struct fp3_batch {
     size_t objects, used; /* all; the first of them, which make steps */
     uint64_t since;       /* steps with this h */
     double before, h;     /* the time until then */
-    int is_adaptive, may_sleep;
+    int is_adaptive, may_sleep, may_fail;
+    int is_suspect; /* an object may have a state that is not finite */
 };
 
 void fp3_batch_set_default(fp3_batch_def *def, size_t size) {
@@ -135,6 +136,7 @@ fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
     if (!b)
         return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
     b->error = def->error;
+    b->may_fail = def->may_fail;
     b->objects = b->used = def->objects;
     const fp3_status status = make(def, b);
     if (status)
@@ -264,6 +266,33 @@ static fp3_status settle_reach(fp3_batch *b) {
 
 /* ---- steps ---- */
 
+static fp3_status tell_adaptive(const fp3_batch *b) {
+    fp3_adaptive_report found;
+    char text[FP3_ADAPTIVE_TEXT_SIZE];
+    const fp3_status status = fp3_adaptive_report_make(b->engine, 0, b->used, &found);
+    if (status || !found.failed)
+        return status;
+    fp3_adaptive_text(found.first, &found.why, text);
+    return fp3_fail(b->error, FP3_E_FAILED, "%zu of %zu objects failed, first %s", found.failed,
+                    b->used, text);
+}
+
+/* Values of a model are finite when a run begins: as long as nothing that leads away from there is raised, nobody looks. */
+static fp3_status tell_failures(fp3_batch *b) {
+    fp3_failure found;
+    char text[FP3_FAILURE_TEXT_SIZE];
+    if (b->is_adaptive)
+        return tell_adaptive(b);
+    if (b->compiled && !b->is_suspect && !fp3_engine_may_have_failed(b->engine))
+        return FP3_OK;
+    const fp3_status status = fp3_batch_failure(b, &found, text);
+    b->is_suspect = status || found.failed; /* a NaN stays one, and raises nothing */
+    if (status || !found.failed)
+        return status;
+    return fp3_fail(b->error, FP3_E_FAILED, "%zu of %zu objects failed, first %s", found.failed,
+                    b->used, text);
+}
+
 fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     FP3_HOST;
     if (!b)
@@ -281,7 +310,7 @@ fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
         return status;
     fp3_fields_moved(b->fields);
     b->since += steps;
-    return FP3_OK;
+    return b->may_fail || !b->used ? FP3_OK : tell_failures(b);
 }
 
 fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
@@ -294,6 +323,7 @@ fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
                         "%zu of %zu objects: objects that see each other all make steps", count,
                         b->objects);
     b->used = count;
+    b->is_suspect = 1;
     fp3_engine_use(b->engine, 0, count);
     return FP3_OK;
 }

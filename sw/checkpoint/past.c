@@ -26,8 +26,14 @@ void fp3_checkpoint_name(char name[FP3_CHECKPOINT_NAME], const char *what, uint3
 void fp3_failure_pack(const fp3_failure *failure, uint32_t words[FP3_FAILURE_WORDS]) {
     const uint64_t failed = failure->failed, object = failure->object;
     const uint32_t all[FP3_FAILURE_WORDS] = {
-        (uint32_t)failed, (uint32_t)(failed >> 32),     (uint32_t)object, (uint32_t)(object >> 32),
-        failure->step,    (uint32_t)failure->is_before, failure->flags,   failure->state};
+        (uint32_t)failed,
+        (uint32_t)(failed >> 32),
+        (uint32_t)object,
+        (uint32_t)(object >> 32),
+        failure->step,
+        (uint32_t)failure->is_before,
+        failure->flags,
+        failure->partner ? failure->partner : failure->state}; /* one of them is 0 */
     memcpy(words, all, sizeof all);
     memcpy(&words[FP3_FAILURE_WORDS - 1], &failure->value, sizeof failure->value);
 }
@@ -39,6 +45,10 @@ fp3_failure fp3_failure_unpack(const uint32_t words[FP3_FAILURE_WORDS]) {
                            .is_before = (int)words[5],
                            .flags = words[6],
                            .state = words[7]};
+    if (failure.flags) {
+        failure.partner = failure.state;
+        failure.state = 0;
+    }
     memcpy(&failure.value, &words[FP3_FAILURE_WORDS - 1], sizeof failure.value);
     return failure;
 }

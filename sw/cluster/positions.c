@@ -12,11 +12,11 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
     return &group->lists.lists[i].near;
 }
 
-static fp3_status check(const fp3_engine *engine, const fp3_positions *p, uint32_t k) {
+/* Nobody is near an object whose position is not finite. For all ranks it is at 0, so that they agree on whose it is. */
+static void place_astray(const fp3_engine *engine, fp3_positions *p, uint32_t k) {
     for (uint32_t i = 0; i < engine->objects; i++)
         if (!isfinite(fp3_position(p, k, i)))
-            return fp3_lists_astray(i, engine->def.error);
-    return FP3_OK;
+            p->word[k][i] = 0;
 }
 
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p) {
@@ -28,7 +28,7 @@ fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3
         status =
             p->word[k] ? fp3_ranks_read(engine, cells, p->word[k]) : fp3_ranks_no_memory(engine);
         if (!status)
-            status = check(engine, p, k);
+            place_astray(engine, p, k);
     }
     return status;
 }

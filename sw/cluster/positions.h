@@ -18,7 +18,7 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group);
 fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
                                const fp3_positions *p, uint32_t objects, uint32_t **begin,
                                uint32_t **other);
-/* All ranks together. An infinite position, or NaN, is refused as fp3_lists_astray has it. fp3_positions_close whatever comes of it. */
+/* All ranks together. A number that is not finite becomes 0. fp3_positions_close whatever comes of it. */
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p);
 void fp3_positions_close(fp3_positions *p);
 

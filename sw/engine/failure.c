@@ -178,6 +178,11 @@ fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect) {
     return status;
 }
 
+int fp3_engine_may_have_failed(const fp3_engine *engine) {
+    return !engine->config->flags ||
+           engine->origin->flags & (FP3_FLAGS_GRAVE | FP3_FLAG_DIVIDE_BY_ZERO);
+}
+
 /* Without `flags` the states alone tell a failure. */
 static int is_failed(const fp3_engine *engine, const fp3_watched *w) {
     return w->is_astray || (w->raised != FP3_NEVER && engine->config->flags);
@@ -225,6 +230,7 @@ static fp3_failure tell(const fp3_engine *engine, const fp3_failed *which, size_
                      .step = engine->origin->clock + (uint32_t)when(w),
                      .is_before = when(w) == 0,
                      .flags = is_raised ? w->flags : 0,
+                     .partner = is_raised ? w->partner : 0,
                      .state = is_raised ? 0 : w->reg};
     f.value = is_raised ? 0 : fp3_format_value(engine->config, w->bits);
     return f;
@@ -270,11 +276,15 @@ static void say_what(const fp3_engine *engine, const fp3_failure *f, char *text,
         if (f->flags & grave[i].flag)
             used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " and " : "",
                                      grave[i].name);
+    const size_t used = strlen(text);
+    if (f->partner)
+        snprintf(text + used, size - used, ", as it is at the same place as object %" PRIu32,
+                 f->partner - 1);
 }
 
 void fp3_engine_failure_text(const fp3_engine *engine, const fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]) {
-    char what[64] = "";
+    char what[96] = "";
     say_what(engine, failure, what, sizeof what);
     if (failure->is_before)
         snprintf(text, FP3_FAILURE_TEXT_SIZE, "object %zu before its first step: %s",

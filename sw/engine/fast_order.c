@@ -104,14 +104,13 @@ fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members) {
     const fp3_near_rule *rule = &members->lists.lists[0].near;
     fp3_where_they_are now = {
         .row = self->row, .stride = 1, .objects = members->rows, .dimensions = rule->dimensions};
-    uint32_t astray;
     if (!may_have_an_order(members))
         return fp3_order_undo(engine);
     if (rule->lists < self->order_due)
         return FP3_OK;
     for (uint32_t k = 0; k < now.dimensions; k++)
         now.position[k] = self->column[rule->regs[k]];
-    if (!fp3_near_is_stale(rule, &now, &astray) || astray != UINT32_MAX)
+    if (!fp3_near_is_stale(rule, &now))
         return FP3_OK;
     return put_in_order(engine, members, &now);
 }

@@ -32,6 +32,8 @@ fp3_status fp3_engine_read_shared_words(fp3_engine *engine, size_t group, uint32
 /* What the next run goes by: the steps of earlier runs, by which it numbers its own; the definition, whose strings
  * may be gone; the configuration. Tests change them. */
 uint32_t *fp3_engine_clock(fp3_engine *engine);
+/* Whether something was raised in the last run that leads from finite numbers to others; always where no flags are kept. */
+int fp3_engine_may_have_failed(const fp3_engine *engine);
 fp3_engine_def *fp3_engine_definition(fp3_engine *engine);
 fp3_config *fp3_engine_config(fp3_engine *engine);
 

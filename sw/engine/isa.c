@@ -159,8 +159,10 @@ static void note_flags(const round_of *r, uint32_t object, uint32_t flags) {
     r->stats->flags |= flags;
     if (watched && r->is_ahead)
         fp3_watch_ahead(&watched[object], flags);
-    else if (watched)
-        fp3_watch_flags(&watched[object], r->number - r->engine->began, flags);
+    else if (watched && fp3_watch_flags(&watched[object], r->number - r->engine->began, flags))
+        watched[object].partner = fp3_list_same_place(
+            r->loop.list, ((const isa *)r->engine->self)->store, r->engine->config->registers,
+            r->engine->layout.groups[r->group].first, object, r->loop.turn);
     *word |= flags;
     if (flags & FP3_FLAGS_GRAVE && !(*word >> FP3_STATUS_STEP_LO))
         *word |= r->number << FP3_STATUS_STEP_LO;

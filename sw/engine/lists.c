@@ -2,7 +2,6 @@
 /* lists.c - lists of neighbours: copied, kept until the next load, made again as objects move. */
 #include "lists.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -98,10 +97,19 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
     return status;
 }
 
-fp3_status fp3_lists_astray(uint32_t object, fp3_error *error) {
-    return fp3_fail(
-        error, FP3_E_PROGRAM,
-        "the position of object %" PRIu32 " is infinite or NaN, so nobody can be near it", object);
+uint32_t fp3_list_same_place(const fp3_list *list, const uint32_t *words, size_t each,
+                             uint32_t first, uint32_t object, uint32_t turn) {
+    if (!list || !list->is_near)
+        return 0;
+    const uint32_t other = first + fp3_list_entry(list, object - first, turn);
+    for (uint32_t k = 0; k < list->near.dimensions; k++) {
+        float x, y;
+        memcpy(&x, &words[object * each + list->near.regs[k]], sizeof x);
+        memcpy(&y, &words[other * each + list->near.regs[k]], sizeof y);
+        if (x != y)
+            return 0;
+    }
+    return other + 1;
 }
 
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
@@ -115,13 +123,11 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
                                   .stride = stride,
                                   .objects = objects,
                                   .dimensions = list->near.dimensions};
-        uint32_t astray, *begin, *other;
+        uint32_t *begin, *other;
         for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
             now.position[k] = words[list->near.regs[k]];
-        if (!list->is_near || !fp3_near_is_stale(&list->near, &now, &astray))
+        if (!list->is_near || !fp3_near_is_stale(&list->near, &now))
             continue;
-        if (astray != UINT32_MAX)
-            return fp3_lists_astray(astray, error);
         status = fp3_near_make(&list->near, &now, &begin, &other, error);
         free(list->begin);
         free(list->other);

@@ -45,12 +45,14 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
 /* At the beginning of a phase: makes the lists of those that are near again, where they are stale. Words of the
  * group's objects: words[register] is that of row 0, NULL: there is none; row: of each object, NULL: its number. Lists are of
  * rows. *is_new: some were made.
- * FP3_E_PROGRAM: a position is not finite; FP3_E_LIMIT, FP3_E_SYSTEM as of fp3_near_make. */
+ * FP3_E_LIMIT, FP3_E_SYSTEM as of fp3_near_make. */
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
                             const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
 
-/* Fails: this object, of which fp3_near_is_stale has told, has no place. */
-fp3_status fp3_lists_astray(uint32_t object, fp3_error *error);
+/* 1 + the number of the neighbour that an object sees in this turn of a loop, if it is near and at the same place; else 0. Objects
+ * have `each` words; those of the group begin at `first`. list: NULL outside of loops. */
+uint32_t fp3_list_same_place(const fp3_list *list, const uint32_t *words, size_t each,
+                             uint32_t first, uint32_t object, uint32_t turn);
 
 static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
     return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* near.c - objects are sorted into cells as large as they see; neighbours are in the cells around. */
+/* near.c - objects are sorted into cells as large as they see; neighbours are in the cells around.
+ *
+ * Cells fill a box, where all objects are in a box of not many more cells than there are objects. Where some are far away, only cells
+ * with objects in them are kept, by a hash of where they are: then the cost does not depend on the box.
+ */
 #include "near.h"
 
 #include <inttypes.h>
@@ -8,6 +12,10 @@
 #include <string.h>
 
 #define CELLS_PER_OBJECT 4.0
+#define LARGER 2.0 /* cells of a box are at most this much larger than a list reaches */
+
+/* From this cell on numbers of FP32 are farther apart than a cell is wide: those that are near have the same number. */
+#define LAST_CELL 0x1p25
 
 /* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong by some units in the last place, for
  * which the list reaches a little farther. */
@@ -38,51 +46,61 @@ static int are_near_home(const fp3_near_rule *rule, const fp3_where_they_are *no
     return !is_beyond;
 }
 
-int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *astray) {
-    const double most = rule->skin * rule->skin / 4;
-    int is_stale = !rule->made[0];
-    *astray = UINT32_MAX;
-    if (!is_stale && most >= LEAST_LOOK && are_near_home(rule, now, (float)(most * (1 - ROUNDING))))
-        return 0;
-    for (uint32_t object = 0; object < now->objects; object++) {
-        const uint32_t i = now->row ? now->row[object] : object;
-        double way = 0;
-        for (uint32_t k = 0; k < now->dimensions; k++) {
-            const double x = at(now, k, i), d = rule->made[0] ? x - rule->made[k][i] : x - x;
-            way += d * d;
-        }
-        if (way <= most)
-            continue;
-        is_stale = 1;
-        if (way - way != 0 && *astray == UINT32_MAX) /* infinite, or a NaN */
-            *astray = object;
+/* How far the object of a row was away when the list was made, squared. Who has no place, and had none, has not moved. */
+static double way_of(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t i) {
+    double way = 0;
+    int is_astray = 0, was_astray = 0;
+    for (uint32_t k = 0; k < now->dimensions; k++) {
+        const double x = at(now, k, i), made = rule->made[k][i];
+        is_astray |= !isfinite(x);
+        was_astray |= !isfinite(made);
+        way += (x - made) * (x - made);
     }
-    return is_stale;
+    return is_astray && was_astray ? 0 : way;
+}
+
+int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now) {
+    const double most = rule->skin * rule->skin / 4;
+    if (!rule->made[0])
+        return 1;
+    if (most >= LEAST_LOOK && are_near_home(rule, now, (float)(most * (1 - ROUNDING))))
+        return 0;
+    for (uint32_t i = 0; i < now->objects; i++)
+        if (!(way_of(rule, now, i) <= most))
+            return 1;
+    return 0;
 }
 
 typedef struct {
     const fp3_where_they_are *now;
     double least[FP3_NEAR_DIMENSIONS], size; /* of a cell */
-    uint32_t cells[FP3_NEAR_DIMENSIONS];
-    uint32_t *cell;                    /* of each row */
-    uint32_t *first;                   /* of each cell, in `order` */
-    uint32_t *order;                   /* rows, cell by cell, ascending */
-    float *place[FP3_NEAR_DIMENSIONS]; /* of each row, in this order */
-    float far;                         /* square of how far the list reaches */
+    uint32_t cells[FP3_NEAR_DIMENSIONS];     /* of the box */
+    uint32_t mask;                           /* 0: there is a box; else hashes are cut with it */
+    uint32_t *cell;                          /* of each row; of a hash: what is left of it */
+    uint32_t *first;                         /* of each cell, in `order` */
+    uint32_t *order;                         /* rows, cell by cell, ascending */
+    float *place[FP3_NEAR_DIMENSIONS];       /* of each row, in this order */
+    float far;                               /* square of how far the list reaches */
 } grid;
 
-/* Cells at least as large as the list reaches, and not many more than there are objects. */
-static void measure(grid *g, double reach) {
-    double extent[FP3_NEAR_DIMENSIONS] = {0}, most[FP3_NEAR_DIMENSIONS] = {0}, count;
+/* Where a number is not finite, the object is nowhere. */
+static void find_box(grid *g, double extent[FP3_NEAR_DIMENSIONS]) {
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
-        g->least[k] = most[k] = at(g->now, k, 0);
-        for (uint32_t i = 1; i < g->now->objects; i++) {
-            const double x = at(g->now, k, i);
-            g->least[k] = x < g->least[k] ? x : g->least[k];
-            most[k] = x > most[k] ? x : most[k];
+        double least = INFINITY, most = -INFINITY;
+        for (uint32_t i = 0; i < g->now->objects; i++) {
+            const double x = at(g->now, k, i), size = fabs(x);
+            least = x < least && size < INFINITY ? x : least;
+            most = x > most && size < INFINITY ? x : most;
         }
-        extent[k] = most[k] - g->least[k];
+        g->least[k] = least <= most ? least : 0;
+        extent[k] = least <= most ? most - least : 0;
     }
+}
+
+/* Cells at least as large as the list reaches, and not many more than there are objects. is_box: nothing but a box will do. */
+static void measure(grid *g, double reach, int is_box) {
+    double extent[FP3_NEAR_DIMENSIONS] = {0}, count;
+    find_box(g, extent);
     g->size = reach;
     do {
         count = 1;
@@ -91,20 +109,60 @@ static void measure(grid *g, double reach) {
         if (count > CELLS_PER_OBJECT * g->now->objects + 64)
             g->size *= 1.25;
     } while (count > CELLS_PER_OBJECT * g->now->objects + 64);
+    if (!is_box && g->size > LARGER * reach) {
+        g->size = reach * (1 + ROUNDING); /* so that no rounding puts who is near two cells away */
+        for (g->mask = 1; g->mask < 2.0 * g->now->objects;)
+            g->mask = 2 * g->mask + 1;
+    }
     for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++)
-        g->cells[k] = k < g->now->dimensions ? (uint32_t)floor(extent[k] / g->size) + 1 : 1;
+        g->cells[k] =
+            !g->mask && k < g->now->dimensions ? (uint32_t)floor(extent[k] / g->size) + 1 : 1;
+}
+
+static int is_astray(const grid *g, uint32_t row) {
+    int is = 0;
+    for (uint32_t k = 0; k < g->now->dimensions; k++)
+        is |= !isfinite(at(g->now, k, row));
+    return is;
 }
 
 static uint32_t column(const grid *g, uint32_t k, uint32_t row) {
     if (k >= g->now->dimensions)
         return 0;
     const double c = (at(g->now, k, row) - g->least[k]) / g->size;
-    return c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
+    return !(c >= 0) ? 0 : c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
+}
+
+/* The cell of a number; without a box. */
+static double cell_at(const grid *g, double x) { return floor(x / g->size) + 0.0; }
+
+/* What is left of the hash of a cell. */
+static uint32_t hash(const grid *g, const double cell[FP3_NEAR_DIMENSIONS]) {
+    uint64_t sum = 0;
+    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+        uint64_t bits;
+        memcpy(&bits, &cell[k], sizeof bits);
+        sum = (sum ^ bits >> 32 ^ bits) *
+              0x9e3779b97f4a7c15u; /* of small numbers the lower half is 0 */
+        sum ^= sum >> 32;
+    }
+    return (uint32_t)sum & g->mask;
+}
+
+static uint32_t find_cell(const grid *g, uint32_t row) {
+    double cell[FP3_NEAR_DIMENSIONS] = {0};
+    if (!g->mask)
+        return (column(g, 2, row) * g->cells[1] + column(g, 1, row)) * g->cells[0] +
+               column(g, 0, row);
+    for (uint32_t k = 0; k < g->now->dimensions; k++)
+        cell[k] = cell_at(g, at(g->now, k, row));
+    return hash(g, cell);
 }
 
 static fp3_status sort(grid *g, fp3_error *error) {
     const uint32_t objects = g->now->objects;
-    const size_t cells = (size_t)g->cells[0] * g->cells[1] * g->cells[2];
+    const size_t cells =
+        g->mask ? (size_t)g->mask + 1 : (size_t)g->cells[0] * g->cells[1] * g->cells[2];
     g->cell = malloc((objects + 1u) * sizeof *g->cell);
     g->order = malloc((objects + 1u) * sizeof *g->order);
     g->first = calloc(cells + 2, sizeof *g->first);
@@ -114,8 +172,7 @@ static fp3_status sort(grid *g, fp3_error *error) {
     for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++)
         g->place[k] = g->place[k - 1] + objects + 1;
     for (uint32_t i = 0; i < objects; i++) {
-        g->cell[i] =
-            (column(g, 2, i) * g->cells[1] + column(g, 1, i)) * g->cells[0] + column(g, 0, i);
+        g->cell[i] = find_cell(g, i);
         g->first[g->cell[i] + 2]++;
     }
     for (size_t c = 2; c < cells + 2; c++)
@@ -133,6 +190,7 @@ static fp3_status sort(grid *g, fp3_error *error) {
 typedef struct {
     uint32_t *first, *found;
     size_t count, room;
+    uint64_t looks; /* at how many objects it took to find them */
 } pairs;
 
 /* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too. There is room for all. */
@@ -160,27 +218,87 @@ static fp3_status need_room(pairs *p, size_t more, fp3_error *error) {
     return FP3_OK;
 }
 
+/* Those of order[from] .. order[end - 1]. */
+static fp3_status take(const grid *g, const float *place, uint32_t from, uint32_t end, pairs *p,
+                       fp3_error *error) {
+    const fp3_status status = need_room(p, end - from + (size_t)1, error);
+    p->looks += end - from;
+    if (!status)
+        p->count += find(g, place, from, end, p->found + p->count);
+    return status;
+}
+
 /* The cells around a row's, and its own, a line of them at a time. */
-static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
+static fp3_status find_in_box(const grid *g, uint32_t row, const float *place, pairs *p,
+                              fp3_error *error) {
     uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
-    float place[FP3_NEAR_DIMENSIONS] = {0};
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
         const uint32_t c = column(g, k, row);
         low[k] = c ? c - 1 : 0;
         high[k] = c + 1 < g->cells[k] ? c + 1 : c;
-        if (k < g->now->dimensions)
-            place[k] = (float)at(g->now, k, row);
     }
-    p->first[row] = (uint32_t)p->count;
     for (uint32_t z = low[2]; !status && z <= high[2]; z++)
         for (uint32_t y = low[1]; !status && y <= high[1]; y++) {
             const size_t line = ((size_t)z * g->cells[1] + y) * g->cells[0];
-            const uint32_t from = g->first[line + low[0]], end = g->first[line + high[0] + 1];
-            status = need_room(p, end - from + (size_t)1, error);
-            if (!status)
-                p->count += find(g, place, from, end, p->found + p->count);
+            status =
+                take(g, place, g->first[line + low[0]], g->first[line + high[0] + 1], p, error);
         }
+    return status;
+}
+
+/* Different cells may have one hash: of each, only those that are in it. */
+static fp3_status find_in_cell(const grid *g, const double cell[FP3_NEAR_DIMENSIONS],
+                               const float *place, pairs *p, fp3_error *error) {
+    const uint32_t at_hash = hash(g, cell), end = g->first[at_hash + 1];
+    fp3_status status = FP3_OK;
+    for (uint32_t n = g->first[at_hash]; !status && n < end; n++) {
+        int is_in = 1;
+        for (uint32_t k = 0; k < g->now->dimensions; k++)
+            is_in &= cell_at(g, (double)g->place[k][n]) == cell[k];
+        p->looks++;
+        if (is_in)
+            status = take(g, place, n, n + 1, p, error);
+    }
+    return status;
+}
+
+/* The same cells, each by itself. */
+static fp3_status find_by_hash(const grid *g, const float *place, pairs *p, fp3_error *error) {
+    double own[FP3_NEAR_DIMENSIONS] = {0}, cell[FP3_NEAR_DIMENSIONS];
+    int wide[FP3_NEAR_DIMENSIONS] = {0};
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; k < g->now->dimensions; k++) {
+        own[k] = cell_at(g, (double)place[k]);
+        wide[k] = fabs(own[k]) < LAST_CELL;
+    }
+    for (int z = -wide[2]; !status && z <= wide[2]; z++)
+        for (int y = -wide[1]; !status && y <= wide[1]; y++)
+            for (int x = -wide[0]; !status && x <= wide[0]; x++) {
+                cell[0] = own[0] + x + 0.0;
+                cell[1] = own[1] + y + 0.0;
+                cell[2] = own[2] + z + 0.0;
+                status = find_in_cell(g, cell, place, p, error);
+            }
+    return status;
+}
+
+/* Who is nowhere has found nobody but itself. */
+static fp3_status find_itself(uint32_t row, pairs *p, fp3_error *error) {
+    const fp3_status status = need_room(p, 1, error);
+    if (!status)
+        p->found[p->count++] = row;
+    return status;
+}
+
+static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
+    float place[FP3_NEAR_DIMENSIONS] = {0};
+    for (uint32_t k = 0; k < g->now->dimensions; k++)
+        place[k] = (float)at(g->now, k, row);
+    p->first[row] = (uint32_t)p->count;
+    fp3_status status = is_astray(g, row) ? find_itself(row, p, error)
+                        : g->mask         ? find_by_hash(g, place, p, error)
+                                          : find_in_box(g, row, place, p, error);
     if (!status && p->count > INT32_MAX)
         status = fp3_fail(error, FP3_E_LIMIT,
                           "the lists of those that are near have more than 2147483647 entries: "
@@ -236,11 +354,11 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
     return FP3_OK;
 }
 
-static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, grid *g,
-                            fp3_error *error) {
+static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, int is_box,
+                            grid *g, fp3_error *error) {
     const double reach = (rule->reach + rule->skin) * (1 + ROUNDING);
     *g = (grid){.now = now, .far = (float)(reach * reach)};
-    measure(g, reach);
+    measure(g, reach, is_box);
     return sort(g, error);
 }
 
@@ -256,13 +374,14 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
     grid g;
     pairs p = {0};
     *begin = *other = NULL;
-    fp3_status status = open_grid(rule, now, &g, error);
+    fp3_status status = open_grid(rule, now, 0, &g, error);
     if (!status)
         status = find_pairs(&g, &p, error);
     if (!status)
         status = enter(&g, &p, begin, other, error);
     if (!status)
         status = remember(rule, now, error);
+    rule->looks = p.looks;
     free(p.first);
     free(p.found);
     close_grid(&g);
@@ -272,7 +391,7 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
 fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *rows,
                           fp3_error *error) {
     grid g;
-    const fp3_status status = open_grid(rule, now, &g, error);
+    const fp3_status status = open_grid(rule, now, 1, &g, error);
     if (!status)
         memcpy(rows, g.order, now->objects * sizeof *rows);
     close_grid(&g);

@@ -34,14 +34,14 @@ typedef struct {
     float *made
         [FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made; NULL: there is none */
     uint64_t lists; /* how many were made */
+    uint64_t looks; /* at how many candidates the last of them took */
 } fp3_near_rule;
 
-/* Whether the list has to be made again. *astray: the first object whose position is not finite, if there is one; else
- * UINT32_MAX. */
-int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *astray);
+/* Whether the list has to be made again. */
+int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now);
 
 /* Makes the list: *begin and *other as in fp3_neighbours, but of rows and with rows; the caller frees them. Neighbours are in
- * the order of their objects. All positions are finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31
+ * the order of their objects. Nobody is near an object whose position is not finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31
  * entries. */
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error);

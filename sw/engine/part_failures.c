@@ -14,6 +14,7 @@ static void merge(fp3_watched *all, const fp3_watched *part) {
     if (all->raised == FP3_NEVER) {
         all->raised = part->raised;
         all->flags = part->flags;
+        all->partner = part->partner;
     }
     if (all->strayed == FP3_NEVER) {
         all->strayed = part->strayed;

@@ -11,10 +11,12 @@
 
 /* Steps count from 1 in this run. */
 typedef struct {
-    uint64_t raised;    /* the first step with a grave exception, or FP3_NEVER */
-    uint64_t strayed;   /* the first step after which a state was not finite; 0: before them */
-    uint32_t flags;     /* the grave exceptions of the first instruction that has one */
-    uint32_t ahead;     /* likewise, of the step that follows, if one follows in this visit */
+    uint64_t raised;  /* the first step with a grave exception, or FP3_NEVER */
+    uint64_t strayed; /* the first step after which a state was not finite; 0: before them */
+    uint32_t flags;   /* the grave exceptions of the first instruction that has one */
+    uint32_t ahead;   /* likewise, of the step that follows, if one follows in this visit */
+    uint32_t
+        partner; /* raised by what it sees of an object at the same place: 1 + its number; else 0 */
     uint32_t reg, bits; /* which state that was */
     int is_astray;      /* a state is not finite in the end */
 } fp3_watched;
@@ -27,11 +29,13 @@ typedef struct {
 /* Of a configuration with `finite`, too: the host has no number for a state from 2^128 on. */
 static inline int fp3_watch_is_finite(uint32_t bits) { return (~bits & 0x7f800000u) != 0; }
 
-static inline void fp3_watch_flags(fp3_watched *w, uint32_t step, uint32_t flags) {
-    if (w->raised == FP3_NEVER && flags & FP3_FLAGS_GRAVE) {
-        w->raised = step;
-        w->flags = flags & FP3_FLAGS_GRAVE;
-    }
+/* Whether these are the first grave ones. */
+static inline int fp3_watch_flags(fp3_watched *w, uint32_t step, uint32_t flags) {
+    if (w->raised != FP3_NEVER || !(flags & FP3_FLAGS_GRAVE))
+        return 0;
+    w->raised = step;
+    w->flags = flags & FP3_FLAGS_GRAVE;
+    return 1;
 }
 
 /* Of an instruction that works for the step that follows. */

@@ -112,6 +112,7 @@ static fp3_status open_batch(fp3_lab *lab) {
     def.objects = lab->def.objects;
     def.may_compile = lab->def.is_long;
     def.error = &lab->said;
+    def.may_fail = 1;
     return fp3_batch_open(&def, &lab->batch);
 }
 

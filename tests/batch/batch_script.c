@@ -1,7 +1,7 @@
 /* batch_script.c - fp3/batch.h, driven by lines of standard input.
  *
  *     build/tests/batch_script MODEL [-n OBJECTS] [-i INTEGRATOR] [-a ARITHMETIC] [-e ENGINE] [-c CONFIG]
- *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o]
+ *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o] [-f]
  *     set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
  *     step N                     restart                     use COUNT
@@ -10,6 +10,7 @@
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
  * before, for this CONFIG, and handed over. -o: threads and memory are this program's own.
+ * -f: a step of which objects fail is an error.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
@@ -164,7 +165,8 @@ int main(int argc, char **argv) {
     int option, is_text = 0;
     def = fp3_batch_default();
     def.error = &error;
-    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:m:xo")) != -1)
+    def.may_fail = 1;
+    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:m:xof")) != -1)
         switch (option) {
         case 'n':
             def.objects = strtoull(optarg, NULL, 10);
@@ -198,6 +200,9 @@ int main(int argc, char **argv) {
         case 't':
             adaptive.tolerance = strtod(optarg, NULL);
             def.adaptive = &adaptive;
+            break;
+        case 'f':
+            def.may_fail = 0;
             break;
         case 'x':
             is_text = 1;

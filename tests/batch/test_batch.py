@@ -340,6 +340,19 @@ def test_a_value_that_decays_ends_at_zero(script, own):
     assert "expected 0 or" in script(STICK.format(own).replace("steer = 1", "steer = 1e-20"), ["double steer 1 1e-21", "step 1"], "-n", 2, "-x")[0]
 
 
+def test_a_step_in_which_objects_fail_says_so(root, script):
+    """In this step and in those that follow, as long as somebody has failed; all steps are made. With may_fail it does not."""
+    model = "model m\nparam k = 2\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n"
+    lines = ["write k 2 1e6", "step 2", "read x", "step 7", "step 1", "read x", "use 2", "step 1", "set k 0", "restart", "use 4", "step 1", "read x"]
+    for engine in ("fast", "isa"):
+        told = script(model, lines, "-n", 4, "-x", "-i", "euler", "-f", "-e", engine)
+        assert told[:2] == ["21", "21"] and told[3:5] == ["21", "error 6: 4 of 4 objects failed, first object 2 in step 3: overflow"]
+        assert told[5] == "error 6: 4 of 4 objects failed, first object 0 before its first step: state x is infinite"
+        assert told[6:] == ["inf"] * 4 + [told[5].replace("4", "2")] + ["1"] * 4
+        quiet = script(model, lines, "-n", 4, "-x", "-i", "euler", "-e", engine)
+        assert quiet == [line for line in told if "error" not in line]
+
+
 def test_who_failed(root, script):
     told = script("model m\nparam k = 2\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n", ["write k 2 1e6", "step 9", "failure"], "-n", 4, "-x")
     assert told[0].startswith("4 failed: object 2 in step ") and told[0].endswith("overflow"), told

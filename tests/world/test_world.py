@@ -336,13 +336,22 @@ def test_runs_may_be_split(script):
         assert script(model, [*lines, *["run 1"] * 5, "run 7", f"print {states}"], "fast") == whole, name
 
 
-def test_a_run_that_cannot_go_on_leaves_what_was_there(script):
-    """Two balls fly apart until a position is infinite: nobody can be near it."""
-    lines = ["objects 3", "state x_x 0 0.01 5", "state v_x 0 3e38 0", "shared stiff 0", "shared damp 0", "near touch 0.1 0.02 x_x x_y x_z", "run 2", "print x_x v_x"]
-    for engine in ("isa", "fast", "interpreter"):
-        before = script(BALLS, lines, engine, "euler")
-        assert script(BALLS, [*lines, "go 3000", "print x_x v_x"], engine, "euler") == [
-            *before, "error the position of object 1 is infinite or NaN, so nobody can be near it", *before]
+def test_who_flies_to_infinity_fails_and_the_others_go_on(script):
+    lines = ["objects 3", "state x_x 0 0.01 5", "state x_y 0 3.4e38 0", "state v_y 0 3e38 0", "near touch 0.1 0.02 x_x x_y x_z", "run 30", "failure", "print x_x x_y v_x"]
+    wanted = script(BALLS, lines, "isa", "euler")
+    assert wanted[0] == "object 1 in step 1: overflow" and len(wanted) == 4
+    for engine in ("fast", "interpreter"):
+        assert script(BALLS, lines, engine, "euler") == wanted
+
+
+@pytest.mark.parametrize("engine", ["isa", "fast", "interpreter", "rtl"])
+def test_two_at_one_place_are_told(script, engine):
+    """It is the first object that fails, its step, and with whom it is at the same place; nobody else fails."""
+    lines = ["objects 4", "state x_x 3 0.5 7 0.5", "near touch 0.1 0.02 x_x x_y x_z", "run 1", "failure", "run 3", "print x_x"]
+    failure, x = script(BALLS, lines, engine, "semi_implicit_euler")
+    assert failure == "object 1 in step 1: invalid, as it is at the same place as object 3"
+    x = x.split()
+    assert x[-3] == x[-1] and len(set(x[-4:])) == 3
 
 
 def test_who_fails_is_found(script):
@@ -383,13 +392,14 @@ def test_a_program_without_neighbours_finds_objects_at_their_numbers(script, tmp
     assert script(BALLS, lines, "fast") == wanted
 
 
-def test_who_cannot_go_on_is_named_where_objects_stand_in_cells(script):
+def test_who_flies_to_infinity_is_named_where_objects_stand_in_cells(script):
     start, n = crowd()
-    lines = [*start, "shared stiff 0", "shared damp 0", "near touch 0.1 0.02 x_x x_y x_z", "run 30",
-             row("state", "v_y", [3e38 if i in (333, 406) else 0 for i in range(n)]), "print x_y"]
-    for engine in ("isa", "fast", "interpreter"):
-        before, *after = script(BALLS, [*lines, "go 3000", "print x_y"], engine, "euler")
-        assert after == ["error the position of object 333 is infinite or NaN, so nobody can be near it", before]
+    lines = [*start, "near touch 0.1 0.02 x_x x_y x_z", "run 30", row("state", "x_y", [3.4e38 if i in (333, 406) else 0.01 * i for i in range(n)]),
+             row("state", "v_y", [3e38 if i in (333, 406) else 0 for i in range(n)]), "run 5", "failure", "print x_y"]
+    wanted = script(BALLS, lines, "isa", "euler")
+    assert wanted[0] == "object 333 in step 31: overflow"
+    for engine in ("fast", "interpreter"):
+        assert script(BALLS, lines, engine, "euler") == wanted
 
 
 # ---- what is refused ----
@@ -411,8 +421,8 @@ def test_lists_are_checked(script, lines, message):
 
 def test_nobody_is_near_a_nan(script):
     for value, engine in itertools.product(("nan", "inf"), ("isa", "fast", "interpreter")):
-        said = script(BALLS, ["objects 3", f"state x_y 0 0 {value}", "near touch 0.1 0.02 x_x x_y x_z", "run 1"], engine, status=2)
-        assert said == ["error the position of object 2 is infinite or NaN, so nobody can be near it"]
+        said = script(BALLS, ["objects 3", f"state x_y 0 0 {value}", "near touch 0.1 0.02 x_x x_y x_z", "run 1", "failure"], engine)
+        assert said == [f"object 2 before its first step: state x_y is {'NaN' if value == 'nan' else 'infinite'}"]
     assert script(BALLS, ["objects 3", "near touch 1 0 x_x R", "run 1"], status=2) == ["error list 'touch': the program has no state 'R'"]
 
 

@@ -1,7 +1,8 @@
 /* world_near.c - whether a list of those that are near is stale: exactly when somebody has moved by more than half the skin.
  *
  * In one to three dimensions, where squares are ordinary numbers and where FP32 has none of them, and also if the caller has the
- * processor flush what is subnormal.
+ * processor flush what is subnormal. And what lists are made of where some objects are far away: the same, at a cost that does not depend
+ * on how far.
  */
 #include <engine/near.h>
 #include <stdio.h>
@@ -24,7 +25,7 @@ static void expect(const char *what, double scale, uint32_t dimensions, int is, 
 }
 
 /* One of the objects moves by this share of the skin, along a diagonal. */
-static int is_stale(double skin, uint32_t dimensions, float share, uint32_t *astray) {
+static int is_stale(double skin, uint32_t dimensions, float share) {
     fp3_near_rule rule = {.dimensions = dimensions, .reach = FP3_NEAR_LEAST, .skin = skin};
     fp3_where_they_are now = {.stride = 1, .objects = OBJECTS, .dimensions = dimensions};
     float place[FP3_NEAR_DIMENSIONS][OBJECTS] = {{0}};
@@ -37,11 +38,60 @@ static int is_stale(double skin, uint32_t dimensions, float share, uint32_t *ast
         exit(1);
     for (uint32_t k = 0; k < dimensions; k++)
         place[k][MOVED] = share * (float)skin * along[dimensions];
-    const int is = fp3_near_is_stale(&rule, &now, astray);
+    int is = fp3_near_is_stale(&rule, &now);
+    if (share > 1e38f) { /* who is not finite has moved there, and then not any more */
+        free(begin);
+        free(other);
+        if (fp3_near_make(&rule, &now, &begin, &other, &error))
+            exit(1);
+        is = is && !fp3_near_is_stale(&rule, &now) && begin[MOVED] == begin[MOVED + 1];
+    }
     free(begin);
     free(other);
     fp3_near_close(&rule);
     return is;
+}
+
+/* ---- one that is far away ---- */
+
+enum { SIDE = 20, MANY = SIDE * SIDE * SIDE };
+
+/* A block of objects, `outside` of them as far away as can be in all axes; lists of `count` by a search over all. Returns looks for each. */
+static double look_around(float far, uint32_t outside) {
+    static float place[FP3_NEAR_DIMENSIONS][MANY];
+    fp3_near_rule rule = {.dimensions = FP3_NEAR_DIMENSIONS, .reach = 1, .skin = 0.1};
+    fp3_where_they_are now = {.stride = 1, .objects = MANY, .dimensions = FP3_NEAR_DIMENSIONS};
+    uint32_t *begin, *other;
+    fp3_error error;
+    uint32_t random = 1;
+    for (uint32_t i = 0; i < MANY; i++)
+        for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+            const uint32_t at[] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+            random = random * 1664525u + 1013904223u;
+            place[k][i] = (float)at[k] - SIDE / 2 + (float)(random >> 8) * 0x1p-24f;
+            if (i % 97 == 5 && i / 97 < outside)
+                place[k][i] =
+                    k == 1 ? -far : far * (float)(1 + i / 97 % 3); /* some of them at one place */
+        }
+    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++)
+        now.position[k] = (const uint32_t *)(const void *)place[k];
+    if (fp3_near_make(&rule, &now, &begin, &other, &error))
+        exit(1);
+    const float reach = (float)(1.1 * (1 + 1e-5) * 1.1 * (1 + 1e-5));
+    int is_wrong = 0;
+    for (uint32_t i = 0; i < MANY; i += i % 97 == 5 ? 1 : 16)
+        for (uint32_t j = 0, n = begin[i]; j < MANY; j++) {
+            const float x = place[0][j] - place[0][i], y = place[1][j] - place[1][i],
+                        z = place[2][j] - place[2][i];
+            const int is_near = i != j && x * x + y * y + z * z < reach;
+            is_wrong |= is_near != (n < begin[i + 1] && other[n] == j);
+            n += (uint32_t)is_near;
+        }
+    expect("lists are those of a search over all", (double)far, outside, is_wrong, 0);
+    free(begin);
+    free(other);
+    fp3_near_close(&rule);
+    return (double)rule.looks / MANY;
 }
 
 int main(void) {
@@ -50,15 +100,18 @@ int main(void) {
     for (uint32_t i = 0; i < 2 * sizeof skins / sizeof *skins; i++)
         for (uint32_t d = 1; d <= FP3_NEAR_DIMENSIONS; d++) {
             const double skin = skins[i / 2];
-            uint32_t astray;
             _mm_setcsr(i % 2 ? callers | FLUSH : callers);
-            expect("nobody has moved", skin, d, is_stale(skin, d, 0, &astray), 0);
-            expect("not far enough", skin, d, is_stale(skin, d, 0.499f, &astray), 0);
-            expect("too far", skin, d, is_stale(skin, d, 0.501f, &astray), 1);
-            expect("who is not finite", skin, d,
-                   is_stale(skin, d, 1e38f * 1e38f, &astray) && astray == MOVED, 1);
+            expect("nobody has moved", skin, d, is_stale(skin, d, 0), 0);
+            expect("not far enough", skin, d, is_stale(skin, d, 0.499f), 0);
+            expect("too far", skin, d, is_stale(skin, d, 0.501f), 1);
+            expect("who is not finite", skin, d, is_stale(skin, d, 1e38f * 1e38f), 1);
         }
     _mm_setcsr(callers);
+    const float fars[] = {15, 1e4f, 3e7f, 1e12f, 1e38f};
+    for (uint32_t i = 0; i < sizeof fars / sizeof *fars; i++)
+        for (uint32_t outside = 1; outside <= 64; outside *= 8)
+            expect("few candidates for each object", (double)fars[i], outside,
+                   look_around(fars[i], outside) < 100, 1);
     printf("%u checked, %u wrong\n", checked, wrong);
     return wrong != 0;
 }

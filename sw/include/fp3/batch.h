@@ -76,6 +76,7 @@ typedef struct {
     /* Of objects that see those near: how much farther their lists go, as a share of the reach, so that they last
      * until an object has moved by half of it. 0 (default): 0.3. It changes no bit. */
     double skin;
+    int may_fail; /* 1: fp3_batch_step returns FP3_OK though objects failed; look with fp3_batch_failure */
 } fp3_batch_def;
 
 /* For fp3_batch_default() only. size is that of fp3_batch_def in the calling program. */
@@ -142,8 +143,9 @@ fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_link
 
 /* All objects make this number of steps. With adaptive steps, each makes at most this number of
  * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is refused as by
- * fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. Other errors are
- * those of fp3_engine_run. */
+ * fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. FP3_E_FAILED: all steps
+ * were made and values can be read, but objects failed in them (fp3_batch_failure), or did not reach `until`; see may_fail. Other errors
+ * are those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all do. The others cost a step nothing. They
  * keep what they hold, may be written and read, and go on from there when they are used again. Each

@@ -332,8 +332,7 @@ fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t coun
  * before that. An instruction of the first part counts for the step that follows. */
 typedef struct {
     size_t failed; /* how many objects failed; if 0, all other members are 0 */
-    /* The object that failed in the earliest step; of several, the one with the lowest number. */
-    size_t object;
+    size_t object; /* of those that failed in the earliest step the one with the lowest number */
     uint32_t step; /* counted from the load, as `sleep` does */
     int is_before; /* 1: a state was not finite before the first step of the run */
     /* The flags of the first instruction that raised invalid or overflow, as in fp3_retirement. If
@@ -342,6 +341,7 @@ typedef struct {
     uint32_t flags;
     uint32_t state;
     float value;
+    uint32_t partner; /* 1 + the number of a near object at the same place that led to it; or 0 */
 } fp3_failure;
 
 /* How objects first .. first+count-1 failed in the last run, whatever earlier runs raised. Reads
@@ -424,8 +424,8 @@ typedef struct {
 } fp3_near;
 
 /* Lets the engine make a list, and make it again before a pair could be missed. The program must leave
- * out by itself those that are not nearer than reach, since lists may have some of them. A run ends with
- * FP3_E_PROGRAM where a position is not finite. FP3_E_ARGUMENT: as above. */
+ * out by itself those that are not nearer than reach, since lists may have some of them. Nobody is near
+ * an object whose position is not finite. FP3_E_ARGUMENT: as above. */
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
                                const fp3_near *near);
 
