@@ -157,6 +157,39 @@ static void put_entries(const fp3_links *links, const source *sources, uint32_t 
         }
 }
 
+static int joins(const fp3_links *links, size_t i, uint32_t one, uint32_t other) {
+    return (links->a[i] == one && links->b[i] == other) ||
+           (links->a[i] == other && links->b[i] == one);
+}
+
+/* A pair that is given twice would have twice the force. begin and other: entries of all links. */
+static fp3_status check_pairs(const fp3_linked *l, size_t objects, const uint32_t *begin,
+                              const uint32_t *other, fp3_error *error) {
+    const fp3_links *links = &l->links;
+    uint32_t *seen = calloc(objects, sizeof *seen); /* 1 + the object that had it last */
+    uint32_t object = 0, twice = UINT32_MAX;
+    if (!seen)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t k = 0; twice == UINT32_MAX && k < 2 * links->count; k++) {
+        while (k >= begin[object + 1])
+            object++;
+        twice = seen[other[k]] == object + 1 ? other[k] : twice;
+        seen[other[k]] = object + 1;
+    }
+    free(seen);
+    if (twice == UINT32_MAX)
+        return FP3_OK;
+    size_t first = 0, second;
+    while (!joins(links, first, object, twice))
+        first++;
+    for (second = first + 1; !joins(links, second, object, twice);)
+        second++;
+    return refuse(l, error,
+                  "link %zu joins objects %" PRIu32 " and %" PRIu32
+                  ", as link %zu does: expected each pair once",
+                  second, links->a[second], links->b[second], first);
+}
+
 static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source *sources,
                        uint32_t fields, fp3_error *error) {
     const fp3_links *links = &l->links;
@@ -174,9 +207,12 @@ static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source
         begin[i] += begin[i - 1];
     if (!status) {
         put_entries(links, sources, fields, begin, other, words);
+        if (model_of(r))
+            status = check_pairs(l, objects, begin, other, error);
+    }
+    if (!status)
         status = fp3_engine_set_neighbours(r->to.engine, r->to.group, l->relation,
                                            &(fp3_neighbours){begin, other, words});
-    }
     free(begin);
     free(other);
     free(words);

@@ -13,21 +13,21 @@ static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const 
     if (n->begin[0] != 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': begin[0] is %" PRIu32 ", expected 0",
                         name, n->begin[0]);
-    if (n->begin[list->objects] && (!n->other || (list->fields && !n->fields)))
-        return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': entries without %s", name,
-                        n->other ? "their fields" : "their neighbours");
-    for (uint32_t i = 0; i < list->objects; i++) {
+    for (uint32_t i = 0; i < list->objects; i++) /* before any of them says where to look */
         if (n->begin[i + 1] < n->begin[i])
             return fp3_fail(error, FP3_E_ARGUMENT,
                             "list '%s': begin[%" PRIu32 "] is below begin[%" PRIu32 "]", name,
                             i + 1, i);
+    if (n->begin[list->objects] && (!n->other || (list->fields && !n->fields)))
+        return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': entries without %s", name,
+                        n->other ? "their fields" : "their neighbours");
+    for (uint32_t i = 0; i < list->objects; i++)
         for (uint32_t k = n->begin[i]; k < n->begin[i + 1]; k++)
             if (n->other[k] >= list->objects || n->other[k] == i)
                 return fp3_fail(error, FP3_E_ARGUMENT,
                                 "list '%s': object %" PRIu32 " has the neighbour %" PRIu32
                                 ", expected another one of the group's %" PRIu32 " objects",
                                 name, i, n->other[k], list->objects);
-    }
     return FP3_OK;
 }
 

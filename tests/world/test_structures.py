@@ -74,11 +74,11 @@ def test_a_grid_lies_along_other_axes(probe):
 
 def test_blocks_of_links_follow_each_other(probe, folder):
     """Of a grid with one k, of it with another one, from a file; a column that one has alone is the model's default in the others."""
-    (folder / "more.csv").write_text("# two more\na,b,rest\n\n0 , 3,7\r\n1,3, 0.25\n")
-    found = probe('grid = { count = 4; }; links = ( { relation = "springs"; grid = "structural"; set = { k = 2; }; }, '
+    (folder / "more.csv").write_text("# two more\na,b,rest\n\n0 , 3,7\r\n1,4, 0.25\n")
+    found = probe('grid = { count = 5; }; links = ( { relation = "springs"; grid = "structural"; set = { k = 2; }; }, '
                   '{ relation = "springs"; grid = "bending"; rest = "rest"; }, { relation = "springs"; file = "more.csv"; } );')
-    assert [one["ks"] for one in found] == [2 + 1 + 1, 4 + 1 + 1, 4 + 1, 2 + 1 + 2]
-    assert [one["rests"] for one in found] == [0.5 + 2 + 7, 1 + 2 + 0.25, 1 + 2, 0.5 + 2 + 7 + 0.25]
+    assert [one["ks"] for one in found] == [2 + 1 + 1, 4 + 1 + 1, 4 + 2, 4 + 1 + 1, 2 + 1 + 1]
+    assert [one["rests"] for one in found] == [0.5 + 2 + 7, 1 + 2 + 0.25, 1 + 4, 1 + 2 + 7, 0.5 + 2 + 0.25]
 
 
 def test_points_and_values_of_some(probe):

@@ -537,6 +537,17 @@ def test_programs_that_cannot_be(fp3, tmp_path, body, expected):
     assert done.returncode == 2 and expected in done.stderr, done.stderr
 
 
+def test_each_phase_on_hardware_loads_the_list_that_it_goes_through(fp3, tmp_path):
+    """A register that holds a list holds it until the phase ends."""
+    phase = "ld x\nld {}\neach ties\nldn n, x\nadd x, x, n\nnext\nst x\n"
+    (tmp_path / "ties.csv").write_text("a,b\n0,1\n")
+    for second, status in (("y", 2), ("ties", 0)):
+        (tmp_path / "p.s").write_text(".state x\n.state y\n.temp ties n\nstep:\n" + phase.format("ties") + "phase\n" + phase.format(second))
+        done = subprocess.run([fp3, "run", "p.s", "-c", "world", "-e", "rtl", "-o", "2", "--links", "ties=ties.csv", "--spread", "x=1:2", "--set", "y=0"], cwd=tmp_path,
+                              capture_output=True, text=True, timeout=60)
+        assert done.returncode == status and ("word 10" in done.stderr) == (status == 2), done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("model, forms", [(CHAIN, {"rsbn", "ldl"}), (CLOTH, {"rsbn", "mull"})])
 def test_assembly_is_read_again(fp3, tmp_path, model, forms):
     """The compiler's text, an image, and the text of the image are one program."""

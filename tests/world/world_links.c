@@ -120,6 +120,21 @@ static void refuse(void) {
     b[5] = N;
     CHECK(fp3_batch_link(made, "springs", &links) == FP3_E_ARGUMENT);
     CHECK(strstr(error.text, "two objects of 0 to 39"));
+    for (int turn = 0; turn < 2; turn++) { /* the same pair again, either way round */
+        links = line();
+        a[9] = turn ? b[2] : a[2];
+        b[9] = turn ? a[2] : b[2];
+        CHECK(fp3_batch_link(made, "springs", &links) == FP3_E_ARGUMENT);
+        CHECK(strstr(error.text, "link 9 joins objects") && strstr(error.text, "as link 2 does"));
+    }
+    uint32_t begin[N + 1] = {0, 400000000}; /* far beyond the entries, before it descends */
+    const uint32_t other[2] = {1, 0};
+    const float field[2] = {1, 1};
+    for (int i = 2; i <= N; i++)
+        begin[i] = 2;
+    CHECK(fp3_engine_set_neighbours(fp3_batch_engine(made), 0, "springs",
+                                    &(fp3_neighbours){begin, other, field}) == FP3_E_ARGUMENT);
+    CHECK(strstr(error.text, "begin[2] is below begin[1]"));
     links = line();
     k[7] = 1.0f / 0.0f;
     CHECK(fp3_batch_link(made, "springs", &links) == FP3_E_ARGUMENT);

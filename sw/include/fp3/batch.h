@@ -135,8 +135,8 @@ fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **va
 
 /* Links of the relation of this name, which replace those before; they are copied. Before the first step, and at
  * any time later. An image has lists of neighbours instead, by the names of their registers; those near, too, have
- * to be given. FP3_E_ARGUMENT: there is no such relation or field, a link does not join two objects, or a field
- * is not finite; the links are then those before. */
+ * to be given. FP3_E_ARGUMENT: there is no such relation or field, a link does not join two objects, or
+ * the two of another link, or a field is not finite; the links are then those before. */
 fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
 
 /* ---- steps ---- */
