@@ -30,7 +30,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
     ({"params": {"k": NAN}}, "'k' is -?nan"), ({"params": {"k": [1, NAN]}}, "object 1: 'k'"), ({"params": {"q": 1}}, "no 'q'"), ({"params": {"x": 1}}, "is a state"),
     ({"params": {"g": [1, 2]}}, "shared"), ({"params": {"h": 1}}, "h="), ({"params": {"until": 1}}, "t_span"), ({"params": {"k": [[1]]}}, "shape"),
     ({"params": {"k": "fast"}}, "expected"), ({"params": {"k": ["a"]}}, "expected"), ({"params": {"k": [1, 2]}, "y0": np.zeros((3, 2))}, "number of objects"),
-    ({"params": {"k": 1e50}}, "k"), ({"objects": 0}, "objects"), ({"objects": -1}, "objects"), ({"objects": 2.0}, "whole number"), ({"objects": True}, "whole number"),
+    ({"params": {"k": 1e50}}, "k"), ({"objects": 0}, "objects"), ({"objects": -1}, "objects"), ({"objects": 2.0}, "whole number"),
+    ({"objects": True}, "whole number"),
     ({"objects": 2**26}, "objects"), ({"objects": 2**40}, "objects"), ({"objects": 3, "y0": [[1, 0]]}, "number of objects"),
     ({"h": 0}, "h"), ({"h": -1}, "h"), ({"h": NAN}, "h"), ({"h": "small"}, "h"), ({"h": 1e-46}, "h|steps"), ({"h": INF}, "h"),
     ({"rtol": 0}, "rtol"), ({"rtol": NAN}, "rtol"), ({"rtol": 1e-12}, "tolerance"), ({"rtol": "x"}, "rtol"), ({"atol": 1e-3}, "without rtol"), ({"max_step": 1}, "without rtol"),
@@ -75,16 +76,21 @@ def test_what_cannot_be_opened(options):
 
 CABLE = fp3.Model("param k = 1\nlinks rope(rest = 1)\nstate x[2] = (1, 0)\nstep 0.0625\nx' = sum(o in rope: o.x - x)*k\n")
 NUMBERS = {
-    "set": lambda b, v: b.__setitem__("k", v), "write": lambda b, v: b.write("k", v), "write some": lambda b, v: b.write("k", [v]), "first": lambda b, v: b.write("k", [1.0], v),
+    "set": lambda b, v: b.__setitem__("k", v), "write": lambda b, v: b.write("k", v), "write some": lambda b, v: b.write("k", [v]),
+    "first": lambda b, v: b.write("k", [1.0], v),
     "count": lambda b, v: b.read("k", 0, v), "from": lambda b, v: b.read("k", v), "use": lambda b, v: b.use(v), "step": lambda b, v: b.step(v),
     "link": lambda b, v: b.link("rope", [0], v), "link one": lambda b, v: b.link("rope", [0], [v]), "field": lambda b, v: b.link("rope", [0], [1], rest=v),
-    "fields": lambda b, v: b.link("rope", [0], [1], rest=[v]), **{name: lambda b, v, name=name: fp3.Batch(TEXT, **{name: v}) for name in ("objects", "h", "skin", "threads", "until")},
+    "fields": lambda b, v: b.link("rope", [0], [1], rest=[v]),
+    **{name: lambda b, v, name=name: fp3.Batch(TEXT, **{name: v}) for name in ("objects", "h", "skin", "threads", "until")},
     "tolerance": lambda b, v: fp3.Batch(TEXT, tolerance=v), "params": lambda b, v: fp3.Batch(TEXT, 4, params={"k": v}), "tune": lambda b, v: fp3.tune(TEXT, v),
-    "ranges": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": (v, 2)}), "range": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": v}), "t_span": lambda b, v: fp3.solve_ivp(TEXT, (0, v)), "begin": lambda b, v: fp3.solve_ivp(TEXT, (v, 2)),
+    "ranges": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": (v, 2)}), "range": lambda b, v: fp3.tune(TEXT, 1e-3, ranges={"k": v}),
+    "t_span": lambda b, v: fp3.solve_ivp(TEXT, (0, v)), "begin": lambda b, v: fp3.solve_ivp(TEXT, (v, 2)),
     **{name: lambda b, v, name=name: fp3.solve_ivp(TEXT, (0, 1), **{name: v}) for name in ("y0", "t_eval", "h", "rtol", "objects", "threads", "attempts")},
-    "y0 of one": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), [v, 0]), "y0 by name": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), {"x": v}), "given": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), params={"k": v}),
+    "y0 of one": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), [v, 0]), "y0 by name": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), {"x": v}),
+    "given": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), params={"k": v}),
     "max_step": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), rtol=1e-3, max_step=v), "time": lambda b, v: fp3.solve_ivp(TEXT, (0, 1), t_eval=[v])}
-NO_NUMBERS = ["3", b"3", np.str_("3"), np.array("3", object), np.array("3"), 1j, 10**400, -10**5000, NAN, [[1], [2, 3]], np.ma.masked, np.ma.array([1.0, 2], mask=[0, 1]),
+NO_NUMBERS = ["3", b"3", np.str_("3"), np.array("3", object), np.array("3"), 1j, 10**400, -10**5000, NAN, [[1], [2, 3]], np.ma.masked,
+              np.ma.array([1.0, 2], mask=[0, 1]),
               np.datetime64(1, "s"), np.zeros(2, "f4,i4"), object(), {"a": 1}, {1}, lambda: 1, np.array([True] * 4), ["3"] * 4, [None] * 4, np.zeros((2, 2, 2))]
 
 
@@ -101,7 +107,8 @@ def test_what_is_no_number(use):
 
 
 @pytest.mark.parametrize("options, told", [
-    ({"params": [1]}, "a dict"), ({"params": np.ones(2)}, "a dict"), ({"links": [1]}, "a dict"), ({"cut": 1}, "True or False"), ({"may_compile": "no"}, "True or False"),
+    ({"params": [1]}, "a dict"), ({"params": np.ones(2)}, "a dict"), ({"links": [1]}, "a dict"), ({"cut": 1}, "True or False"),
+    ({"may_compile": "no"}, "True or False"),
     ({"progress": 3}, "a function"), ({"method": "\ud800"}, "called"), ({"y0": {3: 1}}, "no state 3"), ({"y0": {"x": [1, 2], "y": [1]}}, "objects")])
 def test_what_else_solve_ivp_refuses(options, told):
     with pytest.raises(fp3.ArgumentError, match=told):
@@ -111,7 +118,8 @@ def test_what_else_solve_ivp_refuses(options, told):
 @pytest.mark.parametrize("name", [None, 3, b"x", ["x"], ("x",), np.float32(1), ("x", 1)])
 def test_names_are_strings(name):
     with fp3.Batch(TEXT, 4) as batch:
-        for use in (lambda: batch[name], lambda: batch.__setitem__(name, 1), lambda: batch.read(name), lambda: batch.write(name, [1]), lambda: batch.link(name, [], []),
+        for use in (lambda: batch[name], lambda: batch.__setitem__(name, 1), lambda: batch.read(name), lambda: batch.write(name, [1]),
+                    lambda: batch.link(name, [], []),
                     lambda: fp3.Batch(TEXT, engine=name), lambda: fp3.solve_ivp(TEXT, (0, 1), arithmetic=name or 0)):
             with pytest.raises(TypeError, match="expected a string"):
                 use()
@@ -128,7 +136,8 @@ def test_arrays_of_other_layouts():
     locked = np.array([1, 2, 3, 4], np.float32)
     locked.flags.writeable = False
     with fp3.Batch(TEXT, 4) as batch:
-        for array in (record["f1"], np.frombuffer(b"!" + locked.tobytes(), np.float32, offset=1), locked, locked[::-1].copy()[::-1], locked.astype(">f4"), locked.astype(">i2")):
+        for array in (record["f1"], np.frombuffer(b"!" + locked.tobytes(), np.float32, offset=1), locked, locked[::-1].copy()[::-1], locked.astype(">f4"),
+                      locked.astype(">i2")):
             batch["k"] = 9
             batch["k"] = array
             assert batch.read("k").tolist() == [1, 2, 3, 4]
@@ -184,8 +193,10 @@ class ClosesAsNumber:
     __init__, __float__, __index__ = Closes.__init__, Closes.__float__, Closes.__index__
 
 
-CLOSING = [lambda b, v: b.__setitem__("x", v), lambda b, v: b.write("x", v), lambda b, v: b.write("x", [1.0], v), lambda b, v: b.read("x", v), lambda b, v: b.read("x", 0, v),
-           lambda b, v: b.use(v), lambda b, v: b.step(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]), lambda b, v: b.link("near", v, v),
+CLOSING = [lambda b, v: b.__setitem__("x", v), lambda b, v: b.write("x", v), lambda b, v: b.write("x", [1.0], v), lambda b, v: b.read("x", v),
+           lambda b, v: b.read("x", 0, v),
+           lambda b, v: b.use(v), lambda b, v: b.step(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]),
+           lambda b, v: b.link("near", v, v),
            lambda b, v: b.link("near", [0], [1], f=v), lambda b, v: b.link(v, [0], [1])]
 
 

@@ -229,7 +229,8 @@ x.y' = 0
 ALONE = CONTACT.replace("near touch(x, 2*R)\n", "").replace("max(0, 2*R - norm(o.x - x))/norm(o.x - x)*(x.x - o.x.x)", "0").replace("sum(o in touch: 0)", "0")
 
 
-@pytest.mark.parametrize("text, options", [(ALONE, {}), (CONTACT, {}), (CONTACT, {"engine": "isa"}), (ALONE, {"arithmetic": "double-single"})], ids=["alone", "near", "isa", "wide"])
+@pytest.mark.parametrize("text, options", [(ALONE, {}), (CONTACT, {}), (CONTACT, {"engine": "isa"}), (ALONE, {"arithmetic": "double-single"})],
+                         ids=["alone", "near", "isa", "wide"])
 def test_columns_taken_before_the_loop(text, options):
     """A loop that pulls to a place by columns that were taken once does what a loop does that reads in each turn."""
     ends = []
