@@ -251,8 +251,7 @@ def test_the_trimmed_configuration_is_one_and_has_what_it_needs(tune, root):
 # ---- no answer ----
 
 def test_a_tolerance_that_nothing_meets(tune, tmp_path):
-    # What FP32 rounds grows by exp(10), an event makes each integrator with fixed steps one of first order, and in double-single
-    # these functions need more constants than there are.
+    # What FP32 rounds grows by exp(10), and an event makes each integrator with fixed steps one of first order, in double-single, too.
     (tmp_path / "e.ode").write_text("state x = 1\nx' = x + 0.001*tanh(x)*atan(sin(x)*exp(-x))\nwhen x > 2: x = x - 1\nstep 0.0625\nspan 10\n")
     (tmp_path / "old.scene").write_text("as it was")
     done, row = tune("e.ode", "--tolerance", "1e-6", "--output", "old.scene")
