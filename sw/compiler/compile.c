@@ -157,10 +157,11 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           fp3_compiled *made, fp3_error *error) {
     fp3_status status =
         fp3_options_observe(model, def->observed, def->observed_count, &k->options.observed, error);
-    if (!status && integrator->kind == FP3_ROSENBROCK) {
+    if (!status && (integrator->kind == FP3_ROSENBROCK || model->event_count)) {
         status = fp3_differentiate(model, &k->differentiated, error);
         model = &k->differentiated.model;
         k->options.partial = k->differentiated.partial;
+        k->options.rate = k->differentiated.rate;
     }
     if (!status)
         status = run_pipeline(k, model, integrator, error);

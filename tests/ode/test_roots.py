@@ -190,6 +190,26 @@ def test_a_time_at_the_start_is_refused(written, how):
         assert run(path, "--until", 3, "--set", "t=2", "--set", "T=1")[0]["x"] == 1 and run(path, "--until", 1, "--set", "t=-1")[0]["x"] == 6
 
 
+@pytest.mark.parametrize("how", [["-n", 8], ["--until", 1], ["--until", 1, "-k"], ["--until", 1, "-i", "euler"],
+                                 ["--tolerance", 1e-3, "--until", 1, "--set", "maxstep=0.125"]])
+def test_every_step_begins_and_ends_on_a_root(written, how):
+    """Which side it begins on, only the slope tells; what rests on a root passes none."""
+    g = "*".join(f"(x - {k}/8)" for k in range(1, 8))
+    path = written("state x = 0\nstate n = 0\nstate m = 0\nstate z = 0\nx' = 1\nn' = 0\nm' = 0\nz' = 0\n"
+                   f"when root({g}) any: n = n + 1\nwhen root(z) any: m = m + 1\nstep 0.125\nspan 1\n")
+    found = run(path, *how)[0]
+    assert found["n"] == 7 and found["m"] == 0 and truth(path, 1)["n"] == 7
+
+
+def test_from_one_root_to_the_next(written):
+    """y' = 2t - 3 from 2: y is 0 at 1 and at 2, below 0 between them, where no step ends."""
+    path = written("state y = 2\nstate n = 0\ny' = 2*t - 3\nn' = 0\nwhen root(y) any: n = n + 1\nstep 1\nspan 4\n")
+    for how in (["-n", 4], ["--until", 4], ["--tolerance", 1e-3, "--until", 4, "--set", "maxstep=1"]):
+        seen = [run(path, *how, engine=engine)[0] for engine in ("isa", "fast", "rtl")]
+        assert seen[0] == seen[1] == seen[2] and seen[0]["n"] == 2
+    assert truth(path, 4)["n"] == 2
+
+
 def test_exactly_on_the_root(written):
     """x is 0.5 at the end of the fourth step, which is the event, and not a second one when it goes on."""
     path = written("state x = 0\nstate n = 0\nx' = 1\nn' = 0\nwhen root(x - 0.5) rising: n = n + 1\nstep 0.125\n")

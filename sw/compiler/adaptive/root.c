@@ -28,6 +28,19 @@ static term gap(lowering *l, const fp3_expr *e) {
     return fp3_dag_is_number(l->g, b.node, 0) ? fp3_term_negated(a) : fp3_term_sub(l->g, b, a);
 }
 
+/* On which side a step begins: where it begins at the root, on that to which it goes. What an event holds at its root is on that from
+ * which it comes. */
+static uint32_t side(const fp3_advance *a, const fp3_event *event, lowering *before, uint32_t from,
+                     int is_falling) {
+    dag *g = &a->step->values;
+    const fp3_model *model = a->step->model;
+    const uint32_t rate = a->options->rate ? a->options->rate[event - model->events] : FP3_NONE;
+    if (rate == FP3_NONE || model->exprs[event->armed].op == FP3_EXPR_LESS_EQUAL)
+        return from;
+    const term r = fp3_lower(before, rate), way = is_falling ? fp3_term_negated(r) : r;
+    return sel(g, from, from, fp3_dag_first(g, fp3_term_value(g, way)));
+}
+
 /* Of a pair the first word has its sign. A NaN before the step is below no root; one after it stays. */
 fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering *before,
                          lowering *after) {
@@ -42,7 +55,8 @@ fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering 
     const uint32_t from = fp3_dag_first(g, is_falling ? g0.node : fp3_term_value(g, g0));
     const uint32_t to = fp3_dag_first(g, is_falling ? g1.node : fp3_term_value(g, g1));
     const uint32_t zero = num(g, 0);
-    const uint32_t is_armed = is_falling ? op2(g, op, zero, from) : op2(g, op, from, zero);
+    const uint32_t begin = side(a, event, before, from, is_falling);
+    const uint32_t is_armed = is_falling ? op2(g, op, zero, begin) : op2(g, op, begin, zero);
     const double far = (a->is_chosen ? FAR : 1) * (is_falling ? 1 : -1);
     return (fp3_reach){from, sel(g, is_armed, to, num(g, far)), is_armed, is_falling};
 }

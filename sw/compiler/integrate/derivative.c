@@ -188,17 +188,43 @@ static uint32_t derivative_of(differentiation *k, uint32_t f) {
 
 /* ---- the model ---- */
 
-/* What the derivatives of states are made of. */
+/* What passes a root that it starts from: it has no derivative if it sees others. */
+static int has_rate(const fp3_model *model, uint32_t event) {
+    return model->events[event].armed != FP3_NONE && !model->relation_count;
+}
+
+/* What the derivatives of states are made of, and roots. */
 static void mark_needed(const fp3_model *model, char *is_needed) {
     for (uint32_t s = 0; s < model->state_count; s++)
         is_needed[model->states[s].derivative] = 1;
+    for (uint32_t e = 0; e < model->event_count; e++)
+        for (int j = 0; has_rate(model, e) && j < 2; j++)
+            is_needed[model->exprs[model->events[e].condition].operand[j]] = 1;
     for (uint32_t i = model->expr_count; i-- > 0;)
         for (int j = 0; is_needed[i] && j < 3; j++)
             if (model->exprs[i].operand[j] != FP3_NONE)
                 is_needed[model->exprs[i].operand[j]] = 1;
 }
 
-static void differentiate_all(differentiation *k, const char *is_needed, uint32_t *partial) {
+/* The derivatives by one state times that of the state, or by t. */
+static void add_rates(differentiation *k, uint32_t *rate) {
+    for (uint32_t e = 0; e < k->model->event_count; e++) {
+        if (!has_rate(k->model, e))
+            continue;
+        const uint32_t condition = k->model->events[e].condition;
+        const uint32_t *operand = k->model->exprs[condition].operand;
+        const uint32_t a = k->d[operand[0]], b = k->d[operand[1]];
+        k->at = condition;
+        const uint32_t by = difference(k, b, a);
+        rate[e] = sum(k, rate[e],
+                      k->by == k->model->state_count
+                          ? by
+                          : product(k, by, k->model->states[k->by].derivative));
+    }
+}
+
+static void differentiate_all(differentiation *k, const char *is_needed, uint32_t *partial,
+                              uint32_t *rate) {
     const uint32_t states = k->model->state_count;
     for (k->by = 0; k->by <= states; k->by++) {
         for (uint32_t i = 0; i < k->begin; i++) {
@@ -207,6 +233,7 @@ static void differentiate_all(differentiation *k, const char *is_needed, uint32_
         }
         for (uint32_t s = 0; s < states; s++)
             partial[s * (states + 1) + k->by] = k->d[k->model->states[s].derivative];
+        add_rates(k, rate);
     }
 }
 
@@ -216,15 +243,18 @@ fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, f
     *made = (fp3_differentiated){.model = *model};
     made->model.exprs = malloc(room * sizeof *made->model.exprs);
     made->partial = calloc(cells, sizeof *made->partial);
+    made->rate = malloc((model->event_count + 1u) * sizeof *made->rate);
     differentiation k = {
         .model = &made->model, .room = room, .begin = count, .d = calloc(count + 1u, sizeof *k.d)};
     char *is_needed = calloc(count + 1u, 1);
-    k.has_failed = !made->model.exprs || !made->partial || !k.d || !is_needed;
+    k.has_failed = !made->model.exprs || !made->partial || !made->rate || !k.d || !is_needed;
     if (!k.has_failed) {
         if (count)
             memcpy(made->model.exprs, model->exprs, count * sizeof *model->exprs);
         mark_needed(model, is_needed);
-        differentiate_all(&k, is_needed, made->partial);
+        for (uint32_t e = 0; e < model->event_count; e++)
+            made->rate[e] = FP3_NONE;
+        differentiate_all(&k, is_needed, made->partial, made->rate);
     }
     free(k.d);
     free(is_needed);
@@ -234,5 +264,6 @@ fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, f
 void fp3_differentiated_close(fp3_differentiated *made) {
     free(made->model.exprs);
     free(made->partial);
+    free(made->rate);
     *made = (fp3_differentiated){0};
 }

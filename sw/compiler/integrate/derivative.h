@@ -8,6 +8,8 @@
 typedef struct {
     fp3_model model;   /* another's, with more expressions; the other must outlive it */
     uint32_t *partial; /* [state * (state_count + 1) + by]: an expression, FP3_NONE: 0 */
+    uint32_t *
+        rate; /* of each event: how fast b - a of its condition a <= b grows; FP3_NONE: not at all, or it is none */
 } fp3_differentiated;
 
 /* By each state and, last, by t. What is chosen or compared is differentiated piece by piece: on the side
