@@ -357,8 +357,8 @@ test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with
 	@$(PYTEST) $(if $(LONG),--long) $(PYTEST_ARGS) tests
 
 .PHONY: fresh
-fresh: ## Run README's commands and every test in a bare Debian, as root: half an hour; ROOT=directory to keep, COMMAND="make setup all"
-	@tools/fresh.sh $(if $(ROOT),--root "$(ROOT)") $(if $(COMMAND),--command "$(COMMAND)")
+fresh: ## Run README's commands and every test in a bare Debian, as root: half an hour; ROOT=directory to keep, RUN="make setup all"
+	@tools/fresh.sh $(if $(ROOT),--root "$(ROOT)") $(if $(RUN),--command "$(RUN)")
 
 quick: all | need-test ## Run the tests that take seconds
 	@$(PYTEST) -m smoke $(PYTEST_ARGS) tests

@@ -134,6 +134,12 @@ def test_a_bare_debian_gets_the_commands_of_readme(root, tmp_path):
     assert (tree / "build/fresh.log").read_text() == done.stdout
 
 
+@pytest.mark.parametrize("given, told", [([], "tools/fresh.sh "), (["ROOT=/x", "RUN=make waves"], 'tools/fresh.sh --root "/x" --command "make waves"')])
+def test_make_fresh_hands_on_what_it_is_given(root, given, told):
+    done = subprocess.run(["make", "-n", "fresh", *given], cwd=root, capture_output=True, text=True, timeout=60)
+    assert done.stdout.strip() == told.strip(), done.stderr
+
+
 def test_list_gives_each_package_a_reason(root):
     done = subprocess.run(["tools/setup.sh", "--list"], cwd=root, capture_output=True, text=True, timeout=60)
     rows = [line.split(": ", 1) for line in done.stdout.splitlines()]
