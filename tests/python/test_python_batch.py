@@ -212,6 +212,19 @@ def test_near(root):
         assert not np.array_equal(before, batch["x_x"])
 
 
+def test_two_at_one_place_and_one_far_away():
+    """Objects failed: it is no mistake of the program, and the others go on."""
+    with fp3.Batch(CONTACT, 4, method="semi_implicit_euler") as batch:
+        batch["x_x"] = [3.0, 3.0, 9.0, 12.0]
+        with pytest.raises(fp3.FailedError, match="2 of 4 objects failed, first object 0 in step 1: invalid.* at the same place as object 1"):
+            batch.step()
+        batch["x_x"], batch["v"] = [3.0, 6.0, 9.0, 12.0], [0, 0, 0, 3e38]
+        batch["F"] = [0, 0, 0, 3e38]
+        with pytest.raises(fp3.FailedError, match="1 of 4 objects failed, first object 3"):
+            batch.step(64)
+        assert batch["x_x"].tolist()[:3] == [3, 6, 9] and batch.status()["failed"].tolist()[:3] == [0, 0, 0]
+
+
 CONTACT = """
 param F = 0
 shared R = 0.5
