@@ -548,6 +548,17 @@ def test_each_phase_on_hardware_loads_the_list_that_it_goes_through(fp3, tmp_pat
         assert done.returncode == status and ("word 10" in done.stderr) == (status == 2), done.stdout + done.stderr
 
 
+def test_lists_may_fill_a_store_to_the_last_word(fp3, tmp_path):
+    """128 records of 8 words, and 64 lists of 112 words in each half of 8,192. One more neighbour has no room."""
+    (tmp_path / "p.s").write_text(".state x\n.temp ties n\nstep:\nld x\nld ties\neach ties\nldn n, x\nadd x, x, n\nnext\nst x\n")
+    pairs = [f"{a},{b}\n" for a in range(128) for b in range(a) if a ^ b > 15]
+    for more, status in ((["1,0\n"], 2), ([], 0)):
+        (tmp_path / "ties.csv").write_text("a,b\n" + "".join(pairs + more))
+        done = subprocess.run([fp3, "run", "p.s", "-c", "world", "-e", "rtl", "-o", "128", "--links", "ties=ties.csv", "--set", "x=0"], cwd=tmp_path,
+                              capture_output=True, text=True, timeout=60)
+        assert done.returncode == status and ("its 16384 words are full" in done.stderr) == (status == 2), done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("model, forms", [(CHAIN, {"rsbn", "ldl"}), (CLOTH, {"rsbn", "mull"})])
 def test_assembly_is_read_again(fp3, tmp_path, model, forms):
     """The compiler's text, an image, and the text of the image are one program."""

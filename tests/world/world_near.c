@@ -52,6 +52,26 @@ static int is_stale(double skin, uint32_t dimensions, float share) {
     return is;
 }
 
+/* Two that are farther apart than the reach by a few units in the last place: a program that rounds in another order may see them
+ * as near, so the list has them, however narrow the skin is. */
+static int has_pair_at_reach(uint32_t dimensions) {
+    fp3_near_rule rule = {.dimensions = dimensions, .reach = 1, .skin = 1e-30};
+    fp3_where_they_are now = {.stride = 1, .objects = 2, .dimensions = dimensions};
+    float place[FP3_NEAR_DIMENSIONS][2] = {{0}};
+    uint32_t *begin, *other;
+    fp3_error error;
+    place[dimensions - 1][1] = 1 + 0x1p-21f;
+    for (uint32_t k = 0; k < dimensions; k++)
+        now.position[k] = (const uint32_t *)(const void *)place[k];
+    if (fp3_near_make(&rule, &now, &begin, &other, &error))
+        exit(1);
+    const int has = begin[1] == 1 && begin[2] == 2 && other[0] == 1 && other[1] == 0;
+    free(begin);
+    free(other);
+    fp3_near_close(&rule);
+    return has;
+}
+
 /* ---- one that is far away ---- */
 
 enum { SIDE = 20, MANY = SIDE * SIDE * SIDE };
@@ -107,6 +127,8 @@ int main(void) {
             expect("who is not finite", skin, d, is_stale(skin, d, 1e38f * 1e38f), 1);
         }
     _mm_setcsr(callers);
+    for (uint32_t d = 1; d <= FP3_NEAR_DIMENSIONS; d++)
+        expect("a pair at the reach", 1e-30, d, has_pair_at_reach(d), 1);
     const float fars[] = {15, 1e4f, 3e7f, 1e12f, 1e38f};
     for (uint32_t i = 0; i < sizeof fars / sizeof *fars; i++)
         for (uint32_t outside = 1; outside <= 64; outside *= 8)
