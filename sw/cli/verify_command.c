@@ -10,7 +10,8 @@
 #include <string.h>
 
 #define WORDS_MOST 4096
-#define LENGTH_MOST 131072 /* as of the kernel, of one argument */
+#define ROOM (WORDS_MOST + 4) /* also for the name, "--" and the NULL at the end */
+#define LENGTH_MOST 131072    /* as of the kernel, of one argument */
 
 /* They decide the bits of a run. */
 static const char *const decide[] = {
@@ -37,6 +38,8 @@ static int is_in(const char *const *list, size_t count, const char *name) {
 static fp3_status add(fp3_verify_command *c, const char *format, const char *one, const char *other,
                       fp3_error *error) {
     char *word = NULL;
+    if (c->argc + 1 == ROOM) /* one word, "-kkkk", may be many options */
+        return fp3_fail(error, FP3_E_ARGUMENT, "more than %d arguments", WORDS_MOST);
     if (asprintf(&word, format, one, other) < 0)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     c->argv[c->argc++] = word;
@@ -73,7 +76,7 @@ static fp3_status take_words(fp3_verify_command *c, int count, char *const *word
                              fp3_error *error) {
     const struct argp_option *table = fp3_run_options_table();
     fp3_error why = {.text = ""};
-    c->argv = calloc((size_t)count + 3, sizeof *c->argv);
+    c->argv = calloc(ROOM, sizeof *c->argv);
     if (!c->argv)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     fp3_status status = add(c, "%s%s", words[0], "", error);

@@ -95,6 +95,7 @@ def test_arguments_have_limits(keeps):
         before = time.monotonic()
         assert "more than 4096 arguments, or one of more than" in keeps(*words, code=2).stderr
         assert time.monotonic() - before < 10
+    assert "more than 4096 arguments" in keeps("-" + "k" * 100000, code=2).stderr
 
 
 def test_every_form_of_an_option_is_understood(keeps):
