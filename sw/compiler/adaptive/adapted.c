@@ -104,12 +104,14 @@ static fp3_status check_times(const fp3_model *model, const double *params, cons
     uint32_t timed = 0;
     for (uint32_t k = 0; k < model->event_count; k++)
         timed += (uint32_t)is_at_time(model, &model->events[k]);
-    double *row = timed ? calloc(all + model->expr_count + 1, sizeof *row) : NULL;
-    double *values = row + all;
-    if (timed && !row)
+    if (!timed)
+        return FP3_OK;
+    double *row = calloc(all + model->expr_count + 1, sizeof *row);
+    if (!row)
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    double *values = row + all;
     fp3_status status = FP3_OK;
-    for (size_t i = 0; timed && !status && i < count; i++) {
+    for (size_t i = 0; !status && i < count; i++) {
         for (size_t s = 0; s < states; s++)
             row[s] = initial[s * count + i];
         for (size_t p = 0; p < model->param_count; p++)
