@@ -80,17 +80,18 @@ static void place_param(const fp3_compiled *c, int is_adapted, fp3_field *q) {
     q->is_pending = !q->is_kept;
 }
 
-/* The params that an expression is made of, a bit each. */
-static uint64_t params_of(const fp3_model *model, uint32_t expr) {
-    const fp3_expr *e = &model->exprs[expr];
-    uint64_t params = e->op == FP3_EXPR_PARAM ? (uint64_t)1 << e->index : 0;
-    for (int i = 0; i < 3; i++)
-        if (e->operand[i] != FP3_NONE)
-            params |= params_of(model, e->operand[i]);
-    return params;
+/* Of each expression the params that it is made of, a bit each. Operands stand before what is made of them. */
+static void find_params(const fp3_model *model, uint64_t *params) {
+    for (uint32_t i = 0; i < model->expr_count; i++) {
+        const fp3_expr *e = &model->exprs[i];
+        params[i] = e->op == FP3_EXPR_PARAM ? (uint64_t)1 << e->index : 0;
+        for (int k = 0; k < 3; k++)
+            params[i] |= e->operand[k] < i ? params[e->operand[k]] : 0;
+    }
 }
 
-static void list_model(const fp3_compiled *c, double h, fp3_field_table *t) {
+static void list_model(const fp3_compiled *c, double h, const uint64_t *params,
+                       fp3_field_table *t) {
     const fp3_model *model = t->model;
     const int is_adapted = fp3_model_adapted(model) != FP3_NONE;
     for (uint32_t i = 0; i < model->param_count; i++) {
@@ -109,7 +110,7 @@ static void list_model(const fp3_compiled *c, double h, fp3_field_table *t) {
         q->low = place_of_role(c, ROLE_LOW, i);
         q->lost = place_of_role(c, ROLE_LOST, i);
         if (model->states[i].start != FP3_NONE)
-            q->follows = params_of(model, model->states[i].start);
+            q->follows = params[model->states[i].start];
     }
     t->has_before = has_before(c, model->state_count);
     const int count = fp3_image_steps(c->image);
@@ -135,12 +136,18 @@ fp3_status fp3_field_list(const fp3_image *image, const fp3_compiled *compiled, 
         (model ? model->param_count + model->state_count : image->symbol_count) + 2u;
     *table = (fp3_field_table){
         .list = calloc(most, sizeof *table->list), .model = model, .needs_finite = model != NULL};
-    if (!table->list)
+    uint64_t *params = calloc(model ? model->expr_count + 1u : 1u, sizeof *params);
+    if (!table->list || !params) {
+        free(params);
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    if (model)
-        list_model(compiled, h, table);
-    else
+    }
+    if (model) {
+        find_params(model, params);
+        list_model(compiled, h, params, table);
+    } else {
         list_image(image, table);
+    }
+    free(params);
     return FP3_OK;
 }
 
