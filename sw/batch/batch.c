@@ -305,7 +305,8 @@ fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
         status = fp3_engine_wake(b->engine, 0, b->used);
     if (!status && b->used)
-        status = fp3_engine_advance(b->engine, steps, NULL);
+        status = b->is_adaptive ? fp3_engine_advance(b->engine, steps, NULL)
+                                : fp3_engine_run(b->engine, steps, NULL);
     if (status || !steps)
         return status;
     fp3_fields_moved(b->fields);
