@@ -101,11 +101,45 @@ def test_every_good_frame_between_bad_ones_is_answered(root, tmp_path, long):
     right(verilated(root, tmp_path) if long else icarus(root, tmp_path), host, tmp_path, seed)
 
 
-@pytest.mark.parametrize("divisor, permille", [(16, 965), (16, 1035), (5, 1000)])
+@pytest.mark.parametrize("divisor, permille", [(16, 965), (16, 1035), (5, 1000), (104, 965), (104, 1035)])
 def test_a_host_whose_clock_is_another_one(root, tmp_path, divisor, permille):
     host = Host(random.Random(1))
     host.ask(request(0x55, 8, words=[0xff0055aa]))
     right(icarus(root, tmp_path, divisor, permille), host, tmp_path)
+
+
+RESET_BENCH = """
+`timescale 1ns/1ps
+module board_clock #(parameter PIN_HZ = 0, parameter CLOCK_HZ = 0) (input wire clk_pin, output wire clk_o, output wire good_o);
+    assign clk_o = clk_pin, good_o = bench.good;
+endmodule
+module board_fp3 #(parameter DIVISOR = 0, parameter ADDRESS_W = 0)
+    (input wire clk_i, input wire rst_i, input wire uart_rxd, output wire uart_txd, output wire irq);
+    integer cycles = 0;
+    always @(posedge clk_i) begin
+        cycles = rst_i ? cycles + 1 : 0;
+        if (!rst_i) bench.started = 1'b1;
+        if (bench.started && cycles == 4) bench.again = 1'b1;
+    end
+endmodule
+module bench;
+    reg  clk = 1'b0, good = 1'b0, started = 1'b0, again = 1'b0;
+    wire light;
+    always #5 clk = !clk;
+    board_top dut (.clk_pin(clk), .uart_rxd(1'b1), .uart_txd(), .light(light));
+    initial begin
+        #98 good = 1'b1; #200 good = 1'b0; #10 good = 1'b1; #200 $display("started %b, again %b, light %b", started, again, light);
+        $finish;
+    end
+endmodule
+"""
+
+
+def test_a_clock_that_is_bad_for_a_cycle_resets_all(root, tmp_path):
+    (tmp_path / "bench.v").write_text(RESET_BENCH)
+    subprocess.run(["iverilog", "-g2012", "-o", tmp_path / "bench.vvp", tmp_path / "bench.v", root / "rtl/board/board_top.v"], check=True)
+    done = subprocess.run(["vvp", "-n", tmp_path / "bench.vvp"], capture_output=True, text=True)
+    assert done.stdout.startswith("started 1, again 1, light 1"), done.stdout
 
 
 BUGS = {

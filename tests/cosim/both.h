@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OBJECTS_MAX = 64, LINKS_MAX = 6, FIELDS_MAX = 2 };
+enum { OBJECTS_MAX = 200, LINKS_MAX = 6, FIELDS_MAX = 2 };
 
 static unsigned failed, runs;
 static const char *config = "world";

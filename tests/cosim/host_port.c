@@ -647,6 +647,8 @@ static void a_run_has_one_outcome(bench *b) {
 /* ended: set by every end, one of 0 steps too; gone when the host writes 1 there, and with the next start. */
 static void an_end_is_kept_until_it_is_seen(bench *b) {
     const uint32_t enable = 1u << FP3_INTERRUPT_ENABLE_LO, ended = 1u << FP3_INTERRUPT_ENDED_LO;
+    must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS, 0); /* nothing overflows */
+    must(b, "a register", in_space(0, FP3_SPACE_OBJECTS, 1), 0);
     for (uint32_t steps = 0; steps < 2; steps++) {
         load(b, steps);
         must(b, "enable", FP3_ADDR_INTERRUPT, ended | (steps ? enable : 0));
@@ -717,6 +719,45 @@ static void what_is_left_out_is_illegal(bench *b) {
     }
 }
 
+/* Who sleeps is found by its first load, and nothing is issued for those who all sleep. */
+static void sleepers_are_skipped(bench *b) {
+    const uint32_t loads = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_LDS, .d = 1});
+    for (uint32_t sleeps = 0; b->config->sleep && sleeps < 2; sleeps++) {
+        load(b, 9);
+        if (b->config->storage)
+            must(b, "a whole word", FP3_ADDR_WHOLE, 1);
+        must(b, "a load of who sleeps", FP3_ADDR_WINDOW_PROGRAM, loads);
+        must(b, "the step in which it fell asleep", in_space(0, FP3_SPACE_OBJECTS, 1), sleeps);
+        must(b, "a start", FP3_ADDR_CONTROL, start);
+        b->ops->clock(b->rtl, 100000, 100);
+        const uint32_t sums = get(b, FP3_ADDR_COUNTER_ISSUED_ADD);
+        if (sleeps ? sums > 4 : sums != 9) /* some have issued until the load has been heard of */
+            fail(b, "sums of who is awake", FP3_ADDR_COUNTER_ISSUED_ADD, sums, sleeps ? 0 : 9);
+    }
+}
+
+/* Bits below the fraction are no number: what only has such is 0. */
+static void bits_below_the_fraction_are_0(bench *b) {
+    const fp3_config *c = b->config;
+    const uint32_t choose = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_SEL,
+                                                               .d = 0,
+                                                               .a = FP3_BANK_SHARED_BASE,
+                                                               .b = FP3_BANK_SHARED_BASE + 1,
+                                                               .c = 1});
+    for (uint32_t is_one = 0; c->select && c->fraction < 23 && is_one < 2; is_one++) {
+        const uint32_t least = 1u << (23 - c->fraction);
+        load(b, 1);
+        must(b, "a choice", FP3_ADDR_WINDOW_PROGRAM + 4 * get(b, FP3_ADDR_STEP), choose);
+        for (uint32_t i = 0; i < 2; i++)
+            must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS + 4 * i, 0x3f800000u + (i << 23));
+        must(b, "what chooses", in_space(0, FP3_SPACE_OBJECTS, 1), is_one ? least : least - 1);
+        must(b, "a start", FP3_ADDR_CONTROL, start);
+        b->ops->clock(b->rtl, 10000, 100);
+        const uint32_t normal = is_one && c->subnormal ? 0x3f800000u : 0x40000000u;
+        want(b, "a choice by what is almost 0", in_space(0, FP3_SPACE_OBJECTS, 0), normal);
+    }
+}
+
 /* A list that got one number too many starts no run, also where the start follows at once. */
 static void an_overfull_list_does_not_start(bench *b) {
     enum { ROWS_MAX = 2048 };
@@ -725,7 +766,7 @@ static void an_overfull_list_does_not_start(bench *b) {
     if (!b->config->sleep || rows > ROWS_MAX)
         return;
     for (uint32_t more = 0; more < 2; more++) {
-        load(b, 0);
+        load(b, 1);
         must(b, "an empty list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, 0);
         for (uint32_t i = 0; i < rows + more; i++)
             words[i] = (fp3_rtl_word){FP3_ADDR_WINDOW_WAKE + 4 * lane, i % rows, 1, 0};
@@ -734,10 +775,14 @@ static void an_overfull_list_does_not_start(bench *b) {
         b->transfers += rows + more + 1;
         if (answer || words[rows + more].is_refused != more)
             fail(b, "a start with a full list", rows + more, words[rows + more].is_refused, more);
+        b->ops->clock(b->rtl, 1000000, 1000);
         want(b, "a full list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, rows + more);
+        if (!more)
+            want(b, "a load and a store of each", FP3_ADDR_COUNTER_ISSUED_MEMORY, 2 * rows);
     }
     must(b, "an empty list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, 0);
     must(b, "a start", FP3_ADDR_CONTROL, start);
+    b->ops->clock(b->rtl, 10000, 100);
 }
 
 static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *ops, bench *b) {
@@ -752,6 +797,9 @@ static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *
         objects_stream(&quick);
     many_are_answered_in_order(&quick, 100);
     an_overfull_list_does_not_start(&quick);
+    sleepers_are_skipped(&quick);
+    bits_below_the_fraction_are_0(&quick);
+    a_run_has_one_outcome(&quick);
     ops->close(quick.rtl);
     b->failed += quick.failed;
     b->transfers += quick.transfers;
@@ -775,7 +823,6 @@ static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t
     who_is_seen_is_visited_each_step(&b);
     a_start_forgets_the_run_before(&b);
     a_running_machine_guards_its_memories(&b);
-    a_run_has_one_outcome(&b);
     an_end_is_kept_until_it_is_seen(&b);
     a_failure_is_kept_until_it_is_seen(&b);
     what_is_left_out_is_illegal(&b);

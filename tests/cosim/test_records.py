@@ -64,3 +64,58 @@ def test_states_are_in_their_records(run, engine, how):
 def test_a_failure_is_that_of_the_record(run, engine, how):
     out = run(engine, how, 3, 7, status=3)
     assert re.search(r"^failed +30 of 30, first object 0 in step 3: state x is infinite$", out, re.M), out
+
+
+# An object that falls asleep stores nothing from then on but in the last part; its first store in the step part is behind `sleep`.
+ASLEEP = """
+.state x
+.state s
+.param eps
+.temp  d
+first:
+    lds   s
+    ld    x
+    ld    eps
+step:
+    mul   d, x, 0.5
+    add   x, x, 1.0
+    sleep s, d, eps
+    st    x
+last:
+    st    s
+"""
+# No number that a record of 16 bits holds, in the word that is kept whole.
+LARGE = """
+.state x slept
+first:
+    ld    x
+    ld    slept
+step:
+    add   x, x, 1.0
+    add   slept, slept, 1e9
+    sleep slept, 1.0, 0.5
+last:
+    st    x
+    st    slept
+"""
+KEPT = {"asleep between two stores": (ASLEEP, "many_full", "-o 4 --spread x=-6:3 --set s=0 --set eps=1 --steps 6"),
+        "beside a word that the host writes": (ASLEEP, "many_half", "-o 2 --spread x=-6:3 --set s=70000 --set eps=1 --steps 2"),
+        "a whole word beyond binary16": (LARGE, "many_half", "-o 2 --set x=0 --set slept=0 --steps 3")}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_sleepers_keep_their_words(fp3, tmp_path, name):
+    text, config, options = KEPT[name]
+    path = tmp_path / "program.s"
+    path.write_text(text)
+
+    def told(engine, how):
+        done = subprocess.run([fp3, "run", path, "-c", config, "-e", engine, "--all", *options.split()], capture_output=True, text=True,
+                              env={"FP3_FAST": how, "FP3_CACHE_DIR": str(tmp_path / "cache")})
+        assert done.returncode == 0, done.stdout + done.stderr
+        return re.findall(r"^(\w+ +\S+ +0x\w+ +object \d+|flags .*)$", done.stdout, re.M)
+
+    isa = told("isa", "")
+    assert len(isa) > 4
+    for engine, how in WAYS[1:]:
+        assert told(engine, how) == isa, (engine, how)

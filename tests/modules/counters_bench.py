@@ -14,11 +14,11 @@ async def drive(dut, cycles, clears, far=False):
     await RisingEdge(dut.clk_i)
     await RisingEdge(dut.clk_i)
     count, events, due = [0] * n, 0, None
-    if far:                                                # nearly at the end of the low word
+    if far:                                                # nearly at the end of the low word, with the uppermost bit
         await FallingEdge(dut.clk_i)
         dut.clear_i.value = 0
         for k in range(n):
-            count[k] = (1 << 32) - 3 - k
+            count[k] = (1 << 47) + (1 << 32) - 3 - k
             dut.g_counter[k].count_q.value = count[k]
         await Timer(1, "ns")
     for _ in range(cycles):

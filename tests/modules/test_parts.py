@@ -136,6 +136,7 @@ BUGS = {
         Bug("an event of the cycle before the clear counts", "counters.v", "if (clear_i) count_q <= {W{1'b0}};", "if (clear_i) count_q <= {{W-1{1'b0}}, event_q[k]};"),
         Bug("the first four for all", "counters.v", "which_q <= index_i[INDEX_W-1:2];", "which_q <= {INDEX_W-2{1'b0}};"),
         Bug("the first sixteen for all", "counters.v", "which_q <= index_i[INDEX_W-1:2];", "which_q <= index_i[3:2];"),
+        Bug("33 bits", "counters.v", "parameter W       = 48", "parameter W       = 33"),
         Bug("the high word is the low one", "counters.v", "64*index_i[1:0] + 32*high_i", "64*index_i[1:0]"),
     ],
     "ram_1r1w": [
