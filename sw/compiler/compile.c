@@ -157,10 +157,11 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
                           fp3_compiled *made, fp3_error *error) {
     fp3_status status =
         fp3_options_observe(model, def->observed, def->observed_count, &k->options.observed, error);
-    if (!status && (integrator->kind == FP3_ROSENBROCK || model->event_count)) {
-        status = fp3_differentiate(model, &k->differentiated, error);
+    const int has_partial = integrator->kind == FP3_ROSENBROCK;
+    if (!status && (has_partial || model->event_count)) {
+        status = fp3_differentiate(model, has_partial, &k->differentiated, error);
         model = &k->differentiated.model;
-        k->options.partial = k->differentiated.partial;
+        k->options.partial = has_partial ? k->differentiated.partial : NULL;
         k->options.rate = k->differentiated.rate;
     }
     if (!status)

@@ -62,7 +62,7 @@ static int differentiate(fp3_slopes *s) {
     if (s->partial.partial)
         return GSL_SUCCESS;
     double *values = NULL;
-    if (!fp3_differentiate(s->model, &s->partial, &error))
+    if (!fp3_differentiate(s->model, 1, &s->partial, &error))
         values = realloc(s->values, (s->partial.model.expr_count + 1u) * sizeof *values);
     if (values)
         s->values = values;

@@ -194,8 +194,8 @@ static int has_rate(const fp3_model *model, uint32_t event) {
 }
 
 /* What the derivatives of states are made of, and roots. */
-static void mark_needed(const fp3_model *model, char *is_needed) {
-    for (uint32_t s = 0; s < model->state_count; s++)
+static void mark_needed(const fp3_model *model, int has_partial, char *is_needed) {
+    for (uint32_t s = 0; has_partial && s < model->state_count; s++)
         is_needed[model->states[s].derivative] = 1;
     for (uint32_t e = 0; e < model->event_count; e++)
         for (int j = 0; has_rate(model, e) && j < 2; j++)
@@ -237,7 +237,8 @@ static void differentiate_all(differentiation *k, const char *is_needed, uint32_
     }
 }
 
-fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, fp3_error *error) {
+fp3_status fp3_differentiate(const fp3_model *model, int has_partial, fp3_differentiated *made,
+                             fp3_error *error) {
     const uint32_t count = model->expr_count, room = 2 * count + 64;
     const size_t cells = (size_t)model->state_count * (model->state_count + 1u) + 1u;
     *made = (fp3_differentiated){.model = *model};
@@ -251,7 +252,7 @@ fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, f
     if (!k.has_failed) {
         if (count)
             memcpy(made->model.exprs, model->exprs, count * sizeof *model->exprs);
-        mark_needed(model, is_needed);
+        mark_needed(model, has_partial, is_needed);
         for (uint32_t e = 0; e < model->event_count; e++)
             made->rate[e] = FP3_NONE;
         differentiate_all(&k, is_needed, made->partial, made->rate);

@@ -13,9 +13,10 @@ typedef struct {
 } fp3_differentiated;
 
 /* By each state and, last, by t. What is chosen or compared is differentiated piece by piece: on the side
- * that is chosen, and a comparison is constant. FP3_E_SYSTEM: out of memory. The caller closes, after a
- * failure too. */
-fp3_status fp3_differentiate(const fp3_model *model, fp3_differentiated *made, fp3_error *error);
+ * that is chosen, and a comparison is constant. has_partial: 0: only rates are asked for, and all of `partial` is
+ * FP3_NONE. FP3_E_SYSTEM: out of memory. The caller closes, after a failure too. */
+fp3_status fp3_differentiate(const fp3_model *model, int has_partial, fp3_differentiated *made,
+                             fp3_error *error);
 void fp3_differentiated_close(fp3_differentiated *made);
 
 #endif
