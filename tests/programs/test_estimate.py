@@ -11,6 +11,7 @@ COUNT = "state x = 16380\nx' = 1\nstep 0.0009765625\n"
 UNDERFLOW = "state T = 1\nstate y = 0\nT' = 0\ny' = 1e38*exp(-105/T)*1e8\nstep 0.0078125\n"
 SUBNORMAL = "param k = 2e-45\nstate y = 0\nstate z = 1e37\nz' = 0\ny' = k*z*1e8\nstep 0.0078125\n"
 ROOT = "state x = 2^-70\nstate s = 0\nx' = 0*x\ns' = sqrt(x*x)\nstep 1\n"  # the square is exact, so nothing raises underflow
+BELOW = ROOT.replace("sqrt(x*x)", "min(3, 1e-30/(x*x)^0.5)")
 NUMBER = SUBNORMAL.replace("param k = 2e-45\n", "").replace("k*", "2e-45*")
 OREGONATOR = ("state x = 1\nstate y = 2\nstate z = 3\nx' = 77.27*(y - x*y + x - 8.375e-6*x^2)\n"
               "y' = (-(1 + x)*y + z)/77.27\nz' = 0.161*(x - z)\nstep 0.0078125\n")
@@ -132,7 +133,7 @@ def test_more_steps_than_t_can_count_are_refused_before_they_are_made(run):
     (COUNT, 2**16, "object 0: x stands still: a step adds 0.00098, and FP32 rounds x = 16384 by up to 0.00098; use --compensated or a longer step"),
     (UNDERFLOW, 128, "object 0: y' is 2.51, but FP32 makes it 0: a value of 2.51e-46 in line 4 is too small for FP32; scale the equations"),
     (ROOT, 4, "object 0: s' is 8.47e-22, but FP32 makes it 1.24e-23: a value of 7.17e-43 in line 4 is too small for FP32; scale the equations"),
-    (ROOT.replace("sqrt(x*x)", "min(3, 1e-30/(x*x)^0.5)"), 4, "object 0: s' is 1.18e-09, but FP32 makes it 3: a value of 7.17e-43 in line 4 is too small for FP32; scale the equations"),
+    (BELOW, 4, "object 0: s' is 1.18e-09, but FP32 makes it 3: a value of 7.17e-43 in line 4 is too small for FP32; scale the equations"),
     (SUBNORMAL, 128, "object 0: k = 2e-45 loses digits: FP32 has 1.4e-45 (30 % off)"),
     (NUMBER, 128, "object 0: a number in line 4 = 2e-45 loses digits: FP32 has 1.4e-45 (30 % off)"),
     ("state x = 3e-45\nx' = 0*x\nstep 1\n", 1, "object 0: x = 3e-45 loses digits: FP32 has 2.8e-45 (6.6 % off)")])
