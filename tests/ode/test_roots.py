@@ -210,6 +210,17 @@ def test_from_one_root_to_the_next(written):
     assert truth(path, 4)["n"] == 2
 
 
+def test_a_long_step_may_pass_over_roots_and_says_so(written):
+    """A cubic, which the method has exactly: its three roots are in one step unless that has an end."""
+    path = written("state x = -8\nstate y = -120\nstate n = 0\nx' = 1\ny' = 3*x^2 + 12*x - 4\nn' = 0\nwhen root(y) any: n = n + 1\n"
+                   "at t = 3: x = x\nstep 0.0625\nspan 12\n")
+    warning = "warning: line 7: a step that is as long as the tolerance allows may pass over this event"
+    assert warning in run(path, "--tolerance", 1e-3)[1].stderr
+    found, done = run(path, "--tolerance", 1e-3, "--set", "maxstep=2")
+    assert "warning" not in done.stderr and found["n"] == 3 == truth(path, 12)["n"]
+    assert "warning" not in run(path, "--until", 12)[1].stderr
+
+
 def test_exactly_on_the_root(written):
     """x is 0.5 at the end of the fourth step, which is the event, and not a second one when it goes on."""
     path = written("state x = 0\nstate n = 0\nx' = 1\nn' = 0\nwhen root(x - 0.5) rising: n = n + 1\nstep 0.125\n")
