@@ -12,12 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LOOKED 128 /* objects */
-#define START 4096 /* the most whose start is computed */
-#define WINDOW 8   /* steps: a disturbance that turns around has its largest size in each window */
-#define STEPS 24   /* the last window ends here, the first one at half of it */
-#define GROWS 1.2  /* a step: what is some percent beyond a limit of stability grows so */
-#define SHORTER 4  /* h/4 and h/16 tell what the method does from what the motion does */
+#define LOOKED 128  /* objects */
+#define PAIRS 16384 /* fewer, where all see all and that would be more pairs */
+#define START 4096  /* the most whose start is computed */
+#define WINDOW 8    /* steps: a disturbance that turns around has its largest size in each window */
+#define STEPS 24    /* the last window ends here, the first one at half of it */
+#define GROWS 1.2   /* a step: what is some percent beyond a limit of stability grows so */
+#define SHORTER 4   /* h/4 and h/16 tell what the method does from what the motion does */
 #define SHORTEST 16
 #define BISECTIONS                                                                                 \
     5 /* for a step that is short enough: less than SETTLES in a step may also be a swing */
@@ -231,6 +232,15 @@ static fp3_status take_params(lens *l, fp3_error *error) {
     return status;
 }
 
+static size_t looked_of(const fp3_run_moment *of) {
+    const fp3_model *m = of->program->model;
+    size_t most = of->objects < LOOKED ? of->objects : LOOKED;
+    for (uint32_t r = 0; r < m->relation_count; r++)
+        if (m->relations[r].kind == FP3_ALL && PAIRS / of->objects + 1 < most)
+            most = PAIRS / of->objects + 1;
+    return most;
+}
+
 /* l->memory is what the caller frees. */
 static fp3_status open_lens(lens *l, fp3_error *error) {
     const fp3_model *m = l->model;
@@ -262,7 +272,7 @@ fp3_status fp3_run_growth_find(const fp3_run_moment *moment, fp3_run_growth *fou
     lens l = {.of = moment,
               .model = moment->program->model,
               .integrator = by,
-              .looked = moment->objects < LOOKED ? moment->objects : LOOKED};
+              .looked = looked_of(moment)};
     *found = (fp3_run_growth){.factor = 1};
     if (fp3_adaptive_is(moment->program->image) || by->kind == FP3_STOERMER ||
         by->kind == FP3_ROSENBROCK)
