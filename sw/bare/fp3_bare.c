@@ -417,7 +417,7 @@ fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, unsigned events
 
 /* Taken back before the status is read: who ends after that raises it again. */
 fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome) {
-    fp3_status status = fp3_bare_interrupt(fp3, scheduler, 1);
+    fp3_status status = fp3_bare_interrupt(fp3, scheduler, FP3_BARE_ON_END);
     if (!status)
         status = fp3_bare_poll(fp3, scheduler, outcome);
     if (!status && *outcome != FP3_BARE_RUNNING)
