@@ -163,6 +163,12 @@ static fp3_status find_own(fp3_engine *engine) {
     for (size_t i = 0; !status && self->own && i < self->own->failures.count; i++) {
         fp3_failed *failed = &self->own->failures.list[i];
         failed->object = self->mine[failed->object - self->first];
+        /* Guests have had other rows since, so only an own partner is known. */
+        const uint32_t partner = failed->watched.partner - 1 - self->first;
+        failed->watched.partner =
+            failed->watched.partner && partner < self->share[fp3_ranks_here(self)]
+                ? self->mine[partner] + 1
+                : 0;
     }
     return status;
 }
