@@ -117,10 +117,11 @@ def test_equal_runs_write_equal_files(start, world, tmp_path):
     """Made in different seconds: no time of day is in them."""
     run = (*world("cloth"), "--steps", 20, "-e", "fast", "--every", 10, "--checkpoint", "a.ck")
     made = []
-    for _ in range(2):
+    for is_first in (True, False):
         start("run", *run, "--output", "a.h5", "--compress")
         made.append([(tmp_path / name).read_bytes() for name in ("a.ck", "a.h5")])
-        time.sleep(1.05 - time.time() % 1)
+        if is_first:
+            time.sleep(1.05 - time.time() % 1)
     assert made[0] == made[1]
 
 
