@@ -2,7 +2,6 @@
 /* positions.c - see positions.h. */
 #include "positions.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
@@ -10,13 +9,6 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
     while (!group->lists.lists[i].is_near)
         i++;
     return &group->lists.lists[i].near;
-}
-
-/* Nobody is near an object whose position is not finite. For all ranks it is at 0, so that they agree on whose it is. */
-static void place_astray(const fp3_engine *engine, fp3_positions *p, uint32_t k) {
-    for (uint32_t i = 0; i < engine->objects; i++)
-        if (!isfinite(fp3_position(p, k, i)))
-            p->word[k][i] = 0;
 }
 
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p) {
@@ -27,8 +19,6 @@ fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3
         p->word[k] = malloc(engine->objects * sizeof *p->word[k]);
         status =
             p->word[k] ? fp3_ranks_read(engine, cells, p->word[k]) : fp3_ranks_no_memory(engine);
-        if (!status)
-            place_astray(engine, p, k);
     }
     return status;
 }

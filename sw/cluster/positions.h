@@ -5,6 +5,7 @@
 
 #include "inside.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct {
@@ -18,14 +19,15 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group);
 fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
                                const fp3_positions *p, uint32_t objects, uint32_t **begin,
                                uint32_t **other);
-/* All ranks together. A number that is not finite becomes 0. fp3_positions_close whatever comes of it. */
+/* All ranks together. fp3_positions_close whatever comes of it. */
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p);
 void fp3_positions_close(fp3_positions *p);
 
+/* 0 where it is not finite, so that all ranks agree on whose such an object is. Nobody is near it: the words say so. */
 static inline float fp3_position(const fp3_positions *p, uint32_t k, uint32_t object) {
     float f;
     memcpy(&f, &p->word[k][object], sizeof f);
-    return f;
+    return isfinite(f) ? f : 0;
 }
 
 #endif
