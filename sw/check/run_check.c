@@ -35,6 +35,7 @@ struct fp3_run_check {
     fp3_params *params;
     fp3_engine *engine;
     fp3_engine_def def;
+    fp3_error why; /* the engine's, as long as it is open */
     int is_adaptive, is_chosen;
     char how[400];
     double end; /* of fixed steps: the time */
@@ -382,10 +383,10 @@ fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *g
     c->is_chosen = fp3_model_chooses_steps(c->model);
     c->states = c->is_adaptive ? fp3_model_adapted(c->model) : c->model->state_count;
     c->objects = part->objects;
-    fp3_error why = {.text = ""};
-    fp3_status status = make(c, &why);
+    const fp3_status status = make(c, &c->why);
     if (!status)
         return FP3_OK;
+    const fp3_error why = c->why;
     fp3_run_check_free(check);
     return fp3_fail(error, status, "%s%s", strncmp(why.text, "--check", 7) ? "--check: " : "",
                     why.text);

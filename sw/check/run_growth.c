@@ -12,13 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LOOKED 128  /* objects */
-#define PAIRS 16384 /* fewer, where all see all and that would be more pairs */
-#define START 4096  /* the most whose start is computed */
-#define WINDOW 8    /* steps: a disturbance that turns around has its largest size in each window */
-#define STEPS 24    /* the last window ends here, the first one at half of it */
-#define GROWS 1.2   /* a step: what is some percent beyond a limit of stability grows so */
-#define SHORTER 4   /* h/4 and h/16 tell what the method does from what the motion does */
+#define LOOKED 128    /* objects */
+#define LOOKS 4194304 /* fewer, where to find their neighbours takes more pairs than this */
+#define PAIRS 16384   /* fewer, where these see more neighbours together */
+#define START 4096    /* the most whose start is computed */
+#define WINDOW 8  /* steps: a disturbance that turns around has its largest size in each window */
+#define STEPS 24  /* the last window ends here, the first one at half of it */
+#define GROWS 1.2 /* a step: what is some percent beyond a limit of stability grows so */
+#define SHORTER 4 /* h/4 and h/16 tell what the method does from what the motion does */
 #define SHORTEST 16
 #define BISECTIONS                                                                                 \
     5 /* for a step that is short enough: less than SETTLES in a step may also be a swing */
@@ -232,19 +233,17 @@ static fp3_status take_params(lens *l, fp3_error *error) {
     return status;
 }
 
-static size_t looked_of(const fp3_run_moment *of) {
-    const fp3_model *m = of->program->model;
-    size_t most = of->objects < LOOKED ? of->objects : LOOKED;
-    for (uint32_t r = 0; r < m->relation_count; r++)
-        if (m->relations[r].kind == FP3_ALL && PAIRS / of->objects + 1 < most)
-            most = PAIRS / of->objects + 1;
-    return most;
-}
-
-/* l->memory is what the caller frees. */
+/* l->memory and l->others are what the caller frees. */
 static fp3_status open_lens(lens *l, fp3_error *error) {
     const fp3_model *m = l->model;
-    const size_t stages = l->integrator->stages;
+    const size_t stages = l->integrator->stages, objects = l->of->objects;
+    const size_t most = LOOKS / objects + 1 < LOOKED ? LOOKS / objects + 1 : LOOKED;
+    const fp3_status found =
+        fp3_others_open(l->of->program, l->of->params, objects, objects < most ? objects : most,
+                        l->of->columns, &l->others, error);
+    if (found)
+        return found;
+    l->looked = fp3_others_within(l->others, PAIRS);
     l->size = m->state_count * l->looked;
     l->memory = calloc((4 + stages) * l->size + l->looked * m->param_count + 2u * m->state_count +
                            m->expr_count + 1u,
@@ -260,19 +259,13 @@ static fp3_status open_lens(lens *l, fp3_error *error) {
     l->scale = l->params + l->looked * m->param_count;
     l->states = l->scale + m->state_count;
     l->values = l->states + m->state_count;
-    const fp3_status status = take_params(l, error);
-    return status ? status
-                  : fp3_others_open(l->of->program, l->of->params, l->of->objects, l->looked,
-                                    l->of->columns, &l->others, error);
+    return take_params(l, error);
 }
 
 fp3_status fp3_run_growth_find(const fp3_run_moment *moment, fp3_run_growth *found,
                                fp3_error *error) {
     const fp3_integrator *by = moment->program->integrator;
-    lens l = {.of = moment,
-              .model = moment->program->model,
-              .integrator = by,
-              .looked = looked_of(moment)};
+    lens l = {.of = moment, .model = moment->program->model, .integrator = by};
     *found = (fp3_run_growth){.factor = 1};
     if (fp3_adaptive_is(moment->program->image) || by->kind == FP3_STOERMER ||
         by->kind == FP3_ROSENBROCK)
