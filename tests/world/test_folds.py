@@ -14,8 +14,8 @@ x' = 0
 y' = 0
 s' = {sums}
 """
-LINKS = [(0, 1, 2, 3, 5), (0, 2, -1, 4, 7), (1, 2, 3, -2, 6), (2, 0, 5, 1, -4), (2, 1, 1, 8, 2)]
-X, Y = [3, -2, 7], [5, 11, -6]
+LINKS = [(0, 1, 2, 3, 5), (0, 2, -1, 4, 7), (1, 2, 3, -2, 6), (3, 0, 5, 1, -4), (2, 3, 1, 8, 2)]
+X, Y = [3, -2, 7, 4], [5, 11, -6, 1]
 FORMS = ["ldn", "ldl", *(name + kind for name in ("add", "sub", "rsb", "mul") for kind in "nl")]
 # Terms, and what a loop has of neighbours: loads are seldom.
 CASES = [
@@ -28,7 +28,7 @@ CASES = [
     ("max(o.k*(o.l*(o.x - x)), y)", "mull mull rsbn"),      # fields in another order than theirs
     ("max(o.k*(o.x - x), o.m*o.m)", "ldl ldl rsbn"),        # what stands before a field that is loaded is loaded, too
     ("max(o.k*o.k, o.m*(o.x - x))", "ldl mull rsbn"),       # what stands behind is not
-    ("max(o.x, x)", "ldn"), ("max(max(o.k, o.l)*o.m, y)", "ldl ldl mull"),
+    ("max(o.x, x*x*y)", "ldn"), ("max(max(o.k, o.l)*o.m, y)", "ldl ldl mull"),
 ]
 
 

@@ -249,6 +249,20 @@ def test_time_and_other_integrators(script):
             assert script(driven if integrator in ("rk4", "heun") else STARS, lines, engine, integrator) == wanted, (integrator, engine)
 
 
+@pytest.mark.parametrize("engine", ["isa", "fast", "interpreter", "rtl"])
+def test_neighbours_see_also_what_a_phase_leaves_alone(script, engine):
+    """Leapfrog's first phase moves x alone, and is done before neighbours read x and w: w goes to the other half of the store with x. All is exact."""
+    model = "state x = 0\nstate v = 0\nstate w = 0\nlinks ties\nstep 1\nx' = v\nv' = sum(o in ties: o.x - x)\nw' = sum(o in ties: o.x - o.w)\n"
+    x, v, w = [3, -2, 7], [2, 4, -6], [5, 1, 8]
+    lines = ["objects 3", row("state", "x", x), row("state", "v", v), row("state", "w", w), *(f"links ties {a} {b}" for a, b in ((0, 1), (1, 2), (2, 0), (0, 2)))]
+    for _ in range(3):
+        x = [x[i] + v[i] / 2 for i in range(3)]
+        sees = [(1, 2), (2,), (0,)]
+        v, w = [[old[i] + sum(x[k] - of[k if of is w else i] for k in sees[i]) for i in range(3)] for old, of in ((v, x), (w, w))]
+        x = [x[i] + v[i] / 2 for i in range(3)]
+    assert [list(floats(line)) for line in script(model, [*lines, "run 2", "run 1", "print x v w"], engine)] == [x, v, w]
+
+
 # ---- the equations themselves, in double ----
 
 def of_cloth(n):
