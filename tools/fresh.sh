@@ -31,21 +31,26 @@ git diff --quiet HEAD || echo "fresh.sh: what is not committed does not take par
 end() {
     [ -z "$inside" ] || kill "$inside" 2>/dev/null || true
     wait
+    rm -rf --one-file-system "$new"
     [ -n "$kept" ] || rm -rf --one-file-system "$root"
 }
 root=${root:-$(mktemp -d)}
+new=${root%/}.tmp # a bare Debian has the name $root once it is whole, with its clone
 trap end EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM HUP
 
 if [ ! -d "$root/root/fp3" ]; then
+    [ -z "$(ls -A "$root" 2>/dev/null)" ] || { echo "fresh.sh: $root is neither empty nor a bare Debian of this script" >&2 && exit 1; }
+    rm -rf --one-file-system "$new"
     mapfile -t sources < <(grep -ls "/debian" /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources | xargs -r grep -l $release)
     mapfile -t ways < <(apt-config dump | sed -n 's/^\(Acquire::\(http\|https\|Check\|Retries\).*\);$/--aptopt=\1/p')
-    mmdebstrap --quiet --variant=apt "${ways[@]}" $release "$root" "${sources[@]}"
+    mmdebstrap --quiet --variant=apt "${ways[@]}" $release "$new" "${sources[@]}"
     for setting in /etc/pip.conf /etc/resolv.conf /etc/hosts /usr/local/share/ca-certificates; do
-        [ ! -e $setting ] || cp -rL $setting "$root${setting%/*}/"
+        [ ! -e $setting ] || cp -rL $setting "$new${setting%/*}/"
     done
-    git clone --quiet --no-hardlinks . "$root/root/fp3"
+    git clone --quiet --no-hardlinks . "$new/root/fp3"
+    mv -T "$new" "$root"
 fi
 git -C "$root/root/fp3" fetch --quiet "$PWD" HEAD
 git -C "$root/root/fp3" reset --quiet --hard FETCH_HEAD

@@ -246,7 +246,7 @@ class Batch(Owner):
     # ---- steps ----
 
     def step(self, steps: int = 1, *, check_failures: bool = True) -> None:
-        """All used objects make this number of steps; with a tolerance at most so many attempts.
+        """All used objects make this number of steps; with a tolerance, at most this number of attempts.
 
         FailedError: objects failed in these steps. The steps are made all the same, and values can be read.
         """

@@ -116,7 +116,7 @@ fp3_status fp3_bare_list(fp3_bare *fp3, uint32_t scheduler, uint32_t count);
  * in the list already would be there twice; FP3_E_ARGUMENT: the list is full of such. Where FP3_FEATURES_SLEEP. */
 fp3_status fp3_bare_wake(fp3_bare *fp3, uint32_t scheduler, uint32_t object);
 
-/* A run of so many steps. visit: steps per visit, 0: all. clock: steps made before this run. One object has no
+/* A run of this number of steps. visit: steps per visit, 0: all. clock: steps made before this run. One object has no
  * use for these two. visit must be 1 if you set `published` after the load, as neighbours need it. A program that counts its steps in FP32 counts to 2^24: the caller keeps count. */
 fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uint32_t visit,
                           uint32_t clock);
@@ -131,8 +131,11 @@ fp3_status fp3_bare_stop(fp3_bare *fp3, uint32_t scheduler);
 enum { FP3_BARE_ON_END = 1, FP3_BARE_ON_FAILURE = 2 };
 /* Takes the interrupt back, and says what raises the next one. Before start. */
 fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, unsigned events);
-/* What a handler of the interrupt calls: takes it back and reads the status. A failure raises no other until it is asked for again. The first scheduler that ends raises it:
- * while *outcome is FP3_BARE_RUNNING the end of another one will raise it again, else nothing does until the next start. */
+/* What a handler of the interrupt calls: takes it back and reads the status. It switches
+ * FP3_BARE_ON_FAILURE off, because a run that goes on failing would raise the interrupt again at once. To hear of the next
+ * failure, call fp3_bare_interrupt afterwards. The first scheduler that ends raises the interrupt. While *outcome is
+ * FP3_BARE_RUNNING, the end of another one raises it again. Once no scheduler runs, FP3_BARE_ON_END is off, too: call
+ * fp3_bare_interrupt before the next start. */
 fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome);
 
 /* A register by its address, FP3_ADDR_FLAGS or FP3_ADDR_FAULT; of FP3_ALL the OR. */

@@ -17,7 +17,7 @@
 #define FP3_TEMPORARY_NEW "new"
 #define FP3_TEMPORARY_BEFORE "before"
 
-#define FP3_TEMPORARY_EXTRA 9 /* by so many bytes the folder's name is longer than the file's */
+#define FP3_TEMPORARY_EXTRA 9 /* bytes by which the folder's name is longer than the file's */
 
 typedef struct {
     char *path; /* NULL: there is none */

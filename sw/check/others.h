@@ -27,7 +27,8 @@ void fp3_others_close(fp3_others **others);
 /* How many of the looked objects, from the first on, have at most this number of neighbours together; at least one. */
 size_t fp3_others_within(const fp3_others *others, size_t neighbours);
 
-/* What somebody else has of an expression, from the value that it would have by the values before it. */
+/* Sees each expression with its value, and returns the value to use instead: it is stored, and the expressions
+ * after it are computed from it. */
 typedef double fp3_others_fn(const void *user, uint32_t expr, double value);
 
 /* The values of all expressions of a looked object, whose own states are the point's. had: NULL, or called for each

@@ -18,7 +18,8 @@ void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *i
 typedef fp3_status fp3_argument_fn(void *user, const struct argp_option *option, const char *value,
                                    fp3_error *error);
 /* Ends with what `tell` returns, unless it is FP3_OK. FP3_E_ARGUMENT: an option that the table has not (--help is none of
- * the table's), or is not clear, or has a value too few or too many. */
+ * the table's), one that could be several of them, one without the value that it needs, or one with a value that it does
+ * not take. */
 fp3_status fp3_arguments_each(const struct argp_option *table, int argc, char *const *argv,
                               fp3_argument_fn *tell, void *user, fp3_error *error);
 

@@ -17,8 +17,8 @@ typedef struct {
 void fp3_run_ranks_first(fp3_run_ranks *ranks);
 /* Starts MPI, if there are several. FP3_E_SYSTEM: it does not start, or sees others than were started. */
 fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error);
-/* Whether all ranks have the same options of this table, but for those in `own`, a list that ends with NULL. What is no option may differ.
- * FP3_E_ARGUMENT, on all: they have not; error says which. */
+/* Compares the options of this table on all ranks, but for those in `own`, a list that ends with NULL. Other arguments may differ.
+ * FP3_E_ARGUMENT, on all ranks: an option differs; error names it. */
 fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_option *table,
                                int argc, char *const *argv, const char *const *own,
                                fp3_error *error);

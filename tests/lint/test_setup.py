@@ -113,22 +113,26 @@ def test_a_bare_debian_needs_root_and_mmdebstrap(machine, user, says):
 
 
 def test_a_bare_debian_gets_the_commands_of_readme(root, tmp_path):
-    """What makes and enters it is pretended; the end of what runs there is the end of all."""
+    """What makes and enters it is pretended; the end of what runs there is the end of all. One that was cut off is made again."""
     tree = tmp_path / "tree"
-    for folder in (tree / "tools", tmp_path / "bare/etc", tmp_path / "bare/usr/local/share"):
-        folder.mkdir(parents=True)
+    (tree / "tools").mkdir(parents=True)
     for name in ("README.md", "tools/fresh.sh", "tools/setup.sh"):
         shutil.copy(root / name, tree / name)
     machine = Machine(tree, tmp_path)
-    for name in ("xargs", "tee", "cp"):
+    for name in ("xargs", "tee", "cp", "mv"):
         (machine.bin / name).symlink_to(shutil.which(name))
     machine.command("id", "echo 0")
-    for name in ("mmdebstrap", "apt-config", "git"):
-        machine.command(name)
+    machine.command("apt-config")
+    machine.command("mmdebstrap", 'while [ "$1" != bookworm ]; do shift; done; mkdir -p "$2/etc" "$2/root" "$2/usr/local/share"')
+    machine.command("git", f'[ "$1" != clone ] || {{ while [ $# -gt 1 ]; do shift; done; mkdir "$1"; [ -d "{tmp_path}/cut" ] || kill -9 $PPID; }}')
     machine.command("unshare", 'while [ "$1" != run ]; do shift; done; shift; for one; do echo "in it: $one"; done; exit 5')
-    done = machine.run("tools/fresh.sh", "--root", str(tmp_path / "bare"))
-    assert done.returncode == 5, done.stderr
-    assert f" bookworm {tmp_path}/bare" in machine.calls("mmdebstrap")[0]
+    assert machine.run("tools/fresh.sh", "--root", str(tmp_path / "bare")).returncode == -9
+    (tmp_path / "cut").mkdir()
+    for _ in range(2):
+        done = machine.run("tools/fresh.sh", "--root", str(tmp_path / "bare"))
+        assert done.returncode == 5, done.stderr
+    assert len(machine.calls("mmdebstrap")) == 2 and (tmp_path / "bare/root/fp3").is_dir() and not (tmp_path / "bare.tmp").exists()
+    assert machine.run("tools/fresh.sh", "--root", str(tmp_path)).returncode == 1  # somebody's folder
     said = [line.removeprefix("in it: ").partition("#")[0].strip() for line in done.stdout.splitlines()]
     assert said == ["apt-get update && apt-get install -y git make", "make setup all", "build/fp3 run programs/ship.ode --steps 60", "make setup test"]
     assert (tree / "build/fresh.log").read_text() == done.stdout
