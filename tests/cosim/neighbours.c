@@ -9,6 +9,7 @@
  * words, the lists and isa/timing.toml say. Programs by hand: what a model does not make.
  */
 #include "both.h"
+#include "engine/partition.h"
 
 #include <fp3/compile.h>
 
@@ -224,6 +225,53 @@ static void check_last_row(chance *c) {
     fp3_assembly_free(&made);
 }
 
+static void give_list(const both *b, const char *name, const fp3_neighbours *given) {
+    told(fp3_engine_set_neighbours(b->isa, 0, name, given));
+    told(fp3_engine_set_neighbours(b->rtl, 0, name, given));
+}
+
+/* After a run: objects are in the lanes that the lists of now ask for. */
+static void check_slots(const both *b, uint32_t *slot) {
+    told(fp3_partition_find(b->rtl, slot));
+    if (memcmp(slot, group_of(b->rtl)->slot, b->objects * sizeof *slot))
+        FAIL("objects are not placed by the lists that they have");
+}
+
+/* Of two lists one has the links, and either one counts; then the first alone is given anew, and objects move. */
+static void check_places(chance *c) {
+    static const char text[] = ".state a\n.temp l\n.temp m\nstep:\nld l\nld m\nld a\neach l\n"
+                               "addn a, a, a\nnext\neach m\naddn a, a, a\nnext\nst a\n";
+    const uint32_t none[OBJECTS_MAX + 1] = {0};
+    uint32_t slot[3][OBJECTS_MAX];
+    float column[OBJECTS_MAX];
+    fp3_assembly *made = NULL;
+    links l;
+    if (fp3_config_find(config)->lanes == 1)
+        return;
+    told(fp3_assemble(text, strlen(text), "places.s", &made, &error));
+    both b = open_both(made->image, most < 25 ? most : 25);
+    const fp3_neighbours some = {l.begin, l.other, l.fields}, nobody = {none, none, l.fields};
+    for (uint32_t k = 0; k < b.objects; k++)
+        column[k] = (float)k / 4;
+    write_both(&b, 0, column);
+    link_some(c, b.objects, 2, 0, &l);
+    for (int i = 0; i < 2; i++) {
+        give_list(&b, "l", i ? &nobody : &some);
+        give_list(&b, "m", i ? &some : &nobody);
+        run_both(&b, 1, "two lists", i ? "the second" : "the first");
+        check_slots(&b, slot[i]);
+    }
+    link_some(c, b.objects, 2, 0, &l);
+    give_list(&b, "l", &some);
+    run_both(&b, 1, "two lists", "the first again");
+    check_slots(&b, slot[2]);
+    if (memcmp(slot[0], slot[1], sizeof *column * b.objects) ||
+        !memcmp(slot[1], slot[2], sizeof *column * b.objects))
+        FAIL("where objects are depends on which list has the links, or not on the links");
+    close_both(&b);
+    fp3_assembly_free(&made);
+}
+
 int main(int argc, char **argv) {
     chance c = {.state = argc > 1 ? strtoull(argv[1], NULL, 0) : 1};
     if (argc > 2)
@@ -241,6 +289,7 @@ int main(int argc, char **argv) {
     check_subject(&c, balls, "euler");
     check_by_hand(&c);
     check_last_row(&c);
+    check_places(&c);
     printf("%u runs, %u failed\n", runs, failed);
     return failed != 0;
 }

@@ -225,6 +225,9 @@ def test_a_loop_that_keeps_more_than_a_sum_is_interpreted(fp3, tmp_path, words):
     assert len(ends["isa"]) == 80 and ends["isa"] == ends["fast"]
 
 
+SEEN_BY_ALL = "state x = 0\nstate s = 0\nall others\nstep 1\nx' = 0\ns' = sum(o in others: o.x - x)\n"
+
+
 @pytest.mark.parametrize("kind", ["x86-64", "x86-64-v3", "x86-64-v4"])
 @pytest.mark.parametrize("n", [1, 2, 3, 16, 17, 33, 520])
 def test_all_others_of_any_number(script, monkeypatch, kind, n):
@@ -237,6 +240,9 @@ def test_all_others_of_any_number(script, monkeypatch, kind, n):
     monkeypatch.setenv("FP3_FAST", kind)
     for engine, threads in (("fast", 1), ("fast", 2), ("interpreter", 1)):
         assert script(STARS, lines, engine, threads=threads) == wanted, (engine, threads)
+    for alone in {0, 1, 15, 16} if n == 17 else ():  # at infinity, so it would raise invalid if it saw itself, and nobody else does
+        lines = [f"objects {n}", row("state", "x", [math.inf if i == alone else i for i in range(n)]), "all others", "flags 1", "print s"]
+        assert script(SEEN_BY_ALL, lines, "fast", "euler") == script(SEEN_BY_ALL, lines, "isa", "euler"), alone
 
 
 def test_time_and_other_integrators(script):
@@ -254,7 +260,8 @@ def test_neighbours_see_also_what_a_phase_leaves_alone(script, engine):
     """Leapfrog's first phase moves x alone, and is done before neighbours read x and w: w goes to the other half of the store with x. All is exact."""
     model = "state x = 0\nstate v = 0\nstate w = 0\nlinks ties\nstep 1\nx' = v\nv' = sum(o in ties: o.x - x)\nw' = sum(o in ties: o.x - o.w)\n"
     x, v, w = [3, -2, 7], [2, 4, -6], [5, 1, 8]
-    lines = ["objects 3", row("state", "x", x), row("state", "v", v), row("state", "w", w), *(f"links ties {a} {b}" for a, b in ((0, 1), (1, 2), (2, 0), (0, 2)))]
+    lines = ["objects 3", row("state", "x", x), row("state", "v", v), row("state", "w", w),
+             *(f"links ties {a} {b}" for a, b in ((0, 1), (1, 2), (2, 0), (0, 2)))]
     for _ in range(3):
         x = [x[i] + v[i] / 2 for i in range(3)]
         sees = [(1, 2), (2,), (0,)]
