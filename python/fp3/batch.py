@@ -248,7 +248,8 @@ class Batch(Owner):
     def step(self, steps: int = 1, *, check_failures: bool = True) -> None:
         """All used objects make this number of steps; with a tolerance, at most this number of attempts.
 
-        FailedError: objects failed in these steps. The steps are made all the same, and values can be read.
+        FailedError: objects failed in these steps. The steps are made all the same, and values can be read. Who has made its
+        attempts, and can go on to `until` in the next call, has not failed.
         """
         left, found, is_new = as_count("steps", steps, 0, STEPS_MOST), None, True
         with self._c():
@@ -322,18 +323,15 @@ class Batch(Owner):
     def failure(self) -> Optional[Failure]:
         """How objects failed in the last step, or None."""
         with self._c() as c:
-            if self._is_adaptive:
-                return self._adaptive_failure(c)
             found, text = d.fp3_failure(), ctypes.create_string_buffer(d.FP3_FAILURE_TEXT_SIZE)
             check(self._lib.fp3_batch_failure(c, found, text), self._error)
         return Failure(found.failed, found.object, found.step, text.value.decode()) if found.failed else None
 
-    def _adaptive_failure(self, c: Any) -> Optional[Failure]:
+    def _unfinished(self) -> Optional[Failure]:
+        """Who chooses its steps and has not reached `until`: failed, or without an attempt left."""
         found, text = d.fp3_adaptive_report(), ctypes.create_string_buffer(d.FP3_ADAPTIVE_TEXT_SIZE)
-        engine = self._lib.fp3_batch_engine(c)
-        if not self._used:
-            return None
-        check(self._lib.fp3_adaptive_report_make(engine, 0, self._used, found), self._error)
+        with self._c() as c:
+            check(self._lib.fp3_adaptive_report_make(self._lib.fp3_batch_engine(c), 0, self._used, found), self._error)
         if not found.failed:
             return None
         self._lib.fp3_adaptive_text(found.first, found.why, text)

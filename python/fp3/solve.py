@@ -387,7 +387,7 @@ class Run:
         self.failed[found.object] = True
 
     def note_ends(self, mark: float) -> None:
-        found = self.batch.failure()
+        found = self.batch._unfinished()
         if found is None:
             return
         self.note(found)

@@ -13,6 +13,7 @@
 
 #include <fp3/program.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -266,13 +267,37 @@ static fp3_status settle_reach(fp3_batch *b) {
 
 /* ---- steps ---- */
 
+#define BLOCK 64 /* objects that are looked at together */
+
+/* Who may go on is no failure, though it has used up its attempts: the next step gives it new ones. */
+static int has_failed(const fp3_adaptive_object *o) {
+    const int may_go_on = o->end == FP3_ADAPTIVE_LIMITED && !o->state[0];
+    return !may_go_on && !fp3_adaptive_is_over(o->end);
+}
+
+static fp3_status find_failed(const fp3_batch *b, fp3_failure *found,
+                              char text[FP3_ADAPTIVE_TEXT_SIZE]) {
+    fp3_status status = FP3_OK;
+    for (size_t done = 0, now; !status && done < b->used; done += now) {
+        fp3_adaptive_object o[BLOCK];
+        now = b->used - done < BLOCK ? b->used - done : BLOCK;
+        status = fp3_adaptive_look_all(b->engine, done, now, o);
+        for (size_t i = 0; !status && i < now; i++)
+            if (has_failed(&o[i]) && !found->failed++) {
+                found->object = done + i;
+                found->step = o[i].accepted;
+                fp3_adaptive_text(found->object, &o[i], text);
+            }
+    }
+    return status;
+}
+
 static fp3_status tell_adaptive(const fp3_batch *b) {
-    fp3_adaptive_report found;
+    fp3_failure found = {0};
     char text[FP3_ADAPTIVE_TEXT_SIZE];
-    const fp3_status status = fp3_adaptive_report_make(b->engine, 0, b->used, &found);
+    const fp3_status status = find_failed(b, &found, text);
     if (status || !found.failed)
         return status;
-    fp3_adaptive_text(found.first, &found.why, text);
     return fp3_fail(b->error, FP3_E_FAILED, "%zu of %zu objects failed, first %s", found.failed,
                     b->used, text);
 }
@@ -352,6 +377,13 @@ fp3_status fp3_batch_failure(fp3_batch *b, fp3_failure *failure, char text[FP3_F
         text[0] = '\0';
     if (!b)
         return FP3_E_ARGUMENT;
+    if (b->is_adaptive) {
+        char why[FP3_ADAPTIVE_TEXT_SIZE] = "";
+        const fp3_status status = find_failed(b, failure, why);
+        if (text)
+            snprintf(text, FP3_FAILURE_TEXT_SIZE, "%.*s", FP3_FAILURE_TEXT_SIZE - 1, why);
+        return status;
+    }
     const fp3_status status = b->used ? fp3_engine_failure(b->engine, 0, b->used, failure) : FP3_OK;
     if (!status && text && failure->failed)
         fp3_engine_failure_text(b->engine, failure, text);

@@ -147,7 +147,7 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
         snprintf(why, sizeof why, "no attempt is left, the next step is %.6g", (double)found->step);
     else if (found->end == FP3_ADAPTIVE_LIMITED)
         strcpy(why, "no attempt is left");
-    if (found->end == FP3_ADAPTIVE_LOST)
+    if (found->state[0] && found->end != FP3_ADAPTIVE_STUCK)
         snprintf(why, sizeof why, "state %s is not finite", found->state);
     if (found->accepted || found->rejected) /* else it made none, or the program does not count */
         snprintf(counts, sizeof counts, ", after %u steps and %u rejected attempts",

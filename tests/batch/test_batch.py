@@ -353,6 +353,23 @@ def test_a_step_in_which_objects_fail_says_so(root, script):
         assert quiet == [line for line in told if "error" not in line]
 
 
+def test_a_step_of_a_few_attempts_has_not_failed(script):
+    """A loop goes on until all have reached `until`. Who is stuck, or has a state that is not finite on its way, has failed."""
+    model = "model m\nparam k = 0\nstate x = 1\nstep 0.125\nspan 1\nx' = k*x*x\n"
+    lines = ["set until 40", *["step 2", "read t"]*2, "step 100", "read t", "write k 1 1", "set until 90"]
+    told = script(model, [*lines, "step 2", "failure", "step 200", "failure"], "-n", 2, "-x", "-t", 1e-4, "-f")
+    assert told[0] == told[1] != told[2] == told[3] != told[4] == told[5] == "40" and told[6] == "0 failed: ", told
+    assert told[7] == "error 6: 1 of 2 objects failed, first " + told[8].removeprefix("1 failed: ") and told[8].endswith("too short to change t"), told
+    cut = script(model, ["set until 64", "write k 1 1e30", "step 4", "failure"], "-n", 2, "-x", "-t", 0, "-f", "-i", "euler")
+    assert cut[0].startswith("error 6: 1 of 2 objects failed, first object 1 ") and cut[0].endswith("state x is not finite"), cut
+
+
+def test_a_start_of_40_nested_products_opens_at_once(script):
+    """Each component of a product is in two of the next one: there are 2^40 ways through them."""
+    model = f"param a = 1\nstate x[3] = {'cross((0, 0, 1), '*40}(a, 0, 0){')'*40}\nstep 0.125\nspan 1\nx' = -x\n"
+    assert script(model, ["read x_x", "set a 0", "step 1", "read x_x"], "-n", 2, "-x") == ["1", "1", "0", "0"]
+
+
 def test_who_failed(root, script):
     told = script("model m\nparam k = 2\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n", ["write k 2 1e6", "step 9", "failure"], "-n", 4, "-x")
     assert told[0].startswith("4 failed: object 2 in step ") and told[0].endswith("overflow"), told

@@ -144,8 +144,8 @@ fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_link
 /* All objects make this number of steps. With adaptive steps, each makes at most this number of
  * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is refused as by
  * fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. FP3_E_FAILED: all steps
- * were made and values can be read, but objects failed in them (fp3_batch_failure), or did not reach `until`; see may_fail. Other errors
- * are those of fp3_engine_run. */
+ * were made and values can be read, but objects failed in them (fp3_batch_failure); see may_fail. An object that has
+ * made its attempts, and can go on to `until` in the next call, has not failed. Other errors are those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all do. The others cost a step nothing. They
  * keep what they hold, may be written and read, and go on from there when they are used again. Each
@@ -160,7 +160,8 @@ fp3_status fp3_batch_restart(fp3_batch *batch);
 
 /* Which of the used objects failed in the last fp3_batch_step, as fp3_engine_failure. text (may be
  * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if something was written, or
- * another number of objects used, since. */
+ * another number of objects used, since. With adaptive steps: which are stuck (FP3_ADAPTIVE_STUCK), or have a state that is
+ * not finite; step is the number of accepted steps, and the members behind it are 0. */
 fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]);
 

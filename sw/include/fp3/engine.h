@@ -454,7 +454,7 @@ typedef struct {
     float t, step, until; /* step: the next one to try */
     uint32_t accepted, rejected;
     float smallest, largest;
-    char state[FP3_NAME_SIZE]; /* LOST: the first state that is not finite */
+    char state[FP3_NAME_SIZE]; /* the first one that is not finite, or "" */
     float t_low;               /* the time is t + t_low */
 } fp3_adaptive_object;
 
