@@ -83,7 +83,7 @@ static fp3_status note_near(fp3_engine *engine, const fp3_ranked *self, const fp
     uint32_t count = 0;
     for (uint32_t k = 0; !status && k < p.dimensions; k++)
         for (uint32_t i = 0; i < n->own; i++)
-            self->made[k][i] = fp3_position(&p, k, self->mine[i]);
+            memcpy(&self->made[k][i], &p.word[k][self->mine[i]], sizeof(float));
     if (!status)
         count = find_around(self, &p, (rule->reach + rule->skin) * 1.001, some, engine->objects);
     for (uint32_t k = 0; k < p.dimensions; k++)

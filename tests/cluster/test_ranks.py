@@ -55,6 +55,18 @@ def test_runs_go_on_after_a_failure(mpirun, fp3, root, tmp_path):
     assert left[0] == left[1]
 
 
+def test_nobody_is_a_guest_for_objects_that_are_astray(hash_of, mpirun, fp3, tmp_path):
+    """All but two of a grid overflow in the first step, along x, where ranks divide it: nobody is near the others then."""
+    (tmp_path / "far.ode").write_text("shared R = 0.25\nstate x[3] = (0, 0, 0)\nstate v[3] = (0, 0, 0)\nnear touch(x, 2*R)\nstep 2\n"
+                                      "F = sum(o in touch: o.x - x)\nx' = v\nv' = F\n")
+    scene = tmp_path / "far.scene"
+    scene.write_text('groups = ( { program = "far.ode"; integrator = "semi_implicit_euler"; set = { v_x = 3e38; };\n'
+                     '  grid = { position = "x"; count = [16, 4, 4]; spacing = 1.0; }; only = { objects = [7, 8]; set = { v_x = 0.0; }; }; } );\n')
+    assert hash_of(scene, 2, "fast", 9, "--allow-failures") == hash_of(scene, 1, "fast", 9, "--allow-failures")
+    told = mpirun(2, fp3, "run", "--scene", scene, "-e", "fast", "--steps", 9, "--allow-failures").stdout
+    assert "254 of 256, first object 0 in step 1" in told and told.count(" 0 guests; 0 bytes to other ranks") == 2, told
+
+
 SMALL = """steps = 40;
 groups = ( { program = "cloth.ode"; integrator = "semi_implicit_euler";
   grid = { position = "x"; along = "xz"; count = [12, 12]; spacing = 0.05; origin = [0.0, 2.0, 0.0]; };
