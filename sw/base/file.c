@@ -124,10 +124,22 @@ static fp3_status open_temporary(fp3_output *o, fp3_error *error) {
     return status;
 }
 
+/* What a write left that failed before it was published. */
+static void drop_fresh(fp3_output *o) {
+    if (o->stream)
+        fclose(o->stream);
+    o->stream = NULL;
+    if (o->fresh)
+        unlink(o->fresh);
+    free(o->fresh);
+    o->fresh = NULL;
+}
+
 fp3_status fp3_output_begin(fp3_output *o, fp3_error *error) {
     struct stat found;
     const int exists = !stat(o->real, &found);
     const mode_t mode = exists ? found.st_mode & 0777 : 0666;
+    drop_fresh(o);
     o->fresh = fp3_temporary_path(o->real, FP3_TEMPORARY_NEW);
     if (!o->fresh)
         return no_memory(o->path, error);

@@ -134,7 +134,9 @@ int fp3_temporary_open(const char *path, fp3_temporary *t) {
         return -1;
     *t = (fp3_temporary){strdup(path), folder};
     if (!t->path) {
+        rmdir(path);
         close(folder);
+        errno = ENOMEM;
         return -1;
     }
     empty(folder);

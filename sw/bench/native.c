@@ -42,11 +42,15 @@ fp3_status fp3_bench_native_open(const char *text, const char *const *flags,
         return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     top = top && *top ? top : "/tmp";
     if (fp3_temporary_open_in(top, &place)) {
+        const fp3_status status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", top, strerror(errno));
         fp3_bench_native_close(native);
-        return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", top, strerror(errno));
+        return status;
     }
-    snprintf(library, sizeof library, "%s/" FP3_TEMPORARY_NEW, place.path);
-    fp3_status status = compile(text, library, flags, error);
+    fp3_status status = FP3_OK;
+    if (snprintf(library, sizeof library, "%s/" FP3_TEMPORARY_NEW, place.path) >= PATH_MAX)
+        status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", top, strerror(ENAMETOOLONG));
+    if (!status)
+        status = compile(text, library, flags, error);
     if (!status)
         status = load(library, *native, error);
     fp3_temporary_close(&place);

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "cluster/use.h"
 
+#include <assert.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
@@ -43,7 +44,8 @@ static void be_silent(fp3_run_ranks *ranks) {
 }
 
 /* Without its mpirun a rank would go on until MPI notices, a second or so, and replace checkpoints that a restarted run reads. Only the
- * kernel can tell it at once; Linux can. */
+ * kernel can tell it at once; Linux can. To Linux the parent is the thread that started this process: a launcher whose
+ * threads end before it does must start ranks from one that stays, as mpirun and srun do. */
 static void end_with_parent(void) {
     const pid_t parent = getppid();
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -95,7 +97,7 @@ static fp3_status note(void *user, const struct argp_option *option, const char 
     for (const char *const *own = g->own; option && *own; own++)
         if (!strcmp(*own, option->name))
             return FP3_OK;
-    if (!option || option - g->table >= OPTIONS_MOST)
+    if (!option)
         return FP3_OK;
     uint64_t *hash = &g->values[option - g->table];
     *hash = (*hash ^ 0x100) * 0x100000001b3u; /* FNV-1a; where a value begins */
@@ -107,7 +109,7 @@ static fp3_status note(void *user, const struct argp_option *option, const char 
 static fp3_status compare(const struct argp_option *table, const uint64_t *all, unsigned ranks,
                           fp3_error *error) {
     for (unsigned r = 1; r < ranks; r++)
-        for (int i = 0; i < OPTIONS_MOST && table[i].name; i++)
+        for (int i = 0; table[i].name; i++)
             if (all[(size_t)r * OPTIONS_MOST + (size_t)i] != all[i])
                 return fp3_fail(
                     error, FP3_E_ARGUMENT,
@@ -121,6 +123,10 @@ fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_opt
                                fp3_error *error) {
     given g = {.table = table, .own = own};
     const unsigned count = ranks->all.count;
+    int options = 0;
+    while (table[options].name)
+        options++;
+    assert(options <= OPTIONS_MOST);
     if (ranks->is_one)
         return FP3_OK;
     uint64_t *bytes = calloc(count, sizeof *bytes);

@@ -72,8 +72,10 @@ typedef struct {
 static fp3_status open_workshop(const char *in, workshop *w, fp3_error *error) {
     if (fp3_temporary_open_in(in, &w->temporary))
         return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", in, strerror(errno));
-    snprintf(w->file, sizeof w->file, "%s/" FP3_TEMPORARY_NEW, w->temporary.path);
-    return FP3_OK;
+    if (snprintf(w->file, sizeof w->file, "%s/" FP3_TEMPORARY_NEW, w->temporary.path) < PATH_MAX)
+        return FP3_OK;
+    fp3_temporary_close(&w->temporary);
+    return fp3_fail(error, FP3_E_SYSTEM, "%s: %s", in, strerror(ENAMETOOLONG));
 }
 
 static void close_workshop(workshop *w) { fp3_temporary_close(&w->temporary); }

@@ -29,6 +29,7 @@ struct fp3_start {
     const fp3_compilation *compilation;
     origin *origins;           /* of each input */
     uint32_t *wanted, count;   /* inputs */
+    uint32_t *poor;            /* those of them that have no room in FP32 for some object */
     int has_variables;         /* some of them are variables */
     fp3_known_subset subset;   /* of the others */
     double *known, *variables; /* columns */
@@ -80,9 +81,10 @@ fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, s
     s->compilation = k;
     s->origins = calloc(compiled->input_count + 1u, sizeof *s->origins);
     s->wanted = calloc(compiled->input_count + 1u, sizeof *s->wanted);
+    s->poor = calloc(compiled->input_count + 1u, sizeof *s->poor);
     s->known = malloc((k->p.step.known.count * most + 1u) * sizeof *s->known);
     s->variables = malloc((k->p.step.variable_count * most + 1u) * sizeof *s->variables);
-    fp3_status status = s->origins && s->wanted && s->known && s->variables
+    fp3_status status = s->origins && s->wanted && s->poor && s->known && s->variables
                             ? FP3_OK
                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     if (!status)
@@ -99,6 +101,7 @@ void fp3_start_close(fp3_start **start) {
     fp3_known_release(&s->subset);
     free(s->origins);
     free(s->wanted);
+    free(s->poor);
     free(s->known);
     free(s->variables);
     free(s);
@@ -115,50 +118,65 @@ static void say_line(const fp3_compilation *k, uint32_t id, char *text, size_t s
         snprintf(text, size, " (line %" PRIu32 " of the model)", line);
 }
 
-/* What a host gives: params and starts of one object. */
+/* What a host gives: params and starts. */
 typedef struct {
     const double *params, *initial; /* columns */
     double h;
-    size_t count, object;
+    size_t count;
 } gift;
 
-/* What one object has, with 0 for what is on its way there. */
-static double *vanished_row(const double *columns, const fp3_quantity *of, uint32_t width,
-                            const gift *g) {
-    double *row = malloc((width + 1u) * sizeof *row);
-    for (uint32_t i = 0; row && i < width; i++) {
-        const double value = columns[i * g->count + g->object], usual = fabs(of[i].value);
+/* What one object has and what follows from it, with 0 for what is on its way there: made when the first of its inputs asks. */
+typedef struct {
+    double *params, *initial, *known, *variables;
+    size_t made; /* 1 + the object's number; 0: none is made */
+    int is_good;
+} vanished;
+
+static fp3_status vanished_open(const fp3_start *s, vanished *v, fp3_error *error) {
+    const fp3_step *step = &s->compilation->p.step;
+    const size_t params = step->model->param_count, states = step->model->state_count;
+    const size_t size = params + states + step->known.count + step->variable_count;
+    *v = (vanished){.params = malloc((size + 1u) * sizeof *v->params)};
+    if (!v->params)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    v->initial = v->params + params;
+    v->known = v->initial + states;
+    v->variables = v->known + step->known.count;
+    return FP3_OK;
+}
+
+static void vanish(const double *columns, const fp3_quantity *of, uint32_t width, size_t count,
+                   size_t object, double *row) {
+    for (uint32_t i = 0; i < width; i++) {
+        const double value = columns[i * count + object], usual = fabs(of[i].value);
         const int is_far = usual == 0 || fabs(value) < FAR_BELOW * usual;
         row[i] = is_far && fabs(value) < TINY ? copysign(0, value) : value;
     }
-    return row;
+}
+
+static void vanished_make(const fp3_start *s, const gift *g, size_t object, vanished *v) {
+    const fp3_step *step = &s->compilation->p.step;
+    const fp3_model *model = step->model;
+    vanish(g->params, model->params, model->param_count, g->count, object, v->params);
+    vanish(g->initial, model->states, model->state_count, g->count, object, v->initial);
+    fp3_known_values(&s->subset, v->params, g->h, 1, v->known);
+    v->is_good = !s->has_variables ||
+                 !fp3_before_start(step, v->params, v->initial, g->h, 1, v->variables, NULL);
+    v->made = object + 1;
 }
 
 /* Whether an input is too small because what it is made of is: without that it is 0, which *value then is. A product of
  * numbers that are not small is refused, because it shows that the units do not suit FP32. */
-static int vanishes(const fp3_start *s, uint32_t input, const gift *g, float *value) {
-    const fp3_step *step = &s->compilation->p.step;
-    const fp3_model *model = step->model;
+static int vanishes(const fp3_start *s, uint32_t input, const gift *g, size_t object, vanished *v,
+                    float *value) {
     const origin o = s->origins[input];
-    double *params = vanished_row(g->params, model->params, model->param_count, g);
-    double *initial = vanished_row(g->initial, model->states, model->state_count, g);
-    double *known = malloc((step->known.count + 1u) * sizeof *known);
-    double *variables = malloc((step->variable_count + 1u) * sizeof *variables);
-    int is_zero = 0;
-    if (params && initial && known && variables) {
-        fp3_known_values(&s->subset, params, g->h, 1, known);
-        if (!s->has_variables ||
-            !fp3_before_start(step, params, initial, g->h, 1, variables, NULL)) {
-            const double now = o.known == FP3_NONE ? variables[o.variable] : known[o.known];
-            is_zero = now == 0;
-            *value = (float)now;
-        }
-    }
-    free(params);
-    free(initial);
-    free(known);
-    free(variables);
-    return is_zero;
+    if (v->made != object + 1)
+        vanished_make(s, g, object, v);
+    if (!v->is_good)
+        return 0;
+    const double now = o.known == FP3_NONE ? v->variables[o.variable] : v->known[o.known];
+    *value = (float)now;
+    return now == 0;
 }
 
 /* Whether all have room in FP32. */
@@ -171,37 +189,49 @@ static int round_column(const double *wanted, size_t count, float *values) {
     return is_good;
 }
 
-static fp3_status check_room(const fp3_start *s, uint32_t input, double wanted, const gift *g,
-                             float *value, fp3_error *error) {
-    const uint32_t known = s->origins[input].known;
+/* The column of an input. */
+static const double *column_of(const fp3_start *s, uint32_t input, size_t count) {
+    const origin o = s->origins[input];
+    return o.known == FP3_NONE ? s->variables + o.variable * count : s->known + o.known * count;
+}
+
+static fp3_status check_room(const fp3_start *s, uint32_t input, const gift *g, size_t object,
+                             vanished *v, float *value, fp3_error *error) {
+    const double wanted = column_of(s, input, g->count)[object];
     float single;
     char line[48];
     const char *expected = fp3_number_single(wanted, &single);
     if (!expected && !isfinite(single))
         expected = isnan(wanted) ? "a finite number, and none below 2.2e-308 on the way"
                                  : "a finite number";
-    if (!expected || ((single == 0 || isnan(single)) && vanishes(s, input, g, value)))
+    if (!expected || ((single == 0 || isnan(single)) && vanishes(s, input, g, object, v, value)))
         return FP3_OK;
-    say_line(s->compilation, known, line, sizeof line);
+    say_line(s->compilation, s->origins[input].known, line, sizeof line);
     return fp3_fail(error, FP3_E_ARGUMENT, "%s%s is %.9g: expected %s",
                     s->compiled->inputs[input].formula, line, wanted, expected);
 }
 
-static fp3_status round_all(const fp3_start *s, gift g, float *values, fp3_error *error) {
-    const size_t count = g.count;
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < s->count; i++) {
-        const uint32_t input = s->wanted[i];
-        const origin o = s->origins[input];
-        const double *wanted =
-            o.known == FP3_NONE ? s->variables + o.variable * count : s->known + o.known * count;
-        if (round_column(wanted, count, values + input * count))
-            continue;
-        for (g.object = 0; !status && g.object < count; g.object++)
-            status = check_room(s, input, wanted[g.object], &g, &values[input * count + g.object],
-                                error);
-    }
+/* Object by object, so that what an object's inputs vanish with is made once. */
+static fp3_status check_all(const fp3_start *s, const gift *g, uint32_t poor_count, float *values,
+                            fp3_error *error) {
+    vanished v;
+    fp3_status status = vanished_open(s, &v, error);
+    for (size_t object = 0; !status && object < g->count; object++)
+        for (uint32_t i = 0; !status && i < poor_count; i++)
+            status = check_room(s, s->poor[i], g, object, &v,
+                                &values[s->poor[i] * g->count + object], error);
+    free(v.params);
     return status;
+}
+
+static fp3_status round_all(const fp3_start *s, const gift *g, float *values, fp3_error *error) {
+    uint32_t poor_count = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const uint32_t input = s->wanted[i];
+        if (!round_column(column_of(s, input, g->count), g->count, values + input * g->count))
+            s->poor[poor_count++] = input;
+    }
+    return poor_count ? check_all(s, g, poor_count, values, error) : FP3_OK;
 }
 
 fp3_status fp3_start_values(fp3_start *s, const double *params, const double *initial, double h,
@@ -216,8 +246,8 @@ fp3_status fp3_start_values(fp3_start *s, const double *params, const double *in
     fp3_status status = fp3_adapted_check(step->model, &k->options, params, initial, count, error);
     if (!status && s->has_variables)
         status = fp3_before_start(step, params, initial, h, count, s->variables, error);
-    const gift g = {params, initial, h, count, 0};
-    return status ? status : round_all(s, g, values, error);
+    const gift g = {params, initial, h, count};
+    return status ? status : round_all(s, &g, values, error);
 }
 
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,

@@ -316,3 +316,9 @@ def test_what_stands_beside_a_checkpoint_is_safe(start, folder):
     (folder / "a.ck").rename(folder / "a.ck.tmp")
     kept = (folder / "a.ck.tmp").read_bytes()
     assert start("run m.ode -e isa -n 9 --restart a.ck.tmp --checkpoint a.ck").returncode == 0 and (folder / "a.ck.tmp").read_bytes() == kept
+
+
+def test_a_write_begins_again_after_one_that_failed(build, tmp_path):
+    """What the failed one left is gone; so is the folder of a temporary for whose name there is no memory."""
+    done = subprocess.run([build / "tests/outputs"], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "") and os.listdir(tmp_path) == ["file"]
