@@ -246,6 +246,25 @@ def test_a_root_that_has_no_value_beyond(written, how):
     assert re.search(r"object 0 at t = (1|0\.75) of 2, .* no attempt is left", done.stderr)
 
 
+@pytest.mark.parametrize("roots, config", [("when root(z) any: m = m + 1", "cell"),
+                                           ("when root(z - 1.5e38) rising: m = 7\nwhen root(z - 2e38) rising: m = 8", "many_full")])
+def test_roots_that_are_not_reached_disturb_no_search(written, roots, config):
+    """One that rests, and two whose sum is beyond FP32, while a condition begins: no flag, no failure."""
+    path = written(f"state x = 0\nstate n = 0\nstate m = 0\nstate z = 0\nx' = 1\nn' = 0\nm' = 0\nz' = 0\n{roots}\n"
+                   "when x > 0.3 and n < 0.5: n = 1\nstep 0.125\nspan 1\n")
+    seen = [run(path, "--tolerance", 1e-3, "-n", 200, "-c", config, "-o", 1, engine=engine) for engine in ("isa", "fast", "rtl")]
+    assert seen[0][0] == seen[1][0] == seen[2][0] and (seen[0][0]["n"], seen[0][0]["m"]) == (1, 0)
+    assert all(re.search(r"^flags +inexact$", done.stdout, re.M) for _, done in seen)
+
+
+def test_what_rests_on_its_root_raises_no_flag(written):
+    """Its event holds it there, so it happens again and again, and no attempt is left: but 0 was not divided by 0."""
+    path = written("state x = 0\nx' = 0\nwhen root(x) falling: x = 0\nstep 0.125\nspan 1\n")
+    for engine in ("isa", "fast", "rtl"):
+        done = run(path, "--tolerance", 1e-3, "-n", 100, engine=engine, status=3)[1]
+        assert "no attempt is left" in done.stderr and re.search(r"^flags +inexact$", done.stdout, re.M)
+
+
 def test_what_rests_ends_with_a_message(written):
     """Infinitely many bounces before 4.2 s: no attempts are left, and the run says where."""
     found, done = run(written(BALL), "--until", 5, "--steps", 20000, status=3)

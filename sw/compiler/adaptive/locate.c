@@ -20,7 +20,8 @@
 #define MIDDLE                                                                                     \
     (0.5 +                                                                                         \
      0x1p-24) /* of the sum of both ends: between neighbours it is not the first of them again */
-#define WRONG 0x1p6 /* the event is not where it was said to be, so close before that end */
+#define NOTHING 0x1p-126 /* of a root, but a divisor */
+#define WRONG 0x1p6      /* the event is not where it was said to be, so close before that end */
 
 static void note(const fp3_advance *a, const char *text) {
     a->step->values.note = fp3_note(&a->step->notes, "%s", text);
@@ -62,7 +63,7 @@ static uint32_t becomes(const fp3_advance *a, const fp3_event *event, lowering *
 /* What the events of a step tell. Nodes, FP3_NONE where there is no such event. */
 typedef struct {
     uint32_t is_ahead; /* 1: the step ends before all roots */
-    uint32_t sum;      /* of the roots after the step: a NaN where one has become a NaN */
+    uint32_t late; /* from the step that ends before the event, a NaN where a root has become one */
     uint32_t from,
         to; /* the nearest root before and after the step, if a line is to tell where it is 0 */
     uint32_t begins; /* 1: a condition has become true */
@@ -72,13 +73,27 @@ static uint32_t both(dag *g, uint32_t op, uint32_t so_far, uint32_t other) {
     return so_far == FP3_NONE ? other : op2(g, op, so_far, other);
 }
 
+static uint32_t held(const fp3_advance *a, const char *name) {
+    const uint32_t state = fp3_model_state(a->step->model, name);
+    return fp3_dag_first(&a->step->values,
+                         fp3_advance_held(a, &a->step->values, ROLE_STATE, state).node);
+}
+
+static uint32_t since(const fp3_advance *a) {
+    dag *g = &a->step->values;
+    note(a, "from the step that ends before the event");
+    return sub(g, fp3_dag_first(g, a->h.node), held(a, FP3_STATE_BEFORE));
+}
+
+/* Each root times 0, as the sum of large roots may be infinite. */
 static void see_root(const fp3_advance *a, const fp3_event *event, lowering *before,
                      lowering *after, sight *seen) {
     dag *g = &a->step->values;
     const fp3_reach r = fp3_root_reach(a, event, before, after);
     seen->is_ahead = both(g, FP3_OP_MUL, seen->is_ahead, fp3_root_is_ahead(a, event, &r));
+    const uint32_t late = seen->late == FP3_NONE ? since(a) : seen->late;
     note(a, "has a root no value");
-    seen->sum = both(g, FP3_OP_ADD, seen->sum, r.to);
+    seen->late = add(g, late, mul(g, r.to, num(g, 0)));
     if (a->is_chosen)
         fp3_root_nearest(a, event, &r, &seen->from, &seen->to);
 }
@@ -88,12 +103,6 @@ static void see_root(const fp3_advance *a, const fp3_event *event, lowering *bef
  * Of two steps from here, one ends before the event and one behind it. Attempts between them bring them closer, until the one
  * behind is accepted. All begin here: what FP3 rounds off in an attempt is not lost, and whatever the function, each shortens
  * the bracket. */
-
-static uint32_t held(const fp3_advance *a, const char *name) {
-    const uint32_t state = fp3_model_state(a->step->model, name);
-    return fp3_dag_first(&a->step->values,
-                         fp3_advance_held(a, &a->step->values, ROLE_STATE, state).node);
-}
 
 /* Nodes: the bracket so far; from its ends to that of this attempt; whether that is before all events; how far apart both ends
  * may be. */
@@ -125,7 +134,8 @@ static uint32_t gap_before(const fp3_advance *a, const attempt *is, uint32_t h) 
 }
 
 /* Where the line between both ends of the bracket crosses 0, seen from the new one. A little beyond that, on the other side, so that
- * the root is soon between two ends that are close. */
+ * the root is soon between two ends that are close. Both values have different signs as a rule, so their sizes are added. Where the signs
+ * are equal (a condition has become true, and roots are far away or rest) the quotient is at most 1 all the same, and raises no flag. */
 static uint32_t by_line(fp3_advance *a, const sight *seen, const attempt *is) {
     dag *g = &a->step->values;
     note(a, "the root at the step that ends before the event");
@@ -137,8 +147,10 @@ static uint32_t by_line(fp3_advance *a, const sight *seen, const attempt *is) {
     a->root_behind = sel(g, is->is_before, behind, seen->to);
     note(a, "from here to the root");
     const uint32_t other = sel(g, is->is_before, behind, first);
-    const uint32_t room = sel(g, is->is_before, is->until, sub(g, num(g, 0), is->since));
-    const uint32_t share = mul(g, seen->to, op1(g, FP3_OP_RCP, sub(g, seen->to, other)));
+    const uint32_t room = sel(g, is->is_before, is->until, is->since);
+    const uint32_t sum = add(g, op1(g, FP3_OP_ABS, seen->to), op1(g, FP3_OP_ABS, other));
+    const uint32_t apart = op2(g, FP3_OP_MAX, sum, num(g, NOTHING));
+    const uint32_t share = mul(g, seen->to, op1(g, FP3_OP_RCP, apart));
     const uint32_t far = mul(g, room, share);
     note(a, "and a little further");
     return add(g, far, mul(g, sel(g, is->is_before, num(g, BEYOND), num(g, -SHORT)), is->near));
@@ -169,15 +181,12 @@ static void judge(fp3_advance *a, const sight *seen) {
     is.is_before = seen->is_ahead == FP3_NONE ? num(g, 1) : seen->is_ahead;
     if (seen->begins != FP3_NONE)
         is.is_before = sel(g, seen->begins, num(g, 0), is.is_before);
-    note(a, "from the step that ends before the event");
-    is.since = sub(g, h, is.before);
+    is.since = since(a);
     note(a, "to the step that ends behind the event");
     is.until = sub(g, is.behind, h);
     is.near = near_enough(a, seen, h);
     note(a, "may the step end here");
-    uint32_t gap = is.since;
-    if (seen->sum != FP3_NONE)
-        gap = add(g, gap, mul(g, seen->sum, num(g, 0)));
+    uint32_t gap = seen->late == FP3_NONE ? is.since : seen->late;
     gap = sel(g, is.is_before, gap_before(a, &is, h), gap);
     a->is_in_time = op2(g, FP3_OP_LE, gap, is.near);
     note(a, "between which two steps an event is");

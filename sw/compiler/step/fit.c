@@ -308,6 +308,8 @@ fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
     const fp3_status status = find_passed(fit, model, &event, error);
     if (status)
         return status;
+    /* Never both: only methods with stages have an estimate, and only splittings fall. */
+    assert(!event || fit->fallen == FP3_NONE);
     if (event &&
         asprintf(warning,
                  "line %" PRIu32 ": a step that is as long as the tolerance allows may pass "
