@@ -4,6 +4,7 @@ import collections
 import os
 import pathlib
 import re
+import signal
 import subprocess
 
 import pytest
@@ -11,6 +12,11 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 # With SAN=1 what is lost in a library is no failure.
 os.environ.setdefault("LSAN_OPTIONS", f"suppressions={ROOT / 'tests/leaks.txt'}:print_suppressions=0")
+# Where the tests run in the background, or under nohup, these are ignored. Programs that they start would ignore them, too; a handler is no
+# handler there.
+for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        signal.signal(number, signal.default_int_handler)
 
 
 def pytest_addoption(parser):

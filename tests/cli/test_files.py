@@ -287,9 +287,10 @@ def test_a_run_that_a_signal_ends(fp3, start, folder, number):
                 done = start(f"run m.ode -e isa -n 9 {more}")
                 assert done.returncode == 2 and b"another process is writing it" in done.stderr, done
             assert run.poll() is None
-        finally:
             run.send_signal(number)
-    assert run.returncode == -number
+            assert run.wait(60) == -number
+        finally:
+            run.kill()
     left = {path.name for path in folder.iterdir()} - before - {"a.ck", "a.ck.1"}
     assert left == ({".fp3-a.ck.tmp", ".fp3-out.h5.tmp"} if number == signal.SIGKILL else set())
     assert start("run m.ode -e isa -n 9 --output out.h5 --checkpoint a.ck").returncode == 0
