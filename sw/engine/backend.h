@@ -53,9 +53,10 @@ typedef struct {
     fp3_status (*agree)(fp3_engine *engine, const void *words, size_t size);
     uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
     int begins_at_0; /* a run makes steps of the first objects: fp3_engine_use has no other `first` */
-    int is_divided;  /* other engines have the objects, and know who failed */
-    int is_hardware; /* words of instruction memory are as many as the configuration has */
-    int is_in_host;  /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
+    int is_divided;   /* other engines have the objects, and know who failed */
+    int is_hardware;  /* words of instruction memory are as many as the configuration has */
+    int is_uncounted; /* no scheduler counts: all counters stay 0 */
+    int is_in_host;   /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;
 
 typedef struct fp3_origin fp3_origin;

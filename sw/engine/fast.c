@@ -481,5 +481,6 @@ const fp3_backend fp3_backend_fast = {
     .failures = fast_failures,
     .write_native = fast_write_native,
     .how = fast_how,
+    .is_uncounted = 1,
     .is_in_host = 1,
 };

@@ -130,7 +130,7 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
 static double count_instructions(const fp3_engine *engine, uint32_t steps) {
     const uint32_t visit =
         engine->config->interleave && engine->def.visit ? engine->def.visit : steps;
-    const double visits = steps ? ceil((double)steps / visit) : 0;
+    const double visits = steps <= visit ? steps != 0 : ceil((double)steps / visit);
     double sum = 0;
     for (uint32_t i = 0; i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
@@ -148,9 +148,13 @@ void fp3_engine_tell(const fp3_engine *engine, uint64_t executed) {
                                  engine->part * fmin(1, (double)executed / engine->expected));
 }
 
-/* ---- counters of schedulers: of a part of the run, and summed over its parts ---- */
+/* ---- counters of schedulers: of a part of the run, and summed over its parts ----
+ *
+ * A step of one object takes as long as a look at them, so nobody looks at those that stay 0. */
 
 static void forget_counters(fp3_engine *engine) {
+    if (engine->backend->is_uncounted)
+        return;
     memset(engine->counters, 0, fp3_config_schedulers(engine->config) * sizeof *engine->counters);
 }
 
@@ -161,6 +165,8 @@ static void sum_counters(fp3_engine *engine) {
 }
 
 static void take_sums(fp3_engine *engine) {
+    if (engine->backend->is_uncounted)
+        return;
     const size_t size = fp3_config_schedulers(engine->config) * sizeof *engine->counters;
     memcpy(engine->counters, engine->sums, size);
     memset(engine->sums, 0, size);
@@ -176,8 +182,10 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     engine->sleepers.is_known = engine->sleepers.is_listed = 0;
     engine->expected = count_instructions(engine, steps);
     status = engine->backend->run(engine, steps, stats);
-    add_counters(engine, stats);
-    sum_counters(engine);
+    if (!engine->backend->is_uncounted) {
+        add_counters(engine, stats);
+        sum_counters(engine);
+    }
     if (!status)
         status = count_steps(engine, steps, stats);
     if (!status)
