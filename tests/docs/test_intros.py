@@ -2,17 +2,15 @@
 
 import importlib
 import sys
-import types
 
 import pytest
 
 
 @pytest.fixture
 def tool(root, monkeypatch):
-    """A tool, without what it draws with."""
+    """A tool as a module."""
     def tool(name):
         monkeypatch.syspath_prepend(root / "tools")
-        monkeypatch.setitem(sys.modules, "plot", types.SimpleNamespace(draw=None))
         monkeypatch.delitem(sys.modules, name, raising=False)
         return importlib.import_module(name)
 
