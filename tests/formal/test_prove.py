@@ -20,7 +20,7 @@ SHORT = {
     "product": ["mul", "--case", "^(?!all pairs)"],
     "cuts": ["cuts", "--case", "0x(04|4|7f|7ff|104)$"],
     **{f"cuts in 12 bits, {mode}": ["cuts", "--exp", "5", "--frac", "6", "--cuts-add", "0x7f,0x6e", "--cuts-mul", "0x7f,0x2b", *flags]
-       for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"], "both": ["--flush", "--truncate"]}.items()},
+       for mode, flags in {"flushed": ["--flush"], "truncated": ["--truncate"]}.items()},
     "scale": ["scale"],
     "bfloat16": ["add", "--only", "mul", "--exp", "8", "--frac", "7"],
     "Cell's arithmetic in 12 bits": ["add", "--only", "mul", "--cell", "--exp", "5", "--frac", "6"],
