@@ -758,12 +758,13 @@ static void bits_below_the_fraction_are_0(bench *b) {
     }
 }
 
-/* A list that got one number too many starts no run, also where the start follows at once. */
+/* A list that got one number too many starts no run, also where the start follows at once. With several groups of lanes
+ * the host keeps count itself (isa/registers.toml). */
 static void an_overfull_list_does_not_start(bench *b) {
     enum { ROWS_MAX = 2048 };
     static fp3_rtl_word words[ROWS_MAX + 2];
     const uint32_t rows = b->config->store_words / 8, lane = b->config->lanes - 1;
-    if (!b->config->sleep || rows > ROWS_MAX)
+    if (!b->config->sleep || rows > ROWS_MAX || b->config->lanes > 4)
         return;
     for (uint32_t more = 0; more < 2; more++) {
         load(b, 1);
