@@ -60,7 +60,7 @@ def shown(said):
 SETTING = """
 [[register]]
 name = "margin"
-at = 0x005c
+at = 0x0070
 access = "rw"
 {more}range = [2, 9]
 reset = 5
@@ -77,7 +77,7 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
     store = config != "single"
     program = ["w 8000 38200000", "w 8004 48200000"] if store else ["w 8000 08200080"]                       # ld, st; add
     objects = ["w 3000 1"] if config in ("lanes", "dual") else ["w 3100 0"] if store else []
-    said = run(copy, config, ["s 5c 0", "w 5c 9", "s 5c 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
+    said = run(copy, config, ["s 70 0", "w 70 9", "s 70 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
                               "w 10 1", "p 14 1", "s 14 0"])
     assert shown(said) == [5, 9, 2] and "margin 7" in said                 # a bundle has it less its least
     assert changed(root, copy) == {"isa/registers.toml", "rtl/front/fetch.v"}
@@ -87,12 +87,12 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
 def test_a_setting_out_of_its_range_is_refused(copy, value):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more="")))
     with pytest.raises(AssertionError, match="FAIL"):
-        run(copy, "single", [f"w 5c {value:x}"])
+        run(copy, "single", [f"w 70 {value:x}"])
 
 
 def test_a_setting_that_needs_a_store_is_not_there_without(copy):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more='needs = ["store_words"]\n')))
-    assert shown(run(copy, "single", ["s 5c 0"])) == ["error"]
+    assert shown(run(copy, "single", ["s 70 0"])) == ["error"]
 
 
 KEY = """[key.extra]
