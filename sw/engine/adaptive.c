@@ -53,6 +53,11 @@ static fp3_status read_number(fp3_engine *engine, const fp3_members *group, cons
     return status;
 }
 
+/* What the search for an event keeps of roots: where a root has no value, it is not finite, and the search goes on. */
+static int is_of_search(const char *name) {
+    return !strcmp(name, "root_before") || !strcmp(name, "root_behind");
+}
+
 /* The first state of each that is not finite. */
 static fp3_status find_lost(fp3_engine *engine, const fp3_members *group, size_t first,
                             size_t count, fp3_adaptive_object *found) {
@@ -61,7 +66,8 @@ static fp3_status find_lost(fp3_engine *engine, const fp3_members *group, size_t
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; !status && k < group->image->symbol_count; k++) {
         const fp3_symbol *symbol = &group->image->symbols[k];
-        if (symbol->symbol_class != FP3_SYMBOL_STATE || !(states >> symbol->index & 1))
+        if (symbol->symbol_class != FP3_SYMBOL_STATE || !(states >> symbol->index & 1) ||
+            is_of_search(symbol->name))
             continue;
         status = fp3_engine_read(engine, first, count, symbol->index, values);
         for (size_t i = 0; !status && i < count; i++)
