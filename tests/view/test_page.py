@@ -97,6 +97,7 @@ def test_a_click_picks_and_plots(shown):
     shown.wait(lambda: shown.script("return document.querySelectorAll('#plots figure').length") == 6)
     names = shown.script("return [...document.querySelectorAll('#plots b')].map(b => b.textContent)")
     assert names == ["x_x [m]", "x_y [m]", "x_z [m]", "v_x [m/s]", "v_y [m/s]", "v_z [m/s]"]
+    shown.wait(lambda: shown.script("return document.querySelector('#plots output').textContent"))  # once it is drawn
     said = shown.script("return document.querySelector('#plots output').textContent")
     value, sign, bound, unit = said.split()
     assert sign == "±" and unit == "m"
