@@ -354,7 +354,7 @@ PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS)
 
 .PHONY: test smoke quick
 test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length
-	@$(PYTEST) $(if $(LONG),--long) $(PYTEST_ARGS) tests
+	@$(PYTEST) $(if $(LONG),--long) --durations=60 --durations-min=3 $(PYTEST_ARGS) tests
 
 .PHONY: fresh
 fresh: ## Run README's commands and every test in a bare Debian, as root: half an hour; ROOT=directory to keep, RUN="make setup all"

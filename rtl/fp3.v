@@ -109,7 +109,9 @@ module fp3 #(
     wire [23:0]            req_addr;
     wire [31:0]            req_wdata;
     wire [`ANSWER_W*N-1:0] answers;
-    hub #(.N(N)) u_hub (
+    // From a number that is added to the last lane's list until a start is refused for it, beyond what the bus takes in any case.
+    localparam QUIET = SLEEP != 0 && (GROUPS > 1 || STORAGE != 0) ? GROUPS + LANES + TIMING_HALVE : 0;
+    hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
         .clk_i(clk), .rst_i(rst),
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, address[23:0]}), .req_wdata_i(wdata),

@@ -12,8 +12,8 @@
 // Hazard    A request may come in every cycle. But a request to a register, a counter or a constant comes alone: all
 //           requests before it have been answered, the next one comes at least four cycles after its answer,
 //           and its address and data stay as they are until then.
-//           With start_o, step < last <= size in the settings, a visit is a step where words are published, and no list is overfull, as far
-//           as its lane had said that when the host asked for the start.
+//           With start_o, step < last <= size in the settings, a visit is a step where words are published, and no list is overfull:
+//           hub keeps a start back until the lanes have reported it.
 //
 //     cycle           0     1     2     3     4    ..  3+M   M = MEMORY_LATENCY
 //     req_valid_i     1     0     0     0     0

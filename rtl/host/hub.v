@@ -3,6 +3,8 @@
 //
 // Purpose   The top of an address names a scheduler, or all of them: then a write goes to all, and
 //           a read gives the OR of what they answer.
+//           A request that does not stream waits until QUIET cycles after the last write that does: what lanes
+//           report of that write has come then (fp3).
 // Latency   One cycle on the way there, one back.
 // Promise   Every request is answered; one to a scheduler that there is not, with an error: scheduler 0 is asked, for an
 //           address that nothing has.
@@ -10,7 +12,9 @@
 `default_nettype none
 `include "host/answer.vh"
 module hub #(
-    parameter N = 1                    // schedulers, at most 64
+    parameter N = 1,                   // schedulers, at most 64
+    parameter QUIET = 0,               // cycles
+    parameter [31:0] STREAM = 0        // what streams has one of these bits in its address
 ) (
     input  wire                   clk_i,
     input  wire                   rst_i,
@@ -50,17 +54,34 @@ module hub #(
             assign whom[n] = who == NUMBER || who == ALL;
         end
     endgenerate
+    // How long ago the last write was that streams
+    wire takes;
+    generate
+        if (QUIET == 0) begin : g_no_quiet
+            assign takes = 1'b1;
+        end else begin : g_quiet
+            localparam W = $clog2(QUIET + 1);
+            wire         streams = |(req_addr_i & STREAM);
+            reg  [W-1:0] left_q;
+            wire         quiet   = left_q == {W{1'b0}};
+            always @(posedge clk_i)
+                if (rst_i)                                     left_q <= {W{1'b0}};
+                else if (req_valid_i && req_write_i && streams) left_q <= QUIET[W-1:0];
+                else if (!quiet)                               left_q <= left_q - 1'b1;
+            assign takes = quiet || streams;
+        end
+    endgenerate
     always @* begin
         answer = {`ANSWER_W{1'b0}};
         for (k = 0; k < N; k = k + 1) answer = answer | answer_i[`ANSWER_W*k +: `ANSWER_W];
     end
 
     always @(posedge clk_i) begin
-        ask_q    <= (nobody ? FIRST : whom) & {N{req_valid_i && !rst_i}};
+        ask_q    <= (nobody ? FIRST : whom) & {N{req_valid_i && !rst_i && takes}};
         answer_q <= answer;
-        if (req_valid_i) {write_q, addr_q, wdata_q} <= {req_write_i, nobody ? NOWHERE : req_addr_i[23:0], req_wdata_i};
+        if (req_valid_i && takes) {write_q, addr_q, wdata_q} <= {req_write_i, nobody ? NOWHERE : req_addr_i[23:0], req_wdata_i};
     end
-    assign req_ready_o = !rst_i;
+    assign req_ready_o = !rst_i && takes;
     assign req_valid_o = ask_q;
     assign {req_write_o, req_addr_o, req_wdata_o} = {write_q, addr_q, wdata_q};
     // The bus may be out of reset already: what was asked before it is answered to nobody.

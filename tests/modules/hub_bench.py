@@ -1,4 +1,4 @@
-"""hub against its header: who is asked, what comes back, and that nobody is asked or answered in reset."""
+"""hub against its header: who is asked and when, what comes back, and that nobody is asked or answered in reset."""
 
 import random
 
@@ -12,13 +12,13 @@ MASK = (1 << 36) - 1
 
 @cocotb.test()
 async def hub_asks_and_answers(dut):
-    chance, n = random.Random(1), dut.N.value
+    chance, n, quiet, stream = random.Random(1), dut.N.value, dut.QUIET.value, dut.STREAM.value
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
     dut.rst_i.value = 1
     for name in ("req_valid_i", "req_write_i", "req_addr_i", "req_wdata_i", "answer_i"):
         getattr(dut, name).value = 0
     await RisingEdge(dut.clk_i)
-    asked, held, answer = 0, None, 0
+    asked, held, answer, ago = 0, None, 0, quiet
     for _ in range(3000):
         await FallingEdge(dut.clk_i)
         reset = chance.random() < 0.3
@@ -36,11 +36,14 @@ async def hub_asks_and_answers(dut):
             assert (dut.req_write_o.value, dut.req_addr_o.value, dut.req_wdata_o.value) == held
         got = dut.answer_o.value.integer
         assert got == (answer & ~(WROTE | READ) if reset else answer) & MASK, "an answer in reset, or another one"
-        assert dut.req_ready_o.value == int(not reset)
+        streams = bool(address & stream)
+        taken = valid and (streams or ago >= quiet)
+        assert dut.req_ready_o.value == int(not reset and (streams or ago >= quiet))
         nobody = who != 255 and who >= n
-        asked = 0 if reset or not valid else (1 if nobody else (1 << n) - 1 if who == 255 else 1 << who)
-        if valid:
+        asked = 0 if reset or not taken else (1 if nobody else (1 << n) - 1 if who == 255 else 1 << who)
+        if taken:
             held = (write, 1 if nobody else address & 0xffffff, data)
+        ago = quiet if reset else 0 if taken and write and streams else ago + 1
         answer = 0
         for word in answers:
             answer |= word

@@ -58,6 +58,7 @@ PARTS = {
     "tile, sums and products stopped": tile("tile_is_stopped_between_visits", DUAL=1),
     "tile, record": tile("tile_refuses_a_record_out_of_range"),
     "hub": Part("hub", "hub", {"N": 3}),
+    "hub, waits": Part("hub", "hub", {"N": 2, "QUIET": 3, "STREAM": 0xc00000}),
     "counters": Part("counters", "counters", {"N": 18, "INDEX_W": 5}),
     "ram_1r1w": memory("ram_1r1w", 1, 0, 1, ADDR_W=4, W=9),
     "lutram_1r1w": memory("lutram_1r1w", 0, 0, 0, ADDR_W=4, W=9),
@@ -128,8 +129,13 @@ BUGS = {
     "hub": [
         Bug("a write is answered in reset", "hub.v", "{answer_wrote && !rst_i,", "{answer_wrote,"),
         Bug("a read is answered in reset", "hub.v", "answer_read && !rst_i,", "answer_read,"),
-        Bug("schedulers are asked in reset", "hub.v", "req_valid_i && !rst_i", "req_valid_i"),
+        Bug("schedulers are asked in reset", "hub.v", "req_valid_i && !rst_i &&", "req_valid_i &&"),
         Bug("nobody is somebody", "hub.v", "nobody ? NOWHERE : req_addr_i[23:0]", "req_addr_i[23:0]"),
+    ],
+    "hub, waits": [
+        Bug("a start soon after a list's last number", "hub.v", "takes = quiet || streams", "takes = 1'b1"),
+        Bug("what streams waits, too", "hub.v", "takes = quiet || streams", "takes = quiet"),
+        Bug("a cycle too soon", "hub.v", "left_q <= QUIET[W-1:0]", "left_q <= QUIET[W-1:0] - 1'b1"),
     ],
     "counters": [
         Bug("an event of the clear's cycle counts", "counters.v", "event_q <= clear_i ? {N{1'b0}} : event_i", "event_q <= event_i"),
