@@ -6,15 +6,13 @@ from .registers import ACCESS, counter_rows
 from .text import markdown, page
 
 
-def layout(fields, used):
-    """The word as a picture; fields that the instruction does not have are zero."""
-    order = sorted(fields.items(), key=lambda item: -item[1][0])
+def layout(fields):
+    """The word as a picture."""
     rule, bits, names = "+", " ", "|"
-    for name, (hi, lo) in order:
-        width = max(9, len(used[name]) + 2)
-        bits += f"{hi} .. {lo}".center(width) + " "
-        names += used[name].center(width) + "|"
-        rule += "-" * width + "+"
+    for name, (hi, lo) in sorted(fields.items(), key=lambda item: -item[1][0]):
+        bits += f"{hi} .. {lo}".center(9) + " "
+        names += name.center(9) + "|"
+        rule += "-" * 9 + "+"
     return ["```text", bits.rstrip(), rule, names, rule, "```"]
 
 
@@ -32,14 +30,20 @@ def example(isa, op):
 def isa_page(isa):
     fields, banks = isa["field"], isa["bank"]
     unit = {"store": "object store"}
+    noted = [op for op in isa["op"] if "note" in op]
 
     def path(op):
         return ", then ".join(unit.get(name, name) for name in op["path"])
 
+    def row(op):
+        text, code = example(isa, op)
+        return [f"[`{op['name']}`](#{op['name']})" if op in noted else f"`{op['name']}`", op["code"], f"`{op['meaning']}`", path(op),
+                f"`{op['needs']}`" if "needs" in op else "", f"`{' '.join(filter(None, (op['name'], text)))}`", f"`0x{code:08x}`"]
+
     body = [
         f"Revision {isa['revision']}. Every instruction is one 32-bit word. Values are IEEE 754 binary32 numbers.",
         "[Assembly language](assembly.md) has whole programs; the [glossary](glossary.md) explains record, visit, part, phase and list.",
-        "", "## The word", "", "A word has five fields:", "", *layout(fields, {name: name for name in fields}), "",
+        "", "## The word", "", "A word has five fields:", "", *layout(fields), "",
         "`op` is the instruction's code, `d` its destination; `a`, `b` and `c` are its operands. A field that the instruction",
         f"does not use must be 0. Codes from {MORE} on stand in `c`: `op` is all ones, and `c` is the code minus {MORE}. So these instructions have no",
         "operand `c`. A word whose code is not in the table below ends the run as illegal. Code 0 is unused, so erased memory is illegal, too.", "",
@@ -53,25 +57,16 @@ def isa_page(isa):
                    for name, b in banks.items()]), "",
         "A configuration may have fewer registers, and leave out instructions: [configurations](configurations.md).", "",
         "## Instructions", "",
-        "The table's columns are the instruction's name, its code, the fields that it uses, what it does, and the functional units that its operands",
-        "go through. `record[d]` is word d of the object's record. The unit *value* compares, selects, estimates and rounds; *sequence*",
-        "is the scheduler's control of loops and phases.", "",
-        *markdown(["name", "code", "operands", "meaning", "unit"],
-                  [[f"[`{op['name']}`](#{op['name']})", op["code"], f"`{', '.join(op['operands'])}`" if op["operands"] else "–",
-                    f"`{op['meaning']}`", path(op)] for op in isa["op"]]),
+        "The table's columns are the instruction's name, its code, what it does, the functional units that its operands go through, the key of a",
+        "configuration that must be 1, and an example with its word. Operands are written in the order d, a, b, c. `record[d]` is word d of the",
+        "object's record. The unit *value* compares, selects, estimates and rounds; *sequence* is the scheduler's control of loops and phases.",
+        "Names with a link have a note below.", "",
+        *markdown(["name", "code", "meaning", "unit", "needs", "example", "word"], [row(op) for op in isa["op"]]),
         "", "Results are rounded to nearest, ties to even, with gradual underflow; a NaN result is always 7FC00000. The configuration `flush` flushes subnormal",
         "numbers to zero, and `cell` has neither infinity nor NaN: [arithmetic](arithmetic.md) has its results. An instruction can raise the flags invalid,",
-        "overflow, underflow and inexact. The fifth flag, divide by zero, is raised by `rcp` and `rsqrt` with [logarithms](logarithmic.md) alone.", "",
-        "\"Needs `chain`\" and the like below name the key of a configuration that must be 1."]
-    for op in isa["op"]:
-        text, code = example(isa, op)
-        used = {name: name if name in op["operands"] else "0" for name in fields}
-        used["op"] = f"op = {op['code']}" if op["code"] < MORE else "all ones"
-        used["c"] = used["c"] if op["code"] < MORE else str(op["code"] - MORE)
-        body += ["", f"### {op['name']}", "", f"`{op['meaning']}`."]
-        body += [f"Needs `{op['needs']}`."] if "needs" in op else []
-        body += [op["note"]] if "note" in op else []
-        body += ["", *layout(fields, used), "", f"`{' '.join(filter(None, (op['name'], text)))}` is the word `0x{code:08x}`."]
+        "overflow, underflow and inexact. The fifth flag, divide by zero, is raised by `rcp` and `rsqrt` with [logarithms](logarithmic.md) alone."]
+    for op in noted:
+        body += ["", f"### {op['name']}", op["note"]]
     return page("Instruction set", "isa/isa.toml", body)
 
 
