@@ -1,26 +1,17 @@
 """Scenes and groups of any size are read in memory that grows with the file, or refused. `make bench-check` measures their time."""
 
-import subprocess
-import sys
+import peak
 
 GROUP = '{ program = "none.s"; objects = 2; set = { m = 4.2e5; rm = "1/m"; T = 1.1e5; C = 1.9e4; v = 0.0; s = 0.0; }; }'
 
-
-# A process's peak begins with that of the one that it was forked from: here a small one.
-MEASURE = """import resource, subprocess, sys
-resource.setrlimit(resource.RLIMIT_CPU, (20, 20))
-code = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
-print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
-sys.exit(code)"""
 
 
 def refused(fp3, folder, text, message):
     """A scene that is refused with the message, and does not hang; the most memory that it takes, in bytes."""
     (folder / "x.scene").write_text(text)
-    done = subprocess.run([sys.executable, "-c", MEASURE, fp3, "run", "--engine", "isa", "--scene", "x.scene"], cwd=folder,
-                          capture_output=True, text=True)
+    done, most = peak.run([fp3, "run", "--engine", "isa", "--scene", "x.scene"], cwd=folder)
     assert done.returncode == 2 and message in done.stderr, done.stderr
-    return 1024 * int(done.stdout)
+    return most
 
 
 def scene(groups):
