@@ -1,5 +1,7 @@
 """What docs/stress.md says: a table for each section of the stress suite, what does not hold and why, pictures."""
 
+import re
+
 from bench_figures import INTEGRATORS, OTHER
 from fp3gen.text import table
 from plot import draw
@@ -20,8 +22,9 @@ as published. A result holds if it is within its tolerance.
   `fused_full` round numbers of ordinary size as *plain* does: they make a million steps only if they are asked for.
 - *In double* means the same steps without roundings, with the coefficients of the program (`fp3_compiled_exact_given`).
 
-The columns of the tables below: model, integrator and arithmetic; what is measured; the expected figure; how the measured one has to compare with it; the
-measured figure, in bold if it does not hold; the tolerance."""
+Above each table stand what is measured and how it has to compare with the expected figure, which is there, too, if it is the same for all. Else it is in a
+column, or in each cell in front of the measured figure. ± is the tolerance. A measured figure that does not hold is bold. Where a name has …, its figures
+differ and are in brackets, in the same order."""
 
 FARTHEST = 8    # what goes further along the axis (stabilised methods) would make the picture of regions too flat to see
 
@@ -90,14 +93,89 @@ def overview(results):
     return table(["section", "results", "hold", "do not"], rows)
 
 
-def details(rows):
-    body = []
+FIGURE = r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.^]*\w)"
+
+
+def kinds(rows):
+    """Results whose names differ in a subject (`energy: `) and figures alone, under what they share."""
+    found = {}
     for row in rows:
-        nothing = "∞" if row["section"] == "stability" else "–"
-        expected, measured = number(row["expected"], nothing), number(row["measured"], nothing)
-        body.append([row["model"], row["integrator"], row["arithmetic"], row["name"], expected, row["relation"],
-                     measured if row["holds"] else f"**{measured}**", number(row["tolerance"])])
-    return table(["model", "integrator", "arithmetic", "what", "expected", "", "measured", "tolerance"], body)
+        subject, name = re.match(r"(?:([^=:,]{1,16}): )?(.*)", row["name"]).groups()
+        key = re.sub(FIGURE, "…", name), row["relation"]
+        found.setdefault(key, []).append((row, subject or "", re.findall(FIGURE, name)))
+    for (name, relation), of in found.items():
+        varies = [len(set(figures)) > 1 for figures in zip(*(figures for _, _, figures in of))]
+        same = iter([figure for figure, differs in zip(of[0][2], varies) if not differs])
+        which = iter(varies)
+        yield re.sub("…", lambda _: "…" if next(which) else next(same), name), relation, [
+            (row, subject, [figure for figure, differs in zip(figures, varies) if differs])
+            for row, subject, figures in of]
+
+
+def expected_of(row, figures):
+    """What a result should be, with the tolerance, and the figures that differ within its kind."""
+    expected = number(row["expected"], "∞" if row["section"] == "stability" else "–")
+    text = f"{expected} ± {number(row['tolerance'])}" if row["tolerance"] else expected
+    return text + (f" ({', '.join(figures)})" if figures else "")
+
+
+def measured_of(row):
+    text = number(row["measured"], "∞" if row["section"] == "stability" else "–")
+    return text if row["holds"] else f"**{text}**"
+
+
+def kind_table(lines, columns, is_told):
+    """A row for a model and an integrator, a column for an arithmetic. What is expected stands in the
+    caption (is_told), in a column, or in the cells."""
+    once = all(len({expected for of in line.values() for expected, _ in of}) == 1
+               for line in lines.values())
+    of_what = any(subject for _, _, subject in lines)
+    body = []
+    for key, line in lines.items():
+        cells = ["; ".join(measured if once else f"{expected} / {measured}"
+                           for expected, measured in line.get(name, [])) for name in columns]
+        one = [] if is_told or not once else [next(iter(line.values()))[0][0]]
+        body.append([*key[:3 if of_what else 2], *one, *cells])
+    head = ["model", "integrator", *(["of"] if of_what else [])]
+    return table([*head, *([] if is_told or not once else ["expected"]), *columns], body)
+
+
+def few_row(name, relation, key, line):
+    """A result of one model and integrator, with all arithmetics in one cell."""
+    every = {expected for of in line.values() for expected, _ in of}
+    cells = [f"{column} {measured if len(every) == 1 else f'{expected} / {measured}'}"
+             for column, of in line.items() for expected, measured in of]
+    name = f"{key[2]}: {name}" if key[2] else name
+    return [*key[:2], name, relation, every.pop() if len(every) == 1 else "", ", ".join(cells)]
+
+
+def details(rows):
+    """A table for each kind of result, and one for kinds of few results."""
+    parts, few = [], []
+    for name, relation, of in kinds(rows):
+        lines, subjects = {}, list(dict.fromkeys(subject for _, subject, _ in of))
+        if len(subjects) == 1 and subjects[0]:
+            name = f"{subjects[0]}: {name}"
+        for row, subject, figures in of:
+            key = row["model"], row["integrator"], subject if len(subjects) > 2 else ""
+            line = lines.setdefault(key, {})
+            column = f"{subject}, {row['arithmetic']}" if len(subjects) == 2 else row["arithmetic"]
+            line.setdefault(column, []).append((expected_of(row, figures), measured_of(row)))
+        if len(lines) < 4:
+            few += [few_row(name, relation, *one) for one in lines.items()]
+            continue
+        expected = {expected_of(row, figures) for row, _, figures in of}
+        caption = f"*{name}*, {relation}".replace("|", "\\|")
+        caption += f" {expected.copy().pop()}" if len(expected) == 1 else ""
+        measured = {measured_of(row) for row, _, _ in of}
+        if len(expected) == len(measured) == 1 and len(of) > 10:
+            parts.append(f"{caption}: {measured.pop()} in each of {len(of)} results.")
+        else:
+            columns = list(dict.fromkeys(column for line in lines.values() for column in line))
+            parts += [caption + ":", kind_table(lines, columns, len(expected) == 1)]
+    if few:
+        parts.append(table(["model", "integrator", "what", "", "expected", "measured"], few))
+    return "\n\n".join(parts)
 
 
 def failures(results):
