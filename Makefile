@@ -90,9 +90,11 @@ RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rt
 HDF5_C  := $(wildcard sw/hdf5/*.c)
 MPI_C   := $(wildcard sw/mpi/*.c)
 # What only measures or shows: in the command, in the tests and in make bench, not in the library.
-MEASURE_ROOMS := bench golden measure stress view
+MEASURE_ROOMS := bench check golden measure stress view
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
-LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
+# What measures against truth, with GSL: libfp3_lab.
+LAB_C   := $(wildcard sw/truth/*.c sw/tune/*.c)
+LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(LAB_C) $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
 TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
@@ -128,8 +130,8 @@ SHARED   := -fPIC -fvisibility=hidden
 CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)$(if $(SOFT), -DFP3_FPU_SOFT)
 CXXFLAGS := -std=c++17 -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE) $(if $(SYSROOT),-L$(SYSROOT)/lib)
-LIB_LIBS := -lgsl -lgslcblas -lconfig -lz -ldl -lm
-LDLIBS   := $(LIB_LIBS) -ljansson
+LIB_LIBS := -lconfig -lz -ldl -lm
+LDLIBS   := -lgsl -lgslcblas $(LIB_LIBS) -ljansson
 
 VERILATOR = verilator -f rtl/fp3.f -Wall $(if $(filter 1,$(CHECK)),-DFP3_CHECK) -O3 --x-assign fast --x-initial unique -CFLAGS "$(SHARED)"
 VL_INC    = $(VL_ROOT)/include
@@ -150,6 +152,7 @@ FORCE:
 # Below build/ things lie as `make install` lays them out: bin/fp3 finds lib/fp3/ in both places.
 obj = $(patsubst %,$(BUILD)/obj/%.o,$(basename $(1)))
 LIB      := $(BUILD)/lib/libfp3.a
+LAB      := $(BUILD)/lib/libfp3_lab.a
 MEASURE_LIB := $(BUILD)/obj/measure.a
 LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
@@ -182,7 +185,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -213,7 +216,8 @@ $(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/flags | $(BU
 
 $(MEASURE_LIB): $(call obj,$(MEASURE_C))
 $(LIB): $(LIB_O)
-$(LIB) $(MEASURE_LIB):
+$(LAB): $(LIB_O) $(call obj,$(LAB_C))
+$(LIB) $(LAB) $(MEASURE_LIB):
 	@echo "  AR   $@"
 	@mkdir -p $(@D)
 	@rm -f $@ && $(CROSS)ar rcs $@ $^
@@ -223,7 +227,7 @@ $(LIB_SO): $(LIB_O) $(EXPORTS)
 	@mkdir -p $(@D)
 	@$(call link_shared,$(CC_FOR)) -Wl,-soname,$(@F) $(LIB_LIBS)
 
-$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LIB)
+$(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LAB)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
@@ -251,7 +255,7 @@ $(BUILD)/lib/fp3/fp3_mpi.so: $(call obj,$(MPI_C)) $(EXPORTS)
 
 # One binary per C file under tests/; pytest starts them.
 define TEST_BINARY
-$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(if $(filter tests/lns/%,$(1)),$(LNS)) $(MEASURE_LIB) $(LIB)
+$(BUILD)/tests/$(notdir $(basename $(1))): $(call obj,$(1)) $(if $(filter tests/fp/%,$(1)),$(BENCH)) $(if $(filter tests/lns/%,$(1)),$(LNS)) $(MEASURE_LIB) $(LAB)
 	@mkdir -p $$(@D)
 	@echo "  LD   $$@"
 	@$(if $(filter tests/fp/% tests/lns/%,$(1)),g++,$(CC_FOR)) $$(LDFLAGS) -o $$@ $$^ $$(LDLIBS) $(if $(filter tests/lns/%,$(1)),-lmpfr -lgmp)
@@ -429,10 +433,10 @@ $(call obj,bench/box2d.cpp): bench/box2d.cpp $(BUILD)/flags | $(BUILD)/ready
 	@echo "  CXX  $<"
 	@$(CCACHE) g++ $(CXXFLAGS) -Ibench -MMD -MP -c -o $@ $<
 
-$(BUILD)/bench/bench: $(BENCH_O) $(MEASURE_LIB) $(LIB)
+$(BUILD)/bench/bench: $(BENCH_O) $(MEASURE_LIB) $(LAB)
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
-	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE_LIB) $(LIB) $(BENCH_LIBS) $(LDLIBS)
+	@gcc $(LDFLAGS) -o $@ $(BENCH_O) $(MEASURE_LIB) $(LAB) $(BENCH_LIBS) $(LDLIBS)
 
 # A scene of objects that see each other, beside a loop by hand, which is compiled for two kinds of processor.
 WORLD_HAND := net stars balls

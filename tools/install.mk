@@ -40,7 +40,7 @@ $(BUILD)/completion.%: tools/completion.py tools/manpage.py $(BUILD)/bin/fp3
 RELEASED := $(BUILD)$(if $(filter 0,$(SAN)),/release)
 
 .PHONY: made released
-made: $(LIB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
+made: $(LIB) $(LAB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
 	@:
 released:
 	@+$(MAKE) $(if $(filter 0,$(SAN)),RELEASE=1) made
@@ -59,20 +59,36 @@ Description: Integrates equations of motion on FP3, the field-programmable physi
 Version: $(VERSION)
 Cflags: -I$${includedir}
 Libs: -L$${libdir}$(RPATH) -lfp3
-Requires.private: gsl libconfig zlib
+Requires.private: libconfig zlib
 Libs.private: -lm
+endef
+
+# All of libfp3, and the truth and the tuner, which need GSL: a program links one of the two. Only static.
+define FP3_LAB_PC
+prefix=$(PREFIX)
+includedir=$${prefix}/include
+libdir=$(patsubst $(PREFIX)/%,$${prefix}/%,$(LIBDIR))
+
+Name: fp3_lab
+Description: FP3, and what measures its error against the truth
+Version: $(VERSION)
+Requires: gsl libconfig zlib
+Cflags: -I$${includedir}
+Libs: -L$${libdir} -lfp3_lab -lm
 endef
 
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
+install: export FP3_LAB_PC := $(FP3_LAB_PC)
 install: released $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
 	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(BASH)) $(dir $(ZSH)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
-	@install -m 644 $(RELEASED)/lib/libfp3.a $(RELEASED)/lib/libfp3.so.0 $(DESTDIR)$(LIBDIR)
+	@install -m 644 $(RELEASED)/lib/libfp3.a $(RELEASED)/lib/libfp3_lab.a $(RELEASED)/lib/libfp3.so.0 $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
 	@install -m 644 $(HARDWARE) $(HDF5) $(MPI) $(RTL_DIR)
 	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
-	@install -m 644 $(BUILD)/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig
+	@echo "$$FP3_LAB_PC" >$(BUILD)/fp3_lab.pc
+	@install -m 644 $(BUILD)/fp3.pc $(BUILD)/fp3_lab.pc $(DESTDIR)$(LIBDIR)/pkgconfig
 	@install -m 644 $(RELEASED)/fp3.1 $(MAN)
 	@install -m 644 $(RELEASED)/completion.bash $(BASH)
 	@install -m 644 $(RELEASED)/completion.zsh $(ZSH)
@@ -84,8 +100,8 @@ install: released $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, comman
 # Directories that other programs share stay.
 uninstall: ## Remove what install put there
 	@rm -rf $(INCDIR) $(RTL_DIR) $(dir $(BARE))
-	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \
-	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(MAN) $(BASH) $(ZSH) $(COMMAND)
+	@rm -f $(DESTDIR)$(LIBDIR)/libfp3.a $(DESTDIR)$(LIBDIR)/libfp3_lab.a $(DESTDIR)$(LIBDIR)/libfp3.so $(DESTDIR)$(LIBDIR)/$(notdir $(LIB_SO)) \
+	    $(DESTDIR)$(LIBDIR)/pkgconfig/fp3.pc $(DESTDIR)$(LIBDIR)/pkgconfig/fp3_lab.pc $(MAN) $(BASH) $(ZSH) $(COMMAND)
 
 # ---- within a Python package: setup.py ----------------------------------------------------------
 

@@ -20,8 +20,7 @@ def models():
 
 
 def integrators():
-    """But for those that start from a truth in double, which is not in the page (sw/cli/wasm/absent.c)."""
-    return sorted(path.stem for path in (ROOT / "programs/integrators").glob("*.cfg") if path.stem != "stoermer_verlet")
+    return sorted(path.stem for path in (ROOT / "programs/integrators").glob("*.cfg"))
 
 
 def page(wasm):

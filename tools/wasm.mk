@@ -4,9 +4,8 @@ ZIG      := .venv/bin/python -m ziglang
 WASM     := $(BUILD)/wasm
 WASM_CC   = $(ZIG) cc -target wasm32-wasi -msimd128
 # What needs other programs, other processes, loaded libraries, serial ports or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
-WASM_NOT := sw/serial/port.c $(wildcard sw/fast/cache.c sw/fast/native.c sw/fast/text.c sw/fast/write*.c sw/tune/*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
+WASM_NOT := sw/serial/port.c $(wildcard sw/fast/cache.c sw/fast/native.c sw/fast/text.c sw/fast/write*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
     $(wildcard sw/cluster/*.c) sw/cli/run_ranks.c sw/engine/library.c sw/output/figure.c sw/output/gnuplot.c sw/output/plot.c \
-    $(addprefix sw/truth/,bsimp.c convergence.c crossing.c orbit.c part.c path.c reference.c slopes.c stiff.c truth.c) \
     $(foreach c,bench_% board cmd_bench cmd_board cmd_compare cmd_doctor processor cmd_stress cmd_tune cmd_view compare_% json tune_% view_%,sw/cli/$(c).c)
 WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/cli/wasm/*.c)
 WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)

@@ -38,7 +38,7 @@ class _Library:
         try:
             self._cdll = ctypes.CDLL(str(path))
         except OSError as why:
-            raise ImportError(f"{path}: {why} (it needs GSL, libconfig and zlib of this machine)") from why
+            raise ImportError(f"{path}: {why} (it needs libconfig and zlib of this machine)") from why
         self.free = ctypes.CDLL(None).free
         self.free.argtypes, self.free.restype = [ctypes.c_void_p], None
         version = self._declared("fp3_version")(None).decode()

@@ -4,10 +4,10 @@
 
 #include "base/definition.h"
 #include "base/host.h"
+#include "compiler/start.h"
 #include "engine/inside.h"
 #include "fields.h"
 #include "relations.h"
-#include "truth/start.h"
 
 #include "machine/placement.h"
 

@@ -4,7 +4,7 @@
 
 #include "compiler/compiled.h"
 #include "compiler/inputs.h"
-#include "truth/start.h"
+#include "compiler/start.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,9 +4,9 @@
 
 #include "compiler/compiled.h"
 #include "compiler/inputs.h"
+#include "compiler/start.h"
 #include "text/nearest.h"
 #include "text/number.h"
-#include "truth/start.h"
 
 #include <fp3/compile.h>
 #include <math.h>

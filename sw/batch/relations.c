@@ -2,10 +2,10 @@
 /* relations.c - see relations.h. */
 #include "relations.h"
 
+#include "compiler/start.h"
 #include "engine/inside.h"
 #include "text/nearest.h"
 #include "text/number.h"
-#include "truth/start.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -9,7 +9,7 @@
 #include "progress.h"
 
 #include <fp3/engine.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <machine/config.h>

@@ -7,7 +7,7 @@
 #include "bench/variants.h"
 
 #include <fp3/engine.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 
 #include "ship.h"
 #include <base/fpu.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <machine/operation.h>
 #include <math.h>

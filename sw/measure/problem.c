@@ -4,7 +4,7 @@
 
 #include "bench/variants.h"
 
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef FP3_SCENE_APPLY_H
 #define FP3_SCENE_APPLY_H
 
-#include "truth/start.h"
+#include "compiler/start.h"
 
 #include <fp3/program.h>
 

@@ -4,7 +4,7 @@
 #include "suite.h"
 
 #include <fp3/compile.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

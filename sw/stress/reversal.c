@@ -4,7 +4,7 @@
 #include "kepler.h"
 #include "sections.h"
 
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <gsl/gsl_pow_int.h>
 #include <math.h>
 

@@ -2,7 +2,7 @@
 /* trial.c - see trial.h. */
 #include "trial.h"
 
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* reference.c - what a step means: one operation after the other, in the order of its nodes. */
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 
 #include <fp3/isa.h>
 #include <inttypes.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/host.h"
-#include "before.h"
+#include "compiler/before.h"
 #include "compiler/compiled.h"
 #include "machine/execute.h"
 #include "machine/format.h"

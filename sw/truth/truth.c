@@ -3,7 +3,7 @@
  *
  * The second is the model's closed form, or another method of GSL's.
  */
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>

@@ -6,7 +6,6 @@
 #include "scene/values.h"
 #include "text/number.h"
 
-#include <fp3/tune.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,6 +2,8 @@
 /* sensitivity.c - see sensitivity.h. */
 #include "sensitivity.h"
 
+#include <fp3/truth.h>
+
 #include "machine/config.h"
 
 #include <math.h>

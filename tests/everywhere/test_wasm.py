@@ -51,7 +51,6 @@ def test_a_mistake_has_its_place_and_writes_nothing(wasm, tmp_path):
     (["run", "k.ode", "-e", "isa", "--plot", "k.svg"], 1, "cannot start gnuplot"),
     (["run", "k.ode", "-e", "isa", "--output", "-"], 2, "name a file"),
     (["run", "k.ode", "-e", "board", "--port", "/dev/ttyUSB0"], 1, "no serial ports"),
-    (["run", "k.ode", "-e", "isa", "-i", "stoermer_verlet"], 1, "no truth"),
     (["compile", "k.ode", "-c", "many_full", "--native", "-o", "k.so"], 1, "native code"),
     *[([name], 1, "not in WebAssembly") for name in ("compare", "view", "tune", "bench", "stress", "board")]])
 def test_what_it_has_not_it_says(wasm, root, tmp_path, words, code, expected):

@@ -8,7 +8,7 @@
 #include <fenv.h>
 #include <fp3/batch.h>
 #include <fp3/program.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <locale.h>
 #include <stdio.h>

@@ -13,6 +13,7 @@ pytestmark = pytest.mark.xdist_group("install")
 
 PREFIX = "usr/local"
 HEADERS = sorted(path.name for path in (pathlib.Path(__file__).parents[2] / "sw/include/fp3").glob("*.h"))
+LAB = {"truth.h", "tune.h"}  # of libfp3_lab
 STANDARD = {"math.h", "stddef.h", "stdint.h", "stdio.h"}
 
 
@@ -209,8 +210,26 @@ def declared(text):
 def test_what_is_exported_is_what_the_headers_declare(installed):
     text = succeeds("nm", "-D", "--defined-only", installed / "lib/libfp3.so.0")
     exported = {line.split()[2] for line in text.splitlines()}
-    expected = set().union(*(declared((installed / "include/fp3" / name).read_text()) for name in HEADERS))
+    expected = set().union(*(declared((installed / "include/fp3" / name).read_text()) for name in HEADERS if name not in LAB))
     assert len(expected) > 50 and exported == expected
+
+
+def test_a_game_does_not_link_gsl(installed, root, flags, sanitize, tmp_path):
+    """Nor does any plugin that the library loads. What measures against the truth is libfp3_lab, which a program takes in its place."""
+    assert not re.search("gsl", succeeds("nm", "-D", "--undefined-only", installed / "lib/libfp3.so.0") + succeeds("nm", "-u", installed / "lib/libfp3.a"))
+    for library in [installed / "lib/libfp3.so.0", *(installed / "lib/fp3").iterdir()]:
+        assert not [name for name in needed(library) if "gsl" in name], library
+    assert "gsl" not in " ".join(flags("--static", "--cflags", "--libs"))
+    game = [root / "tests/install/ship.c", *sanitize, "-o", tmp_path / "game"]
+    succeeds("gcc", *game, *["-l:libfp3.a" if flag == "-lfp3" else flag for flag in flags("--static", "--cflags", "--libs")])
+    (tmp_path / "lab.c").write_text("#include <fp3/truth.h>\n#include <fp3/tune.h>\nint main(void) {\n"
+                                    "    fp3_tuning_free(&(fp3_tuning *){0});\n    fp3_tune_def def = fp3_tune_default();\n"
+                                    "    return !(def.safety == 1.25 && fp3_model_truth);\n}\n")
+    env = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig")}
+    lab = succeeds("pkg-config", f"--define-variable=prefix={installed}", "--cflags", "--libs", "fp3_lab", env=env).split()
+    assert run("gcc", tmp_path / "lab.c", *sanitize, *flags("--cflags", "--libs"), "-o", tmp_path / "lab").returncode != 0
+    succeeds("gcc", tmp_path / "lab.c", *sanitize, *lab, "-o", tmp_path / "lab")
+    succeeds(tmp_path / "lab")
 
 
 def asserts(library):

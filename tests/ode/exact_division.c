@@ -5,7 +5,7 @@
  * y' = f(x, a) by Euler's method with h = 1 from y = -0 is f(x, a), as 1 * f + -0 rounds nothing.
  */
 #include <fp3/compile.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 
 #include <inttypes.h>
 #include <math.h>

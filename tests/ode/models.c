@@ -4,7 +4,7 @@
  *     models truth FILE TIME [NAME=VALUE]  each state and invariant at that time, from these
  *                                          params and starts
  */
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

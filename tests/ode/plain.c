@@ -8,7 +8,7 @@
  */
 #include "bench/loop.h"
 
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

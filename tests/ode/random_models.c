@@ -12,7 +12,7 @@
  */
 #include <fp3/compile.h>
 #include <fp3/engine.h>
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <machine/format.h>
 #include <math.h>

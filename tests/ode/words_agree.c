@@ -9,7 +9,7 @@
 #include "bench/variants.h"
 #include "engine/inside.h"
 
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

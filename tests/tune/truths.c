@@ -1,11 +1,13 @@
 /* Truths at several times in one go are those of one time after the other, and so are those of a path.
  *
- *     truths MODEL...            for each: its name, the largest distance, and that times go upwards
+ *     truths MODEL...            for each: its name, the largest distances, that times go upwards, and
+ *                                how far the start of stoermer_verlet is from the truth
  *     truths MODEL NAME=VALUE... of one object, and times from standard input: the states and their sizes
  */
+#include "compiler/backwards.h"
 #include "truth/path.h"
 
-#include <fp3/tune.h>
+#include <fp3/truth.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -51,6 +53,23 @@ static double strays(const fp3_model *model, const double *params, const double 
             most = fmax(most, fabs(there[k] - rows[i * model->state_count + k]) / sizes[k]);
     }
     fp3_path_close(&path);
+    return most;
+}
+
+/* What stoermer_verlet starts from, by the truth a step before the start. Events are not followed back. */
+static double strays_back(const fp3_model *model, const double *params, const double *initial) {
+    double there[16], truth[16], most = 0;
+    fp3_error error;
+    fp3_backwards *back = NULL;
+    if (model->event_count)
+        return 0;
+    if (fp3_backwards_open(model, &back, &error) ||
+        fp3_backwards_go(back, params, initial, model->step, there, &error) ||
+        fp3_model_truth(model, params, initial, -model->step, truth, &error))
+        most = INFINITY;
+    for (uint32_t k = 0; k < model->state_count; k++)
+        most = fmax(most, fabs(there[k] - truth[k]) / fmax(fabs(truth[k]), fabs(initial[k])));
+    fp3_backwards_close(&back);
     return most;
 }
 
@@ -108,9 +127,10 @@ int main(int argc, char **argv) {
             i++;
         if (i + 1 == argc && i > 1 && strchr(argv[i], '='))
             return print_object(model, params, initial);
-        printf("%s %.3g %.3g %d\n", model->name, farthest(model, params, initial),
+        printf("%s %.3g %.3g %d %.3g\n", model->name, farthest(model, params, initial),
                strays(model, params, initial),
-               fp3_model_truths(model, params, initial, upwards, 2, states, NULL, &error));
+               fp3_model_truths(model, params, initial, upwards, 2, states, NULL, &error),
+               strays_back(model, params, initial));
         fp3_model_free(&model);
     }
     return 0;

@@ -9,8 +9,6 @@
 #include "output/plot.h"
 #include "serial/port.h"
 
-#include <fp3/tune.h>
-
 #define HERE "WebAssembly"
 
 /* The hardware under Verilator, and the writer of HDF5. */
@@ -50,15 +48,6 @@ fp3_status fp3_port_read(fp3_port *port, uint8_t *bytes, size_t room, int64_t un
 fp3_status fp3_plot_open(const fp3_subject *subject, fp3_sink **sink, fp3_error *error) {
     *sink = NULL;
     return fp3_fail(error, FP3_E_SYSTEM, "%s: " HERE " cannot start gnuplot", subject->path);
-}
-
-/* By GSL: stoermer_verlet starts from where objects were one step before. */
-fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
-                           double t, double *states, fp3_error *error) {
-    (void)model, (void)params, (void)initial, (void)t, (void)states;
-    return fp3_fail(error, FP3_E_SYSTEM,
-                    "an integrator that starts from the positions of two steps: " HERE
-                    " has no truth to find the first with");
 }
 
 static fp3_status no_native(fp3_error *error) {

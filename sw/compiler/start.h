@@ -6,8 +6,8 @@
  *         fp3_start_values(start, params, initial, h, 512, values, error)) ...
  *     fp3_start_close(&start);
  */
-#ifndef FP3_TRUTH_START_H
-#define FP3_TRUTH_START_H
+#ifndef FP3_START_H
+#define FP3_START_H
 
 #include <fp3/compile.h>
 

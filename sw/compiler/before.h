@@ -6,7 +6,7 @@
 #include "compiler/step/step.h"
 
 /* Columns of count objects, of params, of states, and of the start of each variable, carried ones
- * excepted. A state one step before the start is where the truth says that it was at -h. */
+ * excepted. A state one step before the start is where the equations in double put it at -h. */
 fp3_status fp3_before_start(const fp3_step *step, const double *params, const double *initial,
                             double h, size_t count, double *start, fp3_error *error);
 

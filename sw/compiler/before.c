@@ -2,12 +2,12 @@
 /* before.c - states at the start, and one step before it. */
 #include "before.h"
 
-#include "text/number.h"
-
-#include <fp3/tune.h>
 #include <stdlib.h>
 
-static int needs_truth(const fp3_step *step) {
+#include "backwards.h"
+#include "text/number.h"
+
+static int needs_before(const fp3_step *step) {
     for (uint32_t i = 0; i < step->variable_count; i++)
         if (step->variables[i].role == ROLE_BEFORE)
             return 1;
@@ -20,9 +20,10 @@ static double lost_before(double x, double before) {
     return (double)(float)((x - before) - ((double)(float)x - (double)(float)before));
 }
 
-/* The truth of one object, whose numbers are gathered in row. */
-static fp3_status follow(const fp3_step *step, const double *params, const double *initial,
-                         double h, size_t count, double *row, double *before, fp3_error *error) {
+/* One object, whose numbers are gathered in row. */
+static fp3_status follow(const fp3_step *step, fp3_backwards *back, const double *params,
+                         const double *initial, double h, size_t count, double *row, double *before,
+                         fp3_error *error) {
     const fp3_model *model = step->model;
     const unsigned words = step->known.words;
     double *start = row + model->param_count, *found = start + model->state_count;
@@ -31,7 +32,7 @@ static fp3_status follow(const fp3_step *step, const double *params, const doubl
     for (uint32_t i = 0; i < model->state_count; i++)
         start[i] = fp3_number_given(initial[i * count], words);
     const fp3_status status =
-        fp3_model_truth(model, row, start, -fp3_number_given(h, words), found, error);
+        fp3_backwards_go(back, row, start, fp3_number_given(h, words), found, error);
     for (uint32_t i = 0; !status && i < model->state_count; i++)
         before[i * count] = found[i];
     return status;
@@ -41,9 +42,12 @@ static fp3_status follow_all(const fp3_step *step, const double *params, const d
                              double h, size_t count, double *before, fp3_error *error) {
     const fp3_model *model = step->model;
     double *row = calloc(model->param_count + 2u * model->state_count + 1u, sizeof *row);
-    fp3_status status = row ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_backwards *back = NULL;
+    fp3_status status = row ? fp3_backwards_open(model, &back, error)
+                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
     for (size_t i = 0; !status && i < count; i++)
-        status = follow(step, params + i, initial + i, h, count, row, before + i, error);
+        status = follow(step, back, params + i, initial + i, h, count, row, before + i, error);
+    fp3_backwards_close(&back);
     free(row);
     return status;
 }
@@ -70,7 +74,7 @@ fp3_status fp3_before_start(const fp3_step *step, const double *params, const do
     const fp3_model *model = step->model;
     double *before = calloc(model->state_count * count + 1u, sizeof *before);
     fp3_status status = before ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-    if (!status && needs_truth(step))
+    if (!status && needs_before(step))
         status = follow_all(step, params, initial, h, count, before, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++) {
         const variable *v = &step->variables[i];
