@@ -82,7 +82,7 @@ else
 # ---- what there is ------------------------------------------------------------------------------
 
 CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
-CORES   := fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float
+CORES   := $(addprefix fp3_,fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float)
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many world
 RTL_ROOMS := bus config fp front host lane lib lns sequence solo unit
@@ -301,7 +301,7 @@ $(eval $(call VERILATED,lns_bench,lns_bench,tests/lns/lns_bench.v,sim/lns_bench_
 # A bit of the line is as short as the board's UART can read it: less to simulate.
 DIVISOR := 4
 address_bits = $(shell awk -F'[]:[]' '/input.* s_axi_awaddr,/ {print $$2 + 1}' rtl/gen/fp3_$(1).v)
-$(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),board_top,rtl/board/board_top.v sim/board_clock.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
+$(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),fp3_board_top,rtl/board/fp3_board_top.v sim/fp3_board_clock.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
     -DFP3_TOP=fp3_$(c) -GPIN_HZ=$(DIVISOR) -GCLOCK_HZ=$(DIVISOR) -GBAUD=1 -GADDRESS_W=$(call address_bits,$(c)) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
 $(BOARDS:%=$(BUILD)/verilated/board_%/hardware.a): $(wildcard rtl/board/*.v)
 $(foreach c,$(BOARDS),$(eval $(BUILD)/verilated/board_$(c)/hardware.a: rtl/gen/fp3_$(c).v))
@@ -323,13 +323,13 @@ $(BUILD)/obj/verilator/%.o: $(BUILD)/flags | $(BUILD)/ready
 	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
 # How many parts a configuration's trace has: schedulers, and lanes of them all.
-parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.DUAL/ {d=$$2} END {print "-DSCHEDULERS=" t*s " -DLANES=" t*s*l " -DSTREAMS=" 1+d}' rtl/gen/fp3_$(1).v)
+parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.DUAL/ {d=$$2} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d}' rtl/gen/fp3_$(1).v)
 
 # The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
 $(BUILD)/icarus/replay_%.vvp: sim/replay.v rtl/gen/fp3_%.v $(RTL) rtl/fp3.f
 	@mkdir -p $(@D)
 	@echo "  VVP  fp3_$*"
-	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DTOP=fp3_$* $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< rtl/gen/fp3_$*.v
+	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DFP3_TOP=fp3_$* $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< rtl/gen/fp3_$*.v
 
 .PHONY: waves
 CONFIG_OR  = $(or $(CONFIG),single)
@@ -538,7 +538,7 @@ cluster-report: | need-plot ## Write the tables of docs/cluster.md and its pictu
 lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well
 
 lint-rtl: | need-lint
-	@tools/lint.sh rtl $(CORES) board_fp3 $(CONFIGS:%=fp3_%)
+	@tools/lint.sh rtl $(CORES) fp3_board $(CONFIGS:%=fp3_%)
 
 lint-c: | need-lint
 	@tools/lint.sh c

@@ -64,7 +64,7 @@ module fp3 #(
 );
 `include "gen/registers.vh"
     localparam N = TILES * SCHEDULERS;
-    config_rules #(.CONFIG(CONFIG)) u_rules ();
+    fp3_config_rules #(.CONFIG(CONFIG)) u_rules ();
 
     // Reset reaches far: from a register, and from group to group of the lanes. It lasts until it has passed the last
     // one, whose reports would still be old; so long nothing is taken from the bus. At power-up all are in reset.
@@ -84,8 +84,8 @@ module fp3 #(
     wire                 asks, taken, write;
     wire [ADDRESS_W-1:0] address;
     wire [31:0]          wdata;
-    `ANSWER_FIELDS
-    axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(STREAM[ADDRESS_W-1:0]), .WRITES_W(WRITES_W), .READS_W(READS_W)) u_axi (
+    `FP3_ANSWER_FIELDS
+    fp3_axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(STREAM[ADDRESS_W-1:0]), .WRITES_W(WRITES_W), .READS_W(READS_W)) u_axi (
         .clk_i(clk), .rst_i(bus_rst),
         .s_axi_awvalid(s_axi_awvalid), .s_axi_awready(s_axi_awready), .s_axi_awaddr(s_axi_awaddr),
         .s_axi_wvalid(s_axi_wvalid), .s_axi_wready(s_axi_wready), .s_axi_wdata(s_axi_wdata), .s_axi_wstrb(s_axi_wstrb),
@@ -108,14 +108,14 @@ module fp3 #(
     wire                   req_write;
     wire [23:0]            req_addr;
     wire [31:0]            req_wdata;
-    wire [`ANSWER_W*N-1:0] answers;
+    wire [`FP3_ANSWER_W*N-1:0] answers;
     // From a number that is added to the last lane's list until a start is refused for it, beyond what the bus takes in any case.
     localparam QUIET = SLEEP != 0 && (GROUPS > 1 || STORAGE != 0) ? GROUPS + LANES + TIMING_HALVE : 0;
-    hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
+    fp3_hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
         .clk_i(clk), .rst_i(rst),
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, address[23:0]}), .req_wdata_i(wdata),
-        .answer_o(`ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
+        .answer_o(`FP3_ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
         .answer_i(answers));
     always @(posedge clk) irq_q <= |ended && !rst;
     assign irq = irq_q;
@@ -128,7 +128,7 @@ module fp3 #(
         if (INTERLEAVE == 0) begin : g_one
             assign {issue_context_o, retire_context_o, retire_object_o} = 64'd0;
             assign retire_end_o = {2{retire_valid_o}};
-            solo #(.CONFIG(CONFIG)) u_solo (
+            fp3_solo #(.CONFIG(CONFIG)) u_solo (
                 .clk_i(clk), .rst_i(rst),
                 .req_valid_i(req_valid[0]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
                 .answer_o(answers), .irq_o(ended[0]),
@@ -137,27 +137,27 @@ module fp3 #(
                 .retire_value_o(retire_value_o), .retire_flags_o(retire_flags_o));
         end else if (LANES > 0 && CONTEXTS > 0 && REGISTERS > 1 && STORE_WORDS >= 16) begin : g_many
             localparam S = SCHEDULERS, I = S * (DUAL + 1), L = I * LANES;
-            wire [`ISSUED_W*TILES*I-1:0]  issued;
-            wire [`WRITTEN_W*TILES*L-1:0] written;
+            wire [`FP3_ISSUED_W*TILES*I-1:0]  issued;
+            wire [`FP3_WRITTEN_W*TILES*L-1:0] written;
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
-                tile #(.CONFIG(CONFIG)) u_tile (
+                fp3_tile #(.CONFIG(CONFIG)) u_tile (
                     .clk_i(clk), .rst_i(rst),
                     .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
-                    .answer_o(answers[`ANSWER_W*S*t +: `ANSWER_W*S]), .irq_o(ended[S*t +: S]),
-                    .issued_o(issued[`ISSUED_W*I*t +: `ISSUED_W*I]),
-                    .written_o(written[`WRITTEN_W*L*t +: `WRITTEN_W*L]));
+                    .answer_o(answers[`FP3_ANSWER_W*S*t +: `FP3_ANSWER_W*S]), .irq_o(ended[S*t +: S]),
+                    .issued_o(issued[`FP3_ISSUED_W*I*t +: `FP3_ISSUED_W*I]),
+                    .written_o(written[`FP3_WRITTEN_W*L*t +: `FP3_WRITTEN_W*L]));
             end
             for (t = 0; t < TILES * I; t = t + 1) begin : g_issue
-                `ISSUED_FIELDS
-                assign `ISSUED = issued[`ISSUED_W*t +: `ISSUED_W];
+                `FP3_ISSUED_FIELDS
+                assign `FP3_ISSUED = issued[`FP3_ISSUED_W*t +: `FP3_ISSUED_W];
                 assign issue_valid_o[t]            = issued_valid;
                 assign issue_pc_o[16*t +: 16]      = issued_pc;
                 assign issue_context_o[16*t +: 16] = issued_context;
                 assign issue_word_o[32*t +: 32]    = issued_word;
             end
             for (t = 0; t < TILES * L; t = t + 1) begin : g_retire
-                `WRITTEN_FIELDS
-                assign `WRITTEN = written[`WRITTEN_W*t +: `WRITTEN_W];
+                `FP3_WRITTEN_FIELDS
+                assign `FP3_WRITTEN = written[`FP3_WRITTEN_W*t +: `FP3_WRITTEN_W];
                 assign retire_end_o[2*t +: 2]       = written_end;
                 assign retire_valid_o[t]            = written_valid;
                 assign retire_context_o[16*t +: 16] = written_context;
@@ -170,3 +170,4 @@ module fp3 #(
     endgenerate
 endmodule
 `default_nettype wire
+`include "config/undefine.vh"

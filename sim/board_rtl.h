@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* board_rtl.h - one simulated board: rtl/board/board_top.v with a configuration, seen from its serial line.
+/* board_rtl.h - one simulated board: rtl/board/fp3_board_top.v with a configuration, seen from its serial line.
  *
  * sim/board_shim.cpp, compiled once for each configuration that has a board, is a library,
  * fp3_board_<configuration>.so, that exports one table, fp3_board_table.

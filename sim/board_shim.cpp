@@ -4,7 +4,7 @@
  */
 #include "board_rtl.h"
 
-#include <Vboard_top.h>
+#include <Vfp3_board_top.h>
 #include <memory>
 #include <new>
 #include <verilated.h>
@@ -58,7 +58,7 @@ struct receiver {
 
 struct fp3_board {
     std::unique_ptr<VerilatedContext> context;
-    std::unique_ptr<Vboard_top> top;
+    std::unique_ptr<Vfp3_board_top> top;
     sender to;
     receiver from;
 };
@@ -94,7 +94,7 @@ fp3_board *open_board() try {
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     board->context->randReset(2);
     board->context->randSeed(1);
-    board->top.reset(new Vboard_top{board->context.get()});
+    board->top.reset(new Vfp3_board_top{board->context.get()});
     board->top->uart_rxd = 1;
     for (unsigned i = 0; i < RESET_CYCLES; i++)
         edge(board.get());

@@ -25,17 +25,17 @@
 //           exit, on FAIL.
 `default_nettype none
 `timescale 1ns/1ps
-`ifndef TOP
-`define TOP fp3_single
+`ifndef FP3_TOP
+`define FP3_TOP fp3_single
 `endif
-`ifndef SCHEDULERS
-`define SCHEDULERS 1
+`ifndef FP3_SCHEDULERS
+`define FP3_SCHEDULERS 1
 `endif
-`ifndef LANES
-`define LANES 1
+`ifndef FP3_LANES
+`define FP3_LANES 1
 `endif
-`ifndef STREAMS
-`define STREAMS 1
+`ifndef FP3_STREAMS
+`define FP3_STREAMS 1
 `endif
 module replay;
 `include "gen/isa.vh"
@@ -44,7 +44,7 @@ module replay;
     always #5 clk = !clk;
 
     // The bus: without a transfer its payload is unknown.
-    localparam SCHEDULERS = `SCHEDULERS, STREAMS = `STREAMS, ISSUES = SCHEDULERS * STREAMS, RETIRES = `LANES * STREAMS;
+    localparam SCHEDULERS = `FP3_SCHEDULERS, STREAMS = `FP3_STREAMS, ISSUES = SCHEDULERS * STREAMS, RETIRES = `FP3_LANES * STREAMS;
     localparam ADDRESS_W = ADDRESS_SCHEDULER_LO + (SCHEDULERS > 1 ? $clog2(SCHEDULERS + 1) : 0);
     reg                  awvalid = 1'b0, wvalid = 1'b0, arvalid = 1'b0, bready = 1'b0, rready = 1'b0;
     reg  [31:0]          awaddr, araddr, wdata;
@@ -62,7 +62,7 @@ module replay;
     wire [6*RETIRES-1:0]  retire_register;
     wire [5*RETIRES-1:0]  retire_flags;
 
-    `TOP dut (
+    `FP3_TOP dut (
         .s_axi_aclk(clk), .s_axi_aresetn(!rst),
         .s_axi_awaddr(awaddr[ADDRESS_W-1:0]), .s_axi_awprot(3'b000), .s_axi_awvalid(awvalid), .s_axi_awready(awready),
         .s_axi_wdata(wdata), .s_axi_wstrb(wstrb), .s_axi_wvalid(wvalid), .s_axi_wready(wready),

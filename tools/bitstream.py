@@ -74,7 +74,7 @@ def faults(row, folder):
 
 
 def divisor(row):
-    """As rtl/board/board_top.v has it."""
+    """As rtl/board/fp3_board_top.v has it."""
     return (row["clock_hz"] + row["baud"] // 2) // row["baud"]
 
 
@@ -101,7 +101,7 @@ def address_bits(config):
 
 
 def parameters(board, config):
-    """Of board_top."""
+    """Of fp3_board_top."""
     return {"PIN_HZ": board["oscillator_hz"], "CLOCK_HZ": board["clock_hz"], "BAUD": board["baud"],
             "LIGHT_LOW": board["light_low"], "ADDRESS_W": address_bits(config)}
 
@@ -111,7 +111,7 @@ def elaborate(board, config):
     given = " ".join(f"-chparam {key} {value}" for key, value in parameters(board, config).items())
     return (f"read_verilog -lib {FAMILIES[family_of(board)].bitstream.cells}; "
             f"read_verilog -defer -DFP3_TOP=fp3_{config['name']} -Irtl {' '.join(sources(board, config))}; "
-            f"hierarchy -check -top board_top {given}; ")
+            f"hierarchy -check -top fp3_board_top {given}; ")
 
 
 # ---- the flow -----------------------------------------------------------------------------------
@@ -158,7 +158,7 @@ def make(name, board, config, seed, tools):
         (ROOT / old).unlink(missing_ok=True)
     routed = f"{stem}.routed"
 
-    synth = family.synth.format(top="board_top", json=f"{stem}.json")
+    synth = family.synth.format(top="fp3_board_top", json=f"{stem}.json")
     run(tools, ["yosys", "-q", "-p", f"{elaborate(board, config)}{synth}"],
         f"{stem}.yosys.log", "synthesis")
     # A clock that is missed is told from the report.

@@ -11,7 +11,7 @@ from fp3gen import fusesoc
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 TOOLS = ROOT / ".venv/bin"       # where `make setup-fpga` and `make setup-boards` put the tools
-WITHOUT_REGISTERS = ("mux4.v",)  # where a family has its own, it pays in every configuration
+WITHOUT_REGISTERS = ("fp3_mux4.v",)  # where a family has its own, it pays in every configuration
 
 
 def tool(folder, name):
@@ -56,7 +56,7 @@ def sources(family, own, board=False):
     if board:
         files |= {path.name: path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "rtl/board").glob("*.v"))}
     for path in sorted((ROOT / "rtl/fpga" / (FAMILIES[family].own or family)).glob("*.v")):
-        if (path.name in files and (own or path.name in WITHOUT_REGISTERS)) or (board and path.name == "board_clock.v"):
+        if (path.name in files and (own or path.name in WITHOUT_REGISTERS)) or (board and path.name == "fp3_board_clock.v"):
             files[path.name] = path.relative_to(ROOT).as_posix()
     return list(files.values())
 

@@ -32,7 +32,7 @@ case $config in
 units) top=units source=tests/fpga/units.v rooms="fp lib"
     bench=(-s units_bench tests/fpga/units_bench.v "$source" rtl/fp/*.v rtl/lib/*.v) ;;
 *) top=fp3_$config source="$(echo rtl/*.v) rtl/gen/fp3_$config.v" rooms="bus config fp front host lane lib lns sequence solo unit"
-    bench=(-DTOP="${top}_netlist" -s replay sim/replay.v) ;;
+    bench=(-DFP3_TOP="${top}_netlist" -s replay sim/replay.v) ;;
 esac
 # yosys may see nothing outside of this directory.
 netlist=$(realpath --relative-to=. "$stem").v

@@ -154,13 +154,13 @@ def core(top, row, around):
               "fp_fma": [("x_i", width), ("y_i", width), ("no_product_i", 1), ("subtract_i", 1), ("z_i", width)]}[top]
     own = f".CUTS(11'd{cuts})" if top == "fp_fma" else f".FINITE({row['finite']}), .CUTS(7'd{cuts})"
     parameters = f".FRAC({row['fraction']}), .SUBNORMAL({row['subnormal']}), .NEAREST({row['nearest']}), {own}"
-    wrapper = around("top", inputs, [("z_o", width), ("flags_o", 5)], f"{top} #({parameters}) u_{top}")
+    wrapper = around("top", inputs, [("z_o", width), ("flags_o", 5)], f"fp3_{top} #({parameters}) u_{top}")
     return cuts.bit_count(), wrapper, []
 
 
 def log_unit(top, around):
     parameters, bits, words, cuts = LOGS[top]
-    wrapper = around("top", [(name, 1) for name in bits] + [(name, 32) for name in words], [("z_o", 32), ("flags_o", 5)], f"{top} {parameters}u_{top}")
+    wrapper = around("top", [(name, 1) for name in bits] + [(name, 32) for name in words], [("z_o", 32), ("flags_o", 5)], f"fp3_{top} {parameters}u_{top}")
     return cuts, wrapper if cuts else wrapper.replace(f"u_{top} (.clk_i(clk_i), ", f"u_{top} (")
 
 
@@ -170,53 +170,53 @@ module top #(
 {parameters}) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    input  wire [`REACH_W-1:0]  reach_i,
-    input  wire [`LANE_ISSUE_W-1:0]  issue_i,
-    input  wire [`LANE_RETIRE_W-1:0] retire_i,
-    input  wire [`ACCESS_W-1:0] access_i,
-    input  wire [`REPORT_W-1:0] report_i,
+    input  wire [`FP3_REACH_W-1:0]  reach_i,
+    input  wire [`FP3_LANE_ISSUE_W-1:0]  issue_i,
+    input  wire [`FP3_LANE_RETIRE_W-1:0] retire_i,
+    input  wire [`FP3_ACCESS_W-1:0] access_i,
+    input  wire [`FP3_REPORT_W-1:0] report_i,
     input  wire [31:0]          data_i,
     input  wire [DRAW_W-1:0]    draw_i,
-    output reg  [`REACH_W-1:0]  reach_o,
-    output reg  [`LANE_ISSUE_W-1:0]  issue_o,
-    output reg  [`LANE_RETIRE_W-1:0] retire_o,
-    output reg  [`ACCESS_W-1:0] access_o,
-    output reg  [`REPORT_W-1:0] report_o,
+    output reg  [`FP3_REACH_W-1:0]  reach_o,
+    output reg  [`FP3_LANE_ISSUE_W-1:0]  issue_o,
+    output reg  [`FP3_LANE_RETIRE_W-1:0] retire_o,
+    output reg  [`FP3_ACCESS_W-1:0] access_o,
+    output reg  [`FP3_REPORT_W-1:0] report_o,
     output reg  [31:0]          data_o,
     output reg  [DRAW_W-1:0]    draw_o
 );
     reg                  rst_q;
-    reg  [`REACH_W-1:0]  reach_q;
-    reg  [`LANE_ISSUE_W-1:0]  issue_q;
-    reg  [`LANE_RETIRE_W-1:0] retire_q;
-    reg  [`ACCESS_W-1:0] access_q;
-    reg  [`REPORT_W-1:0] report_q;
+    reg  [`FP3_REACH_W-1:0]  reach_q;
+    reg  [`FP3_LANE_ISSUE_W-1:0]  issue_q;
+    reg  [`FP3_LANE_RETIRE_W-1:0] retire_q;
+    reg  [`FP3_ACCESS_W-1:0] access_q;
+    reg  [`FP3_REPORT_W-1:0] report_q;
     reg  [31:0]          data_q;
     reg  [DRAW_W-1:0]    draw_q;
-    wire [`REACH_W-1:0]  reach_d;
-    wire [`LANE_ISSUE_W-1:0]  issue_d;
-    wire [`LANE_RETIRE_W-1:0] retire_d;
-    wire [`ACCESS_W-1:0] access_d;
-    wire [`REPORT_W-1:0] report_d;
+    wire [`FP3_REACH_W-1:0]  reach_d;
+    wire [`FP3_LANE_ISSUE_W-1:0]  issue_d;
+    wire [`FP3_LANE_RETIRE_W-1:0] retire_d;
+    wire [`FP3_ACCESS_W-1:0] access_d;
+    wire [`FP3_REPORT_W-1:0] report_d;
     wire [31:0]          data_d;
     wire [DRAW_W-1:0]    draw_d;
-    wire [`OPERANDS_W*{n}*STREAMS-1:0] operands;
-    wire [`RESULT_W*{n}*STREAMS-1:0]   results;
+    wire [`FP3_OPERANDS_W*{n}*STREAMS-1:0] operands;
+    wire [`FP3_RESULT_W*{n}*STREAMS-1:0]   results;
     always @(posedge clk_i) begin
-        {{reach_q, reach_o}} <= {{2*`REACH_W{{NEIGHBOURS != 0}}}} & {{reach_i, reach_d}};     // else it is 0, and costs nothing
+        {{reach_q, reach_o}} <= {{2*`FP3_REACH_W{{NEIGHBOURS != 0}}}} & {{reach_i, reach_d}};     // else it is 0, and costs nothing
         {{draw_q, draw_o}}   <= {{2*DRAW_W{{STORAGE != 0}}}} & {{draw_i, draw_d}};
         {{rst_q, issue_q, retire_q, access_q, report_q, data_q}} <= {{rst_i, issue_i, retire_i, access_i, report_i, data_i}};
         {{issue_o, retire_o, access_o, report_o, data_o}} <= {{issue_d, retire_d, access_d, report_d, data_d}};
     end
-    lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .first_i({{LANE_W{{1'b0}}}}), .rst_i(rst_q), .rst_o(),
+    fp3_lane_group #(.CONFIG(CONFIG), .N({n})) u_group (.clk_i(clk_i), .first_i({{LANE_W{{1'b0}}}}), .rst_i(rst_q), .rst_o(),
         .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .report_i(report_q), .data_i(data_q), .draw_i(draw_q),
         .reach_o(reach_d), .issue_o(issue_d), .retire_o(retire_d), .access_o(access_d), .report_o(report_d), .data_o(data_d), .draw_o(draw_d),
         .operands_o(operands), .result_i(results), .written_o());
     genvar s;
     generate
         for (s = 0; s < {n} * STREAMS; s = s + 1) begin : g_socket
-            unit #(.STREAM(s % STREAMS), .CONFIG(CONFIG)) u_unit (.clk_i(clk_i),
-                .operands_i(operands[`OPERANDS_W*s +: `OPERANDS_W]), .result_o(results[`RESULT_W*s +: `RESULT_W]));
+            fp3_unit #(.STREAM(s % STREAMS), .CONFIG(CONFIG)) u_unit (.clk_i(clk_i),
+                .operands_i(operands[`FP3_OPERANDS_W*s +: `FP3_OPERANDS_W]), .result_o(results[`FP3_RESULT_W*s +: `FP3_RESULT_W]));
         end
     endgenerate
 endmodule

@@ -8,10 +8,10 @@
 //     over                        the exponent is that of an infinity or more
 //     by1, by2                    it is one or two short of that
 //     gone                        the result is flushed to zero, whatever the product
-`define PLACE_W (EXP + 5)
-`define PLACE_FIELDS \
+`define FP3_PLACE_W (EXP + 5)
+`define FP3_PLACE_FIELDS \
     wire [EXP-1:0] place_field; \
     wire place_low, place_over, place_by1, place_by2, place_gone;
-`define PLACE {place_field, place_low, place_over, place_by1, place_by2, place_gone}
+`define FP3_PLACE {place_field, place_low, place_over, place_by1, place_by2, place_gone}
 // The bit of low, for who needs nothing else.
-`define PLACE_LOW 4
+`define FP3_PLACE_LOW 4

@@ -2,8 +2,8 @@
 // decoded.vh: the decoded instruction as a bundle, its fields, order and width. Included before a
 // module that names CONFIG's keys; both ends declare the fields and name the bundle:
 //
-//     `DECODED_FIELDS                    // of a decode that gives it: assign decoded_o = `DECODED;
-//     assign `DECODED = decoded_q;       // where it is taken apart
+//     `FP3_DECODED_FIELDS                    // of a decode that gives it: assign decoded_o = `FP3_DECODED;
+//     assign `FP3_DECODED = decoded_q;       // where it is taken apart
 //
 // legal                      this build can execute it; nothing else counts if not
 // to_add .. to_memory        exactly one of these five, but for phase: its counter, and where it goes. to_chain: to
@@ -17,9 +17,9 @@
 // d; a, b, c                 a register; {shared constant, index} each. Where fp_value works, c is the
 //                            sum's operand and a says what sel chooses; an operand that the instruction
 //                            does not have repeats a, so that nobody waits for it
-`define DECODED {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half, choice, d, a, b, c}
-`define DECODED_W (18 + CHOICE_W + REGISTER_W + 3 * (REGISTER_W + 1))
-`define DECODED_FIELDS \
+`define FP3_DECODED {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half, choice, d, a, b, c}
+`define FP3_DECODED_W (18 + CHOICE_W + REGISTER_W + 3 * (REGISTER_W + 1))
+`define FP3_DECODED_FIELDS \
     wire legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half; \
     wire [CHOICE_W-1:0]   choice; \
     wire [REGISTER_W-1:0] d; \

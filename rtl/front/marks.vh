@@ -5,7 +5,7 @@
 //     begins, ends                the first, the last of the visit
 //     newstep                     the first of a step
 //     lasts                       in the last part
-`define MARKS {begins, ends, newstep, lasts}
-`define MARKS_W 4
-`define MARKS_FIELDS \
+`define FP3_MARKS {begins, ends, newstep, lasts}
+`define FP3_MARKS_W 4
+`define FP3_MARKS_FIELDS \
     wire begins, ends, newstep, lasts;

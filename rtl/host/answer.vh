@@ -4,8 +4,8 @@
 //
 //     wrote, write_error          a write is answered
 //     read, read_error, rdata     a read is answered
-`define ANSWER_W 36
-`define ANSWER_FIELDS \
+`define FP3_ANSWER_W 36
+`define FP3_ANSWER_FIELDS \
     wire answer_wrote, answer_write_error, answer_read, answer_read_error; \
     wire [31:0] answer_rdata;
-`define ANSWER {answer_wrote, answer_write_error, answer_read, answer_read_error, answer_rdata}
+`define FP3_ANSWER {answer_wrote, answer_write_error, answer_read, answer_read_error, answer_rdata}

@@ -10,8 +10,8 @@
 //     half                        of the store: 1: the upper one, where published words are loaded or stored
 //     turn                        of the loop, from 0
 //     offset                      in the list, of an entry or a field; else the number of a word, of the neighbour's record or the own
-`define AROUND_FIELDS \
+`define FP3_AROUND_FIELDS \
     wire around_each, around_entry, around_ldn, around_ldl, around_inside, around_half; \
     wire [LENGTH_W-1:0] around_turn; \
     wire [STORE_W-1:0] around_offset;
-`define AROUND {around_each, around_entry, around_ldn, around_ldl, around_inside, around_half, around_turn, around_offset}
+`define FP3_AROUND {around_each, around_entry, around_ldn, around_ldl, around_inside, around_half, around_turn, around_offset}

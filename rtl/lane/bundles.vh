@@ -14,5 +14,5 @@
 `include "lane/written.vh"
 `include "unit/socket.vh"
 // What goes from lane to lane in this configuration.
-`define LANE_ISSUE_W (DUAL != 0 ? `DUAL_ISSUE_W : `ISSUE_W)
-`define LANE_RETIRE_W (DUAL != 0 ? `DUAL_RETIRE_W : `RETIRE_W)
+`define FP3_LANE_ISSUE_W (DUAL != 0 ? `FP3_DUAL_ISSUE_W : `FP3_ISSUE_W)
+`define FP3_LANE_RETIRE_W (DUAL != 0 ? `FP3_DUAL_RETIRE_W : `FP3_RETIRE_W)

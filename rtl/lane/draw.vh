@@ -7,8 +7,8 @@
 //     number                      what the draw of the object in lane 0 is mixed from; the next lane's is one more. With SLEEP
 //                                 each lane adds its object's number:
 //     first, stride               first + l + r * stride in row r of lane l
-`define DRAW_FIELDS \
+`define FP3_DRAW_FIELDS \
     wire draw_draws; \
     wire [31:0] draw_number, draw_first; \
     wire [12:0] draw_stride;
-`define DRAW {draw_draws, draw_number, draw_first, draw_stride}
+`define FP3_DRAW {draw_draws, draw_number, draw_first, draw_stride}

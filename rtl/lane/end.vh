@@ -7,9 +7,9 @@
 //     arithmetic                  its value is the arithmetic's, else a loaded word or the number of the step
 //     register                    {context, register}
 //     row                         the object's, a cycle later: for the trace
-`define END_W (5 + REG_W + ROW_W)
-`define END_FIELDS \
+`define FP3_END_W (5 + REG_W + ROW_W)
+`define FP3_END_FIELDS \
     wire end_valid, end_absent, end_executed, end_writes, end_arithmetic; \
     wire [REG_W-1:0] end_register; \
     wire [ROW_W-1:0] end_row;
-`define END {end_valid, end_absent, end_executed, end_writes, end_arithmetic, end_register, end_row}
+`define FP3_END {end_valid, end_absent, end_executed, end_writes, end_arithmetic, end_register, end_row}

@@ -16,8 +16,8 @@
 //     row                         the store's row of the context's object, without SLEEP
 //
 // zero, minus and z are about the instruction of Z_LATE cycles ago.
-`define ISSUE_W (CHOICE_W + 15 + 4*REG_W + ROW_W)
-`define ISSUE_FIELDS \
+`define FP3_ISSUE_W (CHOICE_W + 15 + 4*REG_W + ROW_W)
+`define FP3_ISSUE_FIELDS \
     wire [CHOICE_W-1:0] issue_choice; \
     wire issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus; \
     wire [1:0] issue_record; \
@@ -25,5 +25,5 @@
     wire [REGISTER_W-1:0] issue_register; \
     wire [REG_W-1:0] issue_x, issue_y, issue_z; \
     wire [ROW_W-1:0] issue_row;
-`define ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus, \
+`define FP3_ISSUE {issue_choice, issue_subtract, issue_twice, issue_half, issue_one, issue_zero, issue_st, issue_lasts, issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus, \
     issue_record, issue_context, issue_register, issue_x, issue_y, issue_z, issue_row}

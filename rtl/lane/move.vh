@@ -10,12 +10,12 @@
 //     st_upper, load_upper        in the upper half of the store
 //     st_whole, load_whole        with STORAGE: all 32 bits
 //     load_place, place           not a word of a record, but this one
-`define MOVE_W (12 + STORE_W + 2*REGISTER_W + 2*ROW_W)
-`define MOVE_FIELDS \
+`define FP3_MOVE_W (12 + STORE_W + 2*REGISTER_W + 2*ROW_W)
+`define FP3_MOVE_FIELDS \
     wire [1:0] move_record; \
     wire move_st, move_lasts, move_st_absent, move_st_asleep, move_load, move_st_upper, move_load_upper, move_load_place, move_st_whole, move_load_whole; \
     wire [REGISTER_W-1:0] move_register, move_load_register; \
     wire [ROW_W-1:0] move_st_row, move_load_row; \
     wire [STORE_W-1:0] move_place;
-`define MOVE {move_record, move_st, move_lasts, move_st_absent, move_st_asleep, move_load, move_register, move_load_register, \
+`define FP3_MOVE {move_record, move_st, move_lasts, move_st_absent, move_st_asleep, move_load, move_register, move_load_register, \
     move_st_upper, move_load_upper, move_load_place, move_st_whole, move_load_whole, move_st_row, move_load_row, move_place}

@@ -11,12 +11,12 @@
 //     batch                       two batches in a row differ in it
 //     context, register           whose register is written
 //     row                         the store's row of the context's object, without SLEEP
-`define RETIRE_W (11 + REG_W + ROW_W)
-`define RETIRE_FIELDS \
+`define FP3_RETIRE_W (11 + REG_W + ROW_W)
+`define FP3_RETIRE_FIELDS \
     wire retire_round, retire_valid, retire_begins, retire_ends, retire_lasts; \
     wire retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_whole, retire_batch; \
     wire [CONTEXT_W-1:0] retire_context; \
     wire [REGISTER_W-1:0] retire_register; \
     wire [ROW_W-1:0] retire_row;
-`define RETIRE {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts, \
+`define FP3_RETIRE {retire_round, retire_valid, retire_begins, retire_ends, retire_lasts, \
     retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_whole, retire_batch, retire_context, retire_register, retire_row}

@@ -6,8 +6,8 @@
 //     valid                       a register is written
 //     context, object, register   of which context, of the object in which row of the store, which one
 //     value, flags
-`define WRITTEN_W 94
-`define WRITTEN_FIELDS \
+`define FP3_WRITTEN_W 94
+`define FP3_WRITTEN_FIELDS \
     wire [1:0] written_end; \
     wire written_valid; \
     wire [15:0] written_context; \
@@ -15,4 +15,4 @@
     wire [5:0] written_register; \
     wire [31:0] written_value; \
     wire [4:0] written_flags;
-`define WRITTEN {written_end, written_valid, written_context, written_object, written_register, written_value, written_flags}
+`define FP3_WRITTEN {written_end, written_valid, written_context, written_object, written_register, written_value, written_flags}

@@ -5,9 +5,9 @@
 //     valid                       an instruction issues
 //     pc, word                    from where in the program
 //     context                     for which context
-`define ISSUED_W 65
-`define ISSUED_FIELDS \
+`define FP3_ISSUED_W 65
+`define FP3_ISSUED_FIELDS \
     wire issued_valid; \
     wire [15:0] issued_pc, issued_context; \
     wire [31:0] issued_word;
-`define ISSUED {issued_valid, issued_pc, issued_context, issued_word}
+`define FP3_ISSUED {issued_valid, issued_pc, issued_context, issued_word}

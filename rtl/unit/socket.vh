@@ -9,14 +9,14 @@
 //     RESULT      flags, value            UNIT_LATENCY cycles later: {NV, DZ, OF, UF, NX}
 //
 // New operands come in every cycle, meant or not. There is no valid bit: whoever issues knows when the result comes.
-`define OPERANDS_W (CHOICE_W + 3 + 96)
-`define OPERANDS_FIELDS \
+`define FP3_OPERANDS_W (CHOICE_W + 3 + 96)
+`define FP3_OPERANDS_FIELDS \
     wire [CHOICE_W-1:0] operands_choice; \
     wire operands_subtract, operands_twice, operands_half; \
     wire [31:0] operands_z, operands_x, operands_y;
-`define OPERANDS {operands_choice, operands_subtract, operands_twice, operands_half, operands_z, operands_x, operands_y}
-`define RESULT_W 37
-`define RESULT_FIELDS \
+`define FP3_OPERANDS {operands_choice, operands_subtract, operands_twice, operands_half, operands_z, operands_x, operands_y}
+`define FP3_RESULT_W 37
+`define FP3_RESULT_FIELDS \
     wire [4:0] result_flags; \
     wire [31:0] result_value;
-`define RESULT {result_flags, result_value}
+`define FP3_RESULT {result_flags, result_value}

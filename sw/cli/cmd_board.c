@@ -154,7 +154,7 @@ static fp3_status load(const char *config, void **library, const fp3_board_ops *
 int fp3_cmd_board(int argc, char **argv) {
     static const struct argp argp = {.options = table,
                                      .parser = parse,
-                                     .doc = "Simulates a board, rtl/board/board_top.v with a "
+                                     .doc = "Simulates a board, rtl/board/fp3_board_top.v with a "
                                             "configuration, under Verilator. Prints the name of a "
                                             "pseudo-terminal that is its serial port, for fp3 run "
                                             "--engine board --port, at any rate, and "

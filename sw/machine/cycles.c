@@ -230,7 +230,7 @@ static uint64_t overlapped(const fp3_config *config, uint32_t rows, const fp3_sw
     return fp3_overlap_end(&now);
 }
 
-/* Between the copies of one word and those of the next (rtl/sequence/exchange.v). */
+/* Between the copies of one word and those of the next (rtl/sequence/fp3_exchange.v). */
 #define WORD_BEGINS 2
 
 uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* estimate.c - see estimate.h; rtl/fp/fp_value.v does the same. */
+/* estimate.c - see estimate.h; rtl/fp/fp3_fp_value.v does the same. */
 #include "estimate.h"
 
 #include "gen/estimates.h"

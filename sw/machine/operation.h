@@ -66,7 +66,7 @@ uint64_t fp3_operation_bit(uint32_t code);
 fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 
 /* Where a configuration keeps sums and products apart (`dual`): what this instruction does that it must
- * not, or NULL. As in rtl/front/decode.v. */
+ * not, or NULL. As in rtl/front/fp3_decode.v. */
 const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *word);
 
 /* Whether this operand is the number of a field, and so stands in assembly as one. */

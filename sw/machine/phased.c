@@ -7,7 +7,7 @@
 #include "gen/timing.h"
 #include <fp3/isa.h>
 
-/* From the last issue of `each` to the next issue: the lanes say how long the longest list is (rtl/sequence/loops.v), and
+/* From the last issue of `each` to the next issue: the lanes say how long the longest list is (rtl/sequence/fp3_loops.v), and
  * what was held goes on. */
 #define KNOWN 9
 /* `phase` is taken a cycle after the last sweep has begun, and ends the round a cycle later. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* storage.c - see storage.h; rtl/lane/halve.v and sw/fast/halves.h do the same. */
+/* storage.c - see storage.h; rtl/lane/fp3_halve.v and sw/fast/halves.h do the same. */
 #include "storage.h"
 
 #include <fp3/isa.h>
@@ -30,7 +30,7 @@ uint32_t fp3_storage_counts(const fp3_config *config) { return formats[config->s
 
 /* ---- draws ---- */
 
-/* rtl/lane/mix.v */
+/* rtl/lane/fp3_mix.v */
 static uint32_t mix(uint32_t x) {
     x = ~x + (x << 15);
     x ^= x >> 12;

@@ -26,7 +26,7 @@ module bridge_bench;
     reg         awready = 1'b0, wready = 1'b0, arready = 1'b0, bvalid = 1'b0, rvalid = 1'b0;
     reg  [1:0]  bresp, rresp;
     reg  [31:0] rdata;
-    uart_bridge #(.DIVISOR(DIVISOR), .ADDRESS_W(24)) dut (
+    fp3_uart_bridge #(.DIVISOR(DIVISOR), .ADDRESS_W(24)) dut (
         .clk_i(clk), .rst_i(rst), .uart_rxd(rxd), .uart_txd(txd),
         .m_axi_awaddr(awaddr), .m_axi_awprot(awprot), .m_axi_awvalid(awvalid), .m_axi_awready(awready),
         .m_axi_wdata(wdata), .m_axi_wstrb(wstrb), .m_axi_wvalid(wvalid), .m_axi_wready(wready),

@@ -25,7 +25,7 @@ CLOCKS = {"ecp5": "EHXPLLL", "ice40": "SB_PLL40_PAD", "gowin": "rPLL"}
 
 
 def test_the_top_has_these_ports():
-    text = re.sub(r"//.*", "", (ROOT / "rtl/board/board_top.v").read_text())
+    text = re.sub(r"//.*", "", (ROOT / "rtl/board/fp3_board_top.v").read_text())
     assert set(re.findall(r"^    (?:in|out)put +wire +(\w+)", text, re.M)) == PORTS
 
 
@@ -67,7 +67,7 @@ def lint(name):
     row = BOARDS[name] | {"config": "small"}
     given = [f"-G{key}={value}" for key, value in bitstream.parameters(row, CONFIGS[row["config"]]).items()]
     files = bitstream.sources(row, CONFIGS[row["config"]])
-    return subprocess.run(["verilator", "--lint-only", "-Wall", "-Irtl", f"-DFP3_TOP=fp3_{row['config']}", *given, "--top-module", "board_top",
+    return subprocess.run(["verilator", "--lint-only", "-Wall", "-Irtl", f"-DFP3_TOP=fp3_{row['config']}", *given, "--top-module", "fp3_board_top",
                            *files, "tests/board/primitives.v"],
                           cwd=ROOT, capture_output=True, text=True)
 
@@ -81,8 +81,8 @@ def test_lint(name):
 @pytest.mark.parametrize("name, hz", [("ulx3s", 900000000), ("icebreaker", 13000000), ("tangnano20k", 700000000)])
 def test_a_clock_that_the_pll_cannot_make_ends_elaboration(name, hz):
     row = BOARDS[name]
-    done = subprocess.run(["verilator", "--lint-only", f"-GPIN_HZ={row['oscillator_hz']}", f"-GCLOCK_HZ={hz}", "--top-module", "board_clock",
-                           f"rtl/fpga/{bitstream.family_of(row)}/board_clock.v", "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
+    done = subprocess.run(["verilator", "--lint-only", f"-GPIN_HZ={row['oscillator_hz']}", f"-GCLOCK_HZ={hz}", "--top-module", "fp3_board_clock",
+                           f"rtl/fpga/{bitstream.family_of(row)}/fp3_board_clock.v", "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode and re.search("the_PLL_of_\\w+_cannot_make_CLOCK_HZ_from_PIN_HZ", done.stderr)
 
 
@@ -90,9 +90,9 @@ def pll(family, oscillator, clock, folder):
     """The parameters that yosys elaborates for a family's PLL; None: no PLL."""
     out = folder / f"{family}.json"
     subprocess.run([os.environ["FP3_YOSYS"], "-q", "-p", f"read_verilog -lib {bitstream.FAMILIES[family].bitstream.cells}; "
-                    f"read_verilog rtl/fpga/{family}/board_clock.v; hierarchy -check -top board_clock -chparam PIN_HZ {oscillator} "
-                    f"-chparam CLOCK_HZ {clock}; proc; select -module board_clock; write_json -selected {out.relative_to(ROOT)}"], cwd=ROOT, check=True, timeout=100)
-    cells = json.loads(out.read_text())["modules"]["board_clock"]["cells"].values()
+                    f"read_verilog rtl/fpga/{family}/fp3_board_clock.v; hierarchy -check -top fp3_board_clock -chparam PIN_HZ {oscillator} "
+                    f"-chparam CLOCK_HZ {clock}; proc; select -module fp3_board_clock; write_json -selected {out.relative_to(ROOT)}"], cwd=ROOT, check=True, timeout=100)
+    cells = json.loads(out.read_text())["modules"]["fp3_board_clock"]["cells"].values()
     found = [cell["parameters"] for cell in cells if cell["type"] == CLOCKS[family]]
     return {key: int(value, 2) for key, value in found[0].items() if re.fullmatch("[01]{3,}", value)} if found else None
 

@@ -15,9 +15,9 @@ def icarus(root, tmp_path, divisor=4, permille=1000, broken=None):
     first = []
     if broken:
         module, right, wrong = broken
-        text = (root / f"rtl/board/{module}.v").read_text()
-        assert text.count(right) == 1, f"{module}.v does not have this once: {right!r}"
-        first = [tmp_path / f"{module}.v"]
+        text = (root / f"rtl/board/fp3_{module}.v").read_text()
+        assert text.count(right) == 1, f"fp3_{module}.v does not have this once: {right!r}"
+        first = [tmp_path / f"fp3_{module}.v"]
         first[0].write_text(text.replace(right, wrong))
     bench = tmp_path / "bridge.vvp"
     built = subprocess.run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", "bridge_bench", f"-Pbridge_bench.DIVISOR={divisor}",
@@ -110,10 +110,10 @@ def test_a_host_whose_clock_is_another_one(root, tmp_path, divisor, permille):
 
 RESET_BENCH = """
 `timescale 1ns/1ps
-module board_clock #(parameter PIN_HZ = 0, parameter CLOCK_HZ = 0) (input wire clk_pin, output wire clk_o, output wire good_o);
+module fp3_board_clock #(parameter PIN_HZ = 0, parameter CLOCK_HZ = 0) (input wire clk_pin, output wire clk_o, output wire good_o);
     assign clk_o = clk_pin, good_o = bench.good;
 endmodule
-module board_fp3 #(parameter DIVISOR = 0, parameter ADDRESS_W = 0)
+module fp3_board #(parameter DIVISOR = 0, parameter ADDRESS_W = 0)
     (input wire clk_i, input wire rst_i, input wire uart_rxd, output wire uart_txd, output wire irq);
     integer cycles = 0;
     always @(posedge clk_i) begin
@@ -126,7 +126,7 @@ module bench;
     reg  clk = 1'b0, good = 1'b0, started = 1'b0, again = 1'b0;
     wire light;
     always #5 clk = !clk;
-    board_top dut (.clk_pin(clk), .uart_rxd(1'b1), .uart_txd(), .light(light));
+    fp3_board_top dut (.clk_pin(clk), .uart_rxd(1'b1), .uart_txd(), .light(light));
     initial begin
         #98 good = 1'b1; #200 good = 1'b0; #10 good = 1'b1; #200 $display("started %b, again %b, light %b", started, again, light);
         $finish;
@@ -137,7 +137,7 @@ endmodule
 
 def test_a_clock_that_is_bad_for_a_cycle_resets_all(root, tmp_path):
     (tmp_path / "bench.v").write_text(RESET_BENCH)
-    subprocess.run(["iverilog", "-g2012", "-o", tmp_path / "bench.vvp", tmp_path / "bench.v", root / "rtl/board/board_top.v"], check=True)
+    subprocess.run(["iverilog", "-g2012", "-o", tmp_path / "bench.vvp", tmp_path / "bench.v", root / "rtl/board/fp3_board_top.v"], check=True)
     done = subprocess.run(["vvp", "-n", tmp_path / "bench.vvp"], capture_output=True, text=True)
     assert done.stdout.startswith("started 1, again 1, light 1"), done.stdout
 

@@ -12,7 +12,7 @@ module accepted;
     wire awready, wready, arready;
     integer writes_n = 0, reads_n = 0, i;
     always #1 clk = !clk;
-    `TOP u_top (.s_axi_aclk(clk), .s_axi_aresetn(rst_n), .s_axi_awaddr(24'h800000), .s_axi_awprot(3'd0), .s_axi_awvalid(ask && !reads), .s_axi_awready(awready),
+    `FP3_TOP u_top (.s_axi_aclk(clk), .s_axi_aresetn(rst_n), .s_axi_awaddr(24'h800000), .s_axi_awprot(3'd0), .s_axi_awvalid(ask && !reads), .s_axi_awready(awready),
         .s_axi_wdata(32'd0), .s_axi_wstrb(4'hf), .s_axi_wvalid(ask && !reads), .s_axi_wready(wready), .s_axi_bready(1'b0),
         .s_axi_araddr(24'h800000), .s_axi_arprot(3'd0), .s_axi_arvalid(ask && reads), .s_axi_arready(arready), .s_axi_rready(1'b0));
     always @(posedge clk) begin
@@ -41,7 +41,7 @@ endmodule
 
 def accepted(root, folder, config, gap):
     (folder / "bench.v").write_text(BENCH)
-    for line in (["iverilog", "-g2012", "-s", "accepted", f"-Paccepted.GAP={gap}", f"-DTOP=fp3_{config}", "-c", "rtl/fp3.f", "-o", folder / "bench.vvp", folder / "bench.v",
+    for line in (["iverilog", "-g2012", "-s", "accepted", f"-Paccepted.GAP={gap}", f"-DFP3_TOP=fp3_{config}", "-c", "rtl/fp3.f", "-o", folder / "bench.vvp", folder / "bench.v",
                   f"rtl/gen/fp3_{config}.v"], ["vvp", "-n", folder / "bench.vvp"]):
         done = subprocess.run(line, cwd=root, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-// arbiter_spec: the promises of arbiter.v, for requesters that do what its header asks of them.
+// arbiter_spec: the promises of fp3_arbiter.v, for requesters that do what its header asks of them.
 //
 // The order is kept as a queue: place 0 comes first, whose sweep ends goes to the end. DROPS = 1: a
 // request may vanish, as when a run is stopped; the bound on refusals is then not promised.
@@ -20,7 +20,7 @@ module arbiter_spec #(
     localparam P = $clog2(N + 1), W = $clog2(BOUND + 2), G = $clog2(SWEEP + 1);
 
     wire [N-1:0] grant;
-    arbiter #(.N(N), .PATIENCE(PATIENCE)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i),
+    fp3_arbiter #(.N(N), .PATIENCE(PATIENCE)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i),
         .adds_i(adds_i), .muls_i(muls_i), .last_i(last_i), .grant_o(grant));
 
     wire [N-1:0] needs   = adds_i | muls_i;

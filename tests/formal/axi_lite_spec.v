@@ -1,4 +1,4 @@
-// axi_lite_spec: the promises of axi_lite.v, for a master that keeps to the rules of AXI, with as many transfers under way
+// axi_lite_spec: the promises of fp3_axi_lite.v, for a master that keeps to the rules of AXI, with as many transfers under way
 // as it is let, and a host port that takes each request within PATIENCE cycles and answers within as many.
 //
 // Of each kind the spec keeps what was accepted and has no response yet, the oldest first. An address with its
@@ -30,7 +30,7 @@ module axi_lite_spec #(
     wire        awready, wready, arready, bvalid, rvalid, req_valid, req_write;
     wire [1:0]  bresp, rresp, req_addr;
     wire [31:0] rdata, req_wdata;
-    axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(2), .WRITES_W(PLACES_W), .READS_W(PLACES_W)) u_axi (.clk_i(clk_i), .rst_i(rst_i),
+    fp3_axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(2), .WRITES_W(PLACES_W), .READS_W(PLACES_W)) u_axi (.clk_i(clk_i), .rst_i(rst_i),
         .s_axi_awvalid(awvalid_i), .s_axi_awready(awready), .s_axi_awaddr(awaddr_i),
         .s_axi_wvalid(wvalid_i), .s_axi_wready(wready), .s_axi_wdata(wdata_i), .s_axi_wstrb(wstrb_i),
         .s_axi_bvalid(bvalid), .s_axi_bready(bready_i), .s_axi_bresp(bresp),

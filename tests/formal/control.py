@@ -41,7 +41,7 @@ class Subject(NamedTuple):
         raise RuntimeError("the bug was not found")
 
     def cases(self):
-        module = self.sources[0].removesuffix(".v")
+        module = self.sources[0].removeprefix("fp3_").removesuffix(".v")
         for shape in self.shapes:
             yield (f"{module}, {self.title.format(**shape)}",
                    lambda yosys, files, shape=shape: self.prove(yosys, files, shape))
@@ -84,7 +84,7 @@ EDGES = [scoreboard(3, *rest) for rest in
 SHORT, LONG, BARE = scoreboard(3, 1, 1, 1, 2), scoreboard(3, 1, 1, 3, 5), scoreboard(3, 0, 0, 1, 2)
 
 SCOREBOARD = Subject(
-    "scoreboard_spec", ("scoreboard.v",),
+    "scoreboard_spec", ("fp3_scoreboard.v",),
     "latencies {ADD_LATENCY} and {MUL_LATENCY}, bypass {BYPASS}, chain {CHAIN}, {REG_W} bits",
     [dict(shape) for shape in sorted(USED)] + EDGES, [
         ("bypass from the other unit", "{mul_q[1], !mul_q[1]}", "{!mul_q[1], mul_q[1]}", SHORT),
@@ -127,7 +127,7 @@ def arbiter(n, patience, sweep, drops=0):
 DUEL, TRIO, STOPS = arbiter(2, 5, 4), arbiter(3, 5, 4), arbiter(3, 5, 4, 1)
 
 ARBITER = Subject(
-    "arbiter_spec", ("arbiter.v",), "{N} schedulers, patience {PATIENCE}, sweeps of {SWEEP}, stops {DROPS}",
+    "arbiter_spec", ("fp3_arbiter.v",), "{N} schedulers, patience {PATIENCE}, sweeps of {SWEEP}, stops {DROPS}",
     [arbiter(n, 127, 24) for n in (2, 3, 4)] + [arbiter(n, 127, 24, 1) for n in (2, 4)] + [TRIO], [
         ("nobody is urgent", "urgent[i] = waited_q[8*i +: 8] == PATIENCE_8", "urgent[i] = 1'b0", DUEL),
         ("the urgent come last", "urgent[i] ? level == 0", "urgent[i] ? level == 2", DUEL),
@@ -164,7 +164,7 @@ TAKES_TURNS = {(row["contexts"], gap(row)) for row in configurations(interleave=
 FEW, MANY = pace(4, 6), pace(4, 3)
 
 PACE = Subject(
-    "pace_spec", ("pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
+    "pace_spec", ("fp3_pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
     [pace(*shape) for shape in sorted(TAKES_TURNS)] + [pace(2, 9), pace(5, 4)], [
         ("a pause too short", "GAP_C - least_q", "GAP_C - least_q - 1'b1", FEW),
         ("a pause too long", "GAP_C - least_q", "GAP_C - least_q + 1'b1", FEW),
@@ -187,7 +187,7 @@ AT_ONCE = {(row["contexts"], max(latency(row, "add"), latency(row, "mul")) + TIM
 BRIEF, WIDE = pace(3, 10), pace(9, 6)
 
 DUAL_PACE = Subject(
-    "dual_pace_spec", ("dual_pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
+    "dual_pace_spec", ("fp3_dual_pace.v",), "{CONTEXTS} contexts, {GAP} cycles apart",
     [pace(*shape) for shape in sorted(AT_ONCE)] + [BRIEF, WIDE], [
         ("sweeps a cycle too near", "since_q >= GAP_C - 1'b1", "since_q >= GAP_C - 2'd2", BRIEF),
         ("sweeps as if there were no other unit", "&& since_q >= GAP_C - 1'b1", "", BRIEF),
@@ -207,7 +207,7 @@ DUAL_PACE = Subject(
 QUICK, SLOW, FOUR = ({"PATIENCE": patience, "PLACES_W": places} for patience, places in ((0, 1), (1, 1), (0, 2)))
 
 AXI_LITE = Subject(
-    "axi_lite_spec", ("axi_lite.v", "responses.v"), "2^{PLACES_W} places, a host port that takes and answers within {PATIENCE} cycles",
+    "axi_lite_spec", ("fp3_axi_lite.v", "fp3_responses.v"), "2^{PLACES_W} places, a host port that takes and answers within {PATIENCE} cycles",
     [{"PATIENCE": 1, "PLACES_W": places} for places in (1, 2, 4)], [
         ("a write without its data", "write_turn    = aw_q && w_q &&", "write_turn    = aw_q &&", QUICK),
         ("an address changes while it waits", "if (s_axi_awready) awaddr_q", "awaddr_q", QUICK),
@@ -233,7 +233,7 @@ AXI_LITE = Subject(
         ("request survives reset", "{aw_q, w_q, ar_q, idle_q, alone_q, write_q} <= 6'd0", "{aw_q, w_q, idle_q, alone_q, write_q} <= 5'd0", QUICK),
     ], depth=4)
 
-RESPONSES = AXI_LITE._replace(sources=("responses.v", "axi_lite.v"), shapes=[], bugs=[
+RESPONSES = AXI_LITE._replace(sources=("fp3_responses.v", "fp3_axi_lite.v"), shapes=[], bugs=[
         ("a response before its answer", "valid_o = filled_q != taken_q", "valid_o = gone_q != taken_q", SLOW),
         ("response waits for ready", "valid_o = filled_q != taken_q", "valid_o = filled_q != taken_q && ready_i", QUICK),
         ("newest response first", "value_q[taken_q[", "value_q[filled_q[", QUICK),
@@ -253,7 +253,7 @@ RESPONSES = AXI_LITE._replace(sources=("responses.v", "axi_lite.v"), shapes=[], 
 ANY, NONE = {"ADDRESS_W": 24, "PATIENCE": 1}, {"ADDRESS_W": 24, "PATIENCE": 0}
 
 TRANSACT = Subject(
-    "transact_spec", ("transact.v",), "{ADDRESS_W} bits of address, a slave that answers within {PATIENCE} cycles",
+    "transact_spec", ("fp3_transact.v",), "{ADDRESS_W} bits of address, a slave that answers within {PATIENCE} cycles",
     [ANY], [
         ("address of a write is taken back", "aw_q ? !m_axi_awready", "aw_q ? 1'b0", ANY),
         ("data are taken back", "w_q  ? !m_axi_wready", "w_q  ? 1'b0", ANY),

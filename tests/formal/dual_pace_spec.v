@@ -1,4 +1,4 @@
-// dual_pace_spec: the promises of dual_pace.v, for any sequence of sums, products, loads and stops that its header allows.
+// dual_pace_spec: the promises of fp3_dual_pace.v, for any sequence of sums, products, loads and stops that its header allows.
 //
 // A sweep of a sum or a product issues contexts 0, 1 .. size_i - 1, one in each cycle; what needs both units is swept by one of
 // them while the other rests (other_i: by the multiplier). who_i is one context, chosen once: the promise is about its issues.
@@ -36,7 +36,7 @@ module dual_pace_spec #(
     wire         known, may;
     wire [W-1:0] count;
     wire [CONTEXTS-1:0] mask = ~({CONTEXTS{1'b1}} << size_i);
-    dual_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(start_i),
+    fp3_dual_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(start_i),
         .valid_i(valid_i), .mask_i(mask), .adds_i(adds_i || both_q), .muls_i(muls_i || both_q), .legal_i(legal_i), .take_i(take_i),
         .known_o(known), .count_o(count), .may_o(may), .adder_i(free0), .multiplier_i(free1));
 

@@ -87,7 +87,7 @@ class Add(Proof):
         super().__init__(fmt)
         g, sub = self.g, self.g.word("sub", 1)
         operands = {"a_i": self.a, "b_i": self.b, "sub_i": sub}
-        self.ours = yosys.map(core(yosys, files, "fp_add", fmt, 0), "fp_add").graft(g, operands)
+        self.ours = yosys.map(core(yosys, files, "fp3_fp_add", fmt, 0), "fp3_fp_add").graft(g, operands)
         (a, _), (b, _) = self.read(self.a), self.read(self.b)
         a, b = self.modelled(a), self.modelled(b)
         both = [self.result(model(yosys, operation, self.model).graft(g, {"a": a, "b": b})) for operation in ("sub", "add")]
@@ -132,14 +132,14 @@ class Mul(Proof):
     def __init__(self, yosys, files, fmt):
         super().__init__(fmt)
         g = self.g
-        uncut = core(yosys, files, "fp_mul", fmt, 0)
-        self.inner = take_out(uncut, "fp_mul", "fp_mul_product")
+        uncut = core(yosys, files, "fp3_fp_mul", fmt, 0)
+        self.inner = take_out(uncut, "fp3_fp_mul", "fp_mul_product")
         width = 2 * fmt.frac + 2
         operands = {"a_i": self.a, "b_i": self.b}
         free = g.word("product", width)
         of = facts(yosys, "mul_facts", self.model).graft(
             g, {"a_i": self.modelled(self.a)[:-1], "b_i": self.modelled(self.b)[:-1], "product_i": free})
-        self.ours = yosys.map(uncut, "fp_mul").graft(g, {**operands, "product.Y": free})
+        self.ours = yosys.map(uncut, "fp3_fp_mul").graft(g, {**operands, "product.Y": free})
         (a, a_normal), (b, b_normal) = self.read(self.a), self.read(self.b)
         self.finite = of["finite_o"][0]
         if not fmt.subnormal:
@@ -200,9 +200,9 @@ class Fma(Mul):
     def __init__(self, yosys, files, fmt):
         Proof.__init__(self, fmt)
         g, self.c, self.sub = self.g, self.g.word("c", fmt.exp + fmt.frac + 1), self.g.word("sub", 1)
-        uncut = core(yosys, files, "fp_fma", fmt, 0)
-        self.inner = take_out(uncut, "fp_fma", "fp_mul_product")
-        self.core = yosys.map(uncut, "fp_fma")
+        uncut = core(yosys, files, "fp3_fp_fma", fmt, 0)
+        self.inner = take_out(uncut, "fp3_fp_fma", "fp_mul_product")
+        self.core = yosys.map(uncut, "fp3_fp_fma")
         self.models = [model(yosys, "muladd", fmt._replace(nearest=nearest)) for nearest in (fmt.nearest, False)]
         width = 2 * fmt.frac + 2
         free = g.word("product", width)
@@ -316,7 +316,7 @@ def cut(yosys, files, fmt, operation, mask):
     out of both, as its algebra is shown here, too: cadical need not know it.
     """
     g, words = Aig(), []
-    names = {"fma": ("fma_late", "fma_late"), "fma early": ("fma_late", "fma_early")}.get(operation, (f"fp_{operation}",) * 2)
+    names = {"fma": ("fma_late", "fma_late"), "fma early": ("fma_late", "fma_early")}.get(operation, (f"fp3_fp_{operation}",) * 2)
     files = files | {f"{name}.v": Path(__file__).with_name(f"{name}.v").read_text() for name in names if name.startswith("fma")}
     for name, cuts in zip(names, (0, mask)):
         design = core(yosys, files, name, fmt, cuts)

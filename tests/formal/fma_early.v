@@ -10,7 +10,7 @@ module fma_early #(
     output wire [EXP+FRAC:0] z_o,
     output wire [4:0]        flags_o
 );
-    fp_fma #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS), .Z_EARLY(1)) u_fma (.clk_i(clk_i),
+    fp3_fp_fma #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS), .Z_EARLY(1)) u_fma (.clk_i(clk_i),
         .x_i(x_i), .y_i(y_i), .no_product_i(1'b0), .subtract_i(subtract_i), .z_i(z_i), .z_o(z_o), .flags_o(flags_o));
 endmodule
 `default_nettype wire

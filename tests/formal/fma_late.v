@@ -13,8 +13,8 @@ module fma_late #(
     localparam N = {31'd0, CUTS[0]} + {31'd0, CUTS[1]} + {31'd0, CUTS[2]} + {31'd0, CUTS[3]};
     wire [EXP+FRAC:0] z;
     wire              subtract;
-    delay #(.W(EXP+FRAC+2), .N(N)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({subtract_i, z_i}), .q_o({subtract, z}));
-    fp_fma #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS)) u_fma (.clk_i(clk_i),
+    fp3_delay #(.W(EXP+FRAC+2), .N(N)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({subtract_i, z_i}), .q_o({subtract, z}));
+    fp3_fp_fma #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS)) u_fma (.clk_i(clk_i),
         .x_i(x_i), .y_i(y_i), .no_product_i(1'b0), .subtract_i(subtract), .z_i(z), .z_o(z_o), .flags_o(flags_o));
 endmodule
 `default_nettype wire

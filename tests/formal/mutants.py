@@ -24,32 +24,32 @@ class Bug(NamedTuple):
 
 
 BUGS = [
-    Bug("add", "sticky dropped", "fp_add.v", "(lost2 || more2 ||", "(more2 ||"),
-    Bug("add", "ties away from zero", "fp_add_round.v", "s[2] && (s[3] ||", "s[2] && (1'b1 ||"),
-    Bug("add", "overflow at rounding missed", "fp_add_round.v", "over1 || rounded_over, tiny1", "over1, tiny1"),
-    Bug("add", "sign of an exact zero", "fp_add_swap.v", "&& !(nought && (FINITE != 0 || differ0))", ""),
-    Bug("add", "inf - inf is valid", "fp_add_swap.v", "|| (clash && !a_some0 && !b_some0)", ""),
-    Bug("add", "distance to a subnormal", "fp_add_swap.v", "odd = a_zero0 ^ b_zero0", "odd = 1'b0"),
-    Bug("mul", "sticky dropped", "fp_mul.v", "stick = lost_4 ||", "stick ="),
-    Bug("mul", "ties away from zero", "fp_mul.v", "lo[1] && !lo_tie", "lo[1]"),
-    Bug("mul", "tininess before rounding", "fp_mul.v", "near ? {1'b1, top || place_low} : ALL_1", "ALL_1"),
-    Bug("mul", "overflow at rounding missed", "fp_mul.v", "beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0", "beyond[i] ? ALL_1 : ALL_0"),
-    Bug("mul", "0 * inf is valid", "fp_mul.v", "|| (a_top_0 && b_zero && a_empty_0)", ""),
-    Bug("mul", "a tile forgotten", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c}"),
-    Bug("mul", "a carry between tiles lost", "fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c + hl_c}"),
-    Bug("fma", "fused, bits of z lost unseen", "fp_fma.v", "more_9 || lost_9", "more_9"),
-    Bug("fma", "fused, a product of zero moves z", "fp_fma.v", "px_zero || distance", "distance"),
-    Bug("fma", "fused, the exponent of a subnormal factor", "fp_fma_product.v", "ey_0[0] || y_low", "ey_0[0]"),
-    Bug("fma", "fused, a window one bit short", "fp_fma.v", "{1'b0, z_5[W-2:2], 1'b1}", "{1'b0, 1'b0, z_5[W-3:2], 1'b1}"),
-    Bug("fma", "fused, shifted beyond the exponent", "fp_fma_normalize.v", "(!known_tight || limit != 2'd0)", "1'b1"),
-    Bug("fma", "fused, ties of a negative sum", "fp_fma_round.v", "(half && t[0])", "half"),
-    Bug("fma", "fused, tininess before rounding", "fp_fma_round.v", "negative_i ? !g && !(r && more_i) : g && r", "1'b0"),
-    Bug("fma", "fused, inf - inf is valid", "fp_fma.v", "|| (z_nan && !fz[FRAC-1]) || clash;", "|| (z_nan && !fz[FRAC-1]);"),
-    Bug("fma", "fused, a register left out on one path", "fp_fma.v", ".ON(CUTS[8])", ".ON(0)", 0x7ff),
-    Bug("mul", "a tie forgotten where one adder rounds", "fp_mul.v", "lower ? lo_tie : ", "", 0x20),
-    Bug("add", "a register left out on one path", "fp_add_round.v", "over = last1 &&", "over = last0 &&", 0x40),
-    Bug("add", "a register with an enable", "cut.v", "d_q <= d_i;", "if (d_i[0]) d_q <= d_i;", 0x40),
-    Bug("mul", "a register that inverts a bit", "cut.v", "d_q <= d_i;", "d_q <= d_i ^ 1'b1;", 0x20),
+    Bug("add", "sticky dropped", "fp3_fp_add.v", "(lost2 || more2 ||", "(more2 ||"),
+    Bug("add", "ties away from zero", "fp3_fp_add_round.v", "s[2] && (s[3] ||", "s[2] && (1'b1 ||"),
+    Bug("add", "overflow at rounding missed", "fp3_fp_add_round.v", "over1 || rounded_over, tiny1", "over1, tiny1"),
+    Bug("add", "sign of an exact zero", "fp3_fp_add_swap.v", "&& !(nought && (FINITE != 0 || differ0))", ""),
+    Bug("add", "inf - inf is valid", "fp3_fp_add_swap.v", "|| (clash && !a_some0 && !b_some0)", ""),
+    Bug("add", "distance to a subnormal", "fp3_fp_add_swap.v", "odd = a_zero0 ^ b_zero0", "odd = 1'b0"),
+    Bug("mul", "sticky dropped", "fp3_fp_mul.v", "stick = lost_4 ||", "stick ="),
+    Bug("mul", "ties away from zero", "fp3_fp_mul.v", "lo[1] && !lo_tie", "lo[1]"),
+    Bug("mul", "tininess before rounding", "fp3_fp_mul.v", "near ? {1'b1, top || place_low} : ALL_1", "ALL_1"),
+    Bug("mul", "overflow at rounding missed", "fp3_fp_mul.v", "beyond[i] ? ALL_1 : brink[i] ? rounded : ALL_0", "beyond[i] ? ALL_1 : ALL_0"),
+    Bug("mul", "0 * inf is valid", "fp3_fp_mul.v", "|| (a_top_0 && b_zero && a_empty_0)", ""),
+    Bug("mul", "a tile forgotten", "fp3_fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c}"),
+    Bug("mul", "a carry between tiles lost", "fp3_fp_mul_product.v", "{1'b0, lh_c} + {1'b0, hl_c}", "{1'b0, lh_c + hl_c}"),
+    Bug("fma", "fused, bits of z lost unseen", "fp3_fp_fma.v", "more_9 || lost_9", "more_9"),
+    Bug("fma", "fused, a product of zero moves z", "fp3_fp_fma.v", "px_zero || distance", "distance"),
+    Bug("fma", "fused, the exponent of a subnormal factor", "fp3_fp_fma_product.v", "ey_0[0] || y_low", "ey_0[0]"),
+    Bug("fma", "fused, a window one bit short", "fp3_fp_fma.v", "{1'b0, z_5[W-2:2], 1'b1}", "{1'b0, 1'b0, z_5[W-3:2], 1'b1}"),
+    Bug("fma", "fused, shifted beyond the exponent", "fp3_fp_fma_normalize.v", "(!known_tight || limit != 2'd0)", "1'b1"),
+    Bug("fma", "fused, ties of a negative sum", "fp3_fp_fma_round.v", "(half && t[0])", "half"),
+    Bug("fma", "fused, tininess before rounding", "fp3_fp_fma_round.v", "negative_i ? !g && !(r && more_i) : g && r", "1'b0"),
+    Bug("fma", "fused, inf - inf is valid", "fp3_fp_fma.v", "|| (z_nan && !fz[FRAC-1]) || clash;", "|| (z_nan && !fz[FRAC-1]);"),
+    Bug("fma", "fused, a register left out on one path", "fp3_fp_fma.v", ".ON(CUTS[8])", ".ON(0)", 0x7ff),
+    Bug("mul", "a tie forgotten where one adder rounds", "fp3_fp_mul.v", "lower ? lo_tie : ", "", 0x20),
+    Bug("add", "a register left out on one path", "fp3_fp_add_round.v", "over = last1 &&", "over = last0 &&", 0x40),
+    Bug("add", "a register with an enable", "fp3_cut.v", "d_q <= d_i;", "if (d_i[0]) d_q <= d_i;", 0x40),
+    Bug("mul", "a register that inverts a bit", "fp3_cut.v", "d_q <= d_i;", "d_q <= d_i ^ 1'b1;", 0x20),
 ]
 
 
@@ -63,7 +63,7 @@ def find(yosys, files, fmt, bug):
             Add(yosys, files, fmt).equal()
         elif bug.core == "fma":
             Fma(yosys, files, fmt).equal()
-        elif bug.file == "fp_mul_product.v":
+        elif bug.file == "fp3_fp_mul_product.v":
             Mul(yosys, files, fmt).tiles()
         else:
             Mul(yosys, files, fmt).equal()

@@ -1,7 +1,7 @@
-// one_word: stands for lib/ram_1r1w.v in proofs. It keeps one word of all, whichever it is; what it gives for another one
+// one_word: stands for lib/fp3_ram_1r1w.v in proofs. It keeps one word of all, whichever it is; what it gives for another one
 // is anything. So what is proved of that word is proved of each.
 `default_nettype none
-module ram_1r1w #(
+module fp3_ram_1r1w #(
     parameter ADDR_W = 9,
     parameter W      = 32
 ) (

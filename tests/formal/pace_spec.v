@@ -1,4 +1,4 @@
-// pace_spec: the promises of pace.v, for any sequence of sweeps, stalls and stops that its header allows.
+// pace_spec: the promises of fp3_pace.v, for any sequence of sweeps, stalls and stops that its header allows.
 //
 // A sweep issues its contexts lowest first, one in each cycle in which go_i is high. who_i is one
 // context, chosen once: the promise is about its issues.
@@ -30,7 +30,7 @@ module pace_spec #(
     wire                over  = busy && go_i && left == {CONTEXTS{1'b0}};
     wire                known, may;
     wire [W-1:0]        count;
-    pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(start_i),
+    fp3_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(start_i),
         .valid_i(valid_i), .mask_i(mask_i), .take_i(take_i), .known_o(known), .count_o(count), .may_o(may),
         .busy_i(busy), .over_i(over));
 

@@ -12,11 +12,11 @@ module scale_cases #(
 );
     wire [31:0] scaled, scaled_too, product;
     wire [4:0]  scaled_flags, scaled_too_flags, product_flags;
-    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
+    fp3_fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
         .d_i(d_i), .z_o(scaled), .flags_o(scaled_flags));
-    fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .SUM_LAST(1)) u_scale_too (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
+    fp3_fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .SUM_LAST(1)) u_scale_too (.clk_i(1'b0), .twice_i(twice_i), .half_i(half_i),
         .d_i(d_i), .z_o(scaled_too), .flags_o(scaled_too_flags));
-    fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_mul (.clk_i(1'b0), .a_i(d_i),
+    fp3_fp_mul #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_mul (.clk_i(1'b0), .a_i(d_i),
         .b_i(half_i ? 32'h3f000000 : 32'h40000000), .z_o(product), .flags_o(product_flags));
     wire nan = FINITE == 0 && &d_i[30:23] && |d_i[22:0];
     // The adder behind makes a NaN quiet, and reads a subnormal as zero where SUBNORMAL = 0.

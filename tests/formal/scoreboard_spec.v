@@ -1,4 +1,4 @@
-// scoreboard_spec: the promises of scoreboard.v, stated for a queue of issued instructions.
+// scoreboard_spec: the promises of fp3_scoreboard.v, stated for a queue of issued instructions.
 //
 // An instruction has its operands in the cycle after its issue, and its result `latency` cycles
 // later. So `age` cycles after its issue its result is due in latency + 1 - age cycles. A reader
@@ -31,7 +31,7 @@ module scoreboard_spec #(
     wire       blocked, taken, write, write_mul, empty;
     wire [1:0] a_bypass, b_bypass, c_bypass;
     wire [REG_W-1:0] write_d;
-    scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN),
+    fp3_scoreboard #(.REG_W(REG_W), .BYPASS(BYPASS), .CHAIN(CHAIN),
                  .ADD_LATENCY(ADD_LATENCY), .MUL_LATENCY(MUL_LATENCY)) u_scoreboard (
         .clk_i(clk_i), .rst_i(rst_i), .issue_i(issue_i),
         .to_add_i(to_add_i), .to_mul_i(to_mul_i), .to_chain_i(to_chain_i), .reads_c_i(reads_c_i),

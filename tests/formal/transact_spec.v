@@ -1,4 +1,4 @@
-// transact_spec: the promises of transact.v, for requests as request_rx makes them and a slave that keeps to the rules
+// transact_spec: the promises of fp3_transact.v, for requests as request_rx makes them and a slave that keeps to the rules
 // of AXI and takes and answers a transfer within PATIENCE cycles.
 //
 // The spec keeps the request, how many of its words have a response, and one word of the store: of any number,
@@ -30,7 +30,7 @@ module transact_spec #(
     wire [ADDRESS_W-1:0] awaddr, araddr;
     wire [2:0]           awprot, arprot;
     wire [3:0]           wstrb;
-    transact #(.ADDRESS_W(ADDRESS_W)) u_transact (.clk_i(clk_i), .rst_i(rst_i), .idle_o(idle), .request_i(request_i),
+    fp3_transact #(.ADDRESS_W(ADDRESS_W)) u_transact (.clk_i(clk_i), .rst_i(rst_i), .idle_o(idle), .request_i(request_i),
         .sequence_i(sequence_i), .write_i(write_i), .last_i(last_i), .address_i(address_i), .store_i(store_i),
         .store_at_i(store_at_i), .store_word_i(store_word_i), .answer_o(answer), .done_i(done_i), .sequence_o(sequence),
         .status_o(status), .words_o(words), .word_at_i(word_at_i), .word_o(word),

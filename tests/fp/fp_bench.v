@@ -65,17 +65,17 @@ module fp_bench (clk_i, sub_i, a_i, b_i, c_i, z_o, flags_o, info_o);
                 wire [W-1:0] c;
                 wire         sub;
                 always @(posedge clk_i[u]) c_q <= c_i[W-1:0];
-                delay #(.W(W+1), .N(N)) u_c (.clk_i(clk_i[u]), .rst_i(1'b0), .d_i({sub_q, c_q}), .q_o({sub, c}));
-                fp_fma #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS))
+                fp3_delay #(.W(W+1), .N(N)) u_c (.clk_i(clk_i[u]), .rst_i(1'b0), .d_i({sub_q, c_q}), .q_o({sub, c}));
+                fp3_fp_fma #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS(CUTS))
                     u_fma (.clk_i(clk_i[u]), .x_i(a_q), .y_i(b_q), .no_product_i(1'b0), .subtract_i(sub), .z_i(c),
                         .z_o(z), .flags_o(flags));
             end else if (OP == 1) begin : g_mul
                 // A multiplier has nothing to subtract.
                 wire unused = sub_q;
-                fp_mul #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL))
+                fp3_fp_mul #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL))
                     u_mul (.clk_i(clk_i[u]), .a_i(a_q), .b_i(b_q), .z_o(z), .flags_o(flags));
             end else begin : g_add
-                fp_add #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD))
+                fp3_fp_add #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD))
                     u_add (.clk_i(clk_i[u]), .sub_i(sub_q), .a_i(a_q), .b_i(b_q), .z_o(z), .flags_o(flags));
             end
 

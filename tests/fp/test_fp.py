@@ -101,10 +101,10 @@ class Bug(NamedTuple):
     wrong: str
 
 
-ADD, SWAP, NEAR, ROUND = "rtl/fp/fp_add.v", "rtl/fp/fp_add_swap.v", "rtl/fp/fp_add_near.v", "rtl/fp/fp_add_round.v"
-MUL, SCALE, PRODUCT, CUT = "rtl/fp/fp_mul.v", "rtl/fp/fp_mul_scale.v", "rtl/fp/fp_mul_product.v", "rtl/lib/cut.v"
-FMA, FMA_PRODUCT, ALIGN = "rtl/fp/fp_fma.v", "rtl/fp/fp_fma_product.v", "rtl/fp/fp_fma_align.v"
-NORMALIZE, FMA_ROUND = "rtl/fp/fp_fma_normalize.v", "rtl/fp/fp_fma_round.v"
+ADD, SWAP, NEAR, ROUND = "rtl/fp/fp3_fp_add.v", "rtl/fp/fp3_fp_add_swap.v", "rtl/fp/fp3_fp_add_near.v", "rtl/fp/fp3_fp_add_round.v"
+MUL, SCALE, PRODUCT, CUT = "rtl/fp/fp3_fp_mul.v", "rtl/fp/fp3_fp_mul_scale.v", "rtl/fp/fp3_fp_mul_product.v", "rtl/lib/fp3_cut.v"
+FMA, FMA_PRODUCT, ALIGN = "rtl/fp/fp3_fp_fma.v", "rtl/fp/fp3_fp_fma_product.v", "rtl/fp/fp3_fp_fma_align.v"
+NORMALIZE, FMA_ROUND = "rtl/fp/fp3_fp_fma_normalize.v", "rtl/fp/fp3_fp_fma_round.v"
 BUGS = [
     Bug("sum sticky forgets a shift", "add", 3, ADD, "(lost2 || more2 ||", "(lost2 ||"),
     Bug("sum truncated without its borrow", "sub", 2, ADD, "(NEAREST != 0 || !sticky3)", "1'b1"),
@@ -190,17 +190,17 @@ def test_bug_is_found(root, build, tmp_path, objects, bug):
     assert again.returncode == 1 and "FAIL" in again.stdout, f"{replay}\n{again.stdout}{again.stderr}"
 
 
-FORMATS = [("fp_mul", "rtl/fp", 8, 2, None), ("fp_mul", "rtl/fp", 8, 30, None), ("fp_mul", "rtl/fp", 3, 23, None),
-           ("fp_mul", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_mul", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
-           ("fp_mul", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
-           ("fp_fma", "rtl/fp", 3, 2, None), ("fp_fma", "rtl/fp", 8, 30, None),
-           ("fp_fma", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_fma", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
-           ("fp_fma", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
-           ("fp_add", "rtl/fp", 4, 2, None), ("fp_add", "rtl/fp", 7, 30, None),
-           ("fp_add", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp_add", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
-           ("fp_add", "rtl/fp", 3, 2, "EXP_must_be_more_than_clog2_of_FRAC_plus_4"),
-           ("fp_mul_product", "rtl/fpga/ecp5", None, 24, "FRAC_must_be_at_most_23_with_the_multipliers_of_an_ECP5"),
-           *(("fp_mul_product", "rtl/fpga/ice40", None, frac, "FRAC_must_be_16_to_23_with_the_multipliers_of_an_iCE40") for frac in (7, 15, 24))]
+FORMATS = [("fp3_fp_mul", "rtl/fp", 8, 2, None), ("fp3_fp_mul", "rtl/fp", 8, 30, None), ("fp3_fp_mul", "rtl/fp", 3, 23, None),
+           ("fp3_fp_mul", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp3_fp_mul", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
+           ("fp3_fp_mul", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
+           ("fp3_fp_fma", "rtl/fp", 3, 2, None), ("fp3_fp_fma", "rtl/fp", 8, 30, None),
+           ("fp3_fp_fma", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp3_fp_fma", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
+           ("fp3_fp_fma", "rtl/fp", 2, 23, "EXP_must_be_at_least_3"),
+           ("fp3_fp_add", "rtl/fp", 4, 2, None), ("fp3_fp_add", "rtl/fp", 7, 30, None),
+           ("fp3_fp_add", "rtl/fp", 8, 1, "FRAC_must_be_2_to_30"), ("fp3_fp_add", "rtl/fp", 8, 31, "FRAC_must_be_2_to_30"),
+           ("fp3_fp_add", "rtl/fp", 3, 2, "EXP_must_be_more_than_clog2_of_FRAC_plus_4"),
+           ("fp3_fp_mul_product", "rtl/fpga/ecp5", None, 24, "FRAC_must_be_at_most_23_with_the_multipliers_of_an_ECP5"),
+           *(("fp3_fp_mul_product", "rtl/fpga/ice40", None, frac, "FRAC_must_be_16_to_23_with_the_multipliers_of_an_iCE40") for frac in (7, 15, 24))]
 
 
 @pytest.mark.parametrize("module, folder, exp, frac, message", FORMATS)

@@ -45,7 +45,7 @@ module ecp5_bench;
             localparam       FRAC = i < 16 ? 23 : FEWER[5 * (i % 16) +: 5];
             localparam [3:0] CUTS = i < 16 ? i : i == 19 ? 5 : i == 21 ? 2 : 15;
             wire [2*FRAC+1:0] generic, device, wide;
-            fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_generic (.clk_i(clk),
+            fp3_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_generic (.clk_i(clk),
                 .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(generic));
             ecp5_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_device (.clk_i(clk),
                 .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(device));
@@ -67,7 +67,7 @@ module ecp5_bench;
             wire [4*W-1:0] words = {a, b, ~a, ~b, a, b};
             wire [1:0]     n = a[4:3] ^ b[1:0];
             wire [W-1:0]   generic, device;
-            mux4 #(.W(W)) u_generic (.n_i(n), .d0_i(words[0 +: W]), .d1_i(words[W +: W]),
+            fp3_mux4 #(.W(W)) u_generic (.n_i(n), .d0_i(words[0 +: W]), .d1_i(words[W +: W]),
                 .d2_i(words[2*W +: W]), .d3_i(words[3*W +: W]), .q_o(generic));
             ecp5_mux4 #(.W(W)) u_device (.n_i(n), .d0_i(words[0 +: W]), .d1_i(words[W +: W]),
                 .d2_i(words[2*W +: W]), .d3_i(words[3*W +: W]), .q_o(device));
@@ -85,7 +85,7 @@ module ecp5_bench;
             reg  [ADDR_W-1:0] write_addr = 0, read_addr = 0;
             reg  [W-1:0]      value = 0;
             wire [W-1:0]      generic, device;
-            ram_registered #(.ADDR_W(ADDR_W), .W(W)) u_generic (.clk_i(clk), .write_i(write),
+            fp3_ram_registered #(.ADDR_W(ADDR_W), .W(W)) u_generic (.clk_i(clk), .write_i(write),
                 .write_addr_i(write_addr), .write_value_i(value), .read_i(read), .read_addr_i(read_addr), .read_value_o(generic));
             ecp5_ram_registered #(.ADDR_W(ADDR_W), .W(W)) u_device (.clk_i(clk), .write_i(write),
                 .write_addr_i(write_addr), .write_value_i(value), .read_i(read), .read_addr_i(read_addr), .read_value_o(device));

@@ -19,7 +19,7 @@ module ecp5_tables_bench;
     generate
         for (i = 0; i < 8; i = i + 1) begin : g_multiply
             wire [35:0] generic, device;
-            multiply #(.SIGNED(i / 4), .CUTS(i % 4)) u_generic (.clk_i(clk), .a_i(a), .b_i(b), .p_o(generic));
+            fp3_multiply #(.SIGNED(i / 4), .CUTS(i % 4)) u_generic (.clk_i(clk), .a_i(a), .b_i(b), .p_o(generic));
             ecp5_multiply #(.SIGNED(i / 4), .CUTS(i % 4)) u_device (.clk_i(clk), .a_i(a), .b_i(b), .p_o(device));
             always @(posedge clk) if (settled && generic !== device) begin
                 errors = errors + 1;
@@ -32,7 +32,7 @@ module ecp5_tables_bench;
             localparam W = 53, ADDR_W = 9 + i;
             localparam [(W<<ADDR_W)-1:0] TABLE = {POWERS, LOGS};
             wire [W-1:0] generic, device;
-            rom_registered #(.ADDR_W(ADDR_W), .W(W), .WORDS(TABLE)) u_generic (.clk_i(clk), .at_i(a[ADDR_W-1:0]), .word_o(generic));
+            fp3_rom_registered #(.ADDR_W(ADDR_W), .W(W), .WORDS(TABLE)) u_generic (.clk_i(clk), .at_i(a[ADDR_W-1:0]), .word_o(generic));
             ecp5_rom_registered #(.ADDR_W(ADDR_W), .W(W), .WORDS(TABLE)) u_device (.clk_i(clk), .at_i(a[ADDR_W-1:0]), .word_o(device));
             always @(posedge clk) if (settled && generic !== device) begin
                 errors = errors + 1;

@@ -35,7 +35,7 @@ module ice40_bench;
             localparam       FRAC = i < 4 ? 23 : i == 4 ? 16 : 20;
             localparam [3:0] CUTS = 5 * i;
             wire [2*FRAC+1:0] generic, device;
-            fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_generic (.clk_i(clk),
+            fp3_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_generic (.clk_i(clk),
                 .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(generic));
             ice40_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS)) u_device (.clk_i(clk),
                 .a_i(a[FRAC:0]), .b_i(b[FRAC:0]), .p_o(device));
@@ -52,7 +52,7 @@ module ice40_bench;
             reg  [ADDR_W-1:0] write_addr = 0, read_addr = 0;
             reg  [31:0]       value = 0;
             wire [31:0]       generic, device;
-            ram_forward #(.ADDR_W(ADDR_W)) u_generic (.clk_i(clk), .write_i(write), .write_addr_i(write_addr),
+            fp3_ram_forward #(.ADDR_W(ADDR_W)) u_generic (.clk_i(clk), .write_i(write), .write_addr_i(write_addr),
                 .write_value_i(value), .read_addr_i(read_addr), .read_value_o(generic));
             ice40_ram_forward #(.ADDR_W(ADDR_W)) u_device (.clk_i(clk), .write_i(write), .write_addr_i(write_addr),
                 .write_value_i(value), .read_addr_i(read_addr), .read_value_o(device));
@@ -75,7 +75,7 @@ module ice40_bench;
     reg  [3:0]   index = 0;
     integer      age = -2000;          // cycles since the last clear: the busy counters carry after 256
     wire [31:0]  generic, device;
-    counters #(.N(N)) u_generic (.clk_i(clk), .clear_i(clear), .event_i(events),
+    fp3_counters #(.N(N)) u_generic (.clk_i(clk), .clear_i(clear), .event_i(events),
         .read_i(read), .index_i(index), .high_i(high), .value_o(generic));
     ice40_counters #(.N(N)) u_device (.clk_i(clk), .clear_i(clear), .event_i(events),
         .read_i(read), .index_i(index), .high_i(high), .value_o(device));

@@ -9,7 +9,7 @@ BENCHES = {"ecp5_bench": ("fp_mul_product", "multiply", "mux4", "ram_registered"
 
 
 def place(module):
-    return ("wide", "fp_mul_product") if module == "wide" else ("ecp5", module)
+    return ("wide", "fp3_fp_mul_product") if module == "wide" else ("ecp5", f"fp3_{module}")
 
 
 def run(root, tmp_path, name, broken=None):
@@ -22,7 +22,7 @@ def run(root, tmp_path, name, broken=None):
             assert text.count(broken[1]) == 1
             text = text.replace(broken[1], broken[2])
         files.append(tmp_path / f"{family}_{module}.v")
-        files[-1].write_text(re.sub(rf"^(module|    +(?=(?:multiply|{module}) #)) *({module}|multiply)\b", rf"\1 {family}_\2", text, flags=re.M))
+        files[-1].write_text(re.sub(rf"^(module|    +(?=(?:fp3_multiply|{module}) #)) *fp3_({module[4:]}|multiply)\b", rf"\1 {family}_\2", text, flags=re.M))
     built = subprocess.run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-s", name, "-c", "rtl/fp3.f",
                             "-o", tmp_path / "bench.vvp", f"tests/fpga/{name}.v", "tests/fpga/ecp5_primitives.v",
                             *files], cwd=root, capture_output=True, text=True)

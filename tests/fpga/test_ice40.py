@@ -22,12 +22,12 @@ def bench(root, tmp_path, broken=None):
     files = [tmp_path / "model.v"]
     files[0].write_text(model())
     for module in MODULES:
-        text = (root / f"rtl/fpga/ice40/{module}.v").read_text()
+        text = (root / f"rtl/fpga/ice40/fp3_{module}.v").read_text()
         if broken and broken[0] == module:
             assert text.count(broken[1]) == 1
             text = text.replace(broken[1], broken[2])
         files.append(tmp_path / f"ice40_{module}.v")
-        files[-1].write_text(re.sub(rf"^module {module}\b", f"module ice40_{module}", text, flags=re.M))
+        files[-1].write_text(re.sub(rf"^module fp3_{module}\b", f"module ice40_{module}", text, flags=re.M))
     built = subprocess.run(["iverilog", "-g2012", "-DFP3_CHECK", "-s", "ice40_bench", "-c", "rtl/fp3.f",
                             "-o", tmp_path / "bench.vvp", "tests/fpga/ice40_bench.v", *files],
                            cwd=root, capture_output=True, text=True)

@@ -40,8 +40,8 @@ LISTS = {
     "tests/fast/test_fast.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fp/test_fp.py": lambda root, at: [(bug.name, root / bug.file, bug.right) for bug in at.BUGS],
     "tests/fpga/test_ecp5.py": lambda root, at: named(root, [(name, (f"fpga/{'/'.join(at.place(bug[0]))}.v", bug[1])) for name, bug in at.BUGS.items()]),
-    "tests/fpga/test_ice40.py": lambda root, at: named(root, [(name, (f"fpga/ice40/{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
-    "tests/board/test_bridge.py": lambda root, at: named(root, [(name, (f"board/{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
+    "tests/fpga/test_ice40.py": lambda root, at: named(root, [(name, (f"fpga/ice40/fp3_{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
+    "tests/board/test_bridge.py": lambda root, at: named(root, [(name, (f"board/fp3_{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
     "tests/replay/test_checks.py": lambda root, at: named(root, at.BUGS.items()),
     "tests/replay/test_unknown.py": lambda root, at: named(root, [(name, bug[2]) for name, bug in at.BUGS.items()]),
 }

@@ -20,7 +20,7 @@ def test_this_tree_is_clean(root, long):
 def test_slang_reads_every_configuration(root):
     """And what families have without a primitive."""
     files = [*sorted((root / "rtl/gen").glob("fp3_*.v")),
-             *(root / f"rtl/fpga/{name}.v" for name in ("wide/fp_mul_product", "ice40/counters", "ice40/ram_forward"))]
+             *(root / f"rtl/fpga/{name}.v" for name in ("wide/fp3_fp_mul_product", "ice40/fp3_counters", "ice40/fp3_ram_forward"))]
     done = subprocess.run([root / ".venv/bin/python", "tools/slang.py", *files], cwd=root,
                           capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and done.stdout + done.stderr == "", done.stdout + done.stderr

@@ -130,7 +130,7 @@ def test_a_circle_is_found():
 def test_the_arrows_are_seen(arrows):
     assert ("sw/cli/main", "sw/cli/cmd_run") in arrows               # a call
     assert ("sw/image/image", "sw/include/fp3/image") in arrows      # an include
-    assert ("rtl/lane/lane_end", "rtl/lane/visits") in arrows            # an instance
+    assert ("rtl/lane/fp3_lane_end", "rtl/lane/fp3_visits") in arrows            # an instance
 
 
 def test_no_circle_between_rooms(arrows):

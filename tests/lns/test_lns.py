@@ -88,21 +88,21 @@ def test_bug_is_found(root, tmp_path, name, file, right, wrong, test):
 # Bugs of one model together, where it shows which unit has one: the operations that must fail, and no others.
 HARDWARE_BUGS = [
     ({"sub", "add", "div", "sqrt", "rsqrt", "from_float", "to_float", "float_rcp", "float_rsqrt"}, [
-        Bug("a difference without its logarithm", "lns_add.v", "{whole, log}", "{whole, 28'd0}"),
-        Bug("a quotient is out by one", "lns_mul.v", "22'd0, divide_i}", "22'd0, 1'b0}"),
-        Bug("a root's tie goes up", "lns_root.v", "a_i[0] && a_i[1]", "a_i[0]"),
-        Bug("a subnormal number is not moved", "lns_from_float.v", "{a_i[21:0], 2'b00}", "{a_i[22:0], 1'b0}"),
-        Bug("an inverse is not rounded", "lns_inverse.v", "5'd17 : 5'd9", "5'd1 : 5'd1"),
-        Bug("a subnormal result is rounded as others", "lns_to_float.v", "is_tiny ? power_q[5] : power_q[4]", "power_q[4]")]),
+        Bug("a difference without its logarithm", "fp3_lns_add.v", "{whole, log}", "{whole, 28'd0}"),
+        Bug("a quotient is out by one", "fp3_lns_mul.v", "22'd0, divide_i}", "22'd0, 1'b0}"),
+        Bug("a root's tie goes up", "fp3_lns_root.v", "a_i[0] && a_i[1]", "a_i[0]"),
+        Bug("a subnormal number is not moved", "fp3_lns_from_float.v", "{a_i[21:0], 2'b00}", "{a_i[22:0], 1'b0}"),
+        Bug("an inverse is not rounded", "fp3_lns_inverse.v", "5'd17 : 5'd9", "5'd1 : 5'd1"),
+        Bug("a subnormal result is rounded as others", "fp3_lns_to_float.v", "is_tiny ? power_q[5] : power_q[4]", "power_q[4]")]),
     ({"sub", "add", "float_rcp"}, [
-        Bug("a near difference is inverted", "lns_add.v", "minus_q && !near, nan", "minus_q, nan"),
-        Bug("a reciprocal below 2^-127 is packed as one above", "lns_inverse.v", "e[9] ? {10'd1, power_q[27:13]} : ", "")]),
+        Bug("a near difference is inverted", "fp3_lns_add.v", "minus_q && !near, nan", "minus_q, nan"),
+        Bug("a reciprocal below 2^-127 is packed as one above", "fp3_lns_inverse.v", "e[9] ? {10'd1, power_q[27:13]} : ", "")]),
     ({"sub", "add", "float_rcp", "float_rsqrt"}, [
-        Bug("a step of the shift is forgotten", "lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4"),
-        Bug("the last step of the shift is forgotten", "lns_inverse.v", "upper_q, by4, by2, by1};", "upper_q, by4, by2, 1'b0};")]),
+        Bug("a step of the shift is forgotten", "fp3_lns_add.v", "~{1'b0, upper_q, by4", "~{2'b00, upper_q[0], by4"),
+        Bug("the last step of the shift is forgotten", "fp3_lns_inverse.v", "upper_q, by4, by2, by1};", "upper_q, by4, by2, 1'b0};")]),
     ({"sub", "add", "float_rsqrt"}, [
-        Bug("overflow of a sum without inexact", "lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||"),
-        Bug("a root of 2 is exact", "lns_inverse.v", "!(root && !whole_q[0])", "1'b1")]),
+        Bug("overflow of a sum without inexact", "fp3_lns_add.v", "is_inexact_q || over ||", "is_inexact_q ||"),
+        Bug("a root of 2 is exact", "fp3_lns_inverse.v", "!(root && !whole_q[0])", "1'b1")]),
 ]
 
 

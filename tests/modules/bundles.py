@@ -11,8 +11,8 @@ class Bundle:
     """`dut` has the parameters that widths are made of."""
 
     def __init__(self, dut, name):
-        text = next(text for text in (path.read_text() for path in RTL.rglob("*.vh")) if f"`define {name}_FIELDS" in text)
-        body = re.search(rf"`define {name}_FIELDS((?:.*\\\n)*.*\n)", text)[1]
+        text = next(text for text in (path.read_text() for path in RTL.rglob("*.vh")) if f"`define FP3_{name}_FIELDS" in text)
+        body = re.search(rf"`define FP3_{name}_FIELDS((?:.*\\\n)*.*\n)", text)[1]
         self.fields = []                                   # (name, its lowest bit, its mask), the lowest first
         rows = [(re.sub(rf"^{name.lower()}_", "", field.strip()), self.width(dut, bits))
                 for bits, fields in re.findall(r"wire\s+(?:\[([^\]]*)\])?\s*([^;]+);", body) for field in fields.split(",")]

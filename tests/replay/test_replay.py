@@ -180,8 +180,8 @@ def shape(root, config):
     text = (root / f"rtl/gen/fp3_{config}.v").read_text()
     tiles, schedulers, lanes, dual = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1])
                                 for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
-    return [f"-DTOP=fp3_{config}", f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}",
-            f"-DSTREAMS={1 + dual}"]
+    return [f"-DFP3_TOP=fp3_{config}", f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}",
+            f"-DFP3_STREAMS={1 + dual}"]
 
 
 @pytest.mark.parametrize("config", ["single", "lanes", "dual", "array"])
@@ -207,7 +207,7 @@ def hash_of_trace(cycles, order=lambda lanes: lanes):
 def trace(root, tmp_path_factory):
     """The bench around tests/replay/trace.v: a function that replays a text."""
     where = tmp_path_factory.mktemp("trace")
-    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DTOP=trace", "-DSCHEDULERS=2", "-DLANES=6",
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DFP3_TOP=trace", "-DFP3_SCHEDULERS=2", "-DFP3_LANES=6",
                  "-s", "replay", "-o", where / "x.vvp", "sim/replay.v", "tests/replay/trace.v", cwd=root)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
@@ -304,7 +304,7 @@ def test_64_contexts_take_turns(root, tmp_path):
         lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + n:08x}" for n in range(64)]
         lines += [f"r {u:02x}000014 00000002", f"r {u:02x}000088 {3 * 64:08x}", f"r {u:02x}0000a8 {2 * 64:08x}"]
     session.write_text(ended(lines))
-    done = start("iverilog", "-g2012", *shape(root, "array"), "-DTOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
+    done = start("iverilog", "-g2012", *shape(root, "array"), "-DFP3_TOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
                  bench, "sim/replay.v", wrapper, cwd=root)
     assert done.returncode == 0, done.stderr
     done = replay(root, bench, session)

@@ -13,8 +13,8 @@ import pytest
 
 ZEROS = "initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};"
 RANDOM = ZEROS.replace("{W{1'b0}}", "{$random, $random, $random, $random}")
-POWER_UP = {"lib/lutram_1r1w.v": ZEROS, "lib/ram_1r1w.v": ZEROS, "lib/ram_registered.v": ZEROS, "fp3.v": "initial          reset_q = {RESET{1'b1}};",
-            "lane/lane_group.v": "initial             rst_q = 1'b1;"}
+POWER_UP = {"lib/fp3_lutram_1r1w.v": ZEROS, "lib/fp3_ram_1r1w.v": ZEROS, "lib/fp3_ram_registered.v": ZEROS, "fp3.v": "initial          reset_q = {RESET{1'b1}};",
+            "lane/fp3_lane_group.v": "initial             rst_q = 1'b1;"}
 INITIAL = re.compile(r"\binitial\b|\breg\b[^;]*?=(?!=)")
 
 # What a test runs: configuration, objects, steps, resets.
@@ -41,12 +41,12 @@ def undefined(root, to, fill="", bug=None):
 def parts(root, config):
     text = (root / f"rtl/gen/fp3_{config}.v").read_text()
     tiles, schedulers, lanes, dual = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1]) for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
-    return [f"-DSCHEDULERS={tiles * schedulers}", f"-DLANES={tiles * schedulers * lanes}",
-            f"-DSTREAMS={1 + dual}"]
+    return [f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}",
+            f"-DFP3_STREAMS={1 + dual}"]
 
 
 def compiled(tree, config, *more):
-    done = start("iverilog", "-g2012", f"-DTOP=fp3_{config}", *parts(tree, config), "-s", "replay", "-c", "rtl/fp3.f",
+    done = start("iverilog", "-g2012", f"-DFP3_TOP=fp3_{config}", *parts(tree, config), "-s", "replay", "-c", "rtl/fp3.f",
                  "-o", "x.vvp", "sim/replay.v", f"rtl/gen/fp3_{config}.v", *more, cwd=tree)
     assert done.returncode == 0, done.stderr
     return tree / "x.vvp"
@@ -104,7 +104,7 @@ def test_nothing_else_is_initialised(root):
         if count and "board" not in path.parts:   # a board's line is idle at power-up
             found[str(path.relative_to(root / "rtl"))] = count
     registers = [name for name, text in POWER_UP.items() if text != ZEROS]
-    assert found == {**dict.fromkeys(registers, 1), "fp/fp_estimate.v": 1, "lib/rom_registered.v": 1, "fpga/ice40/counters.v": 1}
+    assert found == {**dict.fromkeys(registers, 1), "fp/fp3_fp_estimate.v": 1, "lib/fp3_rom_registered.v": 1, "fpga/ice40/fp3_counters.v": 1}
 
 
 @pytest.mark.parametrize("fill", ["unknown", "random"])
@@ -125,10 +125,10 @@ def test_resets_at_random_moments(root, fp3, tmp_path, long, config, fill):
 
 BUGS = {
     # what is wrong: (configuration, fill, (file, right, wrong), what the bench says)
-    "a response without reset": ("single", "", ("bus/responses.v", "{gone_q, filled_q, taken_q} <= {3*(DEPTH_W+1){1'b0}}",
+    "a response without reset": ("single", "", ("bus/fp3_responses.v", "{gone_q, filled_q, taken_q} <= {3*(DEPTH_W+1){1'b0}}",
                                                 "{gone_q, taken_q} <= {2*(DEPTH_W+1){1'b0}}"), "the bus or the interrupt is unknown"),
-    "a flag without reset": ("single", "", ("solo/scoreboard.v", "if (rst_i) busy_q <=", "if (1'b0) busy_q <="), "something unknown issues or retires"),
-    "an enable without reset": ("single", "", ("host/host_port.v", "was_running_q, flags_q, irq_enable_q, ended_q} <= 11'd0",
+    "a flag without reset": ("single", "", ("solo/fp3_scoreboard.v", "if (rst_i) busy_q <=", "if (1'b0) busy_q <="), "something unknown issues or retires"),
+    "an enable without reset": ("single", "", ("host/fp3_host_port.v", "was_running_q, flags_q, irq_enable_q, ended_q} <= 11'd0",
                                               "was_running_q, flags_q, ended_q} <= 10'd0"), "the bus or the interrupt is unknown"),
 }
 

@@ -66,7 +66,7 @@ class Facts:
             "bits": lambda: self.bits(*name.split(".")),
             "code": lambda: ops[name],
             "op": lambda: name if name in ops else None,
-            "module": lambda: self.only(f"rtl/**/{name}.v", name),
+            "module": lambda: self.only(f"rtl/**/fp3_{name}.v", name),
             "bundle": lambda: self.only(f"rtl/**/{name}.vh", name + ".vh"),
             "room": lambda: self.only(f"sw/{name}/", name),
             "path": lambda: self.only(name, name),

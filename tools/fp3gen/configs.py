@@ -14,11 +14,11 @@ EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts
 def cut_positions(root, core):
     """How many cuts a core has, as its source says."""
     try:
-        found = re.search(r"parameter *\[(\d+):0\] *CUTS\b", (root / f"rtl/fp/{core}.v").read_text(encoding="utf-8"))
+        found = re.search(r"parameter *\[(\d+):0\] *CUTS\b", (root / f"rtl/fp/fp3_{core}.v").read_text(encoding="utf-8"))
     except OSError as error:
-        raise Bad(f"rtl/fp/{core}.v: {error.strerror}") from None
+        raise Bad(f"rtl/fp/fp3_{core}.v: {error.strerror}") from None
     if not found:
-        raise Bad(f"rtl/fp/{core}.v: there is no 'parameter [N:0] CUTS'")
+        raise Bad(f"rtl/fp/fp3_{core}.v: there is no 'parameter [N:0] CUTS'")
     return int(found[1]) + 1
 
 
@@ -118,7 +118,7 @@ def check_configs(rows, known):
 
 
 def check_interleaved(row, where, words):
-    """What goes with what; rtl/config/config_rules.v checks the same."""
+    """What goes with what; rtl/config/fp3_config_rules.v checks the same."""
     need(row["lanes"] == 1 or row["schedulers"] == 1, FILE,
          f"{where}: lanes share one scheduler, or schedulers share one arithmetic unit, not both")
     need(not row["fused"] or row["schedulers"] == 1, FILE, f"{where}: fused needs schedulers = 1, as these share an adder and a multiplier")

@@ -77,10 +77,10 @@ def bundle(name, what, source, fields):
     low = name.lower().removesuffix("s")
     wires = [f"    wire {'' if size == '1' else f'[{size}-1:0] '}{low}_{field};" for field, size in fields]
     return [f"// {MARK.format(source=source)}", f"// The bundle {name}: {what} front/decoded.vh shows how a bundle is used.",
-            f"`define {name}_W ({' + '.join(size for _, size in fields)})",
-            f"`define {name}_FIELDS \\", "    /* verilator lint_off UNUSEDSIGNAL */ \\", *[f"{wire} \\" for wire in wires],
+            f"`define FP3_{name}_W ({' + '.join(size for _, size in fields)})",
+            f"`define FP3_{name}_FIELDS \\", "    /* verilator lint_off UNUSEDSIGNAL */ \\", *[f"{wire} \\" for wire in wires],
             "    /* verilator lint_on UNUSEDSIGNAL */",
-            f"`define {name} {{{', '.join(f'{low}_{field}' for field, _ in reversed(fields))}}}"]
+            f"`define FP3_{name} {{{', '.join(f'{low}_{field}' for field, _ in reversed(fields))}}}"]
 
 
 def settings_verilog(regs):

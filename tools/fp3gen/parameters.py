@@ -66,5 +66,5 @@ def config_rules_verilog(known):
             none = " && ".join(f"{other.upper()} == 0" for other in others)
             rules.append((f"{asks} && {none}", f"{this}_needs_{'_or_'.join(other.upper() for other in others)}"))
         rules += [(f"{asks} && {other.upper()} != 0", f"{this}_excludes_{other.upper()}") for other in key.get("excludes", [])]
-    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config_rules.v, within a generate block.",
+    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/fp3_config_rules.v, within a generate block.",
             *(f"if ({wrong}) begin : g_{said.lower()}\n    {said} u_error ();\nend" for wrong, said in rules)]

@@ -87,7 +87,7 @@ def check_registers(regs, counted):
     counters = [{"name": "counter " + row["name"], "at": regs["counters"]["at"] + 8 * i, "bytes": 8}
                 for i, row in enumerate(regs["counter"])]
     need(regs["counters"]["at"] == 128 and len(counters) <= MOST_COUNTERS, file,
-         f"[counters]: at must be 128, for at most {MOST_COUNTERS} counters: rtl/host/host_decode.v takes a counter's number from address bits 8 to 3")
+         f"[counters]: at must be 128, for at most {MOST_COUNTERS} counters: rtl/host/fp3_host_decode.v takes a counter's number from address bits 8 to 3")
     owner = {}
     for row in regs["register"] + counters + windows:
         at, name = row["at"], row["name"]

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// fp3_tile: schedulers and lanes with the arithmetic that they work on.
+//
+// Purpose   Two ways to share. Several schedulers, each with a program of its own, share one adder
+//           and one multiplier (the paper's Figure 3). Or one scheduler drives several lanes, each
+//           with an adder and a multiplier: control is shared. Lanes under several schedulers are not
+//           built (config_rules refuses them).
+//
+//           scheduler ──┐ arbiter                         ┌─► lane ◄─► multiplier ─► adder
+//           scheduler ──┴───► multiplier, adder           scheduler ─► lane ◄─► multiplier ─► adder
+//
+// Latency   See lane and tile_units.
+`default_nettype none
+`include "host/answer.vh"
+`include "lane/written.vh"
+`include "sequence/issued.vh"
+`include "unit/socket.vh"
+module fp3_tile #(
+`include "config/config.vh"
+) (
+    input  wire                     clk_i,
+    input  wire                     rst_i,
+    // A host port for each scheduler
+    input  wire [SCHEDULERS-1:0]    req_valid_i,
+    input  wire                     req_write_i,
+    input  wire [23:0]              req_addr_i,
+    input  wire [31:0]              req_wdata_i,
+    output wire [`FP3_ANSWER_W*SCHEDULERS-1:0] answer_o,
+    output wire [SCHEDULERS-1:0]    irq_o,
+    // Trace: STREAMS parts for each scheduler, and for each lane of each
+    output wire [`FP3_ISSUED_W*SCHEDULERS*STREAMS-1:0]        issued_o,
+    output wire [`FP3_WRITTEN_W*SCHEDULERS*LANES*STREAMS-1:0] written_o
+);
+    localparam N = LANES * STREAMS;        // sockets of a scheduler
+
+    wire [SCHEDULERS-1:0]                 running, adds, muls, last, grant;
+    wire [`FP3_OPERANDS_W*SCHEDULERS*N-1:0]   operands;
+    wire [`FP3_RESULT_W*SCHEDULERS*N-1:0]     results;
+    fp3_tile_units #(.CONFIG(CONFIG)) u_units (.clk_i(clk_i), .rst_i(rst_i),
+        .running_i(running), .adds_i(adds), .muls_i(muls), .last_i(last), .grant_o(grant),
+        .operands_i(operands), .result_o(results));
+
+    genvar s;
+    generate
+        for (s = 0; s < SCHEDULERS; s = s + 1) begin : g_scheduler
+            fp3_tile_scheduler #(.CONFIG(CONFIG)) u_scheduler (
+                .clk_i(clk_i), .rst_i(rst_i),
+                .req_valid_i(req_valid_i[s]), .req_write_i(req_write_i),
+                .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
+                .answer_o(answer_o[`FP3_ANSWER_W*s +: `FP3_ANSWER_W]), .irq_o(irq_o[s]),
+                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .last_o(last[s]), .grant_i(grant[s]),
+                .operands_o(operands[`FP3_OPERANDS_W*N*s +: `FP3_OPERANDS_W*N]), .result_i(results[`FP3_RESULT_W*N*s +: `FP3_RESULT_W*N]),
+                .written_o(written_o[`FP3_WRITTEN_W*N*s +: `FP3_WRITTEN_W*N]),
+                .issued_o(issued_o[`FP3_ISSUED_W*STREAMS*s +: `FP3_ISSUED_W*STREAMS]));
+        end
+    endgenerate
+endmodule
+`default_nettype wire
+`include "config/undefine.vh"

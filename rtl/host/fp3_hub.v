@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// fp3_hub: one host port in front of those of all schedulers.
+//
+// Purpose   The top of an address names a scheduler, or all of them: then a write goes to all, and
+//           a read gives the OR of what they answer.
+//           A request that does not stream waits until QUIET cycles after the last write that does: what lanes
+//           report of that write has come then (fp3).
+// Latency   One cycle on the way there, one back.
+// Promise   Every request is answered; one to a scheduler that there is not, with an error: scheduler 0 is asked, for an
+//           address that nothing has.
+// Hazard    Schedulers that are asked the same answer in the same cycle; one that is not asked answers 0.
+`default_nettype none
+`include "host/answer.vh"
+module fp3_hub #(
+    parameter N = 1,                   // schedulers, at most 64
+    parameter QUIET = 0,               // cycles
+    parameter [31:0] STREAM = 0        // what streams has one of these bits in its address
+) (
+    input  wire                   clk_i,
+    input  wire                   rst_i,
+    // The host
+    input  wire                   req_valid_i,
+    output wire                   req_ready_o,
+    input  wire                   req_write_i,
+    input  wire [31:0]            req_addr_i,
+    input  wire [31:0]            req_wdata_i,
+    output wire [`FP3_ANSWER_W-1:0]   answer_o,
+    // The schedulers; address and data stand until the next request
+    output wire [N-1:0]           req_valid_o,
+    output wire                   req_write_o,
+    output wire [23:0]            req_addr_o,
+    output wire [31:0]            req_wdata_o,
+    input  wire [`FP3_ANSWER_W*N-1:0] answer_i
+);
+`include "gen/registers.vh"
+    localparam [7:0]   ALL     = ADDRESS_BROADCAST;
+    localparam [23:0]  NOWHERE = 24'd1;                 // no multiple of 4
+    localparam [N-1:0] FIRST   = 1;
+
+    reg [N-1:0] ask_q;
+    reg         write_q;
+    reg [23:0]  addr_q;
+    reg [31:0]  wdata_q;
+
+    wire [7:0]           who = req_addr_i[ADDRESS_SCHEDULER_HI:ADDRESS_SCHEDULER_LO];
+    wire [N-1:0]         whom;
+    wire                 nobody = whom == {N{1'b0}};
+    reg  [`FP3_ANSWER_W-1:0] answer, answer_q;
+    integer              k;
+    genvar               n;
+    generate
+        for (n = 0; n < N; n = n + 1) begin : g_whom
+            localparam [7:0] NUMBER = n;
+            assign whom[n] = who == NUMBER || who == ALL;
+        end
+    endgenerate
+    // How long ago the last write was that streams
+    wire takes;
+    generate
+        if (QUIET == 0) begin : g_no_quiet
+            assign takes = 1'b1;
+        end else begin : g_quiet
+            localparam W = $clog2(QUIET + 1);
+            wire         streams = |(req_addr_i & STREAM);
+            reg  [W-1:0] left_q;
+            wire         quiet   = left_q == {W{1'b0}};
+            always @(posedge clk_i)
+                if (rst_i)                                     left_q <= {W{1'b0}};
+                else if (req_valid_i && req_write_i && streams) left_q <= QUIET[W-1:0];
+                else if (!quiet)                               left_q <= left_q - 1'b1;
+            assign takes = quiet || streams;
+        end
+    endgenerate
+    always @* begin
+        answer = {`FP3_ANSWER_W{1'b0}};
+        for (k = 0; k < N; k = k + 1) answer = answer | answer_i[`FP3_ANSWER_W*k +: `FP3_ANSWER_W];
+    end
+
+    always @(posedge clk_i) begin
+        ask_q    <= (nobody ? FIRST : whom) & {N{req_valid_i && !rst_i && takes}};
+        answer_q <= answer;
+        if (req_valid_i && takes) {write_q, addr_q, wdata_q} <= {req_write_i, nobody ? NOWHERE : req_addr_i[23:0], req_wdata_i};
+    end
+    assign req_ready_o = !rst_i && takes;
+    assign req_valid_o = ask_q;
+    assign {req_write_o, req_addr_o, req_wdata_o} = {write_q, addr_q, wdata_q};
+    // The bus may be out of reset already: what was asked before it is answered to nobody.
+    `FP3_ANSWER_FIELDS
+    assign `FP3_ANSWER  = answer_q;
+    assign answer_o = {answer_wrote && !rst_i, answer_write_error, answer_read && !rst_i, answer_read_error, answer_rdata};
+
+`ifdef FP3_CHECK
+    reg  [2*N-1:0] writes_q;           // of whom a write was asked, in the last two cycles
+    wire [N-1:0]   wrote;
+    generate
+        for (n = 0; n < N; n = n + 1) begin : g_wrote
+            assign wrote[n] = answer_i[`FP3_ANSWER_W*(n+1) - 1];
+        end
+    endgenerate
+    always @(posedge clk_i) begin
+        writes_q <= rst_i ? {2*N{1'b0}} : {writes_q[N-1:0], ask_q & {N{write_q}}};
+        if (!rst_i && wrote != writes_q[N +: N]) begin
+            $display("%m: the schedulers %b were asked to write, %b answer", writes_q[N +: N], wrote); $stop;
+        end
+    end
+`endif
+endmodule
+`default_nettype wire
+`include "config/undefine.vh"

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// fp3_lane_store: the records of a lane's objects, loaded and stored word by word.
+//
+// Purpose   A record has 8 << record words, one for each register. A store knows its row two cycles after
+//           its issue, a load reads in time for its result.
+//
+//           With STORAGE a word has 16 bits: it is rounded as it is stored, and widened as it is loaded. The host writes halves. One
+//           word of each record is kept whole if objects sleep: its upper half is in a memory of its own, by rows.
+//
+// Latency   Stored five cycles after the issue (cycle 5 has the new word), with STORAGE ROUNDED + 2. Loaded: three cycles from the row to
+//           word_o, with STORAGE WIDENED more.
+// Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds everything drains,
+//           and within a round no object loads what another stores (checked).
+//           Published words are loaded from one half of the store and stored in the other, whose rows are then as many.
+//           The host accesses words when no instruction is in the lane (checked there).
+//
+//     cycle    0      2                    3         4        5
+//     store    st_i   row_i2_i, absent..   value_i3  written  there
+//     cycle    W-3    W-2   W-1   W
+//     load     row    read        word_o
+//     cycle    W-5    W-4   W-3   W-2        W-1     W
+//     STORAGE  row    read        read_word  half_q  word_o
+`default_nettype none
+`include "lane/move.vh"
+`include "lane/draw.vh"
+module fp3_lane_store #(
+`include "config/config.vh"
+) (
+    input  wire                  clk_i,
+    input  wire                  rst_i,
+    input  wire [LANE_W-1:0]     index_i,        // the lane's number; does not change
+    input  wire [`FP3_MOVE_W-1:0]    move_i,
+    input  wire [31:0]           value_i3_i,     // of a store
+    input  wire [DRAW_W-1:0]     draw_i,         // TIMING_MIX + 1: how it is rounded
+    output wire [31:0]           word_o,         // of a load
+    output wire                  over_o,         // W: a store made a finite number infinite
+    // The host
+    input  wire                  host_i,         // host_address_i is what is written
+    input  wire                  host_read_i,    // ... and read
+    input  wire                  host_write_i,
+    input  wire [STORE_W-1:0]    host_address_i,
+    input  wire                  host_whole_i,   // all 32 bits of the word
+    input  wire [31:0]           host_word_i
+);
+    `FP3_MOVE_FIELDS
+    assign `FP3_MOVE = move_i;
+    wire                  st_i2, lasts_i2, upper_i2;
+    wire [REGISTER_W-1:0] register_i2;
+    fp3_delay #(.W(3+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_lasts, move_st_upper, move_register}),
+        .q_o({st_i2, lasts_i2, upper_i2, register_i2}));
+
+    wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record;
+    wire [STORE_W-1:0] ld_base = {move_load_row, 3'd0} << move_record;
+    reg                st_q, write_q;                                  // cycle 3, 4
+    reg  [STORE_W-1:0] st_address_q, write_address_q, read_address_q;  // cycle 3, 4; W-2
+    reg  [STORED_W-1:0] write_word_q;
+    wire                stored;                                        // what is written a cycle later
+    wire [STORE_W-1:0]  stored_address;
+    wire [STORED_W-1:0] stored_word, read_word;
+    always @(posedge clk_i) begin
+        st_q            <= !rst_i && st_i2 && !move_st_absent && !(move_st_asleep && !lasts_i2);
+        st_address_q    <= st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2} | {upper_i2, {STORE_W-1{1'b0}}};
+        write_q         <= !rst_i && (stored || host_write_i);
+        write_address_q <= host_i ? host_address_i : stored_address;
+        write_word_q    <= host_i ? host_word_i[STORED_W-1:0] : stored_word;
+        read_address_q  <= host_read_i ? host_address_i : move_load_place ? move_place
+                         : ld_base | {{STORE_W-REGISTER_W{1'b0}}, move_load_register} | {move_load_upper, {STORE_W-1{1'b0}}};
+    end
+    fp3_ram_registered #(.ADDR_W(STORE_W), .W(STORED_W)) u_store (.clk_i(clk_i), .write_i(write_q && !rst_i),
+        .write_addr_i(write_address_q), .write_value_i(write_word_q),
+        .read_i(1'b1), .read_addr_i(read_address_q), .read_value_o(read_word));
+
+    generate
+        if (STORAGE != 0) begin : g_halves
+            localparam LATE = ROUNDED - TIMING_HALVE - 3;              // from the value in cycle 3 to its rounding
+            `FP3_DRAW_FIELDS
+            assign `FP3_DRAW = draw_i;
+            reg                draws_q;
+            reg  [31:0]        number_q;
+            wire               draws, over;
+            wire [31:0]        random, object;                         // object: what the lane adds to the number, in TIMING_MIX + 1
+            always @(posedge clk_i) begin
+                draws_q  <= draw_draws;
+                number_q <= draw_number + object;
+            end
+            fp3_mix u_mix (.clk_i(clk_i), .number_i(number_q), .mixed_o(random));
+            fp3_delay #(.W(1), .N(TIMING_MIX)) u_draws (.clk_i(clk_i), .rst_i(1'b0), .d_i(draws_q), .q_o(draws));
+
+            // Stored: rounded, or whole.
+            wire [31:0]        value, value_late;
+            wire [15:0]        half;
+            wire [STORE_W-1:0] address;
+            wire               st_whole_i3, whole, whole_late;
+            fp3_delay #(.W(1), .N(3)) u_st_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_st_whole), .q_o(st_whole_i3));
+            fp3_delay_ram #(.W(33+STORE_W), .N(LATE)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({st_whole_i3, value_i3_i, st_address_q}),
+                .q_o({whole, value, address}));
+            fp3_halve #(.CONFIG(CONFIG)) u_halve (.clk_i(clk_i), .word_i(value), .draws_i(draws), .random_i(random[15:0]), .half_o(half), .over_o(over));
+            fp3_delay #(.W(33+STORE_W), .N(TIMING_HALVE)) u_value (.clk_i(clk_i), .rst_i(1'b0), .d_i({whole, value, address}),
+                .q_o({whole_late, value_late, stored_address}));
+            fp3_delay #(.W(1), .N(ROUNDED-3)) u_stored (.clk_i(clk_i), .rst_i(rst_i), .d_i(st_q), .q_o(stored));
+            fp3_delay #(.W(1), .N(TO_RESULT-ROUNDED)) u_over (.clk_i(clk_i), .rst_i(rst_i), .d_i(stored && over && !whole_late), .q_o(over_o));
+            assign stored_word = whole_late ? value_late[15:0] : half;
+
+            // Loaded: widened, or with the upper half.
+            wire [31:0]        widened;
+            wire [15:0]        upper_word;
+            wire               loaded_whole;
+            reg  [15:0]        half_q, upper_q;                        // W-1
+            reg                whole_q;
+            reg  [31:0]        word_q;
+            fp3_widen #(.CONFIG(CONFIG)) u_widen (.half_i(half_q), .word_o(widened));
+            always @(posedge clk_i) begin
+                {half_q, upper_q, whole_q} <= {read_word, upper_word, loaded_whole};
+                word_q <= whole_q ? {upper_q, half_q} : widened;
+            end
+            assign word_o = word_q;
+            if (WHOLE != 0) begin : g_whole
+                reg              write_upper_q;
+                reg  [15:0]      write_half_q;
+                reg  [ROW_W-1:0] write_row_q, read_row_q;
+                wire [STORE_W-1:0] row = ((host_i ? host_address_i : stored_address) >> 3) >> move_record;
+                always @(posedge clk_i) begin
+                    write_upper_q <= !rst_i && (host_i ? host_write_i && host_whole_i : stored && whole_late);
+                    write_half_q  <= host_i ? host_word_i[31:16] : value_late[31:16];
+                    write_row_q   <= row[ROW_W-1:0];
+                    read_row_q    <= host_i ? row[ROW_W-1:0] : move_load_row;
+                end
+                fp3_ram_registered #(.ADDR_W(ROW_W), .W(16)) u_upper (.clk_i(clk_i), .write_i(write_upper_q && !rst_i),
+                    .write_addr_i(write_row_q), .write_value_i(write_half_q),
+                    .read_i(1'b1), .read_addr_i(read_row_q), .read_value_o(upper_word));
+                fp3_delay #(.W(1), .N(3)) u_load_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(host_i ? host_whole_i : move_load_whole), .q_o(loaded_whole));
+                wire unused_row = &row;
+            end else begin : g_halves_alone
+                assign {loaded_whole, upper_word} = 17'd0;
+                wire unused_whole = &{host_whole_i, host_word_i[31:16], move_load_whole, value_late};
+            end
+            wire unused_random = &random[31:16];
+
+            // The object's number: which row it has is known in cycle 2.
+            if (SLEEP != 0) begin : g_object
+                reg [31:0] own_q, product_q, late_q;
+                always @(posedge clk_i) begin
+                    own_q     <= draw_first + {{32-LANE_W{1'b0}}, index_i};
+                    product_q <= {{32-ROW_W{1'b0}}, move_st_row} * {19'd0, draw_stride};
+                    late_q    <= product_q + own_q;
+                end
+                fp3_delay #(.W(32), .N(TIMING_MIX-3)) u_object (.clk_i(clk_i), .rst_i(1'b0), .d_i(late_q), .q_o(object));
+            end else begin : g_order
+                assign object = {{32-LANE_W{1'b0}}, index_i};
+                wire unused_draw = &{draw_first, draw_stride};
+            end
+        end else begin : g_words
+            assign {stored, stored_address, stored_word} = {st_q, st_address_q, value_i3_i};
+            assign {word_o, over_o} = {read_word, 1'b0};
+            wire unused_draw = &{index_i, draw_i, host_whole_i, move_st_whole, move_load_whole};
+        end
+    endgenerate
+
+`ifdef FP3_CHECK
+    reg load_q;                                                        // W-2
+    always @(posedge clk_i) begin
+        load_q <= !rst_i && move_load;
+        if (!rst_i && load_q && write_q && write_address_q == read_address_q) begin
+            $display("%m: word %0d is loaded in the cycle in which it is stored", read_address_q); $stop;
+        end
+    end
+`else
+    wire unused = move_load;
+`endif
+endmodule
+`default_nettype wire
+`include "config/undefine.vh"

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// fp3_unit: the arithmetic of one stream of a lane, behind its socket.
+//
+// Purpose   The only place that knows which arithmetic a configuration has: z +/- x * y in one stream, rounded twice or
+//           once; or, where a sum and a product may issue at once, z +/- x in the first stream, x * y in the second, and neither waits for the other.
+// Latency   UNIT_LATENCY: that of the slower one where there are two; new operands every cycle.
+//
+//     unit #(.CONFIG(CONFIG)) u_unit (.clk_i(clk_i), .operands_i(operands), .result_o(result));
+`default_nettype none
+`include "unit/socket.vh"
+module fp3_unit #(
+    parameter STREAM = 0,
+`include "config/config.vh"
+) (
+    input  wire                   clk_i,
+    input  wire [`FP3_OPERANDS_W-1:0] operands_i,
+    output wire [`FP3_RESULT_W-1:0]   result_o
+);
+    `FP3_OPERANDS_FIELDS
+    `FP3_RESULT_FIELDS
+    assign `FP3_OPERANDS = operands_i;
+    generate
+        if (FUSED != 0) begin : g_fused
+            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
+            fp3_fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `FP3_RESULT = result_o;
+        end else if (LOGARITHMIC != 0) begin : g_logarithmic
+            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
+            fp3_log_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `FP3_RESULT = result_o;
+        end else if (DUAL == 0) begin : g_single
+            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
+            fp3_lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
+            assign `FP3_RESULT = result_o;
+        end else if (STREAM == 0) begin : g_sum
+            wire unused = &{operands_choice, operands_twice, operands_half, operands_y};           // x is scaled already
+            fp3_adder #(.WAIT(UNIT_LATENCY - ADD_LATENCY), .CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(operands_subtract),
+                .a_i(operands_z), .b_i(operands_x), .value_o(result_value), .flags_o(result_flags));
+            assign result_o = `FP3_RESULT;
+        end else begin : g_product
+            wire unused = &{operands_choice, operands_subtract, operands_twice, operands_half, operands_z};
+            fp3_multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(37'd0),
+                .a_i(operands_x), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
+            assign result_o = `FP3_RESULT;
+        end
+    endgenerate
+endmodule
+`default_nettype wire
+`include "config/undefine.vh"
