@@ -3,6 +3,18 @@
 import shutil
 from typing import NamedTuple
 
+import pytest
+
+
+def few(rows, kind=lambda row: None):
+    """Params of a test of seeded bugs, each a name and values: the first of each kind runs always, the others with --long.
+    That each bug still applies to the source, tests/lint/test_bugs.py sees always."""
+    seen = set()
+    for name, *values in rows:
+        marks = [pytest.mark.long] if kind(values) in seen else []
+        seen.add(kind(values))
+        yield pytest.param(*values, id=name, marks=marks)
+
 
 class Bug(NamedTuple):
     """A change of one place in a file of rtl/, wherever it lies there: one module per file."""

@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 
+from bugs import few
 from bridge_model import ADDRESSES, BEYOND, END, Host, checked, escaped, heard, request
 
 TOP = ("-f", "rtl/fp3.f", "-y", "rtl/board")
@@ -161,7 +162,6 @@ BUGS = {
     "an answer has a word too many": ("answer_tx", "after == words_i", "word_q == words_i"),
     "a CRC goes on from the answer before": ("answer_tx", "state_q == OPEN ? 32'hffffffff", "state_q == OPEN && 1'b0 ? 32'hffffffff"),
 }
-SHORT = ("a write is executed again", "a bad stop bit is a good one")
 
 
 def small(most):
@@ -185,7 +185,7 @@ def test_each_rule(root, tmp_path, long):
     right(icarus(root, tmp_path), small(64 if long else 2), tmp_path)
 
 
-@pytest.mark.parametrize("bug", [name if name in SHORT else pytest.param(name, marks=pytest.mark.long) for name in BUGS])
+@pytest.mark.parametrize("bug", few((name, name) for name in BUGS))
 def test_a_bug_is_seen(root, tmp_path, bug, long):
     with pytest.raises(AssertionError) as seen:
         right(icarus(root, tmp_path, broken=BUGS[bug]), small(64 if long else 2), tmp_path)

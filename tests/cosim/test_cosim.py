@@ -58,7 +58,7 @@ def test_what_neighbours_read_after_an_early_end_is_of_one_phase(build, tmp_path
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("config, objects", [("world", 64), ("fabric", 40)])
+@pytest.mark.parametrize("config, objects", [("world", 64), pytest.param("fabric", 40, marks=pytest.mark.long)])
 def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, long, config, objects):
     """Programs by chance; of the fast engine both native code and the interpreter have some."""
     for seed in range(1, 11 if long else 2):
@@ -84,10 +84,10 @@ def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):
 
 
 def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, long):
-    """Every seventh operand, so that the next ones in a row differ in all three; or every one, as of the fast engine always."""
-    out = start(build / "tests/chosen_values", "1" if long else "7", cwd=tmp_path)
+    """Every 23rd operand, so that the next ones in a row differ in all three; or every one, as of the fast engine always."""
+    out = start(build / "tests/chosen_values", "1" if long else "23", cwd=tmp_path)
     results, fast = map(int, re.search(r"operands, (\d+) results, (\d+) of the fast engine, 0 wrong", out).groups())
-    assert results > (4_000_000 if long else 500_000) and fast > 1_000_000, out
+    assert results > (4_000_000 if long else 150_000) and fast > 1_000_000, out
 
 
 @pytest.mark.smoke
@@ -98,8 +98,8 @@ def test_random_streams_retire_alike_in_short(build, tmp_path):
 
 
 def test_random_streams_retire_alike(build, tmp_path, long):
-    """200,000 instructions (10^6); no two tests share a stream."""
-    count = 1_000_000 if long else 200_000
+    """100,000 instructions (10^6); no two tests share a stream."""
+    count = 1_000_000 if long else 100_000
     out = start(build / "tests/random_stream", "--instructions", str(count * 6 // 5), cwd=tmp_path)
     rows = [line for line in out.splitlines() if " instructions in " in line]
     assert sum(int(row.split(": ")[1].split()[0]) for row in rows) >= count, out

@@ -47,11 +47,10 @@ def test_scenes_on_eight_lanes(root, build, cloth, name, steps):
     assert rows == -(-objects // 8) and copies > 0 and words > 0 and 0 < of_copies < cycles
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lanes", [2, 5, 38])
-def test_other_numbers_of_lanes(root, build, tmp_path, monkeypatch, cloth, long, lanes):
-    """Two lanes, and with --long a group that is not full, and what fills a chip: built, and tested as the named ones are."""
-    if lanes > 2 and not long:
-        pytest.skip("with --long")
+def test_other_numbers_of_lanes(root, build, tmp_path, monkeypatch, cloth, lanes):
+    """Two lanes, a group that is not full, and what fills a chip: built, and tested as the named ones are."""
     monkeypatch.syspath_prepend(root / "tools")
     import one_config
     from fp3gen.read import load

@@ -27,7 +27,7 @@ EXCEPTIONS = [
     (r"\.venv/bin/(pip|peakrdl)", "needs a package from the network; tests/packages reads the same file with its compiler"),
     (r"\.venv/bin/fusesoc", "tests/packages runs these targets in a copy of the project"),
     (r"dd ", "writes 763 MB"),
-    (r"build/fp3 compare programs/(kepler|arenstorf)\.ode", "takes minutes; tests/ode compares every model in a shorter form"),
+    (r"build/fp3 compare (programs/(kepler|arenstorf)|tests/ode/adaptive/\w+)\.ode", "takes minutes; tests/ode compares every model in a shorter form"),
     (r"build/tests/double_functions", "tests/ode runs it on fewer numbers"),
     (r"build/fp3 board |.*--port /dev/", "needs the port that the first command names; tests/board runs the two together"),
     (r"tools/chip\.py --run", "builds a simulator of 38 lanes, which takes minutes"),

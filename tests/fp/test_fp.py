@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import pytest
 
+from bugs import few
+
 PAIR_OPS = ("add", "sub", "mul")
 OPS = (*PAIR_OPS, "madd", "msub")
 MODES = {"flushed_truncated": 0, "flushed_nearest": 1, "gradual_truncated": 2, "gradual_nearest": 3, "cell": 4}
@@ -160,7 +162,7 @@ def succeeds(*command, **options):
     return done.stdout
 
 
-@pytest.mark.parametrize("bug", BUGS, ids=[bug.name.replace(" ", "_") for bug in BUGS])
+@pytest.mark.parametrize("bug", few(((bug.name.replace(" ", "_"), bug) for bug in BUGS), lambda row: row[0].name.split()[0]))
 def test_bug_is_found(root, build, tmp_path, objects, bug):
     """The mutant fails, and so does the replay line that it prints."""
     text = (root / bug.file).read_text()

@@ -7,6 +7,8 @@ import subprocess
 
 import pytest
 
+from bugs import few
+
 MODULES = ("counters", "fp_mul_product", "ram_forward")
 
 
@@ -53,10 +55,7 @@ BUGS = {
 }
 
 
-FEW = ("tiles exchanged", "a write is not forwarded", "a clear meets an addition")
-
-
-@pytest.mark.parametrize("bug", [bug if bug in FEW else pytest.param(bug, marks=pytest.mark.long) for bug in BUGS])
+@pytest.mark.parametrize("bug", few(((bug, bug) for bug in BUGS), lambda row: BUGS[row[0]][0]))
 def test_finds(root, tmp_path, bug):
     said = bench(root, tmp_path, BUGS[bug])
     assert "FAIL" in said or "a carry is lost" in said, said

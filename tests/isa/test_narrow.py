@@ -5,6 +5,8 @@ import subprocess
 
 import pytest
 
+from bugs import few
+
 FRACTIONS = (7, 15, 18, 22)
 
 
@@ -30,7 +32,7 @@ BUGS = {
 }
 
 
-@pytest.mark.parametrize("bug", BUGS)
+@pytest.mark.parametrize("bug", few((bug, bug) for bug in BUGS))
 def test_a_bug_is_found(root, build, tmp_path, bug):
     text = (root / "sw/machine/narrow.c").read_text()
     right, wrong = BUGS[bug]

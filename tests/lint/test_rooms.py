@@ -5,11 +5,15 @@ defines, or a module that the one instantiates.
 """
 
 import collections
+import functools
+import pathlib
 import re
 import statistics
 import subprocess
 
 import pytest
+
+pytestmark = pytest.mark.xdist_group("rooms")      # the arrows are found once
 
 LARGEST_ROOM = {"rtl": 0.20, "sw": 0.13}  # of the hand-written lines of each language
 FLOORS = 10           # the longest chain of rooms
@@ -52,15 +56,15 @@ def calls(root, build):
     needed, owner = {}, {}
     objects = [path for folder in ("sw", "sim") for path in (build / "obj" / folder).rglob("*.o")
                if (root / path.relative_to(build / "obj").with_suffix(".c")).exists()]
-    for path in objects:
-        said = subprocess.run(["nm", path], capture_output=True, text=True, check=True).stdout
-        name = path.relative_to(build / "obj").with_suffix("").as_posix()
-        for line in said.splitlines():
-            kind, symbol = line[17:].split(" ", 1)
-            if kind == "U":
-                needed.setdefault(symbol, []).append(name)
-            elif kind.isupper():
-                owner[symbol] = name
+    said = subprocess.run(["nm", "-A", *objects], capture_output=True, text=True, check=True).stdout
+    for line in said.splitlines():
+        path, _, rest = line.partition(":")
+        kind, symbol = rest[17:].split(" ", 1)
+        name = pathlib.Path(path).relative_to(build / "obj").with_suffix("").as_posix()
+        if kind == "U":
+            needed.setdefault(symbol, []).append(name)
+        elif kind.isupper():
+            owner[symbol] = name
     assert len(owner) > 100, "nothing is built"
     for symbol, users in needed.items():
         for user in users:
@@ -147,6 +151,7 @@ def shortest(arrows):
     for a, b in arrows:
         graph.setdefault(a, set()).add(b)
 
+    @functools.cache
     def reaches(a, b):
         return any(other == b or reaches(other, b) for other in graph.get(a, ()))
     return {(a, b) for a, b in arrows if not any(reaches(other, b) for other in graph[a] - {b})}

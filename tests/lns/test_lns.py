@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from bugs import Bug, source
+from bugs import Bug, few, source
 
 INPUTS = {"sum": 2**28, "difference": 2**28 - 1, "from_float": 2**23, "to_float": 2**23, "to_float, subnormal": 2**23 - 1, "rcp": 2**23,
           "rcp from 2^126": 2**23, "rcp from 2^127": 2**23, "rsqrt, exponent even": 2**23, "rsqrt, exponent odd": 2**23}
@@ -106,7 +106,7 @@ HARDWARE_BUGS = [
 ]
 
 
-@pytest.mark.parametrize("wrong, bugs", HARDWARE_BUGS, ids=[bugs[0].name.replace(" ", "_") for _, bugs in HARDWARE_BUGS])
+@pytest.mark.parametrize("wrong, bugs", few((bugs[0].name.replace(" ", "_"), wrong, bugs) for wrong, bugs in HARDWARE_BUGS))
 def test_hardware_bugs_are_found(root, build, tmp_path, wrong, bugs):
     for bug in bugs:
         (tmp_path / bug.file).write_text(bug.put(source(root, bug.file).read_text(encoding="utf-8")), encoding="utf-8")

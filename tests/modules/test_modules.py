@@ -3,7 +3,7 @@
 import pytest
 
 import simulate
-from bugs import Bug, source, tree
+from bugs import Bug, few, source, tree
 
 TILE = {"INTERLEAVE": 1, "CONTEXTS": 4, "STORE_WORDS": 128, "REGISTERS": 16, "ADD_LATENCY": 2, "MUL_LATENCY": 2}
 # The parameters with which each is tested.
@@ -169,8 +169,12 @@ def test_a_module_keeps_its_promises(root, tmp_path, name):
     assert done.passed, done.said
 
 
-@pytest.mark.parametrize("promise, bug", [pytest.param(promise, bug, id=f"{promise}: {bug.name}") for promise in BUGS for bug in BUGS[promise]])
+def bench_of(promise):
+    return max((name for name in BENCHES if promise.startswith(name)), key=len)
+
+
+@pytest.mark.parametrize("promise, bug", few(((f"{promise}: {bug.name}", promise, bug) for promise in BUGS for bug in BUGS[promise]),
+                                             lambda row: bench_of(row[0])))
 def test_a_broken_promise_is_seen(root, tmp_path, promise, bug):
-    name = max((name for name in BENCHES if promise.startswith(name)), key=len)
-    done = bench(root, tmp_path, name, tree(root, tmp_path, bug), TESTCASE=promise)
+    done = bench(root, tmp_path, bench_of(promise), tree(root, tmp_path, bug), TESTCASE=promise)
     assert done.failed == [promise] and "AssertionError" in done.said, done.said

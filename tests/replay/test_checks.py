@@ -5,6 +5,8 @@ import subprocess
 
 import pytest
 
+from bugs import few
+
 BUGS = {
     # what is wrong: (file, right, wrong, what the check says)
     "asleep in the last part": ("lane/fp3_visits.v", "!(asleep && !lasts_i)", "!asleep",
@@ -35,7 +37,7 @@ def test_a_sound_machine_is_silent(root, session, tmp_path):
     assert replay(root, session, tmp_path / "x.vvp").startswith("PASS ")
 
 
-@pytest.mark.parametrize("bug", BUGS)
+@pytest.mark.parametrize("bug", few((bug, bug) for bug in BUGS))
 def test_a_broken_promise_is_told(root, session, tmp_path, bug):
     file, right, wrong, message = BUGS[bug]
     shutil.copytree(root / "rtl", tmp_path / "rtl", ignore=shutil.ignore_patterns("fpga"))

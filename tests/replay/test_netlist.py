@@ -39,7 +39,8 @@ def test_the_netlist_agrees_with_verilator(root, fp3, build, tmp_path, long, fam
     run(bench, f"+session={session}")
 
 
-@pytest.mark.parametrize("family", [pytest.param("ecp5", marks=pytest.mark.long), "ice40"])
+@pytest.mark.long
+@pytest.mark.parametrize("family", ["ecp5", "ice40"])
 def test_units_agree_with_the_source(root, build, long, family):
     """Adder and multiplier, value and flags, on random operands."""
     bench, text = netlist(root, build, family, "units")

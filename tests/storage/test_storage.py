@@ -210,6 +210,7 @@ def test_lifetimes(fp3, tmp_path, engine):
         assert [row[:3] for row in held if row[3] == str(number)][:2] == [row[:3] for row in expected][:2], (number, done.stdout)
 
 
+@pytest.mark.long
 def test_other_configurations_agree(root, build, tmp_path, monkeypatch):
     """bfloat16 records of numbers with 10 fraction bits, two groups of lanes, results as soon as may be: built, and tested as the named ones are."""
     monkeypatch.syspath_prepend(root / "tools")

@@ -35,7 +35,7 @@ def test_a_section_holds(stress, section):
     assert rows and all(set(row) == FIELDS and row["holds"] and row["section"] == section and not row["why"] for row in rows)
 
 
-@pytest.mark.parametrize("name", ["flush", "cell", "fused_full", "bfloat", "middle", "log"])
+@pytest.mark.parametrize("name", ["flush", *(pytest.param(name, marks=pytest.mark.long) for name in ("cell", "fused_full", "bfloat", "middle", "log"))])
 def test_another_arithmetic(stress, name):
     """Asked for by name, it runs in the sections that are left out of the quick form, too, and nothing else does. In 7 bits roundings
     hide the limits, and long runs stand still."""
@@ -82,6 +82,7 @@ def test_what_is_judged_in_double_single(stress):
     assert any(row["arithmetic"] == "double_single" and "in step 97: overflow" in row["name"] for row in stress("--only", "failures"))
 
 
+@pytest.mark.long
 def test_in_double_the_coefficients_are_those_of_the_program(stress):
     """Of rk6, 1/3 and others as FP32 has them: 1.2e-5; as they are, -3.5e-7 (by a program of its own, in double)."""
     row = [row for row in stress("-i", "rk6", "--only", "drift") if row["arithmetic"] == "compensated" and row["name"].startswith("energy")][0]

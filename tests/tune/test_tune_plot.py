@@ -70,6 +70,7 @@ def test_the_picture_has_what_was_tried(tune, tmp_path, root):
     assert "cycles of many_full for one object, all steps" in said and "largest error of a state, relative, of the worst object" in said
 
 
+@pytest.mark.long
 def test_where_nothing_holds_there_is_a_picture_without_a_choice(tune, tmp_path):
     (tmp_path / "m.ode").write_text("state x = 1\nx' = x + 0.001*tanh(x)*atan(sin(x)*exp(-x))\nwhen x > 2: x = x - 1\nstep 0.0625\nspan 10\n")
     done = tune("--tolerance", "1e-6", "--plot", "a.svg")

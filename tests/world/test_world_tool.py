@@ -288,6 +288,7 @@ def test_the_page_has_all_rows(root, measured, tmp_path):
     assert text.count(": does not hold |") == 1 and text.count("` | 5 |") == 1
 
 
+@pytest.mark.long
 def test_parts_stay_that_are_not_measured(root, build, tmp_path, measured):
     path = tmp_path / "world.json"
     path.write_text(json.dumps(measured | {"chip": []}))
