@@ -595,7 +595,7 @@ class fp3_bus_use(Structure):
     _fields_ = [
         ("transfers", c_uint64),
         ("cycles", c_uint64),
-        ("frames", c_uint64),
+        ("requests", c_uint64),
         ("repeats", c_uint64),
         ("bytes", c_uint64),
     ]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_answer_tx: the bytes of a frame, from the answer to a request.
+// fp3_answer_tx: the bytes of a packet, from the answer to a request.
 //
 // Purpose   Sends an end, sequence number, status, words, CRC-32 and an end. The end in front makes
-//           noise that the line had before a frame of its own.
+//           noise that the line had before a packet of its own.
 // Latency   The first byte is offered in the first cycle of answer_i.
 // Promise   done_o is high for one cycle: the last byte is taken. answer_i falls in the next.
 // Hazard    word_i is the word word_at_o of two cycles ago: the line is slower than that.
@@ -18,7 +18,7 @@ module fp3_answer_tx (
     input  wire [6:0]  words_i,
     output wire [5:0]  word_at_o,
     input  wire [31:0] word_i,
-    // The frame
+    // The packet
     output wire        valid_o,
     input  wire        ready_i,
     output wire        end_o,

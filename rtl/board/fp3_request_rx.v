@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_request_rx: a request of the host, from the bytes of a frame.
+// fp3_request_rx: a request of the host, from the bytes of a packet.
 //
-// Purpose   Checks a frame while it comes: its command, its length, its CRC-32. Its words leave for the store of
-//           the bridge at once; whether they count is known when the frame ends.
-// Latency   0 from the frame's end to request_o.
-// Promise   request_o is high for one cycle, for a whole and right frame only. What it says of the request stands until
-//           the first byte of the next frame that is listened to.
-// Hazard    A frame whose first byte comes while listen_i is low is dropped as a bad one is.
+// Purpose   Checks a packet while it comes: its command, its length, its CRC-32. Its words leave for the store of
+//           the bridge at once; whether they count is known when the packet ends.
+// Latency   0 from the packet's end to request_o.
+// Promise   request_o is high for one cycle, for a whole and right packet only. What it says of the request stands until
+//           the first byte of the next packet that is listened to.
+// Hazard    A packet whose first byte comes while listen_i is low is dropped as a bad one is.
 //
-//     frame     sequence  command  address (4)  word (4) ...  CRC-32 (4)  end
+//     packet     sequence  command  address (4)  word (4) ...  CRC-32 (4)  end
 //     state     SEQUENCE  COMMAND  BODY                                   WHOLE
 //     word_q                       0            1 ...         last
 `default_nettype none
 module fp3_request_rx (
     input  wire        clk_i,
     input  wire        rst_i,
-    // The frame
+    // The packet
     input  wire        valid_i,
     input  wire [7:0]  byte_i,
     input  wire        end_i,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_slip_rx: bytes of frames, from bytes of a line (SLIP, RFC 1055).
+// fp3_slip_rx: bytes of packets, from bytes of a line (SLIP, RFC 1055).
 //
-// Purpose   8'hc0 ends a frame; 8'hdb 8'hdc stands for a 8'hc0 within it, 8'hdb 8'hdd for a 8'hdb.
+// Purpose   8'hc0 ends a packet; 8'hdb 8'hdc stands for a 8'hc0 within it, 8'hdb 8'hdd for a 8'hdb.
 // Latency   0
-// Promise   bad_o: a byte is bad, or an escape is broken; what is in the frame is worth nothing. An end is an end
-//           although an escape is broken by it, so the next frame is whole.
+// Promise   bad_o: a byte is bad, or an escape is broken; what is in the packet is worth nothing. An end is an end
+//           although an escape is broken by it, so the next packet is whole.
 `default_nettype none
 module fp3_slip_rx (
     input  wire       clk_i,
@@ -13,7 +13,7 @@ module fp3_slip_rx (
     input  wire       valid_i,
     input  wire [7:0] byte_i,
     input  wire       bad_i,
-    // The frame
+    // The packet
     output wire       valid_o,
     output wire [7:0] byte_o,
     output wire       end_o,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_slip_tx: bytes of a line, from bytes of frames (SLIP, RFC 1055).
+// fp3_slip_tx: bytes of a line, from bytes of packets (SLIP, RFC 1055).
 //
 // Purpose   The other end of slip_rx.
 // Latency   0; a byte that has to be escaped is taken after two bytes of the line.
@@ -8,7 +8,7 @@
 module fp3_slip_tx (
     input  wire       clk_i,
     input  wire       rst_i,
-    // The frame
+    // The packet
     input  wire       valid_i,
     output wire       ready_o,
     input  wire       end_i,           // an end, in place of a byte

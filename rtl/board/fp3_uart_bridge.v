@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_uart_bridge: a serial line as a master of AXI4-Lite.
 //
-// Purpose   Lets a host that has a serial port read and write words on the bus. docs/board.md has the frames.
+// Purpose   Lets a host that has a serial port read and write words on the bus. docs/board.md has the packets.
 //
 //           rxd ──► uart_rx ──► slip_rx ──► request_rx ─┐
 //           txd ◄── uart_tx ◄── slip_tx ◄── answer_tx ◄─┴─ transact ◄─► the bus
 //
 // Latency   An answer's first byte is on its way some cycles after the request's last byte and what the bus takes.
-// Promise   Every whole and right frame that begins while no other one is executed or answered has one answer.
+// Promise   Every whole and right packet that begins while no other one is executed or answered has one answer.
 //           Whatever else the line has changes nothing and has no answer; after the next end all is as before.
 `default_nettype none
 module fp3_uart_bridge #(

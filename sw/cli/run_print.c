@@ -206,7 +206,7 @@ static void print_cost(const fp3_stats *stats, int has_counters) {
 static void print_line(const fp3_stats *stats, fp3_bus_use bus) {
     printf("%-16s %.3g s for the run; %" PRIu64 " requests on the line, %" PRIu64
            " sent again, %" PRIu64 " bytes\n",
-           "board", stats->seconds, bus.frames, bus.repeats, bus.bytes);
+           "board", stats->seconds, bus.requests, bus.repeats, bus.bytes);
 }
 
 /* What the cycles take on hardware with this clock, and what they took to simulate. */
@@ -222,7 +222,7 @@ static void print_time(const fp3_stats *stats, int is_rtl, fp3_bus_use bus, doub
             printf("%-16s %.6g s\n", "per object-step",
                    cycles / clock / (double)stats->object_steps);
     }
-    if (bus.frames) {
+    if (bus.requests) {
         print_line(stats, bus);
         return;
     }

@@ -208,8 +208,8 @@ void fp3_run_ranks_print(fp3_engine *engine) {
         printf("%" PRIu64 " bytes to other ranks", all[r].sent);
         if (all[r].bus.transfers)
             printf("; %" PRIu64 " words on the bus", all[r].bus.transfers);
-        if (all[r].bus.frames)
-            printf(", %" PRIu64 " requests, %" PRIu64 " bytes on the line", all[r].bus.frames,
+        if (all[r].bus.requests)
+            printf(", %" PRIu64 " requests, %" PRIu64 " bytes on the line", all[r].bus.requests,
                    all[r].bus.bytes);
         putchar('\n');
     }

@@ -9,7 +9,7 @@
 void fp3_ranks_add_bus(fp3_bus_use *sum, const fp3_bus_use *more) {
     sum->transfers += more->transfers;
     sum->cycles += more->cycles;
-    sum->frames += more->frames;
+    sum->requests += more->requests;
     sum->repeats += more->repeats;
     sum->bytes += more->bytes;
 }
@@ -32,12 +32,12 @@ void fp3_ranks_count_run(fp3_engine *engine) {
     }
     self->use.cycles += most;
     const fp3_rank_use use = use_of(self);
-    uint64_t sums[] = {use.bus.transfers, use.bus.frames, use.bus.repeats, use.bus.bytes};
+    uint64_t sums[] = {use.bus.transfers, use.bus.requests, use.bus.repeats, use.bus.bytes};
     self->ranks->calls->add(self->ranks->world, sums, sizeof sums / sizeof *sums);
     engine->bus =
         (fp3_bus_use){.transfers = sums[0],
                       .cycles = self->ranks->calls->most(self->ranks->world, use.bus.cycles),
-                      .frames = sums[1],
+                      .requests = sums[1],
                       .repeats = sums[2],
                       .bytes = sums[3]};
 }

@@ -7,8 +7,8 @@
 #include "session.h"
 #include "store_lists.h"
 
-#include "serial/frame.h"
 #include "serial/link.h"
+#include "serial/packet.h"
 #include "serial/port.h"
 
 #include "gen/registers.h"
@@ -18,7 +18,7 @@
 /* Milliseconds from one question whether a run has ended to the next: 0, 1, 2, 4 and so on. */
 #define LONGEST_PAUSE 128
 
-_Static_assert(FP3_READ_AHEAD_WORDS <= FP3_FRAME_WORDS, "what is read ahead is one transfer");
+_Static_assert(FP3_READ_AHEAD_WORDS <= FP3_PACKET_WORDS, "what is read ahead is one transfer");
 
 typedef struct {
     fp3_driver driver; /* first: the calls of driver.h find it there */
@@ -37,7 +37,7 @@ static fp3_status transfer_line(fp3_engine *engine, int is_write, uint32_t addre
         fp3_link_transfer(self->link, is_write, address & self->window, data, count, refused);
     engine->bus.repeats = fp3_link_repeats(self->link);
     engine->bus.bytes = fp3_link_bytes(self->link);
-    engine->bus.frames++;
+    engine->bus.requests++;
     return status;
 }
 
@@ -93,7 +93,7 @@ static fp3_status rest(fp3_engine *engine, uint64_t cycles, uint32_t asked) {
     return pause == longest && engine->def.progress ? tell(engine) : FP3_OK;
 }
 
-static const fp3_bus bus = {FP3_FRAME_WORDS, 0, transfer, now, rest, NULL};
+static const fp3_bus bus = {FP3_PACKET_WORDS, 0, transfer, now, rest, NULL};
 
 /* ---- the engine ---- */
 

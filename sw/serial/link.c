@@ -2,7 +2,7 @@
 /* link.c - see link.h. */
 #include "link.h"
 
-#include "frame.h"
+#include "packet.h"
 #include "port.h"
 
 #include <inttypes.h>
@@ -16,9 +16,9 @@ struct fp3_link {
     fp3_port port;
     uint32_t baud;
     uint8_t sequence;
-    fp3_frame_reader reader;
+    fp3_packet_reader reader;
     uint64_t sent, bytes, answers,
-        repeats; /* bytes sent; that came; frames that were answers; requests sent again */
+        repeats; /* bytes sent; that came; packets that were answers; requests sent again */
 };
 
 typedef struct {
@@ -51,17 +51,17 @@ uint64_t fp3_link_repeats(const fp3_link *link) { return link->repeats; }
 
 uint64_t fp3_link_bytes(const fp3_link *link) { return link->sent + link->bytes; }
 
-/* Whether the frame that the reader has answers the request; then the words and *refused are filled. */
+/* Whether the packet that the reader has answers the request; then the words and *refused are filled. */
 static int take(fp3_link *link, const request *r, uint32_t *refused) {
-    const fp3_frame_reader *frame = &link->reader;
-    if (frame->size < 2 || frame->content[0] != link->sequence || frame->content[1] > r->count)
+    const fp3_packet_reader *packet = &link->reader;
+    if (packet->size < 2 || packet->content[0] != link->sequence || packet->content[1] > r->count)
         return 0;
-    const uint32_t status = frame->content[1];
+    const uint32_t status = packet->content[1];
     const uint32_t words = r->is_write ? 0 : status ? status - 1 : r->count;
-    if (frame->size != 2 + 4 * (size_t)words)
+    if (packet->size != 2 + 4 * (size_t)words)
         return 0;
     for (uint32_t i = 0; i < words; i++)
-        r->words[i] = fp3_frame_word(frame->content + 2 + 4 * i);
+        r->words[i] = fp3_packet_word(packet->content + 2 + 4 * i);
     *refused = status;
     link->answers++;
     return 1;
@@ -69,7 +69,7 @@ static int take(fp3_link *link, const request *r, uint32_t *refused) {
 
 static fp3_status await_answer(fp3_link *link, const request *r, int64_t until, uint32_t *refused,
                                int *is_answered) {
-    uint8_t bytes[FP3_FRAME_SIZE];
+    uint8_t bytes[FP3_PACKET_SIZE];
     *is_answered = 0;
     while (!*is_answered && fp3_port_now() < until) {
         size_t size = 0;
@@ -78,7 +78,7 @@ static fp3_status await_answer(fp3_link *link, const request *r, int64_t until, 
             return status;
         link->bytes += size;
         for (size_t i = 0; i < size && !*is_answered; i++)
-            *is_answered = fp3_frame_feed(&link->reader, bytes[i]) && take(link, r, refused);
+            *is_answered = fp3_packet_feed(&link->reader, bytes[i]) && take(link, r, refused);
     }
     return FP3_OK;
 }
@@ -103,7 +103,7 @@ static fp3_status complain(const fp3_link *link, const request *r) {
         port, link->baud);
 }
 
-/* What the line takes for both frames, if every byte is escaped, and a time for the board. */
+/* What the line takes for both packets, if every byte is escaped, and a time for the board. */
 static int64_t patience(const fp3_link *link, const request *r, int tries) {
     const uint64_t bits = 10u * 2u * (24u + 4u * (uint64_t)r->count);
     return (int64_t)(1000 * bits / link->baud) + ((int64_t)PATIENCE << tries);
@@ -112,14 +112,15 @@ static int64_t patience(const fp3_link *link, const request *r, int tries) {
 fp3_status fp3_link_transfer(fp3_link *link, int is_write, uint32_t address, uint32_t *words,
                              uint32_t count, uint32_t *refused) {
     const request r = {is_write, address, count, words};
-    uint8_t frame[FP3_FRAME_SIZE];
-    const size_t size = fp3_frame_request(++link->sequence, is_write, address, words, count, frame);
+    uint8_t packet[FP3_PACKET_SIZE];
+    const size_t size =
+        fp3_packet_request(++link->sequence, is_write, address, words, count, packet);
     for (int tries = 0; tries < TRIES; tries++) {
         const int64_t until = fp3_port_now() + patience(link, &r, tries);
         int is_answered = 0;
         link->repeats += tries > 0;
         link->sent += size;
-        fp3_status status = fp3_port_write(&link->port, frame, size, until);
+        fp3_status status = fp3_port_write(&link->port, packet, size, until);
         if (!status)
             status = await_answer(link, &r, until, refused, &is_answered);
         if (status || is_answered)

@@ -40,7 +40,7 @@ int main(int count, char **arguments) {
         status = fp3_engine_run(engine, 1, NULL);
     if (!status)
         status = fp3_engine_failure(engine, 0, 3, &failure);
-    requests = status ? 0 : fp3_engine_bus(engine).frames;
+    requests = status ? 0 : fp3_engine_bus(engine).requests;
     bytes = status ? 0 : fp3_engine_bus(engine).bytes;
     for (uint32_t reg = 0; !status && reg < 2; reg++)
         status = fp3_engine_write(engine, 0, 3, reg, column);
@@ -50,7 +50,7 @@ int main(int count, char **arguments) {
         fprintf(stderr, "at_first: %s\n", error.text);
     else
         printf("%g %g %g %zu, %g in %d, %s\n", (double)x, (double)y, (double)k, failure.failed,
-               (double)z, (int)(fp3_engine_bus(engine).frames - requests),
+               (double)z, (int)(fp3_engine_bus(engine).requests - requests),
                fp3_engine_bus(engine).bytes - bytes >= 3 * 28 + 276 ? "all bytes" : "too few");
     fp3_engine_close(&engine);
     fp3_image_free(&image);

@@ -1,4 +1,4 @@
-"""What a UART bridge has to do (docs/board.md), byte for byte, on a bus with 1024 words at 0; frames of a host, good and bad."""
+"""What a UART bridge has to do (docs/board.md), byte for byte, on a bus with 1024 words at 0; packets of a host, good and bad."""
 
 import zlib
 
@@ -38,8 +38,8 @@ class Bridge:
         self.memory, self.kept = [0] * 1024, None
         self.transfers, self.answers = [], []
 
-    def frame(self, data):
-        """The bytes of a frame between two ends, without framing errors. Returns whether it is answered."""
+    def packet(self, data):
+        """The bytes of a packet between two ends, without framing errors. Returns whether it is answered."""
         body = unescaped(data)
         if body is None or len(body) < 10 or body != checked(body[:-4]) or body[1] & 0x40:
             return False
@@ -85,17 +85,17 @@ class Host:
         self.script += [f"b {byte:02x}" for byte in data]
 
     def ask(self, body, begin=True):
-        """A good frame: it is answered."""
+        """A good packet: it is answered."""
         data = escaped(checked(body))
         self.bytes(([END] if begin else []) + [*data, END])
-        assert self.bridge.frame(data)
+        assert self.bridge.packet(data)
         self.script.append("a 0")
         self.good += 1
 
     def overrun(self, body, late):
-        """A good frame, and before its answer is whole another one: that is not heard."""
+        """A good packet, and before its answer is whole another one: that is not heard."""
         self.bytes([END, *escaped(checked(body)), END, *escaped(checked(late)), END])
-        assert self.bridge.frame(escaped(checked(body)))
+        assert self.bridge.packet(escaped(checked(body)))
         self.script.append("a 0")
         self.good += 1
 
@@ -116,7 +116,7 @@ class Host:
         self.ask(self.last, self.chance.random() < 0.99 or self.bad)
 
     def disturb(self):
-        """A bad frame: nothing may come of it. What has no end ends where the next frame begins."""
+        """A bad packet: nothing may come of it. What has no end ends where the next packet begins."""
         chance, self.bad = self.chance, self.bad + 1
         body = self.body()
         whole = checked(body)
@@ -151,7 +151,7 @@ class Host:
         elif kind == 11:                                   # ends within
             place = max(place, 2)
             line[place:place] = [END, END]
-        if kind == 12:                                     # a stop bit that is low; in an end: two frames become one
+        if kind == 12:                                     # a stop bit that is low; in an end: two packets become one
             place = chance.randrange(1, len(line))
             self.bytes(line[:place])
             self.script.append(f"x {line[place]:02x}")
@@ -162,17 +162,17 @@ class Host:
             self.bytes(line[place:])
         else:
             self.bytes(line)
-            for frame in bytes(line).split(bytes([END])):
-                assert not self.bridge.frame(frame), (kind, bytes(line).hex())
+            for packet in bytes(line).split(bytes([END])):
+                assert not self.bridge.packet(packet), (kind, bytes(line).hex())
 
     def expected(self):
         return self.bridge.transfers, self.bridge.answers
 
 
 def heard(text):
-    """The transfers, the frames and the last line of what the bench wrote."""
+    """The transfers, the packets and the last line of what the bench wrote."""
     lines = text.splitlines()
     said = bytes(int(line[2:], 16) for line in lines if line[0] == "t")
-    frames = [unescaped(frame) for frame in said.split(bytes([END])) if frame]
-    assert None not in frames, "a broken escape"
-    return [line for line in lines if line[:2] in ("w ", "r ")], frames, lines[-1]
+    packets = [unescaped(packet) for packet in said.split(bytes([END])) if packet]
+    assert None not in packets, "a broken escape"
+    return [line for line in lines if line[:2] in ("w ", "r ")], packets, lines[-1]

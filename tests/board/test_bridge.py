@@ -1,4 +1,4 @@
-"""The UART bridge between a line with bad frames and a bus with errors: what it does is what bridge_model.py says, and no more."""
+"""The UART bridge between a line with bad packets and a bus with errors: what it does is what bridge_model.py says, and no more."""
 
 import random
 import subprocess
@@ -56,7 +56,7 @@ def right(bench, host, tmp_path, seed=0):
 
 
 def noisy(seed, most, bad):
-    """Good frames between bad ones, until there were so many bad ones."""
+    """Good packets between bad ones, until there were so many bad ones."""
     host = Host(random.Random(seed), most)
     while host.bad < bad:
         for _ in range(host.chance.randrange(5)):
@@ -71,7 +71,7 @@ def rules(most=64):
     """Each rule of docs/board.md once."""
     host = Host(random.Random(1))
     host.ask(request(0, 8, count=1), begin=False)
-    host.bytes([END] * 3)                                  # frames without bytes
+    host.bytes([END] * 3)                                  # packets without bytes
     start = request(1, 8, words=[0xc0db0001, 0xdbc00002, 3])
     host.ask(start)
     host.ask(start)                                        # the answer was lost: answered again, not executed again
@@ -88,14 +88,14 @@ def rules(most=64):
     host.ask(request(9, ADDRESSES + 8, words=[11]))        # addresses that the bus does not have
     host.ask(request(10, 2**32 - 4, count=2))
     host.ask(request(11, 8, count=3))
-    host.script += ["g 1", "i 7", "k c", "k 3", "i 28"]    # noise between frames, over before the next one begins
+    host.script += ["g 1", "i 7", "k c", "k 3", "i 28"]    # noise between packets, over before the next one begins
     host.ask(request(12, 0, words=[0x01010101 * k for k in range(most)]))
     host.bytes([0, *escaped(checked(request(13, 0, words=[1]))), END])
     host.ask(request(14, 0, count=most))
     return host
 
 
-def test_every_good_frame_between_bad_ones_is_answered(root, tmp_path, long):
+def test_every_good_packet_between_bad_ones_is_answered(root, tmp_path, long):
     seed, bad = 1, 10_000 if long else 30
     host = noisy(seed, 64 if long else 3, bad)
     assert host.bad >= bad and host.good > bad / 4
@@ -145,10 +145,10 @@ def test_a_clock_that_is_bad_for_a_cycle_resets_all(root, tmp_path):
 
 BUGS = {
     "a command's bit 6 is not looked at": ("request_rx", "byte_i[6] ? BAD : BODY", "BODY"),
-    "a frame that is too long": ("request_rx", "default:  next = BAD;", "default:  next = WHOLE;"),
+    "a packet that is too long": ("request_rx", "default:  next = BAD;", "default:  next = WHOLE;"),
     "the CRC's word is stored": ("request_rx", "word_q != 7'd0 && word_q != last;", "word_q != 7'd0;"),
     "the CRC is not looked at": ("request_rx", "state_q == WHOLE && crc_q == RIGHT", "state_q == WHOLE"),
-    "frames are heard during an answer": ("request_rx", "next = listen_i ? COMMAND : BAD;", "next = COMMAND;"),
+    "packets are heard during an answer": ("request_rx", "next = listen_i ? COMMAND : BAD;", "next = COMMAND;"),
     "a bad stop bit is a good one": ("uart_rx", "if (sample) bad_q <= !line;", "bad_q <= 1'b0;"),
     "a break is bytes without end": ("uart_rx", "line_q[2] && !line;", "!line;"),
     "a broken escape is an end": ("slip_rx", "(escape_q && !escaped)", "1'b0"),
@@ -165,7 +165,7 @@ BUGS = {
 
 
 def small(most):
-    """The frames that show all of BUGS: as rules(), then one bad frame of each kind that they are about."""
+    """The packets that show all of BUGS: as rules(), then one bad packet of each kind that they are about."""
     host = rules(most)
     whole = checked(request(20, 8, words=[1]))
     for line in (whole[:-1] + bytes([whole[-1] ^ 1]), whole + b"\0", checked(bytes([20, 0xc0]) + whole[2:-4])):

@@ -62,7 +62,7 @@ def peer(answer):
         os.close(master)
 
 
-def frame(content):
+def packet(content):
     """As docs/board.md has it."""
     import zlib
     content += zlib.crc32(content).to_bytes(4, "little")
@@ -124,7 +124,7 @@ def test_nothing_of_an_earlier_host_is_left(fp3, build, tmp_path):
 
 
 def test_many_objects_of_a_model_on_a_noisy_line(root, fp3):
-    """Every object fails, or none does, as in rtl; and frames were really lost."""
+    """Every object fails, or none does, as in rtl; and packets were really lost."""
     what = [root / "programs/lotka_volterra.ode", "--integrator", "heun", "--objects", "12", "--steps", "3", "--all",
             "--spread", "x=0.5:1e30", "-c", "many"]
     with board(fp3, "--config", "many", "--noise", "7") as (_, port):
@@ -164,9 +164,9 @@ def test_what_else_may_be_behind_a_port(fp3, ship, tmp_path):
     with peer(lambda got: b"") as port:
         fails(at(port), "nobody answers at 115200 baud", "bitstream")
     sequence = lambda got: got.lstrip(b"\xc0").replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")[:1]
-    with peer(lambda got: frame(sequence(got) + b"\0" + b"\x63" + b"3PF")) as port:
+    with peer(lambda got: packet(sequence(got) + b"\0" + b"\x63" + b"3PF")) as port:
         fails(at(port), "revision 99 of the instruction set")
-    with peer(lambda got: frame(sequence(got) + b"\0" + bytes(4))) as port:
+    with peer(lambda got: packet(sequence(got) + b"\0" + bytes(4))) as port:
         fails(at(port), "no FP3", "0x00000000")
 
 
@@ -188,7 +188,7 @@ def test_hardware_of_no_configuration(root, fp3, ship):
 
     def answer(got):
         content = got.lstrip(b"\xc0").replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")
-        return frame(content[:1] + b"\0" + (bytes([revision]) + b"3PF" if content[2:6] == bytes(4) else bytes(4)))
+        return packet(content[:1] + b"\0" + (bytes([revision]) + b"3PF" if content[2:6] == bytes(4) else bytes(4)))
     with peer(answer) as port:
         fails(run(fp3, *ship, "--engine", "board", "--port", port), port, "none of this libfp3's configurations")
         fails(run(fp3, *ship, "--engine", "board", "--port", port, "-c", "single"), "is not configuration 'single': at 0x0004", "it has 0x00000000")

@@ -23,7 +23,7 @@ async def slip_tx_escapes_and_forgets_at_a_reset(dut):
     for _ in range(4000):
         await FallingEdge(dut.clk_i)
         reset = chance.random() < 0.05
-        if reset:                                          # the frame is over; another one begins behind it
+        if reset:                                          # the packet is over; another one begins behind it
             left = []
         if not left:
             end, byte = chance.random() < 0.2, chance.choice((END, ESCAPE, 0xdc, 0xdd, chance.randrange(256)))

@@ -200,12 +200,12 @@ size_t fp3_engine_objects(const fp3_engine *engine);
 
 /* Use of the hardware's bus since the engine was opened: transfers is the number of words written
  * and read; cycles is the sum of cycles from a transfer's first handshake to its response, which no
- * run counts (board: 0). With board, frames is the number of requests sent over the line, repeats
+ * run counts (board: 0). With board, requests is the number of requests sent over the line, repeats
  * how many of them were sent again because an answer was lost or late, and bytes what the line
  * carried both ways. All are 0 for engines without a bus. */
 typedef struct {
     uint64_t transfers, cycles;
-    uint64_t frames, repeats, bytes;
+    uint64_t requests, repeats, bytes;
 } fp3_bus_use;
 fp3_bus_use fp3_engine_bus(const fp3_engine *engine);
 /* The largest number of objects that an engine can hold; 0: no such engine or configuration. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* frame.c - see frame.h. */
-#include "frame.h"
+/* packet.c - see packet.h. */
+#include "packet.h"
 
 #include <zlib.h>
 
@@ -8,17 +8,17 @@
 enum { END = 0xc0, ESCAPE = 0xdb, ESCAPED_END = 0xdc, ESCAPED_ESCAPE = 0xdd };
 
 typedef struct {
-    uint8_t *frame;
+    uint8_t *packet;
     size_t size;
     uLong crc;
 } writer;
 
 static void put_raw(writer *w, uint8_t byte) {
     if (byte == END || byte == ESCAPE) {
-        w->frame[w->size++] = ESCAPE;
+        w->packet[w->size++] = ESCAPE;
         byte = byte == END ? ESCAPED_END : ESCAPED_ESCAPE;
     }
-    w->frame[w->size++] = byte;
+    w->packet[w->size++] = byte;
 }
 
 static void put_byte(writer *w, uint8_t byte) {
@@ -31,10 +31,10 @@ static void put_word(writer *w, uint32_t word) {
         put_byte(w, (uint8_t)(word >> i));
 }
 
-size_t fp3_frame_request(uint8_t sequence, int is_write, uint32_t address, const uint32_t *words,
-                         uint32_t count, uint8_t frame[FP3_FRAME_SIZE]) {
-    writer w = {frame, 0, crc32(0, NULL, 0)};
-    frame[w.size++] = END; /* ends what noise began */
+size_t fp3_packet_request(uint8_t sequence, int is_write, uint32_t address, const uint32_t *words,
+                          uint32_t count, uint8_t packet[FP3_PACKET_SIZE]) {
+    writer w = {packet, 0, crc32(0, NULL, 0)};
+    packet[w.size++] = END; /* ends what noise began */
     put_byte(&w, sequence);
     put_byte(&w, (uint8_t)((is_write ? 0x80 : 0) | (count - 1)));
     put_word(&w, address);
@@ -43,24 +43,24 @@ size_t fp3_frame_request(uint8_t sequence, int is_write, uint32_t address, const
     const uLong crc = w.crc;
     for (int i = 0; i < 32; i += 8)
         put_raw(&w, (uint8_t)(crc >> i));
-    frame[w.size++] = END;
+    packet[w.size++] = END;
     return w.size;
 }
 
-uint32_t fp3_frame_word(const uint8_t *bytes) {
+uint32_t fp3_packet_word(const uint8_t *bytes) {
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-static int end(fp3_frame_reader *r) {
+static int end(fp3_packet_reader *r) {
     const int is_whole = !r->is_bad && !r->is_escaped && r->size > 4 &&
                          crc32(crc32(0, NULL, 0), r->content, (uInt)(r->size - 4)) ==
-                             fp3_frame_word(r->content + r->size - 4);
+                             fp3_packet_word(r->content + r->size - 4);
     r->is_over = 1;
     r->size -= is_whole ? 4 : 0;
     return is_whole;
 }
 
-int fp3_frame_feed(fp3_frame_reader *r, uint8_t byte) {
+int fp3_packet_feed(fp3_packet_reader *r, uint8_t byte) {
     if (r->is_over)
         r->size = (size_t)(r->is_over = r->is_bad = r->is_escaped = 0);
     if (byte == END)
