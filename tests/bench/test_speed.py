@@ -6,6 +6,8 @@ import subprocess
 
 import pytest
 
+pytestmark = pytest.mark.xdist_group("speed")    # it is measured once
+
 ENGINE = "fast"
 FIELDS = {"program", "engine", "method", "threads", "flags", "objects", "steps", "ns_per_object_step", "ratio_to_hand", "repeats"}
 

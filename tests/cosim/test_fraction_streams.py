@@ -9,7 +9,10 @@ ROWS = {"odd": ("many_full", {"fraction": 18, "nearest": 0, "subnormal": 0}), "f
         "alone": ("single_fused", {"fraction": 18, "nearest": 0, "subnormal": 0})}
 
 
-@pytest.fixture(scope="module", params=ROWS)
+pytestmark = pytest.mark.xdist_group("fraction_streams")    # each configuration is built once
+
+
+@pytest.fixture(scope="module", params=["odd", *(pytest.param(name, marks=pytest.mark.long) for name in ("fused", "alone"))])
 def tree(request, root, build, tmp_path_factory):
     """A named configuration with these numbers, uncut."""
     name, keys = ROWS[request.param]

@@ -13,13 +13,24 @@ def generate(root, *arguments):
                           capture_output=True, text=True, timeout=60)
 
 
+def copied(root, folder):
+    """What the generator reads and writes."""
+    for name in ("isa", "tools", "rtl", "sw/gen", "sw/include", "docs", "programs/integrators", "python"):
+        shutil.copytree(root / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(root / "fp3.core", folder)
+    return folder
+
+
 @pytest.fixture
 def copy(root, tmp_path):
-    """A tree to spoil: what the generator reads and writes."""
-    for name in ("isa", "tools", "rtl", "sw/gen", "sw/include", "docs", "programs/integrators", "python"):
-        shutil.copytree(root / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(root / "fp3.core", tmp_path)
-    return tmp_path
+    """A tree to spoil."""
+    return copied(root, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def one_copy(root, tmp_path_factory):
+    """A tree for many tests, which mend what they spoil."""
+    return copied(root, tmp_path_factory.mktemp("copy"))
 
 
 def replace(path, old, new):
@@ -194,13 +205,18 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize("file, old, new, message", MISTAKES, ids=[m[3] for m in MISTAKES])
-def test_a_mistake_is_reported_and_nothing_is_written(copy, file, old, new, message):
-    replace(copy / "isa" / file, old, new)
-    before = {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}
-    done = generate(copy)
+def test_a_mistake_is_reported_and_nothing_is_written(one_copy, file, old, new, message):
+    def state():
+        return {path: path.stat().st_mtime_ns for path in one_copy.rglob("*") if "__pycache__" not in path.parts}
+    right = (one_copy / "isa" / file).read_text()
+    replace(one_copy / "isa" / file, old, new)
+    before = state()
+    done = generate(one_copy)
+    after = state()
+    (one_copy / "isa" / file).write_text(right)
     assert done.returncode != 0
     assert done.stderr.startswith(f"generate.py: isa/{file}: ") and message in done.stderr
-    assert {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()} == before
+    assert after == before
 
 
 def test_a_missing_file_is_named(copy):

@@ -11,6 +11,8 @@ import pytest
 import random_models
 from runs import BUILD, fp3, functions
 
+pytestmark = pytest.mark.xdist_group("double_single")    # it is measured once
+
 PROGRAMS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../programs")
 KEPLER = os.path.join(PROGRAMS, "kepler.ode")
 SWITCH = """param k = 0.1

@@ -30,7 +30,7 @@ def chosen(model):
 def test_rows(fp3, tmp_path, long, model):
     """Integrators by turns, with steps fine enough for an order to show; or all of both."""
     names = set(INTEGRATORS) if long else chosen(model)
-    most = 131072 if long else 2048 if model in STIFF else 8192
+    most = 131072 if long else 2048 if model in STIFF else 4096
     done = subprocess.run([fp3, "compare", PROGRAMS / f"{model}.ode", *ARITHMETICS, "--errors", "--json", tmp_path / "rows.json",
                            "--most-steps", str(most), *(["--native"] if long else []), *(word for name in sorted(names) for word in ("-i", name))], capture_output=True, text=True)
     results = json.loads((tmp_path / "rows.json").read_text())

@@ -70,7 +70,7 @@ def test_the_page_has_the_cheapest_and_the_dearest(root):
 
 
 @pytest.mark.parametrize("name, options", [(name, options) for name, options in PROGRAMS
-                                           if options[1] in ("heun", "verlet", "cash_karp", "rodas3", "ralston3") or "-k" in options])
+                                           if options[1] in ("heun", "rodas3", "ralston3")])
 def test_engines_agree(root, tmp_path, long, name, options):
     """30 objects, which are more than contexts, in visits of different length; with adaptive steps some fall asleep before others.
     Compiling takes longest, so for one kind of processor (two)."""
@@ -121,7 +121,7 @@ def test_64_states_have_the_bits_of_the_equations(root, tmp_path, engine):
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("integrator", ["euler", "leapfrog", "verlet", "yoshida6"])
+@pytest.mark.parametrize("integrator", ["leapfrog", *(pytest.param(name, marks=pytest.mark.long) for name in ("euler", "verlet", "yoshida6"))])
 def test_a_program_that_spills_has_the_bits_of_one_that_does_not(root, tmp_path, integrator):
     """On `single_full` the params are constants, and nothing spills."""
     path, _ = resized(root, tmp_path, "large/twelve_masses", 60)

@@ -121,7 +121,7 @@ def reset_in_the_middle(session, times, length):
     return session
 
 
-@pytest.mark.parametrize("config, objects, times", [("many", 6, (37, 150, 334, 601)), ("lanes", 8, (600,)), pytest.param("dual", 4, (300, 441), marks=pytest.mark.long),
+@pytest.mark.parametrize("config, objects, times", [("many", 6, (37, 150, 334, 601)), pytest.param("lanes", 8, (600,), marks=pytest.mark.long), pytest.param("dual", 4, (300, 441), marks=pytest.mark.long),
                                                     ("single", 1, (37, 150, 333))])
 def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, long, config, objects, times):
     """In the middle of a run it leaves what a long one leaves: memories as they are, and nothing on its way."""
