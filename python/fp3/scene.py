@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import time
-from typing import Any, Callable, List, Mapping, Optional, Tuple, Union
+from typing import Any, Callable, Iterable, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
@@ -92,6 +92,7 @@ class Scene(Owner):
         self.steps: int = self._scene_c.steps
         self.objects: int = self._scene_c.objects
         # A program in assembly may do more in its first and last part than prepare: then a run is not the same in parts.
+        self._goes_on = False  # the last run was of a number of attempts that the caller chose
         self._has_parts = all(self._scene_c.groups[i].program.contents.model for i in range(len(self.groups)))
 
     @property
@@ -112,7 +113,12 @@ class Scene(Owner):
 
     def run(self, steps: Optional[int] = None, *, check_failures: bool = True,
             progress: Union[None, bool, Callable[[float], None]] = None) -> None:
-        """Runs the scene's steps, or this number. FailedError: objects failed; all values can be read."""
+        """Runs the scene's steps, or this number; with a tolerance these are attempts.
+
+        FailedError: objects failed; all values can be read. After the scene's own attempts that includes the objects that have not
+        reached `until`; after a number of yours they have not failed, and go on in the next call.
+        """
+        self._goes_on = steps is not None
         left = total = self.steps if steps is None else as_count("steps", steps, 0, STEPS_MOST)
         tell = as_teller(progress, print_share) or (lambda share: None)
         with self._c() as engine:  # counted from here; a configuration that keeps no status has nothing to clear
@@ -154,6 +160,17 @@ class Scene(Owner):
     def _adaptive(self, group: Group) -> bool:
         return bool(self._lib.fp3_adaptive_is(group._program.contents.image))
 
+    def _not_ended(self, engine: Any, objects: Iterable[int]) -> List[Tuple[int, Any]]:
+        """Which of the objects failed; while a run can go on, without those that have only made their attempts."""
+        fine = {d.FP3_ADAPTIVE_ENDED, d.FP3_ADAPTIVE_STOPPED} | ({d.FP3_ADAPTIVE_LIMITED} if self._goes_on else set())
+        found = []
+        for number in objects:
+            look = d.fp3_adaptive_object()
+            check(self._lib.fp3_adaptive_look(engine, number, look), self._error)
+            if look.end not in fine:
+                found.append((number, look))
+        return found
+
     def failure(self) -> Optional[Failure]:
         """How objects failed in the last run, or None: of the first group with such objects."""
         found, text = d.fp3_failure(), ctypes.create_string_buffer(d.FP3_ADAPTIVE_TEXT_SIZE)
@@ -163,8 +180,11 @@ class Scene(Owner):
                     report = d.fp3_adaptive_report()
                     check(self._lib.fp3_adaptive_report_make(engine, group.first, group.objects, report), self._error)
                     if report.failed:
-                        self._lib.fp3_adaptive_text(report.first, report.why, text)
-                        return Failure(report.failed, report.first, report.why.accepted, text.value.decode())
+                        failed = self._not_ended(engine, range(report.first, group.first + group.objects))
+                        if failed:
+                            first, why = failed[0]
+                            self._lib.fp3_adaptive_text(first, why, text)
+                            return Failure(len(failed), first, why.accepted, text.value.decode())
                     continue
                 check(self._lib.fp3_engine_failure(engine, group.first, group.objects, found), self._error)
                 if found.failed:

@@ -73,6 +73,28 @@ def test_a_scene_with_chosen_steps_and_pairs(tmp_path):
     assert scene.groups[0]["x"].tolist() == fp3.solve_ivp(tmp_path / "spring.ode", (0, 0.0625), objects=2, arithmetic="double-single")["x"][:, -1].tolist()
 
 
+def test_a_scene_that_chooses_its_steps_is_run_in_parts(tmp_path):
+    """Objects that have made the attempts that were asked for go on in the next call; after the scene's own attempts they have failed."""
+    (tmp_path / "spring.ode").write_text(SPRING)
+    text = 'config = "many_full"; engine = "fast"; %sgroups = ({ program = "spring.ode"; objects = 3; tolerance = 1e-5; until = 1.0; });\n'
+    (tmp_path / "s.scene").write_text(text % "")
+    whole, parts, calls = fp3.Scene(tmp_path / "s.scene"), fp3.Scene(tmp_path / "s.scene"), 0
+    whole.run()
+    while (parts.groups[0]["t"] < 1).any():
+        parts.run(3)
+        assert parts.failure() is None
+        calls += 1
+    assert calls > 2 and parts.groups[0]["x"].tolist() == whole.groups[0]["x"].tolist()
+    (tmp_path / "few.scene").write_text(text % "steps = 3; ")
+    few = fp3.Scene(tmp_path / "few.scene")
+    with pytest.raises(fp3.FailedError, match="3 objects failed, first object 0 at t = .* no attempt is left"):
+        few.run()
+    (tmp_path / "explodes.ode").write_text("state x = 1\nstep 0.125\nx' = 1e30*x*x\n")
+    (tmp_path / "stuck.scene").write_text(text.replace("spring", "explodes") % "")
+    with pytest.raises(fp3.FailedError):
+        fp3.Scene(tmp_path / "stuck.scene").run(100000)
+
+
 def test_what_a_scene_refuses(root, tmp_path):
     (tmp_path / "bad.scene").write_text('config = "many_full";\ngroups = ({ program = "none.ode"; objects = 3; });\n')
     with pytest.raises(fp3.Error) as said:
