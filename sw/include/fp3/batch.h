@@ -73,10 +73,10 @@ typedef struct {
     fp3_tasks_fn *tasks;
     void *tasks_user;
     fp3_allocator allocator;
-    /* Of objects that see those near: how much farther their lists go, as a share of the reach, so that they last
-     * until an object has moved by half of it. 0 (default): 0.3. It changes no bit. */
+    /* For near objects: lists reach farther by this share of the reach, so they stay valid until an
+     * object has moved by half of that distance. 0 (default): 0.3. It changes no bit. */
     double skin;
-    int may_fail; /* 1: fp3_batch_step returns FP3_OK though objects failed; look with fp3_batch_failure */
+    int may_fail; /* 1: fp3_batch_step returns FP3_OK though objects failed */
 } fp3_batch_def;
 
 /* For fp3_batch_default() only. size is that of fp3_batch_def in the calling program. */
@@ -88,9 +88,9 @@ static inline fp3_batch_def fp3_batch_default(void) {
 }
 
 /* Opens a batch. All objects have the model's defaults and are at time 0. The caller closes *batch,
- * which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and
- * fp3_engine_open. A call with a batch that is NULL, because it could not be opened, does nothing: it
- * returns FP3_E_ARGUMENT, 0 or NULL. */
+ * which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and fp3_engine_open.
+ * A call with a batch that is NULL, because it could not be opened, does nothing: it returns
+ * FP3_E_ARGUMENT, 0 or NULL. */
 fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch);
 /* Closes *batch and sets it to NULL. *batch may be NULL already. */
 void fp3_batch_close(fp3_batch **batch);
@@ -99,11 +99,12 @@ void fp3_batch_close(fp3_batch **batch);
  *
  * FP3_E_ARGUMENT: there is no such name (the message suggests the nearest), no such object, or the
  * value is not finite; nothing is changed. A value below 2^-150 becomes 0. Whether the values
- * computed from it fit FP32 is checked by the next step.
- * A state that is written before the first step sets where its object starts. Later, the object
- * goes on from there. A start that the model computes from params follows them, at the first step
- * and after fp3_batch_restart, unless it is written itself. After the first step, an integrator that keeps earlier positions (stoermer)
- * refuses new states and another h; another h is also refused if the equations contain t. */
+ * computed from it fit FP32 is checked by the next step. A state that is written before the first
+ * step sets where its object starts. Later, the object goes on from there. A start that the model
+ * computes from params follows these params, at the first step and after fp3_batch_restart, unless
+ * the start itself is written. After the first step, an integrator that keeps earlier positions
+ * (stoermer) refuses new states and another h; another h is also refused if the equations contain
+ * t. */
 
 /* Sets a value of all objects, or one that they share. */
 fp3_status fp3_batch_set(fp3_batch *batch, const char *name, double value);
@@ -120,37 +121,40 @@ fp3_status fp3_batch_read(fp3_batch *batch, const char *const *names, size_t nam
 fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values);
 
-/* Where engine "fast" has a state, or a param of each object, of all objects, without a copy: as fp3_engine_column.
- * *values stays valid until the batch is closed, and shows what the objects hold between steps. What was written
- * before the first step is there after this call; what was written to a state later, at once; any other value, after
- * the next step at the latest. NULL: there is no such place; fp3_batch_read gives a copy. FP3_E_ARGUMENT: there is no
- * such name, or a value computed from those written is refused as in fp3_batch_step. */
+/* Read-only pointer to the column of a state, or of a param of each object, as fp3_engine_column.
+ * *values stays valid until the batch is closed, and changes with each step. It shows values that
+ * were written before the first step from this call on, states that were written later at once, and
+ * params after the next step at the latest. NULL: there is no such column; fp3_batch_read gives a
+ * copy. FP3_E_ARGUMENT: there is no such name, or a value computed from written values is refused
+ * as in fp3_batch_step. */
 fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **values);
 
 /* ---- links (docs/relations.md) ----
  *
- * Objects see all others, and those that are near, without being told. Reaches follow the shared params that they
- * are made of.
+ * Relations `all` and `near` need no call. The reach of `near` follows the shared params that it is
+ * made of.
  */
 
-/* Links of the relation of this name, which replace those before; they are copied. Before the first step, and at
- * any time later. An image has lists of neighbours instead, by the names of their registers; those near, too, have
- * to be given. FP3_E_ARGUMENT: there is no such relation or field, a link does not join two objects, or
- * the two of another link, or a field is not finite; the links are then those before. */
+/* Sets the links of a relation, which are copied and replace earlier ones; before the first step,
+ * and at any time later. For an image, `relation` is the name of a list's register, and near
+ * objects are also given so. FP3_E_ARGUMENT: no such relation or field; a link does not join two
+ * objects, or joins the same two as another link; or a field is not finite. After an error the
+ * links are unchanged. */
 fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
 
 /* ---- steps ---- */
 
 /* All objects make this number of steps. With adaptive steps, each makes at most this number of
- * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is refused as by
- * fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. FP3_E_FAILED: all steps
- * were made and values can be read, but objects failed in them (fp3_batch_failure); see may_fail. An object that has
- * made its attempts, and can go on to `until` in the next call, has not failed. Other errors are those of fp3_engine_run. */
+ * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is refused
+ * as by fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. FP3_E_FAILED: all steps
+ * were made and values can be read, but objects failed in them (fp3_batch_failure); see may_fail.
+ * An object that has made its attempts, and can go on to `until` in the next call, has not failed.
+ * Other errors are those of fp3_engine_run. */
 fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
-/* From now on objects 0 .. count-1 make steps; at first all do. The others cost a step nothing. They
- * keep what they hold, may be written and read, and go on from there when they are used again. Each
- * object counts its own steps, so one that joins later is at its own t. FP3_E_ARGUMENT: there are
- * not that many objects, or objects see each other and these are not all. */
+/* From now on objects 0 .. count-1 make steps; at first all objects do. The other objects cost
+ * nothing. They keep their values, may be written and read, and go on from there when they are used
+ * again. Each object counts its own steps, so one that joins later is at its own t. FP3_E_ARGUMENT:
+ * count is above the number of objects, or objects see each other and count is below it. */
 fp3_status fp3_batch_use(fp3_batch *batch, size_t count);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);
@@ -160,8 +164,9 @@ fp3_status fp3_batch_restart(fp3_batch *batch);
 
 /* Which of the used objects failed in the last fp3_batch_step, as fp3_engine_failure. text (may be
  * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if something was written, or
- * another number of objects used, since. With adaptive steps: which are stuck (FP3_ADAPTIVE_STUCK), or have a state that is
- * not finite; step is the number of accepted steps, and the members behind it are 0. */
+ * another number of objects used, since. With adaptive steps: which are stuck (FP3_ADAPTIVE_STUCK),
+ * or have a state that is not finite; step is the number of accepted steps, and the members behind
+ * it are 0. */
 fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]);
 

@@ -97,8 +97,9 @@ typedef struct {
     const char *const *observed; /* names of the states that will be read; NULL: all */
     size_t observed_count;
     int finds_savings; /* 1: also fill fp3_compiled.saved: compiles again for each pass */
-    /* 1: the program may have more words than the configuration's instruction memory. Engines isa and fast run it, with
-     * the same bits as a program that fits; loading it refuses on hardware. */
+    /* 1: the program may have more words than the configuration's instruction memory. Engines
+     * isa and fast run it, with the same bits as a program that fits; hardware refuses to load
+     * it. */
     int is_for_host;
 } fp3_compile_def;
 
@@ -131,7 +132,8 @@ typedef struct {
     char *assembly;
     /* One line that begins with a line number of the model, if the integrator loses order on it: a
      * splitting is only of first order if a derivative that it kicks depends on more than
-     * positions. Or what a configuration that flushes subnormal numbers gets wrong. Else NULL. */
+     * positions. Or a line on wrong results of a configuration that flushes subnormal numbers. Else
+     * NULL. */
     char *warning;
     fp3_image *image;
     fp3_input *inputs;
@@ -142,7 +144,7 @@ typedef struct {
     uint32_t registers, constants;
     uint32_t ahead, copies;
     uint32_t
-        spills; /* loads and stores within the step, of values that the registers have no room for */
+        spills;    /* loads and stores within the step, of values for which there is no register */
     double cycles; /* per object-step, predicted; 0: cannot be predicted */
     double bound, bound_issue, bound_path;
     /* What each pass saves, if def->finds_savings is set: operations; `chain` saves instructions,
@@ -154,10 +156,11 @@ typedef struct {
     void *self;
 } fp3_compiled;
 
-/* FP3_E_ARGUMENT: no such configuration or state, or a definition from another version of the library. FP3_E_PROGRAM: the integrator does not suit the
- * model (a splitting, but no velocities), a number is outside the range of FP32, or the
- * configuration lacks an operation, registers, constants or words; the message says how many are
- * needed. Messages about a place in the model begin "line:column: error: ". */
+/* FP3_E_ARGUMENT: no such configuration or state, or a definition from another version of the
+ * library. FP3_E_PROGRAM: the integrator does not suit the model (a splitting, but no velocities),
+ * a number is outside the range of FP32, or the configuration lacks an operation, registers,
+ * constants or words; the message says how many are needed. Messages about a place in the model
+ * begin "line:column: error: ". */
 fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                        const fp3_compile_def *def, fp3_compiled **compiled, fp3_error *error);
 /* Frees *compiled and sets it to NULL. *compiled may be NULL already. */
@@ -174,8 +177,8 @@ uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
 /* Sets values[i] to the value of inputs[i], for an object with these params and this start
  * (model->param_count and state_count numbers) at time 0, and time step h. `steps`, if it is an
  * input, is 0. Values are computed in double and rounded once. FP3_E_ARGUMENT: h is not above 0, a
- * value is not finite or rounds to an infinity, or a value that is made of others rounds to 0 though
- * none of these is below 2^-50 and below 2^-20 of its default. */
+ * value is not finite or rounds to an infinity, or a value that is made of others rounds to 0
+ * though none of these is below 2^-50 and below 2^-20 of its default. */
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error);
 
@@ -198,19 +201,19 @@ fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *param
  * docs/adaptive.md describes what a step computes, and how the two words of t keep time.
  */
 
-/* Defaults of the params that adaptive steps add to a model, in the model's own units. Always start from
- * fp3_adaptive_default(). */
+/* Defaults of the params that adaptive steps add to a model, in the model's own units. Always start
+ * from fp3_adaptive_default(). */
 typedef struct {
     uint32_t cookie; /* as in fp3_compile_def */
-    /* A step of a state y may be wrong by absolute + tolerance |y|. 0: steps are not chosen. Each is h
-     * long, by any integrator with steps of its own, and ends earlier at `until`, where a condition in
-     * t changes, and at events; the next one ends where the whole step would have. */
+    /* A step of a state y may be wrong by absolute + tolerance |y|. 0: fixed steps of h, which end
+     * earlier at `until`, at events and where a condition in t changes; the next step then ends
+     * where the whole step would have ended. */
     double tolerance; /* default 1e-5 */
     double absolute;  /* 0: the same number as tolerance */
     double until;     /* the time at which objects end; 0: the model's span */
-    double
-        locate; /* an event is found at most this late; 0: 2^-24 until, at most step / 1024; if a condition is no
-                      root at least tolerance * until, or step / 64 without a tolerance */
+    /* An event is found at most this late. 0: 2^-24 until, at most step / 1024; a condition that is
+     * no root: at least tolerance * until, or step / 64 without a tolerance. */
+    double locate;
     /* The longest step; 0: no limit. A model whose conditions change with t at unknown times needs
      * one (docs/adaptive.md). */
     double maxstep;
@@ -235,12 +238,12 @@ static inline fp3_adaptive_def fp3_adaptive_default(void) {
  * largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to an event.
  * Events that have to be looked for also need h_before and h_behind, and roots root_before and
  * root_behind with a tolerance (docs/adaptive.md). fp3_compile then makes a program with adaptive
- * steps.
- * FP3_E_PROGRAM: the model already has one of these names, or is too large. FP3_E_ARGUMENT: a definition
- * from another version of the library. */
+ * steps. FP3_E_PROGRAM: the model already has one of these names, or is too large. FP3_E_ARGUMENT:
+ * a definition from another version of the library. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 
-/* The index of state t, which the others follow, or FP3_NONE if the model is not adapted. */
+/* The index of state t, or FP3_NONE if the model is not adapted. The other added states follow
+ * t. */
 uint32_t fp3_model_adapted(const fp3_model *model);
 /* Whether it is adapted with a tolerance. */
 int fp3_model_chooses_steps(const fp3_model *model);

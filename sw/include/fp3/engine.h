@@ -235,31 +235,31 @@ typedef struct {
     size_t objects; /* at least 1 */
 } fp3_group;
 
-/* The same with one program per group. Objects are numbered group by group, and the groups together
- * have as many objects as the engine. A scheduler runs one program. Each group gets at least one
- * scheduler; the others are distributed so that all groups end as early as possible if no object
- * sleeps. The objects of a group are dealt in turn to the lanes of its schedulers.
- * An object that is placed elsewhere keeps its registers and its status. Registers beyond its new
- * record are lost; those beyond its old record are 0. Constants belong to a group; those of a new
- * group start at 0.
- * FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer than the engine.
- * FP3_E_PROGRAM: as above, or there are more groups than schedulers. */
+/* The same with one program per group. Objects are numbered group by group; the groups together
+ * must have the engine's number of objects. A scheduler runs one program. Each group gets at least
+ * one scheduler; the others are distributed so that all groups end as early as possible if no
+ * object sleeps. The objects of a group are dealt in turn to the lanes of its schedulers. An object
+ * that moves to another place keeps its registers and its status. Registers beyond its new record
+ * are lost; registers beyond its old record are 0. Constants belong to a group; those of a new
+ * group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer than
+ * the engine. FP3_E_PROGRAM: as above, or there are more groups than schedulers. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* How many groups there are: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
 
 /* Write or read register reg of objects first .. first+count-1. values has count floats; their bits
- * are kept, even a NaN's, where words are floats (docs/logarithmic.md). FP3_E_ARGUMENT: no such object
- * or register, no room for it with this number of objects, or no word for a number: nothing is done. */
+ * are kept, even a NaN's, where words are floats (docs/logarithmic.md). FP3_E_ARGUMENT: no such
+ * object or register, no room for the register with this number of objects, or a value that the
+ * format cannot represent; nothing is written. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                            float *values);
 
-/* Where "fast" has register reg of its objects, one word each, side by side: for looking at without a copy. *values
- * shows what they hold between runs, until the engine is closed or another program is loaded. NULL: there is no such
- * place, because it is another engine, words are not floats, or objects see each other and stand in another order. FP3_E_ARGUMENT: no such
- * register. */
+/* Read-only pointer to the column of register reg: one word of each object, without a copy. Valid
+ * until the engine is closed or another program is loaded; *values changes with each run. NULL: the
+ * engine is not "fast", words are not floats, or objects see each other and are stored in another
+ * order. FP3_E_ARGUMENT: no such register. */
 fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values);
 
 /* Shared constants first .. first+count-1. Written in all groups, read from group 0. */
@@ -310,7 +310,7 @@ typedef struct {
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
                                       fp3_scheduler_share *share);
 
-#define FP3_REMOVED UINT32_MAX /* asleep because the host said so */
+#define FP3_REMOVED UINT32_MAX /* removed by the host */
 
 typedef struct {
     uint32_t flags; /* raised since open or the last clear; as in fp3_retirement */
@@ -332,7 +332,7 @@ fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t coun
  * before that. An instruction of the first part counts for the step that follows. */
 typedef struct {
     size_t failed; /* how many objects failed; if 0, all other members are 0 */
-    size_t object; /* of those that failed in the earliest step the one with the lowest number */
+    size_t object; /* the lowest number of those that failed in the earliest step */
     uint32_t step; /* counted from the load, as `sleep` does */
     int is_before; /* 1: a state was not finite before the first step of the run */
     /* The flags of the first instruction that raised invalid or overflow, as in fp3_retirement. If
@@ -345,10 +345,10 @@ typedef struct {
 } fp3_failure;
 
 /* How objects first .. first+count-1 failed in the last run, whatever earlier runs raised. Reads
- * their states. If an object failed, the isa engine repeats the run once, on every configuration.
+ * their states. If an object failed, the engine "isa" repeats the run once, on every configuration.
  * FP3_E_ARGUMENT: the run did not come to its end, or something was written or loaded since.
- * FP3_E_MISMATCH: the isa engine does not fail as the run did. A configuration without `flags`
- * detects failures by the states alone. */
+ * FP3_E_MISMATCH: "isa" does not fail as the run did. A configuration without `flags` detects
+ * failures by the states alone. */
 fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count, fp3_failure *failure);
 
 /* "object 3 in step 12: overflow", "object 0 before its first step: state v is NaN". */
@@ -374,58 +374,62 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
                            uint64_t gone);
 
 typedef enum { FP3_UNBORN, FP3_ALIVE, FP3_GONE } fp3_life_stage;
-/* The stage of an object after the runs since the load: FP3_ALIVE if it makes the next step, FP3_GONE
- * also if there is no such object. */
+/* The stage of an object after the runs since the load: FP3_ALIVE if it makes the next step,
+ * FP3_GONE also if there is no such object. */
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
 
 /* ---- neighbours (docs/relations.md) ----
  *
- * A program with neighbours goes through lists of other objects. A step of it has phases: in each, an
- * object reads what its neighbours held when the phase began. All objects of a group make a phase
- * before any begins the next one.
+ * A program with neighbours goes through lists of other objects. Its step has phases: in a phase an
+ * object reads its neighbours' values as they were when the phase began. All objects of a group end
+ * a phase before one of them begins the next phase.
  */
 
 /* One list of each object of a group. */
 typedef struct {
     /* objects + 1 numbers, ascending from 0: object i, counted in its group, has the entries
-     * begin[i] .. begin[i+1]-1. NULL: each has all other objects, in the order of their numbers. */
+     * begin[i] .. begin[i+1]-1. NULL: every object has all other objects, in the order of their
+     * numbers. */
     const uint32_t *begin;
     const uint32_t *other; /* of each entry: the neighbour, counted in the group */
     const float *fields;   /* of each entry, entry by entry; as many as the list has. NULL: none */
 } fp3_neighbours;
 
-/* Gives a list, which is copied; name is that of its register. It holds until the next load; a run
- * needs all lists of its programs. On "rtl" they are in the object store, behind the records: a run ends
- * with FP3_E_PROGRAM where there is no room for them. FP3_E_ARGUMENT: no such group or list; an entry is
- * no other object of the group, or has no fields though the list has some; nothing is loaded. The list is then as it was. */
+/* Sets the list whose register has this name, and copies it. The list stays until the next load; a
+ * run needs all lists of its programs. On "rtl" lists are in the object store, behind the records:
+ * a run ends with FP3_E_PROGRAM if they do not fit. FP3_E_ARGUMENT: no such group or list; an entry
+ * is not another object of the group; fields are missing; or nothing is loaded. After an error the
+ * list is unchanged. */
 fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
                                      const fp3_neighbours *neighbours);
 
-/* Links of a model's relation: each joins two objects of a group, and both get an entry, in the order of the
- * links. fp3_batch_link (fp3/batch.h) and fp3_params_link (fp3/program.h) take them. */
+/* Links of a model's relation: each joins two objects of a group, and both get an entry, in the
+ * order of the links. fp3_batch_link (fp3/batch.h) and fp3_params_link (fp3/program.h) take
+ * them. */
 typedef struct {
     size_t count;
     const uint32_t *a, *b; /* of each link: its objects, counted in their group */
-    /* Columns of fields, one number for each link, by the fields' names. A field without a column has the
-     * model's default. An image has no names and no defaults: columns are in the order in which it reads them. */
+    /* Columns of fields, one number for each link, by the fields' names. A field without a column
+     * has the model's default. An image has no names and no defaults: its columns are in the order
+     * in which the program reads the fields. */
     const char *const *names;
     const float *const *fields;
     size_t field_count;
 } fp3_links;
 
-/* Those that are near: in a phase, all others whose distance is below reach when it begins. */
+/* Near objects: all others whose distance is below reach when a phase begins. */
 typedef struct {
     const char *position[3]; /* states, the components of the position */
     uint32_t dimensions;     /* how many of them */
     double reach;            /* 2^-50 to 2^63 */
-    /* How much farther lists reach, so that they last until an object has moved by half of it; 0: they
-     * are made in each phase. At most 2^63. It changes no bit. */
+    /* Lists reach farther by this distance, so they stay valid until an object has moved by half of
+     * it. 0: lists are made in each phase. At most 2^63. It changes no bit. */
     double skin;
 } fp3_near;
 
-/* Lets the engine make a list, and make it again before a pair could be missed. The program must leave
- * out by itself those that are not nearer than reach, since lists may have some of them. Nobody is near
- * an object whose position is not finite. FP3_E_ARGUMENT: as above. */
+/* Lets the engine make a list, and renew it before a pair could be missed. Lists may contain
+ * objects beyond reach; the program must skip them itself. An object whose position is not finite
+ * is near no other object. FP3_E_ARGUMENT: as above. */
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
                                const fp3_near *near);
 
@@ -437,7 +441,7 @@ typedef enum {
     FP3_ADAPTIVE_ENDED,   /* t is until, and all states are finite */
     FP3_ADAPTIVE_STOPPED, /* at an event, likewise; step is -0 */
     FP3_ADAPTIVE_STUCK,   /* the tolerance needs a step too short even for the two words of t */
-    FP3_ADAPTIVE_LIMITED, /* not there yet when no attempts were left */
+    FP3_ADAPTIVE_LIMITED, /* no attempts were left before the end */
     FP3_ADAPTIVE_LOST     /* it has ended or stopped, and a state is not finite */
 } fp3_adaptive_end;
 /* Whether all is well. */
@@ -467,13 +471,13 @@ fp3_status fp3_adaptive_look(fp3_engine *engine, size_t object, fp3_adaptive_obj
 void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
                        char text[FP3_ADAPTIVE_TEXT_SIZE]);
 
-/* Runs what is loaded, with fixed or adaptive steps. With fixed steps each object makes `most`
+/* Runs the loaded programs, with fixed or adaptive steps. With fixed steps each object makes `most`
  * steps. With adaptive steps each object goes on until it has ended or made `most` attempts; next
  * to groups with fixed steps the limit is at least FP3_ADAPTIVE_ATTEMPTS. stats (may be NULL) gets
  * the sum of all runs that this takes. That is one run, except in a configuration that does not
- * interleave: its object cannot sleep, so it is run in short parts in order not to go far beyond
- * its end, where steps change nothing. Errors as for fp3_engine_run. FP3_E_PROGRAM: also if the
- * configuration interleaves, and a program with adaptive steps has no sleep. */
+ * interleave: its object cannot sleep, so short runs are made in order not to go far beyond the
+ * object's end, where steps change nothing. Errors as for fp3_engine_run. FP3_E_PROGRAM: also if
+ * the configuration interleaves, and a program with adaptive steps has no sleep. */
 fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats);
 
 typedef struct {
@@ -483,8 +487,8 @@ typedef struct {
 /* A summary of several objects. */
 typedef struct {
     fp3_adaptive_counts accepted, rejected;
-    /* Of the accepted steps; 0: there were none. A step that the end cut short counts as long as it
-     * was before. */
+    /* Of the accepted steps; 0: there were none. A step that the end cut short counts with its
+     * length before the cut. */
     float smallest, largest;
     size_t stopped;          /* how many stopped at events, and did not fail */
     size_t failed, first;    /* how many did not end, and the first of them */

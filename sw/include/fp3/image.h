@@ -77,8 +77,9 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_constant;
 
-/* What words have to be for the program to be right, by the configuration's keys: any; binary32; logarithms; flushed (no
- * subnormal numbers); those of Cell's SPU; truncated; both of it; binary32 whose rcp and rsqrt are no estimates. */
+/* The arithmetic that a program is made for, by the configuration's keys: any; binary32;
+ * logarithms; no subnormal numbers; that of Cell's SPU; truncated; truncated without subnormal
+ * numbers; binary32 whose rcp and rsqrt are no estimates. */
 typedef enum {
     FP3_WORDS_ANY,
     FP3_WORDS_FLOATS,
@@ -91,7 +92,8 @@ typedef enum {
     FP3_WORDS_KINDS
 } fp3_image_words;
 
-/* fp3_image.words is a kind + FP3_WORDS_FEWER * (FP3_WORDS_FRACTION - the fraction bits of a number). */
+/* fp3_image.words is a kind + FP3_WORDS_FEWER * (FP3_WORDS_FRACTION - the fraction bits of a
+ * number). */
 enum { FP3_WORDS_FEWER = 8, FP3_WORDS_FRACTION = 23, FP3_WORDS_FRACTION_LEAST = 7 };
 enum { FP3_WORDS_NAME_SIZE = 64 };
 
@@ -121,18 +123,20 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
 /* The inverse. Checks nothing: a value too large for its field is truncated. */
 uint32_t fp3_word_encode(const fp3_instruction *instruction);
 
-/* "floats 7", "logarithms", as the directive .words has them. Returns text; NULL if there are no such words. */
+/* "floats 7", "logarithms", as the directive .words has them. Returns text; NULL if there are no
+ * such words. */
 const char *fp3_image_words_name(uint32_t words, char text[FP3_WORDS_NAME_SIZE]);
 /* The same for a message: "floats of 7 fraction bits". */
 const char *fp3_image_words_said(uint32_t words, char text[FP3_WORDS_NAME_SIZE]);
 
 /* Makes a checked copy of the draft, which the caller keeps. The caller frees *image with
- * fp3_image_free. The copy's registers, shared and decoded are computed (the draft's are ignored), and
- * its constants and symbols are sorted. FP3_E_PROGRAM: step < last <= code_count <=
- * FP3_IMAGE_CODE_LIMIT does not hold; there are no such words; an index is outside its bank; a name is malformed or used
- * twice; a register has two names or two values; a .const has no value or a .shared has one; `h` or
- * `steps` has a class other than above; sleep and lds have different destinations, or one that is a
- * .param or .temp. Illegal code words are not refused here: engines refuse them. */
+ * fp3_image_free. The copy's registers, shared and decoded are computed (the draft's are ignored),
+ * and its constants and symbols are sorted. FP3_E_PROGRAM: step < last <= code_count <=
+ * FP3_IMAGE_CODE_LIMIT does not hold; there are no such words; an index is outside its bank; a name
+ * is malformed or used twice; a register has two names or two values; a .const has no value or a
+ * .shared has one; `h` or `steps` has a class other than above; sleep and lds have different
+ * destinations, or one that is a .param or .temp. Illegal code words are not refused here: engines
+ * refuse them. */
 fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error);
 /* Frees *image and sets it to NULL. *image may be NULL already. */
 void fp3_image_free(fp3_image **image);

@@ -125,9 +125,9 @@ typedef struct {
     uint32_t condition;    /* expression; of a projection FP3_NONE */
     uint32_t first, count; /* its part of fp3_model.assignments */
     uint32_t line;
-    /* Expression, and the event happens only if it was not 0 at the beginning of the step; FP3_NONE:
-     * it happens whenever its condition is not 0. Of a root or a time both are comparisons of the same
-     * two numbers, the other way round. */
+    /* Expression, and the event happens only if it was not 0 at the beginning of the step;
+     * FP3_NONE: it happens whenever its condition is not 0. Of a root or a time both are
+     * comparisons of the same two numbers, the other way round. */
     uint32_t armed;
     int stops; /* 1: from then on the object keeps its states and its time. It may set none */
 } fp3_event;
@@ -136,8 +136,8 @@ typedef struct {
 
 /* Which other objects an object sees. */
 typedef enum {
-    FP3_LINKS, /* those that it is linked with */
-    FP3_NEAR,  /* those that are nearer than `reach` */
+    FP3_LINKS, /* objects that it is linked with */
+    FP3_NEAR,  /* objects nearer than `reach` */
     FP3_ALL    /* all others */
 } fp3_relation_kind;
 
@@ -163,12 +163,13 @@ typedef struct {
     fp3_quantity *states, *params;
     fp3_definition *definitions, *invariants;
     fp3_event *events;
-    /* Without a condition: after every step, before events, for steps alone. What solves the equations
-     * stays where it is put. */
+    /* Projections have no condition: they happen after every step, before events. The truth solver
+     * ignores projections. */
     fp3_event *projections;
     fp3_assignment *assignments;
     fp3_expr *exprs;
-    /* How objects see others; the fields of links have a value (default), a unit and no equation. */
+    /* How objects see others; the fields of links have a value (default), a unit and no
+     * equation. */
     uint32_t relation_count, field_count;
     fp3_relation *relations;
     fp3_quantity *fields;
@@ -196,26 +197,26 @@ typedef struct {
  * expressions that need it are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
-/* FP32 has no number near enough for steps of h, as FP32 has it, to change a state in plain arithmetic: the
- * state stands still. Returns 1, and text says what a step adds, for the first state at this point that
- * would change by more than `share` of its size in `span` of time, its derivative still having its
- * sign then: at an equilibrium nothing is lost. Returns 0 if there is none; text is "" then. room:
- * of 2 expr_count + state_count numbers. */
+/* Finds a state that stands still: in plain FP32 arithmetic a step of h is too small to change it.
+ * Returns 1 for the first such state at this point that would change by more than `share` of its
+ * size during `span`, if its derivative still has the same sign then (at an equilibrium nothing is
+ * lost); text says what a step adds. Returns 0 and text "" if there is none. room: 2 expr_count +
+ * state_count numbers. */
 #define FP3_STANDSTILL_TEXT_SIZE 192
 int fp3_model_standstill(const fp3_model *model, const fp3_point *point, double h, double span,
                          double share, double *room, char text[FP3_STANDSTILL_TEXT_SIZE]);
 
-/* Applies the events of the model, in order, to these states at time t. `before` is the
- * beginning of the step; NULL: there was no step, and events with `armed` do not happen. values has
- * room for expr_count numbers. Returns whether a state has changed, where a change from 0 to -0 or
- * from NaN to NaN does not count, and FP3_FIRE_STOPPED if an event stops the object. */
+/* Applies the events of the model, in order, to these states at time t. `before` is the point at
+ * the beginning of the step; NULL: there was no step, and events with `armed` do not happen. values
+ * has room for expr_count numbers. Returns whether a state has changed, where a change from 0 to -0
+ * or from NaN to NaN does not count, and FP3_FIRE_STOPPED if an event stops the object. */
 #define FP3_FIRE_CHANGED 1
 #define FP3_FIRE_STOPPED 2
 int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
                    double *states, double *values);
 
-/* FP3_E_PROGRAM: objects of this model see others, so what becomes of one cannot be computed by itself:
- * expressions of neighbours are NaN in fp3_model_evaluate. The message names the relation and its
+/* FP3_E_PROGRAM: objects of this model see others, so an object cannot be computed alone: in
+ * fp3_model_evaluate expressions of neighbours are NaN. The message names the relation and its
  * line. */
 fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
 
@@ -233,8 +234,8 @@ typedef fp3_status fp3_name_fn(void *user, const char *name, double *value, fp3_
 /* A constant expression with names, such as "0.5*h". FP3_E_PROGRAM: as above; *formula is NULL. */
 typedef struct fp3_formula fp3_formula;
 fp3_status fp3_formula_read(const char *text, fp3_formula **formula, fp3_error *error);
-/* The formula's value in double. FP3_E_PROGRAM: it has none, as 0/0. Other errors are
- * value_of's. */
+/* The formula's value in double. FP3_E_PROGRAM: the formula has no value, as 0/0. Other errors come
+ * from value_of. */
 fp3_status fp3_formula_value(const fp3_formula *formula, fp3_name_fn *value_of, void *user,
                              double *value, fp3_error *error);
 /* Frees *formula and sets it to NULL. *formula may be NULL already. */

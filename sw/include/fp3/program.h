@@ -54,13 +54,14 @@ fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *er
 /* Like fp3_params_set, but with a number. */
 fp3_status fp3_params_put(fp3_params *params, const char *name, double value, fp3_error *error);
 
-/* Links of the relation of this name, which replace earlier ones; they are copied. fp3_program_load says what
- * is wrong with them, but FP3_E_ARGUMENT: a field is not finite. */
+/* Sets the links of a relation, which are copied and replace earlier ones. FP3_E_ARGUMENT: a field
+ * is not finite; fp3_program_load finds all other mistakes. */
 fp3_status fp3_params_link(fp3_params *params, const char *relation, const fp3_links *links,
                            fp3_error *error);
 /* Likewise from a file, with "relation=file.csv": a head "a,b,field,..." and a line for each link
- * (docs/scenes.md). most: how many objects there are; 0: not known yet. *objects: one more than the highest number
- * of an object, 0 without links. Messages begin with the path, the line and the column. */
+ * (docs/scenes.md). most: the number of objects; 0: not known yet. *objects: one more than the
+ * highest number of an object, 0 without links. Messages begin with the path, the line and the
+ * column. */
 fp3_status fp3_params_link_file(fp3_params *params, const char *text, size_t most, size_t *objects,
                                 fp3_error *error);
 
@@ -101,9 +102,9 @@ typedef struct {
     fp3_compiled *compiled; /* this and the next two: NULL unless the program is a model */
     fp3_model *model;
     fp3_integrator *integrator;
-    /* What a model was compiled for: the string of its definition, if that names one, which then must outlive the
-     * program. Of another program "world" if its objects see each other, else NULL: it
-     * does not say. */
+    /* The configuration that a model was compiled for; the string of the definition, if that names
+     * one, must outlive the program. For another program: "world" if its objects see each other,
+     * else NULL (unknown). */
     const char *config;
     int sees_others; /* its objects see each other (docs/relations.md) */
 } fp3_program;
@@ -116,7 +117,8 @@ int fp3_program_is_named(const char *path);
 /* Opens a program. The end of its name says what it is, in upper or lower case: .ode a model, .s
  * assembly, anything else an image; or def says so. "-" is standard input. The caller closes
  * *program, which is NULL on failure. *report is as for fp3_model_load; report may be NULL.
- * Messages begin with the path. FP3_E_ARGUMENT: also a definition from another version of the library. */
+ * Messages begin with the path. FP3_E_ARGUMENT: also a definition from another version of the
+ * library. */
 fp3_status fp3_program_open(const char *path, const fp3_program_def *def, fp3_program **program,
                             char **report, fp3_error *error);
 /* The same for the text of a model, which has size bytes. name appears in messages. */
@@ -126,16 +128,15 @@ fp3_status fp3_program_read(const char *text, size_t size, const char *name,
 /* Closes *program and sets it to NULL. *program may be NULL already. */
 void fp3_program_close(fp3_program **program);
 
-/* Loads the program into the engine, and gives all objects their values.
- * params names states, params and shared constants of the program. For a model it names the model's
- * states, its params and h, which all have defaults. So do the register that `sleep` writes (awake)
- * and `steps`, if the program counts them (0). An object starts at time steps * h.
- * Objects see all others, and those that are near, without being told. Links must be given for each relation of
- * links, and for each list of an image: fp3_params_link.
- * FP3_E_ARGUMENT: a value or links are missing, out of range, or for something that the program does not
- * have. After a failure the program may be loaded, and some of the values written. If the engine
- * refuses something, the message is in the error of the engine's definition, not in error. params
- * may not be NULL. */
+/* Loads the program into the engine, and gives all objects their values. params names states,
+ * params and shared constants of the program. For a model it names the model's states, its params
+ * and h, which all have defaults. So do the register that `sleep` writes (awake) and `steps`, if
+ * the program counts them (0). An object starts at time steps * h. Relations `all` and `near` need
+ * nothing. Links must be given for each relation of links, and for each list of an image:
+ * fp3_params_link. FP3_E_ARGUMENT: a value or links are missing, out of range, or for something
+ * that the program does not have. After a failure the program may be loaded, and some of the values
+ * written. If the engine refuses something, the message is in the error of the engine's definition,
+ * not in error. params may not be NULL. */
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error);
 
@@ -202,11 +203,10 @@ typedef struct {
 } fp3_scene;
 
 /* Reads the file and opens all its programs. config replaces the file's unless it is NULL. Defaults
- * of the file: config "world" if objects of the first group's model see each other; engine "rtl", or
- * "fast" with a configuration for such objects; steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are
- * adaptive); visit 0; seed 0.
- * The caller closes *scene, which is NULL on failure. Messages begin with the path and the line of
- * the file. */
+ * of the file: config "world" if objects of the first group's model see each other; engine "rtl",
+ * or "fast" with a configuration for such objects; steps 1 (FP3_ADAPTIVE_ATTEMPTS if all groups are
+ * adaptive); visit 0; seed 0. The caller closes *scene, which is NULL on failure. Messages begin
+ * with the path and the line of the file. */
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
                           fp3_error *error);
 /* Closes *scene and sets it to NULL. *scene may be NULL already. */
@@ -274,16 +274,17 @@ typedef struct {
     const double *times;
     size_t time_count;
     int is_compressed; /* HDF5 only */
-    int is_silent;     /* writes nothing: another process of a cluster does */
-    /* Checkpoints (docs/checkpoints.md), in a recording or alone: without path and plot there may be several groups, and the program is NULL
-     * if there are. A file that gets the whole state after each `checkpoint_every` steps (0: only) and at the end, in place of the state
-     * before, which stays as checkpoint.1; NULL (default): none. Not with adaptive steps. */
+    int is_silent;     /* writes nothing, because another process of a cluster writes the file */
+    /* Checkpoints (docs/checkpoints.md), in a recording or alone. Without path and plot there may
+     * be several groups, and then the program is NULL. The file gets the whole state after each
+     * `checkpoint_every` steps (0: none of these) and at the end; the checkpoint before stays as
+     * checkpoint.1. NULL (default): no checkpoints. Not with adaptive steps. */
     const char *checkpoint;
     uint64_t checkpoint_every;
-    const char *
-        restart; /* a checkpoint of the same run, from which it goes on; NULL (default): from the start */
-    const char
-        *command; /* a text that checkpoints keep: the arguments of fp3 run, one a line; or NULL */
+    /* A checkpoint of the same run, from which it goes on; NULL (default): from the start. */
+    const char *restart;
+    /* A text that checkpoints keep: the arguments of fp3 run, one a line; or NULL. */
+    const char *command;
     struct fp3_expected *expected; /* NULL; fp3 verify has some */
 } fp3_recording_def;
 
@@ -307,7 +308,8 @@ typedef struct {
     uint64_t object_steps;
 } fp3_group_cost;
 
-/* What the whole run cost, from its start or restart, and which objects failed in it, before the restart too. */
+/* The cost of the whole run from its start or restart, and the objects that failed in it, also
+ * before the restart. */
 typedef struct {
     fp3_stats stats; /* sums over the parts of the run; cycles: sum of each part's maximum */
     /* Over all parts, as fp3_engine_failure; with adaptive steps see fp3_adaptive_report_make. A
@@ -316,17 +318,19 @@ typedef struct {
     /* For each of stats.schedulers schedulers. Belongs to the recording. */
     const uint64_t (*counter)[FP3_COUNTER_COUNT];
     const fp3_group_cost *groups; /* of each group; belongs to the recording */
-    /* SHA-256 in hexadecimal (docs/checkpoints.md): of the state at the end, if the run has checkpoints, a restart or HDF5, else ""; and the
-     * end of the chain of the checkpoints or, without them, of the snapshots in HDF5, else "". */
+    /* SHA-256 in hexadecimal (docs/checkpoints.md). hash: of the final state, if the run has
+     * checkpoints, a restart or HDF5, else "". chain: the end of the chain of checkpoints or,
+     * without checkpoints, of the snapshots in HDF5, else "". */
     char hash[65], chain[65];
 } fp3_cost;
 
 /* Opens a recording. The program and these params must be loaded (fp3_program_load), and the engine
- * must have one group unless only checkpoints are written. All of them must outlive the recording. The file is written under another
- * name next to its place. The caller closes *recording, which is NULL on failure. FP3_E_ARGUMENT:
- * a definition from another version of the library; no such name; times that are not steps; too much for a picture; a file that cannot be written; or
- * there are snapshots during the run, and the program's first or last part does more than prepare
- * and complete values, so that a run in parts would differ from the whole run. */
+ * must have one group unless only checkpoints are written. Program, params and engine must outlive
+ * the recording. The file is written under another name next to its place. The caller closes
+ * *recording, which is NULL on failure. FP3_E_ARGUMENT: a definition from another version of the
+ * library; no such name; times that are not steps; too much for a picture; a file that cannot be
+ * written; or there are snapshots during the run, and the program's first or last part does more
+ * than prepare and complete values, so that a run in parts would differ from the whole run. */
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
                               const fp3_params *params, fp3_engine *engine,
                               fp3_recording **recording, fp3_error *error);

@@ -30,9 +30,9 @@ typedef struct fp3_kanata fp3_kanata;
 /* At most this number of instructions is recorded; beyond it fp3_kanata_close fails. */
 #define FP3_KANATA_LIMIT 2000000u
 
-/* Begins a log. config is a configuration's name; path and image are copied. The file is begun under
- * another name. FP3_E_ARGUMENT: no such configuration, or path cannot be written. FP3_E_SYSTEM: the
- * disk is full. */
+/* Begins a log. config is a configuration's name; path and image are copied. The file is begun
+ * under another name. FP3_E_ARGUMENT: no such configuration, or path cannot be written.
+ * FP3_E_SYSTEM: the disk is full. */
 fp3_status fp3_kanata_open(const char *path, const char *config, const fp3_image *image,
                            fp3_kanata **kanata, fp3_error *error);
 

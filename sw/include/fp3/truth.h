@@ -27,9 +27,9 @@
 FP3_API_BEGIN
 
 /* The states at time t, which may be negative: by GSL's rk8pd at a tight tolerance (by bsimp if the
- * model is stiff), and by the model's closed forms if it has them, or another method. FP3_E_MISMATCH:
- * the two do not agree. FP3_E_ARGUMENT: also if a method does not reach t. states has
- * model->state_count numbers. */
+ * model is stiff), and by the model's closed forms if it has them, or another method.
+ * FP3_E_MISMATCH: the two do not agree. FP3_E_ARGUMENT: also if a method does not reach t. states
+ * has model->state_count numbers. */
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error);
 /* The states at count times, all above 0 and ascending: states has a row of model->state_count

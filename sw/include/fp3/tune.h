@@ -39,7 +39,7 @@ FP3_API_BEGIN
  * event the object may be on the other side of it: docs/tuner.md. */
 #define FP3_TUNE_LOOKS 1024
 #define FP3_TUNE_LEAST                                                                             \
-    1e-7 /* the smallest tolerance: FP32 itself rounds by 6e-8. With fewer bits it is larger by as much */
+    1e-7 /* the smallest tolerance: FP32 rounds by 6e-8. With fewer bits it is larger */
 
 typedef void fp3_tune_say_fn(void *user, const char *what);
 
@@ -68,7 +68,7 @@ static inline fp3_tune_def fp3_tune_default(void) {
     return def;
 }
 
-/* A run of the sample: what it cost, for an object, and its error. */
+/* A run of the sample: its cost per object, and its error. */
 typedef struct {
     double cycles, error;
 } fp3_tune_look;
@@ -90,7 +90,7 @@ typedef struct {
     double error;   /* of the sample with these steps */
     double lowest;  /* the lowest error, over all numbers of steps or tolerances tried */
     double cycles;  /* per object over the span, with all contexts full; 0: not compiled */
-    uint32_t looks; /* runs of the sample in the last round, and what each came to */
+    uint32_t looks; /* runs of the sample in the last round, and the result of each */
     fp3_tune_look look[FP3_TUNE_LOOKS_MOST];
     int is_met;    /* the sample met the target */
     char why[160]; /* how it ended */
@@ -115,9 +115,11 @@ typedef struct {
 } fp3_tuning;
 
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
- * meets the tolerance: see is_met. FP3_E_PROGRAM: the tolerance is below what words of fewer bits can keep. FP3_E_ARGUMENT: it is below FP3_TUNE_LEAST, or not
- * below 1; the span is not above 0, or shorter than the model's step; the cycles of the configuration
- * cannot be predicted; the program is not a model, or has adaptive steps; a definition from another version of the library. FP3_E_FAILED: an object of the sample has no truth; the message says why. */
+ * meets the tolerance: see is_met. FP3_E_PROGRAM: the tolerance is below what words of fewer bits
+ * can keep. FP3_E_ARGUMENT: it is below FP3_TUNE_LEAST, or not below 1; the span is not above 0, or
+ * shorter than the model's step; the cycles of the configuration cannot be predicted; the program
+ * is not a model, or has adaptive steps; a definition from another version of the library.
+ * FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
 /* Frees *tuning and sets it to NULL. *tuning may be NULL already. */
 void fp3_tuning_free(fp3_tuning **tuning);
