@@ -87,14 +87,14 @@ CORES   := $(addprefix fp3_,fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_fr
 BOARDS  := single many world
 RTL_ROOMS := bus config fp front host lane lib lns sequence solo unit
 RTL     := $(wildcard rtl/*.v rtl/*.vh $(RTL_ROOMS:%=rtl/%/*.v) $(RTL_ROOMS:%=rtl/%/*.vh) rtl/gen/*.vh)
-HDF5_C  := $(wildcard sw/hdf5/*.c)
-MPI_C   := $(wildcard sw/mpi/*.c)
+HDF5_C  := $(wildcard sw/record/hdf5/*.c)
+MPI_C   := $(wildcard sw/engine/mpi/*.c)
 # What only measures or shows: in the command, in the tests and in make bench, not in the library.
-MEASURE_ROOMS := bench check golden measure stress view
+MEASURE_ROOMS := view $(addprefix lab/,bench check golden measure stress)
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
 # What measures against truth, with GSL: libfp3_lab.
-LAB_C   := $(wildcard sw/truth/*.c sw/tune/*.c)
-LIB_C   := $(filter-out sw/cli/% sw/bare/% $(MEASURE_C) $(LAB_C) $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
+LAB_C   := $(wildcard sw/lab/truth/*.c sw/lab/tune/*.c)
+LIB_C   := $(filter-out sw/cli/% sw/bare/% sw/lab/% sw/view/% $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
 TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
@@ -192,7 +192,7 @@ $(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@echo "  CC   $<"
 	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(INCLUDES) $(MORE) -MMD -MP -c -o $@ $<
 
-# The interpreter of the fast engine, for each kind of processor and arithmetic: sw/fast/choose.c chooses.
+# The interpreter of the fast engine, for each kind of processor and arithmetic: sw/engine/fast/choose.c chooses.
 SWEEP_v3          := -march=x86-64-v3 -DFP3_SWEEP_NAME='"x86-64-v3"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1
 SWEEP_v4          := -march=x86-64-v4 -DFP3_SWEEP_NAME='"x86-64-v4"' -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1
 SWEEP_flushed     := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=0
@@ -200,16 +200,16 @@ SWEEP_cut         := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=1
 SWEEP_flushed_cut := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0
 SWEEP_finite      := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0 -DFP3_FINITE=1
 SWEEP_words       := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1 -DFP3_OF_WORDS=1
-SWEEPS            := $(addprefix $(BUILD)/obj/sw/fast/sweep_,$(if $(filter x86_64-%,$(MACHINE)),v3.o v4.o) flushed.o cut.o flushed_cut.o finite.o words.o)
+SWEEPS            := $(addprefix $(BUILD)/obj/sw/engine/fast/sweep_,$(if $(filter x86_64-%,$(MACHINE)),v3.o v4.o) flushed.o cut.o flushed_cut.o finite.o words.o)
 LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS)
 VECTORS           := -O3 -frounding-math -Wno-psabi
 
-$(call obj,sw/fast/sweep.c): CFLAGS += $(VECTORS)
-$(call obj,sw/fast/fast.c sw/fast/block.c sw/fast/drive.c sw/engine/near.c): CFLAGS += -O3
-$(call obj,sw/fast/text.c): sw/fast/place.h sw/fast/lanes.h sw/fast/fused.h sw/fast/halves.h sw/fast/turns.h
+$(call obj,sw/engine/fast/sweep.c): CFLAGS += $(VECTORS)
+$(call obj,sw/engine/fast/fast.c sw/engine/fast/block.c sw/engine/fast/drive.c sw/engine/common/near.c): CFLAGS += -O3
+$(call obj,sw/engine/fast/text.c): sw/engine/fast/place.h sw/engine/fast/lanes.h sw/engine/fast/fused.h sw/engine/fast/halves.h sw/engine/fast/turns.h
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
-$(SWEEPS): $(BUILD)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready
+$(SWEEPS): $(BUILD)/obj/sw/engine/fast/sweep_%.o: sw/engine/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< ($*)"
 	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(VECTORS) $(INCLUDES) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<

@@ -3,7 +3,7 @@
 #include "sundials.h"
 
 #include "base/file.h"
-#include "bench/equations.h"
+#include "lab/bench/equations.h"
 
 #include <argp.h>
 #include <gsl/gsl_version.h>

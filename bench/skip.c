@@ -7,7 +7,7 @@
 #include "skip.h"
 
 #include "commands.h"
-#include "measure/points.h"
+#include "lab/measure/points.h"
 
 #include "base/file.h"
 

@@ -6,7 +6,7 @@
 #include "speed.h"
 
 #include "commands.h"
-#include "measure/measure.h"
+#include "lab/measure/measure.h"
 
 #include "base/file.h"
 #include "machine/config.h"

@@ -3,7 +3,7 @@
 #define BENCH_SPEED_H
 
 #include "bodies.h"
-#include "measure/machines.h"
+#include "lab/measure/machines.h"
 #include "ship.h"
 
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* speed_runs.c - see speed.h. */
 #include "speed.h"
 
-#include "measure/measure.h"
+#include "lab/measure/measure.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>

@@ -2,7 +2,7 @@
 #ifndef BENCH_SUNDIALS_H
 #define BENCH_SUNDIALS_H
 
-#include "measure/measure.h"
+#include "lab/measure/measure.h"
 
 fp3_measure_solver_fn bench_add_sundials;
 

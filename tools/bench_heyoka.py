@@ -67,7 +67,7 @@ class Solver:
 
 
 def errors(problem, ends, scale):
-    """Of each variant, as sw/measure/problem.c has it."""
+    """Of each variant, as sw/lab/measure/problem.c has it."""
     found = []
     for end, truth in zip(ends.T * scale, problem["truth"]):
         terms = [((a - b) / s) ** 2 for a, b, s in zip(end, truth, problem["scale"][0]) if s > 0]

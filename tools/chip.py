@@ -118,8 +118,8 @@ def simulate(args):
     with tempfile.TemporaryDirectory(prefix="fp3-chip-") as scratch:
         tree = pathlib.Path(scratch) / "tree"
         build(row, tree, made)
-        objects = [made / f"obj/sw/{room}/{path.stem}.o" for room in ("cli", "measure") for path in sorted((ROOT / "sw" / room).glob("*.c"))]
-        run("gcc", "-o", tree / "fp3", *objects, tree / "own.o", made / "lib/libfp3_lab.a", "-ljansson", *LIBS)
+        objects = [made / f"obj/sw/cli/{path.stem}.o" for path in sorted((ROOT / "sw/cli").glob("*.c"))]
+        run("gcc", "-o", tree / "fp3", *objects, made / "obj/measure.a", tree / "own.o", made / "lib/libfp3_lab.a", "-ljansson", *LIBS)
         is_file = args.program.endswith(".s")
         source = pathlib.Path(args.program).resolve() if is_file else ROOT / f"programs/{args.program}.s"
         params = source.with_suffix(".cfg") if is_file else ROOT / "programs/ship.cfg"

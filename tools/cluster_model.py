@@ -10,7 +10,7 @@ import os
 
 import numpy as np
 
-IMBALANCE = 1.02  # what the partition allows: UNEVEN in sw/mpi/divide.c
+IMBALANCE = 1.02  # what the partition allows: UNEVEN in sw/engine/mpi/divide.c
 PROCESSORS = os.cpu_count()
 
 

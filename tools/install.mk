@@ -26,8 +26,8 @@ endif
 
 # The one object that knows where the library lives.
 $(eval $(call NOTE,$(BUILD)/place,$(LIBDIR)/fp3))
-$(BUILD)/obj/sw/engine/install.o: $(BUILD)/place
-$(BUILD)/obj/sw/engine/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp3"'
+$(BUILD)/obj/sw/engine/common/install.o: $(BUILD)/place
+$(BUILD)/obj/sw/engine/common/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp3"'
 
 $(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
 	@$(PYTHON) $^ >$@.new && mv $@.new $@

@@ -307,7 +307,7 @@ Nanoseconds are cycles divided by the clock rate.
 
 ## The ship, Equations (1): `make sim`, `make synth`
 The paper's machine takes {PAPER['first']} cycles for the first step and {PAPER['next']} for each next one, which is {PAPER['ns']:,.0f} ns.
-The columns *first* and *next* have the cycles of our configurations. *Mismatches* counts words that differ from those of the ship in C (`sw/golden`).
+The columns *first* and *next* have the cycles of our configurations. *Mismatches* counts words that differ from those of the ship in C (`sw/lab/golden`).
 Errors are relative, against GSL's rk8pd in double. `s = s + h*v1` is of first order in the position, so the error of s comes from the formula, not
 from rounding.
 

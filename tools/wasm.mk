@@ -4,13 +4,13 @@ ZIG      := .venv/bin/python -m ziglang
 WASM     := $(BUILD)/wasm
 WASM_CC   = $(ZIG) cc -target wasm32-wasi -msimd128
 # What needs other programs, other processes, loaded libraries, serial ports or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
-WASM_NOT := sw/serial/port.c $(wildcard sw/fast/cache.c sw/fast/native.c sw/fast/text.c sw/fast/write*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
-    $(wildcard sw/cluster/*.c) sw/cli/run_ranks.c sw/engine/library.c sw/output/figure.c sw/output/gnuplot.c sw/output/plot.c \
+WASM_NOT := sw/engine/board/port.c $(wildcard sw/engine/fast/cache.c sw/engine/fast/native.c sw/engine/fast/text.c sw/engine/fast/write*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
+    $(wildcard sw/engine/cluster/*.c) sw/cli/run_ranks.c sw/engine/common/library.c sw/record/figure.c sw/record/gnuplot.c sw/record/plot.c \
     $(foreach c,bench_% board cmd_bench cmd_board cmd_compare cmd_doctor processor cmd_stress cmd_tune cmd_view compare_% json tune_% view_%,sw/cli/$(c).c)
 WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/cli/wasm/*.c)
 WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)
 WASM_OPERATIONS := $(WASM)/obj/tests/everywhere/operations.o
-WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o words.o)
+WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/engine/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o words.o)
 WASM_EMULATED := SIGNAL GETPID
 WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -DNDEBUG -include sw/cli/wasm/posix.h -Isw/cli/wasm/include \
     $(WASM_EMULATED:%=-D_WASI_EMULATED_%) $(INCLUDES) -isystem $(WASM)/root/include
@@ -26,7 +26,7 @@ $(WASM_O) $(WASM_OPERATIONS): $(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/fla
 	@echo "  CC   $< (wasm)"
 	@$(WASM_CC) $(WASM_CFLAGS) -MMD -MP -c -o $@ $<
 
-$(WASM_SWEEPS): $(WASM)/obj/sw/fast/sweep_%.o: sw/fast/sweep.c $(WASM)/root/done $(WASM)/flags | $(BUILD)/ready
+$(WASM_SWEEPS): $(WASM)/obj/sw/engine/fast/sweep_%.o: sw/engine/fast/sweep.c $(WASM)/root/done $(WASM)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (wasm, $*)"
 	@$(WASM_CC) $(WASM_CFLAGS) -DFP3_SWEEP=fp3_sweep_$* $(SWEEP_$*) -MMD -MP -c -o $@ $<

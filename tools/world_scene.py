@@ -97,7 +97,7 @@ def differing(found, wanted):
 # ---- grids ----
 
 def grid_ways(kinds, axes):
-    """From an object to those of higher numbers that it is linked with, in the order of sw/arrange/grid.c."""
+    """From an object to those of higher numbers that it is linked with, in the order of sw/world/grid.c."""
     kind_of = {(1, 1): "structural", (2, 2): "shear", (3, 3): "shear", (1, 4): "bending"}
     for z, y, x in itertools.product(range(3), range(-2, 3), range(-2, 3)):
         way = (x, y, z)[:axes]

@@ -1,7 +1,7 @@
 /* runner.c - see runner.h. */
 #include "runner.h"
 
-#include "scene/values_own.h"
+#include "world/values_own.h"
 
 #include <math.h>
 #include <stdio.h>

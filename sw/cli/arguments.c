@@ -2,7 +2,7 @@
 /* arguments.c - see arguments.h. */
 #include "arguments.h"
 
-#include "text/nearest.h"
+#include "base/nearest.h"
 
 #include <errno.h>
 #include <fp3/model.h>

@@ -3,7 +3,7 @@
 #ifndef FP3_CLI_BENCH_FILES_H
 #define FP3_CLI_BENCH_FILES_H
 
-#include "output/gnuplot.h"
+#include "record/gnuplot.h"
 
 #include <jansson.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bench_models.c - see bench_models.h. measure/measure.h measures; here are the names and the tables. */
+/* bench_models.c - see bench_models.h. lab/measure/measure.h measures; here are the names and the tables. */
 #include "bench_models.h"
 
 #include "bench_files.h"
 #include "files.h"
 #include "json.h"
-#include "measure/measure.h"
+#include "lab/measure/measure.h"
 #include "progress.h"
 
 #include <fp3/program.h>

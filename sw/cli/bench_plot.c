@@ -2,7 +2,7 @@
 /* bench_plot.c - see bench_files.h: a panel for each model and unit, a curve for each way to run. */
 #include "bench_files.h"
 
-#include "output/family.h"
+#include "record/family.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef FP3_CLI_BENCH_TABLE_H
 #define FP3_CLI_BENCH_TABLE_H
 
-#include "golden/bench.h"
+#include "lab/golden/bench.h"
 #include "machine/config.h"
 
 #include <jansson.h>

@@ -3,7 +3,7 @@
 #include "arguments.h"
 #include "board_rtl.h"
 #include "cli.h"
-#include "engine/library.h"
+#include "engine/common/library.h"
 
 #include <errno.h>
 #include <fcntl.h>

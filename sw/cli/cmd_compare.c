@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement. */
 #include "arguments.h"
-#include "bench/variants.h"
 #include "cli.h"
 #include "compare_adaptive.h"
 #include "files.h"
 #include "json.h"
+#include "lab/bench/variants.h"
 #include "progress.h"
 
 #include <fp3/engine.h>

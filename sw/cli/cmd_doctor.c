@@ -5,13 +5,13 @@
 #include "base/cc.h"
 #include "base/threads.h"
 #include "cli.h"
-#include "engine/hardware.h"
-#include "engine/library.h"
-#include "engine/library_hdf5.h"
-#include "fast/cache.h"
+#include "engine/board/hardware.h"
+#include "engine/common/library.h"
+#include "engine/fast/cache.h"
 #include "machine/config.h"
-#include "output/gnuplot.h"
 #include "processor.h"
+#include "record/gnuplot.h"
+#include "record/library_hdf5.h"
 #include "view/video.h"
 
 #include <dirent.h>

@@ -7,7 +7,7 @@
 #include "run_options.h"
 #include "run_print.h"
 #include "run_ranks.h"
-#include "scene/split.h"
+#include "world/split.h"
 
 #include <fp3/trace.h>
 #include <stdio.h>

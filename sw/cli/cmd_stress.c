@@ -4,8 +4,8 @@
 #include "cli.h"
 #include "files.h"
 #include "json.h"
+#include "lab/stress/suite.h"
 #include "progress.h"
-#include "stress/suite.h"
 
 #include <jansson.h>
 #include <math.h>

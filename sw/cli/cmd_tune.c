@@ -19,9 +19,9 @@
 #include <strings.h>
 
 #include "base/file.h"
+#include "lab/tune/trim.h"
 #include "machine/config.h"
-#include "output/gnuplot.h"
-#include "tune/trim.h"
+#include "record/gnuplot.h"
 
 typedef struct {
     const char *input, *config, *plot;

@@ -6,8 +6,8 @@
 #include "verify_command.h"
 
 #include "base/file.h"
-#include "checkpoint/checkpoint.h"
-#include "output/chain.h"
+#include "record/chain.h"
+#include "record/checkpoint.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 
 #include "json.h"
 
-#include "bench/variants.h"
+#include "lab/bench/variants.h"
 
 #include <fp3/engine.h>
 #include <fp3/truth.h>

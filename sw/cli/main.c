@@ -2,8 +2,8 @@
 /* main.c - the command fp3: finds the subcommand and hands it the rest of the line. */
 #include "cli.h"
 
+#include "base/nearest.h"
 #include "base/temporary.h"
-#include "text/nearest.h"
 
 #include <argp.h>
 #include <signal.h>

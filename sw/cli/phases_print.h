@@ -3,8 +3,8 @@
 #ifndef FP3_PHASES_PRINT_H
 #define FP3_PHASES_PRINT_H
 
-#include "image/neighbours.h"
 #include "machine/config.h"
+#include "machine/neighbours.h"
 
 /* Lines for standard output: phases, what is published, instructions and cycles for the object and for each neighbour. */
 void fp3_phases_print(const fp3_image *image, const fp3_neighbourhood *around,

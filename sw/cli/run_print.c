@@ -6,7 +6,7 @@
 #include "run_adaptive.h"
 #include "run_ranks.h"
 
-#include "engine/inside.h"
+#include "engine/common/inside.h"
 
 #include <fp3/trace.h>
 #include <inttypes.h>

@@ -3,7 +3,7 @@
 #ifndef FP3_RUN_PRINT_H
 #define FP3_RUN_PRINT_H
 
-#include "check/run_check.h"
+#include "lab/check/run_check.h"
 
 /* What is run: a program, or a scene; the other is NULL. */
 typedef struct {

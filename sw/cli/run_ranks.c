@@ -3,7 +3,7 @@
 #include "run_ranks.h"
 
 #include "arguments.h"
-#include "cluster/use.h"
+#include "engine/cluster/use.h"
 
 #include <assert.h>
 #include <fcntl.h>

@@ -3,7 +3,7 @@
 #ifndef FP3_CLI_RUN_RANKS_H
 #define FP3_CLI_RUN_RANKS_H
 
-#include "cluster/ranks.h"
+#include "engine/cluster/ranks.h"
 #include "run_engine.h"
 
 typedef struct {

@@ -3,7 +3,7 @@
 #ifndef FP3_CLI_TUNE_MACHINES_H
 #define FP3_CLI_TUNE_MACHINES_H
 
-#include "tune/placed.h"
+#include "lab/tune/placed.h"
 
 #include <fp3/tune.h>
 #include <jansson.h>

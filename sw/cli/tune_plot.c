@@ -4,8 +4,8 @@
  */
 #include "tune_plot.h"
 
-#include "output/family.h"
-#include "output/gnuplot.h"
+#include "record/family.h"
+#include "record/gnuplot.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/path.h"
 #include "json.h"
-#include "tune/meter.h"
+#include "lab/tune/meter.h"
 
 #include <inttypes.h>
 #include <jansson.h>

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "backwards.h"
-#include "text/number.h"
+#include "base/number.h"
 
 static int needs_before(const fp3_step *step) {
     for (uint32_t i = 0; i < step->variable_count; i++)

@@ -11,12 +11,12 @@
 #include "base/host.h"
 #include "compiled.h"
 #include "compiler/integrate/integrate.h"
+#include "compiler/schedule/cost.h"
+#include "compiler/schedule/schedule.h"
 #include "emit.h"
 #include "image.h"
 #include "inputs.h"
 #include "savings.h"
-#include "schedule/cost.h"
-#include "schedule/schedule.h"
 
 void fp3_compile_set_default(fp3_compile_def *def, size_t size) {
     if (!fp3_definition_begin(def, size, sizeof *def))

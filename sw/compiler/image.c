@@ -3,8 +3,8 @@
  * order of their first use, each once. */
 #include "image.h"
 
+#include "base/number.h"
 #include "machine/operation.h"
-#include "text/number.h"
 
 #include <fp3/isa.h>
 #include <stdlib.h>

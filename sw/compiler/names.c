@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "text/number.h"
+#include "base/number.h"
 
 static int is_taken(const fp3_names *names, const fp3_model *model, const char *name) {
     for (uint32_t i = 0; i < names->object_count; i++)

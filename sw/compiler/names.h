@@ -4,7 +4,7 @@
 #define FP3_NAMES_H
 
 #include "compiler/code/convert.h"
-#include "schedule/lines.h"
+#include "compiler/schedule/lines.h"
 
 typedef struct {
     char (*object)[FP3_NAME_SIZE];   /* of each object register; "" of one that is not in use */

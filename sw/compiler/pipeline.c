@@ -6,9 +6,9 @@
 #include "compiler/code/check.h"
 #include "compiler/integrate/integrate.h"
 #include "compiler/pairs/double_step.h"
-#include "phases/phases.h"
+#include "compiler/phases/phases.h"
+#include "compiler/schedule/schedule.h"
 #include "rest.h"
-#include "schedule/schedule.h"
 
 /* Fewer cycles are better, then fewer instructions. */
 static int is_better(const fp3_schedule *one, const fp3_schedule *other) {

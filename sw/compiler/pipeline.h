@@ -9,8 +9,8 @@
 #include <fp3/model.h>
 
 #include "compiler/code/convert.h"
+#include "compiler/schedule/lines.h"
 #include "compiler/step/fit.h"
-#include "schedule/lines.h"
 
 typedef struct {
     fp3_step step;

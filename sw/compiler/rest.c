@@ -2,7 +2,7 @@
 /* rest.c - see rest.h. */
 #include "rest.h"
 
-#include "schedule/cost.h"
+#include "compiler/schedule/cost.h"
 
 #include <fp3/isa.h>
 #include <stdlib.h>

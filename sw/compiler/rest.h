@@ -4,7 +4,7 @@
 #define FP3_REST_H
 
 #include "compiler/code/convert.h"
-#include "schedule/lines.h"
+#include "compiler/schedule/lines.h"
 
 /* Puts `sleep` behind the step part, where the configuration has it and step->tested says what it
  * compares. FP3_E_SYSTEM, or FP3_E_LIMIT: the program memory is full. */

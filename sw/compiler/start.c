@@ -9,11 +9,11 @@
 #include <stdlib.h>
 
 #include "base/host.h"
+#include "base/number.h"
 #include "before.h"
+#include "compiled.h"
 #include "compiler/adaptive/adapted.h"
-#include "compiler/compiled.h"
-#include "compiler/inputs.h"
-#include "text/number.h"
+#include "inputs.h"
 
 /* A param or start below both is on its way to 0. A constant of nature may be small, but it is not far below its default. */
 #define TINY 0x1p-50

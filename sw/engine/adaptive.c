@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/host.h"
-#include "cells.h"
-#include "checks.h"
+#include "engine/common/cells.h"
+#include "engine/common/checks.h"
 
 #define WHOLE 0x1p100f     /* of steps that are not chosen: the next one is as long as all */
 #define COUNT_MOST 0x1p32f /* what the host gives as a start may be anything */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* engine.c - opens and closes engines of every backend. */
-#include "backend.h"
-#include "checks.h"
-#include "life.h"
-#include "origin.h"
+#include "engine/common/backend.h"
+#include "engine/common/checks.h"
+#include "engine/common/life.h"
+#include "engine/common/origin.h"
 
 #include "base/definition.h"
 #include "gen/registers.h"

@@ -5,12 +5,12 @@
  * the first step that failed, but not by which exception. All engines give the same bits, so the isa
  * engine makes the run again and watches.
  */
-#include "checks.h"
-#include "life.h"
+#include "engine/common/checks.h"
+#include "engine/common/life.h"
+#include "engine/common/origin.h"
 #include "machine/ahead.h"
 #include "machine/format.h"
 #include "machine/live.h"
-#include "origin.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>

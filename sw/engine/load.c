@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* load.c - programs and groups: whether the configuration has room for them, and loading them. */
-#include "cells.h"
-#include "checks.h"
-#include "life.h"
-#include "luggage.h"
+#include "engine/common/cells.h"
+#include "engine/common/checks.h"
+#include "engine/common/life.h"
+#include "engine/common/luggage.h"
+#include "engine/common/origin.h"
 #include "machine/format.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
 #include "machine/storage.h"
-#include "origin.h"
 
 #include <inttypes.h>
 #include <string.h>

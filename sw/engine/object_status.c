@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* object_status.c - flags of objects, and their sleep. */
-#include "cells.h"
-#include "checks.h"
+#include "engine/common/cells.h"
+#include "engine/common/checks.h"
 
 #include "gen/registers.h"
 

@@ -8,8 +8,8 @@
 #ifndef FP3_ODE_CURSOR_H
 #define FP3_ODE_CURSOR_H
 
+#include "base/report.h"
 #include "lexer.h"
-#include "text/report.h"
 
 enum { FP3_NOTE_SIZE = 64 };
 

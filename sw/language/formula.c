@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "base/host.h"
+#include "base/number.h"
 #include "constant.h"
 #include "dimension_check.h"
 #include "expression.h"
 #include "loss.h"
-#include "text/number.h"
 #include "vector.h"
 
 struct fp3_formula {

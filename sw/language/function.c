@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "function.h"
 
+#include "base/nearest.h"
 #include "function_rows.h"
-#include "text/nearest.h"
 #include "vector.h"
 
 enum {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "keyword.h"
 
-#include "text/nearest.h"
+#include "base/nearest.h"
 
 /* Those that begin a statement come first. */
 static const char *const words[] = {

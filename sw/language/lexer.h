@@ -3,7 +3,7 @@
 #ifndef FP3_ODE_LEXER_H
 #define FP3_ODE_LEXER_H
 
-#include "text/scanner.h"
+#include "base/scanner.h"
 
 typedef struct {
     fp3_scanner scanner;

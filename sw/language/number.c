@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "number.h"
 
-#include "text/number.h"
+#include "base/number.h"
 
 const char *fp3_ode_number(fp3_token t, double *value) {
     char text[FP3_NUMBER_SIZE];

@@ -3,9 +3,9 @@
 #ifndef FP3_ODE_NUMBER_H
 #define FP3_ODE_NUMBER_H
 
-#include "text/token.h"
+#include "base/token.h"
 
-/* NULL, or what is expected instead of this NUMBER. Needs the locale "C" (text/number.h). */
+/* NULL, or what is expected instead of this NUMBER. Needs the locale "C" (base/number.h). */
 const char *fp3_ode_number(fp3_token token, double *value);
 
 #endif

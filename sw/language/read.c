@@ -6,13 +6,13 @@
 
 #include "base/file.h"
 #include "base/host.h"
+#include "base/number.h"
 #include "constant.h"
 #include "finish.h"
 #include "function.h"
 #include "keyword.h"
 #include "statement.h"
 #include "symbol.h"
-#include "text/number.h"
 
 enum { DEFAULT_STEPS = 1000 }; /* in the span of a model that does not say it */
 

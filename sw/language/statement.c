@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "constant.h"
 #include "dimension_check.h"
 #include "event.h"
@@ -12,7 +13,6 @@
 #include "relation.h"
 #include "side.h"
 #include "symbol.h"
-#include "text/number.h"
 #include "utf8.h"
 #include "vector.h"
 

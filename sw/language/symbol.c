@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/nearest.h"
 #include "function.h"
 #include "keyword.h"
-#include "text/nearest.h"
 
 /* The name alone. *component is 0 to 2, -1 without one, NO_COMPONENT for anything else behind the
  * dot. */

@@ -3,7 +3,7 @@
 #ifndef FP3_ODE_UTF8_H
 #define FP3_ODE_UTF8_H
 
-#include "text/token.h"
+#include "base/token.h"
 
 /* Whether the token is UTF-8 without control characters. */
 int fp3_ode_is_utf8(fp3_token token);

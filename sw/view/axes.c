@@ -2,7 +2,7 @@
 /* axes.c - see axes.h. */
 #include "axes.h"
 
-#include "text/unit.h"
+#include "base/unit.h"
 
 #include <fp3/model.h>
 #include <math.h>

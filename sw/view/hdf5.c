@@ -3,7 +3,7 @@
 #include "reader.h"
 
 #include "base/path.h"
-#include "engine/library_hdf5.h"
+#include "record/library_hdf5.h"
 
 #include <inttypes.h>
 #include <stdio.h>

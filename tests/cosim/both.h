@@ -5,7 +5,7 @@
 #define FP3_TESTS_BOTH_H
 
 #include "chance.h"
-#include "engine/foreseen.h"
+#include "engine/board/foreseen.h"
 
 #include <fp3/engine.h>
 #include <inttypes.h>

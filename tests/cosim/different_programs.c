@@ -8,11 +8,11 @@
  * of the isa engine, which ran that program alone. Also listed are objects that sleep: their visit must
  * do nothing.
  */
-#include "engine/inside.h"
+#include "engine/common/inside.h"
 #include "stream.h"
 
 #include "gen/registers.h"
-#include <engine/hardware.h>
+#include <engine/board/hardware.h>
 #include <inttypes.h>
 #include <stdlib.h>
 

@@ -5,7 +5,7 @@
  * Each promise is checked for every engine on every configuration that it is about.
  */
 #include "gen/registers.h"
-#include <engine/inside.h>
+#include <engine/common/inside.h>
 #include <fp3/image.h>
 #include <fp3/isa.h>
 #include <inttypes.h>

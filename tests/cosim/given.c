@@ -8,7 +8,7 @@
  * hardware's cycles are those that are foreseen.
  */
 #include "chance.h"
-#include "engine/foreseen.h"
+#include "engine/board/foreseen.h"
 
 #include <fp3/compile.h>
 #include <fp3/isa.h>

@@ -8,7 +8,7 @@
 #include "chance.h"
 
 #include "gen/registers.h"
-#include <engine/hardware.h>
+#include <engine/board/hardware.h>
 #include <fp3/image.h>
 #include <fp3/isa.h>
 #include <inttypes.h>

@@ -6,9 +6,9 @@
  *
  * Prints one line: objects N, rows N (of the fullest lane), copies N, words N (of each), cycles N, of copies N.
  */
-#include "engine/foreseen.h"
-#include "engine/ghosts.h"
-#include "engine/partition.h"
+#include "engine/board/foreseen.h"
+#include "engine/common/ghosts.h"
+#include "engine/common/partition.h"
 
 #include <fp3/program.h>
 #include <inttypes.h>

@@ -8,7 +8,7 @@
  * which has one group alone; then other groups are loaded into the same engines. Cycles: what the
  * schedulers need is what was predicted, and no other division would have ended earlier.
  */
-#include "engine/inside.h"
+#include "engine/common/inside.h"
 #include "stream.h"
 
 #include <fp3/image.h>

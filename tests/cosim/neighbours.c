@@ -9,7 +9,7 @@
  * words, the lists and isa/timing.toml say. Programs by hand: what a model does not make.
  */
 #include "both.h"
-#include "engine/partition.h"
+#include "engine/common/partition.h"
 
 #include <fp3/compile.h>
 

@@ -15,7 +15,7 @@
  * The fast engine instead of the hardware retires nothing and runs no illegal words: what is left after each
  * run is compared. With --vary each session has its own rounding, flushing and flags.
  */
-#include "engine/inside.h"
+#include "engine/common/inside.h"
 #include "machine/ahead.h"
 #include "machine/cycles.h"
 #include "stream.h"

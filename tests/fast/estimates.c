@@ -7,9 +7,9 @@
 #define FP3_SUBNORMAL 1
 #define FP3_FINITE 0
 #define FP3_FLAGS 1
-#include <fast/place.h>
+#include <engine/fast/place.h>
 
-#include <fast/lanes.h>
+#include <engine/fast/lanes.h>
 
 #include <machine/estimate.h>
 #include <stdint.h>

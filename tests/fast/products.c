@@ -3,8 +3,8 @@
  *
  *     products [RANDOM-PAIRS]     (default: 10000)
  */
-#include "fast/plan.h"
-#include "fast/sweep.h"
+#include "engine/fast/plan.h"
+#include "engine/fast/sweep.h"
 #include "gen/registers.h"
 #include "machine/execute.h"
 

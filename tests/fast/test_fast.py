@@ -95,7 +95,7 @@ def test_threads_share_nothing_unguarded(root, build, tmp_path):
         pytest.skip("gcc has no thread sanitizer that runs here")
     if build.name.endswith("-san"):
         pytest.skip("the rest of the library has another sanitizer")
-    sources = [*(root / "sw/fast").glob("[!s]*.c"), *(root / "sw/engine").glob("*.c"), root / "sw/base/threads.c", root / "tests/fast/hooks.c"]
+    sources = [*(root / "sw/engine/fast").glob("[!s]*.c"), *(root / "sw/engine").glob("*.c"), *(path for room in ("common", "isa", "board") for path in (root / "sw/engine" / room).glob("*.c")), root / "sw/base/threads.c", root / "tests/fast/hooks.c"]
     made = subprocess.run(["gcc", "-fsanitize=thread", "-std=c11", "-D_GNU_SOURCE", "-O1", "-g", "-w", "-ffp-contract=off", "-Isw/include", "-Isw", "-Isim",
                            "-o", tmp_path / "hooks", *sources, build / "lib/libfp3.a", *"-lgsl -lgslcblas -lconfig -lz -ldl -lm".split()],
                           cwd=root, capture_output=True, text=True, timeout=300)
@@ -158,10 +158,10 @@ def test_products_around_the_subnormal_numbers(build, long):
 # exp2 at the end of its range: of each number, the bits of 2 to its integral part.
 POWERS = {"-126.0": 0x00800000, "-127.0": 0x00400000, "-148.5": 2, "-149.0": 1, "-149.5": 1, "-150.0": 0, "-1000.0": 0}
 BUGS = [
-    Bug("2^-149 is 0", "sw/fast/lanes.h", "n < 150", "n < 149"),
-    Bug("2^-150 is not 0", "sw/fast/lanes.h", "n < 150", "n < 151"),
-    Bug("2^-127 is 0", "sw/fast/lanes.h", "is_tiny = n > 126", "is_tiny = n > 127"),
-    Bug("-149.5 is rounded", "sw/fast/lanes.h", "(significand >> shift)) | (is_over & 1024)", "((significand + (1 << (shift - 1))) >> shift)) | (is_over & 1024)"),
+    Bug("2^-149 is 0", "sw/engine/fast/lanes.h", "n < 150", "n < 149"),
+    Bug("2^-150 is not 0", "sw/engine/fast/lanes.h", "n < 150", "n < 151"),
+    Bug("2^-127 is 0", "sw/engine/fast/lanes.h", "is_tiny = n > 126", "is_tiny = n > 127"),
+    Bug("-149.5 is rounded", "sw/engine/fast/lanes.h", "(significand >> shift)) | (is_over & 1024)", "((significand + (1 << (shift - 1))) >> shift)) | (is_over & 1024)"),
 ]
 
 
@@ -179,7 +179,7 @@ def test_exp2_at_the_end_of_its_range(run, tmp_path, engine):
 @pytest.mark.parametrize("bug", [pytest.param(None, id="as it is"), *few((bug.name, bug) for bug in BUGS)])
 def test_a_wrong_exp2_is_seen(root, tmp_path, bug):
     """The same numbers, in the lanes of the fast engine alone."""
-    text = (root / "sw/fast/lanes.h").read_text()
+    text = (root / "sw/engine/fast/lanes.h").read_text()
     (tmp_path / "lanes.h").write_text(bug.put(text) if bug else text)
     (tmp_path / "x.c").write_text("#define FP3_NEAREST 1\n#define FP3_SUBNORMAL 1\n#define FP3_FINITE 0\n#define FP3_FLAGS 1\n#include <stdio.h>\n#include \"lanes.h\"\n"
                                   "int main(void) {" + "".join(f'printf("%d ", ((fp3_i)fp3_exp2((fp3_v){{0}} + {number}f))[0]);' for number in POWERS) + "}\n")
@@ -189,12 +189,12 @@ def test_a_wrong_exp2_is_seen(root, tmp_path, bug):
 
 
 ESTIMATE_BUGS = [
-    Bug("an exact entry is not reached", "sw/fast/place.h", "0x3f000004, 0x3f800002", "0x3efffffc, 0x3f7ffffc"),
-    Bug("an entry is passed", "sw/fast/place.h", "0x3f000004, 0x3f800002", "0x3f000040, 0x3f800020"),
-    Bug("no step of Newton's", "sw/fast/lanes.h", "(fp3_i)FP3_QUIET_MADD(y, off, y) & FP3_NUMBER(RCP_CUT)", "(fp3_i)y & FP3_NUMBER(RCP_CUT)"),
-    Bug("inexact is raised", "sw/fast/lanes.h", "FP3_QUIETLY 8", "FP3_QUIETLY 4"),
-    Bug("the largest numbers are ordinary", "sw/fast/place.h", "252 << 23", "254 << 23"),
-    Bug("the least number is halved", "sw/fast/place.h", "0x01000000", "0x00800000"),
+    Bug("an exact entry is not reached", "sw/engine/fast/place.h", "0x3f000004, 0x3f800002", "0x3efffffc, 0x3f7ffffc"),
+    Bug("an entry is passed", "sw/engine/fast/place.h", "0x3f000004, 0x3f800002", "0x3f000040, 0x3f800020"),
+    Bug("no step of Newton's", "sw/engine/fast/lanes.h", "(fp3_i)FP3_QUIET_MADD(y, off, y) & FP3_NUMBER(RCP_CUT)", "(fp3_i)y & FP3_NUMBER(RCP_CUT)"),
+    Bug("inexact is raised", "sw/engine/fast/lanes.h", "FP3_QUIETLY 8", "FP3_QUIETLY 4"),
+    Bug("the largest numbers are ordinary", "sw/engine/fast/place.h", "252 << 23", "254 << 23"),
+    Bug("the least number is halved", "sw/engine/fast/place.h", "0x01000000", "0x00800000"),
 ]
 
 
@@ -204,10 +204,10 @@ def test_estimates(root, tmp_path, kind, bug):
     """As they are, and wrong: without its table a processor with 16 lanes has to compute them exactly."""
     if not has(kind):
         pytest.skip("not on this processor")
-    (tmp_path / "fast").mkdir()
+    (tmp_path / "engine/fast").mkdir(parents=True)
     for name in ("lanes.h", "place.h"):
-        text = (root / "sw/fast" / name).read_text()
-        (tmp_path / "fast" / name).write_text(bug.put(text) if bug and bug.file.endswith(name) else text)
+        text = (root / "sw/engine/fast" / name).read_text()
+        (tmp_path / "engine/fast" / name).write_text(bug.put(text) if bug and bug.file.endswith(name) else text)
     subprocess.run(["gcc", "-O1", f"-march={kind}", "-ffp-contract=off", "-frounding-math", "-Wno-psabi", f"-I{tmp_path}", f"-I{root}/sw", f"-I{root}/sw/include",
                     root / "tests/fast/estimates.c", root / "sw/machine/estimate.c", "-o", tmp_path / "x"], check=True)
     out = subprocess.run([tmp_path / "x"], capture_output=True, text=True, timeout=300)

@@ -3,7 +3,7 @@
  *
  *     spelled SEED COUNT
  */
-#include "settings/settings.h"
+#include "base/settings.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -20,7 +20,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "image/visit.h"
+#include "machine/visit.h"
 #include <fp3/isa.h>
 
 enum { OBJECT = FP3_BANK_OBJECT_COUNT, SHARED = FP3_BANK_SHARED_COUNT, CODE = 48, SPAN = 7 };

@@ -4,7 +4,7 @@
  *         i CYCLE SCHEDULER CONTEXT PC WORD                 an instruction issues; WORD as hexadecimal
  *         e CYCLE SCHEDULER LANE CONTEXT OUTCOME RESULT REGISTER    one ends; prints its issue and pc
  */
-#include "engine/in_flight.h"
+#include "engine/board/in_flight.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "image/visit.h"
 #include "machine/config.h"
+#include "machine/visit.h"
 
 /* The words that a scheduler has: the program, where there is a store with loads and stores. */
 typedef struct {

@@ -6,7 +6,7 @@
  *     integrators trees            order, gamma, tree
  */
 #include <fp3/model.h>
-#include <integrator/trees.h>
+#include <language/trees.h>
 #include <stdio.h>
 #include <string.h>
 

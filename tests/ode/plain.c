@@ -3,10 +3,10 @@
  *     plain MODEL.ode STEPS    the smallest error of each by rk4 with up to that number of steps, and at
  *                              which step: one line
  *
- * The loop is the one that somebody writes by hand (bench/loop.h). Its steps and the truth are those of
+ * The loop is the one that somebody writes by hand (lab/bench/loop.h). Its steps and the truth are those of
  * fp3/tune.h.
  */
-#include "bench/loop.h"
+#include "lab/bench/loop.h"
 
 #include <fp3/truth.h>
 #include <math.h>

@@ -13,13 +13,13 @@
  */
 #include "step_check.h"
 
+#include <compiler/schedule/cost.h>
+#include <compiler/schedule/schedule.h>
 #include <fp3/engine.h>
 #include <fp3/isa.h>
 #include <getopt.h>
 #include <inttypes.h>
 #include <machine/cycles.h>
-#include <schedule/cost.h>
-#include <schedule/schedule.h>
 #include <stdio.h>
 #include <time.h>
 

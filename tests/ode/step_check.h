@@ -4,8 +4,8 @@
 
 #include "step_sample.h"
 
+#include <compiler/schedule/lines.h>
 #include <math.h>
-#include <schedule/lines.h>
 
 /* ---- arithmetic ---- */
 

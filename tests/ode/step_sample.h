@@ -4,9 +4,9 @@
 
 #include "../cosim/chance.h"
 
+#include <compiler/schedule/code.h>
 #include <fp3/isa.h>
 #include <machine/operation.h>
-#include <schedule/code.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,8 +6,8 @@
  * from the same method in double, relative to the largest state of the object; or its name, "refused" and why. What the compiler's
  * reference makes of it counts as an engine, with the states as floats.
  */
-#include "bench/variants.h"
-#include "engine/inside.h"
+#include "engine/common/inside.h"
+#include "lab/bench/variants.h"
 
 #include <fp3/truth.h>
 #include <inttypes.h>

@@ -5,8 +5,8 @@
  * Prints bytes of states, seconds until the file is on the disk, megabytes a second, and the most memory
  * that the process had. For the disk alone: dd if=/dev/zero of=FILE bs=1M count=763 conv=fdatasync
  */
-#include "output/csv.h"
-#include "output/hdf5.h"
+#include "record/csv.h"
+#include "record/hdf5.h"
 
 #include <stdio.h>
 #include <stdlib.h>

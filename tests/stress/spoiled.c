@@ -6,7 +6,7 @@
  * multiplied by a factor, beside the theory of its table. Prints how many results there are, and how many do not
  * hold. Exit code 1: something went wrong.
  */
-#include "stress/suite.h"
+#include "lab/stress/suite.h"
 
 #include <stdio.h>
 #include <stdlib.h>

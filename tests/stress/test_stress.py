@@ -52,7 +52,7 @@ def test_sums_of_logarithms_are_too_large_in_the_mean(stress):
 
 
 def test_every_arithmetic_of_a_named_configuration_is_tried(stress, root):
-    """One row of sw/stress/lab.c for each."""
+    """One row of sw/lab/stress/lab.c for each."""
     found = {row["arithmetic"] for row in stress("--only", "failures")}
     said = tomllib.loads((root / "isa/configs.toml").read_text(encoding="utf-8"))
     defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused", "fraction")}

@@ -27,7 +27,7 @@ def tune(fp3, tmp_path):
 
 def known(root):
     """Of each configuration its LUT4 and MHz."""
-    text = (root / "sw/tune/placed.c").read_text(encoding="utf-8")
+    text = (root / "sw/lab/tune/placed.c").read_text(encoding="utf-8")
     return {name: (int(luts), float(mhz)) for name, luts, mhz in re.findall(r'\{"(\w+)", (\d+), ([\d.]+)\}', text)}
 
 

@@ -5,7 +5,7 @@
  *     truths MODEL NAME=VALUE... of one object, and times from standard input: the states and their sizes
  */
 #include "compiler/backwards.h"
-#include "truth/path.h"
+#include "lab/truth/path.h"
 
 #include <fp3/truth.h>
 #include <math.h>

@@ -6,7 +6,7 @@
  * Each part runs in a thread of its own, and they exchange words between phases. Prints: parts N, guests N, words N (that were brought
  * in all), differing N.
  */
-#include "engine/inside.h"
+#include "engine/common/inside.h"
 
 #include <fp3/program.h>
 #include <inttypes.h>

@@ -4,7 +4,7 @@
  * processor flush what is subnormal. And what lists are made of where some objects are far away: the same, at a cost that does not depend
  * on how far.
  */
-#include <engine/near.h>
+#include <engine/common/near.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 
     @{config.many.contexts}  a key of a configuration          @{module.fetch}  fetch, if rtl/ has the module
     @{timing.list}           cycles                            @{bundle.issue}  issue.vh, if rtl/ has the bundle
-    @{register.status}       an address on the bus             @{room.asm}      asm, if sw/ has the room
+    @{register.status}       an address on the bus             @{room.lab}      lab, if sw/ has the room
     @{window.program}        likewise                          @{path.isa}      isa, if there is such a path
     @{top.program}           the last byte of a window         @{word.visit}    visit, if the glossary explains it
     @{space.objects}         the number of a space             @{name.steps}    steps, if it is on the bus

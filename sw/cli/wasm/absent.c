@@ -4,10 +4,10 @@
  */
 #include "cli/cli.h"
 #include "cli/run_ranks.h"
-#include "engine/library.h"
-#include "fast/native.h"
-#include "output/plot.h"
-#include "serial/port.h"
+#include "engine/board/port.h"
+#include "engine/common/library.h"
+#include "engine/fast/native.h"
+#include "record/plot.h"
 
 #define HERE "WebAssembly"
 

@@ -8,7 +8,7 @@
 #ifndef FP3_BANKS_H
 #define FP3_BANKS_H
 
-#include "schedule/code.h"
+#include "compiler/schedule/code.h"
 
 /* Adds the moves to all three parts, and gives each param its register. one, minus_zero: constants. */
 fp3_status fp3_banks_split(fp3_step_code *code, uint32_t one, uint32_t minus_zero,

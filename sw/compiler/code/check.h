@@ -3,10 +3,10 @@
 #ifndef FP3_CHECK_H
 #define FP3_CHECK_H
 
+#include "compiler/schedule/code.h"
+#include "compiler/schedule/lines.h"
 #include "compiler/step/fit.h"
 #include "compiler/step/step.h"
-#include "schedule/code.h"
-#include "schedule/lines.h"
 
 /* FP3_E_PROGRAM: what is asked for needs another arithmetic than the configuration has. */
 fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit, fp3_error *error);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "text/number.h"
+#include "base/number.h"
 
 /* A part of the program: the nodes between its leaves and its roots. */
 typedef struct {

@@ -4,8 +4,8 @@
 #define FP3_CONVERT_H
 
 #include "choose.h"
+#include "compiler/schedule/code.h"
 #include "compiler/step/step.h"
-#include "schedule/code.h"
 
 /* Where a known value is kept. */
 typedef struct {

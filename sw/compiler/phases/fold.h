@@ -8,7 +8,7 @@
 #ifndef FP3_PHASES_FOLD_H
 #define FP3_PHASES_FOLD_H
 
-#include "schedule/lines.h"
+#include "compiler/schedule/lines.h"
 
 /* Of the lines between `each` and `next`: first loads of words and of all fields in their order, to registers that nothing
  * reads behind the loop, then arithmetic. Gives how many lines are left. */

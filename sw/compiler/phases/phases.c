@@ -3,11 +3,11 @@
 #include "phases.h"
 
 #include "compiler/code/check.h"
+#include "compiler/schedule/schedule.h"
 #include "cut.h"
 #include "fold.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
-#include "schedule/schedule.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>

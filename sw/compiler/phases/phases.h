@@ -4,7 +4,7 @@
 #define FP3_PHASES_H
 
 #include "compiler/code/convert.h"
-#include "schedule/lines.h"
+#include "compiler/schedule/lines.h"
 
 /* Whether some state's equation has a sum over neighbours. */
 int fp3_phases_are_needed(const fp3_step *step);

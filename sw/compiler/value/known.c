@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "language/loss.h"
-#include "text/number.h"
 
 static uint32_t add(known_table *table, known wanted) {
     for (uint32_t i = 0; i < table->count; i++) {

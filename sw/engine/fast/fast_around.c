@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fast_around.c - phases of the "fast" engine, each by all threads. */
+#include "fast_own.h"
+
+#include "engine/common/origin.h"
+#include "engine/common/words.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What the threads share. */
+typedef struct {
+    fast *self;
+    const fp3_fast *program;
+    fp3_fast_group group;
+    uint32_t phase, from, count; /* from: of the group's rows, the first */
+    const piece *pieces;         /* or NULL: blocks of those rows */
+    uint32_t piece_count;
+} sweep;
+
+void fp3_around_forget(group *g) {
+    for (int i = 0; i < FP3_LISTS_MAX; i++)
+        fp3_fast_pack_free(&g->lists[i]);
+    free(g->records);
+    g->records = NULL;
+    free(g->pieces);
+    g->pieces = NULL;
+    g->is_packed = 0;
+}
+
+/* ---- which objects see guests ---- */
+
+/* Whether they are computed in pieces: there are guests, which links alone show. */
+static int is_in_pieces(const fp3_engine *engine, const fp3_members *members) {
+    int is = engine->exchange.begin != NULL;
+    for (uint32_t i = 0; i < members->lists.shape.list_count; i++)
+        is = is && !members->lists.lists[i].is_near && !members->lists.lists[i].is_all;
+    return is;
+}
+
+static int sees_guests(const fp3_members *members, uint32_t first, uint32_t end) {
+    int is = 0;
+    for (uint32_t k = 0; k < members->lists.shape.list_count; k++) {
+        const fp3_list *list = &members->lists.lists[k];
+        for (uint32_t e = list->begin[first]; e < list->begin[end]; e++)
+            is |= list->other[e] >= members->objects;
+    }
+    return is;
+}
+
+/* Vector by vector: those that see guests, or those that see none. */
+static uint32_t list_pieces(const fp3_members *members, uint32_t lanes, int is_outer, piece *to) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < members->objects; i += lanes) {
+        const uint32_t end = i + lanes < members->objects ? i + lanes : members->objects;
+        if (sees_guests(members, i, end) != is_outer)
+            continue;
+        if (count && to[count - 1].first + to[count - 1].count == i &&
+            to[count - 1].count + lanes <= FP3_BLOCK)
+            to[count - 1].count += end - i;
+        else
+            to[count++] = (piece){i, end - i};
+    }
+    return count;
+}
+
+static uint32_t lanes_of(const group *g) {
+    const unsigned native = fp3_fast_native_lanes(g->program);
+    return native ? native : 1;
+}
+
+static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, group *g) {
+    const uint32_t lanes = lanes_of(g);
+    if (!is_in_pieces(engine, members) || g->pieces)
+        return FP3_OK;
+    g->pieces = malloc((members->objects / lanes + (size_t)1) * sizeof *g->pieces);
+    if (!g->pieces)
+        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    g->inner_count = list_pieces(members, lanes, 0, g->pieces);
+    g->piece_count = g->inner_count + list_pieces(members, lanes, 1, g->pieces + g->inner_count);
+    return FP3_OK;
+}
+
+/* ---- what the executor needs ---- */
+
+/* Lists of guests are left out: what fills the last vector has the last object's words, and so needs that one's list. */
+static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
+        const fp3_list *l = &members->lists.lists[i];
+        const fp3_fast_given given = {.begin = l->is_all ? NULL : l->begin,
+                                      .other = l->other,
+                                      .field = l->field,
+                                      .fields = l->fields,
+                                      .objects =
+                                          l->is_all ? l->objects : members->from + members->objects,
+                                      .rows = members->rows,
+                                      .is_fixed = !l->is_near};
+        status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
+                               engine->def.error);
+    }
+    g->is_packed = !status;
+    return status;
+}
+
+static fp3_status need_halves(fp3_engine *engine, const group *g) {
+    fast *self = engine->self;
+    FP3_EACH_REGISTER (fp3_fast_doubled(g->program), reg)
+        if (!self->other_half[reg] &&
+            !(self->other_half[reg] = fp3_words_make(engine, engine->objects)))
+            return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    return FP3_OK;
+}
+
+static uint32_t share_begin(const sweep *s, uint32_t number) {
+    const uint64_t blocks = s->pieces ? s->piece_count : (s->count + FP3_BLOCK - 1) / FP3_BLOCK;
+    return (uint32_t)(blocks * number / s->self->used);
+}
+
+static piece piece_of(const sweep *s, uint32_t n) {
+    const uint32_t first = n * FP3_BLOCK, left = s->count - first;
+    return s->pieces ? s->pieces[n] : (piece){s->from + first, left < FP3_BLOCK ? left : FP3_BLOCK};
+}
+
+/* First its own share, which is in its processor's cache from the phase before, then what others have left of theirs. */
+static void take_part(void *of, uint32_t number) {
+    sweep *s = of;
+    const uint32_t used = s->self->used;
+    for (uint32_t i = 0; i < used; i++) {
+        const uint32_t whose = (number + i) % used, end = share_begin(s, whose + 1);
+        atomic_uint *next = &s->self->hands[whose].next;
+        for (uint32_t n; (n = atomic_fetch_add(next, 1)) < end;) {
+            const piece p = piece_of(s, n);
+            fp3_fast_phase(s->program, s->self->hands[number].worker, &s->group, s->phase, p.first,
+                           p.count);
+        }
+    }
+}
+
+static fp3_status need_records(fp3_engine *engine, group *g) {
+    int is_any = 0;
+    for (int i = 0; i < FP3_LISTS_MAX; i++)
+        is_any |= g->lists[i].is_gathered;
+    if (!is_any || g->records)
+        return FP3_OK;
+    const size_t bytes = fp3_fast_records(g->program, engine->objects) * sizeof *g->records;
+    g->records = aligned_alloc(64, (bytes + 63) / 64 * 64);
+    return g->records ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+}
+
+static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
+    const fast *self = engine->self;
+    const uint32_t *words[FP3_BANK_OBJECT_COUNT];
+    int is_new = 0;
+    fp3_status status = fp3_order_follow(engine, members);
+    for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
+        words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
+    if (!status)
+        status = fp3_lists_follow(&members->lists, members->rows, words, self->row, 1, &is_new,
+                                  engine->def.error);
+    if (is_new)
+        fp3_around_forget(g);
+    if (!status)
+        status = pack(engine, members, g);
+    if (!status)
+        status = need_pieces(engine, members, g);
+    return status ? status : need_records(engine, g);
+}
+
+static void sweep_all(fp3_engine *engine, sweep *s) {
+    fast *self = engine->self;
+    for (uint32_t i = 0; i < self->used; i++)
+        atomic_store(&self->hands[i].next, share_begin(s, i));
+    if (engine->def.tasks)
+        engine->def.tasks(engine->def.tasks_user, take_part, s, self->used);
+    else
+        fp3_threads_run(self->threads, take_part, s, self->used);
+}
+
+/* What neighbours read of these rows goes where they read it. */
+static void gather(fp3_engine *engine, sweep s, const group *g, uint32_t from, uint32_t count) {
+    if (!g->records)
+        return;
+    s.phase = fp3_fast_phases(g->program);
+    s.from = from;
+    s.count = count;
+    sweep_all(engine, &s);
+}
+
+static void take_pieces(fp3_engine *engine, sweep s, const group *g, uint32_t first, uint32_t end) {
+    s.pieces = g->pieces + first;
+    s.piece_count = end - first;
+    sweep_all(engine, &s);
+}
+
+/* An exchange has begun. While words are on their way, those are computed that need none of them. */
+static fp3_status sweep_around_exchange(fp3_engine *engine, const fp3_members *members,
+                                        const group *g, const sweep *s) {
+    gather(engine, *s, g, 0, members->objects);
+    take_pieces(engine, *s, g, 0, g->inner_count);
+    const fp3_status status = fp3_engine_exchange_end(engine);
+    if (status)
+        return status;
+    const uint32_t guests = members->objects / lanes_of(g) * lanes_of(g); /* from a whole vector */
+    gather(engine, *s, g, guests, members->rows - guests);
+    take_pieces(engine, *s, g, g->inner_count, g->piece_count);
+    return FP3_OK;
+}
+
+static fp3_status make_phase(fp3_engine *engine, const fp3_members *members, const group *g,
+                             uint32_t phase) {
+    fast *self = engine->self;
+    uint32_t *own[FP3_BANK_OBJECT_COUNT] = {0}, *next[FP3_BANK_OBJECT_COUNT] = {0};
+    const uint64_t doubled = fp3_fast_doubled(g->program);
+    sweep s = {.self = self, .program = g->program, .phase = phase};
+    for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++) {
+        if (!self->column[reg])
+            continue;
+        own[reg] = self->column[reg] + members->first;
+        next[reg] =
+            (doubled >> reg & 1 ? self->other_half[reg] : self->column[reg]) + members->first;
+    }
+    const size_t number = (size_t)(members - engine->layout.groups);
+    s.group = (fp3_fast_group){.own = own,
+                               .next = next,
+                               .constants = &self->shared[number * engine->config->registers],
+                               .lists = g->lists,
+                               .records = g->records,
+                               .objects = members->rows};
+    fp3_status status = FP3_OK;
+    if (g->pieces) {
+        status = sweep_around_exchange(engine, members, g, &s);
+    } else {
+        gather(engine, s, g, 0, members->rows);
+        s.from = members->from;
+        s.count = members->objects;
+        sweep_all(engine, &s);
+    }
+    FP3_EACH_REGISTER (doubled, reg) {
+        uint32_t *half = self->column[reg];
+        self->column[reg] = self->other_half[reg];
+        self->other_half[reg] = half;
+    }
+    return status;
+}
+
+int fp3_around_is_any(const fp3_engine *engine) {
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        if (engine->layout.groups[i].lists.shape.is_any)
+            return 1;
+    return 0;
+}
+
+double fp3_around_turns(const fp3_engine *engine) {
+    const fp3_lists *lists = &engine->layout.groups[0].lists;
+    double turns = 1;
+    for (uint32_t i = 0; i < lists->shape.list_count; i++) {
+        const fp3_list *l = &lists->lists[i];
+        turns += l->is_all ? l->objects : l->begin ? (double)l->begin[l->objects] / l->objects : 0;
+    }
+    return turns;
+}
+
+/* A run that does not come to its end leaves objects as they were, as on the other engines. */
+static void undo(fp3_engine *engine) {
+    fast *self = engine->self;
+    const fp3_origin *o = engine->origin;
+    for (size_t reg = 0; reg < engine->config->registers; reg++)
+        for (uint32_t i = 0; self->column[reg] && i < engine->objects; i++)
+            if (o->began[i] >> reg & 1)
+                self->column[reg][self->row ? self->row[i] : i] =
+                    o->registers[reg * engine->objects + i];
+}
+
+fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
+    fast *self = engine->self;
+    group *g = &self->groups[0];
+    fp3_members *members = &engine->layout.groups[0];
+    if (engine->layout.count > 1)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "engine 'fast' runs one group of objects that see each other");
+    fp3_status status = need_halves(engine, g);
+    for (uint32_t step = 0; !status && step < steps; step++) {
+        for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
+            status = fp3_engine_exchange_begin(engine);
+            if (!status && !is_in_pieces(engine, members))
+                status = fp3_engine_exchange_end(engine);
+            if (!status)
+                status = follow(engine, members, g);
+            if (!status)
+                status = make_phase(engine, members, g, phase);
+        }
+        fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
+    }
+    if (status)
+        undo(engine);
+    return status;
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* neighbours.c - see neighbours.h. */
+#include "neighbours.h"
+
+#include "operation.h"
+
+#include <inttypes.h>
+
+#define BIT(reg) (UINT64_C(1) << (reg))
+
+/* A walk through the words of a program. */
+typedef struct {
+    const fp3_image *image;
+    fp3_neighbourhood *found;
+    fp3_error *error;
+    uint32_t at;
+    int loop;                        /* index of the `each` of the loop around, or -1 */
+    uint32_t fields, loaded;         /* of an entry, as far as that loop says; its `ldl` so far */
+    int has_stored;                  /* in this phase */
+    uint64_t stored;                 /* words that this phase stores */
+    uint64_t stored_any, stored_all; /* by some phase; by all that have ended */
+} walk;
+
+static fp3_status refuse(const walk *w, const char *what) {
+    return fp3_fail(w->error, FP3_E_PROGRAM, "code word %" PRIu32 ": %s", w->at, what);
+}
+
+static uint32_t op_at(const fp3_image *image, uint32_t at) {
+    return image->decoded[at].of ? image->decoded[at].in.op : 0;
+}
+
+static fp3_gives gives_at(const fp3_image *image, uint32_t at) {
+    return image->decoded[at].of ? image->decoded[at].of->gives : FP3_GIVES_NOTHING;
+}
+
+static int is_of_neighbours(const fp3_image *image, uint32_t at) {
+    const uint32_t op = op_at(image, at);
+    return gives_at(image, at) != FP3_GIVES_NOTHING || op == FP3_OP_EACH || op == FP3_OP_NEXT ||
+           op == FP3_OP_PHASE;
+}
+
+static fp3_status end_phase(walk *w) {
+    w->stored_any |= w->stored;
+    w->stored_all &= w->stored;
+    w->stored = 0;
+    w->has_stored = 0;
+    w->found->phases++;
+    return FP3_OK;
+}
+
+static fp3_status end_loop(walk *w) {
+    fp3_neighbourhood *f = w->found;
+    const uint32_t reg = w->image->decoded[w->loop].in.d;
+    uint32_t i = 0;
+    while (i < f->list_count && f->lists[i].reg != reg)
+        i++;
+    if (i < f->list_count && f->lists[i].fields != w->fields)
+        return refuse(w, "two loops over one list read different numbers of fields");
+    if (i == FP3_LISTS_MAX)
+        return refuse(w, "a program has at most 8 lists of neighbours");
+    if (i == f->list_count)
+        f->lists[f->list_count++] = (fp3_list_shape){reg, w->fields};
+    w->loop = -1;
+    return FP3_OK;
+}
+
+/* An instruction that a neighbour gives something. */
+static fp3_status visit_given(walk *w) {
+    const fp3_decoded *word = &w->image->decoded[w->at];
+    const uint32_t number =
+        word->of->number ? fp3_operand(&word->in, word->of->number) : w->loaded++;
+    if (w->loop < 0)
+        return refuse(w, "what reads a neighbour, and 'next', belong in a loop, behind 'each'");
+    if (word->of->gives == FP3_GIVES_WORD) {
+        w->found->published |= BIT(number & (FP3_BANK_OBJECT_COUNT - 1));
+        if (number >= FP3_BANK_SHARED_BASE)
+            return refuse(w, "a word of a neighbour's record is read, not a shared constant");
+        return w->has_stored ? refuse(w, "a phase loads all words before it stores any") : FP3_OK;
+    }
+    if (number >= FP3_FIELDS_MAX)
+        return refuse(w, "an entry of a list has at most 64 fields");
+    if (number >= w->fields)
+        w->fields = number + 1;
+    return FP3_OK;
+}
+
+static fp3_status visit_word(walk *w) {
+    const fp3_image *image = w->image;
+    const fp3_instruction *in = &image->decoded[w->at].in;
+    const uint32_t op = op_at(image, w->at);
+    if (gives_at(image, w->at) != FP3_GIVES_NOTHING)
+        return visit_given(w);
+    if (op == FP3_OP_SLEEP || op == FP3_OP_LDS)
+        return refuse(w, "no object sleeps in a program with neighbours");
+    if ((op == FP3_OP_EACH || op == FP3_OP_PHASE) && w->loop >= 0)
+        return refuse(w, "a loop over neighbours ends before another, or a phase, begins or ends");
+    if (op == FP3_OP_NEXT && w->loop < 0)
+        return refuse(w, "what reads a neighbour, and 'next', belong in a loop, behind 'each'");
+    if (op == FP3_OP_LD && w->has_stored)
+        return refuse(w, "a phase loads all words before it stores any");
+    if (op == FP3_OP_ST && w->loop >= 0)
+        return refuse(w, "a loop over neighbours stores nothing");
+    switch (op) {
+    case FP3_OP_EACH:
+        w->loop = (int)w->at;
+        w->fields = w->loaded = 0;
+        return FP3_OK;
+    case FP3_OP_NEXT:
+        return end_loop(w);
+    case FP3_OP_PHASE:
+        return end_phase(w);
+    case FP3_OP_ST:
+        w->stored |= BIT(in->d);
+        w->has_stored = 1;
+        return FP3_OK;
+    default:
+        return FP3_OK;
+    }
+}
+
+static int uses_neighbours(const fp3_image *image) {
+    for (uint32_t i = 0; i < image->code_count; i++)
+        if (is_of_neighbours(image, i))
+            return 1;
+    return 0;
+}
+
+fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
+                                  fp3_error *error) {
+    walk w = {.image = image, .found = found, .error = error, .loop = -1, .stored_all = UINT64_MAX};
+    fp3_status status = FP3_OK;
+    *found = (fp3_neighbourhood){.is_any = uses_neighbours(image)};
+    if (!found->is_any)
+        return FP3_OK;
+    if (image->step != 0 || image->last != image->code_count)
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "a program with neighbours has a step part alone, no first and no last part");
+    for (w.at = 0; !status && w.at < image->code_count; w.at++)
+        status = visit_word(&w);
+    if (!status && w.loop >= 0)
+        status = refuse(&w, "the program ends within a loop over neighbours");
+    if (!status)
+        status = end_phase(&w);
+    if (status)
+        return status;
+    const uint64_t missed = found->published & w.stored_any & ~w.stored_all;
+    uint32_t reg = 0;
+    while (missed && !(missed >> reg & 1))
+        reg++;
+    if (missed)
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "word r%" PRIu32 " is read by neighbours: each phase stores it, or none does", reg);
+    return FP3_OK;
+}
+
+uint32_t fp3_neighbourhood_end(const fp3_decoded *decoded, uint32_t each) {
+    while (!decoded[each].of || decoded[each].in.op != FP3_OP_NEXT)
+        each++;
+    return each;
+}

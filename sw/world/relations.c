@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* relations.c - see relations.h. */
+#include "relations.h"
+
+#include "base/nearest.h"
+#include "base/number.h"
+#include "compiler/start.h"
+#include "engine/common/inside.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const fp3_model *model_of(const fp3_relations *r) {
+    return r->to.compiled ? fp3_start_model(r->to.compiled) : NULL;
+}
+
+/* NULL: the program has none of this name. */
+static const fp3_list *list_named(const fp3_relations *r, const char *name) {
+    const fp3_lists *lists = &fp3_engine_layout(r->to.engine)->groups[r->to.group].lists;
+    const fp3_symbol *s = fp3_image_find(r->to.image, name, FP3_CLASSES_OBJECT);
+    for (uint32_t i = 0; s && i < lists->shape.list_count; i++)
+        if (lists->lists[i].reg == s->index)
+            return &lists->lists[i];
+    return NULL;
+}
+
+__attribute__((format(printf, 3, 4))) static fp3_status
+refuse(const fp3_linked *l, fp3_error *error, const char *format, ...) {
+    char text[400];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return fp3_fail(error, FP3_E_ARGUMENT, "%s%slinks of '%s': %s", l->place ? l->place : "",
+                    l->place ? ": " : "", l->relation, text);
+}
+
+/* ---- fields ---- */
+
+/* The fields that equations read, a bit each: the words of an entry. */
+static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_error *error) {
+    char *is_needed = calloc(model->expr_count + 1u, 1);
+    *fields = 0;
+    if (!is_needed)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t i = 0; i < model->state_count; i++)
+        if (model->states[i].derivative != FP3_NONE)
+            is_needed[model->states[i].derivative] = 1;
+    for (uint32_t i = model->expr_count; i-- > 0;) {
+        const fp3_expr *e = &model->exprs[i];
+        for (int k = 0; is_needed[i] && k < 3; k++)
+            if (e->operand[k] != FP3_NONE)
+                is_needed[e->operand[k]] = 1;
+        if (is_needed[i] && e->op == FP3_EXPR_FIELD)
+            *fields |= UINT64_C(1) << e->index;
+    }
+    free(is_needed);
+    return FP3_OK;
+}
+
+/* Where the words of an entry come from. */
+typedef struct {
+    const float *column; /* NULL: there is none */
+    float missing;       /* where the column has a NaN, or is missing */
+} source;
+
+static size_t column_named(const fp3_links *links, const char *name) {
+    size_t i = 0;
+    while (i < links->field_count && strcmp(links->names[i], name) != 0)
+        i++;
+    return i;
+}
+
+static fp3_status check_names(const fp3_linked *l, const fp3_model *model, const fp3_relation *of,
+                              fp3_error *error) {
+    for (size_t i = 0; i < l->links.field_count; i++) {
+        const char *name = l->links.names[i], *near = NULL;
+        const fp3_token wanted = {.text = name, .length = strlen(name)};
+        uint32_t k = of->first_field;
+        const uint32_t end = k + of->field_count;
+        for (; k < end && strcmp(model->fields[k].name, name) != 0; k++)
+            fp3_nearest(wanted, model->fields[k].name, &near);
+        if (k == end)
+            return refuse(l, error, "the model has no field '%s' of theirs%s%s%s", name,
+                          near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    }
+    return FP3_OK;
+}
+
+static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
+                                   const fp3_model *model, const fp3_relation *of,
+                                   source sources[FP3_FIELDS_MAX], fp3_error *error) {
+    uint64_t read;
+    uint32_t count = 0;
+    const fp3_status status = fields_read(model, &read, error);
+    if (status)
+        return status;
+    for (uint32_t k = of->first_field; k < of->first_field + of->field_count; k++) {
+        const size_t i = column_named(&l->links, model->fields[k].name);
+        source made = {i < l->links.field_count ? l->links.fields[i] : NULL, 0};
+        const char *expected = fp3_number_single(model->fields[k].value, &made.missing);
+        if (expected)
+            return refuse(l, error, "field '%s' is %g, expected %s", model->fields[k].name,
+                          model->fields[k].value, expected);
+        if (read >> k & 1)
+            sources[count++] = made;
+    }
+    return count == list->fields
+               ? FP3_OK
+               : refuse(l, error,
+                        "the program reads %" PRIu32 " of the %" PRIu32
+                        " fields that the equations have: leave out of the model what no "
+                        "observed state needs",
+                        list->fields, count);
+}
+
+static fp3_status sources_of_image(const fp3_linked *l, const fp3_list *list,
+                                   source sources[FP3_FIELDS_MAX], fp3_error *error) {
+    if (l->links.field_count != list->fields)
+        return refuse(l, error,
+                      "found %zu columns of fields, expected %" PRIu32
+                      ", in the order in which the program reads them",
+                      l->links.field_count, list->fields);
+    for (uint32_t k = 0; k < list->fields; k++)
+        sources[k] = (source){l->links.fields[k], 0};
+    return FP3_OK;
+}
+
+/* ---- entries ---- */
+
+static fp3_status check_objects(const fp3_linked *l, size_t objects, fp3_error *error) {
+    const fp3_links *links = &l->links;
+    for (size_t i = 0; i < links->count; i++)
+        if (links->a[i] >= objects || links->b[i] >= objects || links->a[i] == links->b[i])
+            return refuse(l, error,
+                          "link %zu joins object %" PRIu32 " with %" PRIu32
+                          ", expected two objects of 0 to %zu",
+                          i, links->a[i], links->b[i], objects - 1);
+    return links->count <= INT32_MAX ? FP3_OK : refuse(l, error, "more than 2^31 links");
+}
+
+/* begin[i + 1] counts on as entries of object i are put. */
+static void put_entries(const fp3_links *links, const source *sources, uint32_t fields,
+                        uint32_t *begin, uint32_t *other, float *words) {
+    for (size_t i = 0; i < links->count; i++)
+        for (int end = 0; end < 2; end++) {
+            const uint32_t at = begin[(end ? links->b[i] : links->a[i]) + 1]++;
+            other[at] = end ? links->a[i] : links->b[i];
+            for (uint32_t k = 0; k < fields; k++) {
+                const float word = sources[k].column ? sources[k].column[i] : NAN;
+                words[(size_t)at * fields + k] = isnan(word) ? sources[k].missing : word;
+            }
+        }
+}
+
+static int joins(const fp3_links *links, size_t i, uint32_t one, uint32_t other) {
+    return (links->a[i] == one && links->b[i] == other) ||
+           (links->a[i] == other && links->b[i] == one);
+}
+
+/* A pair that is given twice would have twice the force. begin and other: entries of all links. */
+static fp3_status check_pairs(const fp3_linked *l, size_t objects, const uint32_t *begin,
+                              const uint32_t *other, fp3_error *error) {
+    const fp3_links *links = &l->links;
+    uint32_t *seen = calloc(objects, sizeof *seen); /* 1 + the object that had it last */
+    uint32_t object = 0, twice = UINT32_MAX;
+    if (!seen)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (uint32_t k = 0; twice == UINT32_MAX && k < 2 * links->count; k++) {
+        while (k >= begin[object + 1])
+            object++;
+        twice = seen[other[k]] == object + 1 ? other[k] : twice;
+        seen[other[k]] = object + 1;
+    }
+    free(seen);
+    if (twice == UINT32_MAX)
+        return FP3_OK;
+    size_t first = 0, second;
+    while (!joins(links, first, object, twice))
+        first++;
+    for (second = first + 1; !joins(links, second, object, twice);)
+        second++;
+    return refuse(l, error,
+                  "link %zu joins objects %" PRIu32 " and %" PRIu32
+                  ", as link %zu does: expected each pair once",
+                  second, links->a[second], links->b[second], first);
+}
+
+static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source *sources,
+                       uint32_t fields, fp3_error *error) {
+    const fp3_links *links = &l->links;
+    const size_t objects = r->to.objects, entries = 2 * links->count;
+    uint32_t *begin = calloc(objects + 2, sizeof *begin);
+    uint32_t *other = malloc((entries + 1) * sizeof *other);
+    float *words = malloc((entries * fields + 1) * sizeof *words);
+    fp3_status status =
+        begin && other && words ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    for (size_t i = 0; !status && i < links->count; i++) {
+        begin[links->a[i] + 2]++;
+        begin[links->b[i] + 2]++;
+    }
+    for (size_t i = 2; !status && i < objects + 2; i++)
+        begin[i] += begin[i - 1];
+    if (!status) {
+        put_entries(links, sources, fields, begin, other, words);
+        if (model_of(r))
+            status = check_pairs(l, objects, begin, other, error);
+    }
+    if (!status)
+        status = fp3_engine_set_neighbours(r->to.engine, r->to.group, l->relation,
+                                           &(fp3_neighbours){begin, other, words});
+    free(begin);
+    free(other);
+    free(words);
+    return status;
+}
+
+static fp3_status link_one(const fp3_relations *r, const fp3_linked *l, fp3_error *error) {
+    const fp3_model *model = model_of(r);
+    const fp3_list *list = list_named(r, l->relation);
+    const fp3_relation *of = NULL;
+    source sources[FP3_FIELDS_MAX];
+    for (uint32_t i = 0; model && i < model->relation_count; i++)
+        if (strcmp(model->relations[i].name, l->relation) == 0)
+            of = &model->relations[i];
+    if (model && (!of || of->kind != FP3_LINKS))
+        return refuse(l, error,
+                      of ? "the model finds the objects of '%s' by itself"
+                         : "the model has no relation '%s'",
+                      l->relation);
+    if (!model && !list)
+        return refuse(l, error, "the program has no list of neighbours of this name");
+    fp3_status status = check_objects(l, r->to.objects, error);
+    if (!status && of)
+        status = check_names(l, model, of, error);
+    if (status || !list) /* no equation has the relation */
+        return status;
+    status = of ? sources_of_model(l, list, model, of, sources, error)
+                : sources_of_image(l, list, sources, error);
+    return status ? status : give(r, l, sources, list->fields, error);
+}
+
+fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (const fp3_linked *l = r->linked; !status && l; l = l->next)
+        status = link_one(r, l, error);
+    return status;
+}
+
+int fp3_relations_are(const fp3_relations *r) {
+    return fp3_engine_layout(r->to.engine)->groups[r->to.group].lists.shape.is_any;
+}
+
+fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
+    const fp3_model *model = model_of(r);
+    memset(r->reach, 0, sizeof r->reach);
+    fp3_status status = fp3_relations_link(r, error);
+    for (uint32_t i = 0; !status && model && i < model->relation_count; i++)
+        if (model->relations[i].kind == FP3_ALL && list_named(r, model->relations[i].name))
+            status = fp3_engine_set_neighbours(r->to.engine, r->to.group, model->relations[i].name,
+                                               &(fp3_neighbours){0});
+    return status;
+}
+
+/* ---- near ---- */
+
+static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3_error *error) {
+    const fp3_model *model = model_of(r);
+    const fp3_relation *of = &model->relations[number];
+    fp3_near near = {.dimensions = of->dimensions, .reach = reach, .skin = reach * r->skin};
+    if (reach == r->reach[number] || !list_named(r, of->name))
+        return FP3_OK;
+    if (!(reach >= FP3_NEAR_LEAST && reach <= FP3_NEAR_MOST))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "the reach of '%s' is %g, expected a distance from 2^-50 to 2^63", of->name,
+                        reach);
+    for (uint32_t k = 0; k < of->dimensions; k++)
+        near.position[k] = model->states[of->position + k].name;
+    const fp3_status status = fp3_engine_set_near(r->to.engine, r->to.group, of->name, &near);
+    if (!status)
+        r->reach[number] = reach;
+    return status;
+}
+
+fp3_status fp3_relations_reach(fp3_relations *r, const double *params, fp3_error *error) {
+    const fp3_model *model = model_of(r);
+    if (!model || !model->relation_count)
+        return FP3_OK;
+    double *values =
+        calloc(model->expr_count + model->param_count + model->state_count + 1u, sizeof *values);
+    if (!values)
+        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    double *given = values + model->expr_count;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < model->param_count; i++)
+        given[i] = fp3_number_given(params[i], 1);
+    fp3_model_evaluate(model, &(fp3_point){.params = given, .states = given + model->param_count},
+                       values);
+    for (uint32_t i = 0; !status && i < model->relation_count; i++)
+        if (model->relations[i].kind == FP3_NEAR)
+            status = set_reach(r, i, values[model->relations[i].reach], error);
+    free(values);
+    return status;
+}
+
+/* ---- what is missing ---- */
+
+/* "a,b,k,rest" */
+static void say_columns(const fp3_model *model, const fp3_relation *of, char text[200]) {
+    size_t size = (size_t)snprintf(text, 200, "a,b");
+    for (uint32_t k = of->first_field; k < of->first_field + of->field_count && size < 200; k++)
+        size += (size_t)snprintf(text + size, 200 - size, ",%s", model->fields[k].name);
+}
+
+fp3_status fp3_relations_check(const fp3_relations *r, const char *how, fp3_error *error) {
+    const fp3_model *model = model_of(r);
+    const fp3_lists *lists = &fp3_engine_layout(r->to.engine)->groups[r->to.group].lists;
+    char columns[200];
+    for (uint32_t i = 0; model && i < model->relation_count; i++) {
+        const fp3_list *list = list_named(r, model->relations[i].name);
+        if (!list || list->is_there)
+            continue;
+        say_columns(model, &model->relations[i], columns);
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "objects are linked by '%s' (line %" PRIu32
+                        " of the model), and no links are given: %s, with columns %s",
+                        model->relations[i].name, model->relations[i].line, how, columns);
+    }
+    for (uint32_t i = 0; !model && i < lists->shape.list_count; i++) {
+        const char *name = fp3_image_name(r->to.image, lists->lists[i].reg);
+        if (!lists->lists[i].is_there)
+            return fp3_fail(
+                error, FP3_E_ARGUMENT,
+                "the list of neighbours '%s' is not given, and an image does not say who "
+                "is near: %s, or run the model",
+                name ? name : "?", how);
+    }
+    return FP3_OK;
+}
