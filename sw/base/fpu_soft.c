@@ -1,29 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* fpu_soft.c - see fpu_soft.h. */
 #include "fpu_soft.h"
+#include "base/bits.h"
 
 #include <math.h>
 #include <string.h>
 
 _Thread_local uint64_t fp3_fpu_register;
 
-static uint32_t bits_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
-
 static int is_signalling(float value) {
-    const uint32_t bits = bits_of(value);
+    const uint32_t bits = fp3_bits_of(value);
     return (bits & 0x7fffffffu) > 0x7f800000u && !(bits & 0x00400000u);
 }
 
 /* The next float below in magnitude; FLT_MAX below infinity. */
-static float toward_zero(float value) {
-    const uint32_t bits = bits_of(value) - 1;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
+static float toward_zero(float value) { return fp3_value_of(fp3_bits_of(value) - 1); }
 
 /* What x, which stands for the exact result, is rounded to, with the flags of finite results. Tininess is found after rounding,
  * as if exponents had no bound (754, 7.5). */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "number.h"
+#include "base/bits.h"
 
 #include "host.h"
 
@@ -105,8 +106,7 @@ const char *fp3_number_step(double value, float *single) {
 /* ---- writing ---- */
 
 void fp3_number_text(uint32_t bits, char text[FP3_NUMBER_TEXT_SIZE]) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
+    const float value = fp3_value_of(bits);
     if (isinf(value)) {
         snprintf(text, FP3_NUMBER_TEXT_SIZE, "%sinf", bits >> 31 ? "-" : "");
         return;

@@ -2,6 +2,7 @@
 /* image.c - words, constants and symbols. Constants that the host gives come first, numbers behind them in the
  * order of their first use, each once. */
 #include "image.h"
+#include "base/bits.h"
 
 #include "base/number.h"
 #include "machine/operation.h"
@@ -26,11 +27,9 @@ static int is_number(const builder *b, uint32_t constant) {
 
 static uint32_t bits_of(const builder *b, uint32_t constant) {
     float single = -0.0f;
-    uint32_t bits;
     if (constant < b->c->code.constant_count)
         fp3_number_single(b->step->known.list[b->c->constants[constant]].number, &single);
-    memcpy(&bits, &single, sizeof bits);
-    return bits;
+    return fp3_bits_of(single);
 }
 
 static uint32_t number_at(builder *b, uint32_t bits) {

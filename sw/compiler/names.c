@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* names.c - registers and constants by names that stand once. */
 #include "names.h"
+#include "base/bits.h"
 
 #include <fp3/image.h>
 #include <inttypes.h>
@@ -95,7 +96,6 @@ static uint32_t reader_of(const fp3_step *step, const fp3_step_code *code, uint3
 static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, uint32_t constant,
                               double number, char name[FP3_NAME_SIZE], fp3_error *error) {
     float f;
-    uint32_t bits;
     const char *expected = fp3_number_single(number, &f);
     if (!expected && !isfinite(f))
         expected = "a finite number";
@@ -106,8 +106,7 @@ static fp3_status number_name(const fp3_step *step, const fp3_step_code *code, u
                            "%s: found %.9g, expected %s", at.text ? at.text : "the model", number,
                            expected);
     }
-    memcpy(&bits, &f, sizeof bits);
-    fp3_number_text(bits, name);
+    fp3_number_text(fp3_bits_of(f), name);
     return FP3_OK;
 }
 

@@ -5,6 +5,7 @@
  * NaN, results and operands that are flushed, and underflow where the host detects tininess before rounding.
  */
 #include "execute.h"
+#include "base/bits.h"
 
 #include "estimate.h"
 #include "finite.h"
@@ -15,19 +16,8 @@
 #include <float.h>
 #include <fp3/isa.h>
 #include <math.h>
-#include <string.h>
 
-static float value_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static uint32_t bits_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return isnan(value) ? FP3_BITS_NAN : bits;
-}
+static uint32_t bits_of(float value) { return isnan(value) ? FP3_BITS_NAN : fp3_bits_of(value); }
 
 static float flushed(const fp3_config *config, float x) {
     return config->subnormal || fpclassify(x) != FP_SUBNORMAL ? x : copysignf(0.0f, x);
@@ -112,14 +102,14 @@ static int is_equal(uint32_t a, uint32_t b) {
 
 /* A NaN stays for the sum, which raises what it has to. */
 static uint32_t integral(uint32_t a) {
-    const float x = value_of(a);
+    const float x = fp3_value_of(a);
     return isnan(x) ? a : bits_of(fp3_fpu_rint(x));
 }
 
 /* 2^n of the integral part n. In integers, as a conversion to int raises inexact. */
 static uint32_t power_of_two(uint32_t a) {
     const uint32_t exponent = a >> 23 & 255, significand = (a & 0x7fffffu) | 0x800000u;
-    if (isnan(value_of(a)))
+    if (isnan(fp3_value_of(a)))
         return a;
     if (exponent > 127 + 7) /* 256 and more */
         return a >> 31 ? 0 : bits_of(INFINITY);
@@ -131,7 +121,7 @@ static uint32_t power_of_two(uint32_t a) {
 
 /* A zero or subnormal number has -infinity, as if it were flushed. */
 static uint32_t exponent(uint32_t a) {
-    const float x = value_of(a);
+    const float x = fp3_value_of(a);
     if (isnan(x))
         return a;
     return bits_of(isless(fabsf(x), FLT_MIN) ? -INFINITY : logbf(x));
@@ -184,7 +174,8 @@ static float chained(const fp3_config *config, uint32_t op, float x, float y, fl
 }
 
 static float calculate(const fp3_config *config, uint32_t op, const uint32_t operands[3]) {
-    const float a = value_of(operands[0]), b = value_of(operands[1]), c = value_of(operands[2]);
+    const float a = fp3_value_of(operands[0]), b = fp3_value_of(operands[1]),
+                c = fp3_value_of(operands[2]);
     uint32_t chosen;
     switch (op) {
     case FP3_OP_ADD:
@@ -212,7 +203,7 @@ static float calculate(const fp3_config *config, uint32_t op, const uint32_t ope
     }
     const int is_chosen = choose(op, operands[0], operands[1], operands[2], &chosen);
     assert(is_chosen);
-    return is_chosen ? one(config, FP3_OP_ADD, value_of(chosen), -0.0f) : NAN;
+    return is_chosen ? one(config, FP3_OP_ADD, fp3_value_of(chosen), -0.0f) : NAN;
 }
 
 /* ---- in integers: logarithmic words, and numbers with fewer fraction bits ---- */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* format.c - see format.h. */
 #include "format.h"
+#include "base/bits.h"
 
 #include "lns.h"
 #include "narrow.h"
@@ -9,7 +10,6 @@
 #include <fp3/image.h>
 #include <fp3/isa.h>
 #include <math.h>
-#include <string.h>
 
 #define INFINITE 0x7f800000u
 
@@ -86,8 +86,7 @@ int fp3_format_is_float(const fp3_config *config) { return !format_of(config); }
 
 const char *fp3_format_word(const fp3_config *config, float value, uint32_t *word) {
     const format *of = format_of(config);
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
+    const uint32_t bits = fp3_bits_of(value);
     if (of)
         return of->word(config, bits, word);
     *word = bits;
@@ -101,10 +100,7 @@ const char *fp3_format_written(const fp3_config *config, float value, uint32_t *
 
 float fp3_format_value(const fp3_config *config, uint32_t word) {
     const format *of = format_of(config);
-    const uint32_t bits = of ? of->bits(config, word) : word;
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    return fp3_value_of(of ? of->bits(config, word) : word);
 }
 
 int64_t fp3_format_counts(const fp3_config *config) {

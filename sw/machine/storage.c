@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* storage.c - see storage.h; rtl/lane/fp3_halve.v and sw/engine/fast/halves.h do the same. */
 #include "storage.h"
+#include "base/bits.h"
 
 #include <fp3/isa.h>
-#include <string.h>
 
 #define SIZE 0x7fffffffu
 #define INFINITE 0x7f800000u
@@ -70,10 +70,7 @@ static uint32_t small_half(uint32_t size, uint32_t random) {
                    shift = distance < 31 ? distance : 31;
     const uint32_t all = ((size & SIGNIFICAND) + SIGNIFICAND + 1) << 3;
     const uint32_t least = cut(all >> shift, 16, (all & ((1u << shift) - 1)) != 0, random);
-    const float value = (float)least * 0x1p-24f;
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
+    return fp3_bits_of((float)least * 0x1p-24f);
 }
 
 static uint32_t rounded(uint32_t storage, uint32_t size, uint32_t random) {

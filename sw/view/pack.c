@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* pack.c - see pack.h. */
 #include "pack.h"
+#include "base/bits.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include <zlib.h>
 
 #define CODE_MOST 65534.0 /* of a finite value */
@@ -33,11 +33,8 @@ fp3_view_scale fp3_view_scale_of(const float *values, size_t count, int is_exact
 }
 
 uint32_t fp3_view_code(const fp3_view_scale *s, float value) {
-    uint32_t bits;
-    if (s->is_float) {
-        memcpy(&bits, &value, sizeof bits);
-        return bits;
-    }
+    if (s->is_float)
+        return fp3_bits_of(value);
     if (!isfinite(value))
         return FP3_VIEW_HOLE;
     return s->step > 0 ? (uint32_t)rint(((double)value - s->low) / s->step) : 0;

@@ -11,6 +11,7 @@
  */
 #include "gen/registers.h"
 #include <engine/common/inside.h>
+#include <base/bits.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <machine/config.h>
@@ -52,18 +53,6 @@ typedef struct {
     uint64_t checked;
     unsigned failed;
 } bench;
-
-static float value_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static uint32_t bits_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
 
 /* By bits alone: the isa engine calls back in the rounding mode of its configuration. */
 static uint32_t power_of_two(float integral) {
@@ -127,7 +116,7 @@ static uint32_t choose_finite(uint32_t op, const uint32_t *in) {
 static uint32_t choose_read(const fp3_config *config, uint32_t op, const uint32_t *in) {
     if (config->finite)
         return choose_finite(op, in);
-    const float a = value_of(in[0]), b = value_of(in[1]), c = value_of(in[2]);
+    const float a = fp3_value_of(in[0]), b = fp3_value_of(in[1]), c = fp3_value_of(in[2]);
     switch (op) {
     case FP3_OP_MIN:
         return isless(a, b) ? in[0] : in[1];
@@ -144,11 +133,11 @@ static uint32_t choose_read(const fp3_config *config, uint32_t op, const uint32_
     case FP3_OP_RCP:
         return fp3_estimate_rcp(in[0]);
     case FP3_OP_RINT:
-        return isnan(a) ? in[0] : bits_of(config->nearest ? rintf(a) : truncf(a));
+        return isnan(a) ? in[0] : fp3_bits_of(config->nearest ? rintf(a) : truncf(a));
     case FP3_OP_EXP2:
         return isnan(a) ? in[0] : power_of_two(truncf(a));
     case FP3_OP_LOGB:
-        return isnan(a) ? in[0] : bits_of(fpclassify(a) == FP_SUBNORMAL ? -INFINITY : logbf(a));
+        return isnan(a) ? in[0] : fp3_bits_of(fpclassify(a) == FP_SUBNORMAL ? -INFINITY : logbf(a));
     default:
         return fp3_estimate_rsqrt(in[0]);
     }
@@ -245,7 +234,7 @@ static size_t integers(input *to) {
         for (int step = -2; step <= 2; step++) {
             const float a = step == 2 ? (float)n + 0.5f : step == -2 ? (float)n - 0.25f : (float)n;
             const uint32_t next = step == 1 ? 1u : step == -1 ? UINT32_MAX : 0;
-            to[count++] = (input){{bits_of(a) + (n ? next : 0), 0x3f800000u, 0}};
+            to[count++] = (input){{fp3_bits_of(a) + (n ? next : 0), 0x3f800000u, 0}};
         }
     return count;
 }

@@ -9,6 +9,7 @@
  */
 #include "chance.h"
 #include "engine/board/foreseen.h"
+#include <base/bits.h>
 
 #include <fp3/compile.h>
 #include <fp3/isa.h>
@@ -176,12 +177,7 @@ static uint32_t any_word(chance *c) {
                        : value(c);
 }
 
-static float number(chance *c) {
-    const uint32_t bits = any_word(c);
-    float number;
-    memcpy(&number, &bits, sizeof number);
-    return number;
-}
+static float number(chance *c) { return fp3_value_of(any_word(c)); }
 
 /* The same words and lists for all. */
 static void fill(chance *c, const program *p, subject *s, unsigned count, uint32_t objects) {

@@ -7,6 +7,7 @@
 #include "engine/fast/sweep.h"
 #include "gen/registers.h"
 #include "machine/execute.h"
+#include <base/bits.h>
 
 #include <fp3/isa.h>
 #include <stdio.h>
@@ -146,14 +147,9 @@ static void multiply_chosen(bench *b) {
 
 /* Of a product of some 2^-126 or some multiple of 2^-149: the factors differ by units in the last place. */
 static uint32_t partner(uint32_t x) {
-    const uint32_t size = x & 0x7fffffffu;
-    float f, y;
-    uint32_t bits;
-    memcpy(&f, &size, sizeof f);
+    const float f = fp3_value_of(x & 0x7fffffffu);
     const double target = draw() & 1 ? 0x1p-126 : 0x1p-149 * (1 + draw() % (1u << (draw() % 25)));
-    y = (float)(target / (double)f);
-    memcpy(&bits, &y, sizeof bits);
-    return bits + draw() % 5 - 2;
+    return fp3_bits_of((float)(target / (double)f)) + draw() % 5 - 2;
 }
 
 static void multiply_random(bench *b, unsigned long pairs) {

@@ -7,11 +7,11 @@
  * of the table. Every product is exact in binary64: a fraction of the estimate has ten bits. Then what
  * is no normal number, and the exponents that leave the normal ones.
  */
+#include <base/bits.h>
 #include <inttypes.h>
 #include <machine/estimate.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #define RCP_ERROR (0x1p-9 + 0x1p-11)
 #define RSQRT_ERROR 0x1p-8
@@ -23,11 +23,7 @@ typedef struct {
     double worst; /* error seen */
 } tally;
 
-static double value_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return (double)value;
-}
+static double value_of(uint32_t bits) { return (double)fp3_value_of(bits); }
 
 static void fail(tally *t, const char *what, uint32_t a, uint32_t y) {
     if (t->wrong++ < 10)

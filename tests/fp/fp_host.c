@@ -5,6 +5,7 @@
  * distinct set of cuts of the named configurations. The host must be an IEEE 754 machine that
  * detects tininess after rounding, as x86 and RISC-V do and ARM does not: checked at the start.
  */
+#include <base/bits.h>
 #include <fenv.h>
 #include <float.h>
 #include <math.h>
@@ -22,21 +23,9 @@ typedef struct {
     uint64_t raised[5]; /* how often each flag was expected */
 } test;
 
-static float from_bits(uint32_t bits) {
-    float f;
-    memcpy(&f, &bits, sizeof f);
-    return f;
-}
-
-static uint32_t to_bits(float f) {
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
-}
-
 /* volatile: computed here and now, between the two calls that handle the flags. */
 static uint32_t host(fp3_bench_op op, uint32_t a, uint32_t b, uint32_t c, uint8_t *flags) {
-    volatile float x = from_bits(a), y = from_bits(b), w = from_bits(c), z;
+    volatile float x = fp3_value_of(a), y = fp3_value_of(b), w = fp3_value_of(c), z;
     feclearexcept(FE_ALL_EXCEPT);
     switch (op) {
     case FP3_BENCH_ADD:
@@ -63,7 +52,7 @@ static uint32_t host(fp3_bench_op op, uint32_t a, uint32_t b, uint32_t c, uint8_
                        !!(raised & FE_OVERFLOW) << 2 | !!(raised & FE_UNDERFLOW) << 1 |
                        !!(raised & FE_INEXACT));
     const float result = z;
-    return result != result ? QUIET_NAN : to_bits(result);
+    return result != result ? QUIET_NAN : fp3_bits_of(result);
 }
 
 /* NULL if this host computes as the cores should, otherwise what it does differently. */

@@ -8,6 +8,7 @@
  * correctly rounded sums", IEEE Transactions on Computers 57, 2008). Then all is rounded as a multiple of its last place.
  * All pairs of special numbers, COUNT random triples, and, of the operations with one operand, every number.
  */
+#include <base/bits.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <math.h>
@@ -68,10 +69,7 @@ static uint32_t rounded(double x, double rest, uint32_t *flags) {
         *flags |= FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT;
         return sign | (config.nearest ? infinite : largest);
     }
-    const float as_float = (float)d;
-    uint32_t bits;
-    memcpy(&bits, &as_float, sizeof bits);
-    return sign | bits;
+    return sign | fp3_bits_of((float)d);
 }
 
 /* z + p, p of at most 48 bits. */

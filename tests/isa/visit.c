@@ -13,6 +13,7 @@
  *
  * --ship: compares ship_sleep.s with ship_madd.s, both in DIRECTORY, visit by visit, until it sleeps.
  */
+#include <base/bits.h>
 #include <fp3/image.h>
 #include <math.h>
 #include <stdio.h>
@@ -65,12 +66,6 @@ typedef struct {
     uint32_t now;             /* number of the step */
 } object;
 
-static float value(uint32_t bits) {
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
-}
-
 static uint32_t bits_of(float v) {
     uint32_t bits;
     memcpy(&bits, &v, sizeof bits);
@@ -78,8 +73,8 @@ static uint32_t bits_of(float v) {
 }
 
 static float operand(const object *o, uint32_t number) {
-    return value(number < FP3_BANK_SHARED_BASE ? o->reg[number]
-                                               : o->shared[number - FP3_BANK_SHARED_BASE]);
+    return fp3_value_of(number < FP3_BANK_SHARED_BASE ? o->reg[number]
+                                                      : o->shared[number - FP3_BANK_SHARED_BASE]);
 }
 
 static void execute(object *o, uint32_t word) {
@@ -572,10 +567,10 @@ static uint32_t check_ship(const char *directory, uint32_t steps, float eps) {
         sail(&one, steps, clock);
         const uint32_t slept = *word_of(&one, "slept");
         for (uint32_t now = clock + 1; now <= clock + steps && !(slept && now > slept); now++) {
-            const float before = value(*v);
+            const float before = fp3_value_of(*v);
             sail(&other, 1, 0);
             CHECK("the ship sleeps when its velocity changes by less than eps",
-                  fabsf(value(*v) - before) < eps, slept == now);
+                  fabsf(fp3_value_of(*v) - before) < eps, slept == now);
         }
         CHECK("v is that of ship_madd.s", *v, *word_of(&one, "v"));
         CHECK("s is that of ship_madd.s", *s, *word_of(&one, "s"));

@@ -6,6 +6,7 @@
  * for, with what becomes of zeros, infinities, NaN, range, signs and flags.
  */
 #include "lns_operands.h"
+#include <base/bits.h>
 
 #include <fp3/isa.h>
 #include <inttypes.h>
@@ -88,9 +89,7 @@ static void number_of(mpfr_t x, uint32_t word, int is_float) {
         return;
     }
     if (is_float) {
-        float value;
-        memcpy(&value, &size, sizeof value);
-        mpfr_set_d(x, (double)value, MPFR_RNDN);
+        mpfr_set_d(x, (double)fp3_value_of(size), MPFR_RNDN);
     } else if (size == LNS_INFINITE) {
         mpfr_set_inf(x, 1);
     } else if (size == 0) {

@@ -26,7 +26,7 @@ static float any(float near) {
         return ldexpf((float)(chance() % 4096), (int)(chance() % 200) - 130);
     if (kind == 5)
         return chance() & 1 ? 0.0f : -0.0f;
-    const float x = of_bits((uint32_t)chance());
+    const float x = fp3_value_of((uint32_t)chance());
     return isfinite(x) ? x : 0;
 }
 

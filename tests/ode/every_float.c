@@ -96,13 +96,13 @@ static void exp2_each(float *restrict d, const float *restrict a) {
         const uint32_t bits = k < -149   ? 0
                               : k < -126 ? 1u << ((149 + k) & 31)
                                          : (uint32_t)(k + 127) << 23;
-        d[i] = a[i] != a[i] ? a[i] : float_of(bits);
+        d[i] = a[i] != a[i] ? a[i] : fp3_value_of(bits);
     }
 }
 
 static void logb_each(float *restrict d, const float *restrict a) {
     EACH {
-        const uint32_t e = bits_of(a[i]) >> 23 & 255;
+        const uint32_t e = fp3_bits_of(a[i]) >> 23 & 255;
         const float n = (float)((int)e - 127);
         d[i] = a[i] != a[i] ? a[i] : e == 0 ? -INFINITY : e == 255 ? INFINITY : n;
     }
@@ -148,10 +148,10 @@ static void apply(uint32_t op, float *restrict d, const float *restrict a, const
         logb_each(d, a);
         return;
     case FP3_OP_RCP:
-        EACH d[i] = float_of(fp3_estimate_rcp(bits_of(a[i])));
+        EACH d[i] = fp3_value_of(fp3_estimate_rcp(fp3_bits_of(a[i])));
         return;
     case FP3_OP_RSQRT:
-        EACH d[i] = float_of(fp3_estimate_rsqrt(bits_of(a[i])));
+        EACH d[i] = fp3_value_of(fp3_estimate_rsqrt(fp3_bits_of(a[i])));
         return;
     default:
         fail("an operation", "not known here");
@@ -164,7 +164,7 @@ static block value[NODES_MAX];
 static void fill_leaves(const program *p) {
     for (uint32_t j = 0; j < p->g->count; j++)
         if (p->g->nodes[j].op >= NODE_KNOWN)
-            EACH value[j][i] = float_of(leaf_bits(p, j, 0));
+            EACH value[j][i] = fp3_value_of(leaf_bits(p, j, 0));
 }
 
 static const float *by_blocks(const program *p, const block x) {
@@ -194,7 +194,7 @@ static double unit_of(float truth) {
     if (!units[1])
         for (int e = 0; e < 256; e++)
             units[e] = ldexp(1, (e ? e : 1) - 150);
-    return units[bits_of(truth) >> 23 & 255];
+    return units[fp3_bits_of(truth) >> 23 & 255];
 }
 
 static double limited(double x) { return fabs(x) <= 0x1p128 ? x : copysign(0x1p128, x); }
@@ -231,7 +231,7 @@ static void look(const program *p, const function *f, const block x, int used, u
         for (int i = 0; i < used; i += 37, r->samples++) {
             uint32_t flags;
             const float same = by_execute(p, x[i], &flags);
-            if (bits_of(same) != bits_of(y[i]) && !(isnan(same) && isnan(y[i]))) {
+            if (fp3_bits_of(same) != fp3_bits_of(y[i]) && !(isnan(same) && isnan(y[i]))) {
                 fprintf(stderr, "%s(%a): %a by blocks, %a by fp3_execute\n", f->name, x[i], y[i],
                         same);
                 exit(1);
@@ -241,12 +241,12 @@ static void look(const program *p, const function *f, const block x, int used, u
 
 /* Floats in their order as integers. */
 static int64_t order_of(float x) {
-    const uint32_t bits = bits_of(x);
+    const uint32_t bits = fp3_bits_of(x);
     return bits >> 31 ? -(int64_t)(bits & 0x7fffffffu) : (int64_t)bits;
 }
 
 static float of_order(int64_t order) {
-    return float_of(order < 0 ? (uint32_t)-order | 0x80000000u : (uint32_t)order);
+    return fp3_value_of(order < 0 ? (uint32_t)-order | 0x80000000u : (uint32_t)order);
 }
 
 static result every(const program *p, const function *f, int64_t step) {

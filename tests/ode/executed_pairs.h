@@ -3,6 +3,7 @@
 #ifndef EXECUTED_PAIRS_H
 #define EXECUTED_PAIRS_H
 
+#include <base/bits.h>
 #include <compiler/pairs/double_single.h>
 #include <fp3/isa.h>
 #include <machine/execute.h>
@@ -117,12 +118,6 @@ static inline uint64_t chance(void) {
     state ^= state << 13;
     state ^= state >> 7;
     return state ^= state << 17;
-}
-
-static inline float of_bits(uint32_t bits) {
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
 }
 
 static inline float between(int least, int most) {

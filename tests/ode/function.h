@@ -3,6 +3,7 @@
 #ifndef FP3_TESTS_FUNCTION_H
 #define FP3_TESTS_FUNCTION_H
 
+#include <base/bits.h>
 #include <compiler/compiled.h>
 #include <fp3/compile.h>
 #include <fp3/isa.h>
@@ -30,18 +31,6 @@ typedef struct {
     uint32_t x, a;                  /* which variables */
 } program;
 
-static inline uint32_t bits_of(float f) {
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
-}
-
-static inline float float_of(uint32_t bits) {
-    float f;
-    memcpy(&f, &bits, sizeof f);
-    return f;
-}
-
 static inline void evaluate_known(program *p, double n) {
     const fp3_step *step = &((const fp3_compilation *)p->compiled->self)->reference;
     fp3_error error;
@@ -50,7 +39,7 @@ static inline void evaluate_known(program *p, double n) {
         fail("known values", "not computed");
     for (uint32_t i = 0; i < p->g->count; i++)
         if (p->g->nodes[i].op == NODE_KNOWN)
-            p->known_bits[i] = bits_of((float)known[p->g->nodes[i].a]);
+            p->known_bits[i] = fp3_bits_of((float)known[p->g->nodes[i].a]);
     free(known);
 }
 
@@ -104,7 +93,7 @@ static inline void end(program *p) {
 /* y is -0: then y + 1 f is f. */
 static inline uint32_t leaf_bits(const program *p, uint32_t node, float x) {
     const dag_node *n = &p->g->nodes[node];
-    return n->op == NODE_KNOWN ? p->known_bits[node] : n->a == p->x ? bits_of(x) : 0x80000000u;
+    return n->op == NODE_KNOWN ? p->known_bits[node] : n->a == p->x ? fp3_bits_of(x) : 0x80000000u;
 }
 
 /* The bits of f of these x and a. */
@@ -115,7 +104,8 @@ static inline uint32_t execute_on(const program *p, const fp3_config *config, ui
     for (uint32_t i = 0; i < p->g->count; i++) {
         const dag_node *n = &p->g->nodes[i];
         if (n->op >= NODE_KNOWN) {
-            value[i] = n->op == NODE_VARIABLE && n->a == p->a ? a : leaf_bits(p, i, float_of(x));
+            value[i] =
+                n->op == NODE_VARIABLE && n->a == p->a ? a : leaf_bits(p, i, fp3_value_of(x));
             continue;
         }
         const uint32_t operand[3] = {value[n->a], n->b == FP3_NONE ? 0 : value[n->b],
@@ -128,7 +118,7 @@ static inline uint32_t execute_on(const program *p, const fp3_config *config, ui
 
 static inline float by_execute(const program *p, float x, uint32_t *flags) {
     static const fp3_config ieee = {.nearest = 1, .subnormal = 1, .fraction = 23, .flags = 1};
-    return float_of(execute_on(p, &ieee, bits_of(x), 0, flags));
+    return fp3_value_of(execute_on(p, &ieee, fp3_bits_of(x), 0, flags));
 }
 
 #endif

@@ -250,7 +250,9 @@ static void run(bench *b, const float *x, uint32_t count, float *y, uint32_t *fl
 
 /* ---- what it should be ---- */
 
-static int is_same(float a, float b) { return isnan(a) ? isnan(b) : bits_of(a) == bits_of(b); }
+static int is_same(float a, float b) {
+    return isnan(a) ? isnan(b) : fp3_bits_of(a) == fp3_bits_of(b);
+}
 
 static void complain(bench *b, const char *expression, float x, float y, uint32_t flags,
                      float wanted, uint32_t wanted_flags) {
@@ -291,7 +293,7 @@ static void arguments(float x[ARGUMENTS]) {
     for (uint32_t i = 0; i < ARGUMENTS; i++) {
         chance = chance * 1664525u + 1013904223u;
         const uint32_t bits = (chance & 0x807fffffu) | ((i * 5 / 4) % 256) << 23;
-        x[i] = i % 2 ? float_of(bits) : (float)((int)(chance >> 8) - 0x800000) * 0x1p-16f;
+        x[i] = i % 2 ? fp3_value_of(bits) : (float)((int)(chance >> 8) - 0x800000) * 0x1p-16f;
     }
 }
 

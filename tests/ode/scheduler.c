@@ -94,11 +94,11 @@ static fp3_status open_with(const bench *b, const sample *t, const fp3_image *im
     for (size_t object = 0; !status && object < fp3_engine_objects(*engine); object++) {
         for (uint32_t x = 0; !status && x < t->s.variable_count; x++)
             if (t->variables[x].first.at == FP3_AT_NOWHERE) {
-                const float value = value_of(t->start[x]);
+                const float value = fp3_value_of(t->start[x]);
                 status = fp3_engine_write(*engine, object, 1, x, &value);
             }
         for (uint32_t p = 0; !status && p < t->s.param_count; p++) {
-            const float value = value_of(t->params[p]);
+            const float value = fp3_value_of(t->params[p]);
             status = fp3_engine_write(*engine, object, 1, t->s.variable_count + p, &value);
         }
     }
@@ -120,7 +120,7 @@ static fp3_status compare_run(bench *b, const sample *t, const fp3_schedule *s, 
             if (t->variables[x].first.at != FP3_AT_NOWHERE)
                 continue;
             status = fp3_engine_read(engine, object, 1, x, &value);
-            if (bits_of(value) != bits_of(value_of(ended[x])))
+            if (bits_of(value) != bits_of(fp3_value_of(ended[x])))
                 *wrong = "the hardware has other bits";
         }
     const uint64_t predicted = fp3_cost_cycles(s, b->config, steps);

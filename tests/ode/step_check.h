@@ -3,17 +3,12 @@
 #define STEP_CHECK_H
 
 #include "step_sample.h"
+#include <base/bits.h>
 
 #include <compiler/schedule/lines.h>
 #include <math.h>
 
 /* ---- arithmetic ---- */
-
-static float value_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
 
 static uint32_t bits_of(float value) {
     uint32_t bits;
@@ -36,7 +31,7 @@ static uint32_t calculate(const sample *t, uint32_t op, uint32_t a_bits, uint32_
                           uint32_t c_bits) {
     if (t->is_hashed)
         return hash(op, a_bits, b_bits, c_bits);
-    const float a = value_of(a_bits), b = value_of(b_bits), c = value_of(c_bits);
+    const float a = fp3_value_of(a_bits), b = fp3_value_of(b_bits), c = fp3_value_of(c_bits);
     volatile float product = a * b;
     switch (op) {
     case FP3_OP_ADD:

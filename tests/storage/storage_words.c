@@ -3,12 +3,12 @@
  *
  * Prints "FORMAT: N words, N wrong", then what is measured of draws; ends with 1 if a word is wrong.
  */
+#include <base/bits.h>
 #include <fp3/isa.h>
 #include <machine/config.h>
 #include <machine/storage.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 typedef struct {
     const char *name;
@@ -20,18 +20,6 @@ typedef struct {
 
 static const format formats[] = {{"bfloat16", 1, 8, -133, 0x1.fep127},
                                  {"binary16", 2, 11, -24, 65504}};
-
-static float value_of(uint32_t word) {
-    float value;
-    memcpy(&value, &word, sizeof value);
-    return value;
-}
-
-static uint32_t bits_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
 
 /* The exponent of the last place that a record has of x. */
 static int place_of(const format *f, double x) {
@@ -49,13 +37,13 @@ static double nearest(const format *f, double x) {
 
 static int is_wrong(const format *f, uint32_t word) {
     const fp3_config config = {.storage = f->storage, .flags = 1};
-    const double x = (double)value_of(word);
+    const double x = (double)fp3_value_of(word);
     uint32_t flags;
     const uint32_t got = fp3_stored(&config, word, NULL, &flags);
     if (isnan(x))
         return got != FP3_BITS_NAN || flags;
     const int is_over = isfinite(x) && isinf(nearest(f, x));
-    const uint32_t expected = isinf(x) ? word : bits_of((float)nearest(f, x));
+    const uint32_t expected = isinf(x) ? word : fp3_bits_of((float)nearest(f, x));
     return got != expected || flags != (is_over ? FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT : 0);
 }
 
@@ -79,7 +67,8 @@ static int goes_up(const format *f, uint32_t word, uint32_t seed, uint32_t objec
     const fp3_config config = {.storage = f->storage, .flags = 1};
     const fp3_draw draw = {fp3_storage_seed(seed), object, step, reg};
     uint32_t flags;
-    return fabsf(value_of(fp3_stored(&config, word, &draw, &flags))) > fabsf(value_of(word));
+    return fabsf(fp3_value_of(fp3_stored(&config, word, &draw, &flags))) >
+           fabsf(fp3_value_of(word));
 }
 
 /* Of words whose fraction is cut off at 1/16, 2/16 ...: how far the share that goes up is from it, in standard deviations. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* convert.c - nodes become operations of the first, the step and the last part. */
 #include "convert.h"
+#include "base/bits.h"
 
 #include "banks.h"
 
@@ -34,20 +35,13 @@ static int fits(double number) {
     return !fp3_number_single(number, &single);
 }
 
-static uint32_t number_bits(double number) {
-    const float f = (float)number;
-    uint32_t bits;
-    memcpy(&bits, &f, sizeof bits);
-    return bits;
-}
-
 /* Numbers that are the same number in FP32 are one constant. */
 static known_slot *same_number(const converter *c, const known *k) {
     const known_table *table = &c->step->known;
     for (uint32_t i = 0; k->op == KNOWN_NUMBER && i < table->count; i++)
         if (table->list[i].op == KNOWN_NUMBER && c->made->slots[i].at != FP3_AT_NOWHERE &&
             fits(k->number) && fits(table->list[i].number) &&
-            number_bits(table->list[i].number) == number_bits(k->number))
+            fp3_bits_of((float)table->list[i].number) == fp3_bits_of((float)k->number))
             return &c->made->slots[i];
     return NULL;
 }
@@ -233,7 +227,7 @@ fp3_status fp3_convert_open(const fp3_step *step, conversion *made, fp3_error *e
 void fp3_convert_end(const fp3_step *step, conversion *made) {
     for (uint32_t i = 0; i < made->code.constant_count; i++) {
         const known *k = &step->known.list[made->constants[i]];
-        if (k->op == KNOWN_NUMBER && number_bits(k->number) == number_bits(-0.0))
+        if (k->op == KNOWN_NUMBER && fp3_bits_of((float)k->number) == fp3_bits_of((float)-0.0))
             made->code.minus_zero = i;
     }
 }

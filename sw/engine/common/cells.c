@@ -4,6 +4,7 @@
  * Here numbers become words of the machine and words numbers: callers of fp3/engine.h see binary32, everything in this folder sees words.
  */
 #include "cells.h"
+#include "base/bits.h"
 #include "checks.h"
 #include "machine/format.h"
 #include "machine/storage.h"
@@ -64,8 +65,7 @@ static fp3_status write_words(fp3_engine *engine, fp3_cells cells, const void *w
 }
 
 static fp3_status too_large(fp3_engine *engine, fp3_cells cells, uint32_t word) {
-    float value;
-    memcpy(&value, &word, sizeof value);
+    const float value = fp3_value_of(word);
     return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                     "object %zu, register %" PRIu32
                     ": %.9g is too large: configuration '%s' keeps records in %s, up to %.9g",
@@ -84,9 +84,7 @@ static const char *param_of(const fp3_engine *engine, size_t object, uint32_t re
 
 /* A state may come close to 0 and have fewer digits there; a parameter means what it says. */
 static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word, uint32_t stored) {
-    float value, kept;
-    memcpy(&value, &word, sizeof value);
-    memcpy(&kept, &stored, sizeof kept);
+    const float value = fp3_value_of(word), kept = fp3_value_of(stored);
     const float off = fabsf(value - kept),
                 bound = fabsf(value) / (float)fp3_storage_counts(engine->config);
     const char *name = off > bound ? param_of(engine, cells.first, cells.number) : NULL;

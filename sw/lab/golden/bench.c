@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* bench.c - see bench.h. */
 #include "bench.h"
+#include "base/bits.h"
 
 #include "machine/format.h"
 
@@ -32,18 +33,6 @@ typedef struct {
     uint64_t visit;               /* steps of one */
     int is_interleaved;
 } bench;
-
-static uint32_t bits_of(float value) {
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
-
-static float value_of(uint32_t bits) {
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
 
 /* ---- which program it is ---- */
 
@@ -79,7 +68,7 @@ static int is_first(bench *b, uint32_t got, uint32_t expected) {
 static void tell(bench *b, const char *where, uint32_t got, const char *who, uint32_t expected) {
     fp3_fail(&b->result->mismatch, FP3_E_MISMATCH,
              "%s is 0x%08" PRIx32 " (%.9g), %s has 0x%08" PRIx32 " (%.9g)", where, got,
-             (double)value_of(got), who, expected, (double)value_of(expected));
+             (double)fp3_value_of(got), who, expected, (double)fp3_value_of(expected));
 }
 
 static void compare_golden(bench *b, unsigned state, uint64_t object, uint64_t step,
@@ -149,12 +138,12 @@ static fp3_status compare_end(bench *b, unsigned state, uint64_t object, uint64_
     float last, wanted;
     fp3_status status = fp3_engine_read(b->rtl, object, 1, reg, &last);
     if (!status && b->is_ship)
-        compare_golden(b, state, object, steps, "read back", bits_of(last));
+        compare_golden(b, state, object, steps, "read back", fp3_bits_of(last));
     if (status || b->is_ship)
         return status;
     status = fp3_engine_read(b->isa, object, 1, reg, &wanted);
     if (!status)
-        compare_isa(b, state, object, "after step", steps, bits_of(last), bits_of(wanted));
+        compare_isa(b, state, object, "after step", steps, fp3_bits_of(last), fp3_bits_of(wanted));
     return status;
 }
 
@@ -193,7 +182,7 @@ static fp3_status fill_golden(bench *b, uint64_t object, fp3_error *error) {
             fp3_ship_step(&ship, &x[4], &x[5]);
         for (unsigned i = 0; i < 2; i++)
             b->golden[i][begin + step] =
-                bits_of(x[strcmp(fp3_bench_state(b->image, i)->name, "v") ? 5 : 4]);
+                fp3_bits_of(x[strcmp(fp3_bench_state(b->image, i)->name, "v") ? 5 : 4]);
     }
     fp3_fpu_set(callers);
     return FP3_OK;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* reference.c - what a step means: one operation after the other, in the order of its nodes. */
+#include "base/bits.h"
 #include <fp3/truth.h>
 
 #include <fp3/isa.h>
@@ -181,11 +182,8 @@ static fp3_status run(const fp3_compilation *k, const double *params, const doub
 }
 
 static float canonical(double x) {
-    const uint32_t bits = FP3_BITS_NAN;
-    float f = (float)x;
-    if (isnan(f))
-        memcpy(&f, &bits, sizeof f);
-    return f;
+    const float f = (float)x;
+    return isnan(f) ? fp3_value_of(FP3_BITS_NAN) : f;
 }
 
 fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const double *params,
