@@ -10,8 +10,8 @@
  * The fast engine has no retirements: its values are read, of all operands, however it executes.
  */
 #include "gen/registers.h"
-#include <engine/common/inside.h>
 #include <base/bits.h>
+#include <engine/common/inside.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
 #include <machine/config.h>
