@@ -18,7 +18,7 @@ def test_engines_keep_their_promises(build, tmp_path):
 
 
 # Of each organisation one: without and with a store, neighbours, 16-bit records, lanes, two streams, schedulers, tiles.
-PORTS = ["paper", "single_full", "many", "world", "fabric", "many_half", "lanes", "dual", "shared_full", "array"]
+PORTS = ["paper", "single_full", "world", "fabric", "many_half", "dual", "shared_full", "array"]
 
 
 @pytest.mark.smoke
