@@ -27,8 +27,8 @@ static void say(void *user, const char *what) {
 
 static fp3_status write_json(const char *path, json_t *all, size_t digits, fp3_error *error) {
     char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(digits)) : NULL;
-    const fp3_status status = text ? fp3_file_write(path, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status =
+        text ? fp3_file_write(path, text, strlen(text), error) : fp3_no_memory(error);
     free(text);
     json_decref(all);
     return status;

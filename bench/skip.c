@@ -48,10 +48,6 @@ typedef struct {
     json_t *rows;
 } skip;
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* ---- a program ---- */
 
 static const char *name_at(const skip_side *side, const fp3_program *program, size_t i) {
@@ -179,7 +175,7 @@ static fp3_status open_runner(runner *r, const skip_case *of, const skip_side *s
         return status;
     r->ends =
         calloc(fp3_engine_objects(r->engine) * count_names(side, r->program) + 1, sizeof *r->ends);
-    return r->ends ? FP3_OK : no_memory(error);
+    return r->ends ? FP3_OK : fp3_no_memory(error);
 }
 
 static void close_runner(runner *r) {
@@ -325,7 +321,7 @@ static fp3_status write_json(const skip *s, fp3_error *error) {
                   (json_int_t)s->o->idle_objects, "rows", s->rows);
     char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
     const fp3_status status =
-        text ? fp3_file_write(s->o->json, text, strlen(text), error) : no_memory(error);
+        text ? fp3_file_write(s->o->json, text, strlen(text), error) : fp3_no_memory(error);
     free(text);
     json_decref(all);
     return status;
@@ -384,7 +380,7 @@ int bench_skip_command(int argc, char **argv) {
     argp_parse(&argp, argc, argv, 0, NULL, &o);
     fp3_error error = {.text = ""};
     skip s = {.o = &o, .rows = json_array()};
-    fp3_status status = s.rows ? FP3_OK : no_memory(&error);
+    fp3_status status = s.rows ? FP3_OK : fp3_no_memory(&error);
     const skip_case *of;
     for (unsigned i = o.first; !status && (of = skip_case_at(i)) && (!o.is_one || i == o.first);
          i++)

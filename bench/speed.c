@@ -129,7 +129,7 @@ static fp3_status make_ships(speed *s, size_t objects, fp3_error *error) {
     const size_t room = (objects + BENCH_SHIP_BLOCK - 1) / BENCH_SHIP_BLOCK * BENCH_SHIP_BLOCK;
     float *all = aligned_alloc(64, 9 * room * sizeof *all);
     if (!all)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     s->start = (bench_ships){.objects = objects,
                              .h = STEP,
                              .T = all,
@@ -279,8 +279,8 @@ static fp3_status measure(speed *s, fp3_error *error) {
 static fp3_status write_json(const speed *s, fp3_error *error) {
     json_t *all = json_pack("{s:s, s:O}", "target", bench_ship_target(), "speed", s->rows);
     char *text = all ? json_dumps(all, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    const fp3_status status = text ? fp3_file_write(s->o->json, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status =
+        text ? fp3_file_write(s->o->json, text, strlen(text), error) : fp3_no_memory(error);
     free(text);
     json_decref(all);
     return status;

@@ -76,7 +76,7 @@ fp3_status speed_run_bodies(const speed_runner *runner, const bench_ships *ships
                             const speed_runs *runs, double *seconds, fp3_error *error) {
     void *world = runner->bodies->make(ships);
     if (!world)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const double begin = fp3_measure_now();
     runner->bodies->step(world, ships, runs->steps * runs->count);
     *seconds = fp3_measure_now() - begin;
@@ -99,7 +99,7 @@ fp3_status speed_run_gsl(const speed_runner *runner, const bench_ships *ships,
     gsl_odeiv2_step *step = gsl_odeiv2_step_alloc(
         strcmp(runner->method, "rk4") ? gsl_odeiv2_step_rk8pd : gsl_odeiv2_step_rk4, 2);
     if (!step)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     int result = GSL_SUCCESS;
     const double begin = fp3_measure_now();
     for (size_t i = 0; !result && i < ships->objects; i++) {

@@ -178,7 +178,7 @@ fp3_status bench_add_sundials(fp3_measure_points *points, const fp3_measure_prob
                                        .problem = problem};
             solver *s = point.self = calloc(1, sizeof *s);
             if (!s)
-                return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                return fp3_no_memory(error);
             s->slopes = slopes_of;
             if (open_solver(s, m, problem, point.tolerance) ||
                 !fp3_measure_points_add(points, &point)) {

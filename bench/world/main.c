@@ -58,8 +58,8 @@ static fp3_status write_rows(const options *o, const runner *all, unsigned count
     for (unsigned i = 0; i < count; i++)
         json_array_append_new(rows, row_of(o, &all[i], &all[0]));
     char *text = json_dumps(rows, JSON_INDENT(1) | JSON_REAL_PRECISION(9));
-    const fp3_status status = text ? fp3_file_write(o->json, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status =
+        text ? fp3_file_write(o->json, text, strlen(text), error) : fp3_no_memory(error);
     free(text);
     json_decref(rows);
     return status;

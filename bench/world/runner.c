@@ -9,10 +9,6 @@
 #include <string.h>
 #include <time.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* One thread is measured by what the processor gave it, several by the clock on the wall. */
 static double seconds_of(const runner *r) {
     struct timespec now;
@@ -27,7 +23,7 @@ static fp3_status make_columns(runner *r, size_t objects, fp3_error *error) {
     float *all = calloc(7 * objects + 1, sizeof *all);
     r->memory[0] = all;
     if (!all)
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (int c = 0; c < 3; c++) {
         r->now.x[c] = all + (size_t)c * objects;
         r->now.v[c] = all + (size_t)(3 + c) * objects;
@@ -147,7 +143,7 @@ static fp3_status read_links(runner *r, const fp3_scene_group *group, fp3_error 
     uint32_t *other = r->memory[2] = malloc((2 * links->count + 1) * sizeof *other);
     float *k = r->memory[3] = malloc((4 * links->count + 1) * sizeof *k);
     if (!begin || !other || !k)
-        return no_memory(error);
+        return fp3_no_memory(error);
     float *rest = k + 2 * links->count;
     for (size_t i = 0; i < links->count; i++) {
         begin[links->a[i] + 2]++;

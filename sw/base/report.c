@@ -99,7 +99,7 @@ fp3_status fp3_report_fail(const fp3_report *r, char **text, fp3_error *error) {
     *text = text_of(r, order);
     return *text ? fp3_fail_at(error, FP3_E_PROGRAM, r->name, at.line, at.column, "%s",
                                r->entry[first].text)
-                 : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                 : fp3_no_memory(error);
 }
 
 /* The byte at a location. */

@@ -134,7 +134,7 @@ static fp3_status replace_number(writer *w) {
         w->room = w->room ? 2 * w->room : 64;
         fp3_token *more = realloc(made->numbers, w->room * sizeof *more);
         if (!more)
-            return fp3_fail(w->error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(w->error);
         made->numbers = more;
     }
     fprintf(w->out, " %zu ", made->count); /* not a part of what stands beside it */
@@ -189,14 +189,14 @@ fp3_status fp3_spelled_open(const char *source, size_t size, const char *name, f
     writer w = {.in = fp3_scanner_open(source, size), .name = name, .made = made, .error = error};
     w.out = open_memstream(&made->text, &written);
     if (!w.out)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = check_nul(&w);
     while (!status && w.in.next < w.in.end)
         status = write_next(&w);
     fputc('\n', w.out); /* libconfig wants one behind a comment */
     const int is_bad = ferror(w.out);
     if (fclose(w.out) || is_bad)
-        status = status ? status : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = status ? status : fp3_no_memory(error);
     return status;
 }
 

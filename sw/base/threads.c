@@ -72,7 +72,7 @@ uint32_t fp3_threads_processors(void) {
 fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *error) {
     fp3_threads *t = *threads = calloc(1, sizeof *t + most * sizeof t->thread[0]);
     if (!t)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     t->most = most;
     t->processors = fp3_threads_processors();
     pthread_mutex_init(&t->lock, NULL);

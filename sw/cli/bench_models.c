@@ -92,7 +92,7 @@ static fp3_status print_table(const fp3_measure *m, json_t *shown, fp3_error *er
     const fp3_measure_problem *p = &m->problem;
     const fp3_measure_point **list = calloc(m->points.count + 1, sizeof *list);
     if (!list)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < m->points.count; i++)
         list[i] = &m->points.point[i];
     printf("%s from 0 to %g, %u objects with different values. Each row is more accurate than all "

@@ -209,11 +209,11 @@ static fp3_status put_picture(FILE *out, const fp3_bench_picture *p, unsigned nu
     }
     FILE *to = open_memstream(&text, &size);
     if (!to)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = fp3_gnuplot_write(fp3_bench_script, p, to, error);
     const int is_lost = ferror(to) | fclose(to);
     if (!status && is_lost)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     const char *svg = status ? NULL : strstr(text, "<svg");
     if (!status && !svg)
         status = fp3_fail(error, FP3_E_SYSTEM, "gnuplot has drawn nothing");

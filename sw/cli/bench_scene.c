@@ -92,7 +92,7 @@ static fp3_status compare_state(const fp3_scene_group *group, uint32_t reg, cons
 static fp3_status compare(const fp3_scene *scene, const side *first, side *s, fp3_error *error) {
     float *room = malloc(2 * scene->objects * sizeof *room);
     if (!room)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = FP3_OK;
     s->differ = s->astray = 0;
     for (size_t g = 0; !status && g < scene->group_count; g++) {

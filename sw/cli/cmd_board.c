@@ -167,7 +167,7 @@ int fp3_cmd_board(int argc, char **argv) {
     s.noise = o.noise;
     fp3_status status = load(o.config, &library, &s.ops, &error);
     if (!status && !(s.board = s.ops->open()))
-        status = fp3_fail(&error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(&error);
     if (!status)
         status = open_terminal(&s.terminal, &error);
     if (!status)

@@ -74,7 +74,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 static fp3_status words_text(const options *o, char **text, fp3_error *error) {
     size_t size = 0;
     FILE *out = open_memstream(text, &size);
-    fp3_status status = out ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = out ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < o->word_count; i++) {
         char line[FP3_WORD_TEXT_SIZE];
         status = fp3_word_text(o->words[i], NULL, line, error);
@@ -82,7 +82,7 @@ static fp3_status words_text(const options *o, char **text, fp3_error *error) {
             fprintf(out, "%s\n", line);
     }
     if (out && fclose(out) && !status)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     return status;
 }
 

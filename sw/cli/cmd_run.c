@@ -82,7 +82,7 @@ static fp3_status make_checks(const fp3_run_options *o, const fp3_run_task *of, 
                               fp3_error *error) {
     *checks = calloc(parts_of(of), sizeof **checks);
     if (!*checks)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < parts_of(of); i++) {
         const fp3_run_part part = part_of(o, of, engine, i);
         const fp3_scene_group *group = of->scene ? &of->scene->groups[i] : NULL;

@@ -65,8 +65,7 @@ static fp3_status write_page(fp3_view_options *o, const fp3_view_recording *r,
                              fp3_progress *progress, fp3_error *error) {
     fp3_view_scale *scales = calloc(r->column_count, sizeof *scales);
     fp3_output *output = NULL;
-    fp3_status status = scales ? fp3_output_open(o->output, &output, error)
-                               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = scales ? fp3_output_open(o->output, &output, error) : fp3_no_memory(error);
     long bytes = 0;
     if (!status)
         status = fp3_view_page_write(&o->page, fp3_output_stream(output), scales, error);

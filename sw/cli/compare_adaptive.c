@@ -384,7 +384,7 @@ fp3_status fp3_compare_adaptive(const fp3_compare_adaptive_def *def, const char 
     char *report = NULL;
     comparison *k = calloc(1, sizeof *k);
     if (!k)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     k->def = def;
     k->path = path;
     k->rows = rows;

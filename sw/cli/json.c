@@ -11,8 +11,8 @@
 fp3_status fp3_json_write(const char *path, json_t *root, int digits, fp3_error *error) {
     char *text =
         root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION((size_t)digits)) : NULL;
-    const fp3_status status = text ? fp3_file_write(path, text, strlen(text), error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status =
+        text ? fp3_file_write(path, text, strlen(text), error) : fp3_no_memory(error);
     free(text);
     json_decref(root);
     return status;

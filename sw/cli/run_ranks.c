@@ -132,7 +132,7 @@ fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_opt
     uint64_t *bytes = calloc(count, sizeof *bytes);
     uint64_t *all = calloc(count, sizeof g.values);
     fp3_status status = bytes && all ? fp3_arguments_each(table, argc, argv, note, &g, error)
-                                     : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                                     : fp3_no_memory(error);
     for (unsigned r = 0; !status && r < count; r++)
         bytes[r] = sizeof g.values;
     if (!status) {
@@ -177,7 +177,7 @@ fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_erro
         text = strchr(text, ',') + 1;
     ranks->port = strndup(text, strcspn(text, ","));
     on->port = ranks->port;
-    return ranks->port ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return ranks->port ? FP3_OK : fp3_no_memory(error);
 }
 
 /* Bytes of all ranks together, and the means of their times. */

@@ -95,7 +95,7 @@ fp3_status fp3_run_record_command(fp3_run_record *record, int argc, char **argv,
                                       : FP3_OK;
     char *command = record->command = calloc(size, 1);
     if (!command)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (int i = 1; i < argc; i++)
         command += sprintf(command, "%s%s", i > 1 ? "\n" : "", argv[i]);
     record->def.command = record->command;

@@ -41,7 +41,7 @@ static fp3_status add(fp3_verify_command *c, const char *format, const char *one
     if (c->argc + 1 == ROOM) /* one word, "-kkkk", may be many options */
         return fp3_fail(error, FP3_E_ARGUMENT, "more than %d arguments", WORDS_MOST);
     if (asprintf(&word, format, one, other) < 0)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     c->argv[c->argc++] = word;
     return FP3_OK;
 }
@@ -78,7 +78,7 @@ static fp3_status take_words(fp3_verify_command *c, int count, char *const *word
     fp3_error why = {.text = ""};
     c->argv = calloc(ROOM, sizeof *c->argv);
     if (!c->argv)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = add(c, "%s%s", words[0], "", error);
     if (!status)
         status = fp3_arguments_each(table, count, words, take, c, &why);
@@ -97,7 +97,7 @@ fp3_status fp3_verify_command_make(fp3_verify_command *c, char *text, fp3_error 
     c->argc = 0;
     c->argv = NULL;
     if (!words)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     words[count++] = name;
     fp3_status status = FP3_OK;
     for (char *rest = text, *line; !status && (line = strsep(&rest, "\n"));) {

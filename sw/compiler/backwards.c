@@ -32,7 +32,7 @@ fp3_status fp3_backwards_open(const fp3_model *model, fp3_backwards **backwards,
     double *room = b ? calloc(model->expr_count + (5 + ORDERS) * states + 1, sizeof *room) : NULL;
     if (!room) {
         fp3_backwards_close(backwards);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     b->model = model;
     b->values = room;

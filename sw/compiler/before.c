@@ -43,8 +43,7 @@ static fp3_status follow_all(const fp3_step *step, const double *params, const d
     const fp3_model *model = step->model;
     double *row = calloc(model->param_count + 2u * model->state_count + 1u, sizeof *row);
     fp3_backwards *back = NULL;
-    fp3_status status = row ? fp3_backwards_open(model, &back, error)
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = row ? fp3_backwards_open(model, &back, error) : fp3_no_memory(error);
     for (size_t i = 0; !status && i < count; i++)
         status = follow(step, back, params + i, initial + i, h, count, row, before + i, error);
     fp3_backwards_close(&back);
@@ -73,7 +72,7 @@ fp3_status fp3_before_start(const fp3_step *step, const double *params, const do
                             double h, size_t count, double *start, fp3_error *error) {
     const fp3_model *model = step->model;
     double *before = calloc(model->state_count * count + 1u, sizeof *before);
-    fp3_status status = before ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = before ? FP3_OK : fp3_no_memory(error);
     if (!status && needs_before(step))
         status = follow_all(step, params, initial, h, count, before, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++) {

@@ -104,5 +104,5 @@ fp3_status fp3_carry(fp3_step *step, fp3_error *error) {
     free(c.is_reached);
     free(c.is_candidate);
     free(c.is_frontier);
-    return is_done ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return is_done ? FP3_OK : fp3_no_memory(error);
 }

@@ -146,7 +146,7 @@ static fp3_status warn_flushed(const fp3_config *config, fp3_compiled *made, fp3
     char *fit = made->warning, *all = NULL, own[256];
     snprintf(own, sizeof own, text, config->name);
     if (asprintf(&all, "%s%s%s", fit ? fit : "", fit ? "; " : "", own) < 0)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     free(fit);
     made->warning = all;
     return FP3_OK;
@@ -201,7 +201,7 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
     if (!made || !k) {
         free(made);
         free(k);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     k->config = *config;
     if (def->is_for_host)

@@ -183,7 +183,7 @@ fp3_status fp3_emit(const fp3_step *step, const conversion *c, const fp3_schedul
     *text = NULL;
     FILE *out = open_memstream(text, &size);
     if (!out)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     put_head(step, c, schedule, options, title, out);
     put_declarations(step, c, schedule, names, out);
     put_part(step, names, "first", schedule->first, schedule->first_count, out);
@@ -193,7 +193,7 @@ fp3_status fp3_emit(const fp3_step *step, const conversion *c, const fp3_schedul
     if (fclose(out) || is_bad) {
         free(*text);
         *text = NULL;
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }

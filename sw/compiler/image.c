@@ -103,7 +103,7 @@ fp3_status fp3_compiler_image(const fp3_step *step, const conversion *c,
     uint32_t *code = calloc(words + 1u, sizeof *code), *end = code;
     fp3_symbol *symbols =
         calloc(names->object_count + c->code.constant_count + 1u, sizeof *symbols);
-    fp3_status status = code && symbols ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = code && symbols ? FP3_OK : fp3_no_memory(error);
     if (!status) {
         fp3_image draft = {.code_count = words,
                            .words = step->words,

@@ -26,7 +26,7 @@ typedef struct {
 static fp3_status add(input_list *l, const char *name, fp3_input what, fp3_error *error) {
     if (!what.formula) {
         free(what.rule);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     snprintf(what.name, sizeof what.name, "%s", name);
     l->list[l->count++] = what;
@@ -94,8 +94,7 @@ fp3_status fp3_inputs_make(const fp3_step *step, const conversion *c, const fp3_
                            fp3_input **inputs, uint32_t *count, fp3_error *error) {
     const size_t most = step->variable_count + c->code.param_count + c->code.constant_count + 1u;
     input_list l = {.list = calloc(most, sizeof *l.list)};
-    const fp3_status status = l.list ? add_all(step, c, names, &l, error)
-                                     : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status = l.list ? add_all(step, c, names, &l, error) : fp3_no_memory(error);
     *inputs = l.list;
     *count = l.count;
     return status;

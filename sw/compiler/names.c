@@ -167,7 +167,7 @@ fp3_status fp3_names_make(const fp3_step *step, const conversion *c, const fp3_s
     *names = (fp3_names){.object = calloc(schedule->registers + 1u, sizeof *names->object),
                          .constant = calloc(c->code.constant_count + 2u, sizeof *names->constant)};
     if (!names->object || !names->constant)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     uint32_t temps = 0;
     for (uint32_t i = 0; i < schedule->registers; i++) {
         char *name = names->object[i], wanted[FP3_NAME_SIZE + 16];

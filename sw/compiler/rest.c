@@ -13,7 +13,7 @@ fp3_status fp3_rest(const fp3_step *step, const conversion *c, const fp3_config 
         return FP3_OK;
     fp3_line *lines = realloc(schedule->step, (schedule->step_count + 1u) * sizeof *lines);
     if (!lines)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const uint32_t least = FP3_BANK_SHARED_BASE + c->least;
     lines[schedule->step_count++] = (fp3_line){.op = FP3_OP_SLEEP,
                                                .d = fp3_step_find(step, ROLE_SLEPT, FP3_NONE),

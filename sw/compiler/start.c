@@ -54,7 +54,7 @@ static origin origin_of(const fp3_compilation *k, uint32_t input) {
 static fp3_status choose(fp3_start *s, const char *is_wanted, size_t most, fp3_error *error) {
     const known_table *table = &s->compilation->p.step.known;
     char *is_known_wanted = calloc(table->count + 1u, 1);
-    fp3_status status = is_known_wanted ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = is_known_wanted ? FP3_OK : fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < s->compiled->input_count; i++) {
         if (is_wanted && !is_wanted[i])
             continue;
@@ -76,7 +76,7 @@ fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, s
     const fp3_compilation *k = compiled->self;
     fp3_start *s = *start = calloc(1, sizeof *s);
     if (!s)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     s->compiled = compiled;
     s->compilation = k;
     s->origins = calloc(compiled->input_count + 1u, sizeof *s->origins);
@@ -86,7 +86,7 @@ fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, s
     s->variables = malloc((k->p.step.variable_count * most + 1u) * sizeof *s->variables);
     fp3_status status = s->origins && s->wanted && s->poor && s->known && s->variables
                             ? FP3_OK
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                            : fp3_no_memory(error);
     if (!status)
         status = choose(s, is_wanted, most, error);
     if (status)
@@ -138,7 +138,7 @@ static fp3_status vanished_open(const fp3_start *s, vanished *v, fp3_error *erro
     const size_t size = params + states + step->known.count + step->variable_count;
     *v = (vanished){.params = malloc((size + 1u) * sizeof *v->params)};
     if (!v->params)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     v->initial = v->params + params;
     v->known = v->initial + states;
     v->variables = v->known + step->known.count;

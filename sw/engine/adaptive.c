@@ -281,7 +281,7 @@ fp3_status fp3_adaptive_report_make(fp3_engine *engine, size_t first, size_t siz
     uint32_t *accepted = calloc(size, sizeof *accepted);
     uint32_t *rejected = calloc(size, sizeof *rejected);
     if (!accepted || !rejected)
-        status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(engine->def.error);
     for (size_t done = 0; !status && done < size; done += BLOCK) {
         fp3_adaptive_object o[BLOCK];
         const size_t now = size - done < BLOCK ? size - done : BLOCK;

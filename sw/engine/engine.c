@@ -115,7 +115,7 @@ static fp3_status make_room(fp3_engine *engine) {
         return status;
     return engine->sleepers.slept && engine->counters && engine->sums
                ? FP3_OK
-               : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+               : fp3_no_memory(engine->def.error);
 }
 
 /* What only some engines have. */
@@ -171,7 +171,7 @@ fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *confi
     *engine = NULL;
     fp3_engine *made = calloc(1, sizeof *made);
     if (!made)
-        return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(def->error);
     *made = (fp3_engine){
         .backend = backend, .config = config, .own = *config, .def = *def, .self = self};
     if (backend->is_in_host && config->interleave)

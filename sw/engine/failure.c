@@ -55,7 +55,7 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
     const fp3_layout *layout = &engine->layout;
     fp3_group *groups = calloc(layout->count, sizeof *groups);
     if (!groups)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     for (uint32_t i = 0; i < layout->count; i++)
         groups[i] = (fp3_group){layout->groups[i].image,
                                 layout->count == 1 ? engine->objects : layout->groups[i].rows};
@@ -75,7 +75,7 @@ static fp3_status look_ahead(fp3_engine *again) {
         fp3_members *group = &again->layout.groups[i];
         group->is_ahead = calloc(group->program.count, sizeof *group->is_ahead);
         if (!group->is_ahead)
-            return fp3_fail(again->def.error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(again->def.error);
         fp3_ahead_find(&group->program, fp3_engine_states_of(group), group->is_ahead);
         group->live = fp3_live_between(&group->program);
     }
@@ -172,8 +172,8 @@ static fp3_status watch_again(fp3_engine *engine, fp3_watched *watched, int is_s
 fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect) {
     fp3_watched *watched = calloc(engine->objects, sizeof *watched);
     *is_suspect = (engine->origin->flags & FP3_FLAGS_GRAVE) != 0;
-    const fp3_status status = watched ? look_at_states(engine, watched, is_suspect)
-                                      : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    const fp3_status status =
+        watched ? look_at_states(engine, watched, is_suspect) : fp3_no_memory(engine->def.error);
     free(watched);
     return status;
 }
@@ -192,9 +192,8 @@ static fp3_status find_again(fp3_engine *engine, int is_suspect, fp3_failed **fa
                              size_t *count) {
     fp3_watched *watched = calloc(engine->objects, sizeof *watched);
     *failed = calloc(engine->objects, sizeof **failed);
-    fp3_status status = watched && *failed
-                            ? watch_again(engine, watched, is_suspect)
-                            : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = watched && *failed ? watch_again(engine, watched, is_suspect)
+                                           : fp3_no_memory(engine->def.error);
     *count = 0;
     for (uint32_t i = 0; !status && i < engine->objects; i++)
         if (is_failed(engine, &watched[i]))

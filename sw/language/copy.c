@@ -46,5 +46,5 @@ fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *e
     if (is_whole)
         return FP3_OK;
     fp3_model_free(copy);
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }

@@ -42,7 +42,7 @@ static fp3_status take(const ode_parser *p, fp3_token begin, uint32_t root, fp3_
     }
     if (!made || !made->names || !made->exprs) {
         fp3_formula_free(&made);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     made->name_count = p->param_count;
     made->expr_count = p->expr_count;
@@ -80,7 +80,7 @@ static fp3_status read(const char *text, ode_context context, fp3_formula **form
     ode_parser *p = calloc(1, sizeof *p);
     *formula = NULL;
     if (!p)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     FP3_HOST;
     p->takes_names = context == ODE_IN_START;
     const fp3_status status = parse(p, text, context, formula, error);
@@ -112,7 +112,7 @@ fp3_status fp3_formula_value(const fp3_formula *f, fp3_name_fn *value_of, void *
     FP3_HOST;
     double params[ODE_QUANTITIES], *values = malloc(f->expr_count * sizeof *values);
     char *is_lost = malloc(f->expr_count);
-    fp3_status status = values && is_lost ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = values && is_lost ? FP3_OK : fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < f->name_count; i++)
         status = value_of(user, f->names[i], &params[i], error);
     if (!status)

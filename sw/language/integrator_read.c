@@ -72,7 +72,7 @@ static fp3_status read_string(const reader *r, const char *key, char **copy) {
     if (status)
         return status;
     *copy = strdup(text);
-    return *copy ? FP3_OK : fp3_fail(r->in.error, FP3_E_SYSTEM, "out of memory");
+    return *copy ? FP3_OK : fp3_no_memory(r->in.error);
 }
 
 static fp3_status read_kind(const reader *r) {
@@ -329,7 +329,7 @@ static fp3_status claims_less(const reader *r, unsigned order) {
     fp3_integrator *table = r->table;
     char *doc = NULL;
     if (asprintf(&doc, "%s (the conditions of order %u hold, too)", table->doc, order) < 0)
-        return fp3_fail(r->in.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(r->in.error);
     free(table->doc);
     table->doc = doc;
     return FP3_OK;
@@ -439,7 +439,7 @@ fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrato
     *integrator = NULL;
     fp3_integrator *table = calloc(1, sizeof *table);
     if (!table)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     reader r = {.table = table};
     fp3_status status = fp3_settings_read(text, strlen(text), name, FP3_E_PROGRAM, &r.in, error);
     if (!status)

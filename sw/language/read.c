@@ -127,7 +127,7 @@ static fp3_status take_result(ode_parser *p, const char *name, fp3_model **model
     } else if (!p->out_of_memory && (*model = take_model(p, name))) {
         return FP3_OK;
     }
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }
 
 static fp3_status too_long(const char *name, size_t size, char **report, fp3_error *error) {
@@ -139,7 +139,7 @@ static fp3_status too_long(const char *name, size_t size, char **report, fp3_err
     size_t length = strlen(made.text);
     *report = calloc(length + 2, 1);
     if (!*report)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memcpy(*report, made.text, length);
     (*report)[length] = '\n';
     if (error)
@@ -172,7 +172,7 @@ fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3
         return too_long(name, size, report, error);
     ode_parser *p = calloc(1, sizeof *p);
     if (!p)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     FP3_HOST;
     fp3_ode_open(&p->in, source, size, name);
     parse(p);

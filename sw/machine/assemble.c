@@ -141,7 +141,7 @@ static fp3_status finish(asm_source *a, fp3_assembly *result, fp3_error *error) 
     result->lines = calloc((size_t)a->statement_count + 1, sizeof *result->lines);
     fp3_status status = FP3_OK;
     if (!code || !symbols || !result->lines || a->out_of_memory) {
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
         goto end;
     }
     if (!fp3_report_full(&a->report))
@@ -186,7 +186,7 @@ fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_a
     if (!made || !a) {
         free(a);
         fp3_assembly_free(result);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     FP3_HOST;
     a->report = (fp3_report){.name = name, .source = source, .size = size};
@@ -198,7 +198,7 @@ fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_a
     if (!status && a->report.count > 0)
         status = fp3_report_fail(&a->report, &made->report, error);
     else if (!status && !(made->report = calloc(1, 1)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     free(a->declarations);
     free(a->statements);
     free(a->labels);

@@ -158,7 +158,7 @@ fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error
     size_t size = 0;
     FILE *out = open_memstream(&made, &size);
     if (!out)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     write_declarations(&v, out);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < image->code_count; i++) {
@@ -172,7 +172,7 @@ fp3_status fp3_disassemble(const fp3_image *image, char **text, fp3_error *error
     }
     write_labels(image, image->code_count, out);
     if (fclose(out) && !status)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (status)
         free(made);
     else

@@ -110,7 +110,7 @@ fp3_status fp3_image_header(const fp3_image *image, const char *name, char **tex
     if (!out || fclose(out)) {
         free(*text);
         *text = NULL;
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }

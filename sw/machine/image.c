@@ -96,7 +96,7 @@ static fp3_status check_names(const fp3_image *image, fp3_error *error) {
         return FP3_OK;
     const char **names = malloc(image->symbol_count * sizeof *names);
     if (!names)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < image->symbol_count; i++)
         names[i] = image->symbols[i].name;
     qsort(names, image->symbol_count, sizeof *names, by_name);
@@ -253,7 +253,7 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
         free(symbols);
         free(decoded);
         free(made);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     qsort(constants, draft->constant_count, sizeof *constants, by_index);
     qsort(symbols, draft->symbol_count, sizeof *symbols, by_class);

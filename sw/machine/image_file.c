@@ -25,7 +25,7 @@ static void to_words(const unsigned char *bytes, size_t count, uint32_t *words) 
 static fp3_status checksum(const uint32_t *words, size_t count, uint32_t *sum, fp3_error *error) {
     unsigned char *bytes = malloc(4 * count);
     if (!bytes)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     to_bytes(words, count, bytes);
     *sum = (uint32_t)crc32(crc32(0, NULL, 0), bytes, (uInt)(4 * count));
     free(bytes);
@@ -73,7 +73,7 @@ fp3_status fp3_image_decode(const uint32_t *words, size_t count, fp3_image **ima
     fp3_constant *constants = calloc(words[CONSTANTS] + 1, sizeof *constants);
     fp3_symbol *symbols = calloc(words[SYMBOLS] + 1, sizeof *symbols);
     if (!constants || !symbols) {
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
         goto end;
     }
     for (uint32_t i = 0; i < words[CONSTANTS]; i++) {
@@ -124,7 +124,7 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
                    FP3_IMAGE_SYMBOL_WORDS * (size_t)image->symbol_count + 1;
     uint32_t *made = malloc(total * sizeof *made);
     if (!made)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     made[MAGIC] = FP3_IMAGE_MAGIC;
     made[REVISION] = FP3_ISA_REVISION;
     made[TOTAL] = (uint32_t)total;

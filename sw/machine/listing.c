@@ -37,7 +37,7 @@ fp3_status fp3_listing(const fp3_assembly *assembly, const char *source, size_t 
     *text = NULL;
     FILE *out = open_memstream(text, &text_size);
     if (!out)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fprintf(out, "index word      line  source\n");
     const char *end = source + size;
     uint32_t index = 0;
@@ -58,7 +58,7 @@ fp3_status fp3_listing(const fp3_assembly *assembly, const char *source, size_t 
     if (fclose(out)) {
         free(*text);
         *text = NULL;
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }

@@ -202,7 +202,7 @@ fp3_status fp3_placement_make(const fp3_config *config, uint32_t visit, const fp
                               size_t count, uint32_t *group_of, fp3_error *error) {
     share *shares = calloc(count, sizeof *shares);
     tile *tiles = calloc(config->tiles, sizeof *tiles);
-    fp3_status status = shares && tiles ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = shares && tiles ? FP3_OK : fp3_no_memory(error);
     uint32_t left = fp3_config_schedulers(config);
     for (size_t i = 0; !status && i < count; i++)
         shares[i] = share_of(config, visit, &groups[i]);

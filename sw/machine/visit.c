@@ -136,7 +136,7 @@ static fp3_status write_code(const fp3_image *image, fp3_visit *v, uint64_t in_f
     v->code = malloc(v->code_count * sizeof *v->code);
     v->decoded = malloc(v->code_count * sizeof *v->decoded);
     if (!v->code || !v->decoded)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     /* lds comes first: of an object that sleeps nothing else is loaded. */
     const uint64_t slept = v->slept < 0 ? 0 : in_front & BIT(v->slept);
     const uint32_t at = put(v, put(v, 0, FP3_OP_LDS, slept), FP3_OP_LD, in_front & ~slept);
@@ -150,7 +150,7 @@ fp3_status fp3_visit_make(const fp3_image *image, fp3_visit **visit, fp3_error *
     *visit = NULL;
     fp3_visit *v = calloc(1, sizeof *v);
     if (!v)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     v->slept = fp3_image_slept(image);
     const int own = has_own(image, v);
     if (!own)

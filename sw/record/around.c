@@ -24,7 +24,7 @@ static fp3_status find_links(const fp3_list *list, fp3_around_list *found, fp3_e
     const size_t entries = list->begin[list->objects];
     found->pairs = malloc((2 * entries + 1) * sizeof *found->pairs);
     if (!found->pairs)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t object = 0; object < list->objects; object++)
         for (uint32_t i = list->begin[object]; i < list->begin[object + 1]; i++)
             if (is_told(list, object, list->other[i])) {

@@ -71,7 +71,7 @@ static fp3_status open_file(fp3_checkpoint *c, fp3_error *error) {
     if (!status)
         status = fp3_envelope_open(c->calls, c->path, &step, error);
     if (!status && !(c->file = c->calls->open(c->path)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     return status ? status : read_attributes(c, step, error);
 }
 
@@ -92,7 +92,7 @@ fp3_status fp3_checkpoint_open(const char *path, fp3_checkpoint **checkpoint, fp
     *checkpoint = NULL;
     if (!c || !(c->path = strdup(path))) {
         free(c);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     const fp3_status status = open_file(c, error);
     if (status) {
@@ -162,7 +162,7 @@ static fp3_status compare_image(const fp3_checkpoint *c, const fp3_state *state,
     char name[FP3_CHECKPOINT_NAME];
     fp3_status status = fp3_image_encode(state->layout->groups[group].image, &here, &count, error);
     if (!status && !(there = calloc(count, sizeof *there)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     fp3_checkpoint_name(name, "image", group);
     if (!status && find(c, name, count, 0) >= 0)
         status = take_list(c, name, there, count, error);

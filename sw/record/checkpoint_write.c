@@ -191,7 +191,7 @@ static fp3_status write_file(writer *w, fp3_output *output, fp3_error *error) {
         return status;
     w->file = calls->create(fp3_output_temporary(output), FP3_ENVELOPE_SIZE);
     if (!w->file)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     status = put_all(w, error);
     if (!status && calls->flush(w->file))
         status = failed(w, error);

@@ -143,10 +143,10 @@ static fp3_status make_room(const fp3_program *program, size_t objects, fp3_colu
         fp3_column *column = &columns->list[i];
         const size_t size = fp3_column_is_wide(column) ? sizeof(double) : sizeof(float);
         if (!(column->values = calloc(columns->room, size)))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         if (column->kind == FP3_COLUMN_SUM && !columns->words &&
             !(columns->words = calloc(2 * columns->room, sizeof *columns->words)))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         if (column->kind != FP3_COLUMN_COMPUTED)
             continue;
         if (!columns->evaluator)
@@ -166,7 +166,7 @@ fp3_status fp3_columns_open(const fp3_program *program, const char *const *names
     fp3_status status = FP3_OK;
     *columns = (fp3_columns){.list = calloc(most + 2, sizeof *columns->list)};
     if (!columns->list)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     if (!names)
         status = add_states(program, has_lives, columns, error);
     for (size_t i = 0; !status && names && i < count; i++)

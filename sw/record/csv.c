@@ -109,7 +109,7 @@ static fp3_status start(csv *self, fp3_error *error) {
     self->row = malloc(NUMBER_BYTES * (self->subject->columns->count + 4));
     self->buffer = malloc(BUFFER_BYTES);
     if (!status && (!self->row || !self->buffer))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (status)
         return status;
     setvbuf(fp3_output_stream(self->output), self->buffer, _IOFBF, BUFFER_BYTES);
@@ -120,7 +120,7 @@ fp3_status fp3_csv_open(const fp3_subject *subject, fp3_sink **sink, fp3_error *
     csv *self = calloc(1, sizeof *self);
     *sink = NULL;
     if (!self)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     self->sink = (fp3_sink){csv_put, csv_publish, csv_close};
     self->subject = subject;
     const fp3_status status = start(self, error);

@@ -44,9 +44,7 @@ fp3_status fp3_evaluator_open(const fp3_program *program, size_t room, fp3_evalu
         e->needed = calloc(model->expr_count + 1u, sizeof *e->needed);
         e->values = calloc(model->expr_count + 1u, sizeof *e->values);
     }
-    return e && e->is_needed && e->needed && e->values
-               ? FP3_OK
-               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return e && e->is_needed && e->needed && e->values ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_evaluator_free(fp3_evaluator **evaluator) {
@@ -66,7 +64,7 @@ void fp3_evaluator_free(fp3_evaluator **evaluator) {
 
 static fp3_status make_room(const fp3_evaluator *e, float **block, fp3_error *error) {
     if (!*block && !(*block = calloc(e->room, sizeof **block)))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     return FP3_OK;
 }
 
@@ -134,7 +132,7 @@ fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_e
     e->h = source->h;
     e->params = calloc(source->objects * count + 1, sizeof *e->params);
     if (!status && !e->params)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     for (size_t i = 0; !status && (!i || of.is_spread) && i < source->objects; i++) {
         status = fp3_object_values_at(&of, (double)i / last, error);
         for (size_t k = 0; k < count; k++)

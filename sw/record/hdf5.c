@@ -326,9 +326,7 @@ static fp3_status make_room(hdf5 *self, fp3_error *error) {
         self->gathered[i] = malloc(self->rows * columns->room * size_of(&columns->list[i]));
         is_good &= self->gathered[i] != NULL;
     }
-    return self->steps && self->times && self->chain && is_good
-               ? FP3_OK
-               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return self->steps && self->times && self->chain && is_good ? FP3_OK : fp3_no_memory(error);
 }
 
 static fp3_status start(hdf5 *self, fp3_error *error) {
@@ -342,7 +340,7 @@ static fp3_status start(hdf5 *self, fp3_error *error) {
     if (!status)
         status = make_room(self, error);
     if (!status && !(self->file = self->calls->create(path, 0)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (!status)
         status = describe_file(self, error);
     if (!status)
@@ -362,7 +360,7 @@ fp3_status fp3_hdf5_open(const fp3_subject *subject, fp3_sink **sink, fp3_error 
     hdf5 *self = calloc(1, sizeof *self);
     *sink = NULL;
     if (!self)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     self->sink = (fp3_sink){hdf5_put, hdf5_publish, hdf5_close};
     self->subject = subject;
     self->has_time = subject->has_time;

@@ -9,8 +9,7 @@
 fp3_status fp3_past_open(const fp3_engine *engine, fp3_past *past, fp3_error *error) {
     *past = (fp3_past){.failures = calloc(fp3_engine_groups(engine), sizeof *past->failures),
                        .has_failed = calloc(fp3_engine_objects(engine), sizeof *past->has_failed)};
-    return past->failures && past->has_failed ? FP3_OK
-                                              : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return past->failures && past->has_failed ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_past_free(fp3_past *past) {
@@ -75,7 +74,7 @@ static void add_list(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const fp3_lis
 fp3_status fp3_checkpoint_links(const fp3_state *state, fp3_digest *links, fp3_error *error) {
     fp3_hdf5_sum *sum = state->calls->sum_begin();
     if (!sum)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < state->layout->count; i++) {
         const fp3_lists *lists = &state->layout->groups[i].lists;
         for (uint32_t k = 0; k < lists->shape.list_count; k++)
@@ -88,7 +87,7 @@ fp3_status fp3_checkpoint_links(const fp3_state *state, fp3_digest *links, fp3_e
 fp3_status fp3_checkpoint_lives(const fp3_state *state, fp3_digest *lives, fp3_error *error) {
     fp3_hdf5_sum *sum = state->calls->sum_begin();
     if (!sum)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < fp3_engine_objects(state->engine); i++) {
         uint64_t life[2];
         fp3_engine_life_of(state->engine, i, &life[0], &life[1]);

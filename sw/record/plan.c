@@ -45,7 +45,7 @@ fp3_status fp3_plan_make(const fp3_source *source, uint64_t steps, uint64_t ever
     if (!count)
         return fp3_fail(error, FP3_E_ARGUMENT, "no times");
     if (!(plan->list = calloc(count, sizeof *plan->list)))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; !status && i < count; i++) {
         status = fp3_plan_step(source, times[i], &plan->list[i], error);
         if (!status && plan->list[i] > steps)
@@ -63,14 +63,14 @@ fp3_status fp3_plan_parts(uint64_t parts, fp3_plan *plan, fp3_error *error) {
     *plan = (fp3_plan){.steps = parts, .count = parts, .list = calloc(parts, sizeof *plan->list)};
     for (uint64_t i = 0; plan->list && i < parts; i++)
         plan->list[i] = i + 1;
-    return plan->list ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return plan->list ? FP3_OK : fp3_no_memory(error);
 }
 
 fp3_status fp3_plan_steps(const uint64_t *steps, size_t count, fp3_plan *plan, fp3_error *error) {
     *plan = (fp3_plan){
         .steps = steps[count - 1], .count = count, .list = calloc(count, sizeof *plan->list)};
     if (!plan->list)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memcpy(plan->list, steps, count * sizeof *steps);
     return FP3_OK;
 }

@@ -110,7 +110,7 @@ static fp3_status start(plot *self, const fp3_subject *subject, fp3_error *error
     f->values = self->values =
         calloc(subject->columns->count * f->object_count * f->points, sizeof *self->values);
     if (!f->times || !f->values)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     return fp3_output_open(subject->path, &self->output, error);
 }
 
@@ -118,7 +118,7 @@ fp3_status fp3_plot_open(const fp3_subject *subject, fp3_sink **sink, fp3_error 
     plot *self = calloc(1, sizeof *self);
     *sink = NULL;
     if (!self)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     self->sink = (fp3_sink){plot_put, plot_publish, plot_close};
     const fp3_status status = start(self, subject, error);
     if (status)

@@ -124,8 +124,8 @@ static fp3_status add_sink(fp3_recording *r, const fp3_recording_def *def, const
     const int i = r->sink_count;
     r->subjects[i] = describe(r, def);
     r->subjects[i].path = r->paths[i] = strdup(path);
-    fp3_status status = r->paths[i] ? open(&r->subjects[i], &r->sinks[i], error)
-                                    : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        r->paths[i] ? open(&r->subjects[i], &r->sinks[i], error) : fp3_no_memory(error);
     r->sink_count++;
     return status;
 }
@@ -166,7 +166,7 @@ static fp3_status plan_snapshots(fp3_recording *r, const fp3_recording_def *def,
 static fp3_status plan_expected(fp3_recording *r, const fp3_expected *expected, fp3_error *error) {
     uint64_t *steps = calloc(expected->count, sizeof *steps);
     if (!steps)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < expected->count; i++)
         steps[i] = expected->list[i].step;
     const fp3_status status = fp3_plan_steps(steps, expected->count, &r->plan, error);
@@ -203,7 +203,7 @@ static fp3_status make_room(fp3_recording *r, fp3_error *error) {
     r->counter =
         calloc(fp3_config_schedulers(fp3_engine_config(r->source.engine)), sizeof *r->counter);
     r->groups = calloc(fp3_engine_groups(engine), sizeof *r->groups);
-    return r->counter && r->groups ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return r->counter && r->groups ? FP3_OK : fp3_no_memory(error);
 }
 
 /* What starts are needed for comes before the state is that of a checkpoint. */
@@ -246,7 +246,7 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
         return status;
     fp3_recording *r = calloc(1, sizeof *r);
     if (!r)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     r->source = (fp3_source){.program = program,
                              .params = params,
                              .engine = engine,

@@ -35,7 +35,7 @@ fp3_status fp3_state_open(fp3_engine *engine, fp3_state *state, fp3_error *error
     state->kept = calloc(state->layout->count, sizeof *state->kept);
     state->words = calloc(fp3_engine_objects(engine), sizeof *state->words);
     if (!state->kept || !state->words)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < state->layout->count; i++)
         status = find_kept(&state->layout->groups[i], &state->kept[i], error);
     return status;
@@ -98,7 +98,7 @@ fp3_status fp3_state_look(fp3_state *state, uint64_t step, fp3_state_fn *tell, v
     const uint32_t steps[2] = {(uint32_t)step, (uint32_t)(step >> 32)};
     fp3_hdf5_sum *sum = state->calls->sum_begin();
     if (!sum)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     add_words(state->calls, sum, steps, 2);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < state->layout->count; i++)
@@ -117,7 +117,7 @@ fp3_status fp3_chain_add(const fp3_hdf5_ops *calls, fp3_digest *chain, const fp3
     uint8_t bytes[2][4 * FP3_DIGEST_WORDS];
     fp3_hdf5_sum *sum = calls->sum_begin();
     if (!sum)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     put_bytes(chain, bytes[0]);
     put_bytes(hash, bytes[1]);
     calls->sum_add(sum, bytes, sizeof bytes);

@@ -42,7 +42,7 @@ fp3_status fp3_targets_make(const fp3_source *source, const double *times, size_
     targets->until = calloc(source->objects + 1, sizeof *targets->until);
     targets->next = calloc(source->objects + 1, sizeof *targets->next);
     if (!targets->times || !targets->until || !targets->next)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < count; i++) {
         targets->times[i] = (float)times[i];
         if (!isfinite(targets->times[i]) || (i && !(targets->times[i] > targets->times[i - 1])))

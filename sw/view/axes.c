@@ -48,7 +48,7 @@ static void take(fp3_view_axes *axes, const size_t *columns, unsigned count, con
 static fp3_status take_names(fp3_view_recording *r, const char *names, fp3_view_axes *axes,
                              fp3_error *error) {
     char *copy = strdup(names), *rest = copy;
-    fp3_status status = copy ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = copy ? FP3_OK : fp3_no_memory(error);
     axes->count = 0;
     for (char *part; !status && (part = strsep(&rest, ","));)
         if (axes->count == FP3_VIEW_AXES)
@@ -211,7 +211,7 @@ static fp3_status choose_colour(fp3_view_recording *r, const char *wish, fp3_vie
 
 static fp3_status want_observed(fp3_view_recording *r, const char *names, fp3_error *error) {
     char *copy = names ? strdup(names) : NULL, *rest = copy;
-    fp3_status status = names && !copy ? fp3_fail(error, FP3_E_SYSTEM, "out of memory") : FP3_OK;
+    fp3_status status = names && !copy ? fp3_no_memory(error) : FP3_OK;
     size_t columns[FP3_VIEW_AXES] = {0}, column;
     for (size_t i = 0; !names && i < r->column_count; i++)
         r->columns[i].is_wanted = 1;

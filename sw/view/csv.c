@@ -70,7 +70,7 @@ static fp3_status split_name(const fp3_view_recording *r, const char *at, const 
         return fail(r, bracket, error, "'[' without ']'", "a unit in brackets");
     *name = strndup(at, (size_t)(stop - at));
     *unit = bracket ? strndup(bracket + 1, (size_t)(end - bracket - 2)) : strdup("");
-    return *name && *unit ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return *name && *unit ? FP3_OK : fp3_no_memory(error);
 }
 
 static fp3_status take_name(fp3_view_recording *r, const char *at, char *name, char *unit,
@@ -304,7 +304,7 @@ static fp3_status find_columns(fp3_view_recording *r, fp3_error *error) {
     csv *self = (csv *)r->reader;
     self->columns = malloc((size_t)self->fields * sizeof *self->columns);
     if (!self->columns)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (int i = 0; i < self->fields; i++)
         self->columns[i] = FP3_VIEW_NO_COLUMN;
     for (size_t i = 0; i < r->column_count; i++)
@@ -351,7 +351,7 @@ static void csv_close(fp3_view_reader *reader) {
 fp3_status fp3_view_csv_open(fp3_view_recording *r, fp3_error *error) {
     csv *self = calloc(1, sizeof *self);
     if (!self)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     self->reader = (fp3_view_reader){csv_load, csv_close};
     self->step = self->object = self->time = -1;
     r->reader = &self->reader;

@@ -52,7 +52,7 @@ fp3_status fp3_view_fields_find(const fp3_view_recording *r, const fp3_view_axes
     fields->list = calloc(2 * r->column_count, sizeof *fields->list);
     fields->colour = FP3_VIEW_NO_COLUMN;
     if (!fields->list)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < r->column_count; i++) {
         const fp3_view_column *c = &r->columns[i];
         const size_t length = fp3_view_begins_vector(r, i);

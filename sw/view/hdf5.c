@@ -87,7 +87,7 @@ static fp3_status add_links(fp3_view_recording *r, int dataset, const fp3_hdf5_t
     of->count = table->rows;
     of->pairs = malloc(2 * of->count * sizeof *of->pairs);
     if (!of->name || !of->position || !of->pairs)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const fp3_hdf5_part part = {.rows = of->count, .columns = 2};
     if (self->calls->read(self->file, dataset, FP3_HDF5_UINT32, &part, of->pairs))
         return failed(r, error);
@@ -108,7 +108,7 @@ static fp3_status add_near(fp3_view_recording *r, const char *name, double reach
     of->position = self->calls->text_of(self->file, -1, attribute);
     if (!of->position)
         of->position = strdup("");
-    return of->name && of->position ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return of->name && of->position ? FP3_OK : fp3_no_memory(error);
 }
 
 static fp3_status note(fp3_view_recording *r, int dataset, fp3_error *error) {
@@ -212,7 +212,7 @@ static fp3_status read_rows(const fp3_view_recording *r, const fp3_view_column *
     int is_good = 1;
     double *wide = malloc(count * sizeof *wide);
     if (!wide)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const int result = self->calls->read(self->file, column->source, FP3_HDF5_DOUBLE, &part, wide);
     for (size_t i = 0; !result && i < count; i++)
         is_good &= fp3_view_narrow(wide[i], &to[i]);
@@ -287,7 +287,7 @@ static fp3_status check_there(const char *path, fp3_error *error) {
 fp3_status fp3_view_hdf5_open(fp3_view_recording *r, fp3_error *error) {
     hdf5 *self = calloc(1, sizeof *self);
     if (!self)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     self->reader = (fp3_view_reader){hdf5_load, hdf5_close};
     self->step = self->time = -1;
     r->reader = &self->reader;
@@ -295,6 +295,6 @@ fp3_status fp3_view_hdf5_open(fp3_view_recording *r, fp3_error *error) {
     if (!status)
         status = fp3_library_hdf5(&self->calls, error);
     if (!status && !(self->file = self->calls->open(r->path)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     return status ? status : look(r, error);
 }

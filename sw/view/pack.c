@@ -116,5 +116,5 @@ fp3_status fp3_view_pack(uint32_t *codes, size_t rows, size_t count, int is_wide
         write_base64(made, packed, out);
     free(planes);
     free(made);
-    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return is_good ? FP3_OK : fp3_no_memory(error);
 }

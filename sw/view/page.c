@@ -187,7 +187,7 @@ static fp3_status write_about(const fp3_view_page *page, const fp3_view_scale *s
     const int is_good = dumped != NULL;
     free(dumped);
     json_decref(made);
-    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return is_good ? FP3_OK : fp3_no_memory(error);
 }
 
 /* ---- numbers ---- */
@@ -221,7 +221,7 @@ static fp3_status write_chunks(const fp3_view_recording *r, const fp3_view_scale
                                fp3_error *error) {
     const size_t most = r->objects > CHUNK_VALUES ? r->objects : CHUNK_VALUES;
     uint32_t *codes = malloc(most * sizeof *codes);
-    fp3_status status = codes ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = codes ? FP3_OK : fp3_no_memory(error);
     size_t number = 0;
     for (size_t first = 0; !status && first < r->snapshots; first += rows_at(r, first))
         status = write_chunk(r, scales, number++, first, codes, out, error);
@@ -237,7 +237,7 @@ static fp3_status write_links(const fp3_view_recording *r, FILE *out, fp3_error 
         if (!of->count)
             continue;
         if (!codes)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         memcpy(codes, of->pairs, 2 * of->count * sizeof *codes);
         fprintf(out, "<script type=\"text/plain\" id=\"l%zu\">", i);
         status = fp3_view_pack(codes, 1, 2 * of->count, 1, out, error);

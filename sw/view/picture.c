@@ -162,7 +162,7 @@ fp3_status fp3_view_picture_make(const fp3_view_page *page, const fp3_view_look 
                                   .pixels = malloc((size_t)look->width * look->height * 3)};
     return picture->pixels
                ? fp3_view_raster_make(look->width, look->height, &picture->raster, error)
-               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+               : fp3_no_memory(error);
 }
 
 void fp3_view_picture_free(fp3_view_picture *picture) {

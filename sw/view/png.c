@@ -87,7 +87,7 @@ fp3_status fp3_view_png_add(fp3_view_png *png, const uint8_t *pixels, FILE *out,
     png->drawn++;
     free(rows);
     free(made);
-    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return is_good ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_view_png_end(FILE *out) {

@@ -12,8 +12,7 @@ fp3_status fp3_view_raster_make(uint32_t width, uint32_t height, fp3_view_raster
                                 .height = (int32_t)height * FP3_VIEW_FINE,
                                 .pixels = malloc(count * sizeof *raster->pixels),
                                 .depths = malloc(count * sizeof *raster->depths)};
-    return raster->pixels && raster->depths ? FP3_OK
-                                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return raster->pixels && raster->depths ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_view_raster_free(fp3_view_raster *raster) {

@@ -72,7 +72,7 @@ fp3_status fp3_view_open(const char *path, fp3_view_recording **r, fp3_error *er
     FP3_HOST;
     fp3_view_recording *made = *r = calloc(1, sizeof *made);
     if (!made)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     made->path = path;
     fp3_status status = ends_as_hdf5(path) || is_hdf5(path) ? fp3_view_hdf5_open(made, error)
                                                             : fp3_view_csv_open(made, error);

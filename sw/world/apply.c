@@ -267,7 +267,7 @@ fp3_status fp3_object_values_open(const fp3_program *program, const fp3_params *
                                   calloc(program->compiled->input_count + 1u, sizeof *of->inputs)};
     return of->is_varied && of->params && of->initial && of->values && of->inputs
                ? fp3_start_open(program->compiled, NULL, 1, &of->start, error)
-               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+               : fp3_no_memory(error);
 }
 
 fp3_status fp3_object_values_at(fp3_object_values *of, double share, fp3_error *error) {
@@ -342,8 +342,8 @@ static fp3_status apply_model(const fp3_program *program, const fp3_params *para
     const uint32_t inputs = program->compiled->input_count;
     float *columns = calloc((size_t)(inputs + 1u) * BLOCK, sizeof *columns);
     fp3_object_values of = {0};
-    fp3_status status = columns ? fp3_object_values_open(program, params, &of, error)
-                                : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        columns ? fp3_object_values_open(program, params, &of, error) : fp3_no_memory(error);
     for (size_t first = 0, count; !status && first < to->objects; first += count) {
         count = block_of(to, first);
         for (size_t i = 0; !status && i < count; i++) {

@@ -104,7 +104,7 @@ static fp3_status read_points(const fp3_settings *s, const config_setting_t *fro
         return status;
     char *path = fp3_path_beside(s->name, name);
     if (!path)
-        return fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(s->error);
     status = fp3_table_read(path, points, &why);
     free(path);
     if (status)
@@ -321,7 +321,7 @@ static fp3_status place(const fp3_settings *s, fp3_arranged *a, const fp3_scene_
     double *columns = malloc(FP3_FILL_AXES * group->objects * sizeof *columns);
     fp3_status status = FP3_OK;
     if (!columns)
-        status = fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(s->error);
     else if (a->grid_at)
         status = place_grid(s, a, group, columns);
     else if (a->random_at)

@@ -135,7 +135,7 @@ fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
         return FP3_E_ARGUMENT;
     fp3_batch *b = calloc(1, sizeof *b);
     if (!b)
-        return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(def->error);
     b->error = def->error;
     b->may_fail = def->may_fail;
     b->objects = b->used = def->objects;
@@ -254,7 +254,7 @@ static fp3_status settle_reach(fp3_batch *b) {
     if (!b->is_reach_new || !model || !model->relation_count)
         return FP3_OK;
     double *params = calloc(model->param_count + 1u, sizeof *params);
-    fp3_status status = params ? FP3_OK : fp3_fail(b->error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = params ? FP3_OK : fp3_no_memory(b->error);
     for (uint32_t i = 0; !status && i < model->param_count; i++)
         if (model->params[i].is_shared)
             status = fp3_fields_get(b->fields, model->params[i].name, &params[i], b->error);

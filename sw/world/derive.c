@@ -101,7 +101,7 @@ fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *tab
     fp3_derive *d = *derive = calloc(1, sizeof *d);
     const uint32_t inputs = def->compiled->input_count;
     if (!d)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     d->def = *def;
     d->table = table;
     d->sources = calloc(inputs + 1u, sizeof *d->sources);
@@ -112,7 +112,7 @@ fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *tab
     if (!open_portion(&d->uniform, inputs) || !open_portion(&d->other, inputs) || !d->sources ||
         !d->marks || !d->params_of || !d->starts_of || !d->block) {
         fp3_derive_close(derive);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     see_sources(d);
     d->is_first = 1;

@@ -139,7 +139,7 @@ fp3_status fp3_field_list(const fp3_image *image, const fp3_compiled *compiled, 
     uint64_t *params = calloc(model ? model->expr_count + 1u : 1u, sizeof *params);
     if (!table->list || !params) {
         free(params);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     if (model) {
         find_params(model, params);

@@ -27,7 +27,7 @@ struct fp3_fields {
 fp3_status fp3_fields_open(const fp3_fields_def *def, fp3_fields **fields, fp3_error *error) {
     fp3_fields *q = *fields = calloc(1, sizeof *q);
     if (!q)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     q->def = *def;
     fp3_status status = fp3_field_list(def->image, def->compiled, def->h, &q->table, error);
     q->table.needs_finite |= fp3_engine_config(def->engine)->finite != 0;
@@ -249,7 +249,7 @@ static fp3_status keep(fp3_fields *q, fp3_field *of, size_t first, size_t count,
     if (!of->column) {
         of->column = malloc(q->def.objects * sizeof *of->column);
         if (!of->column)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         for (size_t i = 0; i < q->def.objects; i++)
             of->column[i] = of->uniform;
     }
@@ -299,7 +299,7 @@ fp3_status fp3_fields_write_rows(fp3_fields *q, size_t first, size_t count, cons
                                  const double *initial, fp3_error *error) {
     const fp3_model *model = q->table.model;
     double *column = calloc(count + 1, sizeof *column);
-    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = column ? FP3_OK : fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < model->param_count; i++)
         status = write_gathered(q, &model->params[i], first, count, params + i, model->param_count,
                                 column, error);

@@ -109,7 +109,7 @@ fp3_status fp3_fill_box(const fp3_fill *fill, double *const position[FP3_FILL_AX
     const size_t cells = b.cells[0] * b.cells[1] * b.cells[2];
     b.first = malloc(cells * sizeof *b.first);
     b.next = malloc((fill->objects + 1) * sizeof *b.next);
-    fp3_status status = b.first && b.next ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = b.first && b.next ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < cells; i++)
         b.first[i] = NONE;
     *placed = 0;

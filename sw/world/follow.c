@@ -22,7 +22,7 @@ fp3_status fp3_follow_not(fp3_field *q, size_t first, size_t count, size_t objec
     if (!q->is_given)
         q->is_given = calloc(objects, 1);
     if (!q->is_given)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memset(q->is_given + first, 1, count);
     return FP3_OK;
 }
@@ -88,7 +88,7 @@ static fp3_status need_column(const room *r, fp3_field *q, fp3_error *error) {
         for (size_t i = 0; q->column && i < r->def->objects; i++)
             q->column[i] = q->uniform;
     }
-    return q->column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return q->column ? FP3_OK : fp3_no_memory(error);
 }
 
 static void follow_each(const room *r, uint64_t written, size_t first, size_t count) {
@@ -144,7 +144,7 @@ fp3_status fp3_follow(const fp3_fields_def *def, const fp3_field_table *table, u
     double *all = calloc(columns + model->param_count + model->state_count + model->expr_count + 1u,
                          sizeof *all);
     if (!all)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const room r = {.def = def,
                     .table = table,
                     .words = def->compiled->arithmetic == FP3_DOUBLE_SINGLE ? 2 : 1,

@@ -85,7 +85,7 @@ fp3_status fp3_grid_link(const fp3_grid *grid, unsigned kinds, fp3_grid_links *m
     *made = (fp3_grid_links){.ends = malloc((2 * most + 1) * sizeof *made->ends),
                              .length = malloc((most + 1) * sizeof *made->length)};
     if (!made->ends || !made->length)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < objects; i++)
         for (unsigned n = 0; n < way_count; n++) {
             const size_t end = end_of(grid, i, &ways[n]);

@@ -116,7 +116,7 @@ static fp3_status put(fp3_linked **list, const char *relation, const fp3_links *
         free(copy);
         if (!to)
             free(one);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     free_links(&one->links);
     free(one->place);

@@ -54,7 +54,7 @@ static fp3_status read_set(const fp3_settings *s, const config_setting_t *from, 
             status = fp3_setting_expected(s, at, name, expected);
         float *column = status ? NULL : malloc((links + 1) * sizeof *column);
         if (!status && !column)
-            status = fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
+            status = fp3_no_memory(s->error);
         for (size_t k = 0; column && k < links; k++)
             column[k] = word;
         if (!status)
@@ -94,7 +94,7 @@ fp3_status fp3_links_note(fp3_scene_group *group, const char *path, fp3_error *e
     if (files)
         group->files = files;
     if (!files || !(files[group->file_count] = strdup(path)))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     group->file_count++;
     return FP3_OK;
 }
@@ -157,7 +157,7 @@ static fp3_status put(const fp3_settings *s, const config_setting_t *from, const
     links.field_count = c->count;
     if (asprintf(&place, "%s:%u%s%s", s->name, fp3_setting_line(from), path ? ": " : "",
                  path ? path : "") < 0)
-        return fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(s->error);
     status = fp3_linked_put(&params->linked, relation, &links, 1, place, &why);
     free(place);
     return status == FP3_E_ARGUMENT ? fp3_setting_wrong(s, from, "%s", why.text)
@@ -203,8 +203,7 @@ static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
     char *path = status ? NULL : fp3_path_beside(s->name, name);
     if (status)
         return status;
-    status =
-        path ? fp3_table_read(path, &table, &why) : fp3_fail(&why, FP3_E_SYSTEM, "out of memory");
+    status = path ? fp3_table_read(path, &table, &why) : fp3_no_memory(&why);
     if (!status)
         status = fp3_table_link(&table, group->objects, &made, &why);
     if (status)

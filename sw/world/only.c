@@ -120,8 +120,7 @@ fp3_status fp3_only_read(const fp3_settings *s, const config_setting_t *from,
         return FP3_OK;
     char *is_meant = malloc(group->objects);
     double *column = malloc(group->objects * sizeof *column);
-    fp3_status status =
-        is_meant && column ? FP3_OK : fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = is_meant && column ? FP3_OK : fp3_no_memory(s->error);
     if (!status && !fp3_setting_is_list(at))
         status = read_one(s, at, group, is_meant, column);
     else

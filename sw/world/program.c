@@ -111,7 +111,7 @@ static fp3_status begin(const fp3_program_def *def, fp3_program **program, fp3_e
     if (fp3_definition_check(def, sizeof *def, "fp3_program_def", error))
         return FP3_E_ARGUMENT;
     *program = calloc(1, sizeof **program);
-    return *program ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return *program ? FP3_OK : fp3_no_memory(error);
 }
 
 /* *said goes to the caller, or nowhere. */

@@ -46,7 +46,7 @@ static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_erro
     char *is_needed = calloc(model->expr_count + 1u, 1);
     *fields = 0;
     if (!is_needed)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < model->state_count; i++)
         if (model->states[i].derivative != FP3_NONE)
             is_needed[model->states[i].derivative] = 1;
@@ -169,7 +169,7 @@ static fp3_status check_pairs(const fp3_linked *l, size_t objects, const uint32_
     uint32_t *seen = calloc(objects, sizeof *seen); /* 1 + the object that had it last */
     uint32_t object = 0, twice = UINT32_MAX;
     if (!seen)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t k = 0; twice == UINT32_MAX && k < 2 * links->count; k++) {
         while (k >= begin[object + 1])
             object++;
@@ -197,8 +197,7 @@ static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source
     uint32_t *begin = calloc(objects + 2, sizeof *begin);
     uint32_t *other = malloc((entries + 1) * sizeof *other);
     float *words = malloc((entries * fields + 1) * sizeof *words);
-    fp3_status status =
-        begin && other && words ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = begin && other && words ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < links->count; i++) {
         begin[links->a[i] + 2]++;
         begin[links->b[i] + 2]++;
@@ -293,7 +292,7 @@ fp3_status fp3_relations_reach(fp3_relations *r, const double *params, fp3_error
     double *values =
         calloc(model->expr_count + model->param_count + model->state_count + 1u, sizeof *values);
     if (!values)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     double *given = values + model->expr_count;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < model->param_count; i++)

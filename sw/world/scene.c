@@ -24,7 +24,7 @@ fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scen
         s->path = strdup(path);
     }
     if (!s || !s->path)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (!status)
         status = fp3_scene_read(s, config, error);
     if (status)
@@ -67,7 +67,7 @@ void fp3_scene_set_engine(const fp3_scene *scene, fp3_engine_def *def) {
 static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {
     fp3_group *groups = calloc(scene->group_count, sizeof *groups);
     if (!groups)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < scene->group_count; i++)
         groups[i] = (fp3_group){scene->groups[i].program->image, scene->groups[i].objects};
     fp3_status status = fp3_engine_load_groups(engine, groups, scene->group_count);

@@ -37,9 +37,7 @@ static char *copy(const char *text, size_t size) {
     return made;
 }
 
-static fp3_status no_memory(const reader *r) {
-    return fp3_fail(r->error, FP3_E_SYSTEM, "out of memory");
-}
+static fp3_status no_memory(const reader *r) { return fp3_no_memory(r->error); }
 
 /* ---- settings ---- */
 

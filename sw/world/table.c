@@ -94,7 +94,7 @@ static fp3_status read_head(fp3_table *t, source *s, fp3_error *error) {
     t->head = c.line;
     t->names = calloc(most, sizeof *t->names);
     if (!t->names)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     while (!status && c.next)
         status = read_name(t, next_value(&c), error);
     return status;
@@ -142,7 +142,7 @@ static fp3_status read_rows(fp3_table *t, source *s, fp3_error *error) {
     t->line = malloc(room * sizeof *t->line);
     t->where = malloc(room * t->columns * sizeof *t->where);
     if (!t->number || !t->line || !t->where)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     while (!status && next_line(s, &c))
         status = read_row(t, &c, room, error);
     for (size_t i = 1; i < t->columns; i++) /* without the room of lines that say nothing */
@@ -154,8 +154,7 @@ fp3_status fp3_table_read(const char *path, fp3_table *t, fp3_error *error) {
     char *text = NULL;
     size_t size = 0;
     *t = (fp3_table){.path = strdup(path)};
-    fp3_status status = t->path ? fp3_file_read(path, &text, &size, error)
-                                : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = t->path ? fp3_file_read(path, &text, &size, error) : fp3_no_memory(error);
     if (status)
         return status;
     const size_t mark = size >= 3 && !memcmp(text, "\xef\xbb\xbf", 3) ? 3 : 0;
@@ -235,7 +234,7 @@ fp3_status fp3_table_link(const fp3_table *t, size_t most, fp3_table_links *made
     made->names = calloc(fields + 1, sizeof *made->names);
     made->fields = calloc(fields + 1, sizeof *made->fields);
     if (!made->ends || !made->words || !made->names || !made->fields)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = FP3_OK;
     for (size_t row = 0; !status && row < t->rows; row++)
         status = take_row(t, row, most, made, error);

@@ -23,7 +23,7 @@ fp3_status fp3_params_make(fp3_params **params, fp3_error *error) {
     *params = calloc(1, sizeof **params);
     if (*params)
         (*params)->skin = -1;
-    return *params ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return *params ? FP3_OK : fp3_no_memory(error);
 }
 
 /* ---- places ---- */
@@ -39,7 +39,7 @@ static fp3_status keep_path(fp3_params *params, fp3_value_place *at, fp3_error *
         return FP3_OK;
     fp3_value_file *made = malloc(sizeof *made + strlen(at->path) + 1);
     if (!made)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     made->next = params->files;
     params->files = made;
     at->path = strcpy(made->path, at->path);
@@ -89,7 +89,7 @@ static double *copied(const double *column, size_t count, fp3_error *error) {
     if (made)
         memcpy(made, column, count * sizeof *made);
     else
-        fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        fp3_no_memory(error);
     return made;
 }
 
@@ -98,14 +98,14 @@ static fp3_status copy_into(const fp3_params *from, fp3_params *to, fp3_error *e
     to->skin = from->skin;
     to->list = malloc((from->count + 1) * sizeof *to->list);
     if (!to->list)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (; !status && to->count < from->count; to->count++) {
         fp3_value *v = &to->list[to->count];
         *v = from->list[to->count];
         v->parsed = NULL;
         v->column = NULL;
         if (v->formula && !(v->formula = strdup(v->formula)))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         if (from->list[to->count].column &&
             !(v->column = copied(from->list[to->count].column, v->count, error)))
             status = FP3_E_SYSTEM;
@@ -155,7 +155,7 @@ static fp3_status put_value(fp3_params *params, const char *name, fp3_value what
     if (!param) {
         fp3_value *list = realloc(params->list, (params->count + 1) * sizeof *list);
         if (!list)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         params->list = list;
         param = &list[params->count++];
         *param = (fp3_value){.formula = NULL};
@@ -239,8 +239,7 @@ fp3_status fp3_params_spread(fp3_params *params, const char *text, fp3_error *er
     if (!colon)
         return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is not name=first:last", text);
     char *copy = strndup(first, (size_t)(colon - first));
-    fp3_status status = copy ? read_number(text, copy, &pair.value, error)
-                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = copy ? read_number(text, copy, &pair.value, error) : fp3_no_memory(error);
     free(copy);
     if (!status)
         status = read_number(text, colon + 1, &pair.last, error);
@@ -270,7 +269,7 @@ static fp3_status read_value(const fp3_settings *s, const config_setting_t *sett
         return fp3_setting_expected(s, setting, name, "a number or a shorter formula");
     if (text) {
         what->formula = strdup(text);
-        return what->formula ? FP3_OK : fp3_fail(s->error, FP3_E_SYSTEM, "out of memory");
+        return what->formula ? FP3_OK : fp3_no_memory(s->error);
     }
     what->has_number = 1;
     if (!fp3_setting_is_number(setting))

@@ -179,7 +179,7 @@ fp3_status fp3_values_check(const fp3_params *params, fp3_values_has_fn *has, co
                             fp3_error *error) {
     char *is_used = calloc(params->count + 1, 1);
     if (!is_used)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < params->count; i++)
         is_used[i] = (char)(has(of, params->list[i].name) != 0);
     while (mark(params, is_used))

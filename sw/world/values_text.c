@@ -209,7 +209,7 @@ static fp3_status put_all(writer *w, FILE *out, fp3_error *error) {
         put_rules(w);
     if (!w->out || fclose(w->out)) {
         free(rules);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     w->out = out;
     if (fp3_adaptive_is(w->program->compiled->image))
@@ -233,11 +233,11 @@ fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params 
     if (!status)
         status = fp3_object_values_at(&w.of, 0, error);
     if (!status && !(out = open_memstream(text, &size)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (!status)
         status = put_all(&w, out, error);
     if (out && fclose(out) && !status)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     fp3_object_values_free(&w.of);
     return status;
 }

@@ -108,7 +108,7 @@ static fp3_status check_times(const fp3_model *model, const double *params, cons
         return FP3_OK;
     double *row = calloc(all + model->expr_count + 1, sizeof *row);
     if (!row)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     double *values = row + all;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < count; i++) {

@@ -209,7 +209,7 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
                         "configuration '%s' have 16 bits, which are too coarse",
                         config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const fp3_status status = fp3_switchings_find(a->step->model, &a->switchings, error);
     if (status)
         return status;

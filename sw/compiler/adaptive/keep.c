@@ -16,7 +16,7 @@ static int is_first_of_any(const fp3_step *step, uint32_t node) {
 
 fp3_status fp3_keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *error) {
     if (!fp3_step_add(step, ROLE_CARRIED, FP3_NONE))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     step->variables[step->variable_count - 1].first = first;
     step->variables[step->variable_count - 1].next = next;
     return FP3_OK;

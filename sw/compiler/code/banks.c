@@ -73,7 +73,7 @@ static fp3_status give_registers(const banks *b, fp3_error *error) {
     uint32_t sums = code->variable_count, products = 0;
     code->param_registers = calloc(code->param_count + 1u, sizeof *code->param_registers);
     if (!code->param_registers)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < code->param_count; i++)
         code->param_registers[i] = b->params[i] == SUM ? 2 * sums++ : 2 * products++ + 1;
     return FP3_OK;
@@ -152,7 +152,7 @@ static fp3_status open_part(const banks *b, fp3_place own, const fp3_op *ops, ui
     p->to = calloc(2 * slots + count, sizeof *p->to);
     p->at = calloc(3 * slots, sizeof *p->at);
     if (!p->to || !p->at)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     p->moved = p->at + slots;
     p->wants = p->moved + slots;
     for (size_t i = 0; i < slots; i++)
@@ -187,7 +187,7 @@ fp3_status fp3_banks_split(fp3_step_code *code, uint32_t one, uint32_t minus_zer
                            fp3_error *error) {
     banks b = {code, one, minus_zero, calloc(code->param_count + 1u, sizeof *b.params)};
     int *sums = calloc(code->param_count + 1u, sizeof *sums);
-    fp3_status status = b.params && sums ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = b.params && sums ? FP3_OK : fp3_no_memory(error);
     if (!status) {
         vote_all(
             &(part){.b = &b, .own = FP3_AT_OP, .from = code->step, .from_count = code->step_count},

@@ -183,7 +183,7 @@ static void choose_all(const chooser *c, fp3_choice_of_node *choices) {
     }
 }
 
-fp3_status fp3_choose(const fp3_part *part, fp3_choice_of_node *choices, fp3_error *error) {
+fp3_status fp3_choices_make(const fp3_part *part, fp3_choice_of_node *choices, fp3_error *error) {
     const size_t count = part->g->count + 1u;
     const chooser c = {.p = part,
                        .g = part->g,
@@ -205,5 +205,5 @@ fp3_status fp3_choose(const fp3_part *part, fp3_choice_of_node *choices, fp3_err
     free(c.is_absorbed);
     free(c.is_free);
     free(taken);
-    return is_open ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return is_open ? FP3_OK : fp3_no_memory(error);
 }

@@ -36,6 +36,6 @@ typedef struct {
 } fp3_choice_of_node;
 
 /* choices: of each node of the part. */
-fp3_status fp3_choose(const fp3_part *part, fp3_choice_of_node *choices, fp3_error *error);
+fp3_status fp3_choices_make(const fp3_part *part, fp3_choice_of_node *choices, fp3_error *error);
 
 #endif

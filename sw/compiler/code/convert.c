@@ -113,7 +113,7 @@ static fp3_status open_part(converter *c, fp3_error *error) {
     c->index = calloc(count, sizeof *c->index);
     c->ops = calloc(count, sizeof *c->ops);
     if (!c->part.uses || !c->is_leaf || !c->choices || !c->index || !c->ops)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < g->count; i++)
         c->is_leaf[i] = fp3_dag_is_leaf(g, i) || (c->carried && c->carried[i] != FP3_NONE);
     return FP3_OK;
@@ -150,7 +150,7 @@ static fp3_status convert_part(converter *c, uint32_t (*root)(const variable *v)
         if (root(&step->variables[i]) != FP3_NONE)
             c->part.uses[root(&step->variables[i])]++;
     if (!status)
-        status = fp3_choose(&c->part, c->choices, error);
+        status = fp3_choices_make(&c->part, c->choices, error);
     if (!status)
         make_ops(c);
     for (uint32_t i = 0; !status && i < step->variable_count; i++)
@@ -221,7 +221,7 @@ fp3_status fp3_convert_open(const fp3_step *step, conversion *made, fp3_error *e
     made->code.minus_zero = FP3_NONE_INDEX;
     return made->slots && made->params && made->constants && made->code.variables
                ? FP3_OK
-               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+               : fp3_no_memory(error);
 }
 
 void fp3_convert_end(const fp3_step *step, conversion *made) {
@@ -245,7 +245,7 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
     const fp3_part part = {.options = options, .policy = policy};
     if (!status)
         status = carried ? convert_parts(&part, chain, step, carried, made, error)
-                         : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                         : fp3_no_memory(error);
     free(carried);
     if (!status)
         fp3_convert_end(step, made);
@@ -271,7 +271,7 @@ fp3_status fp3_convert_section(const fp3_step *section, const fp3_options *optio
     converter c = of_section(section, options, all);
     fp3_variable *variables = calloc(section->variable_count + 1u, sizeof *variables);
     if (!variables)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memset(all->code.variables, 0, section->variable_count * sizeof *variables);
     const fp3_status status = convert_part(&c, next_root, next_ref, error);
     memcpy(variables, all->code.variables, section->variable_count * sizeof *variables);

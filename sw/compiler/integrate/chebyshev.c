@@ -179,9 +179,7 @@ fp3_status fp3_chebyshev(fp3_advance *a, fp3_error *error) {
                    .sum = calloc(count, sizeof *r.sum),
                    .change = calloc(count, sizeof *r.change),
                    .stage = calloc(count, sizeof *r.stage)};
-    fp3_status status = r.slope && r.sum && r.change && r.stage
-                            ? FP3_OK
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = r.slope && r.sum && r.change && r.stage ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = fp3_advance_places(a, places, "k", state_at, &r, error);
     for (unsigned j = 0; !status && a->fit->has_time && j < places; j++)

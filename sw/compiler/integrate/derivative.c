@@ -259,7 +259,7 @@ fp3_status fp3_differentiate(const fp3_model *model, int has_partial, fp3_differ
     }
     free(k.d);
     free(is_needed);
-    return k.has_failed ? fp3_fail(error, FP3_E_SYSTEM, "out of memory") : FP3_OK;
+    return k.has_failed ? fp3_no_memory(error) : FP3_OK;
 }
 
 void fp3_differentiated_close(fp3_differentiated *made) {

@@ -16,10 +16,6 @@
 #include <fp3/compile.h>
 #include <stdlib.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 static int add_variables(const fp3_advance *a, role role, int positions, int others) {
     for (uint32_t s = 0; s < a->step->model->state_count; s++)
         if ((role == ROLE_STATE ? fp3_fit_is_live : fp3_fit_is_moved)(a->fit, s) &&
@@ -40,7 +36,7 @@ static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
         (a->fit->has_time && !a->is_adaptive && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)) ||
         (a->is_adaptive && a->options->arithmetic != FP3_DOUBLE_SINGLE &&
          !fp3_step_add(a->step, ROLE_LOW, fp3_model_adapted(a->step->model))))
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < a->step->variable_count; i++) {
         const variable *v = &a->step->variables[i];
         if (v->role == ROLE_STATE)
@@ -98,7 +94,7 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     a.error_scale = fp3_term(FP3_NONE);
     fp3_status status = fp3_step_open(step, model, options, error);
     if (!status && (!a.now || !a.lost || !a.error || !a.slope))
-        status = no_memory(error);
+        status = fp3_no_memory(error);
     if (!status)
         status = make_variables(&a, error);
     if (!status)

@@ -342,9 +342,8 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
                      .slope = calloc(cells, sizeof *r.slope),
                      .has_stage = calloc(cells, 1),
                      .has_slope = calloc(cells, 1)};
-    fp3_status status = r.stage && r.slope && r.has_stage && r.has_slope
-                            ? FP3_OK
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        r.stage && r.slope && r.has_stage && r.has_slope ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = fp3_advance_places(a, a->integrator->stages, "k", state_at, &r, error);
     for (uint32_t i = 0; !status && a->fit->has_time && i < a->integrator->stages; i++)

@@ -247,8 +247,7 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
                         .low = low,
                         .made = calloc(from->count + 1u, sizeof *d.made),
                         .is_reached = calloc(from->count + 1u, 1)};
-    fp3_status status =
-        d.made && d.is_reached ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = d.made && d.is_reached ? FP3_OK : fp3_no_memory(error);
     if (!status) {
         find_reached(&d, root);
         double_nodes(&d);
@@ -282,7 +281,7 @@ static fp3_status add_low_words(fp3_step *step, uint32_t *low, fp3_error *error)
             continue;
         low[i] = step->variable_count;
         if (!fp3_step_add(step, v.role == ROLE_STATE ? ROLE_LOW : ROLE_LOW_BEFORE, v.state))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
     }
     return FP3_OK;
 }
@@ -290,8 +289,7 @@ static fp3_status add_low_words(fp3_step *step, uint32_t *low, fp3_error *error)
 fp3_status fp3_double_step(fp3_step *step, fp3_error *error) {
     const uint32_t variables = step->variable_count;
     uint32_t *low = calloc(variables + 1u, sizeof *low);
-    fp3_status status =
-        low ? add_low_words(step, low, error) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = low ? add_low_words(step, low, error) : fp3_no_memory(error);
     if (!status)
         status = double_dag(step, &step->values, low, variables, next_root, next_place, error);
     if (!status)

@@ -8,10 +8,6 @@
 #include <fp3/isa.h>
 #include <stdlib.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* ---- sections ---- */
 
 typedef struct {
@@ -66,7 +62,7 @@ static fp3_status open_section(builder *b, fp3_cut_plan *c, fp3_cut *cut, uint32
                                uint32_t slot, uint32_t relation, fp3_error *error) {
     fp3_section *more = realloc(cut->sections, (cut->section_count + 1u) * sizeof *more);
     if (!more)
-        return no_memory(error);
+        return fp3_no_memory(error);
     cut->sections = more;
     fp3_section *s = &more[cut->section_count++];
     *s = (fp3_section){.phase = phase, .relation = relation};
@@ -74,7 +70,7 @@ static fp3_status open_section(builder *b, fp3_cut_plan *c, fp3_cut *cut, uint32
     s->next = fp3_cut_filled(2 * FP3_STATES_MAX);
     s->loads = calloc(c->g->count + 1u, sizeof *s->loads);
     *b = (builder){.c = c, .s = s, .slot = slot, .made = fp3_cut_filled(c->g->count)};
-    return s->next && s->loads && b->made ? FP3_OK : no_memory(error);
+    return s->next && s->loads && b->made ? FP3_OK : fp3_no_memory(error);
 }
 
 /* Nodes in their order: a deep sum is not a deep recursion. */
@@ -139,7 +135,7 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
     fp3_status status = open_section(&b, c, cut, phase, slot, relation, error);
     char *is_in = calloc(c->g->count + 1u, 1);
     if (!is_in && !status)
-        status = no_memory(error);
+        status = fp3_no_memory(error);
     for (uint32_t i = c->g->count; !status && i-- > 0;) {
         uint32_t list[3];
         const dag_node *n = fp3_cut_node(c, i);

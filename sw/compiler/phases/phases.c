@@ -59,10 +59,6 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
 
 /* ---- sections ---- */
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* As a step of its own, which shares the known values. */
 static fp3_status as_step(const maker *m, const fp3_section *section, fp3_step *step,
                           fp3_error *error) {
@@ -70,7 +66,7 @@ static fp3_status as_step(const maker *m, const fp3_section *section, fp3_step *
     step->values = section->values;
     step->variables = calloc(m->step->variable_count + 1u, sizeof *step->variables);
     if (!step->variables)
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < step->variable_count; i++) {
         step->variables[i] = m->step->variables[i];
         step->variables[i].next = section->next[i];
@@ -265,7 +261,7 @@ static void put_phases(maker *m, const fp3_line *lines, const phase *phases) {
 static fp3_status make_lines(maker *m, fp3_error *error) {
     phase *phases = calloc(m->cut.phase_count + 1u, sizeof *phases);
     if (!phases)
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (uint32_t p = 0, i = 0; p < m->cut.phase_count; p++) {
         phases[p].first = m->line_count;
         for (; i < m->cut.section_count && m->cut.sections[i].phase == p; i++)
@@ -282,7 +278,7 @@ static fp3_status make_lines(maker *m, fp3_error *error) {
         put_phases(m, lines, phases);
     free(lines);
     free(phases);
-    return m->has_failed ? no_memory(error) : FP3_OK;
+    return m->has_failed ? fp3_no_memory(error) : FP3_OK;
 }
 
 /* ---- the interface ---- */
@@ -298,7 +294,7 @@ static fp3_status check(const maker *m, fp3_error *error) {
 static fp3_status finish(maker *m, fp3_schedule **schedule, fp3_error *error) {
     fp3_schedule *made = *schedule = calloc(1, sizeof *made);
     if (!made)
-        return no_memory(error);
+        return fp3_no_memory(error);
     made->step = m->lines;
     made->step_count = m->line_count;
     made->registers = m->registers;
@@ -326,7 +322,7 @@ static fp3_status make(maker *m, fp3_error *error) {
         return status;
     m->codes = calloc(m->cut.section_count + 1u, sizeof *m->codes);
     m->schedules = calloc(m->cut.section_count + 1u, sizeof(fp3_schedule *));
-    status = m->codes && m->schedules ? convert_all(m, error) : no_memory(error);
+    status = m->codes && m->schedules ? convert_all(m, error) : fp3_no_memory(error);
     if (!status)
         status = schedule_all(m, error);
     if (!status)

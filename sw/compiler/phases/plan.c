@@ -4,10 +4,6 @@
 
 #include <stdlib.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 uint32_t *fp3_cut_filled(size_t count) {
     uint32_t *list = malloc((count + 1) * sizeof *list);
     for (size_t i = 0; list && i <= count; i++)
@@ -327,7 +323,7 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     know_params(c);
     c->held = fp3_cut_filled((size_t)c->phase_count * c->own);
     if (!c->held)
-        return no_memory(error);
+        return fp3_no_memory(error);
     find_held(c);
     find_uses(c);
     find_holders(c);
@@ -349,7 +345,7 @@ fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
     c->shown = fp3_cut_filled((size_t)FP3_CUT_PHASES * c->states);
     return c->when && c->is_body && c->is_needed && c->is_held && c->holder && c->until && c->shown
                ? make(c, error)
-               : no_memory(error);
+               : fp3_no_memory(error);
 }
 
 void fp3_cut_plan_close(fp3_cut_plan *c) {

@@ -217,7 +217,7 @@ static fp3_status open_work(work *w, const fp3_block *block, const uint32_t *ord
     w->position = calloc(block->count + 1, sizeof *w->position);
     w->reads = calloc(code->variable_count + 1, sizeof *w->reads);
     if (!w->arcs || !w->position || !w->reads)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t p = 0; p < block->count; p++)
         w->position[order[p]] = p;
     return FP3_OK;
@@ -237,7 +237,7 @@ fp3_status fp3_allocate(const fp3_block *block, const uint32_t *order, fp3_borro
     fp3_status status = open_work(&w, block, order, error);
     w.busy = calloc((size_t)w.registers * w.gaps + 1, 1);
     if (!status && (!places->reg || !w.busy))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (!status && w.gaps) {
         find_arcs(&w);
         if (block->is_cyclic && !block->config->interleave && borrow == FP3_LEAVE_VARIABLES)
@@ -267,7 +267,7 @@ fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uin
     fp3_status status = open_work(&w, block, order, error);
     uint32_t *live = calloc((size_t)w.gaps + 1, sizeof *live), most = 0;
     if (!status && !live)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (!status) {
         find_arcs(&w);
         for (uint32_t i = 0; i < block->count; i++)
@@ -325,7 +325,7 @@ fp3_status fp3_places_lines(const fp3_block *block, const uint32_t *order, const
                             fp3_line **lines, fp3_error *error) {
     *lines = calloc(block->count + 1, sizeof **lines);
     if (!*lines)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t p = 0; p < block->count; p++) {
         const fp3_node *node = &block->nodes[order[p]];
         fp3_line *line = &(*lines)[p];

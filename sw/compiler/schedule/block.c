@@ -8,10 +8,6 @@
 #include <fp3/isa.h>
 #include <stdlib.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 fp3_ref *fp3_node_operand_at(fp3_node *node, uint32_t i) {
     assert(i < 3);
     return i == 0 ? &node->op.a : i == 1 ? &node->op.b : &node->op.c;
@@ -36,7 +32,7 @@ fp3_status fp3_block_open(const fp3_step_code *code, const fp3_config *config, f
     *block = (fp3_block){.code = code, .config = config};
     block->writer = malloc((code->variable_count + 1) * sizeof *block->writer);
     if (!block->writer)
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (uint32_t x = 0; x < code->variable_count; x++)
         block->writer[x] = FP3_NONE_INDEX;
     return FP3_OK;
@@ -84,7 +80,7 @@ fp3_status fp3_block_clone(const fp3_block *block, fp3_block *clone, fp3_error *
     fp3_status status = fp3_block_open(block->code, block->config, clone, error);
     for (uint32_t i = 0; !status && i < block->count; i++)
         if (fp3_block_add(clone, &block->nodes[i]) == FP3_NONE_INDEX)
-            status = no_memory(error);
+            status = fp3_no_memory(error);
     for (uint32_t x = 0; !status && x < block->code->variable_count; x++)
         clone->writer[x] = block->writer[x];
     clone->is_first = block->is_first;

@@ -7,10 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* ---- old values ---- */
 
 /* Marks what depends on node `from` within the block. Operands need not come first. */
@@ -42,7 +38,7 @@ static fp3_status make_late(fp3_block *block, uint32_t reader, uint32_t variable
     if (copies[variable] == FP3_NONE_INDEX)
         copies[variable] = fp3_block_add_copy(block, (fp3_ref){FP3_AT_VARIABLE, variable});
     if (copies[variable] == FP3_NONE_INDEX)
-        return no_memory(error);
+        return fp3_no_memory(error);
     read_copy(&block->nodes[reader], variable, copies[variable]);
     return FP3_OK;
 }
@@ -52,7 +48,7 @@ static fp3_status copy_for_users(fp3_block *block, uint32_t *copies, fp3_error *
     fp3_status status = FP3_OK;
     char *marked = malloc(block->count + block->code->variable_count + 1);
     if (!marked)
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (uint32_t x = 0; !status && x < block->code->variable_count; x++) {
         const uint32_t writer = block->writer[x], count = block->count;
         if (writer == FP3_NONE_INDEX)
@@ -135,7 +131,7 @@ static fp3_status cut_circles(fp3_block *block, uint32_t *copies, fp3_error *err
             cut = find_cut(block, &graph, waits, copies);
         }
         if (!waits)
-            status = no_memory(error);
+            status = fp3_no_memory(error);
         else if (cut)
             status = make_late(block, cut->from, block->nodes[cut->to].writes, copies, error);
         const int is_over = status || !cut;
@@ -150,7 +146,7 @@ fp3_status fp3_copies_add(fp3_block *block, fp3_error *error) {
     const uint32_t count = block->code->variable_count;
     uint32_t *copies = malloc((count + 1) * sizeof *copies);
     if (!copies)
-        return no_memory(error);
+        return fp3_no_memory(error);
     for (uint32_t x = 0; x < count; x++)
         copies[x] = FP3_NONE_INDEX;
     fp3_status status = copy_for_users(block, copies, error);
@@ -186,7 +182,7 @@ fp3_status fp3_copies_split(fp3_block *block, uint32_t variable, int *is_changed
     const uint32_t count = block->count, variables = block->code->variable_count;
     uint32_t *copies = malloc((variables + 1) * sizeof *copies);
     char *late = malloc(2 * (size_t)count + 1);
-    fp3_status status = copies && late ? FP3_OK : no_memory(error);
+    fp3_status status = copies && late ? FP3_OK : fp3_no_memory(error);
     *is_changed = 0;
     if (!status) {
         mark_late(block, variable, late, late + count);

@@ -102,13 +102,13 @@ static fp3_status find_cycles(const fp3_config *config, fp3_schedule *made, fp3_
         return FP3_OK;
     if (config->interleave) {
         if (!sweep(made, 1, &visit))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         made->cycles = fp3_cycles_swept_step(config, &visit) / parts(config);
         free((void *)visit.code);
         return FP3_OK;
     }
     if (!fp3_time_schedule(made, config, &code, &program))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     made->cycles = fp3_cycles_solo_step(config, &program);
     free(code);
     return FP3_OK;

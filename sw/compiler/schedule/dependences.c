@@ -74,7 +74,7 @@ fp3_status fp3_dependences_make(const fp3_block *block, const fp3_edge *extra, u
     if (graph->out && graph->in)
         return FP3_OK;
     fp3_dependences_free(graph);
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }
 
 void fp3_dependences_free(fp3_dependences *graph) {

@@ -8,10 +8,6 @@
 
 #include <stdlib.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* Whether the step that comes reads what was executed ahead of it. */
 static int is_carried(const fp3_block *block, uint32_t value) {
     for (uint32_t i = 0; i < block->count; i++)
@@ -45,7 +41,7 @@ static fp3_status add_ahead(const fp3_block *step, const fp3_choice *best, fp3_b
         node.writes = FP3_NONE_INDEX;
         at[i] = fp3_block_add(first, &node);
         if (at[i] == FP3_NONE_INDEX)
-            return no_memory(error);
+            return fp3_no_memory(error);
     }
     return FP3_OK;
 }
@@ -57,7 +53,7 @@ static fp3_status finish_block(const fp3_block *block, fp3_schedule *made, fp3_l
     uint32_t *order = malloc((block->count + 1) * sizeof *order);
     fp3_dependences graph = {0};
     fp3_places places = {0};
-    fp3_status status = order ? FP3_OK : no_memory(error);
+    fp3_status status = order ? FP3_OK : fp3_no_memory(error);
     uint32_t fewest = UINT32_MAX;
     if (!status)
         status = fp3_dependences_make(block, NULL, 0, 0, &graph, error);
@@ -91,7 +87,7 @@ fp3_status fp3_ends_first(const fp3_block *step, const fp3_choice *best, fp3_sch
     fp3_block first;
     uint32_t *at = calloc(step->count + 1, sizeof *at);
     fp3_status status =
-        at ? fp3_part_first(step->code, step->config, &first, error) : no_memory(error);
+        at ? fp3_part_first(step->code, step->config, &first, error) : fp3_no_memory(error);
     if (at && !status)
         status = add_ahead(step, best, &first, at, error);
     if (at && !status)

@@ -52,7 +52,7 @@ fp3_status fp3_interval_make(const fp3_block *block, fp3_interval **found, fp3_e
     if (!status)
         return FP3_OK;
     fp3_interval_free(found);
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }
 
 void fp3_interval_free(fp3_interval **found) {

@@ -61,7 +61,7 @@ fp3_status fp3_longest_path(const fp3_step_code *code, const fp3_config *config,
     *cycles = 0;
     double *weight = malloc(((size_t)n * (2 * n + 1) + code->step_count + 1) * sizeof *weight);
     if (!weight)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     double *longest = weight + (size_t)n * n, *to = longest + (size_t)n * (n + 1);
     for (uint32_t x = 0; x < n; x++) {
         path_from(code, config, x, to);

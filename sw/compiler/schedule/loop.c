@@ -260,7 +260,7 @@ fp3_status fp3_loop_order(const fp3_block *block, const fp3_loop *loop, uint32_t
             if (!make_round(&l, order))
                 status = fp3_fail(error, FP3_E_ARGUMENT, "operations that wait for each other");
     } else {
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     }
     fp3_room_free(&l.room);
     free(l.waits);

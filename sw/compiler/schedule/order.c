@@ -193,7 +193,7 @@ fp3_status fp3_order_list(const fp3_block *block, const fp3_dependences *graph, 
         if (!make_order(&l, order))
             status = fp3_fail(error, FP3_E_ARGUMENT, "operations that wait for each other");
     } else {
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     }
     free(l.waits);
     free(l.soonest);

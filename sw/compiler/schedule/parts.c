@@ -6,10 +6,6 @@
 
 #include <inttypes.h>
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* Where a reference of the caller is found in a block of its kind. */
 static fp3_ref found_at(fp3_ref ref) {
     if (ref.at == FP3_AT_FIRST || ref.at == FP3_AT_LAST)
@@ -52,7 +48,7 @@ static fp3_status add_ops(fp3_block *block, const fp3_op *ops, uint32_t count, f
             *ref = found_at(*ref);
         }
         if (fp3_block_add(block, &node) == FP3_NONE_INDEX)
-            return no_memory(error);
+            return fp3_no_memory(error);
     }
     return FP3_OK;
 }
@@ -65,7 +61,7 @@ static fp3_status write_variable(fp3_block *block, uint32_t variable, fp3_ref va
     if (value.at != FP3_AT_OP || block->nodes[writer].writes != FP3_NONE_INDEX)
         writer = fp3_block_add_copy(block, value);
     if (writer == FP3_NONE_INDEX)
-        return no_memory(error);
+        return fp3_no_memory(error);
     block->nodes[writer].writes = variable;
     block->nodes[writer].fixed = fp3_code_variable(block->code, variable);
     block->writer[variable] = writer;

@@ -87,7 +87,7 @@ fp3_status fp3_polish(const fp3_block *block, const fp3_dependences *graph, doub
     work w = {.block = block, .graph = graph, .order = order, .state = 1};
     w.position = malloc((block->count + 1) * sizeof *w.position);
     if (!w.position)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t p = 0; p < block->count; p++)
         w.position[order[p]] = p;
     const fp3_status status = block->count ? try_moves(&w, enough, moves, error) : FP3_OK;

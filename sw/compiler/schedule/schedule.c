@@ -20,10 +20,6 @@ typedef struct {
     fp3_schedule *made;
 } maker;
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* Copies of old values by which steps can overlap more; *split has them, or is empty: none does. */
 static fp3_status split_block(const fp3_block *block, fp3_block *split, fp3_error *error) {
     uint32_t least = 0, now = 0;
@@ -105,7 +101,7 @@ static fp3_status make_in_registers(maker *m, fp3_error *error) {
 static fp3_status make_all(const fp3_step_code *code, const fp3_config *config,
                            fp3_schedule **schedule, fp3_error *error) {
     maker m = {.code = code, .config = config, .made = calloc(1, sizeof **schedule)};
-    fp3_status status = m.made ? FP3_OK : no_memory(error);
+    fp3_status status = m.made ? FP3_OK : fp3_no_memory(error);
     if (!status && code->may_spill)
         status = fp3_spilled_make(code, config, m.made, error);
     else if (!status)

@@ -34,10 +34,6 @@ typedef struct {
     int is_tight;     /* an order would be better if it fitted */
 } search;
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* ---- choice ---- */
 
 static double best_cycles(const search *m) {
@@ -223,7 +219,7 @@ static fp3_status propose_planned(search *m, const fp3_interval *found, uint32_t
                      .is_ahead = is_ahead,
                      .urgency = fp3_interval_heights(found, interval),
                      .interval = interval};
-    fp3_status status = plan ? FP3_OK : no_memory(error);
+    fp3_status status = plan ? FP3_OK : fp3_no_memory(error);
     memset(is_ahead, 0, m->block->count);
     for (size_t i = 0; !status && i < sizeof plans / sizeof *plans; i++) {
         status = fp3_order_list(m->block, &m->graph, plans[i], plan, error);
@@ -244,7 +240,7 @@ static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
     uint32_t interval = 0;
     fp3_interval *found = NULL;
     char *is_ahead = malloc(count + 1);
-    fp3_status status = is_ahead ? FP3_OK : no_memory(error);
+    fp3_status status = is_ahead ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = fp3_longest_path(m->code, m->config, &path, error);
     if (!status)
@@ -279,7 +275,7 @@ static fp3_status propose_turns(search *m, uint32_t *order, fp3_error *error) {
 
 static fp3_status propose_all(search *m, fp3_error *error) {
     uint32_t *order = malloc((m->block->count + 1) * sizeof *order);
-    fp3_status status = order ? FP3_OK : no_memory(error);
+    fp3_status status = order ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = propose_lists(m, order, error);
     if (!status && !m->config->interleave && m->block->count)
@@ -295,7 +291,7 @@ fp3_status fp3_search(fp3_block *block, fp3_choice *choice, fp3_error *error) {
     m.fewest = UINT32_MAX;
     *choice = (fp3_choice){.order = malloc((block->count + 1) * sizeof *choice->order),
                            .is_ahead = calloc(block->count + 1, 1)};
-    fp3_status status = choice->order && choice->is_ahead ? FP3_OK : no_memory(error);
+    fp3_status status = choice->order && choice->is_ahead ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = fp3_dependences_make(block, NULL, 0, 0, &m.graph, error);
     if (!status)

@@ -413,7 +413,5 @@ fp3_status fp3_spill(const fp3_block *block, const uint32_t *order, const fp3_sp
         free(made->lines);
         *made = (fp3_spilled){0};
     }
-    return s.is_full    ? fp3_fail(error, FP3_E_SYSTEM, "out of memory")
-           : s.is_stuck ? FP3_E_LIMIT
-                        : FP3_OK;
+    return s.is_full ? fp3_no_memory(error) : s.is_stuck ? FP3_E_LIMIT : FP3_OK;
 }

@@ -25,10 +25,6 @@ typedef struct {
     uint64_t between; /* likewise, of the best */
 } maker;
 
-static fp3_status no_memory(fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
-}
-
 /* The better one stays in *best. */
 static void take(fp3_spilled *made, fp3_spilled *best) {
     const int is_better = !best->lines || made->count < best->count;
@@ -122,7 +118,7 @@ static fp3_status make_part(maker *m, part_maker *make, const fp3_spill_ends *en
     uint32_t *order = malloc((block.count + 1) * sizeof *order);
     m->best = (fp3_spilled){0};
     if (!status && !order)
-        status = no_memory(error);
+        status = fp3_no_memory(error);
     if (!status)
         status = fp3_dependences_make(&block, NULL, 0, 0, &graph, error);
     for (fp3_next next = 0; !status && next < FP3_NEXT_COUNT; next++) {
@@ -148,7 +144,7 @@ static fp3_status make_part(maker *m, part_maker *make, const fp3_spill_ends *en
 static fp3_status keep(maker *m, fp3_schedule *made, int copies, fp3_line **lines, uint32_t *count,
                        fp3_error *error) {
     if (!m->best.lines && !(m->best.lines = calloc(1, sizeof *m->best.lines)))
-        return no_memory(error);
+        return fp3_no_memory(error);
     *lines = m->best.lines;
     *count = m->best.count;
     if (m->best.registers > made->registers)
@@ -193,7 +189,7 @@ static fp3_status make_end(maker *m, part_maker *make, fp3_spill_ends ends, fp3_
 static fp3_status add_lds(const maker *m, fp3_schedule *made, fp3_error *error) {
     fp3_line *lines = calloc(made->first_count + 1u, sizeof *lines);
     if (!lines)
-        return no_memory(error);
+        return fp3_no_memory(error);
     memcpy(lines + 1, made->first, made->first_count * sizeof *lines);
     uint32_t reg = 0;
     while (!(m->code->slept >> reg & 1))

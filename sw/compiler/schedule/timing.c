@@ -31,7 +31,7 @@ static fp3_status time_overlap(const fp3_block *block, const uint32_t *order, do
                                fp3_error *error) {
     fp3_decoded *code = calloc((size_t)block->count + 1, sizeof *code);
     if (!code)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t p = 0; p < block->count; p++)
         code[p].of = fp3_operation_find(block->nodes[order[p]].op.op);
     *cycles =
@@ -50,7 +50,7 @@ fp3_status fp3_time_order(const fp3_block *block, const uint32_t *order, double 
     }
     fp3_timed *timed = calloc(2 * (size_t)block->count + 1, sizeof *timed);
     if (!timed)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_time_nodes(block, order, timed);
     uint32_t ahead = 0; /* what the first part executes */
     for (uint32_t p = 0; p < block->count; p++)

@@ -69,7 +69,7 @@ static fp3_status add(fp3_model *model, fp3_quantity **list, uint32_t *count, co
                         "adaptive steps add '%s': a model has at most %d states and as many params",
                         what->name, FP3_STATES_MAX);
     if (!(more = realloc(*list, (*count + 1u) * sizeof *more)))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     *list = more;
     fp3_quantity *q = &more[*count];
     *q = (fp3_quantity){.value = what->value,
@@ -82,7 +82,7 @@ static fp3_status add(fp3_model *model, fp3_quantity **list, uint32_t *count, co
                         .doc = strdup(what->doc)};
     strcpy(q->name, what->name);
     ++*count;
-    return q->dimension && q->doc ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return q->dimension && q->doc ? FP3_OK : fp3_no_memory(error);
 }
 
 /* Its derivative, a number, is for who solves the equations without steps. */
@@ -90,7 +90,7 @@ static fp3_status add_state(fp3_model *model, const addition *what, const char *
                             double derivative, fp3_error *error) {
     fp3_status status = add(model, &model->states, &model->state_count, what, dimension, error);
     if (!status && !add_expr(model, (fp3_expr){.op = FP3_EXPR_NUMBER, .number = derivative}))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     if (!status)
         model->states[model->state_count - 1].derivative = model->expr_count - 1;
     return status;
@@ -101,7 +101,7 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
     const uint32_t index = model->param_count;
     fp3_status status = add(model, &model->params, &model->param_count, what, dimension, error);
     if (!status && !add_expr(model, (fp3_expr){.op = FP3_EXPR_PARAM, .index = index}))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     return status;
 }
 

@@ -14,7 +14,7 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
                               fp3_error *error) {
     a->places = calloc(count + 1u, sizeof *a->places);
     if (!a->places)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < count; i++) {
         lowering *l = &a->places[i];

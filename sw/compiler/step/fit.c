@@ -317,7 +317,7 @@ fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
                  "give a 'maxstep' that is shorter",
                  event->line) < 0) {
         *warning = NULL;
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     if (event || fit->fallen == FP3_NONE || integrator->order <= fit->order)
         return FP3_OK;
@@ -331,7 +331,7 @@ fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
     if (length >= 0)
         return FP3_OK;
     *warning = NULL;
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }
 
 fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator,
@@ -345,8 +345,7 @@ fp3_status fp3_fit_find(const fp3_model *model, const fp3_integrator *integrator
                      .by = FP3_NONE};
     f.needs = calloc(model->expr_count + 1u, sizeof *f.needs);
     f.needs_time = calloc(model->expr_count + 1u, 1);
-    fp3_status status =
-        f.needs && f.needs_time ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = f.needs && f.needs_time ? FP3_OK : fp3_no_memory(error);
     if (!status) {
         find_needs(&f);
         find_live(&f, options);

@@ -22,9 +22,7 @@ fp3_status fp3_lower_open(lowering *l, const fp3_model *model, dag *g, fp3_error
     l->is_made = calloc(model->expr_count + 1, 1);
     l->is_wanted = calloc(model->expr_count + 1, 1);
     l->is_inverted = calloc(model->expr_count + 1, 1);
-    return l->value && l->is_made && l->is_wanted && l->is_inverted
-               ? FP3_OK
-               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return l->value && l->is_made && l->is_wanted && l->is_inverted ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_lower_close(lowering *l) {

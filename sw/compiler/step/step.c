@@ -18,7 +18,7 @@ fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_optio
     step->values.is_abstract = step->last.is_abstract = options->arithmetic == FP3_DOUBLE_SINGLE;
     step->values.is_direct = step->last.is_direct =
         options->config->logarithmic || options->config->mixed;
-    return step->known.has_failed ? fp3_fail(error, FP3_E_SYSTEM, "out of memory") : FP3_OK;
+    return step->known.has_failed ? fp3_no_memory(error) : FP3_OK;
 }
 
 void fp3_step_close(fp3_step *step) {
@@ -56,7 +56,7 @@ uint32_t fp3_step_find(const fp3_step *step, role role, uint32_t state) {
 fp3_status fp3_step_check(const fp3_step *step, fp3_error *error) {
     if (step->notes.has_failed || step->sight.has_failed || step->known.has_failed ||
         step->values.has_failed || step->last.has_failed)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     if (step->values.is_full || step->last.is_full)
         return fp3_fail(error, FP3_E_LIMIT,
                         "a step needs more than %u operations: no instruction memory holds them",

@@ -17,7 +17,7 @@ static int matters(const fp3_model *model, const char *kind, uint32_t expr) {
 fp3_status fp3_switchings_find(const fp3_model *model, fp3_switchings *s, fp3_error *error) {
     *s = (fp3_switchings){.kind = calloc(model->expr_count + 1u, 1), .unknown = FP3_NONE};
     if (!s->kind)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_turn_kinds(model, s->kind);
     for (uint32_t i = 0; i < model->expr_count; i++) {
         if (!matters(model, s->kind, i))

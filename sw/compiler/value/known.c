@@ -329,7 +329,7 @@ fp3_status fp3_known_choose(const known_table *table, const char *is_wanted, siz
     }
     free(wanted);
     free(expr_wanted);
-    return is_good ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return is_good ? FP3_OK : fp3_no_memory(error);
 }
 
 /* values[i * count + n] of expression i and object n. */
@@ -424,7 +424,7 @@ fp3_status fp3_known_evaluate(const known_table *table, const double *params, do
     if (expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "h is %.9g: expected %s", h, expected);
     if (is_exact && !make_exact(table, &exact))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const fp3_status status = fp3_known_choose(is_exact ? &exact : table, NULL, 1, &all, error);
     if (!status)
         fp3_known_values(&all, params, h, 1, values);

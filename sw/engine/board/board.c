@@ -137,7 +137,7 @@ static fp3_status board_open(fp3_engine *engine) {
     if (status)
         return status;
     if (!self || !(self->ahead = fp3_read_ahead_make(read_ahead, engine)))
-        return fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(def->error);
     self->driver.bus = &bus;
     self->window = window_of(engine->config);
     status = fp3_link_open(def->port, baud_of(def->baud), &self->link, def->error);

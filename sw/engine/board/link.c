@@ -30,7 +30,7 @@ typedef struct {
 fp3_status fp3_link_open(const char *port, uint32_t baud, fp3_link **link, fp3_error *error) {
     fp3_link *made = *link = calloc(1, sizeof *made);
     if (!made)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     made->baud = baud;
     made->sequence =
         (uint8_t)fp3_port_now(); /* no answer to somebody else's request is one to ours */

@@ -127,17 +127,17 @@ static void note_end(void *user, const fp3_rtl_end *end) {
 static fp3_status rtl_open(fp3_engine *engine) {
     rtl_engine *self = engine->self = calloc(1, sizeof *self);
     if (!self)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     self->driver.bus = &bus;
     fp3_status status = fp3_hardware_load(engine->config->name, &self->hardware, engine->def.error);
     if (status)
         return status;
     self->hash = 0xcbf29ce484222325u;
     if (engine->def.trace && !(self->in_flight = fp3_in_flight_make(engine->config)))
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     const fp3_rtl_watch watch = {self->in_flight ? note_issue : NULL, note_end, engine};
     if (!(self->rtl = self->hardware.ops->open(&watch, engine->def.bus_waits)))
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     return fp3_driver_open(engine);
 }
 

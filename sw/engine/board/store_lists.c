@@ -255,7 +255,7 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
     if (!lists->words || !lists->saved) {
         free(lists->saved);
         lists->saved = NULL;
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     }
     for (uint32_t i = 0; !status && i < count; i++)
         status = fp3_memory_read(engine, cells_of(group, group->lists.lists[i].reg),
@@ -281,7 +281,7 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
     for (uint64_t left = regs; left; left &= left - 1)
         count++;
     if (!(all = malloc(((size_t)count * group->rows + 1) * sizeof *all)))
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     uint32_t *next = all;
     for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++)
         if (regs & BIT(reg)) {
@@ -301,7 +301,7 @@ static fp3_status place(fp3_engine *engine) {
     fp3_members *group = group_of(engine);
     fp3_luggage luggage = {0};
     uint32_t *slot = malloc((group->rows + (size_t)1) * sizeof *slot);
-    fp3_status status = slot ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = slot ? FP3_OK : fp3_no_memory(engine->def.error);
     if (!status)
         status = fp3_partition_find(engine, slot);
     if (!status)
@@ -370,8 +370,7 @@ static fp3_status lower(fp3_engine *engine) {
     for (uint64_t left = fp3_layout_published(group); left; left &= left - 1)
         count++;
     uint32_t *words = malloc(((size_t)count * group->rows + 1) * sizeof *words);
-    fp3_status status = words ? move_published(engine, words, 0)
-                              : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = words ? move_published(engine, words, 0) : fp3_no_memory(engine->def.error);
     self->is_upper = 0;
     if (!status)
         status = move_published(engine, words, 1);

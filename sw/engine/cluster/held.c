@@ -9,9 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-fp3_status fp3_ranks_no_memory(fp3_engine *engine) {
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-}
+fp3_status fp3_ranks_no_memory(fp3_engine *engine) { return fp3_no_memory(engine->def.error); }
 
 /* FNV-1a, a word at a time: it finds another scene, not one that was made to have the same hash. */
 void fp3_ranks_note(fp3_ranked *self, const void *words, size_t count) {
@@ -91,7 +89,7 @@ fp3_status fp3_ranks_write_own(fp3_ranked *self, fp3_cells here, const uint32_t 
         return fp3_cells_write(self->own, here, words);
     uint32_t **held = place_of(self, here);
     if (!*held && !(*held = calloc(self->share[self->ranks->rank], sizeof **held)))
-        return fp3_fail(self->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(self->def.error);
     memcpy(*held + (here.first - self->first), words, here.count * sizeof *words);
     return FP3_OK;
 }

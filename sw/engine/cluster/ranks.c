@@ -253,7 +253,7 @@ fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ran
         status = check_def(def);
     fp3_ranked *self = status ? NULL : calloc(1, sizeof *self);
     if (!self)
-        return status ? status : fp3_fail(def->error, FP3_E_SYSTEM, "out of memory");
+        return status ? status : fp3_no_memory(def->error);
     self->backend = ranked;
     self->backend.name = own->name;
     self->backend.begins_at_0 = own->begins_at_0;

@@ -52,7 +52,7 @@ fp3_status fp3_ranks_use(fp3_engine *engine, fp3_rank_use **all, unsigned *count
         free(bytes);
         free(*all);
         *all = NULL;
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     }
     for (unsigned r = 0; r < *count; r++)
         bytes[r] = sizeof use;

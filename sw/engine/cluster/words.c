@@ -44,9 +44,7 @@ fp3_status fp3_ranks_read(fp3_engine *engine, fp3_cells cells, void *words) {
     uint64_t *bytes = calloc(ranks, sizeof *bytes), *next = calloc(ranks, sizeof *next);
     uint32_t *own = malloc((here.count + 1) * sizeof *own), *to = words,
              *all = malloc((cells.count + 1) * sizeof *all);
-    fp3_status status = bytes && next && own && all
-                            ? FP3_OK
-                            : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = bytes && next && own && all ? FP3_OK : fp3_no_memory(engine->def.error);
     if (!status)
         status = fp3_ranks_read_own(self, here, own);
     for (size_t i = cells.first; !status && i < cells.first + cells.count; i++)

@@ -30,10 +30,6 @@ fp3_status fp3_engine_check_loaded(fp3_engine *engine) {
                : fp3_fail(engine->def.error, FP3_E_ARGUMENT, "no program is loaded");
 }
 
-int fp3_engine_slept_of(const fp3_engine *engine, size_t object) {
-    return fp3_layout_group_of(&engine->layout, object)->program.slept;
-}
-
 fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object) {
     if (object >= engine->objects)
         return FP3_GONE;

@@ -14,9 +14,6 @@ fp3_status fp3_engine_check_loaded(fp3_engine *engine);
 /* FP3_E_ARGUMENT: some list of neighbours has not been given. */
 fp3_status fp3_engine_check_neighbours(fp3_engine *engine);
 
-/* The register of an object that tells whether it sleeps; -1: it never does. */
-int fp3_engine_slept_of(const fp3_engine *engine, size_t object);
-
 /* "" if there is one group, "group N: " if there are several: messages about a group begin so. */
 typedef struct {
     char text[32];

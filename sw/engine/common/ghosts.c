@@ -102,7 +102,7 @@ fp3_status fp3_ghosts_find(const fp3_engine *engine, fp3_ghosts *g) {
     }
     if (!g->copies) {
         fp3_ghosts_free(g);
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     }
     place_common(engine, g);
     place_others(engine, g);

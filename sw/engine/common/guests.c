@@ -35,7 +35,7 @@ fp3_status fp3_engine_set_numbers(fp3_engine *engine, const uint32_t *numbers) {
     if (!pairs || !order) {
         free(pairs);
         free(order);
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     }
     for (uint32_t i = 0; i < group->rows; i++)
         pairs[i] = (uint64_t)numbers[i] << 32 | i;

@@ -18,7 +18,7 @@ fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout 
     if (!layout->groups)
         layout->count = 0;
     fp3_layout_free(layout);
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }
 
 void fp3_layout_free(fp3_layout *layout) {
@@ -83,7 +83,7 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
                             fp3_error *error) {
     fp3_to_place *list = calloc(layout->count, sizeof *list);
     uint32_t *group_of = calloc(fp3_config_schedulers(config), sizeof *group_of);
-    fp3_status status = list && group_of ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = list && group_of ? FP3_OK : fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < layout->count; i++) {
         const fp3_members *group = &layout->groups[i];
         list[i] = (fp3_to_place){&group->program, group->objects, group->needs};
@@ -100,7 +100,7 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
 fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, fp3_error *error) {
     uint32_t *who = malloc((group->objects + (size_t)1) * sizeof *who);
     if (!who)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i < group->objects; i++)
         who[slot[i]] = i;
     free(group->slot);

@@ -90,7 +90,7 @@ fp3_status fp3_library_load(const char *name, const char *what, void **library, 
     if (!*found)
         return not_found(&p, name, what, error);
     if (path && !(*path = strdup(found)))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     *library = dlopen(found, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     return *library ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "%s", dlerror());
 }

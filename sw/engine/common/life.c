@@ -51,7 +51,7 @@ uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any) {
 static fp3_status make_room(fp3_engine *engine) {
     engine->lives.list = malloc(engine->objects * sizeof *engine->lives.list);
     if (!engine->lives.list)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     for (uint32_t i = 0; i < engine->objects; i++)
         engine->lives.list[i] = (fp3_life){0, FP3_FOREVER};
     return FP3_OK;

@@ -55,7 +55,7 @@ fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *er
     made.field = made.is_all ? NULL : copied(from->fields, entries * to->fields);
     if (!made.is_all && (!made.begin || !made.other || !made.field)) {
         forget(&made);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     forget(to);
     *to = made;
@@ -91,7 +91,7 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
     if (!status && from->order) {
         uint32_t *order = copied(from->order, rows);
         if (!order)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         fp3_lists_take_order(to, order);
     }
     return status;

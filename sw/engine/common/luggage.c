@@ -49,7 +49,7 @@ fp3_status fp3_luggage_pack(fp3_engine *engine, fp3_luggage *l) {
     l->objects = calloc(engine->objects * (registers + 1), sizeof *l->objects);
     l->constants = calloc(fp3_config_schedulers(engine->config) * registers, sizeof *l->constants);
     if (!l->objects || !l->constants)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     return move_all(engine, l, 0);
 }
 

@@ -176,7 +176,7 @@ static fp3_status sort(grid *g, fp3_error *error) {
     g->first = calloc(cells + 2, sizeof *g->first);
     g->place[0] = calloc((size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS, sizeof(float));
     if (!g->cell || !g->order || !g->first || !g->place[0])
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++)
         g->place[k] = g->place[k - 1] + objects + 1;
     for (uint32_t i = 0; i < objects; i++) {
@@ -220,7 +220,7 @@ static fp3_status need_room(pairs *p, size_t more, fp3_error *error) {
     const size_t room = 2 * p->room + more + 4096;
     uint32_t *found = realloc(p->found, room * sizeof *found);
     if (!found)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     p->found = found;
     p->room = room;
     return FP3_OK;
@@ -319,7 +319,7 @@ static fp3_status find_pairs(const grid *g, pairs *p, fp3_error *error) {
     fp3_status status = FP3_OK;
     p->first = malloc((g->now->objects + 2u) * sizeof *p->first);
     if (!p->first)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < g->now->objects; i++)
         status = find_around(g, i, p, error);
     p->first[g->now->objects] = (uint32_t)p->count;
@@ -335,7 +335,7 @@ static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_
     *begin = malloc((objects + 2u) * sizeof **begin);
     *other = malloc((p->count + 1) * sizeof **other);
     if (!*begin || !*other)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; i <= objects; i++)
         (*begin)[i] = p->first[i] - i;
     memcpy(next, *begin, objects * sizeof *next);
@@ -354,7 +354,7 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
         if (!rule->made[k])
             rule->made[k] = malloc((now->objects + 1u) * sizeof(float));
         if (!rule->made[k])
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         for (uint32_t i = 0; i < now->objects; i++)
             rule->made[k][i] = (float)at(now, k, i);
     }

@@ -59,7 +59,7 @@ static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const
         return FP3_OK;
     *words = malloc(fields * sizeof **words);
     if (!*words)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     for (size_t i = 0; i < fields; i++) {
         const char *wrong = fp3_format_written(engine->config, n->fields[i], &(*words)[i]);
         if (wrong)

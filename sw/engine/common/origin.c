@@ -24,7 +24,7 @@ static fp3_status make_copies(fp3_engine *engine) {
                       .began = calloc(engine->objects, sizeof *o->began),
                       .has_constants = 1};
     if (!o->registers || !o->constants || !o->known || !o->began)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     memset(o->known, 0xff, engine->objects * sizeof *o->known);
     return FP3_OK;
 }
@@ -32,7 +32,7 @@ static fp3_status make_copies(fp3_engine *engine) {
 fp3_status fp3_origin_open(fp3_engine *engine) {
     engine->origin = calloc(1, sizeof *engine->origin);
     if (!engine->origin)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     return engine->backend->failures ? FP3_OK : make_copies(engine);
 }
 

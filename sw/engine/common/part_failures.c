@@ -59,7 +59,7 @@ fp3_status fp3_part_failures_add(fp3_engine *engine, uint32_t began) {
     fp3_status status = engine->backend->failures(engine, &part, &count);
     fp3_failed *all = status ? NULL : calloc(engine->failures.count + count + 1, sizeof *all);
     if (!status && !all)
-        status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(engine->def.error);
     for (size_t i = 0; !status && i < count; i++) {
         part[i].watched.raised = later(part[i].watched.raised, began);
         part[i].watched.strayed = later(part[i].watched.strayed, began);

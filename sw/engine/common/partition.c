@@ -79,7 +79,7 @@ fp3_status fp3_partition_find(const fp3_engine *engine, uint32_t *slot) {
     const uint32_t objects = group->objects;
     uint32_t *words = malloc(3 * (size_t)objects * sizeof *words);
     if (!words)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     partition p = {engine, &group->lists, words, words + objects, words + 2 * (size_t)objects, 0};
     for (uint32_t i = 0; i < objects; i++) {
         p.order[i] = i;

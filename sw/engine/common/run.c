@@ -40,7 +40,7 @@ static fp3_status list_own(fp3_engine *engine) {
     if (is_any && !engine->sleepers.awake)
         engine->sleepers.awake = malloc(engine->objects * sizeof *engine->sleepers.awake);
     if (is_any && !engine->sleepers.awake)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     for (uint32_t i = 0; i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         for (uint32_t n = 0; may_leave_out(engine, group) && n < group->objects; n++)

@@ -100,7 +100,7 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
     wish w;
     fp3_fast *f = *fast = calloc(1, sizeof *f);
     if (!f)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status = read_wish(&w, error);
     if (!status)
         status =
@@ -172,7 +172,7 @@ uint64_t fp3_fast_columns(const fp3_fast *f) {
 fp3_status fp3_fast_worker_make(fp3_fast_worker **worker, fp3_error *error) {
     *worker = aligned_alloc(64, (sizeof **worker + 63) / 64 * 64);
     if (!*worker)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memset(*worker, 0, sizeof **worker);
     return FP3_OK;
 }
@@ -384,7 +384,7 @@ static int grow(block *b) {
     const size_t room = w->failure_room ? 2 * w->failure_room : FP3_BLOCK;
     fp3_failed *more = realloc(w->failures, room * sizeof *more);
     if (!more) {
-        b->status = fp3_fail(b->error, FP3_E_SYSTEM, "out of memory");
+        b->status = fp3_no_memory(b->error);
         return 0;
     }
     w->failures = more;

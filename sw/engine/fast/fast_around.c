@@ -75,7 +75,7 @@ static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, gr
         return FP3_OK;
     g->pieces = malloc((members->objects / lanes + (size_t)1) * sizeof *g->pieces);
     if (!g->pieces)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     g->inner_count = list_pieces(members, lanes, 0, g->pieces);
     g->piece_count = g->inner_count + list_pieces(members, lanes, 1, g->pieces + g->inner_count);
     return FP3_OK;
@@ -108,7 +108,7 @@ static fp3_status need_halves(fp3_engine *engine, const group *g) {
     FP3_EACH_REGISTER (fp3_fast_doubled(g->program), reg)
         if (!self->other_half[reg] &&
             !(self->other_half[reg] = fp3_words_make(engine, engine->objects)))
-            return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(engine->def.error);
     return FP3_OK;
 }
 
@@ -145,7 +145,7 @@ static fp3_status need_records(fp3_engine *engine, group *g) {
         return FP3_OK;
     const size_t bytes = fp3_fast_records(g->program, engine->objects) * sizeof *g->records;
     g->records = aligned_alloc(64, (bytes + 63) / 64 * 64);
-    return g->records ? FP3_OK : fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    return g->records ? FP3_OK : fp3_no_memory(engine->def.error);
 }
 
 static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {

@@ -22,9 +22,7 @@
 #define WORTH_INTERPRETED 4e5
 #define THREADS_MOST 1024u
 
-static fp3_status no_memory(fp3_engine *engine) {
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
-}
+static fp3_status no_memory(fp3_engine *engine) { return fp3_no_memory(engine->def.error); }
 
 /* ---- open, close, load ---- */
 

@@ -31,7 +31,7 @@ fp3_status fp3_order_undo(fp3_engine *engine) {
         return FP3_OK;
     uint32_t *scratch = malloc(engine->objects * sizeof *scratch);
     if (!scratch)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     move(self, self->row, engine->objects, scratch);
     free(scratch);
     free(self->row);
@@ -51,7 +51,7 @@ static fp3_status need_rows(fp3_engine *engine) {
         return FP3_OK;
     self->row = malloc(engine->objects * sizeof *self->row);
     if (!self->row)
-        return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(engine->def.error);
     for (uint32_t i = 0; i < engine->objects; i++)
         self->row[i] = i;
     return FP3_OK;
@@ -70,7 +70,7 @@ static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
     uint32_t *rows = malloc(count * sizeof *rows), *scratch = malloc(count * sizeof *scratch);
     fp3_status status = need_rows(engine);
     if (!status && (!rows || !scratch))
-        status = fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(engine->def.error);
     if (!status)
         status = fp3_near_order(&members->lists.lists[0].near, now, scratch, engine->def.error);
     if (!status)

@@ -28,14 +28,14 @@ static fp3_status write_text(const fp3_fast_plan *plan, const char *kind, char *
     size_t size = 0;
     FILE *to = open_memstream(text, &size);
     if (!to)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fprintf(to, LINE "%s */\n/* %s -march=%s", kind, fp3_cc(), kind);
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
         fprintf(to, " %s", options[i]);
     fprintf(to, " */\n");
     fp3_status status = fp3_fast_write(plan, to, error);
     if (fclose(to) && !status)
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     return status;
 }
 
@@ -174,7 +174,7 @@ static fp3_status read_file(const char *path, char **text, fp3_error *error) {
         status = fp3_fail(error, FP3_E_ARGUMENT,
                           "%s was made by another version of fp3; this one is " FP3_VERSION, path);
     else if (!status && !(*text = strndup(found, text_size)))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     free(data);
     return status;
 }

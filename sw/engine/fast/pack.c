@@ -233,7 +233,7 @@ static fp3_status need_room(packer *p, fp3_error *error) {
         const size_t room = 2 * p->room + 64 * most;
         int *tape = realloc(p->tape, room * sizeof *tape);
         if (!tape)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         p->tape = tape;
         p->room = room;
     }
@@ -241,7 +241,7 @@ static fp3_status need_room(packer *p, fp3_error *error) {
         const size_t room = 2 * p->turn_room + 64;
         size_t *turn = realloc(p->turn, room * sizeof *turn);
         if (!turn)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         p->turn = turn;
         p->turn_room = room;
     }
@@ -311,7 +311,7 @@ fp3_status fp3_fast_pack(const fp3_fast_given *given, unsigned lanes, fp3_fast_p
     const uint32_t vectors = (given->objects + lanes - 1) / lanes;
     packed->start = malloc((vectors + (size_t)1) * sizeof *packed->start);
     if (!packed->start)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < vectors; i++) {
         packed->start[i] = p.size;
         status = pack_vector(&p, i * lanes, error);

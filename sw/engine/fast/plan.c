@@ -283,7 +283,7 @@ static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
     plan->loops = calloc(plan->count + 1u, sizeof *plan->loops);
     plan->phase = calloc(plan->around.phases + 2u, sizeof *plan->phase);
     if (!plan->loops || !plan->phase)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (uint32_t pc = 0; pc < plan->count; pc++) {
         const fp3_instruction *in = &plan->code[pc].in;
         fp3_fast_loop *loop = &plan->loops[plan->loop_count];
@@ -396,8 +396,7 @@ fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, ui
     plan->part[FP3_PART_FIRST].end = plan->part[FP3_PART_STEP].first = code->step;
     plan->part[FP3_PART_STEP].end = plan->part[FP3_PART_LAST].first = code->last;
     plan->part[FP3_PART_LAST].end = code->count;
-    fp3_status status =
-        plan->code ? decode(code, plan, error) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = plan->code ? decode(code, plan, error) : fp3_no_memory(error);
     if (!status && around->is_any)
         status = find_loops(plan, error);
     if (status) {

@@ -78,7 +78,7 @@ static fp3_status isa_open(fp3_engine *engine) {
     if (self && self->registers && self->store && self->before && self->status && self->now &&
         self->listed && self->is_over && self->shared)
         return FP3_OK;
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(engine->def.error);
 }
 
 static void isa_close(fp3_engine *engine) {

@@ -121,7 +121,7 @@ static fp3_status begin(writer *w, size_t id, fp3_error *error) {
         w->room = w->room ? 2 * w->room : 64;
         flight *flights = realloc(w->flights, w->room * sizeof *flights);
         if (!flights)
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         w->flights = flights;
     }
     const fp3_traced *t = &w->of->rows[id];

@@ -73,6 +73,11 @@ typedef struct {
 __attribute__((format(printf, 3, 4))) fp3_status fp3_fail(fp3_error *error, fp3_status status,
                                                           const char *format, ...);
 
+/* The message of an allocation that failed. */
+static inline fp3_status fp3_no_memory(fp3_error *error) {
+    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+}
+
 /* The same for a mistake at a known place. path may be NULL; line and column are 0 if unknown. */
 __attribute__((format(printf, 6, 7))) fp3_status fp3_fail_at(fp3_error *error, fp3_status status,
                                                              const char *path, unsigned line,

@@ -209,7 +209,7 @@ fp3_status fp3_bench_equations(const fp3_model *model, fp3_bench_language langua
     if ((w.to && fclose(w.to)) || failed) {
         free(*text);
         *text = NULL;
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }

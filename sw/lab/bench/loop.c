@@ -59,7 +59,7 @@ fp3_status fp3_bench_loop_open(const fp3_model *model, const char *const *flags,
     fp3_status status = fp3_bench_equations(model, FP3_BENCH_FLOAT, &equations, error);
     if (!status && asprintf(&text, "%s%s", equations, loops) < 0) {
         text = NULL;
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     }
     if (!status)
         status = fp3_bench_native_open(text, flags, &loop->native, error);

@@ -39,7 +39,7 @@ fp3_status fp3_bench_native_open(const char *text, const char *const *flags,
     fp3_temporary place;
     *native = calloc(1, sizeof **native);
     if (!*native)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     top = top && *top ? top : "/tmp";
     if (fp3_temporary_open_in(top, &place)) {
         const fp3_status status = fp3_fail(error, FP3_E_SYSTEM, "%s: %s", top, strerror(errno));

@@ -41,8 +41,8 @@ fp3_status fp3_bench_start(fp3_engine *engine, const fp3_compiled *compiled, con
     fp3_fields *fields = NULL;
     double *params = calloc(objects * model->param_count + 1, sizeof *params);
     double *initial = calloc(objects * model->state_count + 1, sizeof *initial);
-    fp3_status status = params && initial ? fp3_engine_load(engine, compiled->image)
-                                          : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        params && initial ? fp3_engine_load(engine, compiled->image) : fp3_no_memory(error);
     if (!status)
         status = fp3_fields_open(&def, &fields, error);
     if (!status) {

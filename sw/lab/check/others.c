@@ -80,13 +80,13 @@ static fp3_status see_by(const fp3_others *o, const fp3_relation *of, const fp3_
                          double reach, sight *s, fp3_error *error) {
     s->begin = calloc(o->looked + 1, sizeof *s->begin);
     if (!s->begin)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     put_all(o, of, links, reach, s);
     const size_t count = begin_from_counts(s, o->looked);
     s->other = calloc(count + 1, sizeof *s->other);
     s->link = calloc(count + 1, sizeof *s->link);
     if (!s->other || !s->link)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     put_all(o, of, links, reach, s);
     memmove(s->begin + 1, s->begin, o->looked * sizeof *s->begin);
     s->begin[0] = 0;
@@ -105,7 +105,7 @@ static fp3_status see(fp3_others *o, const fp3_params *params, const fp3_object_
     const fp3_model *m = o->model;
     double *of_params = calloc(m->expr_count + m->state_count + 1u, sizeof *of_params);
     if (!of_params)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_model_evaluate(
         m, &(fp3_point){.params = values->params, .states = of_params + m->expr_count}, of_params);
     fp3_status status = FP3_OK;
@@ -146,10 +146,10 @@ static fp3_status take_params(fp3_others *o, fp3_object_values *values, fp3_erro
     const uint32_t count = o->model->param_count;
     o->row_of = malloc((o->objects + 1) * sizeof *o->row_of);
     if (!o->row_of)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const size_t rows = number_rows(o), last = o->objects - 1;
     o->params = calloc(rows * count + 1, sizeof *o->params);
-    fp3_status status = o->params ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = o->params ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < o->objects; i++) {
         if (o->row_of[i] == FP3_NONE)
             continue;
@@ -185,7 +185,7 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
     fp3_others *o = *others = calloc(1, sizeof *o);
     fp3_object_values values = {0};
     if (!o)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     o->model = program->model;
     o->columns = columns;
     o->objects = objects;
@@ -194,7 +194,7 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
     o->fields = calloc(o->model->field_count + 1u, sizeof *o->fields);
     fp3_status status = o->terms && o->fields
                             ? fp3_object_values_open(program, params, &values, error)
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                            : fp3_no_memory(error);
     if (!status)
         status = fp3_object_values_at(&values, 0, error);
     if (!status)

@@ -265,8 +265,7 @@ static void note_invariants(fp3_run_check *c, size_t object, const fp3_run_lost 
 static fp3_status look_at_ends(fp3_run_check *c, fp3_error *error) {
     fp3_run_loss *loss = NULL;
     double *values = calloc(2u * c->model->expr_count + 1u, sizeof *values);
-    fp3_status status = values ? fp3_run_loss_open(&c->run, &loss, error)
-                               : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = values ? fp3_run_loss_open(&c->run, &loss, error) : fp3_no_memory(error);
     for (size_t i = 0; !status && i < fp3_run_loss_looked(loss); i++) {
         fp3_run_lost found;
         status = fp3_run_loss_look(loss, i, &found, error);
@@ -346,9 +345,8 @@ static fp3_status make(fp3_run_check *c, fp3_error *error) {
     c->error = calloc(c->objects * c->states, sizeof *c->error);
     c->size = calloc(c->objects * c->states, sizeof *c->size);
     c->invariants = calloc(c->model->invariant_count + 1u, sizeof *c->invariants);
-    fp3_status status = first && c->error && c->size && c->invariants
-                            ? scale_all(c, error)
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        first && c->error && c->size && c->invariants ? scale_all(c, error) : fp3_no_memory(error);
     if (!status)
         status = run_in_best(c, first, error);
     free(first);
@@ -374,7 +372,7 @@ fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *g
                         "starts at this number of steps starts at another time");
     fp3_run_check *c = *check = calloc(1, sizeof *c);
     if (!c)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     c->run = *part;
     c->group = group;
     c->first = def;

@@ -249,7 +249,7 @@ static fp3_status open_lens(lens *l, fp3_error *error) {
                            m->expr_count + 1u,
                        sizeof *l->memory);
     if (!l->memory)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     l->now = l->memory;
     l->slopes = l->now + l->size;
     l->sum = l->slopes + l->size;
@@ -290,8 +290,8 @@ fp3_status fp3_run_growth_find_at_start(const fp3_program *program, const fp3_pa
     if (objects > START)
         return FP3_OK;
     double *columns = calloc(states * objects + 1, sizeof *columns);
-    fp3_status status = columns ? fp3_object_values_open(program, params, &values, error)
-                                : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        columns ? fp3_object_values_open(program, params, &values, error) : fp3_no_memory(error);
     for (size_t i = 0; !status && i < objects; i++) {
         status = fp3_object_values_at(&values, objects > 1 ? (double)i / (double)(objects - 1) : 0,
                                       error);

@@ -57,7 +57,7 @@ fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, ui
     const int low = fp3_compiled_low(program->compiled, state);
     float *words = malloc((count + 1) * sizeof *words);
     if (!words)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_status status =
         symbol ? fp3_engine_read(engine, first, count, symbol->index, words) : FP3_OK;
     for (size_t i = 0; !status && i < count; i++)
@@ -122,7 +122,7 @@ static fp3_status find_common(fp3_run_loss *l, fp3_error *error) {
     const uint32_t states = l->model->state_count;
     double *size = malloc((states * l->seen + 1) * sizeof *size);
     if (!size)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memcpy(size, l->columns, states * l->seen * sizeof *size);
     fp3_run_common_size(l->model, states, l->seen, size);
     for (uint32_t s = 0; s < states; s++)
@@ -134,7 +134,7 @@ static fp3_status find_common(fp3_run_loss *l, fp3_error *error) {
 fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_error *error) {
     fp3_run_loss *l = *loss = calloc(1, sizeof *l);
     if (!l)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     const fp3_model *m = l->model = part->program->model;
     l->config = fp3_config_find(part->program->config);
     l->part = *part;
@@ -148,7 +148,7 @@ fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_
     l->exact = calloc(2u * m->expr_count + 1u, sizeof *l->exact);
     fp3_status status = l->is_needed && l->is_read && l->columns && l->states && l->exact
                             ? fp3_object_values_open(part->program, part->params, &l->values, error)
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                            : fp3_no_memory(error);
     l->lost = l->states + m->state_count;
     l->common = l->lost + m->state_count;
     l->room = l->common + m->state_count;

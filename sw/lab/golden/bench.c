@@ -193,7 +193,7 @@ static fp3_status expect_ship(bench *b, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (int i = 0; i < 2; i++)
         if (!(b->golden[i] = malloc(words * sizeof *b->golden[i])))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
     for (uint64_t i = 0; !status && i < b->result->objects; i++)
         status = fill_golden(b, i, error);
     return status;
@@ -212,8 +212,8 @@ static fp3_status find_truth(const bench *b, double *states, fp3_error *error) {
     const fp3_model *model = b->what->truth;
     double *params = calloc(model->param_count + 1u, sizeof *params), h = 0;
     double *initial = calloc(model->state_count + 1u, sizeof *initial);
-    fp3_status status = params && initial ? value_or(b, "h", model->step, &h, error)
-                                          : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        params && initial ? value_or(b, "h", model->step, &h, error) : fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < model->param_count; i++)
         status = value_or(b, model->params[i].name, model->params[i].value, &params[i], error);
     for (uint32_t i = 0; !status && i < model->state_count; i++)
@@ -229,8 +229,7 @@ static fp3_status find_truth(const bench *b, double *states, fp3_error *error) {
 static fp3_status measure_error(const bench *b, fp3_error *error) {
     const fp3_model *model = b->what->truth;
     double *truth = calloc(model->state_count + 1u, sizeof *truth);
-    fp3_status status =
-        truth ? find_truth(b, truth, error) : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = truth ? find_truth(b, truth, error) : fp3_no_memory(error);
     const fp3_symbol *s;
     for (unsigned i = 0; !status && i < FP3_BENCH_STATES && (s = fp3_bench_state(b->image, i));
          i++) {
@@ -331,8 +330,8 @@ static fp3_status open_engine(bench *b, const char *name, uint64_t room, fp3_wri
 static fp3_status spread(bench *b, fp3_error *error) {
     float base = 0;
     b->values = malloc(b->result->objects * sizeof *b->values);
-    fp3_status status = b->values ? fp3_engine_read(b->rtl, 0, 1, b->own->index, &base)
-                                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        b->values ? fp3_engine_read(b->rtl, 0, 1, b->own->index, &base) : fp3_no_memory(error);
     for (uint64_t i = 0; !status && i < b->result->objects; i++) {
         const double n = (double)i, first = (double)base;
         b->values[i] =

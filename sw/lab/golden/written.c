@@ -30,7 +30,7 @@ fp3_status fp3_written_make(const fp3_image *image, uint64_t room, fp3_written *
     const fp3_symbol *s;
     fp3_written *w = *written = calloc(1, sizeof *w);
     if (!w)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     w->room = room;
     for (int i = 0; i < REGISTERS; i++)
         w->state_of[i] = -1;
@@ -44,8 +44,7 @@ fp3_status fp3_written_size(fp3_written *written, size_t objects, fp3_error *err
     written->objects = objects;
     written->words = malloc((cells * written->room + 1) * sizeof *written->words);
     written->writes = calloc(cells + 1, sizeof *written->writes);
-    return written->words && written->writes ? FP3_OK
-                                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return written->words && written->writes ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_written_free(fp3_written **written) {

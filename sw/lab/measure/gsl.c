@@ -113,7 +113,7 @@ static fp3_status add(fp3_measure_points *points, fp3_measure_point point, int m
     solver *s = calloc(1, sizeof *s);
     if (!s || !(s->y = calloc(3 * n, sizeof *s->y))) {
         free(s);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     s->error = s->y + n;
     s->f = s->y + 2 * n;
@@ -130,7 +130,7 @@ static fp3_status add(fp3_measure_points *points, fp3_measure_point point, int m
         gsl_odeiv2_driver_set_nmax(s->driver, STEPS_MOST);
     if ((!s->driver && !s->step) || !fp3_measure_points_add(points, &point)) {
         close_solver(&point);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }

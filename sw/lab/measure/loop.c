@@ -80,7 +80,7 @@ static fp3_status add(fp3_measure_points *points, fp3_measure_point point, share
     const fp3_model *model = point.problem->model;
     self *s = point.self = calloc(1, sizeof *s);
     if (!s)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     of->users++;
     *s = (self){.of = of,
                 .is_vector = is_vector,
@@ -88,7 +88,7 @@ static fp3_status add(fp3_measure_points *points, fp3_measure_point point, share
                 .y = calloc(point.objects * model->state_count + 1, sizeof(float))};
     if (!s->p || !s->y || !fp3_measure_points_add(points, &point)) {
         close_self(&point);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }
@@ -97,7 +97,7 @@ static fp3_status add_form(fp3_measure_points *points, const fp3_measure_problem
                            const fp3_measure_options *options, int is_vector, fp3_error *error) {
     shared *of = calloc(1, sizeof *of);
     if (!of)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     of->users = 1;
     fp3_status status = fp3_bench_loop_open(problem->model, is_vector ? vector_flags : scalar_flags,
                                             &of->loop, error);

@@ -33,7 +33,7 @@ fp3_status fp3_measure_machines_open(int is_interpreted, fp3_measure_machines **
                                      fp3_error *error) {
     *machines = calloc(1, sizeof **machines);
     if (!*machines)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     (*machines)->is_interpreted = is_interpreted;
     return FP3_OK;
 }
@@ -93,7 +93,7 @@ static fp3_status keep(fp3_measure_machines *machines, void *what, release_fn *r
     kept *more = realloc(machines->kept, (machines->kept_count + 1) * sizeof *machines->kept);
     if (!more) {
         release(what);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     machines->kept = more;
     more[machines->kept_count++] = (kept){what, release};

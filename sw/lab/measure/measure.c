@@ -54,7 +54,7 @@ static fp3_status compile_slopes(const fp3_model *model, fp3_bench_native **nati
     fp3_status status = fp3_bench_equations(model, FP3_BENCH_DOUBLE, &equations, error);
     if (!status && asprintf(&text, "%s%s", equations, export) < 0) {
         text = NULL;
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     }
     if (!status)
         status = fp3_bench_native_open(text, flags, native, error);

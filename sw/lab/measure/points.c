@@ -262,7 +262,7 @@ static fp3_status first_runs(fp3_measure_points *points, int has_threads, fp3_er
     sweep of = {0};
     unsigned char *stays = calloc(points->count + 1, 1);
     if (!stays)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; !status && i < points->count; i++) {
         fp3_measure_point *p = &points->point[i];
         int stay = 1;

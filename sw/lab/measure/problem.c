@@ -30,7 +30,7 @@ fp3_status fp3_measure_problem_open(const fp3_model *model, unsigned variants,
     problem->scale = calloc(states + 1, sizeof(double));
     if (!problem->params || !problem->initial || !problem->truth || !problem->scale) {
         fp3_measure_problem_close(problem);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     fp3_status status = find_scale(problem, error);
     for (unsigned v = 0; !status && v < variants; v++) {

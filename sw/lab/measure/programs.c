@@ -73,7 +73,7 @@ static size_t room(const family *f) {
 
 static fp3_status make_ends(const family *f, double **ends, fp3_error *error) {
     *ends = calloc(room(f), sizeof **ends);
-    return *ends ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return *ends ? FP3_OK : fp3_no_memory(error);
 }
 
 static fp3_measure_run run_of(const family *f, const fp3_compiled *compiled) {
@@ -106,7 +106,7 @@ static fp3_status add(const family *f, fp3_measure_point *point, unsigned i, fp3
     fp3_measure_point *added = fp3_measure_points_add(f->points, point);
     if (!added) {
         free(point->self);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     memcpy(added->ends, f->ends[i], (room(f) - 1) * sizeof *added->ends);
     return FP3_OK;
@@ -120,7 +120,7 @@ static fp3_status run(fp3_measure_point *point, double *seconds, fp3_error *erro
     double *ends = calloc(p->variants * p->model->state_count + 1, sizeof *ends);
     fp3_status status =
         ends ? fp3_measure_run_solve(&t->run, p, &t->pace, ends, seconds, &stats, error)
-             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+             : fp3_no_memory(error);
     if (!status)
         status = fp3_measure_run_compare(p, p->variants, ends, "a timed run", point->ends,
                                          "the run of the variants alone", error);
@@ -134,7 +134,7 @@ static fp3_status add_software(const family *f, unsigned i, unsigned threads, fp
     fp3_measure_point point = blank(f, f->options->engine, NULL);
     task *t = calloc(1, sizeof *t);
     if (!t)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     *t = (task){run_of(f, f->compiled), f->pace[i]};
     point.run = run;
     point.close = close_run;
@@ -427,8 +427,8 @@ static fp3_status adapt(family *f, fp3_error *error) {
     def.until = f->problem->end;
     char *name = malloc(strlen(f->name) + 16);
     fp3_model *model = NULL;
-    fp3_status status = name ? fp3_measure_machines_keep(f->machines, name, error)
-                             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        name ? fp3_measure_machines_keep(f->machines, name, error) : fp3_no_memory(error);
     if (status)
         return status;
     sprintf(name, "%s%s", f->name, suffixes[f->kind]);

@@ -49,7 +49,7 @@ static fp3_status read_ends(const fp3_measure_run *e, const fp3_measure_problem 
                             fp3_error *error) {
     const size_t states = p->model->state_count, objects = fp3_engine_objects(e->engine);
     float *column = calloc(objects, sizeof *column);
-    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = column ? FP3_OK : fp3_no_memory(error);
     for (size_t s = 0; !status && s < states; s++) {
         const char *name = p->model->states[s].name;
         const fp3_symbol *symbol =

@@ -36,8 +36,7 @@ static fp3_status tell(fp3_lab *lab, const double *k, const double *c, const fp3
     double x[OBJECTS];
     static const uint32_t invalid = 16, overflow = 4;
     fp3_object_status *status_of = calloc(OBJECTS, sizeof *status_of);
-    fp3_status status = status_of ? fp3_lab_status(lab, status_of, error)
-                                  : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = status_of ? fp3_lab_status(lab, status_of, error) : fp3_no_memory(error);
     if (!status)
         status = fp3_lab_read(lab, "x", x, error);
     for (int i = 0; !status && i < OBJECTS; i++) {

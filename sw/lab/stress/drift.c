@@ -120,7 +120,7 @@ static fp3_status follow(drift *d, fp3_rig *rig, fp3_trial_numbers numbers, doub
         steps[k] = order[k][0];
     const fp3_status status =
         rows ? fp3_trial_exact(d->trial, rig, numbers, 0, d->h, steps, ALL * LOOKS, rows, error)
-             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+             : fp3_no_memory(error);
     for (int k = 0; !status && k < ALL * LOOKS; k++) {
         const double *row = rows + FP3_KEPLER_STATES * k;
         const int w = (int)order[k][1] / LOOKS;
@@ -393,11 +393,11 @@ static fp3_status run(drift *d, const fp3_lab_arithmetic *arithmetic, fp3_error 
 fp3_status fp3_section_drift(const fp3_trial *trial, fp3_error *error) {
     drift *d = calloc(1, sizeof *d);
     if (!d)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     *d = (drift){.trial = trial,
                  .h = step_of(trial->integrator), /* a power of two: a number of every format */
                  .rows = calloc(OBJECTS * FP3_KEPLER_STATES, sizeof *d->rows)};
-    fp3_status status = d->rows ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = d->rows ? FP3_OK : fp3_no_memory(error);
     for (unsigned i = 0; !status && i < fp3_lab_arithmetic_count; i++)
         if (fp3_trial_tries(trial, &fp3_lab_arithmetics[i],
                             fp3_lab_is_nearly_plain(&fp3_lab_arithmetics[i])))

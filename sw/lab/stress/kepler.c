@@ -14,7 +14,7 @@ fp3_status fp3_kepler_fill(fp3_lab *lab, size_t objects, double eccentricity, fp
     static const char *const names[FP3_KEPLER_STATES] = {"v_x", "v_y", "r_x", "r_y"};
     const double r = 1 - eccentricity, v = sqrt((1 + eccentricity) / (1 - eccentricity));
     double *column = calloc(objects, sizeof *column);
-    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = column ? FP3_OK : fp3_no_memory(error);
     for (int s = 0; !status && s < FP3_KEPLER_STATES; s++) {
         for (size_t i = 0; i < objects; i++) {
             const double c = cos(TURN * (double)i), n = sin(TURN * (double)i);

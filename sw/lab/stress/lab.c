@@ -141,9 +141,7 @@ static fp3_status make(fp3_lab *lab, fp3_error *error) {
     lab->params = calloc(def->objects * def->model->param_count + 1, sizeof *lab->params);
     lab->initial = calloc(def->objects * def->model->state_count + 1, sizeof *lab->initial);
     lab->column = calloc(def->objects, sizeof *lab->column);
-    fp3_status status = lab->params && lab->initial && lab->column
-                            ? FP3_OK
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = lab->params && lab->initial && lab->column ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = fp3_compile(def->model, def->integrator, &how, &lab->compiled, error);
     if (status)
@@ -155,7 +153,7 @@ static fp3_status make(fp3_lab *lab, fp3_error *error) {
 fp3_status fp3_lab_open(const fp3_lab_def *def, fp3_lab **lab, fp3_error *error) {
     *lab = calloc(1, sizeof **lab);
     if (!*lab)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     (*lab)->def = *def;
     const fp3_status status = make(*lab, error);
     if (status)
@@ -235,7 +233,7 @@ fp3_status fp3_lab_read(fp3_lab *lab, const char *state, double *column, fp3_err
 fp3_status fp3_lab_read_all(fp3_lab *lab, double *rows, fp3_error *error) {
     const uint32_t count = lab->def.model->state_count;
     double *column = calloc(lab->def.objects + 1, sizeof *column);
-    fp3_status status = column ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = column ? FP3_OK : fp3_no_memory(error);
     for (uint32_t s = 0; !status && s < count; s++) {
         status = fp3_lab_read(lab, lab->def.model->states[s].name, column, error);
         for (size_t i = 0; !status && i < lab->def.objects; i++)

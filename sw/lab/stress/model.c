@@ -87,7 +87,7 @@ static fp3_status judge_invariant(const subject *s, uint32_t which, const uint64
     double *values = calloc(s->model->expr_count + 1u, sizeof *values);
     change c;
     if (!values)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     follow(s, invariant->expr, steps, single, exact, &c, values);
     free(values);
     fp3_verdict v = fp3_trial_verdict(s->trial, "invariants", s->model->name, s->arithmetic,
@@ -107,7 +107,7 @@ static fp3_status judge_invariants(subject *s, fp3_error *error) {
     uint64_t steps[LOOKS];
     double *single = calloc(LOOKS * n + 1u, sizeof *single),
            *exact = calloc(LOOKS * n + 1u, sizeof *exact);
-    fp3_status status = single && exact ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = single && exact ? FP3_OK : fp3_no_memory(error);
     for (int k = 0; k < LOOKS; k++)
         steps[k] = s->steps * (uint64_t)(k + 1) / LOOKS;
     if (!status)
@@ -358,7 +358,7 @@ static fp3_status draw(subject *s, size_t *refused, fp3_error *error) {
     double *rows = calloc((size_t)OBJECTS * n + 1, sizeof *rows), column[OBJECTS];
     float *inputs = calloc(program->input_count + 1u, sizeof *inputs);
     uint64_t seed = 7;
-    fp3_status status = rows && inputs ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = rows && inputs ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < OBJECTS; i++) {
         double *row = rows + i * n;
         for (uint32_t p = 0; p < n; p++)
@@ -399,8 +399,7 @@ static fp3_status compare(subject *s, fate *f, fp3_error *error) {
     const uint64_t steps = CHANCE_STEPS;
     double *rows = calloc((size_t)OBJECTS * n, sizeof *rows), end[64];
     fp3_object_status *of = calloc(OBJECTS, sizeof *of);
-    fp3_status status = rows && of ? fp3_lab_read_all(s->lab, rows, error)
-                                   : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = rows && of ? fp3_lab_read_all(s->lab, rows, error) : fp3_no_memory(error);
     if (!status)
         status = fp3_lab_status(s->lab, of, error);
     for (size_t i = 0; !status && i < OBJECTS; i++) {

@@ -174,7 +174,7 @@ static fp3_status search_ray(const fp3_trial *trial, const fp3_lab_arithmetic *a
     search *s = calloc(1, sizeof *s);
     fp3_model *model = NULL;
     if (!s)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     *s = (search){.trial = trial,
                   .arithmetic = arithmetic,
                   .angle = degrees * M_PI / 180,

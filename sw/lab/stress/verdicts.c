@@ -33,7 +33,7 @@ static void *grow(void *list, size_t count, size_t size) {
 fp3_status fp3_verdicts_add(fp3_verdicts *verdicts, const fp3_verdict *verdict, fp3_error *error) {
     fp3_verdict *more = grow(verdicts->list, verdicts->count, sizeof *more);
     if (!more)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     verdicts->list = more;
     fp3_verdict *v = &more[verdicts->count++];
     *v = *verdict;
@@ -53,7 +53,7 @@ fp3_status fp3_verdicts_draw(fp3_verdicts *verdicts, const char *figure, const c
                              const double *x, const double *y, size_t count, fp3_error *error) {
     fp3_curve *more = grow(verdicts->curves, verdicts->curve_count, sizeof *more);
     if (!more)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     verdicts->curves = more;
     fp3_curve *c = &more[verdicts->curve_count++];
     *c = (fp3_curve){.figure = figure, .count = count};
@@ -61,7 +61,7 @@ fp3_status fp3_verdicts_draw(fp3_verdicts *verdicts, const char *figure, const c
     c->x = calloc(count + 1, sizeof *c->x);
     c->y = calloc(count + 1, sizeof *c->y);
     if (!c->x || !c->y)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     memcpy(c->x, x, count * sizeof *x);
     memcpy(c->y, y, count * sizeof *y);
     return FP3_OK;

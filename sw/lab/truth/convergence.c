@@ -31,7 +31,7 @@ static fp3_status find_short_ones(fp3_ladder *l, double span, fp3_error *error) 
     double *at = calloc(states + 1u, sizeof *at), *sizes = calloc(states + 1u, sizeof *sizes);
     fp3_status status =
         at ? fp3_model_truths(l->model, l->params, l->initial, &span, 1, at, sizes, error)
-           : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+           : fp3_no_memory(error);
     for (uint32_t s = 0; !status && s < states; s++) {
         if (l->scale[s] == 0)
             l->scale[s] = sizes[s];
@@ -55,7 +55,7 @@ static fp3_status find_scale(fp3_ladder *l, double span, fp3_error *error) {
         times[i] = span * (i + 1) / SAMPLES;
     fp3_status status =
         rows ? fp3_model_truths(l->model, l->params, l->initial, times, SAMPLES, rows, NULL, error)
-             : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+             : fp3_no_memory(error);
     for (uint32_t s = 0; !status && s < states; s++) {
         l->scale[s] = fabs(l->initial[s]);
         for (int i = 0; i < SAMPLES; i++)
@@ -73,7 +73,7 @@ static fp3_status find_truth(fp3_ladder *l, unsigned rung, fp3_error *error) {
     double times[FP3_LOOKS];
     l->truth[rung] = calloc((size_t)FP3_LOOKS * l->model->state_count + 1u, sizeof(double));
     if (!l->truth[rung])
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (unsigned i = 0; i < FP3_LOOKS; i++)
         times[i] = (double)l->h[rung] * (double)steps_at(l, rung, i);
     return fp3_model_truths(l->model, l->params, l->initial, times, FP3_LOOKS, l->truth[rung], NULL,
@@ -118,7 +118,7 @@ static fp3_status fill(fp3_ladder *l, double span, uint64_t most_steps, fp3_erro
     l->sizes = calloc(model->state_count + 1u, sizeof(double));
     l->span = span;
     if (!l->params || !l->initial || !l->scale || !l->sizes)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     /* The object starts at FP32 numbers: what they are rounded from would be another object. */
     fp3_status status = round_all(model->params, model->param_count, l->params, error);
     if (!status)
@@ -139,7 +139,7 @@ fp3_status fp3_ladder_open(const fp3_model *model, double span, uint64_t most_st
         return alone;
     *ladder = calloc(1, sizeof **ladder);
     if (!*ladder)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     (*ladder)->model = model;
     fp3_status status = fill(*ladder, span == 0 ? model->span : span, most_steps, error);
     if (status)
@@ -351,9 +351,7 @@ fp3_status fp3_converge(const fp3_ladder *l, const fp3_compiled *compiled, unsig
                         fp3_convergence *c, fp3_error *error) {
     FP3_HOST;
     looks k;
-    fp3_status status = open_looks(&k, l->model->state_count)
-                            ? FP3_OK
-                            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = open_looks(&k, l->model->state_count) ? FP3_OK : fp3_no_memory(error);
     *c = (fp3_convergence){.floor = INFINITY, .largest_floor = INFINITY};
     for (unsigned i = 0; i < l->count; i++)
         c->error[i] = c->method[i] = c->noise[i] = c->largest[i] = NAN;

@@ -131,7 +131,7 @@ static fp3_status run_from(const fp3_step *b, const fp3_config *config, const do
     fp3_status status =
         r.known && r.given && r.next && r.values
             ? fp3_known_evaluate(&b->known, params, h, rounding == EXACT, r.known, error)
-            : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            : fp3_no_memory(error);
     uint64_t made = 0;
     if (!status && rounding != ROUNDED)
         join_words(b, r.known, start);
@@ -172,7 +172,7 @@ static fp3_status run(const fp3_compilation *k, const double *params, const doub
     if (status)
         return status;
     double *start = calloc(b->variable_count + 1u, sizeof *start);
-    status = start ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    status = start ? FP3_OK : fp3_no_memory(error);
     if (!status)
         status = fp3_before_start(b, params, initial, h, 1, start, error);
     if (!status)
@@ -194,7 +194,7 @@ fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const doub
     const size_t cells = count * k->reference.model->state_count;
     double *wide = calloc(2 * cells + 1u, sizeof *wide);
     if (!wide)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     for (size_t i = 0; i < cells; i++)
         wide[i] = states[i];
     const fp3_status status =

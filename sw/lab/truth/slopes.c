@@ -16,7 +16,7 @@ fp3_status fp3_slopes_open(fp3_slopes *s, const fp3_model *model, const double *
                       .initial = initial,
                       .values = calloc(model->expr_count + 1u, sizeof *s->values)};
     return s->values ? fp3_switches_open(&s->switches, model, params, end, error)
-                     : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+                     : fp3_no_memory(error);
 }
 
 void fp3_slopes_close(fp3_slopes *s) {

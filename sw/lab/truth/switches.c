@@ -166,7 +166,7 @@ static fp3_status find_stops(fp3_switches *s, fp3_error *error) {
             continue;
         s->has_any = 1;
         if (!find_turns(s, i))
-            return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+            return fp3_no_memory(error);
         if (s->stop_count > STOPS_MOST)
             return fp3_fail(error, FP3_E_ARGUMENT,
                             "no truth: conditions in t change more than %d times up to time %.9g "
@@ -187,7 +187,7 @@ fp3_status fp3_switches_open(fp3_switches *s, const fp3_model *model, const doub
                         .values = calloc(model->expr_count + 1u, sizeof(double)),
                         .end = end};
     if (!s->kind || !s->side || !s->values)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fp3_turn_kinds(model, s->kind);
     return find_stops(s, error);
 }

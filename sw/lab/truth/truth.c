@@ -83,7 +83,7 @@ static fp3_status stays(const orbit *o, fp3_error *error) {
 static fp3_status stopped(const orbit *o, const fp3_method *how, int result, fp3_error *error) {
     const double t = o->way.times[o->way.count - 1];
     if (result == GSL_ENOMEM)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     if (result == FP3_CROSSING_STAYS)
         return stays(o, error);
     if (result == FP3_CROSSING_MOST)
@@ -301,7 +301,7 @@ static fp3_status look(const fp3_model *model, const double *params, const doubl
     status = fp3_slopes_open(&o.eq, model, params, initial, times[count - 1], error);
     double *room = make_room(&o, count), *rows = calloc(cells + 1, sizeof *rows);
     if (!status && (!room || !rows))
-        status = fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        status = fp3_no_memory(error);
     gsl_error_handler_t *handler = gsl_set_error_handler_off(); /* GSL's own ends the program */
     if (!status)
         status = follow(&o, rows, path, error);

@@ -58,7 +58,7 @@ static fp3_status open_engine(fp3_meter *m, size_t objects, fp3_error *error) {
     m->objects = objects;
     m->column = calloc(objects, sizeof *m->column);
     if (!m->column)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     return judge(m, fp3_engine_open(&def, &m->engine), error);
 }
 
@@ -116,8 +116,8 @@ static fp3_status load(const measurement *k, const double *params, const double 
 static fp3_status start(const measurement *k, int *has_room, fp3_error *error) {
     double *params = calloc(k->sample->count * k->model->param_count + 1, sizeof *params);
     double *initial = calloc(k->sample->count * k->model->state_count + 1, sizeof *initial);
-    fp3_status status = params && initial ? open_engine(k->meter, k->sample->count, error)
-                                          : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status =
+        params && initial ? open_engine(k->meter, k->sample->count, error) : fp3_no_memory(error);
     *has_room = 1;
     if (!status) {
         fill(k, params, initial);
@@ -271,7 +271,7 @@ static fp3_status measure(measurement *k, fp3_meter_found *found, fp3_error *err
     int has_room = 0;
     k->times = calloc(count * (3 + k->sample->model->state_count), sizeof *k->times);
     if (!k->times)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     k->before = k->times + count;
     k->next = k->before + count;
     k->states = k->next + count;

@@ -50,7 +50,7 @@ static fp3_status make_room(fp3_sample *s, size_t count, fp3_error *error) {
     if (!paths || !grow(&s->params, count, s->model->param_count) ||
         !grow(&s->initial, count, states) || !grow(&s->sizes, count, states) ||
         !grow(&s->there, 2, states))
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     s->room = count;
     return FP3_OK;
 }

@@ -96,12 +96,12 @@ fp3_status fp3_tuning_scene(const fp3_tune_def *def, const fp3_tuning *tuning, c
         return fp3_fail(error, FP3_E_ARGUMENT, "nothing meets the tolerance: there is no scene");
     FILE *to = open_memstream(text, &size);
     if (!to)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     put_scene(to, def, tuning, program, objects);
     if (fclose(to)) {
         free(*text);
         *text = NULL;
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     return FP3_OK;
 }

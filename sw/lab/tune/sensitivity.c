@@ -72,8 +72,7 @@ fp3_status fp3_sensitivity_find(const fp3_sample *sample, const char *config,
                .params = copy(sample->params, model->param_count),
                .initial = copy(sample->initial, model->state_count),
                .states = calloc(TIMES * (model->state_count + 1u), sizeof *m.states)};
-    fp3_status status =
-        m.params && m.initial && m.states ? FP3_OK : fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = m.params && m.initial && m.states ? FP3_OK : fp3_no_memory(error);
     for (int i = 0; i < TIMES; i++)
         m.times[i] = sample->span * (i + 1) / TIMES;
     name[0] = '\0';

@@ -121,7 +121,7 @@ static fp3_status put(const trimmed *t, const char *integrator, char **text, fp3
     size_t size;
     FILE *to = open_memstream(text, &size);
     if (!to)
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     fprintf(to, "[[config]]\nname = \"trimmed\"\ndoc  = \"What %s needs of %s.\"\n", integrator,
             t->from->name);
     for (int key = 0; key < FP3_KEY_COUNT; key++)
@@ -131,7 +131,7 @@ static fp3_status put(const trimmed *t, const char *integrator, char **text, fp3
         return FP3_OK;
     free(*text);
     *text = NULL;
-    return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+    return fp3_no_memory(error);
 }
 
 fp3_status fp3_tuning_hardware(const fp3_tune_def *def, const fp3_tuning *tuning, uint32_t objects,

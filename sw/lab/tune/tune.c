@@ -117,7 +117,7 @@ static fp3_status check_values(const tuner *k) {
     int is_spread;
     float *values = calloc(k->def->program->compiled->input_count + 1u, sizeof *values);
     if (!values)
-        return fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(k->error);
     const fp3_status status =
         fp3_program_inputs(k->def->program, k->def->params, 0, values, &is_spread, k->error);
     free(values);
@@ -136,7 +136,7 @@ static fp3_status draw_seen(tuner *k) {
     gsl_qrng *sobol =
         ranges && ranges <= SOBOL_MOST ? gsl_qrng_alloc(gsl_qrng_sobol, ranges) : NULL;
     double *shares = calloc(ranges + 1u, sizeof *shares);
-    fp3_status status = shares ? FP3_OK : fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = shares ? FP3_OK : fp3_no_memory(k->error);
     for (uint32_t i = 0; !status && i < count; i++) {
         for (uint32_t j = 0; j < ranges; j++)
             shares[j] = i < 2 ? i : gsl_rng_uniform(k->random);
@@ -154,7 +154,7 @@ static fp3_status draw_seen(tuner *k) {
 static fp3_status draw_unseen(tuner *k) {
     const uint32_t ranges = k->t->ranges;
     double *shares = calloc(ranges + 1u, sizeof *shares);
-    fp3_status status = shares ? FP3_OK : fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+    fp3_status status = shares ? FP3_OK : fp3_no_memory(k->error);
     fp3_sample_close(&k->unseen);
     fp3_sample_open(&k->unseen, k->model, k->t->span);
     for (uint32_t i = 0; !status && i < k->def->held_out; i++) {
@@ -212,7 +212,7 @@ static fp3_status list_candidates(tuner *k) {
     k->candidates = calloc(most, sizeof *k->candidates);
     k->t->rows = calloc(most, sizeof *k->t->rows);
     if (!k->candidates || !k->t->rows)
-        return fp3_fail(k->error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(k->error);
     for (size_t i = 0; !status && i < most; i++) {
         fp3_candidate *c = &k->candidates[count];
         status = fp3_integrator_find(fp3_integrator_name((unsigned)(i % names)), &c->integrator,
@@ -435,7 +435,7 @@ fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *err
         free(*tuning);
         *tuning = NULL;
         gsl_rng_free(random);
-        return fp3_fail(error, FP3_E_SYSTEM, "out of memory");
+        return fp3_no_memory(error);
     }
     gsl_rng_set(random, SEED);
     tuner k = {
