@@ -81,7 +81,7 @@ else
 
 # ---- what there is ------------------------------------------------------------------------------
 
-CONFIGS := $(patsubst rtl/gen/fp3_%.v,%,$(wildcard rtl/gen/fp3_*.v))
+CONFIGS := $(shell sed -n 's/^name = "\(.*\)"/\1/p' isa/configs.toml)
 CORES   := $(addprefix fp3_,fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float)
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many world
@@ -276,6 +276,17 @@ $(BUILD)/tests/operations_soft: $(SOFT_O) $(LIB)
 
 # ---- the RTL under Verilator --------------------------------------------------------------------
 
+# The top module of each configuration. One whose text stays the same keeps its time, so nothing is built again.
+TOPS := $(BUILD)/rtl/made
+$(TOPS): tools/tops.py $(wildcard isa/*.toml tools/fp3gen/*.py) rtl/fp3.v Makefile
+	@$(PYTHON) tools/tops.py --output $(@D) $(CONFIGS) >/dev/null
+	@touch $@
+$(BUILD)/rtl/fp3_%.v: $(TOPS) ;
+
+.PHONY: top
+top: $(BUILD)/rtl/fp3_$(or $(CONFIG),single).v ## Write the top module of a configuration, build/rtl/fp3_CONFIG.v; CONFIG=single
+	@echo $<
+
 # The generated C++ is Verilator's business: our warnings and sanitizers stop at the shim.
 # VM_PARALLEL_BUILDS=0: one file a model, however large. In ten files the headers alone take a second in each.
 # $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): the shim's object, $(6): for Verilator,
@@ -294,17 +305,17 @@ $(5): $(4) $(BUILD)/verilated/$(1)/hardware.a
 	@$$(CCACHE) g++ $$(CXXFLAGS) $$(INCLUDES) $(7) -isystem $(BUILD)/verilated/$(1) \
 	    -isystem $$(VL_INC) -isystem $$(VL_INC)/vltstd -MMD -MP -c -o $$@ $$<
 endef
-$(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),rtl/gen/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o,,-DFP3_CONFIG=$(c))))
+$(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),$(BUILD)/rtl/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o,,-DFP3_CONFIG=$(c))))
 $(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
 $(eval $(call VERILATED,lns_bench,lns_bench,tests/lns/lns_bench.v,sim/lns_bench_shim.cpp,$(BUILD)/obj/sim/lns_bench_shim.o))
 
 # A bit of the line is as short as the board's UART can read it: less to simulate.
 DIVISOR := 4
-address_bits = $(shell awk -F'[]:[]' '/input.* s_axi_awaddr,/ {print $$2 + 1}' rtl/gen/fp3_$(1).v)
+address_bits = $(shell awk -F'[]:[]' '/input.* s_axi_awaddr,/ {print $$2 + 1}' $(BUILD)/rtl/fp3_$(1).v)
 $(foreach c,$(BOARDS),$(eval $(call VERILATED,board_$(c),fp3_board_top,rtl/board/fp3_board_top.v sim/fp3_board_clock.v,sim/board_shim.cpp,$(BUILD)/obj/sim/board_shim_$(c).o,\
-    -DFP3_TOP=fp3_$(c) -GPIN_HZ=$(DIVISOR) -GCLOCK_HZ=$(DIVISOR) -GBAUD=1 -GADDRESS_W=$(call address_bits,$(c)) -y rtl/board -y rtl/gen,-DFP3_DIVISOR=$(DIVISOR))))
+    -DFP3_TOP=fp3_$(c) -GPIN_HZ=$(DIVISOR) -GCLOCK_HZ=$(DIVISOR) -GBAUD=1 -GADDRESS_W=$$(call address_bits,$(c)) -y rtl/board -y $(BUILD)/rtl,-DFP3_DIVISOR=$(DIVISOR))))
 $(BOARDS:%=$(BUILD)/verilated/board_%/hardware.a): $(wildcard rtl/board/*.v)
-$(foreach c,$(BOARDS),$(eval $(BUILD)/verilated/board_$(c)/hardware.a: rtl/gen/fp3_$(c).v))
+$(foreach c,$(BOARDS),$(eval $(BUILD)/verilated/board_$(c)/hardware.a: $(BUILD)/rtl/fp3_$(c).v))
 
 $(BUILD)/lib/fp3/fp3_board_%.so: $(BUILD)/obj/sim/board_shim_%.o $(BUILD)/verilated/board_%/hardware.a $(RUNTIME) $(EXPORTS)
 	@echo "  LD   $@"
@@ -323,13 +334,13 @@ $(BUILD)/obj/verilator/%.o: $(BUILD)/flags | $(BUILD)/ready
 	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
 # How many parts a configuration's trace has: schedulers, and lanes of them all.
-parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.DUAL/ {d=$$2} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d}' rtl/gen/fp3_$(1).v)
+parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.DUAL/ {d=$$2} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d}' $(BUILD)/rtl/fp3_$(1).v)
 
 # The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
-$(BUILD)/icarus/replay_%.vvp: sim/replay.v rtl/gen/fp3_%.v $(RTL) rtl/fp3.f
+$(BUILD)/icarus/replay_%.vvp: sim/replay.v $(BUILD)/rtl/fp3_%.v $(RTL) rtl/fp3.f
 	@mkdir -p $(@D)
 	@echo "  VVP  fp3_$*"
-	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DFP3_TOP=fp3_$* $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< rtl/gen/fp3_$*.v
+	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DFP3_TOP=fp3_$* $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< $(BUILD)/rtl/fp3_$*.v
 
 .PHONY: waves
 CONFIG_OR  = $(or $(CONFIG),single)
@@ -341,7 +352,7 @@ waves: $(BUILD)/fp3 $(BUILD)/icarus/replay_$(CONFIG_OR).vvp | need-waves ## Reco
 	@$(BUILD)/fp3 asm programs/$(PROGRAM_OR).s -o $(WAVES).fp3
 	@$(BUILD)/fp3 run $(WAVES).fp3 -c $(CONFIG_OR) --steps $(STEPS_OR) --params programs/ship.cfg --bus-log $(WAVES).session >/dev/null
 	@vvp -n $(BUILD)/icarus/replay_$(CONFIG_OR).vvp -fst +session=$(WAVES).session +waves=$(WAVES).fst
-	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'INTERLEAVE *(1)' rtl/gen/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
+	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'INTERLEAVE *(1)' $(BUILD)/rtl/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
 
 # Recorded sessions, NAME.CONFIG.session, are part of the project: no host software is needed to replay them.
 SESSIONS := $(wildcard programs/*.session)
@@ -537,7 +548,7 @@ cluster-report: | need-plot ## Write the tables of docs/cluster.md and its pictu
 .PHONY: lint lint-rtl lint-c lint-generated
 lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well
 
-lint-rtl: | need-lint
+lint-rtl: $(TOPS) | need-lint
 	@tools/lint.sh rtl $(CORES) fp3_board $(CONFIGS:%=fp3_%)
 
 lint-c: | need-lint
@@ -607,7 +618,7 @@ ABROAD     = $(BUILD)/everywhere
 $(ELSEWHERE:%=$(ABROAD)/%/root/done): $(ABROAD)/%/root/done: tools/sysroot.sh
 	@tools/sysroot.sh $* $(@D)
 
-$(BUILD)/netlist/ecp5_%.vvp: tools/netlist.sh rtl/gen/fp3_%.v $(RTL) sim/replay.v tests/fpga/ecp5_primitives.v | need-everywhere
+$(BUILD)/netlist/ecp5_%.vvp: tools/netlist.sh $(BUILD)/rtl/fp3_%.v $(RTL) sim/replay.v tests/fpga/ecp5_primitives.v | need-everywhere
 	@echo "  SYN  fp3_$*"
 	@tools/netlist.sh ecp5 $* $@
 

@@ -10,7 +10,7 @@
 // Latency   See solo, or sequencer and lane; axi_lite, hub and host_port for an access of the host.
 // Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design. They
 //           have a part for each scheduler, or for each lane of each, the first in the low bits.
-// Use       A named configuration (rtl/gen/fp3_<name>.v), or set parameters by name.
+// Use       A named configuration (`make top CONFIG=name`), or set parameters by name.
 //           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none
 `include "host/answer.vh"
@@ -23,8 +23,12 @@ module fp3 #(
 `include "config/derived.vh"
 // verilator lint_on UNUSEDPARAM
 ) (
-    // The bus: AXI4-Lite
+    // The bus: AXI4-Lite. The attributes say what Vivado cannot tell from a port's name; each top has them, too.
+    (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 s_axi_aclk CLK" *)
+    (* X_INTERFACE_PARAMETER = "XIL_INTERFACENAME s_axi_aclk, ASSOCIATED_BUSIF s_axi, ASSOCIATED_RESET s_axi_aresetn" *)
     input  wire                 s_axi_aclk,
+    (* X_INTERFACE_INFO = "xilinx.com:signal:reset:1.0 s_axi_aresetn RST" *)
+    (* X_INTERFACE_PARAMETER = "XIL_INTERFACENAME s_axi_aresetn, POLARITY ACTIVE_LOW" *)
     input  wire                 s_axi_aresetn,
     input  wire [ADDRESS_W-1:0] s_axi_awaddr,
     input  wire [2:0]           s_axi_awprot,
@@ -46,6 +50,8 @@ module fp3 #(
     output wire                 s_axi_rvalid,
     input  wire                 s_axi_rready,
     // High while a scheduler's run has ended and its register `interrupt` says so
+    (* X_INTERFACE_INFO = "xilinx.com:signal:interrupt:1.0 irq INTERRUPT" *)
+    (* X_INTERFACE_PARAMETER = "XIL_INTERFACENAME irq, SENSITIVITY LEVEL_HIGH" *)
     output wire                 irq,
     // Trace: instructions issue
     output wire [TILES*SCHEDULERS*(DUAL+1)-1:0]          issue_valid_o,

@@ -4,6 +4,7 @@ import functools
 import os
 import re
 import subprocess
+from pathlib import Path
 
 
 class Done:
@@ -22,9 +23,25 @@ def python(root):
     return path
 
 
+def top(config):
+    """The top module of a configuration, as the build has made it."""
+    return Path(os.environ.get("FP3_BUILD", Path(__file__).resolve().parents[1] / "build")) / f"rtl/fp3_{config}.v"
+
+
+def key(config, name):
+    """The value of a key, as the top gives it to fp3."""
+    return int(re.search(rf"\.{name} +\((\d+)\)", top(config).read_text())[1])
+
+
+def shape(config):
+    """What sim/replay.v must be told of a configuration."""
+    tiles, schedulers, lanes, dual = (key(config, name) for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
+    return [f"-DFP3_TOP=fp3_{config}", f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}", f"-DFP3_STREAMS={1 + dual}"]
+
+
 def config_word(tree, values):
     """The parameter CONFIG with these values of keys, and the others as they are by default."""
-    text = (tree / "rtl/gen/config_keys.vh").read_text()
+    text = (tree / "rtl/gen/parameters.vh").read_text()
     width, word = re.search(r"CONFIG = (\d+)'h(\w+)", text).groups()
     word, at = int(word, 16), {key: int(low) for key, low in re.findall(r"(\w+)\s*= CONFIG\[\d+:(\d+)\]", text)}
     for key, value in values.items():

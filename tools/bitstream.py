@@ -18,6 +18,7 @@ import sys
 import tomllib
 
 import flow
+import tops
 from families import DEVICES, FAMILIES
 from fp3gen import verilog
 from fp3gen.check import Bad
@@ -92,7 +93,8 @@ def family_of(board):
 
 def sources(board, config):
     family = family_of(board)
-    return [*flow.sources(family, flow.has_own(family, config), board=True), f"rtl/gen/fp3_{config['name']}.v"]
+    return [*flow.sources(family, flow.has_own(family, config), board=True),
+            tops.write(config, load(ROOT).registers).relative_to(ROOT).as_posix()]
 
 
 def address_bits(config):

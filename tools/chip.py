@@ -54,7 +54,7 @@ def netlist(tools, row):
     """Synthesises it and pins it. The name of the netlist, and its figures."""
     name = f"chip-{row['name']}"
     _, wrapper, _ = synth.processor(row, synth.registered)
-    source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + wrapper
+    source = "\n".join(verilog.config_verilog(row, load(ROOT).registers, ROOT)) + "\n" + wrapper
     (ROOT / WORK / f"{name}.v").write_text(source, encoding="utf-8")
     sources = [*flow.sources("ecp5", flow.has_own("ecp5", row)), str(WORK / f"{name}.v")]
     script = (f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; hierarchy -top top; setattr -mod -set keep_hierarchy 1 {ONCE}; "

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turns isa/*.toml into Verilog and C headers, configured top modules, reference pages rtl/gen/fp3.rdl and fp3.core,
+"""Turns isa/*.toml into Verilog and C headers, reference pages, rtl/gen/fp3.rdl and fp3.core,
 programs/integrators/ into C headers, and sw/include/fp3/*.h into declarations for Python.
 
     tools/generate.py           writes what has changed
@@ -37,7 +37,6 @@ def outputs(root):
         "rtl/gen/config_values.vh": decode.config_values_verilog(isa),
         "rtl/gen/choice_of.vh": decode.choice_of_verilog(isa),
         "rtl/gen/parameters.vh": parameters.parameters_verilog(known, regs),
-        "rtl/gen/config_keys.vh": parameters.config_keys_verilog(parameters.default_row(known)),
         "rtl/gen/config_rules.vh": parameters.config_rules_verilog(known),
         "rtl/gen/timing.vh": timing.timing_verilog(cycles),
         "rtl/gen/host_map.vh": host.host_map_verilog(regs, isa["revision"]),
@@ -62,7 +61,6 @@ def outputs(root):
         "docs/registers.md": pages.registers_page(regs),
         "docs/configurations.md": pages.configs_page(known, configs),
     }
-    files |= {f"rtl/gen/fp3_{row['name']}.v": verilog.config_verilog(row, regs) for row in configs}
     files["python/fp3/_declarations.py"] = python.declarations_python(root, files["sw/include/fp3/isa.h"])
     return {name: "\n".join(licensed(name, lines)) + "\n" for name, lines in files.items()}
 

@@ -22,6 +22,7 @@ from xml.dom import minidom
 
 sys.dont_write_bytecode = True
 
+import tops
 from fp3gen import fusesoc, verilog
 from fp3gen.check import Bad
 from fp3gen.read import load, version
@@ -103,7 +104,7 @@ class Writer:
         return self.element(
             "busInterfaces", self.interface("s_axi", AXI, axi, slave, []),
             *[self.interface(name, signal(kind), [(logical, name)], self.element(modes[name]), parameters.items())
-              for name, (kind, logical, parameters) in verilog.SIGNALS.items()])
+              for name, (kind, logical, parameters) in verilog.signals(ROOT).items()])
 
     def model(self, module, ports):
         def port(direction, width, name):
@@ -142,7 +143,7 @@ def component(compiler, root, row, regs, folder):
     def seen(names):
         return [pathlib.PurePath(os.path.relpath(root / "rtl" / one, folder)).as_posix() for one in names]
 
-    body.appendChild(writer.files(seen(fusesoc.headers(root)), seen([*fusesoc.rtl_sources(root, "*.v"), f"gen/fp3_{row['name']}.v"])))
+    body.appendChild(writer.files(seen(fusesoc.headers(root)), [*seen(fusesoc.rtl_sources(root, "*.v")), f"fp3_{row['name']}.v"]))
     body.appendChild(writer.element("description", row["doc"]))
     doc.insertBefore(doc.createComment(LICENCE), body)
     return doc.toprettyxml(indent="  ", encoding="UTF-8")
@@ -164,6 +165,7 @@ def main():
         for row in machine.configs:
             if not args.configs or row["name"] in args.configs:
                 path = args.output / f"fp3_{row['name']}.xml"
+                tops.write(row, machine.registers, args.output)
                 path.write_bytes(component(compiler, ROOT, row, machine.registers, args.output.resolve()))
                 print(f"wrote {path}")
     except (Bad, OSError, RDLCompileError) as error:

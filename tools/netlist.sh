@@ -31,7 +31,7 @@ esac
 case $config in
 units) top=units source=tests/fpga/units.v rooms="fp lib"
     bench=(-s units_bench tests/fpga/units_bench.v "$source" rtl/fp/*.v rtl/lib/*.v) ;;
-*) top=fp3_$config source="$(echo rtl/*.v) rtl/gen/fp3_$config.v" rooms="bus config fp front host lane lib lns sequence solo unit"
+*) top=fp3_$config source="$(echo rtl/*.v) $(realpath --relative-to=. "${FP3_BUILD:-build}")/rtl/fp3_$config.v" rooms="bus config fp front host lane lib lns sequence solo unit"
     bench=(-DFP3_TOP="${top}_netlist" -s replay sim/replay.v) ;;
 esac
 # yosys may see nothing outside of this directory.

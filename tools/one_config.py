@@ -5,6 +5,8 @@ tools/chip.py, which test it with what `make all` has built: only what knows whi
 import pathlib
 import subprocess
 
+import tops
+from fp3gen.read import load
 from generate import outputs
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -64,6 +66,8 @@ def make_tree(row, tree):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)    # never through a link
         path.write_text(text)
+    machine = load(tree)
+    tops.write(machine.configs[0], machine.registers, tree)
 
 
 def verilator_root():
@@ -77,7 +81,7 @@ def make_hardware(name, tree, made):
              for word in ("-y", rtl / room.name)]
     run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK", "-DFP3_ZEROS",
         "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
-        "--top-module", top, "--Mdir", tree / "cc", "-CFLAGS", "-fPIC", rtl / f"gen/{top}.v")
+        "--top-module", top, "--Mdir", tree / "cc", "-CFLAGS", "-fPIC", tree / f"{top}.v")
     run("make", "-s", "-C", tree / "cc", "-f", f"V{top}.mk", "VM_PARALLEL_BUILDS=0", "OPT_FAST=-O1", f"V{top}__ALL.a")
     include = verilator_root()
     run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-fPIC", "-isystem", tree / "cc", "-isystem", include,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads RTL with slang, strictly as Verilog-2005: `tools/lint.sh rtl` runs this in .venv/.
 
-    tools/slang.py FILE...     each has a top: rtl/gen/fp3_many.v, rtl/fp/fp3_fp_add.v, rtl/board/fp3_board.v; silent and 0 where all is well
+    tools/slang.py FILE...     each has a top: build/rtl/fp3_many.v, rtl/fp/fp3_fp_add.v, rtl/board/fp3_board.v; silent and 0 where all is well
 
 slang refuses what other tools let pass, such as the use of a name above its declaration. Every warning is an error. These are not asked for:
 
@@ -22,7 +22,7 @@ def read(file):
     listed = [line for line in (ROOT / "rtl/gen/files.f").read_text(encoding="utf-8").splitlines() if line.startswith("rtl/")
               and pathlib.Path(line).name != pathlib.Path(file).name]  # which may be a family's
     board = [path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "rtl/board").glob("*.v")) if path.stem != "fp3_board_top"]
-    around = [*board, "rtl/gen/fp3_single.v"] if file in board else []
+    around = [*board, "build/rtl/fp3_single.v"] if file in board else []
     driver = Driver()
     driver.addStandardArgs()
     driver.parseCommandLine(f"slang {OPTIONS} --top {pathlib.Path(file).stem} {' '.join(dict.fromkeys([*listed, *around, file]))}")

@@ -19,8 +19,7 @@ their parity; on the others the ports are registers. A family that has no open p
 
 Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
 the same top, config, device and grade and keeps the others. The pages of docs/ come from docs/synth.json, which gets them
-from there (tools/measured.py). Netlists and logs go to build/synth/; what is there and was made from the same files by the
-same command is not made again.
+from there (tools/measured.py). Netlists and logs go to build/synth/, and are made again if files or command have changed.
 
   lut4          LUTs of the netlist, logic alone: of 4 inputs, on 7-series of at most 6, on Cyclone V ALUTs
   carry         carry cells of the netlist
@@ -54,6 +53,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import flow
 import measured
+import tops
 from families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
@@ -226,7 +226,7 @@ endmodule
 def lanes(row, n):
     """A group of n lanes and their arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
     keys = "\n".join(parameters.config_keys_verilog(row))
-    widths = (ROOT / "rtl/config/config.vh").read_text(encoding="utf-8").replace('`include "gen/config_keys.vh"', keys)
+    widths = (ROOT / "rtl/config/config.vh").read_text(encoding="utf-8").replace('`include "gen/parameters.vh"', keys)
     return None, GROUP.format(parameters=widths, n=n), []
 
 
@@ -234,8 +234,8 @@ def processor(row, around):
     ports = [p for p in verilog.ports(row, load(ROOT).registers) if p and p[2] != "s_axi_aclk" and not p[2].startswith(("issue_", "retire_"))]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
-    module = f"fp3_{row['name']}"
-    return None, around("top", inputs, outputs, f"{module} u_{module}", "s_axi_aclk"), [f"rtl/gen/{module}.v"]
+    made = tops.write(row, load(ROOT).registers, ROOT / WORK).relative_to(ROOT)
+    return None, around("top", inputs, outputs, f"{made.stem} u_{made.stem}", "s_axi_aclk"), [made.as_posix()]
 
 
 def cells(path):
@@ -347,7 +347,7 @@ def trimmed(configs, designs):
         base = next(row for row in configs if row["name"] == config)
         for what, change in changes.items():
             row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
-            source = "\n".join(verilog.config_verilog(row, load(ROOT).registers)) + "\n" + processor(row, registered)[1]
+            source = "\n".join(verilog.config_verilog(row, load(ROOT).registers, ROOT)) + "\n" + processor(row, registered)[1]
             designs[source, "ecp5", True] = (f"trim-{len(trims)}", [])
             trims.append((what, next(iter(changes)), f"trim-{len(trims)}"))
     return trims

@@ -8,6 +8,8 @@ The SoC's headers have FP3_BASE and FP3_SIZE (mem.h) and FP3_INTERRUPT (soc.h) t
 
 import pathlib
 import re
+import subprocess
+import sys
 
 from litex.gen import LiteXModule, Open
 from migen import ClockSignal, Instance, ResetSignal, Signal
@@ -33,9 +35,10 @@ class FP3(LiteXModule):
     """
 
     def __init__(self, platform, config="single"):
-        top = RTL / f"gen/fp3_{config}.v"
-        if not top.exists():
-            raise ValueError(f"no configuration '{config}': there are {', '.join(sorted(path.stem[4:] for path in RTL.glob('gen/fp3_*.v')))}")
+        made = subprocess.run([sys.executable, ROOT / "tools/tops.py", config], capture_output=True, text=True)
+        if made.returncode:
+            raise ValueError(made.stderr.strip())
+        top = pathlib.Path(made.stdout.strip())
         text = top.read_text()
         width = int(re.search(r"\[(\d+):0\] s_axi_awaddr", text)[1]) + 1
         self.size = 1 << width

@@ -3,7 +3,7 @@
 //
 // Purpose   What a board's own top and the simulated board instantiate: all but clock, reset and pins.
 //
-//           line ◄──► uart_bridge ◄── AXI4-Lite ──► a named configuration (rtl/gen/fp3_<name>.v)
+//           line ◄──► uart_bridge ◄── AXI4-Lite ──► a named configuration (build/rtl/fp3_<name>.v)
 //
 // Use       Define FP3_TOP as the configuration's module, fp3_single if it is not defined; DIVISOR is the clock's
 //           frequency over the baud rate, rounded; ADDRESS_W is that of the configuration's ports.

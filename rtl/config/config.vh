@@ -10,7 +10,9 @@
 //
 // The other names follow from CONFIG (derived.vh) and are not to be set. A module uses those that it needs.
 // verilator lint_off UNUSEDPARAM
-`include "gen/config_keys.vh"
+`define FP3_OF_CONFIG
+`include "gen/parameters.vh"
+`undef FP3_OF_CONFIG
 ,
 `include "config/derived.vh"
 // verilator lint_on UNUSEDPARAM

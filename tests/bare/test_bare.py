@@ -57,7 +57,7 @@ def test_it_needs_nothing(root, folder, options):
 
 def hardware(root, build, config):
     """The library of a configuration, and the bits of an address of its bus."""
-    ports = (root / f"rtl/gen/fp3_{config}.v").read_text(encoding="utf-8")
+    ports = (build / f"rtl/fp3_{config}.v").read_text(encoding="utf-8")
     return build / f"lib/fp3/fp3_{config}.so", int(re.search(r"\[(\d+):0\] +s_axi_araddr", ports)[1]) + 1
 
 

@@ -5,6 +5,8 @@ import subprocess
 
 import pytest
 
+import simulate
+
 BENCH = """`default_nettype none
 module accepted;
     parameter GAP = 0;                  // cycles between two transfers
@@ -42,7 +44,7 @@ endmodule
 def accepted(root, folder, config, gap):
     (folder / "bench.v").write_text(BENCH)
     for line in (["iverilog", "-g2012", "-s", "accepted", f"-Paccepted.GAP={gap}", f"-DFP3_TOP=fp3_{config}", "-c", "rtl/fp3.f", "-o", folder / "bench.vvp", folder / "bench.v",
-                  f"rtl/gen/fp3_{config}.v"], ["vvp", "-n", folder / "bench.vvp"]):
+                  simulate.top(config)], ["vvp", "-n", folder / "bench.vvp"]):
         done = subprocess.run(line, cwd=root, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stdout + done.stderr
     return [int(word) for word in done.stdout.split()]

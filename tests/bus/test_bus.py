@@ -32,8 +32,8 @@ def run_file(request, root, fp3, tmp_path_factory):
 
 
 def test_every_transfer_is_answered_as_it_must_be(root, run_file, tmp_path, long):
-    transfers, top = 20_000 if long else 600, f"fp3_{json.loads(run_file.read_text())['config']}"
-    bench = simulate.compiled(root, tmp_path, top, f"rtl/gen/{top}.v", "-DFP3_CHECK")
+    transfers, config = 20_000 if long else 600, json.loads(run_file.read_text())["config"]
+    bench = simulate.compiled(root, tmp_path, f"fp3_{config}", simulate.top(config), "-DFP3_CHECK")
     done = simulate.cocotb(root, tmp_path, bench, root / "tests/bus/attack.py", FP3_TRANSFERS=transfers, FP3_SEED=1,
                            FP3_MAP=root / "isa/registers.toml", FP3_RUN=run_file)
     assert done.passed, done.said[-3000:]

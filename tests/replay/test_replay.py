@@ -6,6 +6,8 @@ import subprocess
 
 import pytest
 
+import simulate
+
 SESSIONS = [("ship", "single", 30), ("ship_madd", "single", 30), ("ship_paper", "paper", 30), ("ship", "paper", 30),
             ("ship", "many", 4)]
 
@@ -175,19 +177,10 @@ def test_all_are_asked_while_one_runs(root, fp3, icarus, tmp_path):
     assert rows[1:3] == ["ff800000 error"] * 2 and rows[3].startswith("01000000 4650") and rows[4] == "00000014 00000001", rows
 
 
-def shape(root, config):
-    """What the bench must be told of a configuration."""
-    text = (root / f"rtl/gen/fp3_{config}.v").read_text()
-    tiles, schedulers, lanes, dual = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1])
-                                for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
-    return [f"-DFP3_TOP=fp3_{config}", f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}",
-            f"-DFP3_STREAMS={1 + dual}"]
-
-
 @pytest.mark.parametrize("config", ["single", "lanes", "dual", "array"])
 def test_the_bench_compiles_without_a_warning(root, config):
-    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", *shape(root, config), "-s", "replay", "-t", "null",
-                 "-c", "rtl/fp3.f", "sim/replay.v", f"rtl/gen/fp3_{config}.v", cwd=root)
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", *simulate.shape(config), "-s", "replay", "-t", "null",
+                 "-c", "rtl/fp3.f", "sim/replay.v", simulate.top(config), cwd=root)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
 
@@ -289,7 +282,7 @@ def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, i
 def test_64_contexts_take_turns(root, tmp_path):
     """The largest build: each of 64 objects is loaded, doubled three times and stored, all in one sweep each."""
     wrapper, session, bench = tmp_path / "fp3_largest.v", tmp_path / "x.session", tmp_path / "x.vvp"
-    text = (root / "rtl/gen/fp3_array.v").read_text().replace("fp3_array", "fp3_largest")
+    text = simulate.top("array").read_text().replace("fp3_array", "fp3_largest")
     text, found = re.subn(r"(\.CONTEXTS +)\(24\)", r"\1(64)", text)
     assert found == 1
     wrapper.write_text(text)
@@ -304,7 +297,7 @@ def test_64_contexts_take_turns(root, tmp_path):
         lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + n:08x}" for n in range(64)]
         lines += [f"r {u:02x}000014 00000002", f"r {u:02x}000088 {3 * 64:08x}", f"r {u:02x}0000a8 {2 * 64:08x}"]
     session.write_text(ended(lines))
-    done = start("iverilog", "-g2012", *shape(root, "array"), "-DFP3_TOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
+    done = start("iverilog", "-g2012", *simulate.shape("array"), "-DFP3_TOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
                  bench, "sim/replay.v", wrapper, cwd=root)
     assert done.returncode == 0, done.stderr
     done = replay(root, bench, session)

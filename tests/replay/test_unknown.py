@@ -11,6 +11,7 @@ import subprocess
 
 import pytest
 
+import simulate
 from bugs import few
 
 ZEROS = "initial for (i = 0; i < (1 << ADDR_W); i = i + 1) memory[i] = {W{1'b0}};"
@@ -40,16 +41,9 @@ def undefined(root, to, fill="", bug=None):
     return to
 
 
-def parts(root, config):
-    text = (root / f"rtl/gen/fp3_{config}.v").read_text()
-    tiles, schedulers, lanes, dual = (int(re.search(rf"\.{name} +\((\d+)\)", text)[1]) for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
-    return [f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}",
-            f"-DFP3_STREAMS={1 + dual}"]
-
-
 def compiled(tree, config, *more):
-    done = start("iverilog", "-g2012", f"-DFP3_TOP=fp3_{config}", *parts(tree, config), "-s", "replay", "-c", "rtl/fp3.f",
-                 "-o", "x.vvp", "sim/replay.v", f"rtl/gen/fp3_{config}.v", *more, cwd=tree)
+    done = start("iverilog", "-g2012", *simulate.shape(config), "-s", "replay", "-c", "rtl/fp3.f",
+                 "-o", "x.vvp", "sim/replay.v", simulate.top(config), *more, cwd=tree)
     assert done.returncode == 0, done.stderr
     return tree / "x.vvp"
 
@@ -57,9 +51,8 @@ def compiled(tree, config, *more):
 def record(root, fp3, at, config, objects, steps):
     """A run of objects that fall asleep, where there is sleep; of sums and products kept apart, where they have to be."""
     image, session = at / "x.fp3", at / f"{config}.session"
-    text = (root / f"rtl/gen/fp3_{config}.v").read_text()
-    program, *more = ("ship_sleep", "--set", "eps=1e9") if re.search(r"\.SLEEP +\(1\)", text) else \
-                     ("ship_dual", ) if re.search(r"\.DUAL +\(1\)", text) else ("ship_madd", )
+    program, *more = ("ship_sleep", "--set", "eps=1e9") if simulate.key(config, "SLEEP") else \
+                     ("ship_dual", ) if simulate.key(config, "DUAL") else ("ship_madd", )
     assert start(fp3, "asm", root / f"programs/{program}.s", "-o", image).returncode == 0
     done = start(fp3, "run", image, "-c", config, "-o", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
                  "--bus-log", session)

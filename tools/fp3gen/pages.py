@@ -116,7 +116,7 @@ def registers_page(regs):
 
 
 def configs_page(known, configs):
-    body = ["Each named configuration is a module `rtl/gen/fp3_<name>.v` with no parameters left, and a name",
+    body = ["Each named configuration is a module `fp3_<name>` (`make top CONFIG=<name>`) with no parameters left, and a name",
             "that `fp3 run --config` takes.", ""]
     body += markdown(["name", "purpose"], [[f"`{row['name']}`", row["doc"]] for row in configs])
     body += [""] + markdown(["", *[f"`{row['name']}`" for row in configs], "meaning"],

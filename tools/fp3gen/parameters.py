@@ -32,15 +32,16 @@ def parameters_verilog(known, regs):
     rows = [(f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ", f"= {defaults[key]}, ", f"// {known[key]['meaning']}")
             for key in known]
     words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(known)]
-    return [f"// {MARK.format(source='isa/configs.toml')}",
-            "// Included in the parameter list of fp3: set what you need by name, and leave CONFIG and what follows it alone.",
-            *columns(rows), f"// All of them, {WORD} bits each, the first in the low ones. The lint_off: each parameter is declared",
+    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included in parameter lists: by rtl/config/config.vh, where CONFIG is given and says the keys, and by fp3.",
+            "`ifdef FP3_OF_CONFIG", *config_keys_verilog(defaults), "`else",
+            "// Of fp3: set what you need by name, and leave CONFIG and what follows it alone.", *columns(rows), f"// All of them, {WORD} bits each, the first in the low ones. The lint_off: each parameter is declared",
             "// with its width; Verilator asks it of the plain number that sets one.",
             "// verilator lint_off WIDTHCONCAT", f"parameter {config_range(known)} CONFIG = {{",
             *textwrap.wrap(", ".join(words) + "},", 110, initial_indent="    ", subsequent_indent="    "),
             "// verilator lint_on WIDTHCONCAT",
             "// Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).",
-            f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)"]
+            f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)",
+            "`endif"]
 
 
 def config_keys_verilog(row):
@@ -48,8 +49,7 @@ def config_keys_verilog(row):
     known = keys_of(row)
     rows = [("parameter integer " if bits(key) == WORD else f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ",
              f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}],", "") for i, key in enumerate(known)]
-    return [f"// {MARK.format(source='isa/configs.toml')}", "// Included by rtl/config/config.vh.",
-            f"parameter {config_range(known)} CONFIG = {config_word(row)},", *columns(rows)[:-1], columns(rows)[-1].rstrip(",")]
+    return [f"parameter {config_range(known)} CONFIG = {config_word(row)},", *columns(rows)[:-1], columns(rows)[-1].rstrip(",")]
 
 
 def config_rules_verilog(known):

@@ -1,5 +1,7 @@
 """Headers for the RTL, and a top module for each configuration."""
 
+import re
+
 from .configs import MASK_BITS, keys_of
 from .estimates import estimates
 from .isa import code_bits
@@ -86,7 +88,8 @@ def registers_verilog(regs):
     return verilog_header("isa/registers.toml", [
         ("Registers.", [("[15:0] ", f"ADDR_{row['name'].upper()}", at(row["at"]))
                         for row in regs["register"]]),
-        ("Fields of registers.", [("", name, value) for name, value in field_rows(regs)]),
+        ("Fields of registers, but for those that show keys: gen/host_map.vh has these.",
+         [("", name, value) for name, value in field_rows({**regs, "register": [row for row in regs["register"] if "shows" not in row]})]),
         ("Counters: 64 bits in two words each.",
          [("", "COUNTERS", len(regs["counter"])), ("", "COUNTER_W", max(4, (len(regs["counter"]) - 1).bit_length())), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
          + [("[15:0] ", f"ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]),
@@ -139,25 +142,26 @@ def configs_verilog(configs):
           (width, "MUL_CUTS", packed([mul for _, mul in pairs]))])])
 
 
-# Ports that are interfaces of one signal, xilinx.com:signal:KIND:1.0: KIND, the signal's name there, parameters.
-SIGNALS = {
-    "s_axi_aclk": ("clock", "CLK", {"ASSOCIATED_BUSIF": "s_axi", "ASSOCIATED_RESET": "s_axi_aresetn"}),
-    "s_axi_aresetn": ("reset", "RST", {"POLARITY": "ACTIVE_LOW"}),
-    "irq": ("interrupt", "INTERRUPT", {"SENSITIVITY": "LEVEL_HIGH"}),
-}
+def attributes(root):
+    """The lines of attributes before a port of rtl/fp3.v, by the port's name."""
+    text = (root / "rtl/fp3.v").read_text(encoding="utf-8")
+    return {port: lines for lines, port in re.findall(r"^((?: *\(\*.*\*\)\n)+) *(?:in|out)put +wire +(\w+),$", text, re.M)}
 
 
-def attributes(name):
-    """What Vivado cannot tell from a port's name, in lines before it."""
-    if name not in SIGNALS:
-        return ""
-    kind, signal, parameters = SIGNALS[name]
-    named = ", ".join(f"{key} {value}" for key, value in {"XIL_INTERFACENAME": name, **parameters}.items())
-    return (f'    (* X_INTERFACE_INFO = "xilinx.com:signal:{kind}:1.0 {name} {signal}" *)\n'
-            f'    (* X_INTERFACE_PARAMETER = "{named}" *)\n')
+def signals(root):
+    """What these attributes say: by port, the kind of signal, its name there, and its parameters."""
+    found = {}
+    for port, lines in attributes(root).items():
+        kind, logical = re.search(r'"xilinx\.com:signal:(\w+):1\.0 \w+ (\w+)"', lines).groups()
+        parameters = re.search(r'"XIL_INTERFACENAME \w+, (.*)"', lines)[1]
+        found[port] = kind, logical, dict(pair.split(" ") for pair in parameters.split(", "))
+    return found
 
 
-def config_verilog(row, regs):
+def config_verilog(row, regs, root):
+    """The top module of a configuration."""
+    before = attributes(root)
+
     def list_of(line):
         rows = ports(row, regs)
         return ["" if port is None else line(*port) + ("," if i < len(rows) - 1 else "")
@@ -165,7 +169,7 @@ def config_verilog(row, regs):
 
     def declare(direction, width, name):
         size = f"[{width - 1}:0]" if width > 1 else ""
-        return f"{attributes(name)}    {direction:<6} wire {size:>8} {name}"
+        return f"{before.get(name, '')}    {direction:<6} wire {size:>8} {name}"
 
     def value(key):
         bits = f"{MASK_BITS}'h"
