@@ -34,7 +34,7 @@ fp3_status fp3_file_open(const char *path, FILE **file, fp3_error *error) {
     struct pollfd writer = {.fd = opened, .events = POLLIN};
     if (stream < 0 && S_ISFIFO(found.st_mode) && poll(&writer, 1, PATIENCE_MS) == 0) {
         close(opened);
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s: a pipe that nobody writes into", path);
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: a pipe that no process writes into", path);
     }
     if (stream < 0)
         fcntl(opened, F_SETFL, fcntl(opened, F_GETFL) & ~O_NONBLOCK);

@@ -42,7 +42,7 @@
     "svg{filter:invert(.92) hue-rotate(180deg)}}\n</style>\n"
 
 #define COLUMNS                                                                                    \
-    "<dl>\n<dt>engine</dt><dd>who runs the steps: <code>fast</code> is native code of this "       \
+    "<dl>\n<dt>engine</dt><dd>what runs the steps: <code>fast</code> is native code of this "      \
     "machine, <code>rtl</code> the hardware of that configuration, <code>plain_c</code> a loop "   \
     "in C, <code>gsl</code> the GNU Scientific Library</dd>\n"                                     \
     "<dt>how</dt><dd>method, integrator and arithmetic</dd>\n"                                     \
@@ -280,7 +280,7 @@ static fp3_status put_page(FILE *out, const fp3_bench_page *page, fp3_error *err
     fputs("</code></p>\n", out);
     put_machine(out);
     fputs("<p>Each object of a model has other values. A curve and the rows of an engine have the "
-          "points that no faster one is as accurate as. The pointer over a point says what it is; "
+          "points that are more accurate than all faster ones. The pointer over a point names it; "
           "a click on the head of a column sorts by it.</p>\n" COLUMNS,
           out);
     json_array_foreach(page->problems, i, problem) if (!status) status =

@@ -166,12 +166,13 @@ void fp3_bench_script(const void *picture, FILE *out) {
     find_panels(p, "cycles", &found);
     fp3_gnuplot_begin(out, p->path, WIDTH, TITLE + (int)found.count * PANEL, RIGHT);
     fp3_gnuplot_logarithmic(out);
-    fprintf(out,
-            "set ylabel 'error (relative, median of the objects)'\n"
-            "set lmargin at screen %g\nset rmargin at screen %g\n"
-            "set multiplot title 'Each curve: the points that no faster one is as accurate as' "
-            "noenhanced\n",
-            LEFT, RIGHT);
+    fprintf(
+        out,
+        "set ylabel 'error (relative, median of the objects)'\n"
+        "set lmargin at screen %g\nset rmargin at screen %g\n"
+        "set multiplot title 'Each curve: the points that are more accurate than all faster ones' "
+        "noenhanced\n",
+        LEFT, RIGHT);
     for (size_t i = 0; i < found.count; i++)
         put_panel(out, p, &found, i);
     fputs("unset multiplot\n", out);

@@ -83,7 +83,8 @@ int fp3_cmd_asm(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "SOURCE",
-        .doc = "Assembles SOURCE. Writes what is asked for; with no FILE given, only checks.",
+        .doc = "Assembles SOURCE and writes the files named by options; without options only "
+               "checks.",
     };
     options o = {0};
     fp3_arguments_parse(&argp, argc, argv, &o);

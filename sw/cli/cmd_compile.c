@@ -55,28 +55,26 @@ static const struct argp_option table[] = {
     {"config", 'c', "NAME", 0,
      "The configuration to schedule for (default single_full, world where objects see each other)",
      0},
-    {"compensated", 'k', NULL, 0, "Keep what updates round away (Kahan)", 0},
+    {"compensated", 'k', NULL, 0, "Carry rounding errors of updates to the next step (Kahan)", 0},
     {"double-single", KEY_DOUBLE, NULL, 0,
      "States and all arithmetic as sums of two floats, 48 bits", 0},
-    {"observe", KEY_OBSERVE, "STATE", 0,
-     "A state that somebody reads; may be repeated (default all)", 0},
+    {"observe", KEY_OBSERVE, "STATE", 0, "Keep this state; may be repeated (default: all)", 0},
     {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits; may be repeated", 0},
     {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none; may be repeated", 0},
     {"output", 'o', "FILE", 0, "Write the assembly (default: standard output)", 0},
     {"native", KEY_NATIVE, NULL, 0,
-     "Write what engine fast executes instead of assembly, for fp3 run --native on machines "
-     "without "
-     "a compiler",
+     "Write native code of engine fast instead of assembly, for fp3 run --native on machines "
+     "without a compiler",
      0},
     {"image", KEY_IMAGE, "FILE", 0, "Write the image (*.fp3)", 0},
     {"params", KEY_PARAMS, "FILE", 0,
-     "Write what the host gives the program, for fp3 run --params; what is computed from h and "
-     "params as formulas",
+     "Write the program's values for fp3 run --params; values computed from h and params as "
+     "formulas",
      0},
     {"set", 's', "NAME=VALUE", 0, "A param, a state's start or h, for --params; may be repeated",
      0},
     {"report", KEY_REPORT, NULL, 0,
-     "Print what a step costs and what each pass saved, instead of assembly", 0},
+     "Print the cost of a step and the savings of each pass, instead of assembly", 0},
     {"list", KEY_LIST, NULL, 0, "List integrators and passes", 0},
     {0},
 };
@@ -288,7 +286,7 @@ int fp3_cmd_compile(int argc, char **argv) {
         .parser = parse,
         .args_doc = "MODEL",
         .doc = "Compiles the equations of MODEL (*.ode) and an integrator to a program for a "
-               "configuration. Prints its assembly, or writes what is asked for.",
+               "configuration. Prints the assembly, or writes the files named by options.",
     };
     fp3_error error;
     options o = {.def = fp3_program_default()};

@@ -151,11 +151,10 @@ static int print_checks(void) {
 
 int fp3_cmd_doctor(int argc, char **argv) {
     static const struct argp argp = {
-        .doc = "Tries all that the command can use of this machine: the C compiler and the cache "
-               "of engine fast, the simulated hardware, HDF5, MPI, gnuplot and ffmpeg. Says of "
-               "what is "
-               "missing what it is for, and how to get it; the exit code is then 1. Nothing of it "
-               "is needed by engine isa.",
+        .doc = "Tries the optional tools and libraries of this machine: the C compiler and the "
+               "cache of engine fast, the simulated hardware, HDF5, MPI, gnuplot and ffmpeg. For "
+               "each that is missing, prints its purpose and how to get it; the exit code is "
+               "then 1. Engine isa needs none of them.",
     };
     char processor[128];
     fp3_arguments_parse(&argp, argc, argv, NULL);

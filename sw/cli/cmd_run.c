@@ -151,7 +151,7 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
     fp3_cost cost = {.stats = {.flags = 0}};
     if (o->on.cycle_limit && fp3_run_is_adaptive(of))
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "--cycle-limit: a limit is of one run, and adaptive steps may take "
+                        "--cycle-limit: a limit applies to one run, and adaptive steps may take "
                         "several; --steps limits attempts");
     fp3_status status =
         o->ranks ? fp3_engine_open_ranks(def, o->ranks, &engine) : fp3_engine_open(def, &engine);
@@ -259,7 +259,7 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
     if (!status && fp3_run_record_has_snapshots(&o->record) && scene->group_count != 1)
         return fp3_fail_at(
             error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
-            "--output, --plot: %zu groups have states of their own: record a scene of "
+            "--output, --plot: the scene has %zu groups with different states: record a scene of "
             "one group",
             scene->group_count);
     return status;

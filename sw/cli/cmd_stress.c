@@ -126,7 +126,7 @@ static const struct argp_option table[] = {
     {"json", KEY_JSON, "FILE", 0, "Also write results and curves as JSON", 0},
     {"quick", KEY_QUICK, NULL, 0, "Fewer steps and angles and, without a MODEL, three integrators",
      0},
-    {"all", KEY_ALL, NULL, 0, "Also print what holds", 0},
+    {"all", KEY_ALL, NULL, 0, "Also print figures that hold", 0},
     {"only", KEY_ONLY, "SECTION", 0, "Without a MODEL: this section alone", 0},
     {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
      "Without a MODEL: plain, compensated, double_single, or a configuration with another "
@@ -175,7 +175,9 @@ static error_t parse(int key, char *text, struct argp_state *state) {
         for (unsigned i = 0; i < o->model_count; i++)
             fp3_arguments_model(state, o->models[i], o->is_model);
         if ((o->section || o->arithmetic_count) && o->model_count)
-            argp_error(state, "found --%s with a model: it is for the suite without one",
+            argp_error(state,
+                       "found --%s with a model: the option is for the suite without a "
+                       "model",
                        o->section ? "only" : "arithmetic");
         break;
     default:
@@ -203,8 +205,8 @@ int fp3_cmd_stress(int argc, char **argv) {
                "the one that theory or a publication gives. With MODEL (*.ode), measures its "
                "invariants, its error at each step size, whether it returns when time runs "
                "backwards, and where it fails when parameters are spread over decades. Without "
-               "MODEL, runs the suite of docs/stress.md. Prints each figure that is off, and why. "
-               "The exit code is 3 if any is; all results are written in each case."};
+               "MODEL, runs the suite of docs/stress.md. Prints each figure that does not hold, "
+               "and why; then the exit code is 3. All results are written in each case."};
     options o = {0};
     fp3_arguments_parse(&argp, argc, argv, &o);
     fp3_error error;

@@ -56,15 +56,15 @@ enum {
 
 static const struct argp_option table[] = {
     {"tolerance", KEY_TOLERANCE, "TOL", 0,
-     "The largest error of any state, relative to the largest magnitude that it reaches; from 1e-7 "
+     "The largest error of any state, relative to the largest magnitude of that state; from 1e-7 "
      "to below 1",
      0},
     {"config", 'c', "NAME", 0,
      "Configuration whose cycles are the cost (default: that of the scene, or many_full)", 0},
     {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
-     "Also tune for this configuration, which computes in another way, and choose the one that "
-     "costs least: LUTs times the time of an object; may be repeated. all: each with another "
-     "arithmetic whose LUTs and clock are known",
+     "Also tune for this configuration with another arithmetic, and choose the configuration of "
+     "the least cost: LUTs times the time of an object; may be repeated. all: each such "
+     "configuration whose LUTs and clock are known",
      0},
     {"model", KEY_MODEL, NULL, 0, "The input is a model, whatever its name", 0},
     {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
@@ -77,24 +77,21 @@ static const struct argp_option table[] = {
     {"set", KEY_SET, "NAME=VALUE", 0, "Of a model: a value; may be repeated", 0},
     {"params", KEY_PARAMS, "FILE", 0, "Of a model: a file of values; may be repeated", 0},
     {"span", KEY_SPAN, "TIME", 0,
-     "How long it is integrated (default: steps times h of the scene, its `until`, or the model's "
+     "The time to integrate (default: steps times h of the scene, its `until`, or the model's "
      "span)",
      0},
     {"objects", KEY_OBJECTS, "N", 0,
-     "Of a model: how many objects the scene has (default: as many as the configuration has in "
-     "flight, without ranges 1)",
+     "Of a model: number of objects in the scene (default: the contexts of the configuration; "
+     "without ranges 1)",
      0},
-    {"held-out", KEY_SAMPLE, "N", 0,
-     "How many objects that the choice has not seen judge it (default: 64)", 0},
+    {"held-out", KEY_SAMPLE, "N", 0, "Number of new objects that judge the choice (default: 64)",
+     0},
     {"output", KEY_OUTPUT, "FILE", 0, "Write the choice as a scene, which fp3 run --scene runs", 0},
-    {"json", KEY_JSON, "FILE", 0, "Also write the choice and what was tried as JSON", 0},
+    {"json", KEY_JSON, "FILE", 0, "Also write the choice and all candidates as JSON", 0},
     {"plot", KEY_PLOT, "FILE", 0,
-     "Also draw error against cost of all that was tried into FILE (.svg or .png). Needs gnuplot",
-     0},
+     "Also draw error against cost of all candidates into FILE (.svg or .png). Needs gnuplot", 0},
     {"hardware", KEY_HARDWARE, NULL, 0,
-     "Also print the configuration without what the program does not need, and its LUTs as far as "
-     "they are known",
-     0},
+     "Also print the configuration reduced to what the program needs, and its LUTs if known", 0},
     {0},
 };
 
@@ -370,11 +367,9 @@ int fp3_cmd_tune(int argc, char **argv) {
         .doc =
             "Finds the cheapest integrator, step (or tolerance of adaptive steps) and arithmetic "
             "that meet a tolerance over ranges of parameters, by measuring a sample of objects "
-            "against truth, and judges the choice by "
-            "objects that it has not seen. Costs are predicted cycles of an object over the span; "
-            "for "
-            "adaptive steps by the mean number of attempts of the sample. "
-            "Exit code 3 if nothing meets the tolerance, or there is no truth."};
+            "against truth, and judges the choice by new objects. Costs are predicted cycles of "
+            "an object over the span; for adaptive steps by the mean number of attempts of the "
+            "sample. Exit code 3 if nothing meets the tolerance, or there is no truth."};
     options o = {.def = fp3_tune_default()};
     fp3_error error = {.text = ""};
     char *report = NULL;

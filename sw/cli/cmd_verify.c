@@ -114,7 +114,8 @@ static fp3_status choose(const options *o, const fp3_chain *chain, uint64_t begi
     *expected = (fp3_expected){.path = o->path, .list = chain->list + first, .count = count};
     if (!count)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s: has steps %" PRIu64 " to %" PRIu64 ", and none of them is asked for",
+                        "%s: has steps %" PRIu64 " to %" PRIu64 ": --from and --to leave none of "
+                        "them",
                         o->path, chain->list[0].step, chain->list[chain->count - 1].step);
     if (begin > expected->list[0].step)
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -185,9 +186,8 @@ static fp3_status verify(const options *o, fp3_run_ranks *ranks, char **report, 
     uint64_t begin = 0;
     fp3_status status = fp3_chain_read(o->path, &chain, error);
     if (!status && !*chain.command)
-        status = fp3_fail(
-            error, FP3_E_ARGUMENT,
-            "%s: does not keep the command of its run: it was made by another program", o->path);
+        status = fp3_fail(error, FP3_E_ARGUMENT,
+                          "%s: has no command of its run: another program made the file", o->path);
     if (!status)
         status = find_begin(o, &chain, &restart, &begin, error);
     if (!status)
@@ -206,11 +206,10 @@ int fp3_cmd_verify(int argc, char **argv) {
         .options = table,
         .parser = parse,
         .args_doc = "FILE",
-        .doc = "Runs steps A to B of a run again, on any engine, and says whether it makes the "
-               "hashes that FILE has, which is a "
-               "checkpoint or a recording in HDF5. FILE keeps the arguments of its run. Exit code "
-               "0: all hashes agree; 1: one does "
-               "not, or the run failed; 2: there is nothing to compare."};
+        .doc = "Runs steps A to B of a run again, on any engine, and compares hashes with FILE, "
+               "a checkpoint or a recording in HDF5. FILE keeps the arguments of its run. Exit "
+               "code 0: all hashes agree; 1: a hash differs, or the run failed; 2: there is "
+               "nothing to compare."};
     static const char *const own[] = {"threads", "source", NULL}; /* as of fp3 run */
     options o = {.to = UINT64_MAX};
     fp3_error error = {.text = ""};

@@ -25,8 +25,8 @@
     X(bench, "Measure the ship, or another program, on the hardware")                              \
     X(stress, "Judge what FP32 does to integrators and models")                                    \
     X(board, "Simulate a board with a serial port, for the engine board")                          \
-    X(info, "Say what an image needs, or what this build has")                                     \
-    X(doctor, "Say what this machine has of all that fp3 can use")
+    X(info, "Print what an image needs, or what this build has")                                   \
+    X(doctor, "Check which optional tools and libraries this machine has")
 
 static const struct {
     const char *name;
@@ -44,7 +44,7 @@ static const char text[] =
     "Programs for FP3, a processor for equations of motion.\v"
     "Commands:\n" LINES "\n"
     "'fp3 COMMAND --help' lists a command's options.\n"
-    "Exit codes: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run\n"
+    "Exit codes: 0 success, 1 failed, 2 bad input or usage, 3 objects failed in a run\n"
     "(an instruction raised invalid or overflow, or a state is NaN or infinite in\n"
     "the end), or there is no truth to measure errors against, or a result of stress\n"
     "does not hold; with 3 all outputs are there.\n"

@@ -60,7 +60,10 @@ static const struct argp_option table[] = {
      "Of a model: where objects end (default: its span). Without --tolerance: fixed steps, cut at "
      "events",
      0},
-    {"compensated", 'k', NULL, 0, "Of a model: keep what updates round away (Kahan)", 0},
+    {"compensated", 'k', NULL, 0,
+     "Of a model: carry rounding errors of updates to the next step "
+     "(Kahan)",
+     0},
     {"double-single", KEY_DOUBLE, NULL, 0,
      "Of a model: states and all arithmetic as sums of two floats, 48 bits", 0},
     {"engine", 'e', "ENGINE", 0,
@@ -79,13 +82,11 @@ static const struct argp_option table[] = {
     {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
     {"native", KEY_NATIVE, "FILE", 0, "Of engine fast: the code of fp3 compile --native", 0},
     {"steps", 'n', "N", 0,
-     "How often the step part runs (default: 1; with --times until the last of them; with "
-     "--tolerance 1000000, and objects end before)",
+     "Number of steps (default: 1; with --times up to the last time; with --tolerance 1000000 "
+     "attempts at most)",
      0},
     {"objects", 'o', "N", 0,
-     "How many (default: all contexts of the configuration full; with --links those that are "
-     "linked)",
-     0},
+     "Number of objects (default: one for each context; with --links as many as are linked)", 0},
     {"visit", KEY_VISIT, "N", 0, "Steps per visit of an object (default: all)", 0},
     {"seed", KEY_SEED, "N", 0,
      "With a configuration whose records have 16 bits: stores round at random, by draws from N "
@@ -94,8 +95,7 @@ static const struct argp_option table[] = {
     {"all", KEY_ALL, NULL, 0, "Print the states of all objects, not of the first 8", 0},
     {"params", KEY_PARAMS, "FILE", 0,
      "Values of states, parameters and shared constants; may be repeated", 0},
-    {"set", KEY_SET, "NAME=VALUE", 0,
-     "One such value; replaces what was given before it; may be repeated", 0},
+    {"set", KEY_SET, "NAME=VALUE", 0, "One value; replaces earlier ones; may be repeated", 0},
     {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
      "Values from FIRST, of the first object, to LAST, of the last, evenly; may be repeated", 0},
     {"links", KEY_LINKS, "NAME=FILE", 0,
@@ -105,7 +105,7 @@ static const struct argp_option table[] = {
      0},
     {"scene", KEY_SCENE, "FILE", 0,
      "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
-     "--steps, --visit and --seed replace what it says",
+     "--steps, --visit and --seed replace its settings",
      0},
     {"clock", KEY_CLOCK, "FREQUENCY", 0,
      "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz", 0},
@@ -123,13 +123,13 @@ static const struct argp_option table[] = {
      "estimate is above TOL, relative to the size of the state (default: 1e-3)",
      0},
     {"output", KEY_OUTPUT, "FILE", 0,
-     "Write what is observed to FILE: as HDF5 if its name ends in .h5 or .hdf5, else as CSV, a row "
-     "for each object of each snapshot",
+     "Write observed values to FILE: as HDF5 if its name ends in .h5 or .hdf5, else as CSV, a "
+     "row for each object of each snapshot",
      0},
-    {"compress", KEY_COMPRESS, NULL, 0, "With --output: compress what is HDF5", 0},
+    {"compress", KEY_COMPRESS, NULL, 0, "With --output: compress HDF5", 0},
     {"plot", KEY_PLOT, "FILE", 0,
-     "Draw what is observed over time, and of two states one against the other, into FILE, whose "
-     "name ends in .svg or .png; of more than 8 objects 8 are drawn. Needs gnuplot",
+     "Draw observed values over time, and one state against another, into FILE (.svg or .png); "
+     "of more than 8 objects 8 are drawn. Needs gnuplot",
      0},
     {"every", KEY_EVERY, "N", 0,
      "With --output or --plot: a snapshot after every N steps, at the start and at the end "
@@ -137,9 +137,8 @@ static const struct argp_option table[] = {
      "at these two; of a plot some 1000)",
      0},
     {"times", KEY_TIMES, "T1,T2,...", 0,
-     "With --output or --plot: snapshots at these times from the start of the run alone, whole "
-     "multiples of "
-     "h in its unit",
+     "With --output or --plot: snapshots only at these times, measured from the start of the "
+     "run, whole multiples of h in its unit",
      0},
     {"observe", KEY_OBSERVE, "NAMES", 0,
      "With --output or --plot: states, and of a model definitions and invariants, with commas "
@@ -147,8 +146,7 @@ static const struct argp_option table[] = {
      "may be repeated (default: all states)",
      0},
     {"checkpoint", KEY_CHECKPOINT, "FILE", 0,
-     "Write all that the objects hold to FILE at the end, from which --restart goes on; what FILE "
-     "held before stays as "
+     "Write the state of all objects to FILE at the end, for --restart; the file before stays as "
      "FILE.1",
      0},
     {"checkpoint-every", KEY_CHECKPOINT_EVERY, "N", 0,
@@ -187,18 +185,18 @@ static void check(fp3_run_options *o, struct argp_state *state) {
     if (o->scene && o->link_count)
         argp_error(state, "--scene: links are in the scene, not in --links");
     if (o->scene && o->on.kanata)
-        argp_error(state, "--kanata: a log is of one program, not of a scene");
+        argp_error(state, "--kanata: expected one program, not a scene");
     fp3_run_engine_check(&o->on, state);
     if (fp3_run_record_is_asked(&o->record) && o->on.cycle_limit)
-        argp_error(state,
-                   "--cycle-limit: a limit is of one run, and --output, --plot, --checkpoint and "
-                   "--restart make a run of each part");
+        argp_error(state, "--cycle-limit: a limit applies to one run, and --output, --plot, "
+                          "--checkpoint and --restart split the run");
     fp3_run_record_check(&o->record, state);
     if (o->check.is_asked && !o->is_model && !o->scene)
-        argp_error(state, "--check: only a model (*.ode, or --model) has a step that can be "
-                          "halved; an image and assembly do not say how it enters");
+        argp_error(state, "--check: expected a model (*.ode, or --model); how an image or "
+                          "assembly uses the step is unknown");
     if (o->check.has_bound && !o->check.is_asked)
-        argp_error(state, "--strict=TOL: expected --check, too; TOL is for its estimates");
+        argp_error(state, "--strict=TOL: expected --check, too; TOL is the limit of its "
+                          "estimates");
 }
 
 /* They are read when it is known how many objects there are. */
@@ -362,10 +360,10 @@ fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *o, fp3_
         .parser = parse,
         .args_doc = "PROGRAM\n--scene FILE",
         .doc =
-            "Runs PROGRAM (an image, assembly *.s, or a model *.ode, which is compiled): its first "
-            "part once, its step part N times, its last part once, for every object. Prints the "
-            "final states and what the run cost. A scene has several programs, each for objects of "
-            "its own."};
+            "Runs PROGRAM (an image, assembly *.s, or a model *.ode, which is compiled): its "
+            "first part once, its step part N times, its last part once, for every object. "
+            "Prints the final states and the cost of the run. A scene has several programs, each "
+            "for objects of its own."};
     *o = (fp3_run_options){.steps = 1,
                            .how = fp3_program_default(),
                            .record.def = fp3_recording_default(),

@@ -86,8 +86,7 @@ static fp3_status take_words(fp3_verify_command *c, int count, char *const *word
         status = add(c, "%s%s", "--", "", &why);
     if (!status)
         status = fp3_arguments_each(table, count, words, take_others, c, &why);
-    return status ? fp3_fail(error, status, "%s: the command that it keeps: %s", c->path, why.text)
-                  : FP3_OK;
+    return status ? fp3_fail(error, status, "%s: its command: %s", c->path, why.text) : FP3_OK;
 }
 
 fp3_status fp3_verify_command_make(fp3_verify_command *c, char *text, fp3_error *error) {

@@ -45,14 +45,13 @@ static const struct argp_option table[] = {
      "known)",
      0},
     {"range", KEY_RANGE, "LEAST:MOST", 0,
-     "From which value to which colours go (default: all values of the recording)", 0},
+     "Values of the first and the last colour (default: all values of the recording)", 0},
     {"size", KEY_SIZE, "RADIUS", 0,
-     "Draw objects as balls of this radius, in the unit of the position, or of a radius that has "
-     "this "
-     "name (default: half the reach of those near, if the recording has it)",
+     "Draw objects as balls of this radius, in the unit of the position, or with the value of "
+     "this name as radius (default: half the reach of `near`, if the recording has it)",
      0},
     {"observe", KEY_OBSERVE, "NAMES", 0,
-     "What else the page has of each object, names with commas between them (default: all)", 0},
+     "Other values of each object in the page, names with commas between them (default: all)", 0},
     {"every", KEY_EVERY, "N", 0, "Take every N-th snapshot (default 1)", 0},
     {"plane", KEY_PLANE, "AXIS=VALUE", 0,
      "Draw a wall where the position's x, y or z has this value; may be repeated", 0},
@@ -73,11 +72,10 @@ static const struct argp_option table[] = {
      "the last)",
      0},
     {"width", KEY_WIDTH, "PIXELS", 0, "The width of --png and --film (default 1280)", 0},
-    {"height", KEY_HEIGHT, "PIXELS", 0, "Their height (default 720)", 0},
+    {"height", KEY_HEIGHT, "PIXELS", 0, "The height of --png and --film (default 720)", 0},
     {"turn", KEY_TURN, "AZIMUTH:ELEVATION", 0,
-     "From where they look, in degrees around the axis that points up, and above the plane across "
-     "it "
-     "(default 31.5:20, as the page at first)",
+     "The direction of view of --png and --film, in degrees around the axis that points up, and "
+     "above the plane across it (default 31.5:20, as the page at first)",
      0},
     {"rate", KEY_RATE, "N", 0,
      "Snapshots a second of --film (default 30); real: as many as a second of the recording has",

@@ -96,8 +96,7 @@ static fp3_status check_seed(const fp3_engine *engine) {
     if (!engine->def.seed || engine->config->storage)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                    "seed: configuration '%s' keeps records in 32 bits, and rounds nothing that it "
-                    "stores",
+                    "seed: configuration '%s' keeps records in 32 bits, so stores round nothing",
                     engine->config->name);
 }
 

@@ -240,7 +240,7 @@ fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count,
     fp3_status status = fp3_engine_check_objects(engine, first, count);
     if (!status && !engine->origin->is_complete)
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                          "no run that came to its end since something was written or loaded");
+                          "no complete run since the last write or load");
     if (!status && !engine->failures.list)
         status = fp3_engine_find_failures(engine, 0);
     if (status)

@@ -58,7 +58,7 @@ const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction 
     if (fp3_operation_scales(in->op) && is_sum(in->b))
         return "scales a register of even number";
     if (fp3_operation_scales(in->op) && is_product(in->a))
-        return "adds what it scales to a register of odd number";
+        return "adds a scaled value to a register of odd number";
     return NULL;
 }
 

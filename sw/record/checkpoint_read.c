@@ -314,6 +314,8 @@ fp3_status fp3_checkpoint_restore(fp3_checkpoint *c, fp3_state *state, fp3_past 
     status = fp3_state_hash(state, c->step, &hash, error);
     return status || fp3_digest_same(&hash, &c->hash)
                ? status
-               : fp3_fail(error, FP3_E_MISMATCH, "%s: the words do not have the hash that it names",
+               : fp3_fail(error, FP3_E_MISMATCH,
+                          "%s: damaged: the words do not have the hash in "
+                          "the file",
                           c->path);
 }

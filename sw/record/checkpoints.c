@@ -13,8 +13,8 @@ static fp3_status refuse_adaptive(const fp3_engine *engine, fp3_error *error) {
     for (uint32_t i = 0; i < layout->count; i++)
         if (fp3_adaptive_is(layout->groups[i].image))
             return fp3_fail(error, FP3_E_ARGUMENT,
-                            "checkpoints: objects choose their own steps, so no step is one that "
-                            "all have made");
+                            "checkpoints: objects choose their own steps, so no step is common "
+                            "to all");
     return FP3_OK;
 }
 

@@ -88,7 +88,7 @@ static fp3_status check(const fp3_hdf5_ops *calls, FILE *file, const char *path,
     print(&found, again);
     if (size < FP3_ENVELOPE_SIZE || memcmp(block, again, sizeof again))
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s: damaged: its contents do not have the SHA-256 that it names", path);
+                        "%s: damaged: its contents do not have the SHA-256 in its head", path);
     *step = told.step;
     return FP3_OK;
 }

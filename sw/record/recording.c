@@ -73,7 +73,9 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
                         "own",
                         fp3_engine_groups(engine));
     if (def->times && def->every)
-        return fp3_fail(error, FP3_E_ARGUMENT, "snapshots are at times or every so many steps");
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "snapshots are at times or after every N steps: "
+                        "found both");
     if (def->is_compressed && !(def->path && fp3_hdf5_is_named(def->path)))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: only HDF5 (a name that ends in .h5 or .hdf5) is compressed",

@@ -144,9 +144,8 @@ static fp3_status choose_position(fp3_view_recording *r, const char *wish, fp3_v
     else if (!take_near(r, axes) && !take_vector(r, axes) && !take_scalar(r, axes))
         return fp3_fail(
             error, FP3_E_ARGUMENT,
-            "%s: nothing in it is known to be a position: no vector (name_x, name_y) has the "
-            "unit of a length. There are %s: name one to three as axes, with "
-            "--position NAME,NAME",
+            "%s: no position found: no vector (name_x, name_y) has the unit of a length. There "
+            "are %s: name one to three as axes, with --position NAME,NAME",
             r->path, fp3_view_names(r, names, sizeof names));
     for (unsigned k = 0; k < axes->count; k++)
         r->columns[axes->columns[k]].is_wanted = 1;

@@ -160,7 +160,7 @@ static fp3_status take_value(fp3_view_recording *r, int field, const char *at, c
     fp3_status status = read_number(r, at, end, &wide, error);
     float *value = &r->columns[column].values[self->at * r->objects + object];
     if (!status && !fp3_view_narrow(wide, value))
-        status = fail(r, at, error, "a number beyond those of FP32",
+        status = fail(r, at, error, "a number beyond the range of FP32",
                       "one that can be shown: leave the column out with --observe");
     return status;
 }

@@ -198,8 +198,7 @@ static fp3_status look(fp3_view_recording *r, fp3_error *error) {
 static fp3_status refuse_wide(const fp3_view_recording *r, const fp3_view_column *column,
                               fp3_error *error) {
     return fp3_fail(error, FP3_E_ARGUMENT,
-                    "%s: '%s' has numbers beyond those of FP32, which is what is shown: leave it "
-                    "out with --observe",
+                    "%s: '%s' has numbers beyond the range of FP32: leave it out with --observe",
                     r->path, column->name);
 }
 

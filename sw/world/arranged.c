@@ -229,7 +229,9 @@ static fp3_status place_grid(const fp3_settings *s, const fp3_arranged *a,
     position p;
     for (int i = 0; i < 2 && !config_setting_get_member(at, "position"); i++)
         if (config_setting_get_member(at, where[i]))
-            return fp3_setting_wrong(s, at, "%s: expected position, too, the state that it is of",
+            return fp3_setting_wrong(s, at,
+                                     "%s: expected position, too: the state that is "
+                                     "placed",
                                      where[i]);
     if (!config_setting_get_member(at, "position"))
         return FP3_OK;

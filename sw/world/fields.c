@@ -147,8 +147,8 @@ static fp3_status move(fp3_fields *q, const fp3_field *of, size_t first, size_t 
     if (q->table.has_before)
         return fp3_fail(
             error, FP3_E_ARGUMENT,
-            "'%s' of objects that have moved: this integrator keeps where they were one "
-            "step before, which is known at the start alone",
+            "'%s' of objects that have moved: this integrator also keeps their positions one "
+            "step before, which are known only at the start",
             of->name);
     if (of->place < 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "the program has no state '%s': it is not observed",
@@ -201,8 +201,8 @@ static fp3_status check_step(const fp3_fields *q, double h, fp3_error *error) {
                                          h)
            : q->table.has_before
                ? fp3_fail(error, FP3_E_ARGUMENT,
-                          "'h' becomes %.9g after the first step: this integrator "
-                          "keeps where objects were one step before",
+                          "'h' becomes %.9g after the first step: this integrator keeps the "
+                          "positions one step before",
                           h)
                : FP3_OK;
 }

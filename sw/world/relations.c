@@ -112,9 +112,8 @@ static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
     return count == list->fields
                ? FP3_OK
                : refuse(l, error,
-                        "the program reads %" PRIu32 " of the %" PRIu32
-                        " fields that the equations have: leave out of the model what no "
-                        "observed state needs",
+                        "the program reads %" PRIu32 " of the %" PRIu32 " fields that the "
+                        "equations have: remove from the model what no observed state needs",
                         list->fields, count);
 }
 
@@ -334,8 +333,8 @@ fp3_status fp3_relations_check(const fp3_relations *r, const char *how, fp3_erro
         if (!lists->lists[i].is_there)
             return fp3_fail(
                 error, FP3_E_ARGUMENT,
-                "the list of neighbours '%s' is not given, and an image does not say who "
-                "is near: %s, or run the model",
+                "the list of neighbours '%s' is not given, and an image does not say which "
+                "objects are near: %s, or run the model",
                 name ? name : "?", how);
     }
     return FP3_OK;

@@ -218,7 +218,7 @@ def test_who_is_not_used_does_not_fail(root, script):
     model = "model m\nparam k = 0.01\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n"
     lines = ["write k 1 1e9", "write k 3 1e9", "use 3", "step 2", "failure", "use 1", "failure", "step 2", "failure", "use 4", "step 1", "failure"]
     told = script(model, lines, "-n", 6, "-x")
-    assert told == [f"1 failed: {told[0].split(': ', 1)[1]}", "error 1: no run that came to its end since something was written or loaded", "0 failed: ",
+    assert told == [f"1 failed: {told[0].split(': ', 1)[1]}", "error 1: no complete run since the last write or load", "0 failed: ",
                     told[3]]
     assert told[0].startswith("1 failed: object 1 in step ") and told[3].startswith("2 failed: object 1 before its first step")
     assert told == script(model, lines, "-n", 6, "-x", "-e", "isa") == script(model, lines, "-n", 6, "-x", "-e", "rtl")

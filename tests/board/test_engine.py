@@ -162,12 +162,12 @@ def test_what_else_may_be_behind_a_port(fp3, ship, tmp_path):
         done = at(port, "--baud", "1234")
         assert done.returncode == 2 and "there are 9600" in done.stderr
     with peer(lambda got: b"") as port:
-        fails(at(port), "nobody answers at 115200 baud", "bitstream")
+        fails(at(port), "no answer at 115200 baud", "bitstream")
     sequence = lambda got: got.lstrip(b"\xc0").replace(b"\xdb\xdc", b"\xc0").replace(b"\xdb\xdd", b"\xdb")[:1]
     with peer(lambda got: packet(sequence(got) + b"\0" + b"\x63" + b"3PF")) as port:
         fails(at(port), "revision 99 of the instruction set")
     with peer(lambda got: packet(sequence(got) + b"\0" + bytes(4))) as port:
-        fails(at(port), "no FP3", "0x00000000")
+        fails(at(port), "not FP3", "0x00000000")
 
 
 def without_the_rights_of_root():

@@ -318,7 +318,7 @@ static void failures_are_those_of_the_last_run(bench *b) {
     fp3_failure f;
     float x = 1;
     EXPECT(!load(b, ".state x y\n.param a\nstep:\nmul x, x, a\nlast:\nadd y, x, x\n"));
-    EXPECT(fp3_engine_failure(b->engine, 0, 1, &f) == FP3_E_ARGUMENT && SAYS("no run that came"));
+    EXPECT(fp3_engine_failure(b->engine, 0, 1, &f) == FP3_E_ARGUMENT && SAYS("no complete run"));
     EXPECT(!fp3_engine_set(b->engine, "x", 1) && !fp3_engine_set(b->engine, "a", 0x1p50f));
     EXPECT(!fp3_engine_run(b->engine, 2, NULL));
     EXPECT(!fp3_engine_failure(b->engine, 0, objects, &f) && f.failed == 0 && f.step == 0);

@@ -75,7 +75,7 @@ def test_a_lane_without_an_object_raises_nothing(run, tmp_path):
     ("mul r2, r2, k0", "word 0 (mul) writes a product to a register of even number"),
     ("sub r0, r2, r4", "word 0 (sub) reads two registers of even number"),
     ("mul r1, r3, r3", "word 0 (mul) reads two registers of odd number"),
-    ("addh r0, r1, k0", "word 0 (addh) adds what it scales to a register of odd number"),
+    ("addh r0, r1, k0", "word 0 (addh) adds a scaled value to a register of odd number"),
     ("subt r0, k0, r2", "word 0 (subt) scales a register of even number")])
 @pytest.mark.parametrize("engine", ["rtl", "isa", "fast"])
 def test_sums_and_products_are_apart(run, tmp_path, engine, word, wrong):

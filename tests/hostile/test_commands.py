@@ -324,7 +324,7 @@ def test_every_flipped_bit_of_an_image_is_refused(refused, folder):
 # ---- what is no file ----
 
 def test_a_pipe_without_a_writer_or_a_reader_ends(fp3, folder):
-    silent, deaf = b"pipe.ode: a pipe that nobody writes into", b"pipe.ode: cannot write: "
+    silent, deaf = b"pipe.ode: a pipe that no process writes into", b"pipe.ode: cannot write: "
     cases = [(["compile", "pipe.ode"], silent), (["run", "m.ode", "--params", "pipe.ode"], silent), (["asm", "p.s", "-o", "pipe.ode"], deaf)]
     for number in range(len(cases)):                                       # a pipe each: they wait at the same time
         (folder / str(number)).mkdir()

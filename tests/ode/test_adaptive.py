@@ -305,7 +305,7 @@ def test_compare_holds_every_word_against_the_equations(written, tmp_path):
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "1,1"], "time 1 does not come after 1 in FP32"),
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "-1"], "time -1 is before the start of object 0, 0"),
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "1e39"], "until is 1e+39: expected a number below 3.4028236e38"),
-    (["--tolerance", "1e-5", "--cycle-limit", "99"], "--cycle-limit: a limit is of one run"),
+    (["--tolerance", "1e-5", "--cycle-limit", "99"], "--cycle-limit: a limit applies to one run"),
     (["--tolerance", "1e-5", "-c", "lanes"], "adaptive steps need `sleep`, which configuration 'lanes' does not have"),
 ])
 def test_refused(written, options, message):

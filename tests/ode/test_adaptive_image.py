@@ -113,7 +113,7 @@ def test_what_is_refused(compiled, tmp_path):
     run = ["run", image, "--params", values, "-e", "isa"]
     done = fp3(*run, "-c", "many_full", status=2)
     assert "adaptive steps of many objects need 'sleep': expected a program that is compiled for configuration 'many_full'" in done.stderr
-    assert "--cycle-limit: a limit is of one run" in fp3(*run, "-c", "single_full", "--cycle-limit", "99", status=2).stderr
+    assert "--cycle-limit: a limit applies to one run" in fp3(*run, "-c", "single_full", "--cycle-limit", "99", status=2).stderr
     done = fp3("bench", "--program", image, "--params", values, "-c", "single_full", status=2)
     assert "the program has adaptive steps, expected fixed ones" in done.stderr
     never = tmp_path / "never.fp3"

@@ -147,6 +147,6 @@ def test_refused(scene, groups, message):
 
 
 def test_what_has_no_meaning_with_them(scene, tmp_path):
-    assert "--cycle-limit: a limit is of one run" in scene([CHOOSING], "--cycle-limit", "99", status=2).stderr
+    assert "--cycle-limit: a limit applies to one run" in scene([CHOOSING], "--cycle-limit", "99", status=2).stderr
     assert "x.scene:1: no program has an 'h'" in scene([CHOOSING], settings="h = 0.5;", status=2).stderr
     assert "adaptive steps need `sleep`, which configuration 'lanes' does not have" in scene([CHOOSING], config="lanes", status=2).stderr

@@ -104,7 +104,7 @@ def test_the_check_knows_what_has_stopped(written):
 def test_without_steps_of_its_own_nothing_stops(written):
     path = written(FALL)
     for command in (["run", path], ["run", path, "--steps", 4], ["compile", path], ["run", path, "-i", "euler"]):
-        assert "line 8: `stop` ends the steps of one object" in fp3(*command, status=2).stderr
+        assert "line 8: `stop` needs each object to choose its own end" in fp3(*command, status=2).stderr
 
 
 @pytest.mark.parametrize("line, message", [

@@ -47,7 +47,7 @@ static void refuse(const fp3_program *program, const fp3_params *params, fp3_eng
     def.every = 2;
     def.times = times;
     def.time_count = 1;
-    refused(def, program, params, engine, "at times or every");
+    refused(def, program, params, engine, "at times or after every");
     def.every = 0;
     def.time_count = 0;
     refused(def, program, params, engine, "no times");

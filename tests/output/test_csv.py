@@ -125,7 +125,7 @@ def test_what_is_no_time(start, times, message):
     ("kepler.ode", "--observe=mu", "is called 'mu'"), ("kepler.ode", "--observe=v_x,v_x", "'v_x' is observed twice"),
     ("kepler.ode", "--observe=", "is called ''"), ("kepler.ode", "--observe=v_x,", "is called ''"),
     ("kepler.ode", "--every=0", "'0' is no number from 1"), ("kepler.ode", "--every=-1", "is no number"),
-    ("kepler.ode", "--every=1 --times=1", "expected one of them"), ("kepler.ode", "--cycle-limit=9", "--cycle-limit: a limit is of one run"),
+    ("kepler.ode", "--every=1 --times=1", "expected one of them"), ("kepler.ode", "--cycle-limit=9", "--cycle-limit: a limit applies to one run"),
     ("ship.s", "--params=SHIP --observe=energy", "there are v, s; definitions and invariants are a model's"),
     ("ship.s", "--params=SHIP --observe=T", "is called 'T'"), ("time.ode", "", "'time' cannot be observed"),
     ("late.ode", "-n 17000000 --every=1", "17000000 steps from 'steps' = 0 on")])
@@ -143,7 +143,7 @@ def test_somewhere_it_must_be_written(start, arguments):
 
 def test_a_scene_of_several_groups_is_refused(start, root):
     done = start("--scene", root / "programs/mixed.scene", code=2)
-    assert "mixed.scene:13: --output, --plot: 2 groups have states of their own" in done.stderr
+    assert "mixed.scene:13: --output, --plot: the scene has 2 groups with different states" in done.stderr
 
 
 # ---- files ----

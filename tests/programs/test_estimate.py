@@ -109,10 +109,10 @@ def test_what_is_not_finite_is_the_worst(run):
 
 
 @pytest.mark.parametrize("source, arguments, why", [
-    ("x.s", ["--check"], "--check: only a model"), ("m.ode", ["--strict=1e-3"], "--strict=TOL: expected --check"),
+    ("x.s", ["--check"], "--check: expected a model"), ("m.ode", ["--strict=1e-3"], "--strict=TOL: expected --check"),
     ("m.ode", ["--check", "--set=steps=3"], "--check: found a value of 'steps'"), ("m.ode", ["--check", "--strict=0"], "--strict"),
     ("m.ode", ["--check", "--params", "f.cfg"], "'x' is computed from a value that a check changes"),
-    ("m.ode", ["--check", "--tolerance", "1e-3", "--until", "2", "--times", "0.5,1", "--output", "o.csv"], "ends at 1, its last snapshot, and not at 2")])
+    ("m.ode", ["--check", "--tolerance", "1e-3", "--until", "2", "--times", "0.5,1", "--output", "o.csv"], "ends at 1, its last snapshot, not at 2")])
 def test_where_a_check_has_no_meaning(fp3, tmp_path, source, arguments, why):
     (tmp_path / "x.s").write_text(".state v\nstep: add v, v, 1.0\n")
     (tmp_path / "m.ode").write_text("state x = 1\nx' = -x*t\nstep 0.125\nspan 1\n")

@@ -203,7 +203,7 @@ def test_where_lifetimes_cannot_be(root, scene, tmp_path):
     done = scene(file("lanes", 4, group(root / "programs/ship.s", 4, f'params = "{root}/programs/ship.cfg";\nborn = 2;')), code=2)
     assert "x.scene:4: born, gone: configuration 'lanes' has no sleep: all its objects make all steps" in done.stderr
     done = scene(file("many_full", 4, group("decay.ode", 4, "born = 2;")), "--cycle-limit", 99, code=2)
-    assert "born or gone on the way" in done.stderr
+    assert "births and ends of objects split the run" in done.stderr
     scene(file("many_full", 4, group("decay.ode", 4, "born = 4;")), "--cycle-limit", 10**9)
     # A last part that does more than complete values.
     (tmp_path / "adds.s").write_text(".state x\nstep: add x, x, 1.0\nlast: add x, x, 1.0\n")
@@ -217,4 +217,4 @@ def test_where_lifetimes_cannot_be(root, scene, tmp_path):
     # Several groups have columns of their own.
     text = file("array", 4, group("decay.ode", 4), group("decay.ode", 3))
     done = scene(text, "--output", "y.csv", code=2)
-    assert "x.scene:2: --output, --plot: 2 groups have states of their own" in done.stderr and not (tmp_path / "y.csv").exists()
+    assert "x.scene:2: --output, --plot: the scene has 2 groups with different states" in done.stderr and not (tmp_path / "y.csv").exists()

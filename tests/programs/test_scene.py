@@ -204,7 +204,7 @@ def test_a_scene_stands_for_itself(run, scene, folder):
     for options, message in ((["ship.fp3"], "--scene: found 'ship.fp3'"),
                              (["--objects", "3"], "the scene says how many objects"),
                              (["--set", "T=1"], "values are in the scene"),
-                             (["--kanata", "log"], "a log is of one program"),
+                             (["--kanata", "log"], "--kanata: expected one program"),
                              (["--engine", "abacus"], "no engine 'abacus'")):
         done = scene(text, *options)
         assert done.returncode == 2 and message in done.stderr, done.stderr

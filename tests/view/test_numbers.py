@@ -108,7 +108,7 @@ BROKEN = {
     HEAD + "0,0,0,1,2\n0,0,1,1,2\n1,0,0,1,2\n": "a.csv:4: found the end of the file, expected all objects of the last step",
     HEAD + "0,0,0,1,2\n0,0,1,1,2\n1,0,0,1,2\n2,0,0,1,2\n": "a.csv:5:1: found the next step, expected all objects of the one before",
     HEAD + "0,0,0,1,2\n1,0,0,1,2\n1,0,1,1,2\n": "a.csv:4:1: found one object more, expected as many as the first step has",
-    HEAD + "0,0,0,1,1e300\n": "a.csv:2:9: found a number beyond those of FP32",
+    HEAD + "0,0,0,1,1e300\n": "a.csv:2:9: found a number beyond the range of FP32",
     HEAD + "-1,0,0,1,2\n": "a.csv:2:1: found no number, expected a number in decimal digits",
     "step,object,p_x,p_x\n": "a.csv:1:17: found the same name again",
     "step,object,p_x [m\n": "a.csv:1:17: found '[' without ']'",
@@ -129,7 +129,7 @@ def test_what_is_broken_is_refused(run, tmp_path, text):
     (lambda f: f.create_dataset("late", data=numpy.zeros((3, 2))), "'v_x' has 300 objects, and 'late' has 2"),
     (lambda f: f.create_dataset("late", data=numpy.zeros((3, 300))), "'late' has 3 snapshots, and 'step' has 41"),
     (lambda f: f.create_dataset("links:x", data=numpy.array([[0, 300]])), "link 0 of 'x' names object 300, and there are 300"),
-    (lambda f: f.create_dataset("big", data=numpy.full((41, 300), 1e300)), "'big' has numbers beyond those of FP32"),
+    (lambda f: f.create_dataset("big", data=numpy.full((41, 300), 1e300)), "'big' has numbers beyond the range of FP32"),
 ])
 def test_broken_hdf5_is_refused(run, balls, tmp_path, spoil, message):
     with h5py.File(tmp_path / balls, "a") as file:
@@ -191,7 +191,7 @@ def test_a_reach_is_a_size_where_it_is_measured(run, balls, tmp_path, position, 
 
 
 @pytest.mark.parametrize("head, arguments, message", [
-    ("step,object,a,b [kg]", [], "nothing in it is known to be a position: no vector (name_x, name_y) has the unit of a length. There are a, b [kg]: name"),
+    ("step,object,a,b [kg]", [], "no position found: no vector (name_x, name_y) has the unit of a length. There are a, b [kg]: name"),
     ("step,object,a", ["--position", "z"], "nothing in it is called 'z': there are a, and object"),
     ("step,object,a", ["--position", "a,a,a,a"], "--position: found 'a,a,a,a', expected one to three names"),
     ("step,object,r_x [m],r_y [m]", ["--colour", "w"], "nothing in it is called 'w'"),

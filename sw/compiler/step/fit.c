@@ -241,9 +241,8 @@ static fp3_status check_stop(const fitting *f, fp3_error *error) {
     for (uint32_t i = 0; !f->fit->control && i < f->model->event_count; i++)
         if (f->model->events[i].stops)
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "line %" PRIu32 ": `stop` ends the steps of one object: steps that all "
-                            "objects make together do not stop; expected steps of its own, by "
-                            "--until or --tolerance",
+                            "line %" PRIu32 ": `stop` needs each object to choose its own end: "
+                            "run with --until or --tolerance instead of --steps",
                             f->model->events[i].line);
     return FP3_OK;
 }

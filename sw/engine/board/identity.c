@@ -55,7 +55,7 @@ fp3_status fp3_identity_check_id(uint32_t id, fp3_error *error) {
                         " of the instruction set, this libfp3 %u: both must come from one version",
                         id & 0xff, (unsigned)FP3_ISA_REVISION);
     return fp3_fail(error, FP3_E_SYSTEM,
-                    "the hardware is no FP3: its register id is 0x%08" PRIx32
+                    "the hardware is not FP3: its register id is 0x%08" PRIx32
                     ", expected 0x%08" PRIx32,
                     id, IDENTITY);
 }

@@ -96,11 +96,11 @@ static fp3_status complain(const fp3_link *link, const request *r) {
                         "port %s: %" PRIu64 " bytes came, and none of them was an answer: is the "
                         "board's rate %" PRIu32 " baud (--baud), and is it an FP3?",
                         port, link->bytes, link->baud);
-    return fp3_fail(
-        error, FP3_E_SYSTEM,
-        "port %s: nobody answers at %" PRIu32 " baud: does the board have power and its "
-        "bitstream, is this its port and its baud rate (--baud), is its reset released?",
-        port, link->baud);
+    return fp3_fail(error, FP3_E_SYSTEM,
+                    "port %s: no answer at %" PRIu32
+                    " baud: does the board have power and its bitstream, is "
+                    "this its port and its baud rate (--baud), is its reset released?",
+                    port, link->baud);
 }
 
 /* What the line takes for both packets, if every byte is escaped, and a time for the board. */

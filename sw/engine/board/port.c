@@ -44,7 +44,7 @@ static fp3_status find_speed(uint32_t baud, speed_t *code, fp3_error *error) {
 static fp3_status cannot(const char *name, fp3_error *error) {
     const char *why =
         errno == ENOENT || errno == ENXIO || errno == ENODEV
-            ? "; is the board plugged in? /dev/serial/by-id has those that are"
+            ? "; is the board plugged in? /dev/serial/by-id lists the ports"
         : errno == EACCES || errno == EPERM
             ? "; ports belong to a group, often dialout, of which one must be a member"
         : errno == EWOULDBLOCK ? "; another program uses it"

@@ -242,9 +242,8 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
     fp3_status status = FP3_OK;
     *lists = (fp3_store_lists){0};
     if (group->lists.shape.phases > 1 && fp3_store_lists_is_near(engine))
-        return refuse(engine, "lists of those that are near need a step of one phase: with "
-                              "several, lists would follow "
-                              "the objects in the middle of a step");
+        return refuse(engine, "lists of near objects need a step of one phase: with several, "
+                              "lists would have to change in the middle of a step");
     if (engine->exchange.end && group->lists.shape.phases > 1)
         return refuse(
             engine,

@@ -308,10 +308,11 @@ static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *
                         : g->mask         ? find_by_hash(g, place, p, error)
                                           : find_in_box(g, row, place, p, error);
     if (!status && p->count > INT32_MAX)
-        status = fp3_fail(error, FP3_E_LIMIT,
-                          "the lists of those that are near have more than 2147483647 entries: "
-                          "there are too many of the %" PRIu32 " objects, or the reach is too long",
-                          g->now->objects);
+        status =
+            fp3_fail(error, FP3_E_LIMIT,
+                     "the lists of near objects have more than 2147483647 entries: the %" PRIu32
+                     " objects are too many, or the reach is too long",
+                     g->now->objects);
     return status;
 }
 

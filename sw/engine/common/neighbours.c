@@ -86,7 +86,7 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
     fp3_error *error = engine->def.error;
     if (list->fields || near->dimensions < 1 || near->dimensions > FP3_NEAR_DIMENSIONS)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        list->fields ? "list '%s': entries have fields, so each has to be given"
+                        list->fields ? "list '%s': entries have fields, but none are given"
                                      : "list '%s': a position has 1 to 3 components",
                         name);
     if (!(near->reach >= FP3_NEAR_LEAST && near->reach <= FP3_NEAR_MOST && near->skin >= 0 &&
@@ -128,7 +128,7 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
         status = check_entries(engine, list, name, neighbours);
     else if (list->fields)
         status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                          "list '%s': entries have fields, so each has to be given", name);
+                          "list '%s': entries have fields, but none are given", name);
     fp3_neighbours as_words = *neighbours;
     uint32_t *words = NULL;
     if (!status)

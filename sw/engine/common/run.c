@@ -222,9 +222,8 @@ static fp3_status check_limit(fp3_engine *engine, uint32_t steps) {
     if (!engine->def.cycle_limit || !steps || fp3_life_part(engine, steps, &is_any) == steps)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                    "a cycle limit of %" PRIu64
-                    ": objects are born or gone on the way, which splits the "
-                    "run, and a limit is of one",
+                    "a cycle limit of %" PRIu64 ": births and ends of objects split the run, and "
+                    "a limit applies to one run",
                     engine->def.cycle_limit);
 }
 

@@ -55,8 +55,8 @@ static fp3_status check(const fp3_fast_plan *plan, uint32_t pc, uint32_t in_fron
     for (uint32_t i = 0; in->op == FP3_OP_LDS && i < pc; i++)
         if (!is_load(&plan->code[i].in))
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "word %" PRIu32
-                            " is an lds: engine 'fast' wants it before all but loads",
+                            "word %" PRIu32 " is an lds: engine 'fast' takes an lds only behind "
+                            "loads",
                             pc - in_front);
     return FP3_OK;
 }

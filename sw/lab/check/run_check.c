@@ -232,8 +232,8 @@ static fp3_status judge_ends(fp3_run_check *c, fp3_error *error) {
             status = fp3_adaptive_look(c->engine, i, &second);
         if (!status && first.until != second.until)
             return fp3_fail(error, FP3_E_ARGUMENT,
-                            "--check: the run ends at %.9g, its last snapshot, and not at %.9g, "
-                            "as --until says",
+                            "--check: the run ends at %.9g, its last snapshot, not at %.9g, the "
+                            "time of --until",
                             (double)first.until, (double)second.until);
         const int has_ended =
             !status && fp3_adaptive_is_over(first.end) && fp3_adaptive_is_over(second.end);
@@ -364,8 +364,7 @@ fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *g
     *check = NULL;
     if (!part->program->model)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "--check: %s is no model, so it does not say how the step enters",
-                        group->path);
+                        "--check: %s is no model, so its use of the step is unknown", group->path);
     if (fp3_params_has(part->params, FP3_NAME_STEPS))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: found a value of 'steps', but with half the step an object that "

@@ -42,8 +42,8 @@ static fp3_status find_short_ones(fp3_ladder *l, double span, fp3_error *error) 
     return status || known
                ? status
                : fp3_fail(error, FP3_E_ARGUMENT,
-                          "every state is 0 up to time %.9g: an error has no size that it "
-                          "could be relative to",
+                          "every state is 0 up to time %.9g, so no error can be relative to its "
+                          "size",
                           span);
 }
 

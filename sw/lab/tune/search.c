@@ -246,7 +246,7 @@ fp3_status fp3_search_steps(const fp3_search *search, const fp3_candidate *candi
     row->lowest = row->error = INFINITY;
     if (!most) {
         row->cycles = cycles(&s, 1);
-        snprintf(row->why, sizeof row->why, "skipped: one step costs more than the best");
+        snprintf(row->why, sizeof row->why, "skipped: one step costs more than the best so far");
         return FP3_OK;
     }
     const int is_bounded = isfinite(search->cheaper) && most <= FAR * search->first;

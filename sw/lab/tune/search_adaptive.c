@@ -237,7 +237,9 @@ fp3_status fp3_search_tolerance(const fp3_search *search, const fp3_candidate *c
     s.most = find_most(&s);
     if (s.most < 1) {
         row->cycles = cycles(&s, 1);
-        snprintf(row->why, sizeof row->why, "skipped: one attempt costs more than the best");
+        snprintf(row->why, sizeof row->why,
+                 "skipped: one attempt costs more than the best so "
+                 "far");
         return FP3_OK;
     }
     for (unsigned i = 0; !status && i < count; i++) {
