@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_decode: what an instruction word asks for, and whether this build can do it.
+// fp3_decode: decodes an instruction word, and says whether this build can execute it.
 //
 // Purpose   The only reader of the instruction set's fields in hardware.
 // Latency   0.
@@ -23,8 +23,9 @@ module fp3_decode #(
     `FP3_DECODED_FIELDS
     assign decoded_o = `FP3_DECODED;
 
-    // Where objects see each other, the word goes far on its way to the register behind decode. So op has the codes of field op alone
-    // there, and those of field c, of which all that a build has are for neighbours, are looked at beside it.
+    // With NEIGHBOURS the path from the word to the register behind decode is long. So op has the
+    // codes of field op only, and the codes of field c (all of them for neighbours) are decoded
+    // beside it.
     wire              is_more = NEIGHBOURS != 0 && more_code(word_i);
     wire [CODE_W-1:0] more    = {1'b1, word_i[C_HI:C_LO]};
     wire [CODE_W-1:0] op      = NEIGHBOURS != 0 ? {{CODE_W-1-OP_HI+OP_LO{1'b0}}, word_i[OP_HI:OP_LO]} : code_of(word_i);
@@ -64,8 +65,8 @@ module fp3_decode #(
     wire plain_memory = st || lds || (INTERLEAVE != 0 && op == OP_LD);
     assign to_memory  = plain_memory || each || next || loads_word || loads_field;
 
-    // Sums and products apart: each writes its bank, and reads at most one register of each; of what is scaled
-    // only b is, which then is none of the sums.
+    // Sums and products apart: each writes its bank, and reads at most one register of each bank. A
+    // scaled operand is b, which is then not in the bank of sums.
     wire a_even = !field_a[6] && !field_a[0], a_odd = !field_a[6] && field_a[0];
     wire b_even = !field_b[6] && !field_b[0], b_odd = !field_b[6] && field_b[0];
     wire apart  = !(has_b(op) && ((a_even && b_even) || (a_odd && b_odd)))

@@ -77,7 +77,7 @@ module fp3_fetch #(
     wire unused     = &{jump_on_i, jump_begins_i, jump_pc_i, more_i};
     assign again_o  = anew && !start_i;
 
-    // Both are found a cycle ahead, for each word that may come next.
+    // Both are computed a cycle ahead, for each word that may come next.
     reg  again_over, again_ends, zero_over, zero_ends;
     reg  [PROGRAM_W-1:0] before_step_end_q, before_end_q;
     always @(posedge clk_i) begin

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_host_decode: where a host's address leads.
+// fp3_host_decode: decodes a host's address.
 //
-// Purpose   Of host_port: tells registers, counters, program and the memories behind it apart. Whether an
-//           access may do anything there, host_port says.
+// Purpose   Part of host_port: tells registers, counters, program and other memories apart.
+//           host_port checks whether an access is legal.
 // Latency   1.
-// Hazard    An address is in at most one part of the map; one that is no multiple of 4 is in none.
+// Hazard    An address is in at most one part of the map; an address that is not a multiple of 4 is
+//           in none.
 `default_nettype none
 module fp3_host_decode #(
 `include "config/config.vh"

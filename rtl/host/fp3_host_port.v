@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_host_port: the host's registers, its counters, and its windows onto the memories.
 //
-// Purpose   Loads programs, constants and objects, starts and stops runs, and shows how they went. Each
-//           scheduler has one. isa/registers.toml is the map: which registers there are, what can be read and
-//           written, and which of them are settings of a run, which are kept here and handed on as a bundle.
-// Latency   A request is decoded (host_decode), checked, and executed, a cycle each. A write is answered while it is
-//           executed, a read of a register or counter two cycles later, any other read MEMORY_LATENCY + 1 cycles later:
-//           from access_o to the word on rdata_i are MEMORY_LATENCY cycles (isa/timing.toml).
+// Purpose   Loads programs, constants and objects, starts and stops runs, and shows their outcome.
+//           Each scheduler has a host_port. isa/registers.toml is the map of registers, with their
+//           access; settings of a run are kept here and passed on as a bundle.
+// Latency   A request is decoded (host_decode), checked, and executed, a cycle each. A write is
+//           answered when it is executed, a read of a register or counter two cycles later, any
+//           other read MEMORY_LATENCY + 1 cycles later: MEMORY_LATENCY cycles from access_o to the
+//           word on rdata_i (isa/timing.toml).
 // Promise   Every request is answered. A request to an address without a register, with an access that the
 //           register does not have, or with a value out of its range is answered with an error and changes nothing.
 // Hazard    A request may come in every cycle. But a request to a register, a counter or a constant comes alone: all
@@ -63,7 +64,7 @@ module fp3_host_port #(
 `include "host/lane_host.vh"
     localparam [31:0] STORE_32 = STORE_WORDS;
 
-    // Decode a request, check it, execute it. What is alone stands until it is answered.
+    // Decode a request, check it, execute it. A request that is alone stays until it is answered.
     reg         check_q, write_q, ok_q;
     reg         writes_q, ours_q, fetches_q, access_q, load_q;      // executed: a write, a read of ours, any other; a memory, a program
     reg         shows_q;                                  // a cycle later
@@ -108,8 +109,8 @@ module fp3_host_port #(
     reg                 irq_enable_q, ended_q;
     reg                 irq_enable_failed_q, failed_q;
 
-    // Whether an access to a register has a meaning: its address is looked at first, then what happens now. That keeps
-    // the path short.
+    // Is the access to a register legal? The address is checked first, the state of the run a cycle
+    // later, which keeps the path short.
     reg  runnable;
     reg  has_q;                                           // there is such an access
     reg  starts_q, sets_q;                                // it is a write: a start; a setting
@@ -152,7 +153,7 @@ module fp3_host_port #(
     wire wants_stop = wdata_q[CONTROL_STOP_LO];
     wire wants_start = wdata_q[CONTROL_START_LO];
 
-    // The outcome is known in the cycle after the end: until then the run goes on.
+    // The outcome is known in the cycle after the end; until then the run counts as running.
     wire busy = running_i || was_running_q;
 
     wire register_ok = has_q && !(running_i && (starts_q || sets_q)) && !(starts_q && !runnable) && !(|(ranged_q & ~fits_q));
@@ -161,8 +162,9 @@ module fp3_host_port #(
               : in_counters  ? !write_q
               : !running_i && ((in_memory && !(write_q && beyond)) || (in_program && write_q));
 
-    // What the registers show: the configuration, settings, and the outcome. One mux of them all would be the longest
-    // path of the processor: one register of each group is chosen, and a group in the next cycle.
+    // The values of readable registers: configuration, settings, outcome. One mux of all would be
+    // the processor's longest path, so one register of each group is selected, and a group in the
+    // next cycle.
     localparam GROUP_SIZE = 8, READ_GROUPS = REGISTER_COUNT / GROUP_SIZE;
     wire [32*REGISTER_COUNT-1:0] kept;                    // the settings as the host wrote them
     reg  [32*REGISTER_COUNT-1:0] words;
@@ -181,8 +183,8 @@ module fp3_host_port #(
         words[8*ADDR_INTERRUPT + INTERRUPT_FAILED_LO +: 1]        = failed_q;
     end
 
-    // What was decoded is executed in the next cycle. A run may end in between, and nothing else
-    // may change, so it still has its meaning. What is read stands a cycle longer.
+    // A decoded request is executed in the next cycle. Only a run's end can come in between, so the
+    // request is still legal. A read stays a cycle longer.
     reg  [32*READ_GROUPS-1:0] groups_q;
     reg  [COUNTER_W-1:0]      counter_q;
     reg                       counters_high_q;
@@ -274,7 +276,7 @@ module fp3_host_port #(
             if (to_interrupt) irq_enable_q <= wdata_q[INTERRUPT_ENABLE_LO];
         end
 
-    // A host that sleeps wants to hear of an overflow and of an invalid operation before the run ends.
+    // Interrupts a sleeping host at an overflow or an invalid operation, before the run ends.
     always @(posedge clk_i)
         if (rst_i) {irq_enable_failed_q, failed_q} <= 2'd0;
         else begin

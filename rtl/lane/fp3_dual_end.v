@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_dual_end: for whom instructions are executed: their ends, where a sum and a product may end at once.
+// fp3_dual_end: the end of instructions if a sum and a product may end at once: which object
+// executes them.
 //
-// Purpose   Nobody sleeps, and objects come in order: an instruction is executed where there is an object. Says which words
-//           move between registers and store.
+// Purpose   No object sleeps, and objects come in order: an instruction is executed if its context
+//           has an object. Says which words move between registers and store.
 //
 //           cycle    W-4                          W-1             W
 //                    retire_i, store to be read   its word there  ends_o
@@ -33,7 +34,7 @@ module fp3_dual_end #(
     assign `FP3_DUAL_RETIRE = retire_i;     // cycle W-4
     wire unused = &`FP3_DUAL_ISSUE;
 
-    // How many objects: those of the rows below
+    // The number of objects, which are in the rows below
     reg [ROW_W:0] count_q;
     always @(posedge clk_i)
         if (rst_i)             count_q <= {ROW_W+1{1'b0}};

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_dual_operands: a lane's registers in two banks, and the operands that a sum and a product take from them at once.
 //
-// Purpose   Sums are written to one bank, products to the other; every operation reads at most one register of each, so
-//           that four memories with one read and one write port are enough and no operand is chosen. One operand of a sum is
-//           left out for a store: the other, unchanged, is what is stored.
-// Latency   Three cycles from the registers' numbers to the operands; a sum's y is named TIMING_EARLY cycles before the
-//           rest: its word waits a cycle, and is scaled in two. scale_flags_o comes with the result.
-// Hazard    Nothing is interlocked: who names a register in time is said, and checked, in the sequencer.
+// Purpose   Sums are written to one bank, products to the other; every operation reads at most one
+//           register of each bank, so four memories with one read and one write port are enough,
+//           and no operand needs a multiplexer. A store is a sum with one operand left out: the
+//           other operand is stored unchanged.
+// Latency   Three cycles from the register numbers to the operands. The register of a sum's y is
+//           named TIMING_EARLY cycles before the others: its word waits a cycle, and is scaled in
+//           two. scale_flags_o comes with the result.
+// Hazard    There are no interlocks: the sequencer names registers in time, and checks this.
 //
 //     cycle      -2             0                  1        2                    3
 //                issue_sum_y    issue_sum_x ..     waits    read, y is scaled    operands_o, stored_o

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_halve: a binary32 number rounded to the 16 bits that a store keeps of it.
+// fp3_halve: rounds a binary32 number to the 16 bits of a word in the store.
 //
-// Purpose   STORAGE is 1: bfloat16, 2: binary16. Rounds to nearest, ties to even; or, if draws_i, up as often as the fraction that
-//           is cut off says: its first 16 bits and a random number are added, and the carry rounds. A NaN is the one of the machine.
+// Purpose   STORAGE is 1: bfloat16, 2: binary16. Rounds to nearest, ties to even. With draws_i
+//           rounds up at random, with the fraction cut off as probability: the first 16 bits cut
+//           off and a random number are added, and the carry rounds. Every NaN becomes the
+//           machine's NaN.
 // Latency   2. random_i and draws_i come a cycle after word_i.
 // Hazard    None: it takes a word in each cycle.
 //

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lane: the registers of some objects, the store behind them, and what becomes of each result.
+// fp3_lane: the registers of some objects, the store behind them, and the end of each instruction.
 //
-// Purpose   Does what its sequencer says, in each cycle an instruction of each stream, for as many objects as there are
-//           contexts. Whatever depends on an object's data is decided here and nowhere else. Its streams, one or a sum and a
-//           product, differ in the registers (lane_operands, dual_operands) and in the ends (lane_end, dual_end).
+// Purpose   Executes the sequencer's orders: in each cycle one instruction of each stream, for one
+//           context. Everything that depends on an object's data is decided here. There is one
+//           stream, or with DUAL one of sums and one of products; these differ in the registers
+//           (lane_operands, dual_operands) and in the ends (lane_end, dual_end).
 //
 //           cycle    0         1, 2       3         .. W = TO_RESULT        W+1
 //           issue    operands  registers  operands  arithmetic, result   written, retired
@@ -16,10 +17,11 @@
 //           waits from then on. Where a sum and a product issue at once, a sum's y is named TIMING_EARLY before cycle 0, which
 //           is that much later for all else.
 //
-// Latency   A register that is named GAP cycles after the issue of the instruction that writes it, or later, has the new
-//           value. All results are equally late, so everything happens in the order of issue.
-// Hazard    Nothing is interlocked here: one context does not come twice within GAP cycles. The host's accesses come when no
-//           instruction is in the lane.
+// Latency   A register read GAP cycles after the issue of the instruction that writes it, or later,
+//           has the new value. All results have the same latency, so everything happens in the
+//           order of issue.
+// Hazard    There are no interlocks: one context does not come twice within GAP cycles. The host's
+//           accesses come when no instruction is in the lane.
 `default_nettype none
 `include "lane/bundles.vh"
 module fp3_lane #(
@@ -134,7 +136,7 @@ module fp3_lane #(
         .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_whole_i(access_whole), .host_word_i(data_i));
 
-    // In front of the operands it comes too early for what is loaded.
+    // Before the operands it is too early for the loaded word.
     generate
         if (NEIGHBOURS != 0) begin : g_early
             fp3_delay_ram #(.W(32), .N(TO_RESULT-2)) u_loaded (.clk_i(clk_i), .rst_i(rst_i), .d_i(word), .q_o(loaded));
@@ -144,7 +146,7 @@ module fp3_lane #(
         end
     endgenerate
 
-    // Another lane gets a word of this one's store.
+    // A word of this lane's store, for another lane.
     wire copied;                                // W
     generate
         if (EXCHANGE != 0) begin : g_copied

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lane_end: for whom an instruction is executed: its end, where one ends in each cycle.
+// fp3_lane_end: the end of an instruction, if one ends in each cycle: whether the object in its
+// context executes it.
 //
-// Purpose   Takes what a lane hears of an instruction's end, finds the object in its context, and decides: is it there, is it
-//           awake, does it fall asleep. Says which words move between registers and store.
+// Purpose   Takes the end of an instruction, finds the object in its context, and decides: is there
+//           an object, is it awake, does it fall asleep. Says which words move between registers
+//           and store.
 //
 //           cycle    W-6       W-3                    W
 //                    retire_i  row, store to be read  end_o; word_i is there

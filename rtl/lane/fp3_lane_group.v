@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lane_group: lanes that hear the same in the same cycle, and answer as one.
+// fp3_lane_group: lanes with the same control in the same cycle, which answer as one.
 //
-// Purpose   What goes from group to group is registered once in each, for all its lanes. As the lanes are
-//           told the same, what they only pass on (an instruction's end, six cycles long) is the same in
-//           each: synthesis finds equal registers and keeps one copy.
+// Purpose   Control from group to group is registered once in each group, for all its lanes.
+//           Registers that only pass control on (an instruction's end, six cycles long) are equal
+//           in all lanes: synthesis finds equal registers and keeps one copy.
 //
 //           issue_i ──► register ──┬────────┬────────┬────────┬──► issue_o
 //                                lane     lane     lane     lane
 //           report_i ──────────────┴────────┴────────┴────────┴──► register ──► report_o
 //
-// Latency   One cycle from what is heard to what is said on, and one from report_i to report_o; the count
-//           takes a cycle for each lane: it is read when nothing moves.
-// Reset     Goes from group to group as an instruction does; the lanes have it with what they hear.
+// Latency   One cycle from group to group, and one from report_i to report_o. The count takes a
+//           cycle for each lane: it is read when no instruction is in the lanes.
+// Reset Goes from group to group as an instruction does, and reaches the lanes with the control.
 `default_nettype none
 `include "lane/bundles.vh"
 module fp3_lane_group #(

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lane_operands: a lane's registers, and the operands x, y and z that an instruction takes from them.
 //
-// Purpose   Three copies of the registers, so that three are read in a cycle. A sum is z +/- x * 1 (or 2,
-//           1/2), a product -0 + x * y: the same bits and flags as the plain operation. The 1 and the -0
-//           come from the set and reset inputs of the operands' registers. x may be a word of a neighbour, and what that is
-//           subtracted from is z; what is subtracted from it is z with the other sign: -z + x * 1.
+// Purpose   Three copies of the registers, for three reads in a cycle. A sum is z +/- x * 1 (or 2,
+//           1/2), a product -0 + x * y: the same bits and flags as the plain operation. The 1 and
+//           the -0 come from the set and reset inputs of the operands' registers. x may be a word
+//           of a neighbour. For z - x, z is used as it is; for x - z, z is negated: -z + x * 1.
 // Latency   Three cycles from the registers' numbers to the operands. z is named, and comes, Z_LATE cycles after
 //           x and y. less_o comes with the result.
-// Hazard    Nothing is interlocked: who names a register in time is said, and checked, in lane.
+// Hazard    There are no interlocks: registers are named in time (lane, which checks it).
 //
 //     cycle        0              1, 2         3                         3 + UNIT_LATENCY
 //                  issue_x        memories     operands_x = 40000000     less_o: |y| < x
@@ -54,7 +54,7 @@ module fp3_lane_operands #(
         end
     endgenerate
 
-    // What a neighbour gives instead of a register, and what it is subtracted from, with the other sign.
+    // A neighbour's word instead of a register, and z negated for x - z.
     wire [31:0] x_or_word_i2, signed_z_i2;
     generate
         if (NEIGHBOURS != 0) begin : g_given
@@ -87,7 +87,8 @@ module fp3_lane_operands #(
     assign {operands_x, operands_y, operands_z} = {x_q, y_q, z_q};
     assign stored_o = y_q;
 
-    // sleep compares magnitudes as integers; a NaN is not less, and nothing is less than a number that is read as zero.
+    // sleep compares magnitudes as integers. A NaN is not less than a number; no number is less
+    // than a zero or a number read as zero.
     generate
         if (SLEEP != 0) begin : g_less
             reg less_q;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lane_result: the end of an instruction of one stream: what is written to the registers, and the trace of it.
+// fp3_lane_result: the end of an instruction of one stream: the write to the registers, and its
+// trace.
 //
-// Purpose   The register between a result and the registers' write port, and what the host and the trace hear of it.
+// Purpose   The register between a result and the registers' write port; reports the write to the
+//           host and the trace.
 // Latency   One cycle.
 //
 //     cycle    W                  W+1

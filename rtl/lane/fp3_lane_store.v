@@ -9,10 +9,10 @@
 //
 // Latency   Stored five cycles after the issue (cycle 5 has the new word), with STORAGE ROUNDED + 2. Loaded: three cycles from the row to
 //           word_o, with STORAGE WIDENED more.
-// Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds everything drains,
-//           and within a round no object loads what another stores (checked).
-//           Published words are loaded from one half of the store and stored in the other, whose rows are then as many.
-//           The host accesses words when no instruction is in the lane (checked there).
+// Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds
+//           everything drains, and within a round no object loads what another stores (checked).
+//           Published words are loaded from one half of the store and stored in the other half. The
+//           host accesses words when no instruction is in the lane (checked there).
 //
 //     cycle    0      2                    3         4        5
 //     store    st_i   row_i2_i, absent..   value_i3  written  there

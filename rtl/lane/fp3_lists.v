@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lists: where each context is in its object's list of neighbours.
 //
-// Purpose   `each` notes the place and the length of each object's list, which its register holds. All contexts go through their
-//           lists at the same pace, so what is added to the place comes from the sequencer. What an entry's first word
-//           says, the row of the neighbour, stays for the words that are loaded of it.
+// Purpose   `each` notes the place and the length of each object's list, from the object's
+//           register. All contexts go through their lists at the same pace, so the sequencer gives
+//           the offset from the place. The first word of an entry, the row of the neighbour, is
+//           kept for the loads of the neighbour's words.
 //
 //           cycle    0          3         4
 //           each     each_i     word_i3   noted, compared           longest_o is there from 5 on
@@ -122,7 +123,7 @@ module fp3_lists #(
         .read_addr_i(context_r2), .read_value_o({there_r2, row_r2}));
 
 `ifdef FP3_CHECK
-    // What all this rests on: a place is noted before it is read.
+    // Invariant: a place is noted before it is read.
     reg [(1<<CONTEXT_W)-1:0] fresh_q;                   // `each` has been noted, its entry not yet read
     always @(posedge clk_i) begin
         if (each_i4) fresh_q[context_q] <= 1'b1;

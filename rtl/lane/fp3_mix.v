@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_mix: 32 bits that look as if they were drawn at random, from 32 others.
+// fp3_mix: hashes 32 bits to 32 bits that look random.
 //
 // Purpose   The hash of draws (sw/machine/storage.h has the same): each bit of the result depends on every bit of the number, and
 //           different numbers have different results. Shifts and sums alone: no multiplier.

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_visits: whose turn it is, where objects can sleep. The list of a lane's objects, the object in each context, and who sleeps.
+// fp3_visits: which object each context has if objects can sleep: the list of a lane's objects, and
+// which ones sleep.
 //
-// Purpose   A visit takes an object from the list's head and, if it is still awake at its end, puts
-//           it back at the tail: objects that sleep cost nothing from then on. Decides for every
-//           instruction whether it is executed for the object in its context.
+// Purpose   A visit takes an object from the list's head and, if the object is awake at the visit's
+//           end, puts it back at the tail, so sleeping objects cost nothing. Decides for every
+//           instruction whether the object in its context executes it.
 //
 //           cycle  W-6    W-4        W-3       W-1         W           W+1        W+2
 //           list:  taken  head read  row_w3_o  state read  executed_o  nonzero_i  state written, put back
 //
 // Latency   As shown; with STORAGE W-6 to W-3, w4 and w3 in names too, are WIDENED earlier. Of a store's row, two cycles after st_context_i.
-// Hazard    One context does not come twice within ENDED + 2 cycles.
-//           No run begins with a list that was to get more than it has room for: host_port sees to that.
-//           The list's head is not read in the cycle in which it is written.
-//           What is executed is executed for an object that is there and awake, or stored in the last part
-//           of the visit in which it fell asleep.
+// Hazard    One context does not come twice within ENDED + 2 cycles. No run begins with an overfull
+//           list: host_port checks this. The list's head is not read in the cycle in which it is
+//           written. What is executed is executed for an object that is there and awake, or stored
+//           in the last part of the visit in which it fell asleep.
 `default_nettype none
 module fp3_visits #(
 `include "config/config.vh"

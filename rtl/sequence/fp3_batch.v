@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_batch: which contexts have an object in this visit, and which of these objects are awake.
 //
-// Purpose   A round visits its objects batch by batch, as many at a time as there are contexts. Fetch is
-//           ahead of decode, perhaps by the end of a batch, so each counts batches for itself.
-//           Decode asks which contexts an instruction is for:
+// Purpose   A round visits its objects batch by batch; a batch has at most one object per context.
+//           Fetch runs ahead of decode, perhaps into the next batch, so fetch and decode count
+//           batches separately. Decode asks which contexts an instruction is for:
 //
 //           the first of a visit    all that get an object        the next batch is this one from then on
 //           in the last part        all that have one             an object that fell asleep is stored, too
 //           any other               those awake
 //
-// Latency   mask_o is that of the instruction that decode takes; a report changes it two cycles later.
-//           A report comes some time after an object fell asleep. Until then instructions issue for it
-//           in vain (no lane executes them), and later ones do not.
+// Latency   mask_o is that of the instruction that decode takes; a report changes it two cycles
+//           later. A report comes some cycles after an object fell asleep. Until then instructions
+//           still issue for the object (no lane executes them); afterwards they do not.
 // Hazard    Each report is about a context that has an object, and comes before the next round opens.
 //
 //     CONTEXTS = 4, count_i = 6:       mask_o of ld  1111   of add  1111   after a report of context 2  1011

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_draws: which draw rounds the word that an object stores.
 //
-// Purpose   A draw depends on the seed, the object, the step and the register, and on nothing else: so every engine, any number of
-//           lanes and any order of objects give the same bits. It is mix(mix(seed ^ step ^ register << 26) + object), of
-//           which a lane uses the low 16 bits. What all lanes have in common is computed here; each lane adds its number.
-//           Objects are visited in the order of their rows, so the number of an object is that of the one before and the stride. Where
-//           objects can sleep, their order varies, so each lane finds its object's number.
+// Purpose   A draw depends only on the seed, the object, the step and the register, so every
+//           engine, any number of lanes and any order of objects give the same bits. draw =
+//           mix(mix(seed ^ step ^ register << 26) + object); a lane uses its low 16 bits. This
+//           module computes the part that all lanes share; each lane adds its own part of the
+//           number. Objects are visited in the order of their rows, so an object's number is the
+//           last one plus the stride. If objects can sleep, their order varies, and each lane finds
+//           the number itself.
 //
 // Latency   draw_o TIMING_MIX + 2 cycles after issue_i, TIMING_MIX + 1 after issue's ISSUE.
 // Hazard    first_i comes with the first context of each sweep. A sweep goes through all objects of its batch.

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_dual_pace: when the next sweep may begin, where a sweep of sums and one of products may be under way at once.
 //
-// Purpose   A sweep waits for its unit, and so long after the one before that no context reads a result before
-//           it is written: as all sweeps go through the contexts in the same order and without a stop, GAP
-//           cycles from beginning to beginning are enough.
+// Purpose   A sweep waits for its unit, and long enough after the sweep before that no context
+//           reads a result before it is written. All sweeps go through the contexts in the same
+//           order without a stop, so GAP cycles between their beginnings are enough.
 //
 //           n = 30, GAP = 13:    product  0 ........... 29 30 .......... 59
 //                                    sum      13 ........... 42 43 ...
 //
-// Promise   Between two sweeps' beginnings at least GAP cycles pass; no sweep begins while its unit is busy,
-//           and none waits longer than these two ask for. Proved: tests/formal/dual_pace_spec.v.
+// Promise   Between two sweeps' beginnings at least GAP cycles pass; no sweep begins while its unit
+//           is busy, and no sweep waits longer than these two rules require. Proved:
+//           tests/formal/dual_pace_spec.v.
 // Latency   count_o two cycles after valid_i, known_o and may_o five.
 // Hazard    mask_i, adds_i, muls_i and legal_i stay while valid_i is high. take_i comes with may_o and ends it:
 //           valid_i is low in the next cycle. The contexts of a mask are 0, 1, .. without a hole.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_dual_turn: the instruction that is under way to one unit, one context in each cycle.
 //
-// Purpose   Where sums and products have a turn each: the sweep of one of them, and what the lanes are told
-//           of it. Nothing stops a sweep.
-// Latency   The first context is said (valid_o) two cycles after load_i, its row three.
+// Purpose   With DUAL, the sweep of sums or the sweep of products, and its orders to the lanes.
+//           Nothing stops a sweep.
+// Latency   valid_o shows the first context two cycles after load_i, row_o its row three cycles
+//           after.
 // Hazard    load_i only while free_o is high. base_i is the row of context 0.
 //
 //     cycle     0     1      2        3

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_exchange: copies published words from lane to lane, before each round.
 //
-// Purpose   A neighbour in another lane is a ghost: a row of the own store with a copy of what is published. This module
-//           goes through the list of copies once for each published word, a copy in each cycle: the lane that has the object
-//           says the word, as it would to the host, and a lane that needs it hears it, as it would of the host.
+// Purpose   A neighbour in another lane has a ghost: a row of this lane's store with copies of the
+//           published words. This module goes through the list of copies once for each published
+//           word, one copy per cycle: the lane of the object reads the word as for the host, and
+//           the lane of the ghost writes the word as from the host.
 //
 //           list ──► from: row, lane ──► reach_o ───► lanes ──► answer ──┐
 //           list ──► to: row, lane ────► access_o ──► lanes ◄── data ◄───┘    TIMING_END + 1 + GROUPS cycles later
 //
-// Latency   Two cycles between two words, and WAY + 3 behind the last: then the last copy is on its way through the lanes.
-// Hazard    Nothing else is in the lanes, and the host has no access: copy_i comes between rounds. The lanes hear this module
-//           and nobody else while busy_o is high.
-//           Copies are of rows that nobody copies to, so their order does not matter.
+// Latency   Two cycles between two words, and WAY + 3 behind the last word: then the last copy is
+//           on its way through the lanes.
+// Hazard    copy_i comes between rounds: no instruction is in the lanes, and the host has no
+//           access. While busy_o is high, only this module controls the lanes. No copy reads a row
+//           that another copy writes, so the order of copies does not matter.
 //
 //     two published words, three copies:   from   0 1 2 - - 0 1 2 - - ..
 //                                          to     ..      0 1 2 - - 0 1 2     then copied_o

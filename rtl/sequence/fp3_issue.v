@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_issue: what the lanes are told of each instruction: what it reads of the store, its operands, and its end.
+// fp3_issue: tells the lanes of each instruction the word of the store that it reads, its operands,
+// and its end.
 //
-// Purpose   Turns the instruction and the one context that sweep shows into operands' addresses (ISSUE);
-//           some cycles later into what its end needs (RETIRE, and the number of its step).
-//           Operands: x is b or what a neighbour gives, y is a or what is stored, z is c or a.
-//           Where objects see each other, what is read of the store (REACH) comes first, and all else AHEAD cycles later than
-//           without. `each` reads its register before it finds an entry, so its REACH waits until the lane's lists have that.
+// Purpose   Makes operand addresses (ISSUE) of the instruction and of the context that sweep shows,
+//           and some cycles later the fields of the instruction's end (RETIRE, and the number of
+//           its step). Operands: x is b or a neighbour's word, y is a or the word to store, z is c
+//           or a. With NEIGHBOURS the read of the store (REACH) comes first, and everything else
+//           AHEAD cycles later than without. `each` reads its register before it finds an entry, so
+//           its REACH waits until the lane's lists have the register's word.
 //
-// Latency   reach_o one cycle after issue_i, issue_o AHEAD cycles later; z, minus and zero in it Z_LATE cycles after
-//           that. retire_o TO_END cycles after issue_o,
-//           step_o TO_RESULT: so a lane has them where it needs them, ENDED cycles before the result and with it.
-// Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of the
-//           round from its first issue to its last.
-//           After `each` no instruction issues for LATE cycles (loops), so that its REACH has no other in its way (checked).
+// Latency   reach_o one cycle after issue_i, issue_o AHEAD cycles later; z, minus and zero in
+//           issue_o are Z_LATE cycles later still. retire_o TO_END cycles after issue_o, step_o
+//           TO_RESULT: a lane needs them ENDED cycles before the result, and with the result.
+// Hazard    first_i comes with the first context of each sweep, and base_i and end_i are those of
+//           the round from its first issue to its last. After `each` no instruction issues for LATE
+//           cycles (loops), so its REACH slot is free (checked).
 //
 //     cycle     0          1          1 + AHEAD    1 + AHEAD + TO_END    1 + AHEAD + TO_RESULT
 //               issue_i    reach_o    issue_o      retire_o              step_o
@@ -104,8 +106,8 @@ module fp3_issue #(
     wire [CONTEXT_W-1:0] context_now = number(current_q);
     assign issue_context  = context_now;
 
-    // The object's row where all are visited in order: contexts take the next rows, batch after batch. A list
-    // says it where objects sleep.
+    // The object's row if all objects are visited in order: contexts take the next rows, batch
+    // after batch. If objects can sleep, a list has the row.
     wire [ROW_W-1:0] row;
     generate
         if (SLEEP != 0) begin : g_list

@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_loops: where a program goes on in which objects see each other: loops over neighbours, phases, batches.
+// fp3_loops: the next word of a program with neighbours: loops, phases, batches.
 //
-// Purpose   Fetch delivers one word after the other. This module looks at each word that is taken and says whether it issues,
-//           and where fetch goes on instead. `phase` never issues. `each` does, and then nothing is taken until the lanes have
-//           said how long the longest list is: if all are empty, words are dropped up to `next`. `next` finds the next
-//           neighbours and goes back, but for the last turn, where it does not issue.
+// Purpose   Fetch delivers one word after the other. This module looks at each word that decode
+//           takes, and says whether it issues and where fetch jumps. `phase` never issues. `each`
+//           issues, and then no word is taken until the lanes have reported the longest list: if
+//           all lists are empty, words are dropped up to `next`. `next` finds the next neighbours
+//           and jumps back; in the last turn it does not issue.
 //
-//           A phase is a round (rounds): at its end, a `phase` or the program's end, the next batch begins it again, and
-//           behind the last batch the next round begins behind the `phase`.
+//           A phase is a round (rounds). At its end, which is a `phase` or the program's end, the
+//           next batch begins the same phase; after the last batch the next round begins behind the
+//           `phase`.
 //
-//           An entry ends behind the last field that a turn has read, by `ldl` or by a number.
+//           An entry ends behind the last field that a turn has read, by `ldl` or by number.
 //
-//           Loops do not stand within each other, and a phase ends outside of them; software sees to that.
+//           Loops are not nested, and no phase ends within a loop; software checks this.
 //
 //           Words of published registers are in both halves of the store: a phase loads from one and stores in the other.
 //
-// Latency   around_o and drop_o are of the word that is taken in this cycle, jump_o comes a cycle later.
-// Hazard    jump_o comes while hold_o is high: fetch drops what it has fetched.
-//           half_o stands from a run's end to the next start: the host reads it, also after an abort.
+// Latency   around_o and drop_o are about the word that is taken in this cycle, jump_o comes a
+//           cycle later.
+// Hazard    jump_o comes while hold_o is high: fetch drops what it has fetched. half_o is stable
+//           from a run's end to the next start: the host reads it, also after an abort.
 //
 //     lists of 2, 0, 1 entries:   each  ldn ..  next  ldn ..  next       turns 0 and 1
 //     issues                      yes   yes     yes   yes     no
@@ -117,7 +120,8 @@ module fp3_loops #(
         if (begins)    turn_q <= {LENGTH_W{1'b0}};
         else if (back) turn_q <= turn_q + 1'b1;
         last_q   <= turn_q + 1'b1 == turns_q;
-        // What is not dropped is taken in every second cycle at most: there is time for a register in between.
+        // Words that are not dropped are taken in every second cycle at most, so there is time for
+        // a register in between.
         {entry_q, field_q} <= {begins || back, field};
         offset_q           <= around_offset;
         if (entry_q) {fields_q, load_q, end_q} <= {3{offset_q + 1'b1}};

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_one_stream: the instruction under way, where one issues in each cycle.
 //
-// Purpose   An instruction waits until pace lets its sweep begin, which issues it for one context in each cycle in which it is
-//           granted what it needs.
+// Purpose   An instruction waits until pace lets its sweep begin. The sweep issues the instruction
+//           for one context in each cycle in which the shared units are granted.
 //
 //           the next instruction ──► pace: not yet ──► sweep ──► issue ──► lanes
 //
-// Latency   From the sweep to the lane two cycles, AHEAD more to what it hears of operands. A sweep of GAP contexts or more needs no pause.
-// Hazard    Nothing but pace protects a context from itself: between two issues of one context at least GAP cycles pass.
-//           What describes the next instruction stays while valid_i is high. take_i ends it: with load_o, or with known_o
-//           where its mask is empty.
+// Latency   Two cycles from the sweep to the lane's REACH, AHEAD more to its operands. A sweep of
+//           GAP contexts or more needs no pause.
+// Hazard    Only pace prevents hazards: between two issues of one context at least GAP cycles pass.
+//           The inputs of the next instruction stay while valid_i is high. take_i ends this: with
+//           load_o, or with known_o if the mask is empty.
 `default_nettype none
 `include "gen/settings.vh"
 `include "front/decoded.vh"

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_pace: when the next sweep may begin, so that no context reads a result before it is written.
 //
-// Purpose   The pause rule, which stands for busy flags. If a sweep of m contexts follows one of n
-//           without an idle cycle, and one of the two sets contains the other, a context that is in
-//           both issues again after min(n, m) cycles or more. So it does where the second are contexts
-//           0 .. m - 1, as at the beginning of a batch: none of them comes earlier than before. A pause adds what is missing to GAP.
+// Purpose   The pause rule, which replaces busy flags. If a sweep of m contexts follows a sweep of
+//           n without an idle cycle, and one of the two sets contains the other, a context in both
+//           sets issues again after min(n, m) cycles or more. This also holds if the second sweep
+//           covers contexts 0 .. m - 1, as at the beginning of a batch: none of them comes earlier
+//           than before. A pause adds the cycles that are missing to GAP.
 //
 //           A pause of 3, GAP = 5:    A0 A1  .  .  .  B0 B1      n = m = 2: B0 issues 5 cycles after A0
 //
 // Promise   Between two issues of one context at least GAP cycles pass, whichever sweeps and stalls
-//           lie between them; and no sweep waits longer than that asks for. Proved for the contexts
-//           and latencies of every configuration: tests/formal/pace_spec.v.
+//           lie between them; and no sweep waits longer than that. Proved for the contexts and
+//           latencies of every configuration: tests/formal/pace_spec.v.
 // Latency   count_o two cycles after valid_i, known_o and may_o five.
 // Hazard    mask_i stays while valid_i is high. take_i ends it: valid_i is low in the next cycle.
 //           take_i comes with may_o if the mask has a context (a sweep begins), else with known_o
-//           (nothing issues).
-//           Of two sweeps in a row, one has all contexts of the other, or the second are the lowest
-//           ones; empty masks do not count.
-//           start_i comes with valid_i low, when nothing has issued for GAP cycles.
+//           (nothing issues). Of two consecutive sweeps, one has all contexts of the other, or the
+//           second has the lowest contexts; empty masks do not count. start_i comes with valid_i
+//           low, when nothing has issued for GAP cycles.
 //
 //     cycle     0     1     2     3     4     5     6
 //     valid_i   1     1     1     1     1     1     0        mask_i 0111
@@ -88,7 +88,7 @@ module fp3_pace #(
     assign may_o   = known_o && (busy_i ? over_i && unpaused_q : rested_q);
 
 `ifdef FP3_CHECK
-    // What is asked of the surroundings. sequencer checks what comes of it: the promise.
+    // Assumptions about the surroundings. sequencer checks the promise that follows from them.
     reg                valid_q, take_q;
     reg [CONTEXTS-1:0] mask_q, swept_q;     // of the cycle before; of the sweep before
     reg [15:0]         idle_q;              // cycles without an issue

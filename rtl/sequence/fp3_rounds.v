@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_rounds: a run as a sequence of rounds, in each of which every awake object is visited once.
+// fp3_rounds: divides a run into rounds; a round visits every awake object once.
 //
-// Purpose   Divides the steps of a run into rounds, begins each when all is at rest, and ends the run:
-//           after its last step, when no object is awake, or early.
+// Purpose   Divides the steps of a run into rounds, begins each round when all is at rest, and ends
+//           the run: after its last step, when no object is awake, or early.
 //
 //           start_i ─► WAIT ─────────► PLAN ─► OPEN ─► RUN ──┐     PLAN: the steps of the round
 //                       │  ▲  at rest                        │     OPEN: open_o, one cycle
@@ -10,10 +10,10 @@
 //
 //           With EXCHANGE, COPY comes before PLAN: until copied_i, or an abort.
 //
-// Latency   At rest means SETTLE cycles after the last issue: then every report has come.
-// Hazard    start_i comes only when running_o is low. The settings then stay as they are
-//           until the end of the run; steps is not 0.
-//           A stop waits for the end of a last part that has begun, so that no object is stored half.
+// Latency   At rest means SETTLE cycles after the last issue, when every report has come.
+// Hazard    start_i comes only when running_o is low. The settings then stay as they are until the
+//           end of the run; steps is not 0. A stop waits for the end of a last part that has begun,
+//           so no object is stored partly.
 //
 //     steps = 5, visit = 2, clock = 100:
 //     round      1    2    3
@@ -60,8 +60,8 @@ module fp3_rounds #(
     reg  [31:0]         rest_q;        // what left_q becomes as this round begins
     reg  [31:0]         steps_q, base_q, end_q;
     reg                 aborted_q;
-    // These stand while there is nothing to do but wait, in which there is time for two registers: what compares 32 bits
-    // need not be done in PLAN.
+    // These are stable in WAIT, which lasts long enough for two registers, so the 32-bit
+    // comparisons need not fit into PLAN.
     reg                 none_left_q, all_q;
     reg                 no_visit_q, high_more_q, high_same_q, low_more_q;
     wire                over = aborted_q || (none_left_q && !partial_i) || count_i == {ROW_W+1{1'b0}};

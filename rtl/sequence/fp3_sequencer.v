@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_sequencer: runs a program over the objects of its lanes, as many at a time as there are contexts.
+// fp3_sequencer: runs a program over the objects of its lanes, one batch at a time.
 //
-// Purpose   Tells its lanes, every cycle, which instruction to execute for which context; of two streams, which sum and
-//           which product. Each instruction issues for all contexts of the batch in turn (a sweep), so that its latency
-//           passes while others issue. What is under way, and when the next one may begin, is the streams' concern.
+// Purpose   Tells its lanes, every cycle, which instruction to execute for which context; with two
+//           streams, which sum and which product. Each instruction issues for all contexts of the
+//           batch, one per cycle (a sweep), which hides its latency. The stream modules hold the
+//           instruction under way, and decide when the next one may begin.
 //
 //           rounds ──► fetch ─► decode ──► the next instruction ──► one_stream, two_streams ──► lanes
 //                      batch: its contexts        ▲                                               │
@@ -12,7 +13,7 @@
 //
 // Latency   See one_stream and two_streams. A sweep that has to wait for the one before is counted (stall_dependency).
 //           With NEIGHBOURS a register stands behind decode, so a round's first instruction comes a cycle later.
-// Hazard    Every running cycle is an issue or exactly one stall, and no other cycle is either.
+// Hazard    Every running cycle is an issue or exactly one stall; no other cycle is one of these.
 //           Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
 `include "front/decoded.vh"
@@ -97,7 +98,7 @@ module fp3_sequencer #(
     fp3_decode #(.CONFIG(CONFIG)) u_decode (.word_i(delivered_word), .decoded_o(delivered_decoded));
     generate
         if (NEIGHBOURS != 0) begin : g_decoded
-            // What a word says decides where fetch goes on (loops): a register stands between.
+            // The word decides where fetch goes on (loops), so a register stands between.
             reg                  valid_q;
             reg [PROGRAM_W-1:0]  pc_q;
             reg [31:0]           word_q;

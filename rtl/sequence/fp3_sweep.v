@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_sweep: goes through the contexts that an instruction is for, one in each cycle.
+// fp3_sweep: goes through the contexts of an instruction, one in each cycle.
 //
 // Purpose   The next set bit of a mask in every cycle, without a gap between two sweeps.
 // Latency   current_o shows the first context in the cycle after load_i, the next one in the cycle
@@ -57,7 +57,7 @@ module fp3_sweep #(
             if (load_i && !(|mask_i)) begin
                 $display("%m: a sweep of no context"); $stop;
             end
-            // By then all contexts must have been shown, each once: then nothing is left.
+            // Now every context must have been shown exactly once: nothing is left.
             if (busy_q && last_q != !(|left_q)) begin
                 $display("%m: the mask has not as many ones as was said: last %b, left %b", last_q, left_q); $stop;
             end

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_two_streams: the instructions under way, where a sum and a product may issue at once.
 //
-// Purpose   An instruction begins GAP cycles after the one before at the soonest, and when its unit is free: a product is
-//           usually half a sweep ahead of the sum behind it. A load or a store takes both units.
+// Purpose   An instruction begins at least GAP cycles after the instruction before, and when its
+//           unit is free: a product is usually half a sweep ahead of the next sum. A load or a
+//           store takes both units.
 //
 //           the next instruction ──► dual_pace: not yet ──┬► dual_turn of sums ───────┬─► lanes
 //                                                         └► dual_turn of products ───┘
 //
-// Latency   From a turn to the lane two cycles for a sum's y, TIMING_EARLY more for all else.
-// Hazard    Nothing but dual_pace protects a context from itself: between two issues of one context at least GAP cycles
-//           pass. What describes the next instruction stays while valid_i is high. take_i ends it: it comes with load_o.
+// Latency   Two cycles from a dual_turn to the lane for a sum's y, TIMING_EARLY more for everything
+//           else.
+// Hazard    Only dual_pace prevents hazards: between two issues of one context at least GAP cycles
+//           pass. The inputs of the next instruction stay while valid_i is high. take_i, which
+//           comes with load_o, ends this.
 `default_nettype none
 `include "gen/settings.vh"
 `include "front/decoded.vh"
