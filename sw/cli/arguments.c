@@ -20,7 +20,7 @@ static const char *const everywhere[] = {"help", "usage", "version"};
 enum { EVERYWHERE = sizeof everywhere / sizeof *everywhere };
 
 typedef struct {
-    const struct argp_option *table;
+    const fp3_option *table;
     const char *command;
     int given[TABLE_MOST];
 } arguments;
@@ -54,7 +54,7 @@ static int find_long(const arguments *a, const char *name, size_t length, int *c
 
 static int find_short(const arguments *a, char key) {
     for (int i = 0; a->table[i].name; i++)
-        if (a->table[i].key == key)
+        if (a->table[i].letter == key)
             return i;
     return -1;
 }
@@ -79,8 +79,8 @@ static void refuse_unknown(const arguments *a, const char *name, size_t length) 
 }
 
 static void note(arguments *a, int option) {
-    const struct argp_option *o = &a->table[option];
-    if (!o->arg || strstr(o->doc, "may be repeated") || !a->given[option]++)
+    const fp3_option *o = &a->table[option];
+    if (!o->value || o->is_repeated || !a->given[option]++)
         return;
     fprintf(stderr, "%s: --%s is given twice\n", a->command, o->name);
     usage(a);
@@ -98,7 +98,7 @@ static int walk_long(arguments *a, const char *text) {
     if (option < 0 || count > 1) /* argp's own, or argp says that it is ambiguous */
         return 0;
     note(a, option);
-    return a->table[option].arg && !(a->table[option].flags & OPTION_ARG_OPTIONAL) && !text[length];
+    return a->table[option].value && !a->table[option].is_optional && !text[length];
 }
 
 static int walk_short(arguments *a, const char *text) {
@@ -107,7 +107,7 @@ static int walk_short(arguments *a, const char *text) {
         if (option < 0)
             return 0;
         note(a, option);
-        if (a->table[option].arg)
+        if (a->table[option].value)
             return !text[1];
     }
     return 0;
@@ -121,11 +121,89 @@ static void walk(arguments *a, int argc, char **argv) {
     }
 }
 
-void fp3_arguments_parse(const struct argp *argp, int argc, char **argv, void *input) {
-    static const struct argp_option none[] = {{0}};
-    arguments a = {.table = argp->options ? argp->options : none, .command = argv[0]};
-    walk(&a, argc, argv);
-    if (argp_parse(argp, argc, argv, 0, NULL, input))
+/* ---- taking ---- */
+
+enum { KEY_FIRST = 256 }; /* argp's keys: letters, and from here on places in the table */
+
+typedef struct {
+    const fp3_command *command;
+    void *options;
+} taker;
+
+static void take(const taker *t, const fp3_option *o, char *text, struct argp_state *state) {
+    char *const to = (char *)t->options + o->at;
+    char name[64];
+    snprintf(name, sizeof name, "--%s", o->name);
+    switch (o->kind) {
+    case FP3_OPTION_CALL:
+        o->take(t->options, state, text);
+        break;
+    case FP3_OPTION_FLAG:
+        *(int *)(void *)to = 1;
+        break;
+    case FP3_OPTION_TEXT:
+        *(const char **)(void *)to = text;
+        break;
+    case FP3_OPTION_NUMBER: {
+        const uint64_t number = fp3_arguments_number(state, name, text, o->least, o->most);
+        if (o->size == sizeof number)
+            *(uint64_t *)(void *)to = number;
+        else
+            *(uint32_t *)(void *)to = (uint32_t)number;
+        break;
+    }
+    case FP3_OPTION_ABOVE_ZERO:
+        *(double *)(void *)to = fp3_arguments_above_zero(state, name, text);
+        break;
+    case FP3_OPTION_FREQUENCY:
+        *(double *)(void *)to = fp3_arguments_frequency(state, name, text);
+        break;
+    }
+}
+
+/* NULL: the key is none of the table's. */
+static const fp3_option *option_of(const fp3_option *table, int key) {
+    if (key >= KEY_FIRST)
+        return key < KEY_FIRST + TABLE_MOST ? &table[key - KEY_FIRST] : NULL;
+    for (; key && table && table->name; table++)
+        if (table->letter == key)
+            return table;
+    return NULL;
+}
+
+static error_t parse(int key, char *text, struct argp_state *state) {
+    const taker *t = state->input;
+    const fp3_command *c = t->command;
+    const fp3_option *o = option_of(c->options, key);
+    if (key == ARGP_KEY_ARG && c->take) {
+        c->take(t->options, state, text);
+    } else if (key == ARGP_KEY_END) {
+        if (c->end)
+            c->end(t->options, state);
+    } else if (!o) {
+        return ARGP_ERR_UNKNOWN;
+    } else {
+        if (c->given)
+            c->given(t->options, o);
+        take(t, o, text, state);
+    }
+    return 0;
+}
+
+void fp3_arguments_parse(const fp3_command *command, int argc, char **argv, void *options) {
+    static const fp3_option none[] = {{0}};
+    const arguments a = {.table = command->options ? command->options : none, .command = argv[0]};
+    struct argp_option list[TABLE_MOST + 1] = {{0}};
+    const struct argp argp = {
+        .options = list, .parser = parse, .args_doc = command->forms, .doc = command->doc};
+    for (int i = 0; a.table[i].name; i++) {
+        const fp3_option *o = &a.table[i];
+        list[i] = (struct argp_option){o->name,  o->letter ? o->letter : KEY_FIRST + i,
+                                       o->value, o->is_optional ? OPTION_ARG_OPTIONAL : 0,
+                                       o->doc,   0};
+    }
+    walk(&(arguments){.table = a.table, .command = a.command}, argc, argv);
+    if (argp_parse(&argp, argc, argv, 0, NULL, &(taker){command, options}))
         exit(argp_err_exit_status);
 }
 
@@ -142,10 +220,10 @@ typedef struct {
 
 /* attached: what stands in the same word; NULL: nothing. */
 static fp3_status tell(reader *r, int option, const char *attached) {
-    const struct argp_option *o = &r->all.table[option];
-    if (attached && !o->arg)
+    const fp3_option *o = &r->all.table[option];
+    if (attached && !o->value)
         return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: found a value, expected none", o->name);
-    if (o->arg && !attached && !(o->flags & OPTION_ARG_OPTIONAL)) {
+    if (o->value && !attached && !o->is_optional) {
         if (r->at + 1 == r->argc)
             return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: expected a value", o->name);
         attached = r->argv[++r->at];
@@ -171,14 +249,14 @@ static fp3_status tell_short(reader *r, const char *text) {
         if (option < 0)
             return fp3_fail(r->error, FP3_E_ARGUMENT, "-%c: no option of %s", *text,
                             r->all.command);
-        if (r->all.table[option].arg)
+        if (r->all.table[option].value)
             return tell(r, option, text[1] ? &text[1] : NULL);
         status = tell(r, option, NULL);
     }
     return status;
 }
 
-fp3_status fp3_arguments_each(const struct argp_option *table, int argc, char *const *argv,
+fp3_status fp3_arguments_each(const fp3_option *table, int argc, char *const *argv,
                               fp3_argument_fn *fn, void *user, fp3_error *error) {
     reader r = {{.table = table, .command = argv[0]}, argc, 1, argv, fn, user, error};
     fp3_status status = FP3_OK;

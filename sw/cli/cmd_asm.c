@@ -15,41 +15,26 @@ typedef struct {
     const char *source, *image, *hex, *listing;
 } options;
 
-enum { KEY_HEX = 256, KEY_LISTING };
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->source)
+        argp_error(state, "found '%s', expected one source", text);
+    o->source = text;
+}
 
-static const struct argp_option table[] = {
-    {"output", 'o', "FILE", 0, "Write the image (*.fp3)", 0},
-    {"hex", KEY_HEX, "FILE", 0, "Write the image's words as text for $readmemh", 0},
-    {"listing", KEY_LISTING, "FILE", 0,
-     "Write the source with the words beside it, and the registers", 0},
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    if (!o->source)
+        argp_error(state, "expected a source");
+}
+
+static const fp3_option table[] = {
+    {"output", 'o', "FILE", "Write the image (*.fp3)", FP3_TEXT(options, image)},
+    {"hex", 0, "FILE", "Write the image's words as text for $readmemh", FP3_TEXT(options, hex)},
+    {"listing", 0, "FILE", "Write the source with the words beside it, and the registers",
+     FP3_TEXT(options, listing)},
     {0},
 };
-
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    switch (key) {
-    case 'o':
-        o->image = text;
-        break;
-    case KEY_HEX:
-        o->hex = text;
-        break;
-    case KEY_LISTING:
-        o->listing = text;
-        break;
-    case ARGP_KEY_ARG:
-        if (o->source)
-            argp_error(state, "found '%s', expected one source", text);
-        o->source = text;
-        break;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "expected a source");
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
 
 /* The image comes last: where it is new, all is. */
 static fp3_status write_outputs(const options *o, const fp3_assembly *assembly, const char *source,
@@ -79,15 +64,16 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 }
 
 int fp3_cmd_asm(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "SOURCE",
+        .take = take_word,
+        .end = end,
+        .forms = "SOURCE",
         .doc = "Assembles SOURCE and writes the files named by options; without options only "
                "checks.",
     };
     options o = {0};
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_error error;
     char *source = NULL;
     size_t size = 0;

@@ -22,41 +22,6 @@ typedef struct {
     const char *not_for[FORMS]; /* the last option that a form does not have, by its long name */
 } options;
 
-enum { KEY_MODEL = 256, KEY_QUICK, KEY_CSV, KEY_PLOT, KEY_HTML, KEY_NO_TIMES };
-
-static const struct argp_option table[] = {
-    {"config", 'c', "NAME", 0,
-     "Run on this configuration (default: on all; with SCENE: the scene's). With MODEL: measure "
-     "nothing but this",
-     0},
-    {"program", 'p', "NAME", 0,
-     "A program of programs/ by its name, or a path (default: " FP3_BENCH_SHIPS ")", 0},
-    {"model", KEY_MODEL, NULL, 0, "The program is a model, whatever its name", 0},
-    {"steps", 'n', "N", 0,
-     "Run N steps after the first, of one object or in total (default: 10000); with SCENE: the "
-     "first N (default: as many as "
-     "take a fifth of a second, or all)",
-     0},
-    {"params", 'P', "FILE", 0,
-     "Read values from FILE (default: " FP3_BENCH_SHIP_PARAMS
-     " for a ship, else those of the model)",
-     0},
-    {"scenes", 's', "N", OPTION_ARG_OPTIONAL, "Also run scenes of N objects (default: 10000)", 0},
-    {"json", 'j', "FILE", 0, "Also write the figures as JSON", 0},
-    {"integrator", 'i', "NAME", 0,
-     "With MODEL: measure this integrator; may be repeated (default: all that are built in)", 0},
-    {"csv", KEY_CSV, "FILE", 0, "With MODEL: also write all points as CSV, a row for each", 0},
-    {"plot", KEY_PLOT, "FILE", 0,
-     "With MODEL: also draw the printed table into FILE (.svg or .png). Needs gnuplot", 0},
-    {"html", KEY_HTML, "FILE", 0,
-     "With MODEL: also write the printed table and its pictures as a page. Needs gnuplot", 0},
-    {"quick", KEY_QUICK, NULL, 0,
-     "With MODEL: measure fewer tolerances and objects, three times each; with SCENE: once", 0},
-    {"no-times", KEY_NO_TIMES, NULL, 0,
-     "With MODEL and --config: measure errors and cycles, and no nanoseconds", 0},
-    {0},
-};
-
 static void add_name(struct argp_state *state, const char *what, const char *text,
                      const char **names, unsigned *count) {
     if (*count == FP3_BENCH_NAMES_MOST)
@@ -68,35 +33,12 @@ static void add_name(struct argp_state *state, const char *what, const char *tex
 
 typedef enum { OF_PROGRAMS = 1, OF_MODELS = 2, OF_SCENE = 4 } form;
 
-static const struct {
-    int key;
-    unsigned forms;
-} allowed[] = {{'c', OF_PROGRAMS | OF_MODELS | OF_SCENE},
-               {'p', OF_PROGRAMS},
-               {'P', OF_PROGRAMS},
-               {'n', OF_PROGRAMS | OF_SCENE},
-               {KEY_MODEL, OF_PROGRAMS},
-               {'s', OF_PROGRAMS},
-               {'i', OF_MODELS},
-               {KEY_CSV, OF_MODELS},
-               {KEY_PLOT, OF_MODELS},
-               {KEY_HTML, OF_MODELS},
-               {KEY_NO_TIMES, OF_MODELS},
-               {KEY_QUICK, OF_MODELS | OF_SCENE}};
-
-static const char *name_of(int key) {
-    const struct argp_option *at = table;
-    while (at->key != key)
-        at++;
-    return at->name;
-}
-
-static void note_option(options *o, int key) {
-    for (size_t i = 0; i < sizeof allowed / sizeof *allowed; i++)
-        if (allowed[i].key == key)
-            for (unsigned k = 0; k < FORMS; k++)
-                if (!(allowed[i].forms & 1u << k))
-                    o->not_for[k] = name_of(key);
+/* An option that only some forms have. */
+static void note_option(void *user, const fp3_option *option) {
+    options *o = user;
+    for (unsigned k = 0; option->forms && k < FORMS; k++)
+        if (!(option->forms & 1u << k))
+            o->not_for[k] = option->name;
 }
 
 /* Options of one form are refused with another. */
@@ -134,70 +76,101 @@ static void take_argument(struct argp_state *state, char *text, options *o) {
     add_name(state, "models", text, o->models.models, &o->models.model_count);
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    note_option(o, key);
-    switch (key) {
-    case 'c':
-        o->programs.config = o->models.config = o->scene.config = text;
-        break;
-    case 'p':
-        o->programs.program = text;
-        break;
-    case 'P':
-        o->programs.params = text;
-        break;
-    case 'j':
-        o->programs.json = o->models.json = o->scene.json = text;
-        break;
-    case 'i':
-        add_name(state, "integrators", text, o->models.integrators, &o->models.integrator_count);
-        break;
-    case KEY_CSV:
-        o->models.csv = text;
-        break;
-    case KEY_PLOT:
-        o->models.plot = text;
-        break;
-    case KEY_HTML:
-        o->models.html = text;
-        break;
-    case KEY_QUICK:
-        o->models.is_quick = o->scene.is_quick = 1;
-        break;
-    case KEY_NO_TIMES:
-        o->models.has_no_times = 1;
-        break;
-    case 'n':
-        o->programs.steps = o->scene.steps =
-            fp3_arguments_number(state, "--steps", text, 1, 10000000);
-        break;
-    case KEY_MODEL:
-        o->programs.is_model = 1;
-        break;
-    case 's':
-        o->programs.scene_objects =
-            text ? fp3_arguments_number(state, "--scenes", text, 100, SCENE_OBJECTS_MOST)
-                 : SCENE_OBJECTS;
-        break;
-    case ARGP_KEY_ARG:
-        take_argument(state, text, o);
-        break;
-    case ARGP_KEY_END:
-        check_form(state, o);
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+static void take_config(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    (void)state;
+    o->programs.config = o->models.config = o->scene.config = text;
 }
+
+static void take_steps(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    o->programs.steps = o->scene.steps = fp3_arguments_number(state, "--steps", text, 1, 10000000);
+}
+
+static void take_scenes(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    o->programs.scene_objects =
+        text ? fp3_arguments_number(state, "--scenes", text, 100, SCENE_OBJECTS_MOST)
+             : SCENE_OBJECTS;
+}
+
+static void take_json(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    (void)state;
+    o->programs.json = o->models.json = o->scene.json = text;
+}
+
+static void take_integrator(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    add_name(state, "integrators", text, o->models.integrators, &o->models.integrator_count);
+}
+
+static void take_quick(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    (void)state;
+    (void)text;
+    o->models.is_quick = o->scene.is_quick = 1;
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    take_argument(state, text, o);
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    check_form(state, o);
+}
+
+static const fp3_option table[] = {
+    {"config", 'c', "NAME",
+     "Run on this configuration (default: on all; with SCENE: the scene's). With MODEL: measure "
+     "nothing but this",
+     FP3_CALL(take_config), .forms = OF_PROGRAMS | OF_MODELS | OF_SCENE},
+    {"program", 'p', "NAME",
+     "A program of programs/ by its name, or a path (default: " FP3_BENCH_SHIPS ")",
+     FP3_TEXT(options, programs.program), .forms = OF_PROGRAMS},
+    {"model", 0, NULL, "The program is a model, whatever its name",
+     FP3_FLAG(options, programs.is_model), .forms = OF_PROGRAMS},
+    {"steps", 'n', "N",
+     "Run N steps after the first, of one object or in total (default: 10000); with SCENE: the "
+     "first N (default: as many as "
+     "take a fifth of a second, or all)",
+     FP3_CALL(take_steps), .forms = OF_PROGRAMS | OF_SCENE},
+    {"params", 'P', "FILE",
+     "Read values from FILE (default: " FP3_BENCH_SHIP_PARAMS
+     " for a ship, else those of the model)",
+     FP3_TEXT(options, programs.params), .forms = OF_PROGRAMS},
+    {"scenes", 's', "N", "Also run scenes of N objects (default: 10000)", FP3_CALL(take_scenes),
+     .is_optional = 1, .forms = OF_PROGRAMS},
+    {"json", 'j', "FILE", "Also write the figures as JSON", FP3_CALL(take_json)},
+    {"integrator", 'i', "NAME",
+     "With MODEL: measure this integrator; may be repeated (default: all that are built in)",
+     FP3_CALL(take_integrator), .is_repeated = 1, .forms = OF_MODELS},
+    {"csv", 0, "FILE", "With MODEL: also write all points as CSV, a row for each",
+     FP3_TEXT(options, models.csv), .forms = OF_MODELS},
+    {"plot", 0, "FILE",
+     "With MODEL: also draw the printed table into FILE (.svg or .png). Needs gnuplot",
+     FP3_TEXT(options, models.plot), .forms = OF_MODELS},
+    {"html", 0, "FILE",
+     "With MODEL: also write the printed table and its pictures as a page. Needs gnuplot",
+     FP3_TEXT(options, models.html), .forms = OF_MODELS},
+    {"quick", 0, NULL,
+     "With MODEL: measure fewer tolerances and objects, three times each; with SCENE: once",
+     FP3_CALL(take_quick), .forms = OF_MODELS | OF_SCENE},
+    {"no-times", 0, NULL, "With MODEL and --config: measure errors and cycles, and no nanoseconds",
+     FP3_FLAG(options, models.has_no_times), .forms = OF_MODELS},
+    {0},
+};
 
 int fp3_cmd_bench(int argc, char **argv) {
     options o = {.programs = {.steps = 10000}, .models = {.argc = argc, .argv = argv}};
-    const struct argp argp = {
+    const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "[MODEL...]\nSCENE",
+        .given = note_option,
+        .take = take_word,
+        .end = end,
+        .forms = "[MODEL...]\nSCENE",
         .doc =
             "With MODEL (the name of a file in programs/, or a path), measures error against "
             "run time: for each integrator, arithmetic and time step (or tolerance), the "
@@ -213,7 +186,7 @@ int fp3_cmd_bench(int argc, char **argv) {
             "model or the isa engine, and measures the error against the truth. The exit code "
             "is 1 if any bits differ, and 3 if objects failed or there is no truth; the figures "
             "are printed in each case."};
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_error error = {.text = ""};
     char *report = NULL;
     const fp3_status status = o.scene.path ? fp3_bench_scene_run(&o.scene, &error)

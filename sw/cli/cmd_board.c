@@ -33,25 +33,18 @@ typedef struct {
     size_t waiting, left; /* bytes in `in` for the board, in `out` for the terminal */
 } simulation;
 
-static const struct argp_option table[] = {
-    {"config", 'c', "NAME", 0, "Configuration (default: single)", 0},
-    {"noise", 'x', "SEED", 0,
-     "Damage one byte of 500 on the line, at random from SEED: changed, lost or doubled", 0},
+static void take_word(void *user, struct argp_state *state, char *text) {
+    (void)user;
+    argp_error(state, "found '%s', expected options alone", text);
+}
+
+static const fp3_option table[] = {
+    {"config", 'c', "NAME", "Configuration (default: single)", FP3_TEXT(options, config)},
+    {"noise", 'x', "SEED",
+     "Damage one byte of 500 on the line, at random from SEED: changed, lost or doubled",
+     FP3_NUMBER(options, noise, 1, UINT64_MAX)},
     {0},
 };
-
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    if (key == 'c')
-        o->config = text;
-    else if (key == 'x')
-        o->noise = fp3_arguments_number(state, "--noise", text, 1, UINT64_MAX);
-    else if (key == ARGP_KEY_ARG)
-        argp_error(state, "found '%s', expected options alone", text);
-    else
-        return ARGP_ERR_UNKNOWN;
-    return 0;
-}
 
 static uint32_t chance(simulation *s, uint32_t below) {
     s->noise = s->noise * 6364136223846793005u + 1442695040888963407u;
@@ -152,9 +145,10 @@ static fp3_status load(const char *config, void **library, const fp3_board_ops *
 }
 
 int fp3_cmd_board(int argc, char **argv) {
-    static const struct argp argp = {.options = table,
-                                     .parser = parse,
-                                     .doc = "Simulates a board, rtl/board/fp3_board_top.v with a "
+    static const fp3_command command = {.options = table,
+                                        .take = take_word,
+                                        .doc =
+                                            "Simulates a board, rtl/board/fp3_board_top.v with a "
                                             "configuration, under Verilator. Prints the name of a "
                                             "pseudo-terminal that is its serial port, for fp3 run "
                                             "--engine board --port, at any rate, and "
@@ -163,7 +157,7 @@ int fp3_cmd_board(int argc, char **argv) {
     simulation s = {.terminal = -1};
     void *library = NULL;
     fp3_error error = {.text = ""};
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     s.noise = o.noise;
     fp3_status status = load(o.config, &library, &s.ops, &error);
     if (!status && !(s.board = s.ops->open()))

@@ -361,99 +361,66 @@ static fp3_status compare(comparison *k, fp3_error *error) {
 
 /* ---- the command ---- */
 
-enum {
-    KEY_JSON = 256,
-    KEY_SPAN,
-    KEY_STEPS,
-    KEY_QUICK,
-    KEY_ERRORS,
-    KEY_MODEL,
-    KEY_NATIVE,
-    KEY_ARITHMETIC,
-    KEY_TOLERANCE
-};
+static void take_integrator(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->integrator_count == INTEGRATORS_MAX)
+        argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
+    else
+        o->integrators[o->integrator_count++] = text;
+}
 
-static const struct argp_option table[] = {
-    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
-    {"integrator", 'i', "NAME", 0,
+static void take_arithmetic(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    o->arithmetics |= 1u << fp3_arguments_arithmetic_named(state, text);
+}
+
+static void take_tolerance(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    fp3_compare_adaptive_read(&o->adaptive, state, text);
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->model)
+        argp_error(state, "found '%s', expected one model", text);
+    o->model = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    if (!o->model)
+        argp_error(state, "expected a model (*.ode)");
+    fp3_arguments_model(state, o->model, o->is_model);
+}
+
+static const fp3_option table[] = {
+    {"model", 0, NULL, "MODEL is a model, whatever its name", FP3_FLAG(options, is_model)},
+    {"integrator", 'i', "NAME",
      "Compare this integrator, a built-in table or a file; may be repeated (default: all built-in "
      "tables)",
-     0},
-    {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
+     FP3_CALL(take_integrator), .is_repeated = 1},
+    {"arithmetic", 0, "NAME",
      "Compare this arithmetic: plain, compensated, folded or double_single; may be repeated "
      "(default: all)",
-     0},
-    {"json", KEY_JSON, "FILE", 0, "Also write the rows as JSON", 0},
-    {"errors", KEY_ERRORS, NULL, 0, "With --json: also write the error at each time step", 0},
-    {"span", KEY_SPAN, "TIME", 0, "Integrate from 0 to TIME (default: the model's span)", 0},
-    {"most-steps", KEY_STEPS, "N", 0, "The finest time step is span/N (default 131072)", 0},
-    {"quick", KEY_QUICK, NULL, 0,
-     "Run no hardware: predict cycles, and do not check that engines agree", 0},
-    {"tolerance", KEY_TOLERANCE, "TOL1,TOL2,...", 0,
+     FP3_CALL(take_arithmetic), .is_repeated = 1},
+    {"json", 0, "FILE", "Also write the rows as JSON", FP3_TEXT(options, json)},
+    {"errors", 0, NULL, "With --json: also write the error at each time step",
+     FP3_FLAG(options, has_errors)},
+    {"span", 0, "TIME", "Integrate from 0 to TIME (default: the model's span)",
+     FP3_ABOVE_ZERO(options, span)},
+    {"most-steps", 0, "N", "The finest time step is span/N (default 131072)",
+     FP3_NUMBER(options, most_steps, FP3_LOOKS, FP3_STEPS_MOST)},
+    {"quick", 0, NULL, "Run no hardware: predict cycles, and do not check that engines agree",
+     FP3_FLAG(options, is_quick)},
+    {"tolerance", 0, "TOL1,TOL2,...",
      "Compare adaptive steps with these tolerances to the cheapest fixed steps that are as "
      "accurate (default integrators: rk4, rk6 and all with an error estimate)",
-     0},
-    {"native", KEY_NATIVE, NULL, 0,
-     "Let engine fast compile native code; for these runs it costs more than it saves", 0},
+     FP3_CALL(take_tolerance)},
+    {"native", 0, NULL,
+     "Let engine fast compile native code; for these runs it costs more than it saves",
+     FP3_FLAG(options, is_native)},
     {0},
 };
-
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    char *end = NULL;
-    switch (key) {
-    case 'i':
-        if (o->integrator_count == INTEGRATORS_MAX)
-            argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
-        else
-            o->integrators[o->integrator_count++] = text;
-        break;
-    case KEY_ARITHMETIC:
-        o->arithmetics |= 1u << fp3_arguments_arithmetic_named(state, text);
-        break;
-    case KEY_JSON:
-        o->json = text;
-        break;
-    case KEY_ERRORS:
-        o->has_errors = 1;
-        break;
-    case KEY_SPAN:
-        o->span = strtod(text, &end);
-        if (end == text || *end || !(o->span > 0) || isinf(o->span))
-            argp_error(state, "found '%s', expected a time above 0", text);
-        break;
-    case KEY_STEPS:
-        o->most_steps =
-            fp3_arguments_number(state, "--most-steps", text, FP3_LOOKS, FP3_STEPS_MOST);
-        break;
-    case KEY_TOLERANCE:
-        fp3_compare_adaptive_read(&o->adaptive, state, text);
-        break;
-    case KEY_NATIVE:
-        o->is_native = 1;
-        break;
-    case KEY_QUICK:
-        o->is_quick = 1;
-        break;
-    case ARGP_KEY_ARG:
-        if (o->model)
-            argp_error(state, "found '%s', expected one model", text);
-        o->model = text;
-        break;
-    case KEY_MODEL:
-        o->is_model = 1;
-        break;
-    case ARGP_KEY_END:
-        fp3_arguments_model(state, o->model, o->is_model);
-        break;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "expected a model (*.ode)");
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
 
 static fp3_status check_files(const options *o, fp3_error *error) {
     fp3_files files = {0};
@@ -465,10 +432,11 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 }
 
 int fp3_cmd_compare(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "MODEL",
+        .take = take_word,
+        .end = end,
+        .forms = "MODEL",
         .doc = "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "
                "instructions of a step, its cycles with many objects and with one, the order, the "
                "smallest error that any time step reaches (`floor`: relative, the root mean square "
@@ -477,7 +445,7 @@ int fp3_cmd_compare(int argc, char **argv) {
                "engine and equations differ. The exit code is 1 if any differ, 3 if objects failed "
                "or have no reference; rows are printed in each case."};
     options o = {.most_steps = 131072};
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_error error;
     fp3_model *model = NULL;
     char *text = NULL;

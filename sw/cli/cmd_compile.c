@@ -25,60 +25,6 @@ typedef struct {
     int wants_report, is_native;
 } options;
 
-enum {
-    KEY_WITH = 256,
-    KEY_WITHOUT,
-    KEY_REPORT,
-    KEY_IMAGE,
-    KEY_PARAMS,
-    KEY_LIST,
-    KEY_OBSERVE,
-    KEY_MODEL,
-    KEY_DOUBLE,
-    KEY_TOLERANCE,
-    KEY_UNTIL,
-    KEY_NATIVE
-};
-
-static const struct argp_option table[] = {
-    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
-    {"integrator", 'i', "NAME", 0,
-     "A built-in table, or a file (default: " FP3_FIXED_INTEGRATOR
-     ", with --tolerance " FP3_ADAPTIVE_INTEGRATOR ")",
-     0},
-    {"tolerance", KEY_TOLERANCE, "TOL", 0,
-     "Each object chooses its own steps, each with an error of about TOL", 0},
-    {"until", KEY_UNTIL, "TIME", 0,
-     "Where objects end (default: the model's span). Without --tolerance: fixed steps, cut at "
-     "events",
-     0},
-    {"config", 'c', "NAME", 0,
-     "The configuration to schedule for (default single_full, world where objects see each other)",
-     0},
-    {"compensated", 'k', NULL, 0, "Carry rounding errors of updates to the next step (Kahan)", 0},
-    {"double-single", KEY_DOUBLE, NULL, 0,
-     "States and all arithmetic as sums of two floats, 48 bits", 0},
-    {"observe", KEY_OBSERVE, "STATE", 0, "Keep this state; may be repeated (default: all)", 0},
-    {"with", KEY_WITH, "PASS", 0, "Also a pass that changes bits; may be repeated", 0},
-    {"without", KEY_WITHOUT, "PASS", 0, "Not this pass; `all`: none; may be repeated", 0},
-    {"output", 'o', "FILE", 0, "Write the assembly (default: standard output)", 0},
-    {"native", KEY_NATIVE, NULL, 0,
-     "Write native code of engine fast instead of assembly, for fp3 run --native on machines "
-     "without a compiler",
-     0},
-    {"image", KEY_IMAGE, "FILE", 0, "Write the image (*.fp3)", 0},
-    {"params", KEY_PARAMS, "FILE", 0,
-     "Write the program's values for fp3 run --params; values computed from h and params as "
-     "formulas",
-     0},
-    {"set", 's', "NAME=VALUE", 0, "A param, a state's start or h, for --params; may be repeated",
-     0},
-    {"report", KEY_REPORT, NULL, 0,
-     "Print the cost of a step and the savings of each pass, instead of assembly", 0},
-    {"list", KEY_LIST, NULL, 0, "List integrators and passes", 0},
-    {0},
-};
-
 static int list(void) {
     printf("integrators\n");
     for (unsigned i = 0; fp3_integrator_name(i); i++) {
@@ -110,84 +56,131 @@ static void turn(struct argp_state *state, options *o, const char *name, int is_
         o->def.compile.passes &= ~FP3_PASS(pass);
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    fp3_error error;
-    switch (key) {
-    case 'i':
-        o->def.integrator = text;
-        break;
-    case 'c':
-        o->def.compile.config = text;
-        break;
-    case 'k':
-        fp3_arguments_arithmetic(state, &o->def.compile, FP3_COMPENSATED);
-        break;
-    case KEY_DOUBLE:
-        fp3_arguments_arithmetic(state, &o->def.compile, FP3_DOUBLE_SINGLE);
-        break;
-    case KEY_TOLERANCE:
-        fp3_run_adaptive_tolerance(&o->def, state, text);
-        break;
-    case KEY_UNTIL:
-        fp3_run_adaptive_until(&o->def, state, text);
-        break;
-    case KEY_OBSERVE:
-        if (o->def.compile.observed_count == OBSERVED_MAX)
-            argp_error(state, "found more than %d states", OBSERVED_MAX);
-        o->observed[o->def.compile.observed_count++] = text;
-        o->def.compile.observed = o->observed;
-        break;
-    case KEY_WITH:
-    case KEY_WITHOUT:
-        turn(state, o, text, key == KEY_WITH);
-        break;
-    case 'o':
-        o->assembly = text;
-        break;
-    case KEY_IMAGE:
-        o->image = text;
-        break;
-    case KEY_PARAMS:
-        o->values = text;
-        break;
-    case 's':
-        if (fp3_params_set(o->params, text, &error))
-            argp_failure(state, 2, 0, "%s", error.text);
-        break;
-    case KEY_REPORT:
-        o->wants_report = o->def.compile.finds_savings = 1;
-        break;
-    case KEY_NATIVE:
-        o->is_native = 1;
-        break;
-    case KEY_LIST:
-        exit(list());
-    case ARGP_KEY_ARG:
-        if (o->model)
-            argp_error(state, "found '%s', expected one model", text);
-        o->model = text;
-        break;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "expected a model (*.ode)");
-        break;
-    case KEY_MODEL:
-        o->def.is_model = 1;
-        break;
-    case ARGP_KEY_END:
-        fp3_arguments_model(state, o->model, o->def.is_model);
-        fp3_run_adaptive_check(&o->def, 1, state);
-        o->def.is_model = 1;
-        if (o->is_native && !o->assembly)
-            argp_error(state, "--native: expected --output FILE");
-        if (fp3_params_count(o->params) && !o->values)
-            argp_error(state, "--set: values are of the host's, and go to --params FILE");
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+static void take_tolerance(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    fp3_run_adaptive_tolerance(&o->def, state, text);
 }
+
+static void take_until(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    fp3_run_adaptive_until(&o->def, state, text);
+}
+
+static void take_compensated(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    (void)text;
+    fp3_arguments_arithmetic(state, &o->def.compile, FP3_COMPENSATED);
+}
+
+static void take_double_single(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    (void)text;
+    fp3_arguments_arithmetic(state, &o->def.compile, FP3_DOUBLE_SINGLE);
+}
+
+static void take_observe(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->def.compile.observed_count == OBSERVED_MAX)
+        argp_error(state, "found more than %d states", OBSERVED_MAX);
+    o->observed[o->def.compile.observed_count++] = text;
+    o->def.compile.observed = o->observed;
+}
+
+static void take_with(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    turn(state, o, text, 1);
+}
+
+static void take_without(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    turn(state, o, text, 0);
+}
+
+static void take_set(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    fp3_error error;
+    if (fp3_params_set(o->params, text, &error))
+        argp_failure(state, 2, 0, "%s", error.text);
+}
+
+static void take_report(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    (void)state;
+    (void)text;
+    o->wants_report = o->def.compile.finds_savings = 1;
+}
+
+static void take_list(void *user, struct argp_state *state, char *text) {
+    (void)user;
+    (void)state;
+    (void)text;
+    exit(list());
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->model)
+        argp_error(state, "found '%s', expected one model", text);
+    o->model = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    if (!o->model)
+        argp_error(state, "expected a model (*.ode)");
+    fp3_arguments_model(state, o->model, o->def.is_model);
+    fp3_run_adaptive_check(&o->def, 1, state);
+    o->def.is_model = 1;
+    if (o->is_native && !o->assembly)
+        argp_error(state, "--native: expected --output FILE");
+    if (fp3_params_count(o->params) && !o->values)
+        argp_error(state, "--set: values are of the host's, and go to --params FILE");
+}
+
+static const fp3_option table[] = {
+    {"model", 0, NULL, "MODEL is a model, whatever its name", FP3_FLAG(options, def.is_model)},
+    {"integrator", 'i', "NAME",
+     "A built-in table, or a file (default: " FP3_FIXED_INTEGRATOR
+     ", with --tolerance " FP3_ADAPTIVE_INTEGRATOR ")",
+     FP3_TEXT(options, def.integrator)},
+    {"tolerance", 0, "TOL", "Each object chooses its own steps, each with an error of about TOL",
+     FP3_CALL(take_tolerance)},
+    {"until", 0, "TIME",
+     "Where objects end (default: the model's span). Without --tolerance: fixed steps, cut at "
+     "events",
+     FP3_CALL(take_until)},
+    {"config", 'c', "NAME",
+     "The configuration to schedule for (default single_full, world where objects see each other)",
+     FP3_TEXT(options, def.compile.config)},
+    {"compensated", 'k', NULL, "Carry rounding errors of updates to the next step (Kahan)",
+     FP3_CALL(take_compensated)},
+    {"double-single", 0, NULL, "States and all arithmetic as sums of two floats, 48 bits",
+     FP3_CALL(take_double_single)},
+    {"observe", 0, "STATE", "Keep this state; may be repeated (default: all)",
+     FP3_CALL(take_observe), .is_repeated = 1},
+    {"with", 0, "PASS", "Also a pass that changes bits; may be repeated", FP3_CALL(take_with),
+     .is_repeated = 1},
+    {"without", 0, "PASS", "Not this pass; `all`: none; may be repeated", FP3_CALL(take_without),
+     .is_repeated = 1},
+    {"output", 'o', "FILE", "Write the assembly (default: standard output)",
+     FP3_TEXT(options, assembly)},
+    {"native", 0, NULL,
+     "Write native code of engine fast instead of assembly, for fp3 run --native on machines "
+     "without a compiler",
+     FP3_FLAG(options, is_native)},
+    {"image", 0, "FILE", "Write the image (*.fp3)", FP3_TEXT(options, image)},
+    {"params", 0, "FILE",
+     "Write the program's values for fp3 run --params; values computed from h and params as "
+     "formulas",
+     FP3_TEXT(options, values)},
+    {"set", 's', "NAME=VALUE", "A param, a state's start or h, for --params; may be repeated",
+     FP3_CALL(take_set), .is_repeated = 1},
+    {"report", 0, NULL,
+     "Print the cost of a step and the savings of each pass, instead of assembly",
+     FP3_CALL(take_report)},
+    {"list", 0, NULL, "List integrators and passes", FP3_CALL(take_list)},
+    {0},
+};
 
 static const char *saved_what(fp3_pass pass) {
     return pass == FP3_PASS_AHEAD   ? "cycles"
@@ -281,10 +274,11 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 }
 
 int fp3_cmd_compile(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "MODEL",
+        .take = take_word,
+        .end = end,
+        .forms = "MODEL",
         .doc = "Compiles the equations of MODEL (*.ode) and an integrator to a program for a "
                "configuration. Prints the assembly, or writes the files named by options.",
     };
@@ -292,7 +286,7 @@ int fp3_cmd_compile(int argc, char **argv) {
     options o = {.def = fp3_program_default()};
     if (fp3_params_make(&o.params, &error))
         return fp3_cli_fail("compile", FP3_E_SYSTEM, &error);
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
 
     fp3_program *program = NULL;
     char *text = NULL;

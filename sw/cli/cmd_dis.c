@@ -19,19 +19,6 @@ typedef struct {
     size_t word_count;
 } options;
 
-enum { KEY_WORD = 256, KEY_HEADER };
-
-static const struct argp_option table[] = {
-    {"output", 'o', "FILE", 0, "Write to FILE instead of the standard output", 0},
-    {"header", KEY_HEADER, "FILE", 0,
-     "Write the program as a C header for fp3_bare.h to FILE, instead of assembly; its names "
-     "begin with the name of FILE",
-     0},
-    {"word", KEY_WORD, "WORD", 0,
-     "Print this one instruction, 0x and hexadecimal digits; may be repeated", 0},
-    {0},
-};
-
 static uint32_t word(struct argp_state *state, const char *text) {
     char *end;
     errno = 0;
@@ -42,34 +29,37 @@ static uint32_t word(struct argp_state *state, const char *text) {
     return (uint32_t)value;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    switch (key) {
-    case 'o':
-        o->output = text;
-        break;
-    case KEY_HEADER:
-        o->header = text;
-        break;
-    case KEY_WORD:
-        o->words[o->word_count++] = word(state, text);
-        break;
-    case ARGP_KEY_ARG:
-        if (o->image)
-            argp_error(state, "found '%s', expected one image", text);
-        o->image = text;
-        break;
-    case ARGP_KEY_END:
-        if (!o->image == !o->word_count)
-            argp_error(state, "expected an image or --word");
-        if (o->header && !o->image)
-            argp_error(state, "--header: expected an image");
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+static void take_one_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    o->words[o->word_count++] = word(state, text);
 }
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->image)
+        argp_error(state, "found '%s', expected one image", text);
+    o->image = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    if (!o->image == !o->word_count)
+        argp_error(state, "expected an image or --word");
+    if (o->header && !o->image)
+        argp_error(state, "--header: expected an image");
+}
+
+static const fp3_option table[] = {
+    {"output", 'o', "FILE", "Write to FILE instead of the standard output",
+     FP3_TEXT(options, output)},
+    {"header", 0, "FILE",
+     "Write the program as a C header for fp3_bare.h to FILE, instead of assembly; its names "
+     "begin with the name of FILE",
+     FP3_TEXT(options, header)},
+    {"word", 0, "WORD", "Print this one instruction, 0x and hexadecimal digits; may be repeated",
+     FP3_CALL(take_one_word), .is_repeated = 1},
+    {0},
+};
 
 static fp3_status words_text(const options *o, char **text, fp3_error *error) {
     size_t size = 0;
@@ -126,16 +116,17 @@ static fp3_status write_header(const options *o, fp3_error *error) {
 }
 
 int fp3_cmd_dis(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "IMAGE\n--word=WORD",
+        .take = take_word,
+        .end = end,
+        .forms = "IMAGE\n--word=WORD",
         .doc = "Disassembles IMAGE to text that assembles to the same image, or writes it as C.",
     };
     options o = {.words = calloc((size_t)argc + 1, sizeof *o.words)};
     if (!o.words)
         return 1;
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_error error;
     char *text = NULL;
     fp3_files files = {0};

@@ -150,14 +150,14 @@ static int print_checks(void) {
 }
 
 int fp3_cmd_doctor(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .doc = "Tries the optional tools and libraries of this machine: the C compiler and the "
                "cache of engine fast, the simulated hardware, HDF5, MPI, gnuplot and ffmpeg. For "
                "each that is missing, prints its purpose and how to get it; the exit code is "
                "then 1. Engine isa needs none of them.",
     };
     char processor[128];
-    fp3_arguments_parse(&argp, argc, argv, NULL);
+    fp3_arguments_parse(&command, argc, argv, NULL);
     fp3_processor_name(processor, sizeof processor);
     fp3_cli_line(stdout, "%-12s %s", "fp3", FP3_VERSION);
     fp3_cli_line(stdout, "%-12s %s, %u thread%s", "processor", processor, fp3_threads_processors(),

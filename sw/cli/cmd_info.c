@@ -166,25 +166,22 @@ static int print_build(void) {
     return 0;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
-    const char **image = state->input;
-    if (key != ARGP_KEY_ARG)
-        return ARGP_ERR_UNKNOWN;
+static void take_word(void *user, struct argp_state *state, char *text) {
+    const char **image = user;
     if (*image)
         argp_error(state, "found '%s', expected one image", text);
     *image = text;
-    return 0;
 }
 
 int fp3_cmd_info(int argc, char **argv) {
-    static const struct argp argp = {
-        .parser = parse,
-        .args_doc = "[IMAGE]",
+    static const fp3_command command = {
+        .take = take_word,
+        .forms = "[IMAGE]",
         .doc = "Prints what IMAGE needs, and which configurations can execute it. Without IMAGE, "
                "prints the version, the instructions and all configurations.",
     };
     const char *image = NULL;
-    fp3_arguments_parse(&argp, argc, argv, &image);
+    fp3_arguments_parse(&command, argc, argv, &image);
     fp3_files files = {0};
     fp3_error error;
     fp3_files_read(&files, "IMAGE", image);

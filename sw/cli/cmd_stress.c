@@ -115,76 +115,58 @@ static fp3_status stress(const options *o, fp3_verdicts *verdicts, char **report
 
 /* ---- the command ---- */
 
-enum { KEY_JSON = 256, KEY_QUICK, KEY_MODEL, KEY_ALL, KEY_ONLY, KEY_ARITHMETIC };
+static void take_integrator(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->integrator_count == INTEGRATORS_MAX)
+        argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
+    else
+        o->integrators[o->integrator_count++] = text;
+}
 
-static const struct argp_option table[] = {
-    {"model", KEY_MODEL, NULL, 0, "MODEL is a model, whatever its name", 0},
-    {"integrator", 'i', "NAME", 0,
+static void take_arithmetic(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->arithmetic_count == ARITHMETICS_MAX)
+        argp_error(state, "found more than %d arithmetics", ARITHMETICS_MAX);
+    else
+        o->arithmetics[o->arithmetic_count++] = text;
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->model_count == MODELS_MAX)
+        argp_error(state, "found more than %d models", MODELS_MAX);
+    else
+        o->models[o->model_count++] = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    for (unsigned i = 0; i < o->model_count; i++)
+        fp3_arguments_model(state, o->models[i], o->is_model);
+    if ((o->section || o->arithmetic_count) && o->model_count)
+        argp_error(state,
+                   "found --%s with a model: the option is for the suite without a "
+                   "model",
+                   o->section ? "only" : "arithmetic");
+}
+
+static const fp3_option table[] = {
+    {"model", 0, NULL, "MODEL is a model, whatever its name", FP3_FLAG(options, is_model)},
+    {"integrator", 'i', "NAME",
      "A built-in table, or a file; may be repeated (default: of models rk4, else all that are "
      "built in)",
-     0},
-    {"json", KEY_JSON, "FILE", 0, "Also write results and curves as JSON", 0},
-    {"quick", KEY_QUICK, NULL, 0, "Fewer steps and angles and, without a MODEL, three integrators",
-     0},
-    {"all", KEY_ALL, NULL, 0, "Also print figures that hold", 0},
-    {"only", KEY_ONLY, "SECTION", 0, "Without a MODEL: this section alone", 0},
-    {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
+     FP3_CALL(take_integrator), .is_repeated = 1},
+    {"json", 0, "FILE", "Also write results and curves as JSON", FP3_TEXT(options, json)},
+    {"quick", 0, NULL, "Fewer steps and angles and, without a MODEL, three integrators",
+     FP3_FLAG(options, is_quick)},
+    {"all", 0, NULL, "Also print figures that hold", FP3_FLAG(options, shows_all)},
+    {"only", 0, "SECTION", "Without a MODEL: this section alone", FP3_TEXT(options, section)},
+    {"arithmetic", 0, "NAME",
      "Without a MODEL: plain, compensated, double_single, or a configuration with another "
      "arithmetic; may be repeated (default: all)",
-     0},
+     FP3_CALL(take_arithmetic), .is_repeated = 1},
     {0},
 };
-
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    switch (key) {
-    case 'i':
-        if (o->integrator_count == INTEGRATORS_MAX)
-            argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
-        else
-            o->integrators[o->integrator_count++] = text;
-        break;
-    case KEY_JSON:
-        o->json = text;
-        break;
-    case KEY_QUICK:
-        o->is_quick = 1;
-        break;
-    case KEY_ALL:
-        o->shows_all = 1;
-        break;
-    case KEY_ONLY:
-        o->section = text;
-        break;
-    case KEY_ARITHMETIC:
-        if (o->arithmetic_count == ARITHMETICS_MAX)
-            argp_error(state, "found more than %d arithmetics", ARITHMETICS_MAX);
-        else
-            o->arithmetics[o->arithmetic_count++] = text;
-        break;
-    case KEY_MODEL:
-        o->is_model = 1;
-        break;
-    case ARGP_KEY_ARG:
-        if (o->model_count == MODELS_MAX)
-            argp_error(state, "found more than %d models", MODELS_MAX);
-        else
-            o->models[o->model_count++] = text;
-        break;
-    case ARGP_KEY_END:
-        for (unsigned i = 0; i < o->model_count; i++)
-            fp3_arguments_model(state, o->models[i], o->is_model);
-        if ((o->section || o->arithmetic_count) && o->model_count)
-            argp_error(state,
-                       "found --%s with a model: the option is for the suite without a "
-                       "model",
-                       o->section ? "only" : "arithmetic");
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
 
 static fp3_status check_files(const options *o, fp3_error *error) {
     fp3_files files = {0};
@@ -197,10 +179,11 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 }
 
 int fp3_cmd_stress(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "[MODEL...]",
+        .take = take_word,
+        .end = end,
+        .forms = "[MODEL...]",
         .doc = "Measures what FP32 does to integrators and models, and compares each figure with "
                "the one that theory or a publication gives. With MODEL (*.ode), measures its "
                "invariants, its error at each step size, whether it returns when time runs "
@@ -208,7 +191,7 @@ int fp3_cmd_stress(int argc, char **argv) {
                "MODEL, runs the suite of docs/stress.md. Prints each figure that does not hold, "
                "and why; then the exit code is 3. All results are written in each case."};
     options o = {0};
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_error error;
     fp3_verdicts verdicts = {0};
     char *report = NULL;

@@ -37,64 +37,6 @@ typedef struct {
     fp3_progress *progress;
 } options;
 
-enum {
-    KEY_TOLERANCE = 256,
-    KEY_SPREAD,
-    KEY_SET,
-    KEY_PARAMS,
-    KEY_AROUND,
-    KEY_SPAN,
-    KEY_OUTPUT,
-    KEY_JSON,
-    KEY_PLOT,
-    KEY_HARDWARE,
-    KEY_ARITHMETIC,
-    KEY_MODEL,
-    KEY_OBJECTS,
-    KEY_SAMPLE
-};
-
-static const struct argp_option table[] = {
-    {"tolerance", KEY_TOLERANCE, "TOL", 0,
-     "The largest error of any state, relative to the largest magnitude of that state; from 1e-7 "
-     "to below 1",
-     0},
-    {"config", 'c', "NAME", 0,
-     "Configuration whose cycles are the cost (default: that of the scene, or many_full)", 0},
-    {"arithmetic", KEY_ARITHMETIC, "NAME", 0,
-     "Also tune for this configuration with another arithmetic, and choose the configuration of "
-     "the least cost: LUTs times the time of an object; may be repeated. all: each such "
-     "configuration whose LUTs and clock are known",
-     0},
-    {"model", KEY_MODEL, NULL, 0, "The input is a model, whatever its name", 0},
-    {"spread", KEY_SPREAD, "NAME=FIRST:LAST", 0,
-     "A range: any value from FIRST to LAST, of a model; may be repeated", 0},
-    {"around", KEY_AROUND, "SHARE", 0,
-     "Of a model: a range of this share to both sides for each start and each param of an object "
-     "that "
-     "is not 0 and has no other value",
-     0},
-    {"set", KEY_SET, "NAME=VALUE", 0, "Of a model: a value; may be repeated", 0},
-    {"params", KEY_PARAMS, "FILE", 0, "Of a model: a file of values; may be repeated", 0},
-    {"span", KEY_SPAN, "TIME", 0,
-     "The time to integrate (default: steps times h of the scene, its `until`, or the model's "
-     "span)",
-     0},
-    {"objects", KEY_OBJECTS, "N", 0,
-     "Of a model: number of objects in the scene (default: the contexts of the configuration; "
-     "without ranges 1)",
-     0},
-    {"held-out", KEY_SAMPLE, "N", 0, "Number of new objects that judge the choice (default: 64)",
-     0},
-    {"output", KEY_OUTPUT, "FILE", 0, "Write the choice as a scene, which fp3 run --scene runs", 0},
-    {"json", KEY_JSON, "FILE", 0, "Also write the choice and all candidates as JSON", 0},
-    {"plot", KEY_PLOT, "FILE", 0,
-     "Also draw error against cost of all candidates into FILE (.svg or .png). Needs gnuplot", 0},
-    {"hardware", KEY_HARDWARE, NULL, 0,
-     "Also print the configuration reduced to what the program needs, and its LUTs if known", 0},
-    {0},
-};
-
 static int ends_in_scene(const char *path) {
     const size_t size = strlen(path);
     return size > 6 && strcasecmp(path + size - 6, ".scene") == 0;
@@ -113,74 +55,93 @@ static void check(options *o, struct argp_state *state) {
                           "--spread, --around or --objects");
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    switch (key) {
-    case 'c':
-        o->config = text;
-        break;
-    case KEY_ARITHMETIC:
-        if (o->arithmetic_count == FP3_TUNE_MACHINES_MOST)
-            argp_error(state, "found more than %d --arithmetic", FP3_TUNE_MACHINES_MOST);
-        else
-            o->arithmetics[o->arithmetic_count++] = text;
-        break;
-    case KEY_MODEL:
-        o->is_model = 1;
-        break;
-    case KEY_TOLERANCE:
-        o->def.tolerance = fp3_arguments_above_zero(state, "--tolerance", text);
-        break;
-    case KEY_AROUND:
-        o->around = fp3_arguments_above_zero(state, "--around", text);
-        break;
-    case KEY_SPAN:
-        o->def.span = fp3_arguments_above_zero(state, "--span", text);
-        break;
-    case KEY_OBJECTS:
-        o->objects = (uint32_t)fp3_arguments_number(state, "--objects", text, 1, UINT32_MAX);
-        break;
-    case KEY_SAMPLE:
-        o->def.held_out = (uint32_t)fp3_arguments_number(state, "--held-out", text, 1, 65536);
-        break;
-    case KEY_OUTPUT:
-        o->out.scene = text;
-        break;
-    case KEY_JSON:
-        o->out.json = text;
-        break;
-    case KEY_PLOT:
-        o->plot = text;
-        break;
-    case KEY_HARDWARE:
-        o->has_hardware = 1;
-        break;
-    case KEY_PARAMS:
-        fp3_files_read(&o->files, "--params", text);
-        fp3_run_values_load(&o->values, state, text);
-        break;
-    case KEY_SPREAD:
-        fp3_run_values_spread(&o->values, state, text);
-        break;
-    case KEY_SET:
-        if (!strncmp(text, "maxstep=", 8))
-            o->def.maxstep = fp3_arguments_above_zero(state, "--set maxstep", text + 8);
-        else
-            fp3_run_values_set(&o->values, state, text);
-        break;
-    case ARGP_KEY_ARG:
-        if (o->input)
-            argp_error(state, "found '%s', expected one model or scene", text);
-        o->input = text;
-        break;
-    case ARGP_KEY_END:
-        check(o, state);
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+static void take_arithmetic(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->arithmetic_count == FP3_TUNE_MACHINES_MOST)
+        argp_error(state, "found more than %d --arithmetic", FP3_TUNE_MACHINES_MOST);
+    else
+        o->arithmetics[o->arithmetic_count++] = text;
 }
+
+static void take_spread(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    fp3_run_values_spread(&o->values, state, text);
+}
+
+static void take_set(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (!strncmp(text, "maxstep=", 8))
+        o->def.maxstep = fp3_arguments_above_zero(state, "--set maxstep", text + 8);
+    else
+        fp3_run_values_set(&o->values, state, text);
+}
+
+static void take_params(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    fp3_files_read(&o->files, "--params", text);
+    fp3_run_values_load(&o->values, state, text);
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->input)
+        argp_error(state, "found '%s', expected one model or scene", text);
+    o->input = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    check(o, state);
+}
+
+static const fp3_option table[] = {
+    {"tolerance", 0, "TOL",
+     "The largest error of any state, relative to the largest magnitude of that state; from 1e-7 "
+     "to below 1",
+     FP3_ABOVE_ZERO(options, def.tolerance)},
+    {"config", 'c', "NAME",
+     "Configuration whose cycles are the cost (default: that of the scene, or many_full)",
+     FP3_TEXT(options, config)},
+    {"arithmetic", 0, "NAME",
+     "Also tune for this configuration with another arithmetic, and choose the configuration of "
+     "the least cost: LUTs times the time of an object; may be repeated. all: each such "
+     "configuration whose LUTs and clock are known",
+     FP3_CALL(take_arithmetic), .is_repeated = 1},
+    {"model", 0, NULL, "The input is a model, whatever its name", FP3_FLAG(options, is_model)},
+    {"spread", 0, "NAME=FIRST:LAST",
+     "A range: any value from FIRST to LAST, of a model; may be repeated", FP3_CALL(take_spread),
+     .is_repeated = 1},
+    {"around", 0, "SHARE",
+     "Of a model: a range of this share to both sides for each start and each param of an object "
+     "that "
+     "is not 0 and has no other value",
+     FP3_ABOVE_ZERO(options, around)},
+    {"set", 0, "NAME=VALUE", "Of a model: a value; may be repeated", FP3_CALL(take_set),
+     .is_repeated = 1},
+    {"params", 0, "FILE", "Of a model: a file of values; may be repeated", FP3_CALL(take_params),
+     .is_repeated = 1},
+    {"span", 0, "TIME",
+     "The time to integrate (default: steps times h of the scene, its `until`, or the model's "
+     "span)",
+     FP3_ABOVE_ZERO(options, def.span)},
+    {"objects", 0, "N",
+     "Of a model: number of objects in the scene (default: the contexts of the configuration; "
+     "without ranges 1)",
+     FP3_NUMBER(options, objects, 1, UINT32_MAX)},
+    {"held-out", 0, "N", "Number of new objects that judge the choice (default: 64)",
+     FP3_NUMBER(options, def.held_out, 1, 65536)},
+    {"output", 0, "FILE", "Write the choice as a scene, which fp3 run --scene runs",
+     FP3_TEXT(options, out.scene)},
+    {"json", 0, "FILE", "Also write the choice and all candidates as JSON",
+     FP3_TEXT(options, out.json)},
+    {"plot", 0, "FILE",
+     "Also draw error against cost of all candidates into FILE (.svg or .png). Needs gnuplot",
+     FP3_TEXT(options, plot)},
+    {"hardware", 0, NULL,
+     "Also print the configuration reduced to what the program needs, and its LUTs if known",
+     FP3_FLAG(options, has_hardware)},
+    {0},
+};
 
 /* ---- what is tuned ---- */
 
@@ -360,10 +321,11 @@ static fp3_status tune_scene(options *o, fp3_error *error) {
 }
 
 int fp3_cmd_tune(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "MODEL\nSCENE",
+        .take = take_word,
+        .end = end,
+        .forms = "MODEL\nSCENE",
         .doc =
             "Finds the cheapest integrator, step (or tolerance of adaptive steps) and arithmetic "
             "that meet a tolerance over ranges of parameters, by measuring a sample of objects "
@@ -376,7 +338,7 @@ int fp3_cmd_tune(int argc, char **argv) {
     fp3_status status = fp3_params_make(&o.values.params, &error);
     if (status)
         return fp3_cli_fail("tune", status, &error);
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_files_read(&o.files, "INPUT", o.input);
     fp3_files_write(&o.files, "--output", o.out.scene);
     fp3_files_write(&o.files, "--json", o.out.json);

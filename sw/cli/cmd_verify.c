@@ -14,67 +14,52 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_FROM = 256, KEY_TO, KEY_RESTART, KEY_SOURCE, KEY_THREADS };
-
 typedef struct {
     const char *path, *engine, *restart, *source;
     uint64_t from, to, threads;
     int has_from;
 } options;
 
-static const struct argp_option table[] = {
-    {"from", KEY_FROM, "A", 0, "Compare from step A on (default: the first that FILE has)", 0},
-    {"to", KEY_TO, "B", 0, "Compare up to step B (default: the last that FILE has)", 0},
-    {"engine", 'e', "ENGINE", 0, "On this engine: rtl, isa or fast (default: that of the run)", 0},
-    {"threads", KEY_THREADS, "N", 0, "Of engine fast (default: one for each processor)", 0},
-    {"restart", KEY_RESTART, "CHECKPOINT", 0,
+static void take_from(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    o->from = fp3_arguments_number(state, "--from", text, 0, UINT32_MAX);
+    o->has_from = 1;
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    options *o = user;
+    if (o->path)
+        argp_error(state, "found '%s', expected one file", text);
+    o->path = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    options *o = user;
+    if (!o->path)
+        argp_error(state, "expected a checkpoint, or a recording in HDF5");
+    if (o->from > o->to)
+        argp_error(state, "--from and --to: expected A not above B");
+}
+
+static const fp3_option table[] = {
+    {"from", 0, "A", "Compare from step A on (default: the first that FILE has)",
+     FP3_CALL(take_from)},
+    {"to", 0, "B", "Compare up to step B (default: the last that FILE has)",
+     FP3_NUMBER(options, to, 0, UINT32_MAX)},
+    {"engine", 'e', "ENGINE", "On this engine: rtl, isa or fast (default: that of the run)",
+     FP3_TEXT(options, engine)},
+    {"threads", 0, "N", "Of engine fast (default: one for each processor)",
+     FP3_NUMBER(options, threads, 1, 1024)},
+    {"restart", 0, "CHECKPOINT",
      "Begin there, at A or before (default: at the start of the run; for a checkpoint at FILE.1, "
      "if that is whole and not "
      "before A)",
-     0},
-    {"source", KEY_SOURCE, "PATH", 0,
-     "The program or the scene (default: where the run found it, from the current directory)", 0},
+     FP3_TEXT(options, restart)},
+    {"source", 0, "PATH",
+     "The program or the scene (default: where the run found it, from the current directory)",
+     FP3_TEXT(options, source)},
     {0},
 };
-
-static error_t parse(int key, char *text, struct argp_state *state) {
-    options *o = state->input;
-    switch (key) {
-    case KEY_FROM:
-        o->from = fp3_arguments_number(state, "--from", text, 0, UINT32_MAX);
-        o->has_from = 1;
-        break;
-    case KEY_TO:
-        o->to = fp3_arguments_number(state, "--to", text, 0, UINT32_MAX);
-        break;
-    case KEY_RESTART:
-        o->restart = text;
-        break;
-    case KEY_SOURCE:
-        o->source = text;
-        break;
-    case KEY_THREADS:
-        o->threads = fp3_arguments_number(state, "--threads", text, 1, 1024);
-        break;
-    case 'e':
-        o->engine = text;
-        break;
-    case ARGP_KEY_ARG:
-        if (o->path)
-            argp_error(state, "found '%s', expected one file", text);
-        o->path = text;
-        break;
-    case ARGP_KEY_END:
-        if (!o->path)
-            argp_error(state, "expected a checkpoint, or a recording in HDF5");
-        if (o->from > o->to)
-            argp_error(state, "--from and --to: expected A not above B");
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
-}
 
 /* ---- where it begins, and what it compares ---- */
 
@@ -202,10 +187,11 @@ static fp3_status verify(const options *o, fp3_run_ranks *ranks, char **report, 
 }
 
 int fp3_cmd_verify(int argc, char **argv) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "FILE",
+        .take = take_word,
+        .end = end,
+        .forms = "FILE",
         .doc = "Runs steps A to B of a run again, on any engine, and compares hashes with FILE, "
                "a checkpoint or a recording in HDF5. FILE keeps the arguments of its run. Exit "
                "code 0: all hashes agree; 1: a hash differs, or the run failed; 2: there is "
@@ -216,7 +202,7 @@ int fp3_cmd_verify(int argc, char **argv) {
     char *report = NULL;
     fp3_run_ranks ranks;
     fp3_run_ranks_first(&ranks);
-    fp3_arguments_parse(&argp, argc, argv, &o);
+    fp3_arguments_parse(&command, argc, argv, &o);
     fp3_status status = fp3_run_ranks_begin(&ranks, &error);
     if (!status)
         status = fp3_run_ranks_agree(&ranks, table, argc, argv, own, &error);

@@ -38,8 +38,10 @@ typedef struct {
     int is_quiet;           /* prints nothing of the run, and judges nothing in it */
 } fp3_run_options;
 
-/* Its options. */
-const struct argp_option *fp3_run_options_table(void);
+/* The `forms` of an option: it decides the bits of a run, or it says what is written, printed,
+ * judged or measured, or how fast the run goes. */
+enum { FP3_RUN_DECIDES = 1, FP3_RUN_BESIDE };
+const fp3_option *fp3_run_options_table(void);
 /* Makes the defaults, and what the command line says of them. Ends the command where it is wrong. FP3_E_SYSTEM: out of
  * memory. The caller frees *options, after a failure too. */
 fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *options, fp3_error *error);

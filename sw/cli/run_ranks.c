@@ -84,14 +84,13 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
 enum { OPTIONS_MOST = 64 };
 
 typedef struct {
-    const struct argp_option *table;
+    const fp3_option *table;
     const char *const *own;
     uint64_t values[OPTIONS_MOST]; /* of each option a hash */
 } given;
 
 /* An fp3_argument_fn. */
-static fp3_status note(void *user, const struct argp_option *option, const char *value,
-                       fp3_error *error) {
+static fp3_status note(void *user, const fp3_option *option, const char *value, fp3_error *error) {
     given *g = user;
     (void)error;
     for (const char *const *own = g->own; option && *own; own++)
@@ -106,7 +105,7 @@ static fp3_status note(void *user, const struct argp_option *option, const char 
     return FP3_OK;
 }
 
-static fp3_status compare(const struct argp_option *table, const uint64_t *all, unsigned ranks,
+static fp3_status compare(const fp3_option *table, const uint64_t *all, unsigned ranks,
                           fp3_error *error) {
     for (unsigned r = 1; r < ranks; r++)
         for (int i = 0; table[i].name; i++)
@@ -118,9 +117,8 @@ static fp3_status compare(const struct argp_option *table, const uint64_t *all, 
     return FP3_OK;
 }
 
-fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_option *table,
-                               int argc, char *const *argv, const char *const *own,
-                               fp3_error *error) {
+fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const fp3_option *table, int argc,
+                               char *const *argv, const char *const *own, fp3_error *error) {
     given g = {.table = table, .own = own};
     const unsigned count = ranks->all.count;
     int options = 0;

@@ -3,6 +3,7 @@
 #ifndef FP3_CLI_RUN_RANKS_H
 #define FP3_CLI_RUN_RANKS_H
 
+#include "arguments.h"
 #include "engine/cluster/ranks.h"
 #include "run_engine.h"
 
@@ -19,9 +20,8 @@ void fp3_run_ranks_first(fp3_run_ranks *ranks);
 fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error);
 /* Compares the options of this table on all ranks, but for those in `own`, a list that ends with NULL. Other arguments may differ.
  * FP3_E_ARGUMENT, on all ranks: an option differs; error names it. */
-fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_option *table,
-                               int argc, char *const *argv, const char *const *own,
-                               fp3_error *error);
+fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const fp3_option *table, int argc,
+                               char *const *argv, const char *const *own, fp3_error *error);
 /* Of the ports on->port, with commas between them, that of this rank takes their place. FP3_E_ARGUMENT: there is not one for each
  * rank. */
 fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_error *error);

@@ -13,28 +13,6 @@
 #define ROOM (WORDS_MOST + 4) /* also for the name, "--" and the NULL at the end */
 #define LENGTH_MOST 131072    /* as of the kernel, of one argument */
 
-/* They decide the bits of a run. */
-static const char *const decide[] = {
-    "compensated", "config",  "double-single", "engine", "integrator", "links",
-    "model",       "objects", "params",        "scene",  "seed",       "set",
-    "spread",      "steps",   "tolerance",     "until",  "visit",
-};
-/* They say what is written, printed, judged or measured, or how fast it goes. */
-static const char *const beside[] = {
-    "all",        "allow-failures",   "baud",    "bus-log",  "bus-waits",   "check",
-    "checkpoint", "checkpoint-every", "clock",   "compress", "cycle-limit", "every",
-    "kanata",     "native",           "observe", "output",   "plot",        "port",
-    "restart",    "strict",           "threads", "times",
-};
-#define HAS(list, name) is_in(list, sizeof(list) / sizeof *(list), name)
-
-static int is_in(const char *const *list, size_t count, const char *name) {
-    size_t i = 0;
-    while (i < count && strcmp(list[i], name) != 0)
-        i++;
-    return i < count;
-}
-
 static fp3_status add(fp3_verify_command *c, const char *format, const char *one, const char *other,
                       fp3_error *error) {
     char *word = NULL;
@@ -47,8 +25,7 @@ static fp3_status add(fp3_verify_command *c, const char *format, const char *one
 }
 
 /* An fp3_argument_fn. */
-static fp3_status take(void *user, const struct argp_option *option, const char *value,
-                       fp3_error *error) {
+static fp3_status take(void *user, const fp3_option *option, const char *value, fp3_error *error) {
     fp3_verify_command *c = user;
     if (!option)
         return FP3_OK;
@@ -59,22 +36,22 @@ static fp3_status take(void *user, const struct argp_option *option, const char 
             error, FP3_E_ARGUMENT,
             "its run was on engine board, and no port that a file names is opened: choose "
             "another engine by --engine");
-    if (HAS(decide, option->name))
+    if (option->forms == FP3_RUN_DECIDES)
         return add(c, value ? "--%s=%s" : "--%s", option->name, value, error);
-    return HAS(beside, option->name)
+    return option->forms == FP3_RUN_BESIDE
                ? FP3_OK
                : fp3_fail(error, FP3_E_ARGUMENT, "--%s is not run again", option->name);
 }
 
 /* An fp3_argument_fn: they follow behind all options. */
-static fp3_status take_others(void *user, const struct argp_option *option, const char *value,
+static fp3_status take_others(void *user, const fp3_option *option, const char *value,
                               fp3_error *error) {
     return option ? FP3_OK : add(user, "%s%s", value, "", error);
 }
 
 static fp3_status take_words(fp3_verify_command *c, int count, char *const *words,
                              fp3_error *error) {
-    const struct argp_option *table = fp3_run_options_table();
+    const fp3_option *table = fp3_run_options_table();
     fp3_error why = {.text = ""};
     c->argv = calloc(ROOM, sizeof *c->argv);
     if (!c->argv)

@@ -12,77 +12,6 @@
 
 #define PIXELS_MOST 8192 /* of a picture's side */
 
-enum {
-    KEY_POSITION = 256,
-    KEY_COLOUR,
-    KEY_RANGE,
-    KEY_SIZE,
-    KEY_OBSERVE,
-    KEY_EVERY,
-    KEY_PLANE,
-    KEY_BOX,
-    KEY_UP,
-    KEY_TITLE,
-    KEY_EXACT,
-    KEY_PNG,
-    KEY_FILM,
-    KEY_AT,
-    KEY_WIDTH,
-    KEY_HEIGHT,
-    KEY_TURN,
-    KEY_RATE
-};
-
-static const struct argp_option table[] = {
-    {"output", 'o', "FILE", 0,
-     "Write the page to FILE (default: the recording's name, ending in .html)", 0},
-    {"position", KEY_POSITION, "NAMES", 0,
-     "Where objects are: a vector, or one to three names with commas between them; object and time "
-     "are names, too (default: the vector that has the unit of a length)",
-     0},
-    {"colour", KEY_COLOUR, "NAME", 0,
-     "Colour objects by this value, or by the length of this vector (default: the speed, if it is "
-     "known)",
-     0},
-    {"range", KEY_RANGE, "LEAST:MOST", 0,
-     "Values of the first and the last colour (default: all values of the recording)", 0},
-    {"size", KEY_SIZE, "RADIUS", 0,
-     "Draw objects as balls of this radius, in the unit of the position, or with the value of "
-     "this name as radius (default: half the reach of `near`, if the recording has it)",
-     0},
-    {"observe", KEY_OBSERVE, "NAMES", 0,
-     "Other values of each object in the page, names with commas between them (default: all)", 0},
-    {"every", KEY_EVERY, "N", 0, "Take every N-th snapshot (default 1)", 0},
-    {"plane", KEY_PLANE, "AXIS=VALUE", 0,
-     "Draw a wall where the position's x, y or z has this value; may be repeated", 0},
-    {"box", KEY_BOX, "X0:X1,Y0:Y1,Z0:Z1", 0, "Draw the edges of a box", 0},
-    {"up", KEY_UP, "AXIS", 0, "The axis of the position that points up, y or z (default y)", 0},
-    {"title", KEY_TITLE, "TEXT", 0, "The title (default: the model's name)", 0},
-    {"exact", KEY_EXACT, 0, 0,
-     "Keep all 32 bits of each number, instead of 16 with an error that is printed", 0},
-    {"png", KEY_PNG, "FILE", 0,
-     "Draw a snapshot as a PNG, without a display; no page is written unless --output asks for it",
-     0},
-    {"film", KEY_FILM, "FILE", 0,
-     "Draw all snapshots as an animated PNG (APNG), likewise; as a video if the name ends in .mp4, "
-     "by ffmpeg",
-     0},
-    {"at", KEY_AT, "TIME", 0,
-     "The time of the snapshot of --png, or near it; a recording without times: its step (default: "
-     "the last)",
-     0},
-    {"width", KEY_WIDTH, "PIXELS", 0, "The width of --png and --film (default 1280)", 0},
-    {"height", KEY_HEIGHT, "PIXELS", 0, "The height of --png and --film (default 720)", 0},
-    {"turn", KEY_TURN, "AZIMUTH:ELEVATION", 0,
-     "The direction of view of --png and --film, in degrees around the axis that points up, and "
-     "above the plane across it (default 31.5:20, as the page at first)",
-     0},
-    {"rate", KEY_RATE, "N", 0,
-     "Snapshots a second of --film (default 30); real: as many as a second of the recording has",
-     0},
-    {0},
-};
-
 /* ---- walls ---- */
 
 static double number(struct argp_state *state, const char *option, const char *text) {
@@ -152,38 +81,6 @@ static void turn(struct argp_state *state, fp3_view_look *look, char *text) {
         argp_error(state, "--turn: found an elevation of %s, expected -90 to 90", colon + 1);
 }
 
-/* 0: the key is no picture's. */
-static int parse_picture(int key, char *text, struct argp_state *state, fp3_view_options *o) {
-    switch (key) {
-    case KEY_PNG:
-        o->png = text;
-        return 1;
-    case KEY_FILM:
-        o->film = text;
-        return 1;
-    case KEY_AT:
-        o->at = number(state, "--at", text);
-        o->has_at = 1;
-        return 1;
-    case KEY_WIDTH:
-        o->look.width = (uint32_t)fp3_arguments_number(state, "--width", text, 16, PIXELS_MOST);
-        return 1;
-    case KEY_HEIGHT:
-        o->look.height = (uint32_t)fp3_arguments_number(state, "--height", text, 16, PIXELS_MOST);
-        return 1;
-    case KEY_TURN:
-        turn(state, &o->look, text);
-        return 1;
-    case KEY_RATE:
-        o->rate = strcmp(text, "real") == 0
-                      ? 0
-                      : (uint16_t)fp3_arguments_number(state, "--rate", text, 1, 1000);
-        return 1;
-    default:
-        return 0;
-    }
-}
-
 /* ---- all ---- */
 
 static void name_output(struct argp_state *state, fp3_view_options *o) {
@@ -203,70 +100,128 @@ static void name_output(struct argp_state *state, fp3_view_options *o) {
     o->output = o->own_output;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state) {
-    fp3_view_options *o = state->input;
-    switch (key) {
-    case 'o':
-        o->output = text;
-        break;
-    case KEY_POSITION:
-        o->wishes.position = text;
-        break;
-    case KEY_COLOUR:
-        o->wishes.colour = text;
-        break;
-    case KEY_RANGE:
-        range(state, o, text);
-        break;
-    case KEY_SIZE:
-        o->wishes.size = text;
-        break;
-    case KEY_OBSERVE:
-        o->wishes.observed = text;
-        break;
-    case KEY_EVERY:
-        o->every = fp3_arguments_number(state, "--every", text, 1, UINT32_MAX);
-        break;
-    case KEY_PLANE:
-        plane(state, &o->page, text);
-        break;
-    case KEY_BOX:
-        box(state, &o->page, text);
-        break;
-    case KEY_UP:
-        o->page.up = up(state, text);
-        break;
-    case KEY_TITLE:
-        o->page.title = text;
-        break;
-    case KEY_EXACT:
-        o->page.is_exact = 1;
-        break;
-    case ARGP_KEY_ARG:
-        if (o->recording)
-            argp_error(state, "found '%s', expected one recording", text);
-        o->recording = text;
-        break;
-    case ARGP_KEY_END:
-        name_output(state, o);
-        break;
-    default:
-        return parse_picture(key, text, state, o) ? 0 : ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+static void take_range(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    range(state, o, text);
 }
 
+static void take_plane(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    plane(state, &o->page, text);
+}
+
+static void take_box(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    box(state, &o->page, text);
+}
+
+static void take_up(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    o->page.up = up(state, text);
+}
+
+static void take_at(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    o->at = number(state, "--at", text);
+    o->has_at = 1;
+}
+
+static void take_turn(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    turn(state, &o->look, text);
+}
+
+static void take_rate(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    o->rate = strcmp(text, "real") == 0
+                  ? 0
+                  : (uint16_t)fp3_arguments_number(state, "--rate", text, 1, 1000);
+}
+
+static void take_word(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    if (o->recording)
+        argp_error(state, "found '%s', expected one recording", text);
+    o->recording = text;
+}
+
+static void end(void *user, struct argp_state *state) {
+    fp3_view_options *o = user;
+    name_output(state, o);
+}
+
+static const fp3_option table[] = {
+    {"output", 'o', "FILE",
+     "Write the page to FILE (default: the recording's name, ending in .html)",
+     FP3_TEXT(fp3_view_options, output)},
+    {"position", 0, "NAMES",
+     "Where objects are: a vector, or one to three names with commas between them; object and time "
+     "are names, too (default: the vector that has the unit of a length)",
+     FP3_TEXT(fp3_view_options, wishes.position)},
+    {"colour", 0, "NAME",
+     "Colour objects by this value, or by the length of this vector (default: the speed, if it is "
+     "known)",
+     FP3_TEXT(fp3_view_options, wishes.colour)},
+    {"range", 0, "LEAST:MOST",
+     "Values of the first and the last colour (default: all values of the recording)",
+     FP3_CALL(take_range)},
+    {"size", 0, "RADIUS",
+     "Draw objects as balls of this radius, in the unit of the position, or with the value of "
+     "this name as radius (default: half the reach of `near`, if the recording has it)",
+     FP3_TEXT(fp3_view_options, wishes.size)},
+    {"observe", 0, "NAMES",
+     "Other values of each object in the page, names with commas between them (default: all)",
+     FP3_TEXT(fp3_view_options, wishes.observed)},
+    {"every", 0, "N", "Take every N-th snapshot (default 1)",
+     FP3_NUMBER(fp3_view_options, every, 1, UINT32_MAX)},
+    {"plane", 0, "AXIS=VALUE",
+     "Draw a wall where the position's x, y or z has this value; may be repeated",
+     FP3_CALL(take_plane), .is_repeated = 1},
+    {"box", 0, "X0:X1,Y0:Y1,Z0:Z1", "Draw the edges of a box", FP3_CALL(take_box)},
+    {"up", 0, "AXIS", "The axis of the position that points up, y or z (default y)",
+     FP3_CALL(take_up)},
+    {"title", 0, "TEXT", "The title (default: the model's name)",
+     FP3_TEXT(fp3_view_options, page.title)},
+    {"exact", 0, NULL,
+     "Keep all 32 bits of each number, instead of 16 with an error that is printed",
+     FP3_FLAG(fp3_view_options, page.is_exact)},
+    {"png", 0, "FILE",
+     "Draw a snapshot as a PNG, without a display; no page is written unless --output asks for it",
+     FP3_TEXT(fp3_view_options, png)},
+    {"film", 0, "FILE",
+     "Draw all snapshots as an animated PNG (APNG), likewise; as a video if the name ends in .mp4, "
+     "by ffmpeg",
+     FP3_TEXT(fp3_view_options, film)},
+    {"at", 0, "TIME",
+     "The time of the snapshot of --png, or near it; a recording without times: its step (default: "
+     "the last)",
+     FP3_CALL(take_at)},
+    {"width", 0, "PIXELS", "The width of --png and --film (default 1280)",
+     FP3_NUMBER(fp3_view_options, look.width, 16, PIXELS_MOST)},
+    {"height", 0, "PIXELS", "The height of --png and --film (default 720)",
+     FP3_NUMBER(fp3_view_options, look.height, 16, PIXELS_MOST)},
+    {"turn", 0, "AZIMUTH:ELEVATION",
+     "The direction of view of --png and --film, in degrees around the axis that points up, and "
+     "above the plane across it (default 31.5:20, as the page at first)",
+     FP3_CALL(take_turn)},
+    {"rate", 0, "N",
+     "Snapshots a second of --film (default 30); real: as many as a second of the recording has",
+     FP3_CALL(take_rate)},
+    {0},
+};
+
 void fp3_view_options_parse(int argc, char **argv, fp3_view_options *o) {
-    static const struct argp argp = {
+    static const fp3_command command = {
         .options = table,
-        .parser = parse,
-        .args_doc = "RECORDING",
+        .take = take_word,
+        .end = end,
+        .forms = "RECORDING",
         .doc = "Writes a web page that shows what fp3 run --output recorded, moving: one file, "
                "which loads nothing.",
     };
     *o = (fp3_view_options){
         .every = 1, .rate = 30, .look = {1280, 720, 31.5, 20}, .page = {.up = 1}};
-    fp3_arguments_parse(&argp, argc, argv, o);
+    fp3_arguments_parse(&command, argc, argv, o);
 }
 
 void fp3_view_options_free(fp3_view_options *o) { free(o->own_output); }

@@ -89,9 +89,8 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     return FP3_OK;
 }
 
-fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const struct argp_option *table,
-                               int argc, char *const *argv, const char *const *own,
-                               fp3_error *error) {
+fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const fp3_option *table, int argc,
+                               char *const *argv, const char *const *own, fp3_error *error) {
     (void)ranks, (void)table, (void)argc, (void)argv, (void)own, (void)error;
     return FP3_OK;
 }
