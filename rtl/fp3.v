@@ -72,8 +72,9 @@ module fp3 #(
     localparam N = TILES * SCHEDULERS;
     fp3_config_rules #(.CONFIG(CONFIG)) u_rules ();
 
-    // Reset reaches far: from a register, and from group to group of the lanes. It lasts until it has passed the last
-    // one, whose reports would still be old; so long nothing is taken from the bus. At power-up all are in reset.
+    // Reset is registered, and passes from group to group of the lanes. It lasts until it has
+    // passed the last group, whose reports would still be old; until then the bus accepts nothing.
+    // At power-up everything is in reset.
     wire             clk = s_axi_aclk, bus_rst = !s_axi_aresetn;
     localparam integer RESET = GROUPS + TIMING_RESET;
     reg [RESET-1:0]  reset_q;
@@ -82,8 +83,8 @@ module fp3 #(
     reg              irq_q;
     always @(posedge clk) reset_q <= bus_rst ? {RESET{1'b1}} : reset_q >> 1;
 
-    // As many requests may be under way as fill the path to the lanes and back; of one object, few.
-    // The list of copies alone says so by this bit.
+    // Enough requests may be under way to fill the path to the lanes and back; with one object,
+    // few. Only the list of copies has this bit.
     localparam [31:0] STREAM = {8'd0, ADDRESS_STREAM} & ~(EXCHANGE != 0 ? 32'd0 : 32'd1 << ADDRESS_SPACE_LO);
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
     localparam READS_W  = STORE_WORDS != 0 ? $clog2(MEMORY_LATENCY + TIMING_BUS) : 2;

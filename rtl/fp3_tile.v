@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_tile: schedulers and lanes with the arithmetic that they work on.
+// fp3_tile: schedulers and lanes with the arithmetic that they share.
 //
 // Purpose   Two ways to share. Several schedulers, each with a program of its own, share one adder
 //           and one multiplier (the paper's Figure 3). Or one scheduler drives several lanes, each
-//           with an adder and a multiplier: control is shared. Lanes under several schedulers are not
-//           built (config_rules refuses them).
+//           with an adder and a multiplier: control is shared. config_rules refuses several lanes
+//           under several schedulers.
 //
 //           scheduler ──┐ arbiter                         ┌─► lane ◄─► multiplier ─► adder
 //           scheduler ──┴───► multiplier, adder           scheduler ─► lane ◄─► multiplier ─► adder

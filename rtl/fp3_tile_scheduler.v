@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
 //
-// Purpose   Puts together what belongs to one program: the host port, the sequencer and
-//           the lanes that follow it, each group of four a cycle after the one before.
+// Purpose   The parts of one program: the host port, the sequencer and the lanes that follow it,
+//           each group of four a cycle after the group before.
 //
 //           host_port ─► sequencer ─► group ─► group ─► ...
 //                            ▲                           │
@@ -11,8 +11,8 @@
 // Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says; adds_o and
 //           muls_o ask for a unit two cycles before the first lane says the instruction, five before its
 //           operands.
-// Hazard    What is not granted does not reach the arithmetic.
-//           The host accesses lanes, and writes the program, only between runs.
+// Hazard    Operands without a grant do not reach the arithmetic. The host accesses lanes, and
+//           writes the program, only between runs.
 `default_nettype none
 `include "host/answer.vh"
 `include "gen/settings.vh"
@@ -138,7 +138,8 @@ module fp3_tile_scheduler #(
         .report_i(reports[`FP3_REPORT_W*GROUPS +: `FP3_REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
 
-    // Copies from lane to lane take the ways of what instructions read of the store and of the host's words.
+    // Copies from lane to lane use the paths of the instructions' store reads and of the host's
+    // writes.
     generate
         if (EXCHANGE != 0) begin : g_exchange
             wire                 copying;
@@ -160,7 +161,7 @@ module fp3_tile_scheduler #(
         end
     endgenerate
 
-    // In front of the first lane nobody has an object, and nobody is awake.
+    // In front of the first lane there is no object, and none awake.
     `FP3_REPORT_FIELDS
     assign reports[0 +: `FP3_REPORT_W] = `FP3_REPORT_NONE;
     assign `FP3_REPORT                 = reports[`FP3_REPORT_W*GROUPS +: `FP3_REPORT_W];
@@ -196,7 +197,8 @@ module fp3_tile_scheduler #(
                     report_count, report_longest, report_valid, report_asleep, report_batch, report_context};
 
 `ifdef FP3_CHECK
-    // What was granted AHEAD + TO_END + 1 cycles ago ends in the first lane, ENDED cycles before its result.
+    // An instruction granted AHEAD + TO_END + 1 cycles ago ends in the first lane, ENDED cycles
+    // before its result.
     generate
         if (DUAL == 0) begin : g_granted
             wire granted;

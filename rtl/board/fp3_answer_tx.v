@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_answer_tx: the bytes of a packet, from the answer to a request.
 //
-// Purpose   Sends an end, sequence number, status, words, CRC-32 and an end. The end in front makes
-//           noise that the line had before a packet of its own.
+// Purpose   Sends an end, sequence number, status, words, CRC-32 and an end. The first end closes
+//           any noise on the line as a packet of its own.
 // Latency   The first byte is offered in the first cycle of answer_i.
 // Promise   done_o is high for one cycle: the last byte is taken. answer_i falls in the next.
-// Hazard    word_i is the word word_at_o of two cycles ago: the line is slower than that.
+// Hazard    word_i is the word at word_at_o of two cycles ago; the line is slower than that.
 `default_nettype none
 module fp3_answer_tx (
     input  wire        clk_i,

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_request_rx: a request of the host, from the bytes of a packet.
 //
-// Purpose   Checks a packet while it comes: its command, its length, its CRC-32. Its words leave for the store of
-//           the bridge at once; whether they count is known when the packet ends.
+// Purpose   Checks a packet while it arrives: command, length, CRC-32. Its words go to the bridge's
+//           store at once; they count only if the packet is right at its end.
 // Latency   0 from the packet's end to request_o.
-// Promise   request_o is high for one cycle, for a whole and right packet only. What it says of the request stands until
-//           the first byte of the next packet that is listened to.
-// Hazard    A packet whose first byte comes while listen_i is low is dropped as a bad one is.
+// Promise   request_o is high for one cycle, for a whole and right packet only. The outputs that
+//           describe the request stay until the first byte of the next packet that is received.
+// Hazard    A packet whose first byte comes while listen_i is low is dropped like a bad packet.
 //
 //     packet     sequence  command  address (4)  word (4) ...  CRC-32 (4)  end
 //     state     SEQUENCE  COMMAND  BODY                                   WHOLE

@@ -3,8 +3,8 @@
 //
 // Purpose   8'hc0 ends a packet; 8'hdb 8'hdc stands for a 8'hc0 within it, 8'hdb 8'hdd for a 8'hdb.
 // Latency   0
-// Promise   bad_o: a byte is bad, or an escape is broken; what is in the packet is worth nothing. An end is an end
-//           although an escape is broken by it, so the next packet is whole.
+// Promise   bad_o: a byte is bad, or an escape is broken, so the packet is worthless. An end counts
+//           even if it breaks an escape, so the next packet is whole.
 `default_nettype none
 module fp3_slip_rx (
     input  wire       clk_i,

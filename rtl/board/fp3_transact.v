@@ -3,11 +3,11 @@
 //
 // Purpose   The words of a request go to, or come from, addresses that grow by 4, one transfer after the other, until
 //           the bus answers one with an error. The store has those to write, or those that were read.
-// Latency   Three cycles for each word and what the bus takes.
-// Promise   A write with the sequence number of the write before it is not executed again: its answer is that of
-//           the first time. A read in between makes it a new one. An address with more bits than the bus has
-//           is an error, as the bus's own are.
-// Hazard    It waits for the bus as long as that takes: a slave that never answers stops the bridge until the reset.
+// Latency   Three cycles for each word, plus the time of the bus.
+// Promise   A write with the sequence number of the last write is not executed again: it gets the
+//           first answer. After a read, it counts as a new write. An address with more bits than
+//           the bus has is answered like an error of the bus.
+// Hazard    There is no timeout: a slave that never answers stops the bridge until a reset.
 `default_nettype none
 module fp3_transact #(
     parameter ADDRESS_W = 24           // bits of a byte address on the bus, < 32

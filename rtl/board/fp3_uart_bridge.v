@@ -6,9 +6,11 @@
 //           rxd ──► uart_rx ──► slip_rx ──► request_rx ─┐
 //           txd ◄── uart_tx ◄── slip_tx ◄── answer_tx ◄─┴─ transact ◄─► the bus
 //
-// Latency   An answer's first byte is on its way some cycles after the request's last byte and what the bus takes.
-// Promise   Every whole and right packet that begins while no other one is executed or answered has one answer.
-//           Whatever else the line has changes nothing and has no answer; after the next end all is as before.
+// Latency   An answer's first byte leaves some cycles after the request's last byte, plus the time
+//           of the bus.
+// Promise   Every whole and right packet that begins while no other packet is executed or answered
+//           gets one answer. Anything else on the line changes nothing and gets no answer; the next
+//           end restores the initial state.
 `default_nettype none
 module fp3_uart_bridge #(
     parameter DIVISOR   = 104,         // clock cycles in a bit of the line, >= 4

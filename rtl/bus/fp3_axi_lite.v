@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_axi_lite: an AXI4-Lite slave in front of a host port.
 //
-// Purpose   A bus that processors, interconnects and vendor tools know. One word of 32 bits for each
-//           transfer (Arm IHI 0022, chapter B1). A write of all four bytes and a read become requests of
-//           the host port; what it refuses is answered with SLVERR. A write of no byte is answered with OKAY and does
-//           nothing; one of some bytes with SLVERR, and does nothing.
-//           Requests with a bit of STREAM in their address follow each other, up to one in each cycle. Any other one
-//           is alone: all before it are answered, and those after it wait until it is.
+// Purpose   A bus that processors, interconnects and vendor tools know. One word of 32 bits for
+//           each transfer (Arm IHI 0022, chapter B1). A write of all four bytes and a read become
+//           requests of the host port; refused requests are answered with SLVERR. A write of no
+//           byte does nothing and is answered with OKAY; a write of some bytes does nothing and is
+//           answered with SLVERR. Requests with a bit of STREAM in their address are pipelined, up
+//           to one in each cycle. Any other request is alone: it waits until all requests before it
+//           are answered, and the next request waits for its answer.
 // Latency   One cycle from the handshakes of the address (and the data) to the request, one from the answer
 //           to bvalid or rvalid.
-// Promise   Every transfer gets one response, in its channel's order. A read is answered although nobody takes
-//           the response to a write, and a write although nobody takes that to a read. Of both, they take turns.
-// Hazard    A read that is to come after a write has to wait for bvalid. A request that is not taken may give
-//           way to another one. Answers come in the order of their kind's requests, and do not wait.
+// Promise   Every transfer gets one response, in its channel's order. A read is answered even if
+//           the response to a write is not taken, and vice versa. If both wait, reads and writes
+//           alternate.
+// Hazard    A master that reads after a write has to wait for bvalid. A request that is not taken
+//           may be replaced by another one. Answers come in the order of requests, separately for
+//           reads and writes, and cannot be delayed.
 //
 //     cycle          0     1     2     3    ...   n    n+1   n+2   n+3
 //     s_axi_awvalid  1     1     0                                        address and data come in any order
@@ -64,7 +67,7 @@ module fp3_axi_lite #(
     reg [ADDRESS_W-1:0] awaddr_q, araddr_q;
     reg [31:0]          wdata_q;
     reg [3:0]           wstrb_q;
-    // Whether nothing waits for its answer; whether what does is alone; whether the last request was a write.
+    // No request is under way; the request under way is alone; the last request was a write.
     reg                 idle_q, alone_q, write_q;
 
     wire write_room, read_room, write_idle, read_idle;

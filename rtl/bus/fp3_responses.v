@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_responses: the responses of one kind, from their requests on until the master takes them.
+// fp3_responses: holds the responses to reads or to writes until the master takes them.
 //
-// Purpose   What answers cannot wait, and the master may let a response wait. So each request that goes keeps
-//           a place here, and none goes without room.
+// Purpose   Answers cannot be delayed, but the master may delay responses. So each request reserves
+//           a place here before it is sent.
 // Latency   A response stands in the cycle after answered_i.
-// Promise   One response for each request, in the order of answered_i. It stands until it is taken.
+// Promise   One response for each request, in the order of answered_i. It stays until it is taken.
 // Hazard    go_i needs room_o; each go_i has one answered_i, in its cycle or later. The last place but one taken, the last
 //           one goes only to a request in the next cycle: room_o is a register.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// config.vh: what a configuration says. Included at the end of the parameter list of every module
+// config.vh: the keys of a configuration. Included at the end of the parameter list of every module
 // that depends on it, so that only CONFIG is handed on:
 //
 //     module lane #(

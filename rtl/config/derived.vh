@@ -2,7 +2,7 @@
 // derived.vh: what follows from the keys of a configuration. Part of a parameter list, behind the keys: of config.vh, and of
 // fp3, which has them as parameters of its own. Not to be set.
 //
-// Lanes that hear the same in the same cycle, and how many such groups there are.
+// Lanes with the same control in the same cycle, and the number of such groups.
 parameter integer GROUP      = 4,
 parameter integer GROUPS     = (LANES + GROUP - 1) / GROUP,
 // Widths: of the number of a register, of a context (the constants are one more, or two), of a word of

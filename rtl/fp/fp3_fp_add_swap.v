@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_add_swap: the front of fp_add: decodes, compares, and puts the greater operand first.
 //
-// Purpose   What follows may assume big >= little, and meets no infinity and no NaN: such a
-//           result is made here, as a big operand to which nothing is added.
+// Purpose   Guarantees big >= little to the stages behind, without infinities and NaNs: such a
+//           result is made here, as a big operand to which 0 is added.
 // Latency   As many cycles as CUTS has ones.
 // Result    With special_o the result is big_o + little_o as it stands: the exponent is e_o, and the bit
 //           that is the hidden one elsewhere is the top fraction bit.
@@ -39,7 +39,8 @@ module fp3_fp_add_swap #(
     wire a_zero = ea == 0, b_zero = eb == 0, a_ones = FINITE == 0 && &ea, b_ones = FINITE == 0 && &eb;
     wire a_some = |a_i[FRAC-1:0], b_some = |b_i[FRAC-1:0];
     wire differ = a_i[M] ^ b_i[M] ^ sub_i;
-    // Whether both magnitudes are the same is asked a quarter at a time, and of the quarters behind the cut.
+    // Equality of the magnitudes is computed for each quarter before the cut, and combined behind
+    // it.
     localparam Q = M / 4 + 1;
     wire [4*Q-1:0] unlike = {{4*Q-M{1'b0}}, a_i[M-1:0] ^ b_i[M-1:0]};
     wire [3:0]     same   = {~|unlike[3*Q +: Q], ~|unlike[2*Q +: Q], ~|unlike[Q +: Q], ~|unlike[0 +: Q]};

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_estimate: a first approximation of 1 / a or 1 / sqrt(a), from a table.
 //
-// Purpose   The bits of sw/machine/estimate.c, except for a NaN, of which z_o says nothing: whoever has one
-//           passes it on. Without infinities the estimate of what has none is the largest, 7FFFE000: that of 0, with its
-//           sign in 1 / a, and, in 1 / sqrt(a), that of a negative number, so that what follows overflows.
+// Purpose   The bits of sw/machine/estimate.c. For a NaN z_o is meaningless: fp_value passes the
+//           NaN on. Without infinities, where no estimate exists z_o is the largest number,
+//           7FFFE000: for 1 / 0 (with its sign), and for 1 / sqrt(a) of a negative a, so that the
+//           next operation overflows.
 // Latency   1, or 2 with CUT: a register behind the table and nothing between them, as block RAM is
 //           slow. The table is one block of 2048 words of 9 bits.
 //

@@ -7,7 +7,7 @@
 //           number stands for infinity, and 128 is the exponent of those from 2^128 on.
 // Latency   1, or 2 with CUT: a register behind the exponent as an integer, and one in front of the
 //           bits of the result.
-// Hazard    Of a NaN z_o says nothing: whoever has one passes it on.
+// Hazard    For a NaN z_o is meaningless: fp_value passes the NaN on.
 //
 //     log_i 0, a_i C0A00000 (-5)  ->  z_o 3D000000 (2^-5);   log_i 1, a_i 3D700000  ->  z_o C0A00000 (-5)
 `default_nettype none

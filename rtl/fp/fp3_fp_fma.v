@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_fma: fused multiply-add, z + x * y or z - x * y, rounded once, IEEE 754 binary.
 //
-// Purpose   The exact product and z are added in one window, wide enough that what falls below it is only sticky:
+// Purpose   The exact product and z are added in one window, wide enough that bits below it are
+//           only sticky:
 //
 //               carry | z at most so far left | product             | two bits more
 //                 1         FRAC + 3             2 * FRAC + 2          2
 //
-//           z starts at the left end and is shifted right. A product that is so small that z would stand beyond the
-//           left end stays where it is, since there it is only sticky, too. So the exponent of the left
-//           end is always that of z or more, and a subnormal result needs no shift to the right.
-//           The sum may be negative: it is normalised as it is, and negated where it is rounded.
+//           z starts at the left end and is shifted right. If the product is so small that z would
+//           be beyond the left end, z is not shifted: the product is then only sticky. So the
+//           exponent of the left end is never below that of z, and a subnormal result needs no
+//           right shift. The sum may be negative: it is normalised as it is, and negated where it
+//           is rounded.
 // Latency   x and y: popcount(CUTS) + WAIT cycles, one operation per cycle. z_i and subtract_i come as much later as
 //           the product takes: popcount(CUTS[3:0]) + WAIT cycles. With Z_EARLY they come with x and y: z is shifted by
 //           ones and fours beside the multiplication, and only by sixteens behind it. CUTS = 0, WAIT = 0 is a function.
@@ -53,7 +55,7 @@ module fp3_fp_fma #(
         end
     endgenerate
 
-    // The product, and the registers behind it. The last of them is where another one may take its place.
+    // The product, and the registers behind it. The last register may take another product.
     wire [2*P-1:0]   p, p_3;
     wire [PLACE-1:0] place, place_3, distance_early;
     wire [PLACE-1:0] e_z = {{PLACE-EXP{1'b0}}, z_i[FRAC +: EXP]};
@@ -103,7 +105,7 @@ module fp3_fp_fma #(
     wire invalid = px_invalid || (z_nan && !fz[FRAC-1]) || clash;
     wire infinite = (z_inf || px_inf) && !nan;
 
-    // A subnormal z counts as twice as large, with the exponent 0: so the distance waits for no comparison.
+    // A subnormal z counts as twice as large with exponent 0, so the distance needs no comparison.
     wire [P-1:0]     sig      = z_normal ? {1'b1, fz} : {fz, 1'b0};
     wire [PLACE-1:0] distance = Z_EARLY != 0 ? distance_early : place_3 - e_z;
     wire             stays    = px_zero || distance[PLACE-1];
@@ -119,7 +121,7 @@ module fp3_fp_fma #(
         .d_i({sig, p_3, n, stays ? e_z : place_3, minus, z_sign, z_inf ? z_sign : px_sign ^ subtract_i, infinite, nan, invalid}),
         .q_o({sig_4, p_4, n_4, e_4, what_4}));
 
-    // With Z_EARLY all but the product waits for it here.
+    // With Z_EARLY everything else waits here for the product.
     localparam BESIDE = Z_EARLY == 0 ? 0 : WAIT + {31'd0, CUTS[0]} + {31'd0, CUTS[1]} + {31'd0, CUTS[2]} + {31'd0, CUTS[3]};
     wire [PLACE-1:0] e_late;
     wire [5:0]       what_late;

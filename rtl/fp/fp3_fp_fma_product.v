@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_fma_product: the front of fp_fma: the exact product of x and y, where it stands, and its class.
+// fp3_fp_fma_product: the front of fp_fma: the exact product of x and y, its place, and its class.
 //
-// Purpose   Nothing is rounded here. The product is the integer p_o; its place is told as place_o, the exponent
-//           field that an addend would have whose last bit stands FRAC + 4 places above the product's first one.
-//           fp_fma subtracts the addend's own exponent from it, and has the distance to shift.
+// Purpose   Rounds nothing. The product is the integer p_o. place_o is the exponent field of an
+//           addend whose last bit is FRAC + 4 places above the product's first bit; fp_fma
+//           subtracts the addend's exponent from place_o to get the shift distance.
 // Latency   As many cycles as CUTS has ones, one operation per cycle. Places: 0 operands, 1 partial products,
 //           2 first sums, 3 product. With AHEAD all but p_o comes at once.
-// Result    p_o is 0 exactly where zero_o is 1, of finite operands. Of an infinity or a NaN p_o means nothing.
+// Result For finite operands p_o is 0 exactly if zero_o is 1. For an infinity or a NaN p_o is
+// meaningless.
 //
 //     1.5 * 2.0  ->  p_o 24'hC00000 * 24'h800000, place_o 127 + 128 - 100 = 155
 `default_nettype none

@@ -54,8 +54,8 @@ module fp3_fp_mul #(
     fp3_fp_mul_product #(.FRAC(FRAC), .CUTS(CUTS[3:0])) u_product (
         .clk_i(clk_i), .a_i({a_normal, af}), .b_i({b_normal, bf}), .p_o(p));
 
-    // Leading zeros are counted in one operand at most. In front of a cut there is time to choose
-    // it; otherwise fp_mul_scale counts in both and chooses last.
+    // At most one operand has leading zeros that count. Before a cut there is time to select it;
+    // otherwise fp_mul_scale counts in both operands and selects last.
     wire [FRAC-1:0] either = a_normal ? bf : af;
     wire [EXP-1:0]  ae_0, be_0;
     wire [FRAC-1:0] af_0, bf_0;
@@ -106,7 +106,7 @@ module fp3_fp_mul #(
         .d0_i(from[0 +: W16]), .d1_i(from[16 +: W16]), .d2_i(from[32 +: W16]), .d3_i(from[48 +: W16]));
     fp3_mux4 #(.W(W4)) u_fours (.n_i(shift_3[3:2]), .q_o(fours),
         .d0_i(sixteens[0 +: W4]), .d1_i(sixteens[4 +: W4]), .d2_i(sixteens[8 +: W4]), .d3_i(sixteens[12 +: W4]));
-    // A four of bits is lost if the shift goes beyond it: told beside the shift, not behind it.
+    // Four bits are lost if the shift goes beyond them; computed beside the shift, not after it.
     localparam FOURS = (2*FRAC + 6) / 4;
     localparam LOST  = (FOURS + 3) / 4;                  // fours of those
     wire [4*LOST-1:0] gone;
@@ -158,8 +158,8 @@ module fp3_fp_mul #(
     wire hi_odd  = hi[1] && !hi_tie;
     wire lo_odd  = ONE ? hi_odd : lo[1] && !lo_tie;
 
-    // What each bit of the result will be, in two bits (fp_mul_pack): 0, 1, lo's, hi's. The top bit of t is late,
-    // so the first index is that bit, and both answers wait for it.
+    // The source of each bit of the result, in two bits (fp_mul_pack): 0, 1, lo, hi. The top bit of
+    // t is late, so it is the first index, and both answers wait for it.
     localparam [1:0] ALL_0 = 2'd0, ALL_1 = 2'd1;
     wire       usual = !nan_5 && !inf_5 && !zero_5;
     wire [1:0] right  = {1'b1, place_low};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_mul_pack: the end of fp_mul: each bit of the result is 0, 1, or that of one of two rounded numbers.
+// fp3_fp_mul_pack: the end of fp_mul: each bit of the result is 0, 1, or the bit of one of two
+// rounded numbers.
 //
 // Purpose   One LUT of four inputs behind the adders that round, whose flip-flop is in the same slice.
 // Latency   0.

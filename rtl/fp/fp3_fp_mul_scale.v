@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_mul_scale: how far fp_mul shifts its product, and which exponent results.
+// fp3_fp_mul_scale: the shift of fp_mul's product, and the exponent of the result.
 //
-// Purpose   {product, 0} >> shift_o puts the leading one of a normal product at the top of
-//           FRAC + 3 bits or just below it. A subnormal operand, its leading one at bit n,
-//           shifts by n instead of FRAC; a small exponent asks for more: room. So n - room is
-//           the exponent of the product counted as 1 to 1.99..; with zero or less the result
-//           is subnormal unless the top bit is set, and the shift is room. Two subnormals
-//           underflow whatever n is. Of an operand that is zero, infinite or no number the shift and
-//           the exponent mean nothing: fp_mul then takes its result from the operand's class.
+// Purpose   {product, 0} >> shift_o puts the leading one of a normal product at the top of FRAC + 3
+//           bits or just below it. A subnormal operand, its leading one at bit n, shifts by n
+//           instead of FRAC; a small exponent asks for more: room. So n - room is the exponent of
+//           the product counted as 1 to 1.99..; with zero or less the result is subnormal unless
+//           the top bit is set, and the shift is room. Two subnormals underflow whatever n is. For
+//           an operand that is zero, infinite or NaN, shift and exponent are meaningless: fp_mul
+//           then takes its result from the operand's class.
 // Latency   popcount(CUTS), beside fp_mul_product: bit 0 is place 1 of fp_mul, bit 1 place 2.
 //
 //     fp_mul_scale u (..., .shift_o(shift), .place_o(place));
@@ -47,7 +47,7 @@ module fp3_fp_mul_scale #(
         end
     endfunction
 
-    // Both n are found before it is known which one counts. A zero exponent counts as 1.
+    // Both n are computed before the choice between them is known. A zero exponent counts as 1.
     wire both = a_normal_i && b_normal_i;
     wire [SW-1:0] n = SUBNORMAL == 0 || both ? FRAC[SW-1:0] : a_normal_i ? leading(bf_i) : leading(af_i);
     wire [XW-1:0] a = {{XW-EXP{1'b0}}, ae_i[EXP-1:1], ae_i[0] || !a_normal_i};
@@ -76,7 +76,7 @@ module fp3_fp_mul_scale #(
     wire           under_2 = exponent_2[XW-1];
     assign shift_o = SUBNORMAL == 0 ? FRAC[SW-1:0] : under_2 ? room_2 | {SW{beyond_2}} : n_2;
 
-    // All that the exponent says is asked there: nothing waits for it.
+    // The exponent is evaluated there, so no logic waits for it.
     `FP3_PLACE_FIELDS
     assign place_field = exponent_2[EXP-1:0] & {EXP{!under_2}};
     assign place_low   = under_2 || exponent_2 == 0;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_value: an operand of the adder, or what a comparison, a selection, an estimate, a rounding or an exponent makes of it.
+// fp3_fp_value: passes an addend on, or replaces it by a comparison, a selection, an estimate, a
+// rounding or an exponent.
 //
 // Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for its
 //           product: the sum of z_o and -0 is the instruction's result, with its flags.
-// Latency   MUL_LATENCY - EARLY, at least 1, as beside the multiplier: up to three registers in the logic, the others behind it.
-//           no_product_o comes a cycle before z_o: the product beside it is to be -0.
+// Latency   MUL_LATENCY - EARLY, at least 1, as beside the multiplier: up to three registers in the
+//           logic, the others behind it. no_product_o comes a cycle before z_o: the product must
+//           then be -0.
 // Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
 //           all of this is a delay, as long as z_o is not read late enough (Z_LATE). Bits below the fraction are not 0 in
 //           z_o where an estimate has more bits: the adder reads none of them.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// answer.vh: the bundle ANSWER, what a host port answers. All 0 in a cycle without an answer, so that a hub ORs
-// what it hears. front/decoded.vh shows how a bundle is used.
+// answer.vh: the bundle ANSWER of a host port. All 0 in a cycle without an answer, so that the hub
+// can OR answers. front/decoded.vh shows how a bundle is used.
 //
 //     wrote, write_error          a write is answered
 //     read, read_error, rdata     a read is answered

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_hub: one host port in front of those of all schedulers.
+// fp3_hub: passes requests to the host ports of all schedulers.
 //
-// Purpose   The top of an address names a scheduler, or all of them: then a write goes to all, and
-//           a read gives the OR of what they answer.
-//           A request that does not stream waits until QUIET cycles after the last write that does: what lanes
-//           report of that write has come then (fp3).
+// Purpose   The top of an address names a scheduler, or all schedulers: then a write goes to all,
+//           and a read gives the OR of their answers. A request that does not stream waits until
+//           QUIET cycles after the last write that does: by then the lanes have reported that write
+//           (fp3).
 // Latency   One cycle on the way there, one back.
 // Promise   Every request is answered; one to a scheduler that there is not, with an error: scheduler 0 is asked, for an
 //           address that nothing has.
-// Hazard    Schedulers that are asked the same answer in the same cycle; one that is not asked answers 0.
+// Hazard    Schedulers with the same request answer in the same cycle; a scheduler without a
+//           request answers 0.
 `default_nettype none
 `include "host/answer.vh"
 module fp3_hub #(
@@ -54,7 +55,7 @@ module fp3_hub #(
             assign whom[n] = who == NUMBER || who == ALL;
         end
     endgenerate
-    // How long ago the last write was that streams
+    // The time since the last streaming write
     wire takes;
     generate
         if (QUIET == 0) begin : g_no_quiet
@@ -84,7 +85,7 @@ module fp3_hub #(
     assign req_ready_o = !rst_i && takes;
     assign req_valid_o = ask_q;
     assign {req_write_o, req_addr_o, req_wdata_o} = {write_q, addr_q, wdata_q};
-    // The bus may be out of reset already: what was asked before it is answered to nobody.
+    // The bus may be out of reset already; answers to requests from before the reset are dropped.
     `FP3_ANSWER_FIELDS
     assign `FP3_ANSWER  = answer_q;
     assign answer_o = {answer_wrote && !rst_i, answer_write_error, answer_read && !rst_i, answer_read_error, answer_rdata};

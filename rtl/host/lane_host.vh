@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an access of the host to a lane is about. Included inside modules, which use what they need.
+// The spaces that the host accesses in a lane. Included inside modules.
 // verilator lint_off UNUSEDPARAM
 localparam [2:0] HOST_OBJECT   = 3'd0;   // a word of the store
 localparam [2:0] HOST_STATUS   = 3'd1;   // a word of the objects' status

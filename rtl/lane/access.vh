@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// access.vh: the bundle ACCESS, which goes from lane to lane: what the host wants of them.
+// access.vh: the bundle ACCESS, an access of the host, which goes from lane to lane.
 // front/decoded.vh shows how a bundle is used.
 //
 //     valid, write

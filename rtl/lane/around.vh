@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// around.vh: the bundle AROUND: what an instruction has to do with an object's neighbours. From the sequencer's loops to the
-// lane's lists; one bit, 0, where objects do not see each other.
-// front/decoded.vh shows how a bundle is used.
+// around.vh: the bundle AROUND: how an instruction uses an object's neighbours. From the
+// sequencer's loops to the lane's lists; one bit, 0, without NEIGHBOURS. front/decoded.vh shows how
+// a bundle is used.
 //
 //     each                        a loop begins: the register has the place and the length of the object's list
 //     entry                       the next neighbour of the list is found (each, next)

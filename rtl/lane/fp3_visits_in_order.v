@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_visits_in_order: whose turn it is where nobody sleeps: every object's, one row after the other.
+// fp3_visits_in_order: which object each context has if no object can sleep: one row after the
+// other.
 //
-// Purpose   Takes the place of visits without SLEEP. A round goes through rows 0, 1 .. in the order in which
-//           contexts issue, so the sequencer knows the row; of a lane's own there is only how many it has.
+// Purpose   Replaces visits without SLEEP. A round goes through rows 0, 1 .. in the order in which
+//           contexts issue, so the sequencer knows the row; the lane keeps only its number of
+//           objects.
 //
 //           cycle  W-6       W-3       W            W+1
 //           row_i            row_w3_o  executed_o   row_late_o

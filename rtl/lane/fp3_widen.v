@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_widen: the binary32 number that 16 bits of a store are.
+// fp3_widen: converts 16 bits of a store to binary32.
 //
 // Purpose   STORAGE is 1: bfloat16, 2: binary16. Exact.
 // Latency   None.

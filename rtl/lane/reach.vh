@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// reach.vh: the bundle REACH, which goes from lane to lane AHEAD cycles before ISSUE: what an instruction reads of the store, so
-// that it is there beside the operands. One bit, 0, where objects do not see each other: then RETIRE says it, later.
-// front/decoded.vh shows how a bundle is used.
+// reach.vh: the bundle REACH, which goes from lane to lane AHEAD cycles before ISSUE: the word of
+// the store that an instruction reads, in time for the operands. One bit, 0, without NEIGHBOURS:
+// then RETIRE has this read, later. front/decoded.vh shows how a bundle is used.
 //
 //     valid, load                 an instruction; it reads a word
 //     copy                        no instruction: the lane of number `turn` in around says a word of its store (sequence/fp3_exchange.v)

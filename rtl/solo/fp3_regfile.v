@@ -25,7 +25,7 @@ module fp3_regfile #(
     output wire [31:0]       b_value_o,
     output wire [31:0]       c_value_o
 );
-    // One memory per read port: one read and one write is what every FPGA's RAM can do.
+    // One memory per read port: every FPGA's RAM can do one read and one write.
     fp3_ram_forward #(.ADDR_W(ADDR_W)) u_a (.clk_i(clk_i), .write_i(write_i),
         .write_addr_i(write_addr_i), .write_value_i(write_value_i),
         .read_addr_i(a_addr_i), .read_value_o(a_value_o));

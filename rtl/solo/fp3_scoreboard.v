@@ -14,9 +14,9 @@
 // Latency   0 for every answer. A flag rises in the cycle after issue_i. It falls so that the
 //           earliest correct reader issues one cycle before the write (BYPASS), or one cycle after
 //           it. A result that the next instruction can read (BYPASS, latency 1) is never flagged.
-// Promise   No instruction is refused for another reason, so none waits longer than the results in
-//           flight. The flag of c_i counts only for an instruction that reads it.
-//           The promises are proved for the latencies and options of every configuration:
+// Promise   No instruction is refused for another reason, so no instruction waits longer than the
+//           results in flight. The flag of c_i counts only for an instruction that reads it. The
+//           promises are proved for the latencies and options of every configuration:
 //           tests/formal/scoreboard_spec.v.
 // Hazard    issue_i only with blocked_o and taken_o low, and for one unit.
 //
@@ -85,13 +85,13 @@ module fp3_scoreboard #(
             end
 
     assign taken_o     = |(slot & (valid_q >> 1));
-    // In reset the slots may still hold anything: memories keep what they have.
+    // In reset the slots may still hold anything: memories have no reset.
     assign write_o     = valid_q[0] && !rst_i;
     assign write_mul_o = mul_q[0];
     assign write_d_o   = d_q[0];
     assign empty_o     = ~|(valid_q >> 1);
 
-    // A result that is due in the next cycle meets its reader at the units' operands.
+    // A result of the next cycle is bypassed to the units' operands.
     wire [1:0] due = BYPASS == 0 || !valid_q[1] ? 2'b00 : {mul_q[1], !mul_q[1]};
     assign a_bypass_o = a_i == d_q[1] ? due : 2'b00;
     assign b_bypass_o = b_i == d_q[1] ? due : 2'b00;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_solo: one scheduler with busy flags and its arithmetic unit, for one object.
 //
-// Purpose   The paper's machine, and the one with the shortest time for a single object: results
-//           are taken as soon as they can be, whatever their unit's latency.
+// Purpose   The paper's machine, and the shortest time for a single object: results are used as
+//           soon as they exist, whatever their unit's latency.
 //
 //           host port ──► scheduler ──► arithmetic unit
 //                    ◄──     │     ◄────────┘
@@ -64,7 +64,7 @@ module fp3_solo #(
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(host_rdata));
 
-    // In reset a request may still be anything: registers keep what they have.
+    // In reset a request may still be anything: its registers have no reset.
     fp3_solo_scheduler #(.CONFIG(CONFIG)) u_scheduler (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .settings_i(settings), .running_o(running), .illegal_o(illegal),

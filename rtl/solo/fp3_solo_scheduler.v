@@ -10,10 +10,10 @@
 //                    memory word  | busy flags,   | register file  |          | register file,
 //                                 | slot          | or bypass      |          | retirement
 //
-// Latency   The first instruction issues 4 cycles after start_i and has its operands in the
-//           cycle after; then one instruction per cycle at best.
-//           A result meets a waiting operand in the cycle in which it is written (BYPASS), or is
-//           read from the register file two cycles later.
+// Latency   The first instruction issues 4 cycles after start_i and has its operands in the cycle
+//           after; then one instruction per cycle at best. A result is bypassed to a waiting
+//           operand in the cycle in which it is written (BYPASS), or is read from the register file
+//           two cycles later.
 // Hazard    The host accesses (host_*) an idle scheduler only: running_o is low.
 `default_nettype none
 `include "front/decoded.vh"
@@ -107,8 +107,9 @@ module fp3_solo_scheduler #(
     assign `FP3_DECODED = decoded_q;
     wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half};      // for many objects
 
-    // What fp_value makes reaches the adder where a product would. With FUSED it is as late as a product, and a multiply-add
-    // as late as a sum: then a sum alone is c + 1 * b, and c is also a.
+    // The result of fp_value reaches the adder in place of a product. With FUSED it has the latency
+    // of a product, and a multiply-add that of a sum: then a sum alone is c + 1 * b, and c is also
+    // a.
     wire valued = choice != CHOICE_NONE;
     wire alone  = to_add && !valued;
     wire sums   = alone || (FUSED != 0 && to_chain);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_adder: fp_add as a configuration has it, and the registers behind it.
+// fp3_adder: fp_add with the cuts of a configuration, and the registers behind it.
 //
-// Purpose   a + b or a - b, rounded, as late as the configuration says.
+// Purpose   a + b or a - b, rounded.
 // Latency   ADD_LATENCY + WAIT; new operands every cycle.
 //
 //     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(1'b1), .a_i(a), .b_i(b), .value_o(sum), .flags_o(flags));

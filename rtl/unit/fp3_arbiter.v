@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_arbiter: which schedulers get the adder, the multiplier, or both, in this cycle.
+// fp3_arbiter: grants the adder, the multiplier, or both, to schedulers.
 //
-// Purpose   Each request names the units that it needs. The multiplier is the scarcer one: requests
-//           for it come first, so that an addition takes the adder when another scheduler
-//           multiplies, and not from a request that needs both. Among equals, the scheduler whose
-//           sweep ended last comes last: schedulers then stand at different instructions, which
-//           lets them overlap.
+// Purpose   Each request names the units that it needs. The multiplier is the scarcer unit, so
+//           requests for it come first: an addition takes the adder while another scheduler
+//           multiplies, not from a request that needs both. Among equals, the scheduler whose sweep
+//           ended last comes last: schedulers then stand at different instructions, which lets them
+//           overlap.
 // Latency   1: a request of one cycle is granted in the next, unless its sweep is over by then. So a
 //           new sweep waits for a cycle, in which the units are another scheduler's. A request
 //           that needs nothing is granted at once.
-// Promise   At most one grant per unit and cycle, and none to a scheduler that does not ask. A
-//           request waits only for one that comes first and takes a unit it needs.
-//           A request that was refused PATIENCE times in a row comes before all others until its
-//           sweep ends. So with sweeps of at most S requests none is refused more than
-//           PATIENCE + 1 + (N - 1) * S times in a row: 152 times with N = 2 and 24 contexts.
-//           Proved for N = 2, 3 and 4: tests/formal/arbiter_spec.v.
+// Promise   At most one grant per unit and cycle, and no grant without a request. A request waits
+//           only for a request that comes first and takes a unit that it needs. A request that was
+//           refused PATIENCE times in a row comes before all others until its sweep ends. So with
+//           sweeps of at most S requests, no request is refused more than PATIENCE + 1 + (N - 1) *
+//           S times in a row: 152 times with N = 2 and 24 contexts. Proved for N = 2, 3 and 4:
+//           tests/formal/arbiter_spec.v.
 // Hazard    A request stays the same until it is granted, and its sweep goes on until last_i is
 //           granted. Or it is dropped: then its scheduler asks for nothing in the next cycle, and
 //           the number of refusals has no bound.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fused_adder: fp_fma as a configuration has it, and the registers behind it.
+// fp3_fused_adder: fp_fma with the cuts of a configuration, and the registers behind it.
 //
-// Purpose   z + x * y or z - x * y, rounded once, as late as the configuration says; or z alone, added to -0.
+// Purpose   z + x * y or z - x * y, rounded once; or z alone, added to -0.
 // Latency   x and y: PRODUCT_LATENCY + ADD_LATENCY; z and subtract_i come PRODUCT_LATENCY cycles later. For one object
 //           they come together with x and y, and no_product_i has no effect. New operands every cycle.
 //           MUL_CUTS cuts the product (its first four bits) and ADD_CUTS the rest; the other cycles are registers behind these.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fused_arith: z + x * y or z - x * y, rounded once.
 //
-// Purpose   What lane_arith is, with a fused multiply-add. A product alone is -0 + x * y, a sum alone z + x * 1: one rounding
-//           leaves both right. What fp_value makes of z, x and y is added to -0.
+// Purpose   Like lane_arith, with a fused multiply-add. A product alone is -0 + x * y, a sum alone
+//           z + x * 1; rounding once keeps both correct. The result of fp_value is added to -0.
 // Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the rest.
 //
 //     fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .result_o(result));

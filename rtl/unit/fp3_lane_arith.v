@@ -2,10 +2,11 @@
 // fp3_lane_arith: z + x * y or z - x * y, multiplied, rounded, added, rounded.
 //
 // Purpose   The one operation of the throughput machine's lane: a multiplier whose results all go
-//           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1. What fp_value makes
-//           of z, x and y is added to -0. With MIXED, a reciprocal and the one of a root are computed beside them.
-// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the rest.
-// Flags     Those of the product or those of the sum; of rcp and rsqrt with MIXED, those of lns_inverse.
+//           to an adder. A product alone is -0 + x * y, a sum alone z + x * 1. The result of
+//           fp_value is added to -0. With MIXED, lns_inverse computes 1/a and 1/sqrt(a) beside
+//           them.
+// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the
+//           rest. Flags Of the product or the sum; of rcp and rsqrt with MIXED, of lns_inverse.
 //
 //     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .result_o(result));
 //     // with 8 and 8, subtract 1, z 40400000, x 3F800000, y 40000000  ->  3F800000, sixteen edges later
@@ -32,7 +33,7 @@ module fp3_lane_arith #(
     fp3_multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product), .instead_i({5'd0, BITS_MINUS_ZERO}),
         .a_i(operands_x), .b_i(operands_y), .value_o(product), .flags_o(product_flags));
 
-    // What the adder needs besides waits for the product.
+    // The adder's other operand waits for the product.
     wire        subtract;
     wire [31:0] z;
     fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
@@ -45,7 +46,7 @@ module fp3_lane_arith #(
         .a_i(z), .b_i(product), .value_o(sum), .flags_o(sum_flags));
     fp3_delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(product_flags), .q_o(earlier_flags));
 
-    // An inverse takes the place of the sum, which is +0 then, or has made a NaN of one.
+    // An inverse replaces the sum, which is then +0 or a NaN.
     generate
         if (MIXED != 0) begin : g_inverse
             localparam INVERSE = 13;                       // registers inside

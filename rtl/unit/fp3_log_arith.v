@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_log_arith: z + x * y or z - x * y of logarithmic words.
 //
-// Purpose   As lane_arith, in the arithmetic of docs/logarithmic.md: the product is exact, and a reciprocal or the one of a root
-//           is computed beside it. What fp_value makes of z, x and y is the same as of binary32.
+// Purpose   Like lane_arith, in the arithmetic of docs/logarithmic.md: the product is exact, and
+//           1/a or 1/sqrt(a) is computed beside it. fp_value does the same as for binary32.
 // Latency   MUL_LATENCY + ADD_LATENCY, of which 2 and 10 are needed; new operands every cycle. z comes Z_LATE cycles after the rest.
 // Flags     Those of the product or those of the sum.
 //

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_multiplier: fp_mul as a configuration has it, and the registers behind it.
+// fp3_multiplier: fp_mul with the cuts of a configuration, and the registers behind it.
 //
-// Purpose   a * b, rounded, as late as the configuration says; or what takes its place: where an adder
-//           follows that is -0, to which it adds what fp_value made.
+// Purpose   a * b, rounded, or instead_i in its place: before an adder that is -0, to which the
+//           adder adds the result of fp_value.
 // Latency   MUL_LATENCY + WAIT; new operands every cycle. no_product_i and instead_i come a cycle before the result
 //           that they replace.
 //

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_shared_arith: one adder and one multiplier for several schedulers.
 //
-// Purpose   The paper's Figure 3. In each cycle one scheduler may use the adder, one, perhaps
-//           another, the multiplier, and one that chains uses both. All results are equally late:
-//           a sum's operands wait as long as a product takes, a product as long as a sum.
+// Purpose   The paper's Figure 3. In each cycle one scheduler may use the adder and one the
+//           multiplier; a chained instruction uses both. All results have the same latency: each
+//           operation is delayed by the latency of the unit that it skips.
 //
 //           add    x, z of one ─────── wait ──────┬► adder ───────► result
 //           mul    x, y of one ─► multiplier ─────┘ chained
@@ -18,7 +18,7 @@ module fp3_shared_arith #(
 `include "config/config.vh"
 ) (
     input  wire                              clk_i,
-    // Who uses what: both is z +/- x * y, the adder alone z +/- x, the multiplier alone x * y
+    // Both units: z +/- x * y; the adder alone: z +/- x; the multiplier alone: x * y
     input  wire [SCHEDULERS-1:0]             adds_i,
     input  wire [SCHEDULERS-1:0]             muls_i,
     input  wire [`FP3_OPERANDS_W*SCHEDULERS-1:0] operands_i,
@@ -26,7 +26,7 @@ module fp3_shared_arith #(
 );
 `include "gen/isa.vh"
 `include "gen/choices.vh"
-    // The operands of those who were granted a unit: all of the adder's, x and y of the multiplier's
+    // The operands of the granted schedulers: all for the adder, x and y for the multiplier
     reg [`FP3_OPERANDS_W-1:0] add;
     reg [63:0]            mul;
     integer               k;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_solo_arith: the pipelined adder and multiplier, and the chain from one to the other.
 //
-// Purpose   One door to the floating-point cores: operands go in every cycle, meant or not, and
-//           a result appears a fixed number of cycles later in the unit's result register.
-//           Whoever issues knows when, so neither valid bit nor tag travels with them.
+// Purpose   Operands are sampled every cycle; idle cycles carry garbage. A result appears a fixed
+//           number of cycles later in the unit's result register. The scheduler knows when, so no
+//           valid bit and no tag travel with operands.
 //
 //               x, y ──► multiplier ──► product_o
 //                              │ chained

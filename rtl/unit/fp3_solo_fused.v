@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_solo_fused: a multiply-add that is rounded once, and a multiplier beside it, for one object.
 //
-// Purpose   What solo_arith is, with a fused multiply-add. Sums go through it, too: a sum alone is z + x * 1. So there is no
-//           adder, and no product goes on from one unit to the other. A product alone is earlier: the multiplier rounds it. What
-//           fp_value makes of z, x and y takes the place of a product.
+// Purpose   Like solo_arith, with a fused multiply-add. Sums use it, too: a sum alone is z + x * 1.
+//           So there is no adder and no chain. A product alone is earlier: the multiplier rounds
+//           it. The result of fp_value replaces a product.
 //
 //               z, x, y ──► fused_adder ──────────────► sum_o
 //                  │ x, y ► multiplier ─┬► register ──► product_o
 //                  └──────► fp_value ───┘
 //
-//           Both multiply x by y. Where they are cut in the same places, synthesis makes one product for both.
+//           Both multiply x by y. If both have the same cuts, synthesis makes one product for both.
 // Latency   sum_o: PRODUCT_LATENCY + ADD_LATENCY; product_o: MUL_LATENCY. New operands every cycle.
 //
 //     solo_fused #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .sum_o(sum), .product_o(product));

@@ -8,7 +8,8 @@
 //           shared    adds_i, muls_i ──► arbiter ──► grant_o
 //                     operands of all ──► shared_arith ──► results of all
 //
-// Latency   UNIT_LATENCY from operands to result. A grant is about the operands of TIMING_TOLD + TIMING_OPERANDS cycles later.
+// Latency   UNIT_LATENCY from operands to result. A grant is for the operands TIMING_TOLD +
+//           TIMING_OPERANDS cycles later.
 // Hazard    In each cycle at most one scheduler has the adder, and one the multiplier.
 `default_nettype none
 `include "unit/socket.vh"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_unit: the arithmetic of one stream of a lane, behind its socket.
 //
-// Purpose   The only place that knows which arithmetic a configuration has: z +/- x * y in one stream, rounded twice or
-//           once; or, where a sum and a product may issue at once, z +/- x in the first stream, x * y in the second, and neither waits for the other.
-// Latency   UNIT_LATENCY: that of the slower one where there are two; new operands every cycle.
+// Purpose   The only place that selects a configuration's arithmetic: z +/- x * y in one stream,
+//           rounded twice or once; or, with DUAL, z +/- x in the first stream and x * y in the
+//           second, independent of each other.
+// Latency   UNIT_LATENCY: of two units that of the slower one; new operands every cycle.
 //
 //     unit #(.CONFIG(CONFIG)) u_unit (.clk_i(clk_i), .operands_i(operands), .result_o(result));
 `default_nettype none

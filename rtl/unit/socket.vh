@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// socket.vh: the bundles OPERANDS and RESULT, what an arithmetic takes and what it gives: its socket.
-// front/decoded.vh shows how a bundle is used.
+// socket.vh: the bundles OPERANDS and RESULT: the socket of an arithmetic. front/decoded.vh shows
+// how a bundle is used.
 //
 //     OPERANDS    choice                  what fp_value makes of z, x and of whether y is 0: gen/choices.vh
 //                 subtract                z - x * y
@@ -8,7 +8,8 @@
 //                 z, x, y                 x and y are the lowest bits
 //     RESULT      flags, value            UNIT_LATENCY cycles later: {NV, DZ, OF, UF, NX}
 //
-// New operands come in every cycle, meant or not. There is no valid bit: whoever issues knows when the result comes.
+// Operands are sampled every cycle; idle cycles carry garbage. There is no valid bit: the issuer
+// knows when the result comes.
 `define FP3_OPERANDS_W (CHOICE_W + 3 + 96)
 `define FP3_OPERANDS_FIELDS \
     wire [CHOICE_W-1:0] operands_choice; \
