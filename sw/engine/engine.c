@@ -218,6 +218,22 @@ int fp3_engine_is_divided(const fp3_engine *engine) { return engine->backend->is
 
 fp3_engine_def *fp3_engine_definition(fp3_engine *engine) { return &engine->def; }
 
+void fp3_engine_hush(fp3_error *error) {
+    if (error)
+        *error = (fp3_error){.text = ""};
+}
+
+fp3_status fp3_engine_hear(fp3_engine *engine, fp3_status status, fp3_error *error) {
+    const fp3_error *said = engine->def.error;
+    if (!status || !error || *error->text)
+        return status;
+    if (!said)
+        return fp3_fail(error, status, "refused by engine %s, whose definition has no error",
+                        fp3_engine_name(engine));
+    *error = *said;
+    return status;
+}
+
 fp3_config *fp3_engine_config(fp3_engine *engine) { return &engine->own; }
 
 const fp3_layout *fp3_engine_layout(const fp3_engine *engine) { return &engine->layout; }

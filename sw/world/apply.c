@@ -389,6 +389,9 @@ fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params
                             fp3_engine *engine, fp3_error *error) {
     FP3_HOST;
     const fp3_apply_to all = {engine, 0, 0, fp3_engine_objects(engine)};
+    fp3_engine_hush(error);
     fp3_status status = fp3_engine_load(engine, program->image);
-    return status ? status : fp3_apply(program, params, &all, error);
+    if (!status)
+        status = fp3_apply(program, params, &all, error);
+    return fp3_engine_hear(engine, status, error);
 }

@@ -95,6 +95,7 @@ static fp3_status check_split(const fp3_scene *scene, fp3_error *error) {
 
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {
     FP3_HOST;
+    fp3_engine_hush(error);
     fp3_status status = load_programs(scene, engine, error);
     if (!status)
         status = check_split(scene, error);
@@ -105,5 +106,5 @@ fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error 
         if (!status)
             status = fp3_lifetime_apply(group, engine);
     }
-    return status;
+    return fp3_engine_hear(engine, status, error);
 }

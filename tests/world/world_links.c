@@ -234,6 +234,32 @@ static void run_program(void) {
     fp3_params_free(&params);
 }
 
+/* What the engine refuses is told in the caller's error, wherever the engine tells it. */
+static void one_error(void) {
+    fp3_error own = {.text = ""}, told;
+    fp3_params *params = NULL;
+    fp3_program *program = NULL;
+    fp3_program_def how = fp3_program_default();
+    CHECK(!fp3_params_make(&params, &error));
+    CHECK(!fp3_program_open(chain, &how, &program, NULL, &error));
+    for (int i = 0; i < 2; i++) {
+        fp3_engine *engine = NULL;
+        fp3_engine_def def = fp3_engine_default();
+        def.engine = "isa";
+        def.config = "single";
+        def.objects = 1;
+        def.error = i ? &own : NULL;
+        CHECK(!fp3_engine_open(&def, &engine));
+        memset(&told, 'x', sizeof told);
+        CHECK(fp3_program_load(program, params, engine, &told));
+        CHECK(i ? strcmp(told.text, own.text) == 0 && *own.text
+                : strcmp(told.text, "refused by engine isa, whose definition has no error") == 0);
+        fp3_engine_close(&engine);
+    }
+    fp3_program_close(&program);
+    fp3_params_free(&params);
+}
+
 int main(int argc, char **argv) {
     if (argc != 2)
         return 2;
@@ -243,6 +269,7 @@ int main(int argc, char **argv) {
     run_chain("isa");
     refuse();
     see_near();
+    one_error();
     run_program();
     return 0;
 }

@@ -37,6 +37,12 @@ int fp3_engine_may_have_failed(const fp3_engine *engine);
 fp3_engine_def *fp3_engine_definition(fp3_engine *engine);
 fp3_config *fp3_engine_config(fp3_engine *engine);
 
+/* For calls that have an error of their own, and are to be the only place that a caller looks at: hush
+ * before the first use of the engine, hear after the last. What the engine says in the error of its
+ * definition is then in error, too. error may be NULL. hear returns status. */
+void fp3_engine_hush(fp3_error *error);
+fp3_status fp3_engine_hear(fp3_engine *engine, fp3_status status, fp3_error *error);
+
 /* FP3_E_ARGUMENT: no engine has this name, which may be NULL. */
 fp3_status fp3_engine_check_name(const char *name, fp3_error *error);
 

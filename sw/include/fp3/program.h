@@ -135,8 +135,8 @@ void fp3_program_close(fp3_program **program);
  * nothing. Links must be given for each relation of links, and for each list of an image:
  * fp3_params_link. FP3_E_ARGUMENT: a value or links are missing, out of range, or for something
  * that the program does not have. After a failure the program may be loaded, and some of the values
- * written. If the engine refuses something, the message is in the error of the engine's definition,
- * not in error. params may not be NULL. */
+ * written. If the engine refuses something, error has the message as well as the error of the
+ * engine's definition. params may not be NULL. */
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error);
 
@@ -226,8 +226,8 @@ static inline fp3_engine_def fp3_scene_engine(const fp3_scene *scene) {
 }
 
 /* Loads programs, values and lifetimes into an engine that has as many objects as the scene. If the
- * engine refuses something, the message is in the error of the engine's definition, and begins with
- * the path and the line of `groups`. FP3_E_ARGUMENT: also if the run has to be split (objects have
+ * engine refuses something, error has the message as well as the error of the engine's definition;
+ * the message begins with the path and the line of `groups`. FP3_E_ARGUMENT: also if the run has to be split (objects have
  * lifetimes, or only some groups have adaptive steps), and the first or last part of a program does
  * more than prepare and complete values. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
