@@ -352,7 +352,7 @@ waves: $(BUILD)/fp3 $(BUILD)/icarus/replay_$(CONFIG_OR).vvp | need-waves ## Reco
 	@$(BUILD)/fp3 asm programs/$(PROGRAM_OR).s -o $(WAVES).fp3
 	@$(BUILD)/fp3 run $(WAVES).fp3 -c $(CONFIG_OR) --steps $(STEPS_OR) --params programs/ship.cfg --bus-log $(WAVES).session >/dev/null
 	@vvp -n $(BUILD)/icarus/replay_$(CONFIG_OR).vvp -fst +session=$(WAVES).session +waves=$(WAVES).fst
-	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'INTERLEAVE *(1)' $(BUILD)/rtl/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
+	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'STORE_WORDS *([1-9]' $(BUILD)/rtl/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
 
 # Recorded sessions, NAME.CONFIG.session, are part of the project: no host software is needed to replay them.
 SESSIONS := $(wildcard programs/*.session)

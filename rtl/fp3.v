@@ -4,8 +4,8 @@
 // Purpose   Integrates equations of motion. A host loads a program and objects over an AXI4-Lite bus
 //           and starts a run of N steps; docs/architecture.md says how the parts work together.
 //
-//           bus ──► axi_lite ──► hub ──► solo                     one object, INTERLEAVE = 0
-//                                 └────► tile, tile ...           many, INTERLEAVE = 1
+//           bus ──► axi_lite ──► hub ──► solo                     one object, STORE_WORDS = 0
+//                                 └────► tile, tile ...           many, STORE_WORDS > 0
 //
 // Latency   See solo, or sequencer and lane; axi_lite, hub and host_port for an access of the host.
 // Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design. They

@@ -94,7 +94,7 @@ def family_of(board):
 def sources(board, config):
     family = family_of(board)
     return [*flow.sources(family, flow.has_own(family, config), board=True),
-            tops.write(config, load(ROOT).registers).relative_to(ROOT).as_posix()]
+            tops.write(config, load(ROOT)).relative_to(ROOT).as_posix()]
 
 
 def address_bits(config):

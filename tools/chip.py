@@ -36,7 +36,7 @@ ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *unit"     # modules that are synthesised once
 ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
 TRIES = 16                             # placements of it, of which the fastest is taken
-FIXED = ("name", "doc", "interleave", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
+FIXED = ("name", "doc", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
 PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
 
 
@@ -46,6 +46,7 @@ def array(args):
     base = next(row for row in machine.configs if row["name"] == args.config)
     given = dict(sorted(args.set))
     name = f"{args.config}{args.lanes}" + "".join(f"_{key}{value}" for key, value in given.items())
+    base = {key: value for key, value in base.items() if "is" not in machine.keys.get(key, ())}
     row = {**base, "lanes": args.lanes, **given, "name": name, "doc": f"{args.lanes} lanes under one scheduler."}
     return check_configs([row], machine.keys)[0]
 
@@ -54,7 +55,7 @@ def netlist(tools, row):
     """Synthesises it and pins it. The name of the netlist, and its figures."""
     name = f"chip-{row['name']}"
     _, wrapper, _ = synth.processor(row, synth.registered)
-    source = "\n".join(verilog.config_verilog(row, load(ROOT).registers, ROOT)) + "\n" + wrapper
+    source = "\n".join(verilog.config_verilog(row, load(ROOT), ROOT)) + "\n" + wrapper
     (ROOT / WORK / f"{name}.v").write_text(source, encoding="utf-8")
     sources = [*flow.sources("ecp5", flow.has_own("ecp5", row)), str(WORK / f"{name}.v")]
     script = (f"read_verilog -Irtl -Irtl/gen {' '.join(sources)}; hierarchy -top top; setattr -mod -set keep_hierarchy 1 {ONCE}; "

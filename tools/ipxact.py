@@ -165,7 +165,7 @@ def main():
         for row in machine.configs:
             if not args.configs or row["name"] in args.configs:
                 path = args.output / f"fp3_{row['name']}.xml"
-                tops.write(row, machine.registers, args.output)
+                tops.write(row, machine, args.output)
                 path.write_bytes(component(compiler, ROOT, row, machine.registers, args.output.resolve()))
                 print(f"wrote {path}")
     except (Bad, OSError, RDLCompileError) as error:

@@ -67,7 +67,7 @@ def make_tree(row, tree):
         path.unlink(missing_ok=True)    # never through a link
         path.write_text(text)
     machine = load(tree)
-    tops.write(machine.configs[0], machine.registers, tree)
+    tops.write(machine.configs[0], machine, tree)
 
 
 def verilator_root():

@@ -60,7 +60,6 @@ def interleaved(rng):
     row["flags"] = rng.choice([0, 1, 1, 1])
     row["status"] = row["flags"] and rng.choice([0, 1, 1])
     row["bypass"] = 0
-    row["scale"] = rng.randint(0, 1)
     return row
 
 
@@ -70,32 +69,30 @@ def one_object(rng):
 
 
 def draw(rng):
-    row = {"interleave": int(rng.random() < 0.85)}
-    row |= interleaved(rng) if row["interleave"] else one_object(rng)
+    row = interleaved(rng) if rng.random() < 0.85 else one_object(rng)
     row |= latencies(rng)
     row |= {key: rng.choice([0, 1, 1, 1]) for key in ("chain", "subnormal", "nearest")}
     row |= {"select": row["chain"] and rng.choice([0, 1, 1]), "estimate": rng.choice([0, 1, 1])}
     # Whatever else makes instructions.
-    row |= {name: rng.choice([0, 1, 1]) for name, key in KNOWN.items() if "lack" in key and name not in row and name != "fused"
+    row |= {name: rng.choice([0, 1, 1]) for name, key in KNOWN.items() if "lack" in key and "is" not in key and name not in row and name != "fused"
             and all(row.get(other) for other in key.get("needs", []))}
     row["program_words"] = rng.choice([64, 128, 256, 512, 1024, 2048, 8192])
     chance = random.Random(repr(row))          # of its own: the draws above stay as they are
     kind = chance.random()
     fraction = random.Random(repr(row) + "fraction").choice([23, 23, 7, 15, 18, 22])
-    if row["interleave"] and row.get("schedulers") == 1 and kind < 0.2:
-        return dual(chance, row)
+    if row.get("schedulers") == 1 and kind < 0.2:
+        return dual(row)
     row |= {"fraction": fraction}
     if row.get("schedulers", 1) == 1 and kind > 0.8:
-        row |= {"fused": 1, "chain": 0, "scale": 0}
+        row |= {"fused": 1, "chain": 0}
     halves = row | {"storage": random.Random(repr(row) + "storage").choice([0, 1, 2])}
     return halves if is_possible({"name": "halves", "doc": "Halves."} | halves) else row
 
 
-def dual(rng, row):
+def dual(row):
     """What adds and multiplies at once, and leaves out what then cannot be."""
     left_out = KNOWN["dual"]["excludes"] + ["select"]
-    return row | dict.fromkeys(left_out, 0) | {"dual": 1, "registers": max(4, row["registers"]),
-                                               "scale": rng.randint(0, 1)}
+    return row | dict.fromkeys(left_out, 0) | {"dual": 1, "registers": max(4, row["registers"])}
 
 
 def is_possible(row):

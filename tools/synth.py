@@ -57,6 +57,7 @@ import tops
 from families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
+from fp3gen.configs import derive
 from fp3gen.read import load
 from fp3gen.text import columns
 
@@ -225,7 +226,7 @@ endmodule
 
 def lanes(row, n):
     """A group of n lanes and their arithmetic. The parameters are those of config.vh, with this row's CONFIG."""
-    keys = "\n".join(parameters.config_keys_verilog(row))
+    keys = "\n".join(parameters.config_keys_verilog(row, load(ROOT).keys))
     widths = (ROOT / "rtl/config/config.vh").read_text(encoding="utf-8").replace('`include "gen/parameters.vh"', keys)
     return None, GROUP.format(parameters=widths, n=n), []
 
@@ -234,7 +235,7 @@ def processor(row, around):
     ports = [p for p in verilog.ports(row, load(ROOT).registers) if p and p[2] != "s_axi_aclk" and not p[2].startswith(("issue_", "retire_"))]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
-    made = tops.write(row, load(ROOT).registers, ROOT / WORK).relative_to(ROOT)
+    made = tops.write(row, load(ROOT), ROOT / WORK).relative_to(ROOT)
     return None, around("top", inputs, outputs, f"{made.stem} u_{made.stem}", "s_axi_aclk"), [made.as_posix()]
 
 
@@ -346,8 +347,8 @@ def trimmed(configs, designs):
     for config, changes in TRIMS.items():
         base = next(row for row in configs if row["name"] == config)
         for what, change in changes.items():
-            row = {**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}
-            source = "\n".join(verilog.config_verilog(row, load(ROOT).registers, ROOT)) + "\n" + processor(row, registered)[1]
+            row = derive({**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}, load(ROOT).keys)
+            source = "\n".join(verilog.config_verilog(row, load(ROOT), ROOT)) + "\n" + processor(row, registered)[1]
             designs[source, "ecp5", True] = (f"trim-{len(trims)}", [])
             trims.append((what, next(iter(changes)), f"trim-{len(trims)}"))
     return trims

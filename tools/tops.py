@@ -20,10 +20,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 CORE = "CAPI=2:\nname: {vlnv}\nfilesets:\n  rtl: {{file_type: verilogSource, files: [{file}]}}\ntargets:\n  default: {{filesets: [rtl]}}\n"
 
 
-def write(row, registers, folder=ROOT / "build/rtl"):
+def write(row, machine, folder=ROOT / "build/rtl"):
     """The file; untouched where it has this text already, so that nothing is built again."""
     path = folder / f"fp3_{row['name']}.v"
-    text = "\n".join(licensed(path.name, verilog.config_verilog(row, registers, ROOT))) + "\n"
+    text = "\n".join(licensed(path.name, verilog.config_verilog(row, machine, ROOT))) + "\n"
     folder.mkdir(parents=True, exist_ok=True)
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
@@ -50,7 +50,7 @@ def main():
         for name in args.configs:
             if name not in rows:
                 raise Bad(f"there is no configuration {name}: there are {', '.join(rows)}")
-            print(write(rows[name], machine.registers, args.output))
+            print(write(rows[name], machine, args.output))
     except (Bad, OSError) as error:
         sys.exit(f"tops.py: {error}")
 

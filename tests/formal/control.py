@@ -54,7 +54,7 @@ def configurations(**wanted):
     """The rows of isa/configs.toml with these values."""
     table = tomllib.loads(CONFIGS.read_text())
     defaults = {name: key["default"] for name, key in table["key"].items() if "default" in key}
-    rows = [{**defaults, **row} for row in table["config"]]
+    rows = [{**defaults, **row, "interleave": int("store_words" in row)} for row in table["config"]]
     return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
 
 

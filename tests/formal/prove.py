@@ -76,7 +76,7 @@ def configured_cuts(parser, args):
             parser.error(f"{path} names no {core}_cuts: give --cuts-{core}")
         setattr(args, f"cuts_{core}", sorted(used))
     if args.cuts_fma is None:
-        fused = [(c.get("interleave", 0), c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
+        fused = [(int("store_words" in c), c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
                  for c in configs if c.get("fused")]
         args.cuts_fma, args.cuts_fma_early = (sorted({(mask, used) for own, mask, used in fused if own == late}) for late in (1, 0))
     else:

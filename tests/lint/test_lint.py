@@ -71,9 +71,9 @@ def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
 
 
 # Parameters of fp3, and the rule that must be named.
-BROKEN = [(["INTERLEAVE=1"], "STORE_WORDS_must_be_at_least_16_and_REGISTERS"),
-          (["INTERLEAVE=1", "STORE_WORDS=64", "CONTEXTS=0"], "CONTEXTS_must_be_1_to_64"),
-          (["INTERLEAVE=1", "STORE_WORDS=131072", "LANES=16"], "LANES_times_STORE_WORDS_must_be_at_most_1048576")]
+BROKEN = [(["STORE_WORDS=8"], "STORE_WORDS_must_be_at_least_16_and_REGISTERS"),
+          (["STORE_WORDS=64", "CONTEXTS=0"], "CONTEXTS_must_be_1_to_64"),
+          (["STORE_WORDS=131072", "LANES=16"], "LANES_times_STORE_WORDS_must_be_at_most_1048576")]
 
 
 @pytest.mark.parametrize("keys, rule", BROKEN, ids=[rule for _, rule in BROKEN])

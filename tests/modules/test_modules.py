@@ -5,14 +5,14 @@ import pytest
 import simulate
 from bugs import Bug, few, source, tree
 
-TILE = {"INTERLEAVE": 1, "CONTEXTS": 4, "STORE_WORDS": 128, "REGISTERS": 16, "ADD_LATENCY": 2, "MUL_LATENCY": 2}
+TILE = {"CONTEXTS": 4, "STORE_WORDS": 128, "REGISTERS": 16, "ADD_LATENCY": 2, "MUL_LATENCY": 2}
 # The parameters with which each is tested.
 BENCHES = {
     "rounds": {**TILE, "LANES": 2},
     "visits": {**TILE, "SLEEP": 1},
     "lane_report": {**TILE, "LANES": 3},
     "issue": {**TILE, "CHAIN": 1},
-    "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1, "EXCHANGE": 1},
+    "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1},
     "lane": {**TILE, "CHAIN": 1, "LANES": 2, "FLAGS": 1, "STATUS": 1, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
 }
 # By the promise that must be seen to be broken.

@@ -31,13 +31,13 @@ def decode(keys, words):
 
 def tile(test, **keys):
     """A small one, seen by its host."""
-    config = {"INTERLEAVE": 1, "CONTEXTS": 2, "STORE_WORDS": 128, "REGISTERS": 8, "PROGRAM_WORDS": 16, "CHAIN": 0,
+    config = {"CONTEXTS": 2, "STORE_WORDS": 128, "REGISTERS": 8, "PROGRAM_WORDS": 16, "CHAIN": 0,
               "ADD_LATENCY": 2, "MUL_LATENCY": 2, **keys}
     return Part("tile", "tile", {"CONFIG": simulate.config_word(ROOT, config)}, {"TESTCASE": test, "FP3_RTL": ROOT / "rtl"})
 
 
 def halves(module, storage):
-    return Part(module, module, {"CONFIG": simulate.config_word(ROOT, {"INTERLEAVE": 1, "STORE_WORDS": 64, "STORAGE": storage})}, {"FP3_STORAGE": storage})
+    return Part(module, module, {"CONFIG": simulate.config_word(ROOT, {"STORE_WORDS": 64, "STORAGE": storage})}, {"FP3_STORAGE": storage})
 
 
 def memory(module, latency, forward, enable, **parameters):

@@ -131,7 +131,7 @@ def test_features_go_on_in_a_second_word(root, copy, value):
 OWN = """[key.own]
 range    = [0, 1]
 default  = 0
-needs    = ["chain", "interleave"]
+needs    = ["chain", "store_words"]
 excludes = ["select"]
 feature  = [49, 49]
 meaning  = "an arithmetic of its own"
@@ -168,7 +168,7 @@ def test_an_arithmetic_is_a_key_a_module_and_its_line(root, copy):
                               "w 28 2", "w 2c 3", "w 10 1", "p 14 1", "s 14 0", "s 800004 0"])
     assert shown(said) == [2, 3 ^ 5]
     assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/fp3_unit.v", "rtl/unit/fp3_own_arith.v"}
-    parameters = [f"-Pfp3.{text}=1" for text in ("INTERLEAVE", "OWN", "SELECT")]
+    parameters = [f"-Pfp3.{text}=1" for text in ("OWN", "SELECT")]
     done = subprocess.run(["iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3", *parameters, "rtl/fp3.v"], cwd=copy, capture_output=True, text=True)
     assert done.returncode != 0 and "OWN_excludes_SELECT" in done.stderr
     replace(copy / "isa/configs.toml", ("own = 1\n", "own = 1\nselect = 1\n"))

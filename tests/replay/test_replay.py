@@ -304,7 +304,7 @@ def test_64_contexts_take_turns(root, tmp_path):
     assert done.returncode == 0 and "PASS" in done.stdout, done.stdout
 
 
-MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY=2"]
+MANY = ["BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY=2"]
 
 
 @pytest.mark.parametrize("parameters, rule", [
@@ -312,8 +312,8 @@ MANY = ["INTERLEAVE=1", "BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY
     (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"), (["FUSED=1", "CHAIN=0", "ROUND=1"], "FUSED_for_one_object_with"), (["FUSED=1"], "FUSED_excludes_CHAIN"),
     ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
     (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
-    ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "needs_INTERLEAVE"),
-    (["LANES=2"], "needs_INTERLEAVE"), (["SLEEP=1"], "needs_INTERLEAVE"), ([*MANY, "BYPASS=1"], "BYPASS_excludes_INTERLEAVE"),
+    ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "needs_STORE_WORDS"),
+    (["LANES=2"], "needs_STORE_WORDS"), (["SLEEP=1"], "needs_STORE_WORDS"), ([*MANY, "BYPASS=1"], "BYPASS_excludes_STORE_WORDS"),
     ([*MANY, "STORE_WORDS=48"], "STORE_WORDS_must_be"), ([*MANY, "STORE_WORDS=16"], "STORE_WORDS_must_be"),
     ([*MANY, "SCHEDULERS=2", "LANES=2"], "SCHEDULERS_must_be"), ([*MANY, "LANES=65"], "LANES_must_be_1_to_64"),
     ([*MANY, "STATUS=1", "FLAGS=0"], "STATUS_needs_FLAGS"), ([*MANY, "DUAL=1"], "DUAL_excludes_CHAIN"), (["NEAREST=2"], "NEAREST_must_be"), ([*MANY, "ADD_LATENCY=1"], "needs_latencies_of_3")])

@@ -45,7 +45,7 @@ def check_keys(tables, regs, root):
         need(NAME.fullmatch(name), FILE, f"{where}: a name is lower-case letters, digits, _")
         keys(given, FILE, where, {"range": list, "meaning": str},
              {"default": int, "lack": str, "needs": list, "excludes": list, "because": str, "power_of_two": bool, "feature": list,
-              "full": int})
+              "full": int, "is": str})
         key = known[name] = {"name": name, **given}
         if len(key["range"]) == 2 and isinstance(key["range"][1], str):
             key["range"] = [key["range"][0], most_of(key["range"][1], where, root, regs)]
@@ -57,13 +57,29 @@ def check_keys(tables, regs, root):
         need(name in known, FILE, f"there must be a key '{name}'")
     for name, key in known.items():
         for other in [word for words in key.get("needs", []) for word in either(words)] + key.get("excludes", []):
-            need(known.get(other, {}).get("range") == [0, 1], FILE,
-                 f"key '{name}': needs or excludes {other!r}, which is no key that is 0 or 1")
+            need(other in known and "is" not in known[other], FILE, f"key '{name}': needs or excludes {other!r}, which is no key that can be set")
         low, high = key["range"]
         need(low <= key.get("default", low) <= high, FILE,
              f"key '{name}': its default {key.get('default')} is not in {low} .. {high}")
+        need("is" not in key or {"default", "needs", "excludes"}.isdisjoint(key), FILE, f"key '{name}': with 'is' nothing else decides")
         need(key.get("full", high) == high, FILE, f"key '{name}': full is the most, {high}, or left out")
     return known
+
+
+def given(known):
+    """The keys that can be set."""
+    return [name for name, key in known.items() if "is" not in key]
+
+
+def derive(row, known):
+    """The row with the keys that follow from others."""
+    return row | {name: int(bool(eval(key["is"], {"__builtins__": {}}, row))) for name, key in known.items() if "is" in key}
+
+
+def verilog_of(key):
+    """The value of a key that follows from others, in Verilog."""
+    words = {"and": "&&", "or": "||"}
+    return "(" + " ".join(words.get(word, word.upper()) for word in key["is"].split()) + ") ? 1 : 0"
 
 
 def plain(key):
@@ -87,7 +103,7 @@ def check_value(row, key, where):
     because = f": {key['because']}" if "because" in key else ""
     if value != plain(key):
         for others in key.get("needs", []):
-            need(any(row[other] for other in either(others)), FILE, f"{said} needs {' = 1 or '.join(either(others))} = 1")
+            need(any(row[other] for other in either(others)), FILE, f"{said} needs {' or '.join(either(others))}")
         for other in key.get("excludes", []):
             need(not row[other], FILE, f"{said} needs {other} = 0{because}")
 
@@ -95,17 +111,18 @@ def check_value(row, key, where):
 def check_configs(rows, known):
     """Each row with all its keys, in the order of the tables."""
     done = []
-    for given in rows:
-        where = f"config '{given.get('name', '?')}'"
-        keys(given, FILE, where, {"name": str, "doc": str}, dict.fromkeys(known, int))
-        row = {name: given.get(name, key.get("default")) for name, key in known.items()}
-        row = {"name": given["name"], "doc": given["doc"]} | {name: v for name, v in row.items() if v is not None}
+    for said in rows:
+        where = f"config '{said.get('name', '?')}'"
+        keys(said, FILE, where, {"name": str, "doc": str}, dict.fromkeys(given(known), int))
+        row = {name: said.get(name, known[name].get("default")) for name in given(known)}
+        row = {"name": said["name"], "doc": said["doc"]} | {name: v for name, v in row.items() if v is not None}
         for unit in ("add", "mul"):
             need(f"{unit}_cuts" in row, FILE, f"{where}: '{unit}_cuts' is missing, and has no default")
             least = row[f"{unit}_cuts"].bit_count() + 1
             row.setdefault(f"{unit}_latency", least)
             need(row[f"{unit}_latency"] >= least, FILE,
                  f"{where}: {unit}_latency {row[f'{unit}_latency']} is less than the {least} of its cuts")
+        row = derive(row, known)
         for key in known.values():
             check_value(row, key, where)
         need(row["interleave"] or not row["fused"] or row["mul_latency"] >= 2 or not any(row[key] for key in ("select", "estimate", "round")), FILE,

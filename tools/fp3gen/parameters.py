@@ -2,7 +2,7 @@
 
 import textwrap
 
-from .configs import MASK_BITS, either, keys_of, plain
+from .configs import MASK_BITS, derive, either, given, plain, verilog_of
 from .text import MARK, columns
 
 WORD = 32  # bits of CONFIG for each key, the first in the low ones
@@ -14,48 +14,54 @@ def bits(key):
 
 def default_row(known):
     """What fp3's parameters are unless they are set."""
-    return {name: key.get("default", key["range"][0]) for name, key in known.items()}
+    return derive({name: known[name].get("default", known[name]["range"][0]) for name in given(known)}, known)
 
 
 def config_range(known):
-    return f"[{WORD * len(known) - 1}:0]"
+    return f"[{WORD * len(given(known)) - 1}:0]"
 
 
-def config_word(row):
+def derived(known):
+    """Keys that follow from others; not to be set."""
+    return columns([("parameter integer ", f"{name.upper()} ", f"= {verilog_of(key)},") for name, key in known.items() if "is" in key])
+
+
+def config_word(row, known):
     """CONFIG of a configuration, for a module that stands alone."""
-    return f"{WORD * len(keys_of(row))}'h" + "".join(f"{row[key]:08x}" for key in reversed(keys_of(row)))
+    return f"{WORD * len(given(known))}'h" + "".join(f"{row[key]:08x}" for key in reversed(given(known)))
 
 
 def parameters_verilog(known, regs):
     """The parameters of fp3."""
     defaults = default_row(known)
     rows = [(f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ", f"= {defaults[key]}, ", f"// {known[key]['meaning']}")
-            for key in known]
-    words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(known)]
+            for key in given(known)]
+    words = [key.upper() if bits(key) == WORD else f"{WORD - bits(key)}'d0, {key.upper()}" for key in reversed(given(known))]
     return [f"// {MARK.format(source='isa/configs.toml')}", "// Included in parameter lists: by rtl/config/config.vh, where CONFIG is given and says the keys, and by fp3.",
-            "`ifdef FP3_OF_CONFIG", *config_keys_verilog(defaults), "`else",
+            "`ifdef FP3_OF_CONFIG", *config_keys_verilog(defaults, known), "`else",
             "// Of fp3: set what you need by name, and leave CONFIG and what follows it alone.", *columns(rows), f"// All of them, {WORD} bits each, the first in the low ones. The lint_off: each parameter is declared",
             "// with its width; Verilator asks it of the plain number that sets one.",
             "// verilator lint_off WIDTHCONCAT", f"parameter {config_range(known)} CONFIG = {{",
             *textwrap.wrap(", ".join(words) + "},", 110, initial_indent="    ", subsequent_indent="    "),
             "// verilator lint_on WIDTHCONCAT",
+            "// verilator lint_off UNUSEDPARAM", *derived(known), "// verilator lint_on UNUSEDPARAM",
             "// Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).",
             f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)",
             "`endif"]
 
 
-def config_keys_verilog(row):
+def config_keys_verilog(row, known):
     """The parameters of all other modules; CONFIG says what this row says unless it is set."""
-    known = keys_of(row)
     rows = [("parameter integer " if bits(key) == WORD else f"parameter [{bits(key) - 1}:0] ", f"{key.upper()} ",
-             f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}],", "") for i, key in enumerate(known)]
-    return [f"parameter {config_range(known)} CONFIG = {config_word(row)},", *columns(rows)[:-1], columns(rows)[-1].rstrip(",")]
+             f"= CONFIG[{WORD * i + bits(key) - 1}:{WORD * i}],") for i, key in enumerate(given(known))]
+    lines = [f"parameter {config_range(known)} CONFIG = {config_word(row, known)},", *columns(rows), *derived(known)]
+    return [*lines[:-1], lines[-1].rstrip(",")]
 
 
 def config_rules_verilog(known):
     """What the keys' tables say of a configuration: a broken rule names a module that does not exist."""
     rules = []
-    for name, key in known.items():
+    for name, key in ((name, known[name]) for name in given(known)):
         this, (low, high) = name.upper(), key["range"]
         asks = f"{this} {'<' if 'full' in key else '>'} {plain(key)}"
         if bits(name) == WORD:

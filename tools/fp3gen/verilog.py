@@ -2,7 +2,7 @@
 
 import re
 
-from .configs import MASK_BITS, keys_of
+from .configs import MASK_BITS, given
 from .estimates import estimates
 from .isa import code_bits
 from .logarithms import CURVE_BITS, SUM_BITS, curves, packed, sums
@@ -158,12 +158,12 @@ def signals(root):
     return found
 
 
-def config_verilog(row, regs, root):
+def config_verilog(row, machine, root):
     """The top module of a configuration."""
     before = attributes(root)
 
     def list_of(line):
-        rows = ports(row, regs)
+        rows = ports(row, machine.registers)
         return ["" if port is None else line(*port) + ("," if i < len(rows) - 1 else "")
                 for i, port in enumerate(rows)]
 
@@ -179,6 +179,6 @@ def config_verilog(row, regs, root):
             "`default_nettype none",
             f"module fp3_{row['name']} (", *list_of(declare), ");",
             "    fp3 #(",
-            ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in keys_of(row)),
+            ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in given(machine.keys)),
             "    ) u_fp3 (", *list_of(lambda d, w, name: f"        .{name:<17} ({name})"),
             "    );", "endmodule", "`default_nettype wire"]
