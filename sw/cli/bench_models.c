@@ -167,10 +167,7 @@ static fp3_status check_files(const fp3_bench_models *what, fp3_error *error) {
     fp3_files_write(&files, "--json", what->json);
     fp3_files_write(&files, "--csv", what->csv);
     fp3_files_write(&files, "--plot", what->plot);
-    fp3_files_write(&files, "--html", what->html);
-    const fp3_status status = what->plot   ? fp3_gnuplot_check_picture(what->plot, error)
-                              : what->html ? fp3_gnuplot_check(error)
-                                           : FP3_OK;
+    const fp3_status status = what->plot ? fp3_gnuplot_check_picture(what->plot, error) : FP3_OK;
     return status ? status : fp3_files_check(&files, error);
 }
 
@@ -191,10 +188,6 @@ fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3
         status = fp3_bench_csv(what->csv, json_object_get(all, "points"), error);
     if (!status && what->plot)
         status = fp3_bench_plot(what->plot, shown, error);
-    const fp3_bench_page page = {what->html, what->argc, what->argv,
-                                 json_object_get(all, "problems"), shown};
-    if (!status && what->html)
-        status = fp3_bench_html(&page, error);
     json_decref(shown);
     json_decref(all);
     return status;

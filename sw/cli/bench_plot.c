@@ -57,26 +57,30 @@ static int is_beside(const json_t *a, const json_t *b) {
     return is_same(a, b, "model") && is_same(a, b, "unit");
 }
 
-int fp3_bench_is_drawn(const fp3_bench_picture *p, const json_t *point) {
-    return (!p->model || !strcmp(text_of(point, "model"), p->model)) &&
-           (!p->unit || !strcmp(text_of(point, "unit"), p->unit)) &&
-           number_of(point, "error") > 0 && number_of(point, "cost") > 0;
+typedef struct {
+    const char *path;
+    const json_t *shown;
+} drawing;
+
+/* The axes have no room for 0. */
+static int is_drawn(const json_t *point) {
+    return number_of(point, "error") > 0 && number_of(point, "cost") > 0;
 }
 
-size_t fp3_bench_drawn(const fp3_bench_picture *p) {
+static size_t count_drawn(const json_t *shown) {
     json_t *point;
     size_t i, count = 0;
-    json_array_foreach(p->shown, i, point) count += (size_t)fp3_bench_is_drawn(p, point);
+    json_array_foreach(shown, i, point) count += (size_t)is_drawn(point);
     return count;
 }
 
 /* The first point of each panel of this unit. */
-static void find_panels(const fp3_bench_picture *p, const char *unit, panels *found) {
+static void find_panels(const drawing *p, const char *unit, panels *found) {
     json_t *point;
     size_t i;
     json_array_foreach(p->shown, i, point) {
-        int is_new = fp3_bench_is_drawn(p, point) && !strcmp(text_of(point, "unit"), unit) &&
-                     found->count < PANELS_MOST;
+        int is_new =
+            is_drawn(point) && !strcmp(text_of(point, "unit"), unit) && found->count < PANELS_MOST;
         for (size_t j = 0; j < found->count && is_new; j++)
             is_new = !is_beside(found->first[j], point);
         if (is_new)
@@ -96,7 +100,7 @@ static int compare(const void *a, const void *b) {
 }
 
 /* Of all models, by their names: a curve looks the same in the picture of each, in whatever order they were measured. */
-static void find_curves(const fp3_bench_picture *p, panels *all) {
+static void find_curves(const drawing *p, panels *all) {
     json_t *point;
     size_t i;
     json_array_foreach(p->shown, i, point) {
@@ -113,14 +117,14 @@ static void find_curves(const fp3_bench_picture *p, panels *all) {
 }
 
 /* A block of data for each curve of the panel. Returns how many there are. */
-static size_t put_data(FILE *out, const fp3_bench_picture *p, const json_t *panel,
+static size_t put_data(FILE *out, const drawing *p, const json_t *panel,
                        const json_t *first[CURVES_MOST]) {
     const json_t *before = NULL;
     json_t *point;
     size_t count = 0, i;
     fputs("$data << END\n", out);
     json_array_foreach(p->shown, i, point) {
-        if (!is_beside(point, panel) || !fp3_bench_is_drawn(p, point))
+        if (!is_beside(point, panel) || !is_drawn(point))
             continue;
         if (!is_same(before, point, "curve")) {
             if (count == CURVES_MOST)
@@ -135,7 +139,7 @@ static size_t put_data(FILE *out, const fp3_bench_picture *p, const json_t *pane
     return count;
 }
 
-static void put_panel(FILE *out, const fp3_bench_picture *p, const panels *all, size_t number) {
+static void put_panel(FILE *out, const drawing *p, const panels *all, size_t number) {
     const json_t *panel = all->first[number], *first[CURVES_MOST];
     const double height = TITLE + (double)all->count * PANEL, top = TITLE + (double)number * PANEL;
     const int is_time = strcmp(text_of(panel, "unit"), "ns") == 0;
@@ -158,8 +162,8 @@ static void put_panel(FILE *out, const fp3_bench_picture *p, const panels *all, 
     putc('\n', out);
 }
 
-void fp3_bench_script(const void *picture, FILE *out) {
-    const fp3_bench_picture *p = picture;
+static void write_script(const void *of, FILE *out) {
+    const drawing *p = of;
     panels found = {.count = 0};
     find_curves(p, &found);
     find_panels(p, "ns", &found);
@@ -179,8 +183,8 @@ void fp3_bench_script(const void *picture, FILE *out) {
 }
 
 fp3_status fp3_bench_plot(const char *path, const json_t *shown, fp3_error *error) {
-    const fp3_bench_picture p = {path, NULL, NULL, shown};
-    return fp3_bench_drawn(&p)
-               ? fp3_gnuplot_save(fp3_bench_script, &p, path, error)
+    const drawing p = {path, shown};
+    return count_drawn(shown)
+               ? fp3_gnuplot_save(write_script, &p, path, error)
                : fp3_fail(error, FP3_E_FAILED, "%s: no point has an error: nothing to draw", path);
 }

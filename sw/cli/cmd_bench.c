@@ -55,7 +55,7 @@ static void check_form(struct argp_state *state, const options *o) {
     if (model && o->not_for[1])
         argp_error(state,
                    "found --%s and '%s': with MODEL there are --config, --integrator, --quick, "
-                   "--no-times, --json, --csv, --plot and --html",
+                   "--no-times, --json, --csv and --plot",
                    o->not_for[1], model);
     if (model && o->models.has_no_times && !o->models.config)
         argp_error(state, "found --no-times, expected --config with it");
@@ -152,9 +152,6 @@ static const fp3_option table[] = {
     {"plot", 0, "FILE",
      "With MODEL: also draw the printed table into FILE (.svg or .png). Needs gnuplot",
      FP3_TEXT(options, models.plot), .forms = OF_MODELS},
-    {"html", 0, "FILE",
-     "With MODEL: also write the printed table and its pictures as a page. Needs gnuplot",
-     FP3_TEXT(options, models.html), .forms = OF_MODELS},
     {"quick", 0, NULL,
      "With MODEL: measure fewer tolerances and objects, three times each; with SCENE: once",
      FP3_CALL(take_quick), .forms = OF_MODELS | OF_SCENE},
@@ -164,7 +161,7 @@ static const fp3_option table[] = {
 };
 
 int fp3_cmd_bench(int argc, char **argv) {
-    options o = {.programs = {.steps = 10000}, .models = {.argc = argc, .argv = argv}};
+    options o = {.programs = {.steps = 10000}};
     const fp3_command command = {
         .options = table,
         .given = note_option,

@@ -129,7 +129,7 @@ static const struct {
     {"HDF5", "--output FILE.h5, and fp3 view of such a file", "", check_hdf5},
     {"MPI", "mpirun -n 2 fp3 run",
      "; it is compiled where an MPI and Scotch are: make setup-cluster all", check_mpi},
-    {"gnuplot", "--plot, and --html of fp3 bench", "", check_gnuplot},
+    {"gnuplot", "--plot", "", check_gnuplot},
     {"ffmpeg", "fp3 view --film FILE.mp4", "", check_ffmpeg},
 };
 enum { CHECKS = sizeof checks / sizeof *checks };

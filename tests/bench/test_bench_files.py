@@ -1,8 +1,7 @@
-"""fp3 bench MODEL --csv --plot --html: the figures of the JSON as a table, those of the printed table as a picture and as a page."""
+"""fp3 bench MODEL --csv --plot: the figures of the JSON as a table, those of the printed table as a picture."""
 
 import collections
 import csv
-import html.parser
 import json
 import math
 import os
@@ -36,41 +35,10 @@ def curves(path):
             {next(group.iter(f"{SVG}text")).text: tuple(map(int, re.findall(r"\d+", next(group.iter(f"{SVG}use")).get("color").replace("black", "0,0,0")))) for group in groups})
 
 
-class Page(html.parser.HTMLParser):
-    """A page: rows of its tables, notes of its points with their places, what it would load, names of its elements."""
-    def __init__(self, text):
-        super().__init__()
-        self.rows, self.notes, self.loads, self.names, self.at = [], [], [], [], None
-        self.feed(text)
-
-    def handle_starttag(self, tag, attributes):
-        of = dict(attributes)
-        self.loads += [value for name, value in attributes if name in ("src", "href", "xlink:href", "data", "action") and not value.startswith("#")]
-        self.names += [of["id"]] if "id" in of else []
-        if tag == "tr":
-            self.rows.append([])
-        elif tag in ("td", "th"):
-            self.rows[-1].append("")
-        elif tag == "use" and "transform" in of:
-            self.place = re.match(r"translate\(([\d.]+),([\d.]+)\)", of["transform"])
-        elif tag == "title" and getattr(self, "place", None):
-            self.notes.append(["", *map(float, self.place.groups())])
-        self.at = tag
-
-    def handle_endtag(self, tag):
-        self.at = None
-
-    def handle_data(self, text):
-        if self.at in ("td", "button") and self.rows:
-            self.rows[-1][-1] += text
-        elif self.at == "title" and self.notes:
-            self.notes[-1][0] += text
-
-
 @pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot: make setup")
 def test_a_table_and_a_picture(bench, tmp_path):
     done = bench("oscillator", "-i", "rk4", "--quick", "--json", tmp_path / "a.json", "--csv", tmp_path / "a.csv",
-                 "--plot", tmp_path / "a.svg", "--html", tmp_path / "a.html")
+                 "--plot", tmp_path / "a.svg")
     assert done.returncode == 0, done.stderr
     points = json.loads((tmp_path / "a.json").read_text())["points"]
     with open(tmp_path / "a.csv", newline="") as file:
@@ -93,31 +61,9 @@ def test_a_table_and_a_picture(bench, tmp_path):
     assert "oscillator: error against time" in text and "oscillator: error against cycles of hardware" in text
 
 
-    look_at_the_page(tmp_path / "a.html", done.stdout)
-
-
-def look_at_the_page(path, printed):
-    """It has the rows that are printed, in their order; a note at each point, where the axes say; and loads nothing."""
-    text = path.read_text()
-    page = Page(text)
-    assert page.loads == [] and not any(word in text for word in ("http:", "https:", "@import", "url(")) and "default-src 'none'" in text
-    assert len(set(page.names)) == len(page.names) and text.count("<svg") == 2 and "prefers-color-scheme:dark" in text
-    lines = [re.split(" {2,}", line.strip()) for line in printed.splitlines()[4:] if line]
-    assert page.rows[0] == ["engine", "how", "step", "error", "worst", "ns", "cycles"]
-    assert [[cell for cell in row if cell] for row in page.rows[1:]] == [line[:3] + " ".join(line[3:]).split() for line in lines]
-    points = [(float(cost), x) for note, x, _ in page.notes for cost in re.findall(r"error \S+, (\S+) ns$", note)]
-    assert len(points) == sum(bool(row[5]) for row in page.rows[1:]) > 10 and len(page.notes) == len(lines)
-    (least, x0), (most, x1) = min(points), max(points)
-    assert all(x == pytest.approx(x0 + (x1 - x0) * math.log(cost / least) / math.log(most / least), abs=0.1) for cost, x in points)
-    assert re.search(r"<code>fp3 bench -i rk4 --quick --json .* oscillator</code>", text) and re.search(r"Measured 20\d\d-\d\d-\d\d by fp3 \S+ on \d+ processors", text)
-    for word in ("engine", "how", "step", "error, worst", "ns", "cycles"):
-        assert f"<dt>{word}</dt>" in text
-
-
 REFUSED = {("--plot", "a.pdf"): "a.pdf: expected the name of a picture that ends in .svg or .png",
            ("--plot", "nowhere/a.svg"): "nowhere/a.svg: cannot write: ",
-           ("--html", "nowhere/a.html"): "nowhere/a.html: cannot write: ",
-           ("--html", "programs/oscillator.ode"): "--html programs/oscillator.ode would overwrite MODEL"}
+           ("--plot", "programs/oscillator.ode"): "expected the name of a picture that ends in .svg or .png"}
 
 
 @pytest.mark.skipif(not shutil.which("gnuplot"), reason="needs gnuplot: make setup")
@@ -127,13 +73,12 @@ def test_a_picture_is_refused_before_the_work(bench, arguments):
     assert (done.returncode, done.stdout) == (2, "") and REFUSED[arguments] in done.stderr
 
 
-@pytest.mark.parametrize("option", ["--plot", "--html"])
-def test_without_gnuplot_nothing_is_measured(bench, tmp_path, option):
-    done = bench("oscillator", "--quick", option, tmp_path / "a.svg", PATH=str(tmp_path))
+def test_without_gnuplot_nothing_is_measured(bench, tmp_path):
+    done = bench("oscillator", "--quick", "--plot", tmp_path / "a.svg", PATH=str(tmp_path))
     assert (done.returncode, done.stdout) == (1, "") and "which is not installed" in done.stderr
 
 
-@pytest.mark.parametrize("option", ["--csv", "--plot", "--html"])
+@pytest.mark.parametrize("option", ["--csv", "--plot"])
 def test_they_are_of_a_model(bench, option):
     done = bench(option, "a.svg")
     assert done.returncode == 2 and f"found {option}, expected MODEL" in done.stderr
