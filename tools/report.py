@@ -95,10 +95,18 @@ def machines(runs, synth):
     return table(["machine", "objects in flight", "cycles per object-step", "MHz", "LUT4", "ns per object-step"], rows)
 
 
+def merged(rows):
+    """Rows that differ in their first cell alone become one, with all of these cells."""
+    found = {}
+    for first, *rest in rows:
+        found.setdefault(tuple(rest), []).append(first)
+    return [[", ".join(firsts), *rest] for rest, firsts in found.items()]
+
+
 def stalls(runs):
     causes = list(runs[0]["stalls"])
-    return table(["configuration", "program", *causes],
-                 [[f"`{r['config']}`", f"`{r['program']}`", *(number(r["stalls"][c]) for c in causes)] for r in runs])
+    return table(["configuration", "program", *causes], merged(
+        [f"`{r['config']}`", f"`{r['program']}`", *(number(r["stalls"][c]) for c in causes)] for r in runs))
 
 
 def occupancy(runs):
@@ -112,7 +120,7 @@ def occupancy(runs):
                      number(100 * run["bound"] / run["cycles_per_object_step"], 1),
                      *(number(100 * use[unit], 1) for unit in ("issue", "mul", "add"))])
     return table(["configuration", "program", "objects", "cycles per object-step", "bound", "% of the bound",
-                  "issue slots used, %", "multiplier, %", "adder, %"], rows)
+                  "issue slots used, %", "multiplier, %", "adder, %"], merged(rows))
 
 
 def scenes(rows):

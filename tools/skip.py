@@ -159,8 +159,8 @@ def page(data):
     yield ""
     yield from markdown(["program", "", "engine `fast`", "cycles on `many_full`"], verdict(found))
     yield ""
-    yield ("An instruction takes a cycle for each object that is in flight, and at least as many as its result is late. So few awake objects cost more "
-           "than their share if a scheduler has fewer of them than that; " + f"`many_full` has {data['idle_objects']:,} objects here.")
+    yield ("An instruction takes one cycle per object in flight, but never less than its latency. With fewer awake objects than that, "
+           "each costs more than its share; " + f"`many_full` has {data['idle_objects']:,} objects here.")
     yield ""
     for way in ORDER:
         if way in found:

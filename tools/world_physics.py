@@ -93,10 +93,10 @@ def membrane(lab):
         mode = np.einsum("tij,j,i->t", height, *sines)
         masses = np.sqrt(4 * w * pull / stretched * sum(np.sin(np.pi * n / (2 * side)) ** 2 for n in (p, q)))
         measured = frequency(mode, times[1] - times[0], masses)
-        yield relative("membrane", f"angular frequency of mode {p}, {q} of the masses, 1/s", masses, measured, 5e-5,
+        yield relative("membrane", f"mode ({p}, {q}): discrete masses, rad/s", masses, measured, 5e-5,
                        "leapfrog errs by (w h)^2/24 < 1e-5, the deflection of 2e-3 of a thread by its square, 4e-6")
         skin = np.pi * np.sqrt(w * pull * stretched * (p * p + q * q))
-        yield relative("membrane", f"angular frequency of mode {p}, {q} of a skin, 1/s", skin, measured, 1.2 * (np.pi * max(p, q) / side) ** 2 / 24,
+        yield relative("membrane", f"mode ({p}, {q}): continuous membrane, rad/s", skin, measured, 1.2 * (np.pi * max(p, q) / side) ** 2 / 24,
                        "masses at a distance a swing slower, by up to (pi p a)^2/24")
 
 
