@@ -34,8 +34,8 @@ instruction set, and `rtl` is the Verilog, simulated by Verilator. *ns* is measu
 
 - *Form*: empty for the whole scene. Otherwise it says how the scene was made smaller for the slower engines.
 - *Object-steps*: the steps of all objects together. With `tolerance` objects choose their own number of steps.
-- *ns*: nanoseconds for a step of one object on this computer, with one thread: the shortest of up to 40 runs in five seconds. Of a run
-  longer than 20 ms, processor time counts if it is shorter. `fast` works on 16 objects at once, so an object costs more if there are few. It is not
+- *ns*: nanoseconds for a step of one object on this computer, with one thread: the shortest of up to 40 runs in five seconds (wall
+  clock, or processor time if that is shorter and the run is longer than 20 ms). `fast` works on 16 objects at once, so few objects cost more each. It is not
   timed on a small form, which is too short.
 - *Cycles*: clock cycles of the hardware for a step of one object, loading and storing of objects included. They are exact.
 - *µs*: the same in microseconds, at the configuration's clock on an {device}, grade {grade}:

@@ -79,8 +79,8 @@ their lists share the store of a lane. The columns: the scene; the configuration
 others see."""
 
 PHYSICS = """\
-The columns: the scene; a quantity; what theory or an experiment says; what the objects do; how far apart the two may be, for which `why` in the JSON file
-has the reasons. The functions in `tools/world_physics.py`, `world_bodies.py`, `world_contact.py` and `world_water.py` name the sources. `tests/world`
+The columns: the scene; a quantity; what theory or an experiment says; what the objects do; the largest difference allowed, whose reason is `why` in the
+JSON file. The functions in `tools/world_physics.py`, `world_bodies.py`, `world_contact.py` and `world_water.py` name the sources. `tests/world`
 changes each scene a little, and then a row no longer holds."""
 
 
