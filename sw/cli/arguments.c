@@ -144,6 +144,13 @@ static void take(const taker *t, const fp3_option *o, char *text, struct argp_st
     case FP3_OPTION_TEXT:
         *(const char **)(void *)to = text;
         break;
+    case FP3_OPTION_LIST: {
+        unsigned *const count = (unsigned *)(void *)((char *)t->options + o->count);
+        if (*count == o->most)
+            argp_error(state, "%s: found more than %" PRIu64, name, o->most);
+        ((const char **)(void *)to)[(*count)++] = text;
+        break;
+    }
     case FP3_OPTION_NUMBER: {
         const uint64_t number = fp3_arguments_number(state, name, text, o->least, o->most);
         if (o->size == sizeof number)
@@ -171,12 +178,21 @@ static const fp3_option *option_of(const fp3_option *table, int key) {
     return NULL;
 }
 
+static void take_word(const taker *t, const char *text, struct argp_state *state) {
+    const char **const to = (const char **)(void *)((char *)t->options + t->command->at);
+    if (*to)
+        argp_error(state, "found '%s', expected one %s", text, t->command->one);
+    *to = text;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state) {
     const taker *t = state->input;
     const fp3_command *c = t->command;
     const fp3_option *o = option_of(c->options, key);
     if (key == ARGP_KEY_ARG && c->take) {
         c->take(t->options, state, text);
+    } else if (key == ARGP_KEY_ARG && c->one) {
+        take_word(t, text, state);
     } else if (key == ARGP_KEY_END) {
         if (c->end)
             c->end(t->options, state);

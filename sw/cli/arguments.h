@@ -19,6 +19,7 @@ typedef enum {
     FP3_OPTION_CALL,
     FP3_OPTION_FLAG, /* an int becomes 1 */
     FP3_OPTION_TEXT,
+    FP3_OPTION_LIST,   /* texts, at most `most`, whose number is an unsigned at `count` */
     FP3_OPTION_NUMBER, /* a uint32_t or uint64_t, from least to most */
     FP3_OPTION_ABOVE_ZERO,
     FP3_OPTION_FREQUENCY
@@ -29,7 +30,7 @@ typedef struct {
     int letter;              /* 0: none */
     const char *value, *doc; /* value: what the help calls it; NULL: none */
     fp3_option_kind kind;
-    size_t at, size; /* where the value goes in the command's options */
+    size_t at, size, count; /* where the value goes in the command's options */
     uint64_t least, most;
     fp3_option_fn *take;
     int is_repeated; /* may be given again */
@@ -44,6 +45,10 @@ typedef struct {
 #define FP3_CALL(function) .kind = FP3_OPTION_CALL, .take = function
 #define FP3_FLAG(type, field) .kind = FP3_OPTION_FLAG, FP3_PLACE(type, field, int : 1)
 #define FP3_TEXT(type, field) .kind = FP3_OPTION_TEXT, FP3_PLACE(type, field, const char * : 1)
+#define FP3_LIST(type, field, counter, to)                                                         \
+    .kind = FP3_OPTION_LIST, FP3_PLACE(type, field[0], const char * : 1),                          \
+    .count = offsetof(type, counter) + 0 * _Generic(((type *)0)->counter, unsigned : 1),           \
+    .most = (to)
 #define FP3_ABOVE_ZERO(type, field)                                                                \
     .kind = FP3_OPTION_ABOVE_ZERO, FP3_PLACE(type, field, double : 1)
 #define FP3_FREQUENCY(type, field) .kind = FP3_OPTION_FREQUENCY, FP3_PLACE(type, field, double : 1)
@@ -53,11 +58,16 @@ typedef struct {
 
 typedef struct {
     const fp3_option *options;                              /* ended by {0}; or NULL */
-    fp3_option_fn *take;                                    /* a word that is no option */
+    fp3_option_fn *take;                                    /* a word that is no option, or: */
+    const char *one;                                        /* what the only such word is, */
+    size_t at;                                              /* and where it goes */
     void (*end)(void *options, struct argp_state *state);   /* after the last word */
     void (*given)(void *options, const fp3_option *option); /* before an option is taken */
     const char *forms, *doc;                                /* as argp's args_doc and doc */
 } fp3_command;
+
+#define FP3_WORD(type, field, what)                                                                \
+    .one = what, .at = offsetof(type, field) + 0 * _Generic(&((type *)0)->field, const char ** : 1)
 
 /* Reads a line into the command's options. Ends with 2 and a message at an option that there is
  * not, naming the nearest, and at an option with a value that is given twice. */

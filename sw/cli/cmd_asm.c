@@ -15,13 +15,6 @@ typedef struct {
     const char *source, *image, *hex, *listing;
 } options;
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->source)
-        argp_error(state, "found '%s', expected one source", text);
-    o->source = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     if (!o->source)
@@ -66,7 +59,7 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 int fp3_cmd_asm(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(options, source, "source"),
         .end = end,
         .forms = "SOURCE",
         .doc = "Assembles SOURCE and writes the files named by options; without options only "

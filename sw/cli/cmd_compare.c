@@ -361,14 +361,6 @@ static fp3_status compare(comparison *k, fp3_error *error) {
 
 /* ---- the command ---- */
 
-static void take_integrator(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->integrator_count == INTEGRATORS_MAX)
-        argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
-    else
-        o->integrators[o->integrator_count++] = text;
-}
-
 static void take_arithmetic(void *user, struct argp_state *state, char *text) {
     options *o = user;
     o->arithmetics |= 1u << fp3_arguments_arithmetic_named(state, text);
@@ -377,13 +369,6 @@ static void take_arithmetic(void *user, struct argp_state *state, char *text) {
 static void take_tolerance(void *user, struct argp_state *state, char *text) {
     options *o = user;
     fp3_compare_adaptive_read(&o->adaptive, state, text);
-}
-
-static void take_word(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->model)
-        argp_error(state, "found '%s', expected one model", text);
-    o->model = text;
 }
 
 static void end(void *user, struct argp_state *state) {
@@ -398,7 +383,7 @@ static const fp3_option table[] = {
     {"integrator", 'i', "NAME",
      "Compare this integrator, a built-in table or a file; may be repeated (default: all built-in "
      "tables)",
-     FP3_CALL(take_integrator), .is_repeated = 1},
+     FP3_LIST(options, integrators, integrator_count, INTEGRATORS_MAX), .is_repeated = 1},
     {"arithmetic", 0, "NAME",
      "Compare this arithmetic: plain, compensated, folded or double_single; may be repeated "
      "(default: all)",
@@ -434,7 +419,7 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 int fp3_cmd_compare(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(options, model, "model"),
         .end = end,
         .forms = "MODEL",
         .doc = "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "

@@ -117,13 +117,6 @@ static void take_list(void *user, struct argp_state *state, char *text) {
     exit(list());
 }
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->model)
-        argp_error(state, "found '%s', expected one model", text);
-    o->model = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     if (!o->model)
@@ -276,7 +269,7 @@ static fp3_status check_files(const options *o, fp3_error *error) {
 int fp3_cmd_compile(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(options, model, "model"),
         .end = end,
         .forms = "MODEL",
         .doc = "Compiles the equations of MODEL (*.ode) and an integrator to a program for a "

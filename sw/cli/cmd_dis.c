@@ -34,13 +34,6 @@ static void take_one_word(void *user, struct argp_state *state, char *text) {
     o->words[o->word_count++] = word(state, text);
 }
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->image)
-        argp_error(state, "found '%s', expected one image", text);
-    o->image = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     if (!o->image == !o->word_count)
@@ -118,7 +111,7 @@ static fp3_status write_header(const options *o, fp3_error *error) {
 int fp3_cmd_dis(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(options, image, "image"),
         .end = end,
         .forms = "IMAGE\n--word=WORD",
         .doc = "Disassembles IMAGE to text that assembles to the same image, or writes it as C.",

@@ -115,22 +115,6 @@ static fp3_status stress(const options *o, fp3_verdicts *verdicts, char **report
 
 /* ---- the command ---- */
 
-static void take_integrator(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->integrator_count == INTEGRATORS_MAX)
-        argp_error(state, "found more than %d integrators", INTEGRATORS_MAX);
-    else
-        o->integrators[o->integrator_count++] = text;
-}
-
-static void take_arithmetic(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->arithmetic_count == ARITHMETICS_MAX)
-        argp_error(state, "found more than %d arithmetics", ARITHMETICS_MAX);
-    else
-        o->arithmetics[o->arithmetic_count++] = text;
-}
-
 static void take_word(void *user, struct argp_state *state, char *text) {
     options *o = user;
     if (o->model_count == MODELS_MAX)
@@ -155,7 +139,7 @@ static const fp3_option table[] = {
     {"integrator", 'i', "NAME",
      "A built-in table, or a file; may be repeated (default: of models rk4, else all that are "
      "built in)",
-     FP3_CALL(take_integrator), .is_repeated = 1},
+     FP3_LIST(options, integrators, integrator_count, INTEGRATORS_MAX), .is_repeated = 1},
     {"json", 0, "FILE", "Also write results and curves as JSON", FP3_TEXT(options, json)},
     {"quick", 0, NULL, "Fewer steps and angles and, without a MODEL, three integrators",
      FP3_FLAG(options, is_quick)},
@@ -164,7 +148,7 @@ static const fp3_option table[] = {
     {"arithmetic", 0, "NAME",
      "Without a MODEL: plain, compensated, double_single, or a configuration with another "
      "arithmetic; may be repeated (default: all)",
-     FP3_CALL(take_arithmetic), .is_repeated = 1},
+     FP3_LIST(options, arithmetics, arithmetic_count, ARITHMETICS_MAX), .is_repeated = 1},
     {0},
 };
 

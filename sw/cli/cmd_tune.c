@@ -27,7 +27,7 @@ typedef struct {
     const char *input, *config, *plot;
     int is_model, is_scene, has_hardware;
     const char *arithmetics[FP3_TUNE_MACHINES_MOST];
-    size_t arithmetic_count;
+    unsigned arithmetic_count;
     double around;
     uint32_t objects;
     fp3_run_values values;
@@ -55,14 +55,6 @@ static void check(options *o, struct argp_state *state) {
                           "--spread, --around or --objects");
 }
 
-static void take_arithmetic(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->arithmetic_count == FP3_TUNE_MACHINES_MOST)
-        argp_error(state, "found more than %d --arithmetic", FP3_TUNE_MACHINES_MOST);
-    else
-        o->arithmetics[o->arithmetic_count++] = text;
-}
-
 static void take_spread(void *user, struct argp_state *state, char *text) {
     options *o = user;
     fp3_run_values_spread(&o->values, state, text);
@@ -82,13 +74,6 @@ static void take_params(void *user, struct argp_state *state, char *text) {
     fp3_run_values_load(&o->values, state, text);
 }
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->input)
-        argp_error(state, "found '%s', expected one model or scene", text);
-    o->input = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     check(o, state);
@@ -106,7 +91,7 @@ static const fp3_option table[] = {
      "Also tune for this configuration with another arithmetic, and choose the configuration of "
      "the least cost: LUTs times the time of an object; may be repeated. all: each such "
      "configuration whose LUTs and clock are known",
-     FP3_CALL(take_arithmetic), .is_repeated = 1},
+     FP3_LIST(options, arithmetics, arithmetic_count, FP3_TUNE_MACHINES_MOST), .is_repeated = 1},
     {"model", 0, NULL, "The input is a model, whatever its name", FP3_FLAG(options, is_model)},
     {"spread", 0, "NAME=FIRST:LAST",
      "A range: any value from FIRST to LAST, of a model; may be repeated", FP3_CALL(take_spread),
@@ -323,7 +308,7 @@ static fp3_status tune_scene(options *o, fp3_error *error) {
 int fp3_cmd_tune(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(options, input, "model or scene"),
         .end = end,
         .forms = "MODEL\nSCENE",
         .doc =

@@ -26,13 +26,6 @@ static void take_from(void *user, struct argp_state *state, char *text) {
     o->has_from = 1;
 }
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    options *o = user;
-    if (o->path)
-        argp_error(state, "found '%s', expected one file", text);
-    o->path = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     if (!o->path)
@@ -189,7 +182,7 @@ static fp3_status verify(const options *o, fp3_run_ranks *ranks, char **report, 
 int fp3_cmd_verify(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(options, path, "file"),
         .end = end,
         .forms = "FILE",
         .doc = "Runs steps A to B of a run again, on any engine, and compares hashes with FILE, "

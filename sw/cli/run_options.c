@@ -129,13 +129,6 @@ static void take_checkpoint_every(void *user, struct argp_state *state, char *te
     fp3_run_record_checkpoint_every(&o->record, state, text);
 }
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    fp3_run_options *o = user;
-    if (o->program)
-        argp_error(state, "found '%s', expected one program", text);
-    o->program = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     fp3_run_options *o = user;
     o->is_model = o->is_model || (o->program && fp3_program_is_model(o->program));
@@ -286,7 +279,7 @@ const fp3_option *fp3_run_options_table(void) { return table; }
 fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *o, fp3_error *error) {
     const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(fp3_run_options, program, "program"),
         .end = end,
         .forms = "PROGRAM\n--scene FILE",
         .doc =

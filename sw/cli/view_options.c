@@ -138,13 +138,6 @@ static void take_rate(void *user, struct argp_state *state, char *text) {
                   : (uint16_t)fp3_arguments_number(state, "--rate", text, 1, 1000);
 }
 
-static void take_word(void *user, struct argp_state *state, char *text) {
-    fp3_view_options *o = user;
-    if (o->recording)
-        argp_error(state, "found '%s', expected one recording", text);
-    o->recording = text;
-}
-
 static void end(void *user, struct argp_state *state) {
     fp3_view_options *o = user;
     name_output(state, o);
@@ -213,7 +206,7 @@ static const fp3_option table[] = {
 void fp3_view_options_parse(int argc, char **argv, fp3_view_options *o) {
     static const fp3_command command = {
         .options = table,
-        .take = take_word,
+        FP3_WORD(fp3_view_options, recording, "recording"),
         .end = end,
         .forms = "RECORDING",
         .doc = "Writes a web page that shows what fp3 run --output recorded, moving: one file, "
