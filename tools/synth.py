@@ -17,9 +17,8 @@ The devices are in tools/families.py; without --device it is an LFE5U-85F. What 
 says so. Where a device has fewer pins than a top has ports, inputs are shifted in by one pin and the outputs leave as
 their parity; on the others the ports are registers. A family that has no open placer is only synthesised.
 
-Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of
-the same top, config, device and grade and keeps the others. The pages of docs/ come from docs/synth.json, which gets them
-from there (tools/measured.py). Netlists and logs go to build/synth/, and are made again if files or command have changed.
+Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of the same top, config, device and grade and keeps the
+others. The pages of docs/ come from docs/synth.json (tools/measured.py). Netlists and logs go to build/synth/, and are made again if files or command change.
 
   lut4          LUTs of the netlist, logic alone: of 4 inputs, on 7-series of at most 6, on Cyclone V ALUTs
   carry         carry cells of the netlist
