@@ -90,10 +90,11 @@ typedef enum {
  * FP3_E_MISMATCH: it is no FP3. */
 fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus);
 
-/* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the instruction set, or compiled for
- * another arithmetic (docs/arithmetic.md), or the hardware's words are logarithms or numbers of fewer fraction bits, which constants would have to
- * be converted to.
- * FP3_E_PROGRAM: there is no room for it. The objects have no values then, and nobody is listed. */
+/* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the
+ * instruction set, or compiled for another arithmetic (docs/arithmetic.md), or the hardware's
+ * words are logarithms or numbers of fewer fraction bits, which constants would have to be
+ * converted to. FP3_E_PROGRAM: there is no room for it. The objects then have no values, and the
+ * lists are empty. */
 fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_program *program);
 /* A constant that the program leaves to the host, as h. */
 fp3_status fp3_bare_write_shared(fp3_bare *fp3, uint32_t scheduler, uint32_t index, uint32_t bits);

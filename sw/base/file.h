@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 /* *data is malloc'ed with a NUL after size bytes. Refuses directories, more than 64 MB, and a named
- * pipe that nobody writes into within 10 seconds. */
+ * pipe that no process writes into within 10 seconds. */
 fp3_status fp3_file_read(const char *path, char **data, size_t *size, fp3_error *error);
 
 /* A stream for a file that is read bit by bit, of any size; the caller closes it. A directory is refused by the first read.

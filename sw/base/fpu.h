@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fpu.h - the processor's rounding and its sticky flags, faster than <fenv.h>, which also has those of units that nobody uses.
+/* fpu.h - the processor's rounding and its sticky flags, faster than <fenv.h>, which also handles
+ * those of unused units.
  *
- * What a processor must have: binary32 arithmetic that is rounded once. Where it detects tininess before rounding (ARM), a
- * product that is rounded to 2^-126 may raise underflow, which FP3 does not: FP3_FPU_IS_EARLY, and who asks for underflow has
- * to look closer. A sum is exact where it is tiny, so it raises none on either.
+ * What a processor must have: binary32 arithmetic that is rounded once. Where it detects tininess
+ * before rounding (ARM), a product that is rounded to 2^-126 may raise underflow, which FP3 does
+ * not: FP3_FPU_IS_EARLY, and who asks for underflow has to look closer. A sum is exact where it is
+ * tiny, so it raises none on either.
  *
- * WebAssembly has neither flags nor modes: there fpu_soft.h finds both. FP3_FPU_SOFT asks for it elsewhere, which is how it is
- * tested. fp3_fpu_add, _mul, _fma and _rint are for whoever counts on either.
+ * WebAssembly has neither flags nor modes: there fpu_soft.h finds both. FP3_FPU_SOFT asks for it
+ * elsewhere, which is how it is tested. fp3_fpu_add, _mul, _fma and _rint are for whoever counts on
+ * either.
  */
 #ifndef FP3_FPU_H
 #define FP3_FPU_H

@@ -21,7 +21,8 @@ typedef struct {
     int has_arithmetic; /* 0: the caller's is that of C */
 } fp3_host;
 
-/* To change either takes a microsecond, so what is right already is left alone: that is a look of some ns. */
+/* To change either takes a microsecond, so a mode that is right already is left alone: checking
+ * costs a few ns. */
 static inline fp3_host fp3_host_enter(void) {
     fp3_host host = {.locale = (locale_t)0};
     host.has_arithmetic = (fp3_fpu_get() & FP3_FPU_MODES) != FP3_FPU_OF_C ||

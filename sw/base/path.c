@@ -203,7 +203,7 @@ static fp3_status check_level(const char *path, fp3_error *error) {
                : FP3_OK;
 }
 
-/* From the root down: once a directory is known, nobody else can replace the one below. */
+/* From the root down: once a directory is checked, no other user can replace the one below. */
 fp3_status fp3_path_check_private(const char *path, char real[PATH_MAX], fp3_error *error) {
     if (!realpath(path, real))
         return fp3_path_fail(error, path, "no directory");

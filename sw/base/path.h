@@ -36,9 +36,10 @@ int fp3_path_is_temporary_of(const char *output, const fp3_path_id *id);
  * opened or changed. */
 fp3_status fp3_path_check_output(const char *path, fp3_error *error);
 
-/* Whether a directory is behind no other user's door: it and all directories above it belong to this user or
- * root, and nobody else may write to them, but where each may only remove what is his own (the sticky bit).
- * real: the directory behind all links. FP3_E_ARGUMENT: it is not, or there is none; error says which. */
+/* Whether a directory is behind no other user's door: it and all directories above it belong to
+ * this user or root, and no other user may write to them, except where users can only remove their
+ * own files (the sticky bit). real: the directory behind all links. FP3_E_ARGUMENT: it is not, or
+ * there is none; error says which. */
 fp3_status fp3_path_check_private(const char *path, char real[PATH_MAX], fp3_error *error);
 
 /* "path: what: why" with the reason that errno has: a missing or forbidden file is the caller's mistake,

@@ -74,7 +74,7 @@ char *fp3_temporary_path(const char *real, const char *file) {
     return path;
 }
 
-/* Where a file system has no locks of folders, one that is new is nobody else's. */
+/* Where a file system has no locks of folders, a new folder belongs to no other process. */
 static int lock(int folder, int is_new) {
     if (!flock(folder, LOCK_EX | LOCK_NB))
         return 0;

@@ -21,7 +21,7 @@ struct fp3_threads {
     pthread_cond_t work, done;
     void (*task)(void *of, uint32_t number);
     void *of;
-    uint32_t next, count; /* numbers that nobody has yet */
+    uint32_t next, count; /* numbers not taken yet */
     uint32_t started, most;
     int is_ending;
     pthread_t thread[];

@@ -7,7 +7,8 @@
 #include <stdio.h>
 
 /* Each gets its own arguments with argv[0] = "fp3 <name>" (argp prints it) and returns the exit
- * code: 0 well, 1 failed, 2 bad input or usage, 3 objects failed in a run, or results do not hold. Ends usage errors itself through argp. */
+ * code: 0 success, 1 failed, 2 bad input or usage, 3 objects failed in a run, or results do not
+ * hold. Ends usage errors itself through argp. */
 int fp3_cmd_asm(int argc, char **argv);
 int fp3_cmd_compile(int argc, char **argv);
 int fp3_cmd_compare(int argc, char **argv);

@@ -87,7 +87,7 @@ static void say(simulation *s) {
         memmove(s->out, s->out + sent, s->left -= (size_t)sent);
 }
 
-/* A board without a host stands still: nobody would see what it does. */
+/* A board without a host is not simulated, since its work could not be seen. */
 static fp3_status simulate(simulation *s, fp3_error *error) {
     fp3_status status = FP3_OK;
     while (!status) {

@@ -56,7 +56,7 @@ static const fp3_option table[] = {
 
 /* ---- where it begins, and what it compares ---- */
 
-/* Of a checkpoint the one before, if nobody says otherwise. */
+/* For a checkpoint the one before, by default. */
 static fp3_status find_begin(const options *o, const fp3_chain *chain, char **path, uint64_t *step,
                              fp3_error *error) {
     fp3_checkpoint *checkpoint = NULL;

@@ -16,7 +16,7 @@
 #define MARK "Written by fp3 view."
 #define MARK_WITHIN 200 /* bytes */
 
-/* A name that nobody gave may be that of a page of somebody else. */
+/* The default name may be that of another user's page. */
 static fp3_status check_own(const fp3_view_options *o, fp3_error *error) {
     char begin[MARK_WITHIN + 1] = "";
     struct stat found;

@@ -51,7 +51,7 @@ void fp3_run_adaptive_record(fp3_program_def *def, const fp3_recording_def *reco
         def->adaptive.until = record->times[record->time_count - 1];
 }
 
-/* Nothing where nobody observes the count: the program does not keep it. */
+/* Nothing if the count is not observed: the program does not keep it. */
 static void print_counts(const fp3_image *image, const char *name, const fp3_adaptive_counts *c,
                          size_t objects) {
     if (!fp3_image_find(image, name, FP3_CLASS(FP3_SYMBOL_STATE)))

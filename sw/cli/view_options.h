@@ -7,7 +7,7 @@
 
 typedef struct {
     const char *recording, *output; /* output: NULL where pictures alone are asked for */
-    char *own_output;               /* its name where nobody gave one */
+    char *own_output;               /* its name if none is given */
     const char *png, *film;         /* NULL: not asked for */
     double at;                      /* the time of the picture */
     int has_at;

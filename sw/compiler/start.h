@@ -20,8 +20,8 @@ fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, s
 /* Sets *start to NULL, which it may be already. */
 void fp3_start_close(fp3_start **start);
 
-/* As fp3_compiled_inputs of each of count objects, in columns: params[i * count + n] is param i of object
- * n. The values of inputs that nobody wants stay as they are. The error does not say whose it is. */
+/* As fp3_compiled_inputs of each of count objects, in columns: params[i * count + n] is param i of
+ * object n. The values of other inputs stay as they are. The error does not say whose it is. */
 fp3_status fp3_start_values(fp3_start *start, const double *params, const double *initial, double h,
                             size_t count, float *values, fp3_error *error);
 

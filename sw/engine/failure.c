@@ -145,7 +145,8 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     return status;
 }
 
-/* That run went wrong as the first one did. flags: what it raised, some of it for steps that nobody made. */
+/* The repeated run failed as the first one did. flags: raised by it, some for steps that were not
+ * made. */
 static fp3_status check(fp3_engine *engine, const fp3_watched *watched, uint32_t flags) {
     int is_missed = engine->config->flags &&
                     (!(flags & FP3_FLAGS_GRAVE) != !(engine->origin->flags & FP3_FLAGS_GRAVE));

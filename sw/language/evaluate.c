@@ -71,7 +71,7 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
         return VALUE;
         FP3_FUNCTION_ROWS(X)
 #undef X
-    case FP3_EXPR_OTHER_STATE: /* of an object by itself nobody knows its neighbours */
+    case FP3_EXPR_OTHER_STATE: /* an object alone has no known neighbours */
     case FP3_EXPR_OTHER_PARAM:
     case FP3_EXPR_FIELD:
     case FP3_EXPR_TOTAL:

@@ -42,7 +42,7 @@ extern const unsigned fp3_operation_count;
 /* By code; NULL if unknown. */
 const fp3_operation *fp3_operation_find(uint32_t code);
 
-/* A word of a program. An image and a visit keep theirs decoded, so that nobody decodes them again;
+/* A word of a program. An image and a visit keep their words decoded, so no word is decoded twice;
  * fp3_word_decode is for a word that comes alone, as from a trace. */
 typedef struct fp3_decoded {
     const fp3_operation *of; /* NULL: the word is no instruction */

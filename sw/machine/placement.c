@@ -102,7 +102,7 @@ static share share_of(const fp3_config *config, uint32_t visit, const fp3_to_pla
     return s;
 }
 
-/* Who ends last of those whom one more scheduler may help; count if there is nobody. */
+/* The group that ends last, of those that one more scheduler may help; count if there is none. */
 static size_t slowest(const share *shares, size_t count) {
     size_t found = count;
     for (size_t i = 0; i < count; i++)
@@ -124,7 +124,7 @@ static void divide(const fp3_config *config, share *shares, size_t count, uint32
             break;
         give(config, &shares[i], shares[i].schedulers + 1);
     }
-    /* What helps nobody is dealt out. */
+    /* Schedulers that help no group are dealt out. */
     for (size_t i = 0; left > 0; i = (i + 1) % count, left--)
         give(config, &shares[i], shares[i].schedulers + 1);
 }

@@ -41,8 +41,8 @@ uint32_t fp3_placement_room(const fp3_config *config);
 uint32_t fp3_placement_fullest(const fp3_config *config, uint32_t objects, uint32_t schedulers);
 
 /* Cycles that a scheduler needs for one round of visits to so many objects in its fullest lane, if
- * nobody sleeps and no other scheduler wants the arithmetic. A visit is so many steps; 0: all of a
- * run, taken to be many. Never falls with rows. */
+ * no object sleeps and no other scheduler wants the arithmetic. A visit is so many steps; 0: all of
+ * a run, taken to be many. Never falls with rows. */
 uint64_t fp3_placement_cycles(const fp3_config *config, const fp3_code *program, uint32_t visit,
                               uint32_t rows);
 

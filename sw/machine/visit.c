@@ -75,8 +75,8 @@ static int has_own(const fp3_image *image, fp3_visit *v) {
 }
 
 /* A .temp is stored only where it is no .temp in truth: something reads what an earlier visit left.
- * All else that is written is stored, as somebody may read it: the host, or nobody knows. That holds for
- * the register of sleep, which is no .temp. */
+ * All other written registers are stored, because the host or another reader may need them. That
+ * holds for the register of sleep, which is no .temp. */
 static void choose(const fp3_image *image, fp3_visit *v) {
     const uint64_t slept = v->slept < 0 ? 0 : BIT(v->slept);
     uint64_t written = 0;

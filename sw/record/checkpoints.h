@@ -8,7 +8,7 @@
 #include <fp3/program.h>
 
 typedef struct {
-    int is_there;    /* somebody asks for hashes: the state is open */
+    int is_there;    /* hashes are needed: the state is open */
     int is_recorded; /* a recording has them */
     fp3_state state;
     fp3_past past;          /* is there always */

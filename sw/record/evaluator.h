@@ -12,8 +12,8 @@ fp3_status fp3_evaluator_open(const fp3_program *program, size_t room, fp3_evalu
                               fp3_error *error);
 /* Sets *evaluator to NULL, which it may be already. */
 void fp3_evaluator_free(fp3_evaluator **evaluator);
-/* Has the expression computed, and all that it is made of. FP3_E_ARGUMENT: the program lacks a state
- * that it needs, because nobody observes that. */
+/* Has the expression computed, and all that it is made of. FP3_E_ARGUMENT: the program lacks a
+ * state that it needs, because that value is not observed. */
 fp3_status fp3_evaluator_add(fp3_evaluator *evaluator, const fp3_program *program, uint32_t expr,
                              fp3_error *error);
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* gnuplot.c - see gnuplot.h. The script is in an unnamed file and the picture comes through a pipe: if
- * gnuplot ends early, nobody writes into a closed pipe, and a full disk is seen here and not by
- * gnuplot, which would say nothing.
- */
+/* gnuplot.c - see gnuplot.h. The script is in an unnamed file and the picture comes through a pipe:
+ * if gnuplot ends early, nothing is written into a closed pipe, and a full disk is seen here and
+ * not by gnuplot, which would say nothing. */
 #include "gnuplot.h"
 
 #include "base/child.h"

@@ -208,7 +208,7 @@ static fp3_status make_room(fp3_recording *r, fp3_error *error) {
     return r->counter && r->groups ? FP3_OK : fp3_no_memory(error);
 }
 
-/* What starts are needed for comes before the state is that of a checkpoint. */
+/* Compute what needs the start values before the checkpoint overwrites them. */
 static fp3_status prepare(fp3_recording *r, const fp3_recording_def *def, fp3_error *error) {
     r->attempts = def->steps;
     r->has_snapshots = def->path || def->plot;

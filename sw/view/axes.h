@@ -23,7 +23,7 @@ typedef struct {
     double radius;      /* in the unit of the position; 0: unknown */
     size_t radius_of;   /* column that has each object's; or FP3_VIEW_NO_COLUMN */
     const char *colour; /* a field's name; NULL: none */
-    char speed[64];     /* the field that is the colour if nobody says; "" */
+    char speed[64];     /* the default field of colours; "" */
 } fp3_view_axes;
 
 /* Before the recording is loaded: chooses, and wants all that is shown. FP3_E_ARGUMENT: nothing can be a position, or there is

@@ -302,7 +302,8 @@ static fp3_status tell_adaptive(const fp3_batch *b) {
                     b->used, text);
 }
 
-/* Values of a model are finite when a run begins: as long as nothing that leads away from there is raised, nobody looks. */
+/* Values of a model are finite when a run begins. Without a flag that can end this, states are not
+ * checked. */
 static fp3_status tell_failures(fp3_batch *b) {
     fp3_failure found;
     char text[FP3_FAILURE_TEXT_SIZE];

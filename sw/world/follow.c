@@ -43,7 +43,7 @@ static int is_in(const fp3_field *q, uint64_t params) {
     return q->kind == FP3_FIELD_PARAM && params >> q->index & 1;
 }
 
-/* Whether objects may differ in it. Where the engine has the only copy, nobody knows. */
+/* Whether objects may differ in this value. Unknown if the engine has the only copy. */
 static int may_differ(const fp3_field *q) { return q->column || !(q->is_kept || q->is_pending); }
 
 /* The param as the program has it. */

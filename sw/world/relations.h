@@ -18,7 +18,7 @@
 typedef struct {
     fp3_fields_def to;               /* the program is loaded */
     fp3_linked *linked;              /* by relation of the model, or by list of the image */
-    double skin;                     /* of the reach: FP3_NEAR_SKIN, if nobody says */
+    double skin;                     /* of the reach; default FP3_NEAR_SKIN */
     double reach[FP3_RELATIONS_MAX]; /* of the model's relations, that the engine knows; 0: none */
 } fp3_relations;
 

@@ -37,7 +37,7 @@ struct fp3_params {
     fp3_value_file *files;
     fp3_value_place at; /* of values that have none */
     fp3_linked *linked;
-    double skin; /* of lists of those near, as a share of the reach; below 0: nobody says */
+    double skin; /* of lists of near objects, as a share of the reach; below 0: not given */
 };
 
 /* NULL: there is none of this name. */

@@ -114,7 +114,7 @@ static error_t take(const struct argp *argp, int key, char *text, struct argp_st
     }
 }
 
-/* Keys that nobody wants are no error where they are not options. */
+/* Keys without a handler are no error unless they are options. */
 static error_t tell(const struct argp *argp, int key, struct argp_state *state) {
     const error_t status = argp->parser(key, NULL, state);
     return status == ARGP_ERR_UNKNOWN ? 0 : status;

@@ -12,7 +12,7 @@
 
 /* All of them do nothing where the model is not adapted (fp3/compile.h). */
 
-/* Before the method: a->begin, a->h, a->end. FP3_E_PROGRAM: nobody could stop. */
+/* Before the method: a->begin, a->h, a->end. FP3_E_PROGRAM: no object could stop. */
 fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error);
 /* After it, and before events: whether the step is good, in a->is_good, and the next one's length. */
 fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error);

@@ -36,7 +36,7 @@ typedef struct {
     uint64_t published; /* states of the model that neighbours read */
     uint32_t list
         [FP3_RELATIONS_MAX]; /* of each relation: its variable, or FP3_NONE: no sum goes over it */
-    uint32_t unused;         /* a variable for words that nobody reads */
+    uint32_t unused;         /* a variable for unread words */
 } fp3_cut;
 
 /* Adds variables to the step. FP3_E_LIMIT: too many phases or sections. The caller closes, after a failure too. */

@@ -9,12 +9,13 @@
 /* Whether some state's equation has a sum over neighbours. */
 int fp3_phases_are_needed(const fp3_step *step);
 
-/* FP3_E_PROGRAM: what is asked for does not go with neighbours. */
+/* FP3_E_PROGRAM: an option is not possible with neighbours. */
 fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integrator,
                             const fp3_options *options, fp3_error *error);
 
-/* code gets the params and constants of all sections, and no operations. The schedule has a step part alone, with all instructions of a visit. The step gets more variables. FP3_E_LIMIT:
- * the configuration is too small. The caller closes, after a failure too. */
+/* Adds the params and constants of all sections to code (no operations), and variables to the step.
+ * The schedule has a step part alone, with all instructions of a visit. FP3_E_LIMIT: the
+ * configuration is too small. The caller closes *schedule, also after a failure. */
 fp3_status fp3_phases_make(fp3_step *step, const fp3_options *options, conversion *code,
                            fp3_schedule **schedule, fp3_error *error);
 

@@ -169,8 +169,8 @@ static uint32_t last_use(const fp3_cut_plan *c, uint32_t variable) {
     return last;
 }
 
-/* What each variable holds in each phase. A published state holds what neighbours see; every other variable its
- * old value until nobody reads that any more. */
+/* What each variable holds in each phase. A published state holds what neighbours see; every other
+ * variable its old value until it has no more readers. */
 static void find_held(fp3_cut_plan *c) {
     const uint32_t phases = c->phase_count;
     for (uint32_t v = 0; v < c->own; v++) {

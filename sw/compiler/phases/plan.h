@@ -24,10 +24,9 @@ typedef struct {
     char *is_held;    /* a variable keeps it from its section on: */
     uint32_t *holder; /* ... this one */
     uint32_t *until;  /* ... up to this `when`, of the last section that reads it */
-    uint32_t
-        *shown;     /* [phase * states + state]: node that neighbours see; FP3_NONE: nobody looks */
-    uint32_t *held; /* [phase * own + variable]: node whose value it has, from begin to end */
-    uint32_t own;   /* variables that the step had before */
+    uint32_t *shown;  /* [phase * states + state]: node that neighbours see; or FP3_NONE */
+    uint32_t *held;   /* [phase * own + variable]: node whose value it has, from begin to end */
+    uint32_t own;     /* variables that the step had before */
     uint32_t slots[FP3_CUT_PHASES];                /* the last slot of each phase, an even one */
     uint32_t minus_zero;                           /* node of the step */
     uint32_t pool[2 * FP3_STATES_MAX], pool_count; /* the variables that keep nodes */

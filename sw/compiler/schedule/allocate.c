@@ -18,7 +18,7 @@ typedef struct {
     const fp3_block *block;
     uint32_t gaps;
     uint32_t banks;     /* register r belongs to bank r % banks; a value to that of what makes it */
-    uint32_t lowest[2]; /* of each bank: the first register that is nobody's */
+    uint32_t lowest[2]; /* of each bank: the first free register */
     uint32_t registers; /* that busy knows */
     char *busy;         /* [register * gaps + gap] */
     arc *arcs;

@@ -17,7 +17,7 @@ typedef enum {
     FP3_AT_VARIABLE, /* variable index as it was when the step began */
     FP3_AT_NEXT,     /* variable index as it is when the step ends; only in last operations */
     FP3_AT_LAST,     /* result of last operation index; only there */
-    FP3_AT_PARAM,    /* object register that the host writes and nobody else */
+    FP3_AT_PARAM,    /* object register that only the host writes */
     FP3_AT_CONSTANT  /* shared constant */
 } fp3_place;
 

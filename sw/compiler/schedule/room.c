@@ -102,7 +102,7 @@ void fp3_room_free(fp3_room **room) {
 
 /* ---- lifetimes ---- */
 
-/* The first gap in which nobody but `but` waits for a value any more. */
+/* The first gap in which only `but` still waits for a value. */
 static uint32_t end_of(const fp3_room *r, uint32_t value, uint32_t but) {
     uint32_t end = r->issued;
     for (uint32_t k = r->begin[value]; k < r->begin[value + 1]; k++) {
@@ -145,7 +145,7 @@ uint32_t fp3_room_turn(const fp3_room *r, uint32_t node) { return r->position[no
 
 /* ---- an instruction before its turn ---- */
 
-/* ends[k]: the first gap in which nobody else waits for operand k's value. */
+/* ends[k]: the first gap in which no other reader waits for operand k's value. */
 static void find_ends(const fp3_room *r, uint32_t node, uint32_t ends[3]) {
     for (uint32_t k = 0; k < 3; k++) {
         const uint32_t value = operand_value(r, node, k);

@@ -178,7 +178,7 @@ static void evict(spiller *s, uint32_t cell) {
 
 typedef struct {
     uint32_t cost; /* instructions */
-    uint32_t due;  /* when somebody wants it back */
+    uint32_t due;  /* when its next reader needs it */
 } offer;
 
 static void be_due(offer *o, uint32_t time) {

@@ -38,7 +38,7 @@ typedef struct {
     /* Nodes, FP3_NONE if there are no events to locate: the step may end where it does; else what is tried next, and between which
      * two steps the event is. */
     uint32_t is_in_time, next, before, behind;
-    uint32_t root_before, root_behind; /* the nearest root there; FP3_NONE: nobody asks */
+    uint32_t root_before, root_behind; /* the nearest root there; FP3_NONE: not needed */
     uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
 } fp3_advance;
 

@@ -9,7 +9,7 @@
 
 /* Sets of states of the model. */
 typedef struct {
-    uint64_t live;      /* what somebody observes, and what that depends on */
+    uint64_t live;      /* observed states, and the states that they depend on */
     uint64_t positions; /* states whose derivative is another state, alone, that is no position */
     uint64_t control;   /* adaptive steps: t, h and what counts them */
     int has_stop;       /* an event stops the object */

@@ -19,14 +19,13 @@
 typedef struct {
     const fp3_config *config;
     unsigned passes;   /* a set of FP3_PASS(...) */
-    uint64_t observed; /* the states that somebody reads */
+    uint64_t observed; /* the states to keep */
     fp3_arithmetic arithmetic;
-    const uint32_t *partial,
-        *rate;             /* of the model, as of fp3_differentiate; NULL: nobody needs them */
-    int has_notes;         /* the assembly gets comments */
-    int shares_params;     /* params of the object are constants, too */
-    int has_few_constants; /* those for which there is no room are params of the object */
-    int may_spill;         /* values that do not fit are kept in the object's record */
+    const uint32_t *partial, *rate; /* of the model, as of fp3_differentiate; NULL: not needed */
+    int has_notes;                  /* the assembly gets comments */
+    int shares_params;              /* params of the object are constants, too */
+    int has_few_constants;          /* those for which there is no room are params of the object */
+    int may_spill;                  /* values that do not fit are kept in the object's record */
 } fp3_options;
 
 static inline int fp3_has_pass(const fp3_options *options, fp3_pass pass) {

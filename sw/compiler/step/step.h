@@ -41,9 +41,8 @@ typedef struct {
     dag last;   /* of the last part: its variables are those after the step */
     variable *variables;
     uint32_t variable_count, variable_room;
-    uint32_t
-        tested; /* variable: an object sleeps where it is 0 after a step; FP3_NONE: nobody sleeps */
-    uint32_t least; /* of known: a number below which that counts as 0 */
+    uint32_t tested; /* variable: an object sleeps where it is 0 after a step; FP3_NONE: no sleep */
+    uint32_t least;  /* of known: a number below which that counts as 0 */
     uint32_t rest_note;
     fp3_sight sight; /* what neighbours see */
     fp3_notes notes;

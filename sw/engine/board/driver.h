@@ -21,7 +21,7 @@ typedef struct {
      * error, from 1; 0: none. Later words may or may not have been tried. A failure is that of the bus. */
     fp3_status (*transfer)(fp3_engine *engine, int is_write, const uint32_t *addresses,
                            uint32_t *data, uint32_t count, uint32_t *refused);
-    /* Clock cycles since it was opened; always 0 where nobody counts them. */
+    /* Clock cycles since the opening; always 0 if cycles are not counted. */
     uint64_t (*now)(const fp3_engine *engine);
     /* Returns when it is time to ask whether a run has ended: `asked` times it was not. A bus that counts cycles lets
      * so many pass at most. */

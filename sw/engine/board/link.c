@@ -32,8 +32,8 @@ fp3_status fp3_link_open(const char *port, uint32_t baud, fp3_link **link, fp3_e
     if (!made)
         return fp3_no_memory(error);
     made->baud = baud;
-    made->sequence =
-        (uint8_t)fp3_port_now(); /* no answer to somebody else's request is one to ours */
+    /* By the clock, so an answer to another program's request is not taken for ours. */
+    made->sequence = (uint8_t)fp3_port_now();
     fp3_status status = fp3_port_open(port, baud, &made->port, error);
     if (status)
         fp3_link_close(link);

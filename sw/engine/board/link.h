@@ -13,8 +13,9 @@ typedef struct fp3_link fp3_link;
 fp3_status fp3_link_open(const char *port, uint32_t baud, fp3_link **link, fp3_error *error);
 void fp3_link_close(fp3_link **link);
 
-/* 1 to 64 words to, or from, addresses that grow by 4; the first transfer must be a read. *refused: the number of the first word
- * that the bus answered with an error, from 1, or 0. FP3_E_SYSTEM: nobody answers, or the port has gone. */
+/* 1 to 64 words to, or from, addresses that grow by 4; the first transfer must be a read. *refused:
+ * the number of the first word that the bus answered with an error, from 1, or 0. FP3_E_SYSTEM: no
+ * answer, or the port has gone. */
 fp3_status fp3_link_transfer(fp3_link *link, int is_write, uint32_t address, uint32_t *words,
                              uint32_t count, uint32_t *refused);
 /* Requests so far that were sent again. */

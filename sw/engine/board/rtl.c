@@ -23,7 +23,7 @@ typedef struct {
     fp3_driver driver; /* first: the calls of driver.h find it there */
     fp3_hardware hardware;
     fp3_rtl *rtl;
-    fp3_in_flight *in_flight; /* NULL unless somebody traces */
+    fp3_in_flight *in_flight; /* NULL without a trace */
     uint64_t executed;        /* instructions of this run */
     uint64_t hash;            /* FNV-1a of all retirements: the log ends each run with it */
 } rtl_engine;
@@ -54,7 +54,7 @@ static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *add
     return FP3_OK;
 }
 
-/* Until nothing happens any more; with somebody who wants to know how far it is, piece by piece. */
+/* Runs until nothing happens any more; with a progress callback in pieces. */
 static fp3_status rest(fp3_engine *engine, uint64_t cycles, uint32_t asked) {
     const rtl_engine *self = engine->self;
     uint64_t piece = engine->def.progress ? TELL_CYCLES : cycles;

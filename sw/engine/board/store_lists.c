@@ -192,7 +192,7 @@ static fp3_status write_copies(fp3_engine *engine, const fp3_ghosts *ghosts) {
                                    2 * ghosts->count);
 }
 
-/* Words that neighbours read and no phase stores: nobody copies them later. */
+/* Words that neighbours read and no phase stores are not copied later. */
 static fp3_status write_constant(fp3_engine *engine, const fp3_ghosts *ghosts, uint32_t reg,
                                  uint32_t *words) {
     const fp3_members *group = group_of(engine);

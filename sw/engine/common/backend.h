@@ -69,7 +69,7 @@ typedef struct {
 typedef struct {
     fp3_life *list;  /* of each object; NULL: all live, always */
     uint64_t change; /* the next step after which others live; not above `made`: unknown */
-    int is_any;      /* somebody is alive until then */
+    int is_any;      /* an object is alive until then */
 } fp3_lives;
 
 typedef struct {
@@ -81,7 +81,7 @@ typedef struct {
 } fp3_sleepers;
 
 typedef struct {
-    fp3_failed *list; /* by object; NULL: nobody has asked */
+    fp3_failed *list; /* by object; NULL: not asked for yet */
     size_t count;
 } fp3_failures;
 
@@ -103,13 +103,13 @@ struct fp3_engine {
     fp3_sleepers sleepers;
     fp3_failures failures;
     int is_counted;    /* what groups have counted is up to date */
-    double expected;   /* instructions of this part of the run, if nobody sleeps */
+    double expected;   /* instructions of this part of the run, if no object sleeps */
     double told, part; /* shares of the run: the parts before this one, and this one */
     uint64_t (*counters)[FP3_COUNTER_COUNT]; /* of each scheduler */
     uint64_t (*sums)[FP3_COUNTER_COUNT];     /* ... over the parts of a run */
     fp3_origin *origin;                      /* of the last run */
     fp3_exchange exchange;                   /* .end == NULL: no guests */
-    fp3_watched *watched; /* isa: of each object, filled by a run; NULL: nobody watches */
+    fp3_watched *watched; /* isa: of each object, filled by a run; NULL: not watched */
     void *self;           /* the backend's own */
 };
 

@@ -26,7 +26,7 @@ static void place_objects(const fp3_engine *engine, fp3_ghosts *g) {
     }
 }
 
-/* Guests make no step, and need nobody. They stand behind: hardware begins with object 0. */
+/* Guests make no step and need no neighbours. They come last: hardware begins with object 0. */
 static void find_needed(const fp3_engine *engine, fp3_ghosts *g) {
     const fp3_members *group = &engine->layout.groups[0];
     const fp3_lists *lists = &group->lists;

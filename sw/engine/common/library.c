@@ -52,8 +52,8 @@ static void list_dirs(dirs *p) {
     }
     const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     program[length > 0 ? length : 0] = '\0';
-    /* Beside libfp3.so. In a program that links libfp3.a this is the program, or a name without a slash:
-     * the working directory is nobody's place for code. */
+    /* Beside libfp3.so. In a program that links libfp3.a this is the program, or a name without a
+     * slash: the working directory is no place for code. */
     if (dladdr(fp3_install_rtl_dir, &own) && strchr(own.dli_fname, '/') &&
         realpath(own.dli_fname, path) && strcmp(path, program) != 0)
         add_beside(p, path, 0, "fp3");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* library.h - finds and loads what libfp3 does without until somebody asks for it. */
+/* library.h - finds and loads plugins, which libfp3 does without until they are asked for. */
 #ifndef FP3_LIBRARY_H
 #define FP3_LIBRARY_H
 

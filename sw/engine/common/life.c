@@ -19,7 +19,7 @@ uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps)
     return to > from ? (uint32_t)(to - from) : 0;
 }
 
-/* The next step after which somebody is born or gone. */
+/* The next step after which an object is born or gone. */
 static void find_change(fp3_engine *engine) {
     engine->lives.change = FP3_FOREVER;
     engine->lives.is_any = 0;

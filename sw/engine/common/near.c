@@ -30,7 +30,8 @@ static double at(const fp3_where_they_are *w, uint32_t k, size_t row) {
     return f;
 }
 
-/* Rows that are looked at together: of one in which somebody has gone far or astray each is looked at by itself. */
+/* Rows that are checked together. If an object of them has moved far, or is not finite, each row is
+ * checked alone. */
 #define BLOCK 1024u
 
 /* Whether these rows have moved by less than this, as far as FP32 can tell: a look that costs little. */
@@ -291,7 +292,7 @@ static fp3_status find_by_hash(const grid *g, const float *place, pairs *p, fp3_
     return status;
 }
 
-/* Who is nowhere has found nobody but itself. */
+/* An object whose position is not finite has found no object but itself. */
 static fp3_status find_itself(uint32_t row, pairs *p, fp3_error *error) {
     const fp3_status status = need_room(p, 1, error);
     if (!status)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* near.h - lists of those that are near: made on a grid with a skin, and made again before one could be missed.
+/* near.h - lists of those that are near: made on a grid with a skin, and made again before one
+ * could be missed.
  *
- * A list has all pairs that are nearer than reach + skin. As long as nobody has moved by more than half the skin
- * since it was made, it has all that are nearer than reach.
+ * A list has all pairs that are nearer than reach + skin. As long as no object has moved by more
+ * than half the skin since it was made, it has all that are nearer than reach.
  */
 #ifndef FP3_ENGINE_NEAR_H
 #define FP3_ENGINE_NEAR_H

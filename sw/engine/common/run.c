@@ -150,7 +150,7 @@ void fp3_engine_tell(const fp3_engine *engine, uint64_t executed) {
 
 /* ---- counters of schedulers: of a part of the run, and summed over its parts ----
  *
- * A step of one object takes as long as a look at them, so nobody looks at those that stay 0. */
+ * Reading them takes as long as a step of one object, so those that stay 0 are not read. */
 
 static void forget_counters(fp3_engine *engine) {
     if (engine->backend->is_uncounted)
@@ -172,8 +172,8 @@ static void take_sums(fp3_engine *engine) {
     memset(engine->sums, 0, size);
 }
 
-/* Steps that the same objects make. After an end before its time nobody knows who slept, and the lists are
- * in pieces. */
+/* Steps that the same objects make. After an early end it is unknown which objects slept, and the
+ * lists are in pieces. */
 static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = list_who_is_awake(engine);
     if (status)
@@ -193,7 +193,7 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     return status;
 }
 
-/* Where nobody lives, a run of no steps: it executes nothing. */
+/* If no object lives, a run of 0 steps, which executes nothing. */
 static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;
     uint32_t made = 0;

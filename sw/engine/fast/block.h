@@ -67,7 +67,7 @@ struct fp3_fast_worker {
     size_t failure_count, failure_room;
 };
 
-/* Most blocks never ask for what is of one lane alone: it is counted when somebody does. status: words of all
+/* Most blocks never need counts of a single lane: these are made on demand. status: words of all
  * objects, or NULL. */
 void fp3_fast_count(fp3_fast_lanes *lanes, const uint32_t *status);
 /* The number of a lane's object. */

@@ -53,7 +53,8 @@ static fp3_status find_directory(char path[PATH_MAX], fp3_error *error) {
     return is_made(path) ? FP3_OK : fp3_path_fail(error, path, "cannot be made");
 }
 
-/* A directory of our own, that nobody else writes to: what is behind a name in it stays what it is. */
+/* A directory of our own that no other user can write to, so a name in it always means the same
+ * file. */
 static fp3_status check_directory(const char *path, char real[PATH_MAX], fp3_error *error) {
     struct stat is;
     fp3_status status = fp3_path_check_private(path, real, error);

@@ -19,7 +19,7 @@ fp3_status fp3_cache_find(const char *text, fp3_cache *cache, fp3_error *error);
 int fp3_cache_has(const fp3_cache *cache, const char *text);
 /* The text in an entry of these bytes, not ended by 0; NULL: it is none, or damaged. */
 const char *fp3_cache_text(const char *data, size_t size, size_t *text_size);
-/* Gives the library in file, which nobody else knows, the text and a checksum. */
+/* Adds the text and a checksum to the library in file, which no other process knows. */
 fp3_status fp3_cache_seal(const char *file, const char *text, fp3_error *error);
 /* Seals it, and gives it the entry's name.
  * After a failure it is as if there were no cache. */

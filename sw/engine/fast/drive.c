@@ -10,7 +10,7 @@
 
 #define CHUNK 128u    /* steps from one look at the flags, and at who sleeps, to the next */
 #define FIRST 16u     /* ... at first: subnormal numbers may be slow */
-#define LONG 0x10000u /* ... where nobody asks */
+#define LONG 0x10000u /* ... without a progress callback */
 /* What the processor may raise where the program does not. */
 #define HINTS (FP3_FPU_IS_EARLY ? FP3_FLAG_UNDERFLOW : 0u)
 

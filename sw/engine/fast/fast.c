@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHOWN 40 /* characters of what nobody knows */
+#define SHOWN 40 /* characters shown of an unknown word */
 
 /* ---- a program ---- */
 

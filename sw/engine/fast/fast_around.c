@@ -83,7 +83,8 @@ static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, gr
 
 /* ---- what the executor needs ---- */
 
-/* Lists of guests are left out: what fills the last vector has the last object's words, and so needs that one's list. */
+/* Lists of guests are left out. Padding lanes of the last vector repeat the last object, so they
+ * need its list. */
 static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {

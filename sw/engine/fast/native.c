@@ -62,8 +62,8 @@ static fp3_status load(const char *path, fp3_fast_native *native, fp3_error *err
     return fp3_fail(error, FP3_E_SYSTEM, "%s: " FP3_FAST_NAME " is missing", path);
 }
 
-/* A place for a library that is being made: a compiler replaces the file that it writes, and nobody else may do so in
- * between. */
+/* A place for a library that is being made: a compiler replaces the file that it writes, and no
+ * other user may do so in between. */
 typedef struct {
     fp3_temporary temporary;
     char file[PATH_MAX];

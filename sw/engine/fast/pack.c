@@ -170,7 +170,7 @@ static int are_fields_the_same(const packer *p, const uint32_t *entry) {
 
 static unsigned all_of(const packer *p) { return (1u << p->lanes) - 1; }
 
-/* is_for_nobody: the last turn once more, of which nothing is taken. */
+/* is_for_nobody: padding, the last turn once more, whose results are not used. */
 static void put_turn(packer *p, const vector *v, int is_for_nobody) {
     const fp3_fast_given *g = p->given;
     uint32_t entry[LANES_MOST] = {0};
@@ -178,7 +178,7 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
         entry[i] = v->takes >> i & 1 ? v->next[i] : v->begin[i];
     int base = base_of(p, v, entry), others = base;
     if (base >= 0 &&
-        v->takes != all_of(p)) /* if nobody takes part, all would see the row of the others */
+        v->takes != all_of(p)) /* if no object takes part, all would see the row of the others */
         others = is_for_nobody ? -1 : others_of(p, v, entry);
     if (others < 0)
         base = -1;

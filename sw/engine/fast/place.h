@@ -49,16 +49,16 @@ typedef struct {
     unsigned vectors; /* all lanes of the last one have an object's values, too */
 } fp3_fast_place;
 
-/* A list of neighbours of each object, for vectors of as many objects as native code has lanes. A turn is one neighbour of
- * each object of a vector, or of some: for the others another pair stands in, which is in the list of theirs anyway. The tape
- * has for each vector that has turns
+/* A list of neighbours of each object, for vectors of as many objects as native code has lanes. A
+ * turn is one neighbour of each object of a vector, or of some: for the others another pair stands
+ * in, which is in the list of theirs anyway. The tape has for each vector that has turns
  *     0; or 1 and a row of lanes: which object stands in for each. Itself, but for one that has no neighbour at all
  * and for each turn
  *     base, others, kind   the neighbours are base, base + 1 .., and for those that have none others, others + 1 ..; base < 0:
  *                          they are those of a row that follows
  *     neighbours           a row, if base < 0
  *     fields               a row of each; with FP3_TURN_SAME one word of each
- * Turns come FP3_TURNS_BESIDE at a time; the last of them may be for nobody. */
+ * Turns come FP3_TURNS_BESIDE at a time; the last of them may be padding. */
 #define FP3_TURN_HEAD 3 /* words */
 #define FP3_TURN_SAME 1 /* all with the same fields */
 #define FP3_TURN_PLAIN                                                                             \

@@ -170,7 +170,7 @@ static uint64_t pass_words(fp3_fast_plan *plan, uint32_t first, uint32_t end, ui
     return live;
 }
 
-/* Of a part: live before it, from what is live after it. Notes whose results nobody reads. */
+/* Of a part: live before it, from what is live after it. Notes instructions with unread results. */
 static uint64_t pass(fp3_fast_plan *plan, fp3_fast_part_number part, uint64_t live,
                      uint64_t asleep) {
     return pass_words(plan, plan->part[part].first, plan->part[part].end, live, asleep);

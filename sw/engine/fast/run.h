@@ -15,7 +15,8 @@ typedef struct {
     uint32_t *const *columns; /* [64]; NULL where fp3_fast_columns has no bit */
     uint32_t objects;         /* of the columns, whose last vector is whole */
     uint32_t *status;         /* a word for each object; NULL: the configuration keeps none */
-    uint32_t *slept_in; /* of each object, set to `number` if it falls asleep; NULL: nobody can */
+    uint32_t
+        *slept_in; /* of each object, set to `number` if it falls asleep; NULL: no object can */
     uint32_t number;
     const uint32_t *constants; /* [64] */
     uint32_t steps, visit;     /* at least 1; steps of a visit */

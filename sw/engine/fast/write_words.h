@@ -21,7 +21,8 @@ typedef struct {
 uint64_t fp3_write_registers(const fp3_fast_plan *plan);
 void fp3_write_operand(const fp3_writer *w, uint32_t number, unsigned vector);
 void fp3_write_constants(const fp3_writer *w);
-/* What nothing reads must be computed all the same, for its flags: the compiler is told that somebody reads it. */
+/* Unread results must be computed, too, for their flags: this tells the compiler that they are
+ * read. */
 void fp3_write_keep(const fp3_writer *w, uint32_t reg, unsigned vector);
 /* Behind a store: a later one may overwrite the word, and then the store alone does not keep what it stored. */
 void fp3_write_stored(const fp3_writer *w, uint32_t reg, unsigned vector);

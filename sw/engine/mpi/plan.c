@@ -32,7 +32,7 @@ typedef struct {
 struct fp3_mpi_plan {
     fp3_mpi *world;
     MPI_Request *requests;
-    MPI_Status *statuses; /* nobody reads them: MPICH's MPI_STATUSES_IGNORE makes GCC 12 warn */
+    MPI_Status *statuses; /* unread: MPICH's MPI_STATUSES_IGNORE makes GCC 12 warn */
     int count;
     peer *peers;
     int peer_count;

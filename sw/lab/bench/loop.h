@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* loop.h - what somebody would write by hand: a model by rk4 in plain C, compiled by the host's compiler.
+/* loop.h - the loop that one writes by hand: a model by rk4 in plain C, compiled by the host's
+ * compiler.
  *
  * FP32, the functions of libm, the sums of the textbook; the events of the model after each step.
  */

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* others.h - the equations of objects in double, with the neighbours that they have in an engine after a run.
+/* others.h - the equations of objects in double, with the neighbours that they have in an engine
+ * after a run.
  *
  *     fp3_others *o = NULL;
  *     if (!fp3_others_open(program, params, objects, looked, columns, &o, error))
  *         fp3_others_evaluate(o, 3, &point, NULL, NULL, values);
  *     fp3_others_close(&o);
  *
- * It shares no code with the compiler. A model without relations is a case of it: nobody has neighbours.
+ * It shares no code with the compiler. A model without relations is the case without neighbours.
  */
 #ifndef FP3_CHECK_OTHERS_H
 #define FP3_CHECK_OTHERS_H

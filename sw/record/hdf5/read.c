@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* read.c - the datasets of a file that somebody wrote: what they are, their numbers and attributes. */
+/* read.c - the datasets of any file: their kinds, numbers and attributes. */
 #include "inside.h"
 
 #include <stdio.h>
