@@ -14,11 +14,14 @@
 #include <string.h>
 
 #define TIMES 3
+#define STATES 8 /* of a model at most */
 #define MANY 2500
 
 static double farthest(const fp3_model *model, const double *params, const double *initial) {
-    double rows[TIMES * 8], sizes[8], one[8], times[TIMES], most = 0;
+    double rows[TIMES * STATES], sizes[STATES], one[STATES], times[TIMES], most = 0;
     fp3_error error;
+    if (model->state_count > STATES)
+        return INFINITY;
     for (int i = 0; i < TIMES; i++)
         times[i] = model->span * (i + 1) / 7;
     if (fp3_model_truths(model, params, initial, times, TIMES, rows, sizes, &error))
