@@ -186,7 +186,7 @@ MISTAKES = [
     ("configs.toml", "registers = 64", "registres = 64", "config 'single_full': unknown key 'registres'"),
     ("configs.toml", "bypass = 0\ncontexts", "bypass = 1\ncontexts", "config 'many': bypass = 1 needs store_words = 0"),
     ("configs.toml", "store_words = 8192", "store_words = 8192\nflags = 0", "config 'many': status = 1 needs flags"),
-    ("configs.toml", 'name = "uncut"', 'name = "uncut"\ninterleave = 1', "config 'uncut': unknown key 'interleave'"),
+    ("configs.toml", 'name = "uncut"', 'name = "uncut"\ninterleave = 1', "config 'uncut': interleave = 1, but store_words > 0 says 0"),
     ("configs.toml", 'needs    = ["chain or fused"]', 'needs    = ["scale"]', "key 'select': needs or excludes 'scale', which is no key that can be set"),
     ("configs.toml", 'is       = "store_words > 0"', 'is       = "store_words > 0"\ndefault = 1', "key 'interleave': with 'is' nothing else decides"),
     ("configs.toml", "[key.lanes]", "[key.lames]", "there must be a key 'lanes'"),

@@ -113,7 +113,7 @@ def check_configs(rows, known):
     done = []
     for said in rows:
         where = f"config '{said.get('name', '?')}'"
-        keys(said, FILE, where, {"name": str, "doc": str}, dict.fromkeys(given(known), int))
+        keys(said, FILE, where, {"name": str, "doc": str}, dict.fromkeys(known, int))
         row = {name: said.get(name, known[name].get("default")) for name in given(known)}
         row = {"name": said["name"], "doc": said["doc"]} | {name: v for name, v in row.items() if v is not None}
         for unit in ("add", "mul"):
@@ -123,6 +123,8 @@ def check_configs(rows, known):
             need(row[f"{unit}_latency"] >= least, FILE,
                  f"{where}: {unit}_latency {row[f'{unit}_latency']} is less than the {least} of its cuts")
         row = derive(row, known)
+        for name in known.keys() - given(known):
+            need(said.get(name, row[name]) == row[name], FILE, f"{where}: {name} = {said.get(name)}, but {known[name]['is']} says {row[name]}")
         for key in known.values():
             check_value(row, key, where)
         need(row["interleave"] or not row["fused"] or row["mul_latency"] >= 2 or not any(row[key] for key in ("select", "estimate", "round")), FILE,

@@ -23,12 +23,12 @@ static const struct {
 #define KNOWN(list) (sizeof(list) / sizeof *(list))
 
 /* Instructions that a program can do without. */
-static const fp3_key optional[] = {FP3_KEY_CHAIN, FP3_KEY_SCALE, FP3_KEY_SELECT, FP3_KEY_ESTIMATE,
-                                   FP3_KEY_MIXED, FP3_KEY_ROUND, FP3_KEY_SLEEP};
+static const fp3_key optional[] = {FP3_KEY_CHAIN, FP3_KEY_SELECT, FP3_KEY_ESTIMATE,
+                                   FP3_KEY_MIXED, FP3_KEY_ROUND,  FP3_KEY_SLEEP};
 
 typedef struct {
     const fp3_config *from;
-    unsigned used; /* bit: a key that an instruction needs */
+    uint64_t used; /* bit: a key that an instruction needs */
     uint32_t registers, words, store;
 } trimmed;
 
@@ -42,12 +42,12 @@ static void find_keys(const fp3_image *image, trimmed *t) {
     for (uint32_t i = 0; i < image->code_count; i++) {
         const fp3_operation *of = image->decoded[i].of;
         if (of && of->needs != FP3_KEY_NONE)
-            t->used |= 1u << of->needs;
+            t->used |= UINT64_C(1) << of->needs;
     }
-    if (t->used & 1u << FP3_KEY_SELECT) /* isa/configs.toml */
-        t->used |= 1u << FP3_KEY_CHAIN;
-    if (t->used & 1u << FP3_KEY_ESTIMATE)
-        t->used |= 1u << FP3_KEY_MIXED;
+    if (t->used & UINT64_C(1) << FP3_KEY_SELECT) /* isa/configs.toml */
+        t->used |= UINT64_C(1) << FP3_KEY_CHAIN;
+    if (t->used & UINT64_C(1) << FP3_KEY_ESTIMATE)
+        t->used |= UINT64_C(1) << FP3_KEY_MIXED;
 }
 
 static fp3_status trim(const fp3_compiled *c, const fp3_config *from, uint32_t objects, trimmed *t,
@@ -73,7 +73,7 @@ static fp3_status trim(const fp3_compiled *c, const fp3_config *from, uint32_t o
 }
 
 static int is_off(const trimmed *t, fp3_key key) {
-    return fp3_config_value(t->from, key) && !(t->used & 1u << key);
+    return fp3_config_value(t->from, key) && !(t->used & UINT64_C(1) << key);
 }
 
 static void put_luts(FILE *to, const trimmed *t) {
@@ -94,8 +94,8 @@ static void put_luts(FILE *to, const trimmed *t) {
             "# ... without what is off about %d: estimated by the sum of what each change saves "
             "alone after synthesis\n",
             known->luts + less);
-    if (is_off(t, FP3_KEY_ROUND) || is_off(t, FP3_KEY_SCALE) || is_off(t, FP3_KEY_MIXED))
-        fprintf(to, "# ... what `round`, `scale` and `mixed` save is not known, and not in it\n");
+    if (is_off(t, FP3_KEY_ROUND) || is_off(t, FP3_KEY_MIXED))
+        fprintf(to, "# ... what `round` and `mixed` save is not known, and not in it\n");
 }
 
 static void put_key(FILE *to, const trimmed *t, fp3_key key, uint32_t value) {
