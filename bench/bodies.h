@@ -1,9 +1,9 @@
 /* bodies.h - the ship as a free body of a physics engine: thrust, drag, no contact.
  *
- * They do more than the ship asks for: two or three dimensions, a rotation, and a look at all bodies for islands.
- * They do less: one evaluation of the drag for each step, where rk4 has four. Both update positions with
- * the new speed, as programs/ship.s does. Box2D divides the speed by 1 + hC/m, ODE multiplies it with 1 - hC/m,
- * which is the same for all of its bodies.
+ * They do more than the ship asks for: two or three dimensions, a rotation, and a look at all
+ * bodies for islands. They do less: one evaluation of the drag for each step, where rk4 has four.
+ * Both update positions with the new speed, as programs/ship.s does. Box2D divides the speed by 1 +
+ * hC/m, ODE multiplies it with 1 - hC/m, which is the same for all of its bodies.
  */
 #ifndef BENCH_BODIES_H
 #define BENCH_BODIES_H

@@ -4,8 +4,8 @@
  *     bench speed --json FILE               the ship, by objects and steps
  *     bench skip --json FILE                what a scene does not need, done and left out
  *
- * A program of its own: SUNDIALS, a compiler at run time and other people's solvers are no part of the
- * library or of the command.
+ * A program of its own: SUNDIALS, a compiler at run time and other people's solvers are no part of
+ * the library or of the command.
  */
 #include "commands.h"
 

@@ -1,4 +1,5 @@
-/* ode.c - the ship as a body of the Open Dynamics Engine: three dimensions, in its dReal. It forgets forces after each step. */
+/* ode.c - the ship as a body of the Open Dynamics Engine: three dimensions, in its dReal. It
+ * forgets forces after each step. */
 #include "bodies.h"
 
 #include <ode/ode.h>

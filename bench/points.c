@@ -1,4 +1,5 @@
-/* points.c - bench points MODEL.ode: error against run time of every way to solve a model, as JSON. */
+/* points.c - bench points MODEL.ode: error against run time of every way to solve a model, as JSON.
+ */
 #include "commands.h"
 #include "sundials.h"
 

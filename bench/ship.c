@@ -1,5 +1,5 @@
-/* ship.c - see ship.h. A block keeps its velocities and positions close over all steps; what differs is
- * only how many objects one instruction is for.
+/* ship.c - see ship.h. A block keeps its velocities and positions close over all steps; what
+ * differs is only how many objects one instruction is for.
  */
 #include "ship.h"
 

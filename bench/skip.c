@@ -1,8 +1,8 @@
 /* skip.c - bench skip: each way of leaving out what a scene does not need, with and without.
  *
- * All sides of a case take turns on the engine fast; the figure is the shortest time of the steps alone. Cycles
- * are those of the Verilated hardware. Every side must end with the bits of the first in all objects that
- * are not idle, or the row says how many words differ.
+ * All sides of a case take turns on the engine fast; the figure is the shortest time of the steps
+ * alone. Cycles are those of the Verilated hardware. Every side must end with the bits of the first
+ * in all objects that are not idle, or the row says how many words differ.
  */
 #include "skip.h"
 
@@ -124,8 +124,8 @@ static fp3_status put_to_rest(const runner *r) {
 
 /* ---- a run ---- */
 
-/* A step first, so that what an engine needs once is not timed; then all steps RUNS times. *seconds: the least
- * that the processor was given to one of these. */
+/* A step first, so that what an engine needs once is not timed; then all steps RUNS times.
+ * *seconds: the least that the processor was given to one of these. */
 static fp3_status run(const runner *r, uint32_t steps, int runs, double *seconds, fp3_stats *stats,
                       fp3_error *error) {
     fp3_params *params = NULL;

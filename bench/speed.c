@@ -1,7 +1,7 @@
 /* speed.c - bench speed: nanoseconds for a step of the ship, by the number of objects and of steps.
  *
- * In a cell, a number of objects and of steps, all who can make them in time take turns; the figure is
- * the median. Everyone must end with the bits of the loop by hand, but GSL, which has double.
+ * In a cell, a number of objects and of steps, all who can make them in time take turns; the figure
+ * is the median. Everyone must end with the bits of the loop by hand, but GSL, which has double.
  */
 #include "speed.h"
 
@@ -59,7 +59,8 @@ static void add(speed *s, speed_runner runner) {
     s->runner[s->count++] = runner;
 }
 
-/* The hardware and `isa` have the flags of their configuration; `fast` is measured with and without. */
+/* The hardware and `isa` have the flags of their configuration; `fast` is measured with and
+ * without. */
 static void add_engine(speed *s, const char *engine, const char *config, unsigned threads,
                        double ns) {
     add(s, (speed_runner){.engine = engine,

@@ -8,7 +8,8 @@
 
 #include <stdint.h>
 
-/* As a game calls: one run after the other, each of these steps. A short one alone is not to be timed. */
+/* As a game calls: one run after the other, each of these steps. A short one alone is not to be
+ * timed. */
 typedef struct {
     uint64_t steps, count;
 } speed_runs;
@@ -34,7 +35,8 @@ struct speed_runner {
 /* Of an engine. */
 const char *speed_config(const speed_runner *runner, size_t objects);
 
-/* Advances the ships from where they start, and leaves where they end. *seconds is of the steps alone. */
+/* Advances the ships from where they start, and leaves where they end. *seconds is of the steps
+ * alone. */
 fp3_status speed_run_loop(const speed_runner *runner, const bench_ships *ships,
                           const speed_runs *runs, double *seconds, fp3_error *error);
 fp3_status speed_run_engine(const speed_runner *runner, const bench_ships *ships,

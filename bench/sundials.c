@@ -1,7 +1,7 @@
 /* sundials.c - CVODE and ARKODE of SUNDIALS, each with a sweep of tolerances.
  *
- * Memory is made once and initialised again for each object. CVODE's Newton iteration gets its Jacobian
- * by its own differences.
+ * Memory is made once and initialised again for each object. CVODE's Newton iteration gets its
+ * Jacobian by its own differences.
  */
 #include "sundials.h"
 

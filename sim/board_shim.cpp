@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* board_shim.cpp - clocks one Verilated board, and is the other end of its serial line; compile with
- * -DFP3_DIVISOR=<clock cycles in a bit of the line>.
+/* board_shim.cpp - clocks one Verilated board, and is the other end of its serial line; compile
+ * with -DFP3_DIVISOR=<clock cycles in a bit of the line>.
  */
 #include "board_rtl.h"
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* fp3_rtl.h - one simulated FP3: its clock, its bus, what it issues and retires.
  *
- * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator. With its
- * Verilated hardware it is a library, fp3_<configuration>.so, that exports one table, fp3_rtl_table.
+ * sim/fp3_shim.cpp, compiled once per configuration, is the only code that knows Verilator. With
+ * its Verilated hardware it is a library, fp3_<configuration>.so, that exports one table,
+ * fp3_rtl_table.
  */
 #ifndef FP3_RTL_H
 #define FP3_RTL_H
@@ -29,7 +30,8 @@ typedef struct {
     int has_result;
 } fp3_rtl_end;
 
-/* Who watches, NULL where nobody does. The ends of one cycle come lane by lane, after its issues. */
+/* Who watches, NULL where nobody does. The ends of one cycle come lane by lane, after its issues.
+ */
 typedef struct {
     void (*issue)(void *user, const fp3_rtl_issue *issue);
     void (*end)(void *user, const fp3_rtl_end *end);
@@ -43,24 +45,24 @@ typedef struct {
 typedef struct {
     uint32_t address, data; /* data: to be written, or what was read */
     uint8_t is_write;
-    uint8_t
-        is_refused; /* it was answered with an error, or the address is outside of the processor's window */
+    uint8_t is_refused; /* it was answered with an error, or the address is outside of the
+                           processor's window */
 } fp3_rtl_word;
 
 typedef struct {
     /* FP3_RTL_VERSION and sizeof(fp3_rtl_ops), where the table was compiled. */
     uint32_t version, size;
     const char *config;
-    /* Clocked through reset; NULL: out of memory. waits: a seed for how long the master of the bus lets each
-     * channel wait in each transfer, 0 to 3 cycles; 0: never. */
+    /* Clocked through reset; NULL: out of memory. waits: a seed for how long the master of the bus
+     * lets each channel wait in each transfer, 0 to 3 cycles; 0: never. */
     fp3_rtl *(*open)(const fp3_rtl_watch *watch, uint64_t waits);
     void (*close)(fp3_rtl *rtl);
-    /* Transfers on the AXI4-Lite bus: the writes in their order, the reads in theirs, both at the same time; the
-     * master waits for no response before it goes on. Returns when all are answered. -1: one was not, or against the
-     * rules of the bus. */
+    /* Transfers on the AXI4-Lite bus: the writes in their order, the reads in theirs, both at the
+     * same time; the master waits for no response before it goes on. Returns when all are answered.
+     * -1: one was not, or against the rules of the bus. */
     int (*transfer)(fp3_rtl *rtl, fp3_rtl_word *words, size_t count);
-    /* Clocks until nothing has issued or retired, in any scheduler, for quiet cycles in a row; cycles at
-     * most. */
+    /* Clocks until nothing has issued or retired, in any scheduler, for quiet cycles in a row;
+     * cycles at most. */
     void (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
     /* Cycles since open, those of transfers included. */
     uint64_t (*now)(const fp3_rtl *rtl);

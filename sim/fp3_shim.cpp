@@ -34,8 +34,8 @@ namespace {
 const unsigned RESET_CYCLES = 4;
 const unsigned ANSWER_CYCLES = 1000;
 
-/* How many parts the trace ports have: as many as this build has schedulers, and lanes in each; so many
- * times as instructions may issue at once in one. */
+/* How many parts the trace ports have: as many as this build has schedulers, and lanes in each; so
+ * many times as instructions may issue at once in one. */
 struct shape {
     unsigned schedulers, lanes, streams;
 };
@@ -134,7 +134,8 @@ bool edge(fp3_rtl *rtl) {
 
 /* ---- the bus: a master of AXI4-Lite ---- */
 
-/* How many cycles the master lets each channel wait: 0 to 3, none in a plain run; noise after a seed. */
+/* How many cycles the master lets each channel wait: 0 to 3, none in a plain run; noise after a
+ * seed. */
 unsigned patience(fp3_rtl *rtl) {
     if (!rtl->noise)
         return 0;
@@ -150,7 +151,8 @@ constexpr unsigned address_bits() {
 }
 constexpr uint32_t WINDOW = static_cast<uint32_t>((uint64_t{1} << address_bits()) - 1);
 
-/* Whether the bus leads an address to the processor. The engine's name for all schedulers is longer than the window. */
+/* Whether the bus leads an address to the processor. The engine's name for all schedulers is longer
+ * than the window. */
 bool is_in_window(uint32_t address) {
     return address <= WINDOW ||
            (SHAPE.schedulers > 1 && address >> FP3_ADDRESS_SCHEDULER_LO == FP3_ADDRESS_BROADCAST);
@@ -158,7 +160,8 @@ bool is_in_window(uint32_t address) {
 
 const unsigned OKAY = 0;
 
-/* What the master does on one channel: the word that is its turn, and how long that one still waits. */
+/* What the master does on one channel: the word that is its turn, and how long that one still
+ * waits. */
 struct channel {
     std::size_t at;
     unsigned wait;
@@ -177,7 +180,8 @@ struct response {
     }
 };
 
-/* The master sends all writes and all reads in their order, as soon as the bus takes them, and waits for no response. */
+/* The master sends all writes and all reads in their order, as soon as the bus takes them, and
+ * waits for no response. */
 struct master {
     fp3_rtl *rtl;
     fp3_rtl_word *words;
@@ -284,8 +288,8 @@ uint64_t cycles_so_far(const fp3_rtl *rtl) { return rtl->cycle; }
 fp3_rtl *open_rtl(const fp3_rtl_watch *watch, uint64_t waits) try {
     std::unique_ptr<fp3_rtl> rtl(new fp3_rtl());
     rtl->context.reset(new VerilatedContext);
-    /* The model is of one thread. By default the context starts one for each other processor, which aborts where
-     * no more processes are allowed, and waits for ever in a child after fork. */
+    /* The model is of one thread. By default the context starts one for each other processor, which
+     * aborts where no more processes are allowed, and waits for ever in a child after fork. */
     rtl->context->threads(1);
     /* With --x-initial unique, what has no first value in the source starts as noise. */
     rtl->context->randReset(2);
@@ -303,8 +307,8 @@ fp3_rtl *open_rtl(const fp3_rtl_watch *watch, uint64_t waits) try {
 
 void close_rtl(fp3_rtl *rtl) {
     rtl->top->final();
-    /* Verilator looks for the scopes of the hardware in the context that the thread used last, which may be
-     * that of another engine, and closed by now. */
+    /* Verilator looks for the scopes of the hardware in the context that the thread used last,
+     * which may be that of another engine, and closed by now. */
     Verilated::threadContextp(rtl->context.get());
     delete rtl;
 }

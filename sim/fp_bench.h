@@ -53,9 +53,9 @@ void fp3_bench_close(fp3_bench *bench);
 unsigned fp3_bench_rows(const fp3_bench *bench);
 fp3_bench_core fp3_bench_describe(const fp3_bench *bench, unsigned row, fp3_bench_op op);
 
-/* z[i] and flags[i] = a[i] op b[i], or c[i] op a[i] * b[i], for i < n, one operation per cycle, as deep
- * as the core is cut. c may be NULL where it is not used.
- * Operands and results are right-aligned, flags {NV, DZ, OF, UF, NX}. row < fp3_bench_rows(). */
+/* z[i] and flags[i] = a[i] op b[i], or c[i] op a[i] * b[i], for i < n, one operation per cycle, as
+ * deep as the core is cut. c may be NULL where it is not used. Operands and results are
+ * right-aligned, flags {NV, DZ, OF, UF, NX}. row < fp3_bench_rows(). */
 void fp3_bench_run(fp3_bench *bench, unsigned row, fp3_bench_op op, size_t n, const uint32_t *a,
                    const uint32_t *b, const uint32_t *c, uint32_t *z, uint8_t *flags);
 

@@ -35,7 +35,8 @@ typedef enum {
 fp3_lns_bench *fp3_lns_bench_open(void);
 void fp3_lns_bench_close(fp3_lns_bench *bench);
 
-/* z[i] and flags[i] of a[i] and b[i] for i < n, one operation per cycle. flags are {NV, DZ, OF, UF, NX}. */
+/* z[i] and flags[i] of a[i] and b[i] for i < n, one operation per cycle. flags are {NV, DZ, OF, UF,
+ * NX}. */
 void fp3_lns_bench_run(fp3_lns_bench *bench, fp3_lns_op op, size_t n, const uint32_t *a,
                        const uint32_t *b, uint32_t *z, uint8_t *flags);
 

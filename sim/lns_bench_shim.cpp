@@ -32,7 +32,8 @@ void fp3_lns_bench_run(fp3_lns_bench *bench, fp3_lns_op op, size_t n, const uint
     const unsigned unit = op / 2;
     const size_t latency = latencies[unit];
 
-    // Operands change while the clock is low. A function answers at once, the others some edges later.
+    // Operands change while the clock is low. A function answers at once, the others some edges
+    // later.
     hardware.other_i = op % 2;
     for (size_t i = 0; i < n + latency; i++) {
         hardware.a_i = i < n ? a[i] : 0;

@@ -1,8 +1,10 @@
-/* wire.c - a wire between two network namespaces that delays each packet: for kernels without netem.
+/* wire.c - a wire between two network namespaces that delays each packet: for kernels without
+ * netem.
  *
  *   wire NAMESPACE NAMESPACE MICROSECONDS
  *
- * Makes a device `wire` in each of the two, says "ready", and carries packets until it is ended. Needs root and /dev/net/tun. */
+ * Makes a device `wire` in each of the two, says "ready", and carries packets until it is ended.
+ * Needs root and /dev/net/tun. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/if.h>

@@ -1,8 +1,10 @@
-/* balls.c - contact by a loop written by hand: the step of programs/world/balls.ode by semi_implicit_euler.
+/* balls.c - contact by a loop written by hand: the step of programs/world/balls.ode by
+ * semi_implicit_euler.
  *
- * Objects stand in the order of a grid's cells, and each has a record of 32 bytes: those of neighbours are loaded whole
- * and transposed. Lists reach a skin farther than contact; they are made again when somebody has moved by half of it. An
- * entry's place in the order of a sum is the neighbour's number, wherever it stands.
+ * Objects stand in the order of a grid's cells, and each has a record of 32 bytes: those of
+ * neighbours are loaded whole and transposed. Lists reach a skin farther than contact; they are
+ * made again when somebody has moved by half of it. An entry's place in the order of a sum is the
+ * neighbour's number, wherever it stands.
  */
 #include "hand.h"
 #include "vector.h"
@@ -130,7 +132,8 @@ static int make_grid(const balls *b, double size, grid *g) {
     return g->begin != NULL;
 }
 
-/* Puts all objects into the order of their cells: columns by way of the records, which are free now. */
+/* Puts all objects into the order of their cells: columns by way of the records, which are free
+ * now. */
 static void sort(balls *b, const grid *g) {
     size_t at[3];
     const float *const x[3] = {b->x[0], b->x[1], b->x[2]};

@@ -1,10 +1,12 @@
-// bullet.cpp - build/bench/bullet: a net of masses by Bullet's soft bodies, in float32; tools/world_peers_net.py runs it.
+// bullet.cpp - build/bench/bullet: a net of masses by Bullet's soft bodies, in float32;
+// tools/world_peers_net.py runs it.
 //
 //     bullet springs|threads COLUMNS ROWS BEFORE STEPS REPEATS
 //
-// springs: the deformable world, which adds up the forces of springs and then steps as programs/world/net.scene does.
-// threads: the soft world, which moves the ends of each thread once in a step, so that it is as long as it was.
-// Prints where the masses are after BEFORE steps and in the end, and the seconds of a step: the shortest of REPEATS turns.
+// springs: the deformable world, which adds up the forces of springs and then steps as
+// programs/world/net.scene does. threads: the soft world, which moves the ends of each thread once
+// in a step, so that it is as long as it was. Prints where the masses are after BEFORE steps and in
+// the end, and the seconds of a step: the shortest of REPEATS turns.
 #include <BulletSoftBody/btDeformableBodySolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
 #include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>

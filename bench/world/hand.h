@@ -35,7 +35,8 @@ typedef struct hand_loop hand_loop;
 struct hand_loop {
     const char *scene; /* what it is of: "net", "stars", "balls" */
     const char *kind;  /* of processor: "x86-64-v4" */
-    /* Prepares for this world, which stays the caller's. NULL: no memory, or a loop for balls has some too far apart. */
+    /* Prepares for this world, which stays the caller's. NULL: no memory, or a loop for balls has
+     * some too far apart. */
     void *(*open)(const hand_world *world);
     /* 0: it cannot go on, as open. */
     int (*run)(void *state, uint64_t steps);

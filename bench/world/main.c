@@ -1,8 +1,10 @@
-/* main.c - build/bench/world: a scene by engine fast, beside a loop written by hand; tools/world.py runs it.
+/* main.c - build/bench/world: a scene by engine fast, beside a loop written by hand; tools/world.py
+ * runs it.
  *
  *     world --scene net.scene --loop net --steps 20 --repeats 9 --json FILE
  *
- * All take turns; the figure is the shortest time. Everyone must end with the words of the loop by hand.
+ * All take turns; the figure is the shortest time. Everyone must end with the words of the loop by
+ * hand.
  */
 #include "runner.h"
 

@@ -1,9 +1,11 @@
-/* net.c - springs by a loop written by hand: the step of programs/world/net.ode by semi_implicit_euler.
+/* net.c - springs by a loop written by hand: the step of programs/world/net.ode by
+ * semi_implicit_euler.
  *
- * A block of objects, as many as a vector has, goes through its entries together. Entries are arranged when the loop is
- * opened: if the objects of a block have neighbours at the same distances in number, as on a grid, a place in its
- * list is a distance, and the neighbours are loaded as they lie. Objects that have none at a distance (those at an
- * edge) do nothing there, which changes no bit. Else a place has a neighbour of each object, and they are gathered.
+ * A block of objects, as many as a vector has, goes through its entries together. Entries are
+ * arranged when the loop is opened: if the objects of a block have neighbours at the same distances
+ * in number, as on a grid, a place in its list is a distance, and the neighbours are loaded as they
+ * lie. Objects that have none at a distance (those at an edge) do nothing there, which changes no
+ * bit. Else a place has a neighbour of each object, and they are gathered.
  */
 #include "hand.h"
 #include "vector.h"

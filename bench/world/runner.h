@@ -1,4 +1,5 @@
-/* runner.h - who makes the steps of a scene of one group: engine fast, or a loop written by hand. */
+/* runner.h - who makes the steps of a scene of one group: engine fast, or a loop written by hand.
+ */
 #ifndef BENCH_WORLD_RUNNER_H
 #define BENCH_WORLD_RUNNER_H
 

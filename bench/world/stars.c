@@ -1,6 +1,7 @@
 /* stars.c - all pairs by a loop written by hand: the step of programs/world/stars.ode by leapfrog.
  *
- * Two vectors of objects go through all others together; of each one, four words are spread over a vector.
+ * Two vectors of objects go through all others together; of each one, four words are spread over a
+ * vector.
  */
 #include "hand.h"
 #include "vector.h"

@@ -1,8 +1,9 @@
 /* vector.h - a vector of floats, and FP3's estimates without their table.
  *
- * An entry of the table is 1/sqrt or 1/x of the end of an interval, cut to 9 or 10 bits. So the estimate is that of
- * the end, computed to more bits and cut. What is computed is larger than the exact number, by less than 22 * 2^-23 of
- * it: no entry is so near the next cut (the nearest is), and where a root is exact, a smaller number would be wrong.
+ * An entry of the table is 1/sqrt or 1/x of the end of an interval, cut to 9 or 10 bits. So the
+ * estimate is that of the end, computed to more bits and cut. What is computed is larger than the
+ * exact number, by less than 22 * 2^-23 of it: no entry is so near the next cut (the nearest is),
+ * and where a root is exact, a smaller number would be wrong.
  */
 #ifndef BENCH_WORLD_VECTOR_H
 #define BENCH_WORLD_VECTOR_H
@@ -33,7 +34,8 @@ INLINE void store(float *to, vec value) { *(vec_any *)to = value; }
 INLINE vec all(float value) { return value - (vec){0}; }
 INLINE veci all_i(int32_t value) { return value - (veci){0}; }
 
-/* 1/sqrt(a) to some 22 bits, and larger by 2^-20 of it; half: a/2. A step of Newton from what the processor has. */
+/* 1/sqrt(a) to some 22 bits, and larger by 2^-20 of it; half: a/2. A step of Newton from what the
+ * processor has. */
 INLINE vec rsqrt_above(vec a, vec half) {
     const vec c = all(0.5f + 0x1p-20f);
 #if WIDTH == 16
@@ -59,7 +61,8 @@ INLINE vec rsqrt(vec a) {
 INLINE vec madd(vec a, vec b, vec c) { return c + a * b; }
 INLINE vec msub(vec a, vec b, vec c) { return c - a * b; }
 
-/* 1/sqrt(a) as the compiler makes it: the estimate y and a step, y + y d (0.5 + 0.375 d), d = 1 - a y^2. */
+/* 1/sqrt(a) as the compiler makes it: the estimate y and a step, y + y d (0.5 + 0.375 d), d = 1 - a
+ * y^2. */
 INLINE vec step_of(vec a, vec y) {
     const vec d = msub(a, y * y, all(1));
     return d * madd(all(0.375f), d, all(0.5f));

@@ -7,7 +7,8 @@
 /* The way to FP3; an address that is answered with an error gives one here. */
 extern const fp3_bare_bus machine_bus;
 
-/* Takes interrupts until is_over() says that it came, at most so many cycles. What is_over() says in the end. */
+/* Takes interrupts until is_over() says that it came, at most so many cycles. What is_over() says
+ * in the end. */
 int machine_wait(int (*is_over)(void), uint32_t cycles);
 
 void machine_print(const char *text);

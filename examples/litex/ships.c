@@ -16,7 +16,8 @@
 #define PATIENCE 1000000u /* cycles */
 #endif
 
-/* The ships begin with these speeds [m/s]. A processor without an FPU takes constants: nothing is computed here. */
+/* The ships begin with these speeds [m/s]. A processor without an FPU takes constants: nothing is
+ * computed here. */
 static const float speeds[] = {0, 1, 2, 3, 4, 5, 6, 7};
 _Static_assert(SHIPS <= sizeof speeds / sizeof speeds[0], "more ships than speeds");
 

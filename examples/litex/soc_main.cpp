@@ -1,4 +1,5 @@
-// soc_main.cpp - the simulated SoC: soc_main CYCLES. What comes out of its UART is printed until it ends its transmission.
+// soc_main.cpp - the simulated SoC: soc_main CYCLES. What comes out of its UART is printed until it
+// ends its transmission.
 
 #include "Vsoc.h"
 #include <cinttypes>

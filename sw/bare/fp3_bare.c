@@ -31,8 +31,9 @@ fp3_bare_bus fp3_bare_memory(volatile uint32_t *base) {
     return bus;
 }
 
-/* One scheduler has no bits of the address, so its number is 0 however it is called. Several have as many as hold how
- * many they are, and all ones are all of them: FP3_ALL itself would be far beyond the window. */
+/* One scheduler has no bits of the address, so its number is 0 however it is called. Several have
+ * as many as hold how many they are, and all ones are all of them: FP3_ALL itself would be far
+ * beyond the window. */
 static uint32_t of(const fp3_bare *fp3, uint32_t scheduler, uint32_t address) {
     uint32_t all = 1;
     if (fp3->schedulers == 1)
@@ -177,7 +178,8 @@ static int has_room(const fp3_bare *fp3, const fp3_bare_program *program, uint32
            (fp3->store == 0 || fp3->store >> program->record > 0);
 }
 
-/* The register that `sleep` writes, which keeps all its bits in a record of 16 bits; NO_WORD: there is none. */
+/* The register that `sleep` writes, which keeps all its bits in a record of 16 bits; NO_WORD: there
+ * is none. */
 static uint32_t whole_of(const fp3_bare_program *program) {
     for (uint32_t i = 0; i < program->word_count; i++) {
         const uint32_t word = program->words[i], op = word >> FP3_FIELD_OP_LO;

@@ -10,12 +10,14 @@
  *         ... fp3.failed_at is the address that was refused, if one was ...
  *
  * Freestanding C11: no libc, no libfp3, no memory of its own. It consists of this file, fp3_bare.c,
- * gen/registers.h (docs/registers.md) and fp3/status.h, image.h and isa.h; `make install` puts them below
- * share/fp3/bare. `fp3 dis IMAGE --header FILE` writes a program for it. docs/integration.md shows a whole host.
+ * gen/registers.h (docs/registers.md) and fp3/status.h, image.h and isa.h; `make install` puts them
+ * below share/fp3/bare. `fp3 dis IMAGE --header FILE` writes a program for it. docs/integration.md
+ * shows a whole host.
  *
- * A call that would be refused by the hardware, because a program runs or because there is no such thing, is
- * refused here with FP3_E_ARGUMENT and without a transfer: on many platforms an answer SLVERR is a trap. FP3_E_SYSTEM: the
- * bus answered a transfer with an error; failed_at says which. What was written before that stays written.
+ * A call that would be refused by the hardware, because a program runs or because there is no such
+ * thing, is refused here with FP3_E_ARGUMENT and without a transfer: on many platforms an answer
+ * SLVERR is a trap. FP3_E_SYSTEM: the bus answered a transfer with an error; failed_at says which.
+ * What was written before that stays written.
  *
  * A handle is for one thread, and the only driver of its hardware.
  */
@@ -28,16 +30,18 @@
 
 FP3_API_BEGIN
 
-/* How words go over the bus: address is a byte address of docs/registers.md, a multiple of 4. 0: done; anything
- * else: answered with an error, or not at all. Transfers must take place in the order of the calls, one word each. */
+/* How words go over the bus: address is a byte address of docs/registers.md, a multiple of 4. 0:
+ * done; anything else: answered with an error, or not at all. Transfers must take place in the
+ * order of the calls, one word each. */
 typedef struct {
     int (*read)(void *user, uint32_t address, uint32_t *word);
     int (*write)(void *user, uint32_t address, uint32_t word);
     void *user;
 } fp3_bare_bus;
 
-/* A bus that is memory from base on. The memory must be uncached and in order; what an error does there is the
- * platform's business. The driver must not outlive *bus of open, nor that the memory. */
+/* A bus that is memory from base on. The memory must be uncached and in order; what an error does
+ * there is the platform's business. The driver must not outlive *bus of open, nor that the memory.
+ */
 fp3_bare_bus fp3_bare_memory(volatile uint32_t *base);
 
 typedef struct {
@@ -45,8 +49,8 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_bare_constant;
 
-/* As `fp3 dis --header` writes it. The loads and stores around a visit of an object are the first and last
- * words; a machine without an object store gets the words between them. */
+/* As `fp3 dis --header` writes it. The loads and stores around a visit of an object are the first
+ * and last words; a machine without an object store gets the words between them. */
 typedef struct {
     const uint32_t *words;
     uint32_t word_count, loads, stores;
@@ -99,44 +103,50 @@ fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_progr
 /* A constant that the program leaves to the host, as h. */
 fp3_status fp3_bare_write_shared(fp3_bare *fp3, uint32_t scheduler, uint32_t index, uint32_t bits);
 
-/* Objects have numbers from 0 on, through the lanes of the scheduler, or of all schedulers: object i is in lane
- * i % lanes, row i / lanes. The program must be loaded. reg: below 1 << record. */
+/* Objects have numbers from 0 on, through the lanes of the scheduler, or of all schedulers: object
+ * i is in lane i % lanes, row i / lanes. The program must be loaded. reg: below 1 << record. */
 fp3_status fp3_bare_write(fp3_bare *fp3, uint32_t scheduler, uint32_t object, uint32_t reg,
                           uint32_t bits);
 fp3_status fp3_bare_read(fp3_bare *fp3, uint32_t scheduler, uint32_t object, uint32_t reg,
                          uint32_t *bits);
-/* Exceptions that an object raised since the host wrote 0, and the step of the first invalid or overflow; where
- * FP3_FEATURES_STATUS. */
+/* Exceptions that an object raised since the host wrote 0, and the step of the first invalid or
+ * overflow; where FP3_FEATURES_STATUS. */
 fp3_status fp3_bare_write_status(fp3_bare *fp3, uint32_t scheduler, uint32_t object, uint32_t word);
 fp3_status fp3_bare_read_status(fp3_bare *fp3, uint32_t scheduler, uint32_t object, uint32_t *word);
 
-/* Runs visit the objects 0 to count - 1 from now on, all awake; those of one that sleeps are not visited until it is
- * listed again, or woken. */
+/* Runs visit the objects 0 to count - 1 from now on, all awake; those of one that sleeps are not
+ * visited until it is listed again, or woken. */
 fp3_status fp3_bare_list(fp3_bare *fp3, uint32_t scheduler, uint32_t count);
-/* Appends an object that fell asleep to its lane's list; the host wrote 0 into the register of `sleep` before. One that is
- * in the list already would be there twice; FP3_E_ARGUMENT: the list is full of such. Where FP3_FEATURES_SLEEP. */
+/* Appends an object that fell asleep to its lane's list; the host wrote 0 into the register of
+ * `sleep` before. One that is in the list already would be there twice; FP3_E_ARGUMENT: the list is
+ * full of such. Where FP3_FEATURES_SLEEP. */
 fp3_status fp3_bare_wake(fp3_bare *fp3, uint32_t scheduler, uint32_t object);
 
-/* A run of this number of steps. visit: steps per visit, 0: all. clock: steps made before this run. One object has no
- * use for these two. visit must be 1 if you set `published` after the load, as neighbours need it. A program that counts its steps in FP32 counts to 2^24: the caller keeps count. */
+/* A run of this number of steps. visit: steps per visit, 0: all. clock: steps made before this run.
+ * One object has no use for these two. visit must be 1 if you set `published` after the load, as
+ * neighbours need it. A program that counts its steps in FP32 counts to 2^24: the caller keeps
+ * count. */
 fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uint32_t visit,
                           uint32_t clock);
-/* Reads the status once; or until no scheduler runs, polls times at most. FP3_E_LIMIT: one still runs. */
+/* Reads the status once; or until no scheduler runs, polls times at most. FP3_E_LIMIT: one still
+ * runs. */
 fp3_status fp3_bare_poll(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome);
 fp3_status fp3_bare_wait(fp3_bare *fp3, uint32_t scheduler, uint32_t polls,
                          fp3_bare_outcome *outcome);
 /* Ends a run early; wait for it. All that is in flight retires first. */
 fp3_status fp3_bare_stop(fp3_bare *fp3, uint32_t scheduler);
-/* What raises the interrupt: 0, or these added. A failure is an overflow or an invalid operation, by any object, in the
- * middle of a run or not; FP3_ADDR_FLAGS says which, and fp3_bare_read_status of which object. */
+/* What raises the interrupt: 0, or these added. A failure is an overflow or an invalid operation,
+ * by any object, in the middle of a run or not; FP3_ADDR_FLAGS says which, and fp3_bare_read_status
+ * of which object. */
 enum { FP3_BARE_ON_END = 1, FP3_BARE_ON_FAILURE = 2 };
 /* Takes the interrupt back, and says what raises the next one. Before start. */
 fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, unsigned events);
 /* What a handler of the interrupt calls: takes it back and reads the status. It switches
- * FP3_BARE_ON_FAILURE off, because a run that goes on failing would raise the interrupt again at once. To hear of the next
- * failure, call fp3_bare_interrupt afterwards. The first scheduler that ends raises the interrupt. While *outcome is
- * FP3_BARE_RUNNING, the end of another one raises it again. Once no scheduler runs, FP3_BARE_ON_END is off, too: call
- * fp3_bare_interrupt before the next start. */
+ * FP3_BARE_ON_FAILURE off, because a run that goes on failing would raise the interrupt again at
+ * once. To hear of the next failure, call fp3_bare_interrupt afterwards. The first scheduler that
+ * ends raises the interrupt. While *outcome is FP3_BARE_RUNNING, the end of another one raises it
+ * again. Once no scheduler runs, FP3_BARE_ON_END is off, too: call fp3_bare_interrupt before the
+ * next start. */
 fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome);
 
 /* A register by its address, FP3_ADDR_FLAGS or FP3_ADDR_FAULT; of FP3_ALL the OR. */

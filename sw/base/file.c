@@ -193,8 +193,9 @@ static fp3_status open_again(fp3_output *o, fp3_error *error) {
     return open_temporary(o, error);
 }
 
-/* The name before is never missing: a new link of another name replaces it. If both are links of one file, as a killed run
- * may leave them, renaming does nothing. A link that cannot be made: the file system has none; then path is missing for a moment. */
+/* The name before is never missing: a new link of another name replaces it. If both are links of
+ * one file, as a killed run may leave them, renaming does nothing. A link that cannot be made: the
+ * file system has none; then path is missing for a moment. */
 static int keep_before(const fp3_output *o) {
     char *name = fp3_temporary_path(o->real, FP3_TEMPORARY_BEFORE);
     int failed = name ? 0 : -1;

@@ -104,7 +104,8 @@ static inline void fp3_fpu_pause(void) { __asm__ volatile("nop"); }
 
 static inline float fp3_fpu_add(float a, float b) { return a + b; }
 static inline float fp3_fpu_mul(float a, float b) { return a * b; }
-/* a b + c, rounded once. 754 leaves open whether infinity times 0 is invalid if a quiet NaN is added; FP3's is. */
+/* a b + c, rounded once. 754 leaves open whether infinity times 0 is invalid if a quiet NaN is
+ * added; FP3's is. */
 static inline float fp3_fpu_fma(float a, float b, float c) {
     if ((isinf(a) && b == 0) || (a == 0 && isinf(b)))
         fp3_fpu_set(fp3_fpu_get() | FP3_FPU_INVALID);
@@ -116,7 +117,8 @@ static inline float fp3_fpu_rint(float a) { return nearbyintf(a); }
 /* All that is not a flag. */
 #define FP3_FPU_MODES (~(uint64_t)FP3_FPU_STICKY)
 
-/* Returns the caller's state, for fp3_fpu_set: until then nothing traps, nothing is flushed and no flag is raised. */
+/* Returns the caller's state, for fp3_fpu_set: until then nothing traps, nothing is flushed and no
+ * flag is raised. */
 static inline uint64_t fp3_fpu_begin(int is_nearest) {
     const uint64_t callers = fp3_fpu_get();
     fp3_fpu_set(FP3_FPU_OF_C | (is_nearest ? 0 : FP3_FPU_TO_ZERO));

@@ -16,8 +16,8 @@ static int is_signalling(float value) {
 /* The next float below in magnitude; FLT_MAX below infinity. */
 static float toward_zero(float value) { return fp3_value_of(fp3_bits_of(value) - 1); }
 
-/* What x, which stands for the exact result, is rounded to, with the flags of finite results. Tininess is found after rounding,
- * as if exponents had no bound (754, 7.5). */
+/* What x, which stands for the exact result, is rounded to, with the flags of finite results.
+ * Tininess is found after rounding, as if exponents had no bound (754, 7.5). */
 static float rounded(double x) {
     const int is_nearest = !(fp3_fpu_register & FP3_FPU_TO_ZERO);
     const double size = fabs(x);
@@ -37,7 +37,8 @@ static float rounded(double x) {
     return d;
 }
 
-/* The sum of two doubles, rounded to odd: of the two doubles beside the exact sum that whose last bit is 1. */
+/* The sum of two doubles, rounded to odd: of the two doubles beside the exact sum that whose last
+ * bit is 1. */
 static double odd_sum(double a, double b) {
     double sum = a + b;
     const double of_b = sum - a;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* fpu_soft.h - what fpu.h has, for a processor that only rounds to nearest and raises nothing.
  *
- * A register of each thread has the mode and the sticky flags; sums and products look at it. A product of two floats is exact
- * in double. A sum is not always, but its error is known to the bit, and a sum that is rounded to odd instead
- * (Boldo and Melquiond 2008) makes the same float as the exact one, in any rounding. So a double tells all that is raised.
+ * A register of each thread has the mode and the sticky flags; sums and products look at it. A
+ * product of two floats is exact in double. A sum is not always, but its error is known to the bit,
+ * and a sum that is rounded to odd instead (Boldo and Melquiond 2008) makes the same float as the
+ * exact one, in any rounding. So a double tells all that is raised.
  */
 #ifndef FP3_FPU_SOFT_H
 #define FP3_FPU_SOFT_H

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* host.h - the thread of a caller, with the locale and the arithmetic that the library counts on.
  *
- * A host may write 0,5 for 0.5, round upwards, or flush small numbers to zero (as one does that is linked with
- * -ffast-math). A call that computes, reads or writes numbers begins with FP3_HOST: until it returns, the thread has the
- * locale "C" and the arithmetic that C begins with; then the caller's again.
+ * A host may write 0,5 for 0.5, round upwards, or flush small numbers to zero (as one does that is
+ * linked with -ffast-math). A call that computes, reads or writes numbers begins with FP3_HOST:
+ * until it returns, the thread has the locale "C" and the arithmetic that C begins with; then the
+ * caller's again.
  */
 #ifndef FP3_HOST_H
 #define FP3_HOST_H

@@ -15,15 +15,17 @@ const char *fp3_number_copy(fp3_token token, char text[FP3_NUMBER_SIZE]);
 const char *fp3_number_decimal(const char *text, double *value);
 /* The same with a sign, a C hexadecimal float, inf or nan: the numbers of assembly. */
 const char *fp3_number_read(const char *text, double *value);
-/* Whether a number may become this FP32 number, to which it is rounded: a finite one not an infinity,
- * one other than 0 not 0. */
+/* Whether a number may become this FP32 number, to which it is rounded: a finite one not an
+ * infinity, one other than 0 not 0. */
 const char *fp3_number_fits(float rounded, int is_zero, int is_infinite);
 /* Rounds once, to nearest. */
 const char *fp3_number_single(double value, float *single);
-/* Likewise, what the host gives a run: a number that is too small for FP32 becomes 0, as a result of the machine does. */
+/* Likewise, what the host gives a run: a number that is too small for FP32 becomes 0, as a result
+ * of the machine does. */
 const char *fp3_number_written(double value, float *single);
-/* What equations have of a param or of h, from which all else is computed: the FP32 number nearest to it, or the
- * sum of two words nearest to it. The value itself where FP32 has no normal number for it. */
+/* What equations have of a param or of h, from which all else is computed: the FP32 number nearest
+ * to it, or the sum of two words nearest to it. The value itself where FP32 has no normal number
+ * for it. */
 double fp3_number_given(double value, unsigned words);
 /* As fp3_number_single, for the step of an integrator, which is above 0. */
 const char *fp3_number_step(double value, float *single);

@@ -27,8 +27,8 @@ __attribute__((format(printf, 3, 4))) void fp3_report_expected(fp3_report *repor
 __attribute__((format(printf, 3, 0))) void
 fp3_report_vexpected(fp3_report *report, fp3_token found, const char *format, va_list arguments);
 int fp3_report_full(const fp3_report *report);
-/* The whole report in the order of the source, malloc'ed, and its first error. FP3_E_PROGRAM, or FP3_E_SYSTEM
- * when out of memory: *text is NULL then. */
+/* The whole report in the order of the source, malloc'ed, and its first error. FP3_E_PROGRAM, or
+ * FP3_E_SYSTEM when out of memory: *text is NULL then. */
 fp3_status fp3_report_fail(const fp3_report *report, char **text, fp3_error *error);
 
 /* One error as a report has it, of a source that has been read before; malloc'ed, or NULL. */

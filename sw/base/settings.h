@@ -45,7 +45,8 @@ int fp3_setting_is_number(const config_setting_t *setting);
 
 /* The setting, or NULL with an error. */
 const config_setting_t *fp3_setting_need(const fp3_settings *s, const char *key);
-/* Whether all names are among those expected: up to a NULL, with the nearest for one that is not. */
+/* Whether all names are among those expected: up to a NULL, with the nearest for one that is not.
+ */
 fp3_status fp3_setting_keys(const fp3_settings *s, const config_setting_t *group, const char *where,
                             const char *const *names);
 

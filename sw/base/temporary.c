@@ -87,7 +87,8 @@ static int lock(int folder, int is_new) {
     return -1;
 }
 
-/* Who had it may have removed it before the lock was ours: then the name is free again, or has another folder. */
+/* Who had it may have removed it before the lock was ours: then the name is free again, or has
+ * another folder. */
 static int is_still(const char *path, const struct stat *as) {
     struct stat now;
     return !lstat(path, &now) && now.st_dev == as->st_dev && now.st_ino == as->st_ino;

@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* How often one looks for what comes next before it sleeps: to wake it takes longer than many a task. Some 20 us. */
+/* How often one looks for what comes next before it sleeps: to wake it takes longer than many a
+ * task. Some 20 us. */
 #define LOOKS 1000
 
 struct fp3_threads {

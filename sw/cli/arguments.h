@@ -73,13 +73,13 @@ typedef struct {
  * not, naming the nearest, and at an option with a value that is given twice. */
 void fp3_arguments_parse(const fp3_command *command, int argc, char **argv, void *options);
 
-/* What a line says, without doing it: options of the table, by whatever form, and arguments that are none (option NULL), in
- * their order. value: of an option that has none NULL. */
+/* What a line says, without doing it: options of the table, by whatever form, and arguments that
+ * are none (option NULL), in their order. value: of an option that has none NULL. */
 typedef fp3_status fp3_argument_fn(void *user, const fp3_option *option, const char *value,
                                    fp3_error *error);
-/* Ends with what `tell` returns, unless it is FP3_OK. FP3_E_ARGUMENT: an option that the table has not (--help is none of
- * the table's), one that could be several of them, one without the value that it needs, or one with a value that it does
- * not take. */
+/* Ends with what `tell` returns, unless it is FP3_OK. FP3_E_ARGUMENT: an option that the table has
+ * not (--help is none of the table's), one that could be several of them, one without the value
+ * that it needs, or one with a value that it does not take. */
 fp3_status fp3_arguments_each(const fp3_option *table, int argc, char *const *argv,
                               fp3_argument_fn *tell, void *user, fp3_error *error);
 
@@ -87,7 +87,8 @@ fp3_status fp3_arguments_each(const fp3_option *table, int argc, char *const *ar
 uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,
                               uint64_t least, uint64_t most);
 
-/* A number or a constant expression, finite and above 0; ends with 2 and a message if it is none. */
+/* A number or a constant expression, finite and above 0; ends with 2 and a message if it is none.
+ */
 double fp3_arguments_above_zero(struct argp_state *state, const char *option, const char *text);
 
 /* Ends with 2 and a message if the name says that it is another program than a model, and the

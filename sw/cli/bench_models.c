@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bench_models.c - see bench_models.h. lab/measure/measure.h measures; here are the names and the tables. */
+/* bench_models.c - see bench_models.h. lab/measure/measure.h measures; here are the names and the
+ * tables. */
 #include "bench_models.h"
 
 #include "bench_files.h"
@@ -69,7 +70,8 @@ static void print_point(const fp3_measure_point *p, json_t *shown) {
         printf(" %12s %12.6g\n", "", p->cycles);
 }
 
-/* The points that are like the first that is not done, the fastest first. Returns how many are done. */
+/* The points that are like the first that is not done, the fastest first. Returns how many are
+ * done. */
 static size_t print_front(const fp3_measure_point **list, size_t count, json_t *shown) {
     size_t like = 1;
     double best = INFINITY;

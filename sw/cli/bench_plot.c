@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bench_plot.c - see bench_files.h: a panel for each model and unit, a curve for each way to run. */
+/* bench_plot.c - see bench_files.h: a panel for each model and unit, a curve for each way to run.
+ */
 #include "bench_files.h"
 
 #include "record/family.h"
@@ -99,7 +100,8 @@ static int compare(const void *a, const void *b) {
     return strcmp(((const curve *)a)->name, ((const curve *)b)->name);
 }
 
-/* Of all models, by their names: a curve looks the same in the picture of each, in whatever order they were measured. */
+/* Of all models, by their names: a curve looks the same in the picture of each, in whatever order
+ * they were measured. */
 static void find_curves(const drawing *p, panels *all) {
     json_t *point;
     size_t i;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bench_programs.c - see bench_programs.h. The pairs of program and configuration, scenes of many objects, the tables, the
- * JSON; lab/golden/bench.h runs one.
+/* bench_programs.c - see bench_programs.h. The pairs of program and configuration, scenes of many
+ * objects, the tables, the JSON; lab/golden/bench.h runs one.
  */
 #include "bench_programs.h"
 

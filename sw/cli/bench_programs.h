@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* bench_programs.h - fp3 bench without MODEL: programs on the hardware, the ship unless another is named. */
+/* bench_programs.h - fp3 bench without MODEL: programs on the hardware, the ship unless another is
+ * named. */
 #ifndef FP3_CLI_BENCH_PROGRAMS_H
 #define FP3_CLI_BENCH_PROGRAMS_H
 
@@ -19,8 +20,9 @@ typedef struct {
     int is_model;
 } fp3_bench_programs;
 
-/* Prints the tables, and then writes the file. FP3_E_MISMATCH, FP3_E_FAILED: bits differ; objects failed, or there is no
- * truth; all figures are printed. *report: errors of a source's text; the caller frees it. */
+/* Prints the tables, and then writes the file. FP3_E_MISMATCH, FP3_E_FAILED: bits differ; objects
+ * failed, or there is no truth; all figures are printed. *report: errors of a source's text; the
+ * caller frees it. */
 fp3_status fp3_bench_programs_run(const fp3_bench_programs *what, char **report, fp3_error *error);
 
 #endif

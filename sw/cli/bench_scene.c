@@ -19,7 +19,8 @@
 enum { TURNS = 5 };
 #define FRAME (1.0 / 60)
 #define TURN_SECONDS 0.2
-/* What the isa engine may take, and how much longer than engine fast with one thread it may need for a step. */
+/* What the isa engine may take, and how much longer than engine fast with one thread it may need
+ * for a step. */
 #define ISA_SECONDS 2.0
 #define ISA_SLOWER 400.0
 #define FAILED_FLAGS (FP3_FLAG_INVALID | FP3_FLAG_OVERFLOW | FP3_FLAG_DIVIDE_BY_ZERO)
@@ -105,8 +106,8 @@ static fp3_status compare(const fp3_scene *scene, const side *first, side *s, fp
     return status;
 }
 
-/* As many of the steps as the isa engine makes in some seconds; *steps 0: not one, or the scene has more objects than it
- * holds. */
+/* As many of the steps as the isa engine makes in some seconds; *steps 0: not one, or the scene has
+ * more objects than it holds. */
 static fp3_status beside_isa(const fp3_scene *scene, side *first, uint64_t of, uint64_t *steps,
                              size_t *differ, fp3_error *error) {
     const double most = ISA_SECONDS / (ISA_SLOWER * first->seconds / (double)of);

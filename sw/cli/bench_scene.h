@@ -17,9 +17,10 @@ typedef struct {
 /* Whether a file is one by its name. */
 int fp3_bench_is_scene(const char *path);
 
-/* Runs the scene from its start by engine fast, with one thread and with one for each processor; prints a row for each and
- * writes them as JSON. FP3_E_MISMATCH: states differ by a bit among these, or from the isa engine
- * after as many steps as that makes in some seconds. FP3_E_FAILED: an object failed. Both after the table is printed. */
+/* Runs the scene from its start by engine fast, with one thread and with one for each processor;
+ * prints a row for each and writes them as JSON. FP3_E_MISMATCH: states differ by a bit among
+ * these, or from the isa engine after as many steps as that makes in some seconds. FP3_E_FAILED: an
+ * object failed. Both after the table is printed. */
 fp3_status fp3_bench_scene_run(const fp3_bench_scene *what, fp3_error *error);
 
 #endif

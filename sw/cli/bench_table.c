@@ -25,10 +25,10 @@ static double rate(const fp3_bench_outcome *o) {
 static uint32_t at_once(const fp3_bench_outcome *o) { return 1 + o->config->dual; }
 
 /* No schedule of this program on this organisation takes fewer cycles per object-step. A step has I
- * instructions, A of them for the adder and M for the multiplier (a madd counts in both). In a tile a
- * scheduler issues one instruction per cycle for L lanes, two with `dual`, and there are S schedulers
- * (S or L is 1): I / (S * L), or half. An adder begins one sum per cycle, and there is one for each
- * lane: A / L; likewise M / L. The largest of the three, shared by all tiles. */
+ * instructions, A of them for the adder and M for the multiplier (a madd counts in both). In a tile
+ * a scheduler issues one instruction per cycle for L lanes, two with `dual`, and there are S
+ * schedulers (S or L is 1): I / (S * L), or half. An adder begins one sum per cycle, and there is
+ * one for each lane: A / L; likewise M / L. The largest of the three, shared by all tiles. */
 static double bound(const fp3_bench_outcome *o) {
     const fp3_config *c = o->config;
     const double issue = (double)o->got.issues / (c->schedulers * at_once(o));

@@ -29,8 +29,8 @@ __attribute__((format(printf, 2, 3))) void fp3_cli_line(FILE *out, const char *f
 /* Prints "fp3 <name>: text" to stderr and returns the exit code that belongs to the status. */
 int fp3_cli_fail(const char *command, fp3_status status, const fp3_error *error);
 
-/* The exit code of a command that ends with this status: after a failure with the report of a source's
- * errors, or, where that is NULL, with the error. */
+/* The exit code of a command that ends with this status: after a failure with the report of a
+ * source's errors, or, where that is NULL, with the error. */
 int fp3_cli_end(const char *command, fp3_status status, const fp3_error *error, const char *report);
 
 /* The file that an integrator is read from; NULL if it is built in, or name is NULL. */

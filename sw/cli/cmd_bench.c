@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_bench.c - fp3 bench: programs on the hardware, models, or a scene; each has a file of its own. */
+/* cmd_bench.c - fp3 bench: programs on the hardware, models, or a scene; each has a file of its
+ * own. */
 #include "arguments.h"
 #include "bench_models.h"
 #include "bench_programs.h"

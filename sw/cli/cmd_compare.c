@@ -194,7 +194,8 @@ static fp3_status make_row(comparison *k, const fp3_integrator *integrator,
     return status;
 }
 
-/* Steps over the span, and the error of each, up to where only noise is left. Of a run that fails the error is null. */
+/* Steps over the span, and the error of each, up to where only noise is left. Of a run that fails
+ * the error is null. */
 static json_t *errors_of(const comparison *k, const row *r) {
     json_t *steps = json_array(), *errors = json_array(), *largest = json_array();
     unsigned count = k->ladder ? k->ladder->count : 0;

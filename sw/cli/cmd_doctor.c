@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_doctor.c - fp3 doctor: what this machine has of all that the command can use. Nothing is looked up by its name: each part
- * is tried. */
+/* cmd_doctor.c - fp3 doctor: what this machine has of all that the command can use. Nothing is
+ * looked up by its name: each part is tried. */
 #include "arguments.h"
 #include "base/cc.h"
 #include "base/threads.h"

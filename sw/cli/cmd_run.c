@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_run.c - fp3 run: a program, or a scene of several, on an engine, from the host's values to the
- * final ones.
+/* cmd_run.c - fp3 run: a program, or a scene of several, on an engine, from the host's values to
+ * the final ones.
  */
 #include "cli.h"
 #include "run_adaptive.h"

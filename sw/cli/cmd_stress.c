@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_stress.c - fp3 stress: what FP32 does to integrators and models, each figure beside what it should be. */
+/* cmd_stress.c - fp3 stress: what FP32 does to integrators and models, each figure beside what it
+ * should be. */
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_tune.c - fp3 tune: the cheapest integrator, step or tolerance of steps, and arithmetic for an error. */
+/* cmd_tune.c - fp3 tune: the cheapest integrator, step or tolerance of steps, and arithmetic for an
+ * error. */
 #include "arguments.h"
 #include "cli.h"
 #include "files.h"
@@ -271,7 +272,8 @@ static fp3_status scene_span(const fp3_scene *scene, double *span, fp3_error *er
     return status;
 }
 
-/* The tuner adapts the model itself: values of what adaptive steps add to it are refused as unknown names. */
+/* The tuner adapts the model itself: values of what adaptive steps add to it are refused as unknown
+ * names. */
 static fp3_status open_fixed(const fp3_scene *scene, fp3_program **program, fp3_error *error) {
     fp3_program_def how = fp3_program_default();
     how.is_model = 1;

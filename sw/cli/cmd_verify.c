@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_verify.c - fp3 verify: runs a part of a run again, from what its file keeps of the command, and compares hashes. */
+/* cmd_verify.c - fp3 verify: runs a part of a run again, from what its file keeps of the command,
+ * and compares hashes. */
 #include "arguments.h"
 #include "cli.h"
 #include "run_options.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* compare_adaptive.h - fp3 compare with --tolerance: adaptive steps beside fixed ones of the same error. */
+/* compare_adaptive.h - fp3 compare with --tolerance: adaptive steps beside fixed ones of the same
+ * error. */
 #ifndef FP3_COMPARE_ADAPTIVE_H
 #define FP3_COMPARE_ADAPTIVE_H
 
@@ -26,9 +27,9 @@ typedef struct {
 void fp3_compare_adaptive_read(fp3_compare_adaptive_def *def, struct argp_state *state,
                                const char *text);
 
-/* Prints a row for each integrator with an estimate, arithmetic and tolerance, and adds it to rows. path: of the
- * model, which is read anew. FP3_E_MISMATCH: words of an engine and of the equations differ; FP3_E_FAILED:
- * an object did not reach its end. The rows are there. */
+/* Prints a row for each integrator with an estimate, arithmetic and tolerance, and adds it to rows.
+ * path: of the model, which is read anew. FP3_E_MISMATCH: words of an engine and of the equations
+ * differ; FP3_E_FAILED: an object did not reach its end. The rows are there. */
 fp3_status fp3_compare_adaptive(const fp3_compare_adaptive_def *def, const char *path, json_t *rows,
                                 fp3_error *error);
 

@@ -27,10 +27,10 @@ typedef struct {
 void fp3_files_read(fp3_files *files, const char *what, const char *path);
 void fp3_files_write(fp3_files *files, const char *what, const char *path);
 
-/* FP3_E_ARGUMENT: an output cannot be written, or is a file that is read or written by another name,
- * whatever the links; or standard input is read twice. Standard output counts, too, if it goes to a
- * file. If an output is standard output ("-"), all that the command prints goes to standard error
- * from then on. */
+/* FP3_E_ARGUMENT: an output cannot be written, or is a file that is read or written by another
+ * name, whatever the links; or standard input is read twice. Standard output counts, too, if it
+ * goes to a file. If an output is standard output ("-"), all that the command prints goes to
+ * standard error from then on. */
 fp3_status fp3_files_check(const fp3_files *files, fp3_error *error);
 
 #endif

@@ -6,7 +6,8 @@
 #include <fp3/status.h>
 #include <jansson.h>
 
-/* Writes numbers with so many digits, and drops the reference to root, which is NULL if there was no memory. */
+/* Writes numbers with so many digits, and drops the reference to root, which is NULL if there was
+ * no memory. */
 fp3_status fp3_json_write(const char *path, json_t *root, int digits, fp3_error *error);
 
 /* null for what JSON has no number for. */

@@ -6,7 +6,8 @@
 #include "machine/config.h"
 #include "machine/neighbours.h"
 
-/* Lines for standard output: phases, what is published, instructions and cycles for the object and for each neighbour. */
+/* Lines for standard output: phases, what is published, instructions and cycles for the object and
+ * for each neighbour. */
 void fp3_phases_print(const fp3_image *image, const fp3_neighbourhood *around,
                       const fp3_config *config);
 /* The lines with cycles alone. */

@@ -6,8 +6,9 @@
 /* Every call takes NULL, and does nothing. */
 typedef struct fp3_progress fp3_progress;
 
-/* NULL unless standard error is a terminal, and if somebody types the input there (NULL: none may). The line appears there after two seconds; a thread of its
- * own keeps it fresh, so that whoever works need not say anything. */
+/* NULL unless standard error is a terminal, and if somebody types the input there (NULL: none may).
+ * The line appears there after two seconds; a thread of its own keeps it fresh, so that whoever
+ * works need not say anything. */
 fp3_progress *fp3_progress_begin(const char *command, const char *input);
 /* Removes the line. Sets *progress to NULL, which it may be already. */
 void fp3_progress_end(fp3_progress **progress);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* run_adaptive.h - steps that objects choose: options of fp3 run and fp3 compile, what a run prints, who failed. */
+/* run_adaptive.h - steps that objects choose: options of fp3 run and fp3 compile, what a run
+ * prints, who failed. */
 #ifndef FP3_RUN_ADAPTIVE_H
 #define FP3_RUN_ADAPTIVE_H
 
@@ -14,8 +15,8 @@ void fp3_run_adaptive_until(fp3_program_def *def, struct argp_state *state, cons
 fp3_status fp3_run_adaptive_maxstep(fp3_program_def *def, const fp3_params *params,
                                     fp3_error *error);
 #define FP3_RUN_ADAPTIVE_TEXT_SIZE 256
-/* A warning, or "": the tolerance says nothing of states that are all small beside what `absolute` takes for their
- * size. */
+/* A warning, or "": the tolerance says nothing of states that are all small beside what `absolute`
+ * takes for their size. */
 void fp3_run_adaptive_warning(const fp3_program *program, const fp3_params *params,
                               char text[FP3_RUN_ADAPTIVE_TEXT_SIZE]);
 /* After the last option. */

@@ -12,7 +12,9 @@
 
 #include <fp3/program.h>
 
-#define FP3_RUN_BOUND 1e-3 /* of errors relative to the size of a state, where no other is given */
+#define FP3_RUN_BOUND                                                                              \
+    1e-3 /* of errors relative to the size of a state, where no other is given                     \
+          */
 
 /* Of --check and --strict. */
 typedef struct {
@@ -42,8 +44,8 @@ typedef struct {
  * judged or measured, or how fast the run goes. */
 enum { FP3_RUN_DECIDES = 1, FP3_RUN_BESIDE };
 const fp3_option *fp3_run_options_table(void);
-/* Makes the defaults, and what the command line says of them. Ends the command where it is wrong. FP3_E_SYSTEM: out of
- * memory. The caller frees *options, after a failure too. */
+/* Makes the defaults, and what the command line says of them. Ends the command where it is wrong.
+ * FP3_E_SYSTEM: out of memory. The caller frees *options, after a failure too. */
 fp3_status fp3_run_options_parse(int argc, char **argv, fp3_run_options *options, fp3_error *error);
 void fp3_run_options_free(fp3_run_options *options);
 /* The run itself; *report as of fp3_program_open. */

@@ -12,9 +12,9 @@ typedef struct {
 } fp3_run_task;
 
 /* cost: of a recording all; of a plain run stats alone, and the engine knows the rest.
- * A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles take;
- * 0: not asked for. checks: estimates of the errors of the states, one for the
- * program or for each group of the scene; or NULL. */
+ * A run that ended before its time has a state, too. clock: in Hz, to print how long its cycles
+ * take; 0: not asked for. checks: estimates of the errors of the states, one for the program or for
+ * each group of the scene; or NULL. */
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
                    const fp3_cost *cost, fp3_run_check *const *checks, int all, double clock);
 

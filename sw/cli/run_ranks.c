@@ -43,9 +43,10 @@ static void be_silent(fp3_run_ranks *ranks) {
     close(nowhere);
 }
 
-/* Without its mpirun a rank would go on until MPI notices, a second or so, and replace checkpoints that a restarted run reads. Only the
- * kernel can tell it at once; Linux can. To Linux the parent is the thread that started this process: a launcher whose
- * threads end before it does must start ranks from one that stays, as mpirun and srun do. */
+/* Without its mpirun a rank would go on until MPI notices, a second or so, and replace checkpoints
+ * that a restarted run reads. Only the kernel can tell it at once; Linux can. To Linux the parent
+ * is the thread that started this process: a launcher whose threads end before it does must start
+ * ranks from one that stays, as mpirun and srun do. */
 static void end_with_parent(void) {
     const pid_t parent = getppid();
     prctl(PR_SET_PDEATHSIG, SIGTERM);

@@ -16,19 +16,21 @@ typedef struct {
 
 /* Before arguments are read. Rank 0 speaks: what the others print goes nowhere. */
 void fp3_run_ranks_first(fp3_run_ranks *ranks);
-/* Starts MPI, if there are several. FP3_E_SYSTEM: it does not start, or sees others than were started. */
+/* Starts MPI, if there are several. FP3_E_SYSTEM: it does not start, or sees others than were
+ * started. */
 fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error);
-/* Compares the options of this table on all ranks, but for those in `own`, a list that ends with NULL. Other arguments may differ.
- * FP3_E_ARGUMENT, on all ranks: an option differs; error names it. */
+/* Compares the options of this table on all ranks, but for those in `own`, a list that ends with
+ * NULL. Other arguments may differ. FP3_E_ARGUMENT, on all ranks: an option differs; error names
+ * it. */
 fp3_status fp3_run_ranks_agree(const fp3_run_ranks *ranks, const fp3_option *table, int argc,
                                char *const *argv, const char *const *own, fp3_error *error);
-/* Of the ports on->port, with commas between them, that of this rank takes their place. FP3_E_ARGUMENT: there is not one for each
- * rank. */
+/* Of the ports on->port, with commas between them, that of this rank takes their place.
+ * FP3_E_ARGUMENT: there is not one for each rank. */
 fp3_status fp3_run_ranks_port(fp3_run_ranks *ranks, fp3_run_engine *on, fp3_error *error);
 /* What each rank did, of an engine that is divided. */
 void fp3_run_ranks_print(fp3_engine *engine);
-/* Whether rank 0 has said how the command ended, so that this rank ends well. After a failure that not all ranks have, it ends them all, with a
- * message of this one: then it does not return. */
+/* Whether rank 0 has said how the command ended, so that this rank ends well. After a failure that
+ * not all ranks have, it ends them all, with a message of this one: then it does not return. */
 int fp3_run_ranks_end(fp3_run_ranks *ranks, const char *command, fp3_status status,
                       const fp3_error *error);
 

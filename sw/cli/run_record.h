@@ -27,7 +27,8 @@ void fp3_run_record_checkpoint_every(fp3_run_record *record, struct argp_state *
 int fp3_run_record_has_snapshots(const fp3_run_record *record);
 /* Whether the run is one in parts: it has snapshots or checkpoints, or begins at one. */
 int fp3_run_record_is_asked(const fp3_run_record *record);
-/* Keeps the arguments for def, one a line. FP3_E_ARGUMENT: one has a line break, and checkpoints are to keep it. */
+/* Keeps the arguments for def, one a line. FP3_E_ARGUMENT: one has a line break, and checkpoints
+ * are to keep it. */
 fp3_status fp3_run_record_command(fp3_run_record *record, int argc, char **argv, fp3_error *error);
 /* Those of checkpoints. A restart may be from the file that the run's checkpoints replace. */
 void fp3_run_record_files(fp3_run_record *record, fp3_files *files);

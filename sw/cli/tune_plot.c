@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* tune_plot.c - see tune_plot.h. Each candidate is a curve through its runs. A family of integrators has a colour, an
- * arithmetic a mark; the line says how steps are made, and an open mark that their length is not h.
+/* tune_plot.c - see tune_plot.h. Each candidate is a curve through its runs. A family of
+ * integrators has a colour, an arithmetic a mark; the line says how steps are made, and an open
+ * mark that their length is not h.
  */
 #include "tune_plot.h"
 

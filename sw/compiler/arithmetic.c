@@ -7,7 +7,8 @@
 #define KIND(kind) (1u << (kind))
 #define ALL_KINDS (KIND(FP3_CHEBYSHEV + 1) - 1)
 
-/* Folded: the coefficients of a splitting contain h anyway, and adaptive steps do not know h beforehand. */
+/* Folded: the coefficients of a splitting contain h anyway, and adaptive steps do not know h
+ * beforehand. */
 static const struct {
     fp3_arithmetic_facts facts;
     unsigned kinds; /* of integrators, whose programs differ from the plain ones */

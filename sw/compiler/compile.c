@@ -64,8 +64,8 @@ static unsigned asked(const fp3_compile_def *def) {
     return def->passes | fp3_arithmetic_of(def->arithmetic)->passes;
 }
 
-/* The step that the equations mean: no pass that keeps the bits, except that dead states stay dead, and a
- * coefficient 0 has no term. */
+/* The step that the equations mean: no pass that keeps the bits, except that dead states stay dead,
+ * and a coefficient 0 has no term. */
 static fp3_status make_reference(fp3_compilation *k, const fp3_model *model,
                                  const fp3_integrator *integrator, unsigned passes,
                                  fp3_error *error) {
@@ -87,8 +87,8 @@ static int has_carried(const fp3_step *step) {
     return has;
 }
 
-/* A value that is carried from step to step needs a register all the way: a program that does not fit with
- * such values may fit if each step computes them again, with the same bits. */
+/* A value that is carried from step to step needs a register all the way: a program that does not
+ * fit with such values may fit if each step computes them again, with the same bits. */
 static fp3_status run_pipeline(fp3_compilation *k, const fp3_model *model,
                                const fp3_integrator *integrator, fp3_error *error) {
     const fp3_status status = fp3_pipeline_run(&k->p, model, integrator, &k->options, error);
@@ -109,8 +109,9 @@ static fp3_status run_pipeline(fp3_compilation *k, const fp3_model *model,
     return status;
 }
 
-/* Where even that does not fit, values spill into the object's record: with what is carried or without, whichever
- * takes fewer instructions. The error is the caller's, unless it is words that are too few now. */
+/* Where even that does not fit, values spill into the object's record: with what is carried or
+ * without, whichever takes fewer instructions. The error is the caller's, unless it is words that
+ * are too few now. */
 static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
                                const fp3_integrator *integrator, fp3_error *error) {
     fp3_options options[2] = {k->options, k->options};
@@ -138,8 +139,8 @@ static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
     return FP3_OK;
 }
 
-/* Elimination multiplies by reciprocals of pivots. Where subnormal numbers are flushed, those of large pivots are 0, and no
- * flag tells of it. */
+/* Elimination multiplies by reciprocals of pivots. Where subnormal numbers are flushed, those of
+ * large pivots are 0, and no flag tells of it. */
 static fp3_status warn_flushed(const fp3_config *config, fp3_compiled *made, fp3_error *error) {
     static const char text[] = "configuration '%s' flushes what is below 2^-126 to 0: a derivative "
                                "of the equations that is 2^126 or more counts as infinite";

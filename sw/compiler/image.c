@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* image.c - words, constants and symbols. Constants that the host gives come first, numbers behind them in the
- * order of their first use, each once. */
+/* image.c - words, constants and symbols. Constants that the host gives come first, numbers behind
+ * them in the order of their first use, each once. */
 #include "image.h"
 #include "base/bits.h"
 

@@ -12,8 +12,8 @@ typedef struct {
     uint32_t object_count, constant_count;
 } fp3_names;
 
-/* FP3_E_SYSTEM, or FP3_E_PROGRAM: a number is too large for FP32. The caller closes, after a failure
- * too. */
+/* FP3_E_SYSTEM, or FP3_E_PROGRAM: a number is too large for FP32. The caller closes, after a
+ * failure too. */
 fp3_status fp3_names_make(const fp3_step *step, const conversion *c, const fp3_schedule *schedule,
                           fp3_names *names, fp3_error *error);
 void fp3_names_close(fp3_names *names);

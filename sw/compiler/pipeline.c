@@ -79,8 +79,9 @@ static int is_tight(const fp3_pipeline *p, const fp3_config *config, fp3_status 
                                      s->registers == config->registers);
 }
 
-/* What a param is for one object it is for all: where registers run short it can be a constant. Where constants run short, others
- * are params. Sums and products apart (`dual`) copy from constants. */
+/* What a param is for one object it is for all: where registers run short it can be a constant.
+ * Where constants run short, others are params. Sums and products apart (`dual`) copy from
+ * constants. */
 static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
     fp3_options shared = *options, few = *options;
     shared.shares_params = 1;

@@ -15,7 +15,8 @@
 #include "compiler/adaptive/adapted.h"
 #include "inputs.h"
 
-/* A param or start below both is on its way to 0. A constant of nature may be small, but it is not far below its default. */
+/* A param or start below both is on its way to 0. A constant of nature may be small, but it is not
+ * far below its default. */
 #define TINY 0x1p-50
 #define FAR_BELOW 0x1p-20
 
@@ -125,7 +126,8 @@ typedef struct {
     size_t count;
 } gift;
 
-/* What one object has and what follows from it, with 0 for what is on its way there: made when the first of its inputs asks. */
+/* What one object has and what follows from it, with 0 for what is on its way there: made when the
+ * first of its inputs asks. */
 typedef struct {
     double *params, *initial, *known, *variables;
     size_t made; /* 1 + the object's number; 0: none is made */
@@ -165,8 +167,9 @@ static void vanished_make(const fp3_start *s, const gift *g, size_t object, vani
     v->made = object + 1;
 }
 
-/* Whether an input is too small because what it is made of is: without that it is 0, which *value then is. A product of
- * numbers that are not small is refused, because it shows that the units do not suit FP32. */
+/* Whether an input is too small because what it is made of is: without that it is 0, which *value
+ * then is. A product of numbers that are not small is refused, because it shows that the units do
+ * not suit FP32. */
 static int vanishes(const fp3_start *s, uint32_t input, const gift *g, size_t object, vanished *v,
                     float *value) {
     const origin o = s->origins[input];

@@ -34,7 +34,8 @@ static int has_step(const fp3_adaptive_object *o) {
     return by - o->t_low >= 0x1p-126f;
 }
 
-/* What objects of a group have by this name: a state, or what they share; 0 where the program has none. */
+/* What objects of a group have by this name: a state, or what they share; 0 where the program has
+ * none. */
 static fp3_status read_number(fp3_engine *engine, const fp3_members *group, const char *name,
                               size_t first, size_t count, float *values) {
     const fp3_symbol *symbol =
@@ -53,7 +54,8 @@ static fp3_status read_number(fp3_engine *engine, const fp3_members *group, cons
     return status;
 }
 
-/* What the search for an event keeps of roots: where a root has no value, it is not finite, and the search goes on. */
+/* What the search for an event keeps of roots: where a root has no value, it is not finite, and the
+ * search goes on. */
 static int is_of_search(const char *name) {
     return !strcmp(name, "root_before") || !strcmp(name, "root_behind");
 }

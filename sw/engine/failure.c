@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* failure.c - which objects failed in a run, found by making it again.
  *
- * The hardware's flags are of a whole run. Where a configuration keeps a status of each object, that has
- * the first step that failed, but not by which exception. All engines give the same bits, so the isa
- * engine makes the run again and watches.
+ * The hardware's flags are of a whole run. Where a configuration keeps a status of each object,
+ * that has the first step that failed, but not by which exception. All engines give the same bits,
+ * so the isa engine makes the run again and watches.
  */
 #include "engine/common/checks.h"
 #include "engine/common/life.h"

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* chebyshev.c - coefficients of the method from its two numbers, stages and damping.
  *
- * On y' = w y with a step of 1 stage j is the polynomial a_j + b_j T_j(w0 + w1 w): T_j is Chebyshev's, w0 = 1 + damping /
- * stages^2, w1 = T_s'(w0) / T_s''(w0), b_j = T_j''(w0) / T_j'(w0)^2 and a_j = 1 - b_j T_j(w0).
+ * On y' = w y with a step of 1 stage j is the polynomial a_j + b_j T_j(w0 + w1 w): T_j is
+ * Chebyshev's, w0 = 1 + damping / stages^2, w1 = T_s'(w0) / T_s''(w0), b_j = T_j''(w0) / T_j'(w0)^2
+ * and a_j = 1 - b_j T_j(w0).
  *
- * The recurrence of the paper is that of T_j, 2 w0 T_j - T_j-1. In FP32 it would lose digits of what changes slowly, by the
- * square of the stages. Here the difference of two stages is carried on, as Reinsch did for sums of Chebyshev polynomials
- * near 1 (Stoer and Bulirsch, Introduction to Numerical Analysis, section 2.3.2): 2 w0 - 2, not 2 w0, is rounded.
+ * The recurrence of the paper is that of T_j, 2 w0 T_j - T_j-1. In FP32 it would lose digits of
+ * what changes slowly, by the square of the stages. Here the difference of two stages is carried
+ * on, as Reinsch did for sums of Chebyshev polynomials near 1 (Stoer and Bulirsch, Introduction to
+ * Numerical Analysis, section 2.3.2): 2 w0 - 2, not 2 w0, is rounded.
  */
 #include "chebyshev.h"
 

@@ -6,8 +6,8 @@
  * A splitting of x' = v, v' = a(x) is a partitioned Runge-Kutta method: its trees have vertices of
  * two colours in turn, and one for a position has one child at most, since x' is linear: Hairer,
  * Lubich and Wanner, Geometric Numerical Integration, chapter III.2.
- * Of a Rosenbrock method, a vertex with one child has the weights A + Gamma, any other A: Hairer and Wanner,
- * Solving Ordinary Differential Equations II, theorem IV.7.3.
+ * Of a Rosenbrock method, a vertex with one child has the weights A + Gamma, any other A: Hairer
+ * and Wanner, Solving Ordinary Differential Equations II, theorem IV.7.3.
  */
 #include "conditions.h"
 

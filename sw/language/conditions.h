@@ -17,8 +17,8 @@ typedef struct {
     int is_kick;              /* splitting: the tree's root is a velocity, else a position */
 } fp3_condition;
 
-/* Of a Runge-Kutta method or a splitting. worst[n] is the condition of order n that is furthest off,
- * n = 1 .. FP3_TREE_ORDER; worst[0] is not written. */
+/* Of a Runge-Kutta method or a splitting. worst[n] is the condition of order n that is furthest
+ * off, n = 1 .. FP3_TREE_ORDER; worst[0] is not written. */
 void fp3_conditions(const fp3_integrator *integrator, fp3_condition worst[FP3_TREE_ORDER + 1]);
 
 #endif

@@ -63,7 +63,8 @@ static int has_param(const ode_parser *p, uint32_t from) {
     return has;
 }
 
-/* The expressions of a constant are forgotten once it is computed; but a start follows params that a run gives. */
+/* The expressions of a constant are forgotten once it is computed; but a start follows params that
+ * a run gives. */
 static int read(ode_parser *p, ode_context context, unsigned size, int may_have_unit,
                 ode_constant *constant) {
     fp3_token at = p->in.next;

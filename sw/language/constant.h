@@ -13,7 +13,8 @@ typedef struct {
     char dimension_text[ODE_DIMENSION_SOURCE_SIZE];
 } ode_constant;
 
-/* NULL, or what is expected instead of a value that is no number, or was made of lost digits (loss.h). */
+/* NULL, or what is expected instead of a value that is no number, or was made of lost digits
+ * (loss.h). */
 const char *fp3_ode_constant_expected(double value, int is_lost);
 
 /* Reads a number, or a vector of this size. 0 after an error. */

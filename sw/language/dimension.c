@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* dimension.c - a derived unit of the SI becomes the units that it is made of. Every other name is a
- * base unit, because nothing is converted. */
+/* dimension.c - a derived unit of the SI becomes the units that it is made of. Every other name is
+ * a base unit, because nothing is converted. */
 #include "dimension.h"
 
 #include <stdio.h>

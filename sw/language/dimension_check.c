@@ -11,8 +11,8 @@ static const ode_dimension any = {.kind = ODE_DIMENSION_ANY},
                            number = {.kind = ODE_DIMENSION_NUMBER},
                            one = {.kind = ODE_DIMENSION_KNOWN};
 
-/* An operation on vectors, or for several indices, is several expressions at one location: one error
- * is enough. */
+/* An operation on vectors, or for several indices, is several expressions at one location: one
+ * error is enough. */
 static int is_repeated(const ode_parser *p, fp3_token at) {
     const fp3_report *r = &p->in.report;
     for (unsigned i = 0; i < r->count; i++)

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* embedded.c - the order of the second method, whether stages are shared between steps, and what the estimate does not see.
+/* embedded.c - the order of the second method, whether stages are shared between steps, and what
+ * the estimate does not see.
  *
- * On y' = a y, with z = h a, a step of either method is 1 + sum_k b.L^k.1 w^(k+1), w = z/(1 - gamma z), gamma being the
- * diagonal and L what A + Gamma has below it (k_i = w (1 + sum_j L_ij k_j)). On y' = f(t) it is the sum over k of h^(k+1)
- * f^(k)/k! b.c^k; a linearly implicit one has b.(c + Gamma.1) for k = 1.
+ * On y' = a y, with z = h a, a step of either method is 1 + sum_k b.L^k.1 w^(k+1), w = z/(1 - gamma
+ * z), gamma being the diagonal and L what A + Gamma has below it (k_i = w (1 + sum_j L_ij k_j)). On
+ * y' = f(t) it is the sum over k of h^(k+1) f^(k)/k! b.c^k; a linearly implicit one has b.(c +
+ * Gamma.1) for k = 1.
  */
 #include "embedded.h"
 
@@ -12,8 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A pair up to order 8 differs by more. Weights of 10 digits, fewer do not add up to 1, leave less of one that differs by
- * nothing. */
+/* A pair up to order 8 differs by more. Weights of 10 digits, fewer do not add up to 1, leave less
+ * of one that differs by nothing. */
 #define DISTANCE_LEAST 1e-7
 
 static int is_last_row(const fp3_integrator *t) {

@@ -96,7 +96,8 @@ static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t 
         list[(*count)++] = event;
 }
 
-/* Whether the event keeps the object from leaving the root: it stops the object, or sets a state that the expression is made of. */
+/* Whether the event keeps the object from leaving the root: it stops the object, or sets a state
+ * that the expression is made of. */
 static int holds(const ode_parser *p, const ode_event *event, uint32_t expr) {
     char is_part[ODE_EXPRS] = {0};
     if (event->stops)
@@ -114,8 +115,9 @@ static int holds(const ode_parser *p, const ode_event *event, uint32_t expr) {
     return 0;
 }
 
-/* a <= b becomes true. What the event puts on the root itself, as a ball on the floor, has to leave it before the
- * step ends, or the event happens again; what only passes the root is past it where a is b. */
+/* a <= b becomes true. What the event puts on the root itself, as a ball on the floor, has to leave
+ * it before the step ends, or the event happens again; what only passes the root is past it where a
+ * is b. */
 static void rise(ode_parser *p, fp3_token at, ode_value a, ode_value b, uint32_t g,
                  ode_event event) {
     event.condition = taken(fp3_ode_binary(p, at, FP3_EXPR_LESS_EQUAL, a, b));

@@ -92,8 +92,8 @@ static ode_value of_neighbour(ode_parser *p, fp3_token name, const fp3_relation 
     return s ? fp3_ode_neighbours_value(p, part, r, s, start, size) : nothing;
 }
 
-/* "? a : b", or ", a, b)" of select, whose condition begins at expression `from`. A condition of numbers is
- * decided here and now, and then only one choice counts. */
+/* "? a : b", or ", a, b)" of select, whose condition begins at expression `from`. A condition of
+ * numbers is decided here and now, and then only one choice counts. */
 static ode_value choice(ode_parser *p, fp3_token at, ode_value condition, uint32_t from,
                         const ode_function *select) {
     const int is_decided = fp3_ode_is_number(p, condition);
@@ -268,7 +268,8 @@ static ode_value primary(ode_parser *p) {
     return nothing;
 }
 
-/* A whole exponent is one number, however it is written: units and derivatives of powers depend on it. */
+/* A whole exponent is one number, however it is written: units and derivatives of powers depend on
+ * it. */
 static ode_value exponent_of(ode_parser *p, ode_value value, uint32_t from) {
     const double number = fp3_ode_is_number(p, value) ? p->values[value.expr[0]] : NAN;
     if (number != floor(number) || isinf(number) || p->exprs[value.expr[0]].op == FP3_EXPR_NUMBER)

@@ -11,8 +11,9 @@ typedef struct {
     double is;
 } fp3_fact;
 
-/* What must hold for "h == 0.125 and m == 2.0 ? 0.99 : 0/0" to have a value, in this order; *facts is malloc'ed,
- * and its names are the formula's. Count 0 and NULL: a formula of another form, or out of memory. */
+/* What must hold for "h == 0.125 and m == 2.0 ? 0.99 : 0/0" to have a value, in this order; *facts
+ * is malloc'ed, and its names are the formula's. Count 0 and NULL: a formula of another form, or
+ * out of memory. */
 size_t fp3_formula_facts(const fp3_formula *formula, fp3_fact **facts);
 
 int fp3_formula_mentions(const fp3_formula *formula, const char *name);

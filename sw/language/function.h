@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* function.h - calls of the functions of the language: of those in function_rows.h, and of vectors. */
+/* function.h - calls of the functions of the language: of those in function_rows.h, and of vectors.
+ */
 #ifndef FP3_ODE_FUNCTION_H
 #define FP3_ODE_FUNCTION_H
 

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* function_rows.h - the functions of the language, a row each: all that is to say of one, but for the
- * instructions that it becomes.
+/* function_rows.h - the functions of the language, a row each: all that is to say of one, but for
+ * the instructions that it becomes.
  *
  *     #define X(OP, name, MADE, UNIT, VALUE, SLOPE, C, PYTHON) case FP3_EXPR_##OP: return VALUE;
  *     FP3_FUNCTION_ROWS(X)
  *     #undef X
  *
- * A new function is a row here and one in FP3_EXPR_OPS (fp3/model.h), which has the number of its operands,
- * and fp3_NAME and fp3_pair_NAME in compiler/functions/ and compiler/pairs/. All else follows. Where each
- * operation counts, a switch has no default, so one that is left out does not compile.
+ * A new function is a row here and one in FP3_EXPR_OPS (fp3/model.h), which has the number of its
+ * operands, and fp3_NAME and fp3_pair_NAME in compiler/functions/ and compiler/pairs/. All else
+ * follows. Where each operation counts, a switch has no default, so one that is left out does not
+ * compile.
  *
- * OP: FP3_EXPR_OP. name: as it is written. MADE: INSTRUCTIONS, which compiler/step/lower.c knows; or
- * POLYNOMIAL and POLYNOMIAL_2, with constants, of one operand and of two.
- * UNIT: what the operands may be measured in, and the result is (dimension_check.c).
- * VALUE: in double, of a, b and c. SLOPE: the derivative, in the words of compiler/integrate/derivative.c:
- * of operands a and b with derivatives da, db and dc, and the function itself, f. It is not asked for where
- * da, db and dc are all 0.
- * C, PYTHON: for other solvers; A, B and C are the operands, @ is the ending of a function of <math.h>.
+ * OP: FP3_EXPR_OP. name: as it is written. MADE: INSTRUCTIONS, which compiler/step/lower.c knows;
+ * or POLYNOMIAL and POLYNOMIAL_2, with constants, of one operand and of two. UNIT: what the
+ * operands may be measured in, and the result is (dimension_check.c). VALUE: in double, of a, b and
+ * c. SLOPE: the derivative, in the words of compiler/integrate/derivative.c: of operands a and b
+ * with derivatives da, db and dc, and the function itself, f. It is not asked for where da, db and
+ * dc are all 0. C, PYTHON: for other solvers; A, B and C are the operands, @ is the ending of a
+ * function of <math.h>.
  */
 #ifndef FP3_ODE_FUNCTION_ROWS_H
 #define FP3_ODE_FUNCTION_ROWS_H

@@ -74,8 +74,9 @@ static int is_any_infinite(const fp3_expr *e, const double *values) {
     return 0;
 }
 
-/* Whether the operation made a number below the normal ones that is not exact. No flag is asked: some machines have none. A sum is
- * exact there, and so are what is chosen and what an infinity makes. */
+/* Whether the operation made a number below the normal ones that is not exact. No flag is asked:
+ * some machines have none. A sum is exact there, and so are what is chosen and what an infinity
+ * makes. */
 static int underflows(const fp3_expr *e, double result, const double *values) {
     if (!(fabs(result) < DBL_MIN) || is_any_infinite(e, values))
         return 0;

@@ -5,8 +5,8 @@
 
 #include "evaluate.h"
 
-/* values[i] of an expression as of fp3_ode_compute. is_lost[i]: it underflowed, or was made of a value
- * that did, and may differ from what the formula means in more than the rounding to FP32. */
+/* values[i] of an expression as of fp3_ode_compute. is_lost[i]: it underflowed, or was made of a
+ * value that did, and may differ from what the formula means in more than the rounding to FP32. */
 void fp3_ode_compute_careful(const fp3_expr *expr, const fp3_point *point, uint32_t i,
                              double *values, char *is_lost);
 

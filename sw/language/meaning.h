@@ -5,8 +5,8 @@
 
 #include "parser.h"
 
-/* The value of a symbol, or of `size` components of it from `start` on, where this expression may have it;
- * of size 0 after an error, and where it is skipped. */
+/* The value of a symbol, or of `size` components of it from `start` on, where this expression may
+ * have it; of size 0 after an error, and where it is skipped. */
 ode_value fp3_ode_stands_for(ode_parser *p, fp3_token name, const ode_symbol *symbol,
                              unsigned start, unsigned size);
 /* As many leaves, with these indices. */

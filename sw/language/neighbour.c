@@ -42,7 +42,8 @@ static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
                           fp3_ode_binary(p, at, FP3_EXPR_MUL, far, far));
 }
 
-/* What is added up of a neighbour that may be farther than the reach: the term, or -0, which changes no sum. */
+/* What is added up of a neighbour that may be farther than the reach: the term, or -0, which
+ * changes no sum. */
 static ode_value where_near(ode_parser *p, fp3_token at, const fp3_relation *r, ode_value term) {
     const ode_value near = is_near(p, at, r);
     ode_value none = {.size = term.size};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* neighbour.h - what an expression says of the neighbours of an object. expression.h reads the expressions within. */
+/* neighbour.h - what an expression says of the neighbours of an object. expression.h reads the
+ * expressions within. */
 #ifndef FP3_ODE_NEIGHBOUR_H
 #define FP3_ODE_NEIGHBOUR_H
 

@@ -71,8 +71,8 @@ typedef enum {
 typedef struct {
     fp3_token at;
     ode_class class;
-    uint32_t
-        first; /* of a state or param: its first component; of a relation, a neighbour: which relation */
+    uint32_t first;  /* of a state or param: its first component; of a relation, a neighbour: which
+                        relation */
     ode_value value; /* of a definition or invariant; of any other only the size */
     long number;     /* of an index: what it stands for now */
 } ode_symbol;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* range.c - the text of a range is read as often as the range has numbers: each time its index stands
- * for the next one. */
+/* range.c - the text of a range is read as often as the range has numbers: each time its index
+ * stands for the next one. */
 #include "range.h"
 
 #include <stdio.h>

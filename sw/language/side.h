@@ -5,8 +5,8 @@
 
 #include "parser.h"
 
-/* The state, or component of one, that an equation is for: the name, which is read already, and what
- * stands behind it. NULL after an error, and where it is skipped. */
+/* The state, or component of one, that an equation is for: the name, which is read already, and
+ * what stands behind it. NULL after an error, and where it is skipped. */
 const ode_symbol *fp3_ode_target(ode_parser *p, fp3_token name, unsigned *start, unsigned *size);
 /* An equation at this token, for the indices around it. */
 ode_equation fp3_ode_equation(const ode_parser *p, fp3_token at, uint32_t expr);

@@ -68,8 +68,8 @@ static int is_component(fp3_token base, unsigned size, fp3_token name) {
     return 0;
 }
 
-/* A symbol that shares a name with the new one, or NULL. Components of two vectors are alike only if the
- * vectors are. */
+/* A symbol that shares a name with the new one, or NULL. Components of two vectors are alike only
+ * if the vectors are. */
 static const ode_symbol *occupied(const ode_parser *p, fp3_token name, unsigned size) {
     for (uint32_t i = 0; i < p->symbol_count; i++) {
         const ode_symbol *s = &p->symbols[i];

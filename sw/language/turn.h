@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* turn.h - which expressions of a model jump or bend, and what that depends on.
  *
- * Comparisons, min, max and abs turn: which of two things they are changes where their operands are alike.
+ * Comparisons, min, max and abs turn: which of two things they are changes where their operands are
+ * alike.
  */
 #ifndef FP3_LANGUAGE_TURN_H
 #define FP3_LANGUAGE_TURN_H
 
 #include <fp3/model.h>
 
-/* Of an expression, a set of: it depends on t; on states; it is linear in t, with coefficients that are known; a derivative
- * depends on it; the condition of an event does. */
+/* Of an expression, a set of: it depends on t; on states; it is linear in t, with coefficients that
+ * are known; a derivative depends on it; the condition of an event does. */
 enum {
     FP3_TURN_TIME = 1,
     FP3_TURN_STATE = 2,

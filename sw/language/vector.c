@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* vector.c - a vector is only its components: an operation on it becomes one expression for each. */
+/* vector.c - a vector is only its components: an operation on it becomes one expression for each.
+ */
 #include "vector.h"
 
 #include <assert.h>

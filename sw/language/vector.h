@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* vector.h - operations on numbers and vectors. Each takes the token of the operation, and returns a
- * value of size 0 after an error, or if an operand is such a value. */
+/* vector.h - operations on numbers and vectors. Each takes the token of the operation, and returns
+ * a value of size 0 after an error, or if an operand is such a value. */
 #ifndef FP3_ODE_VECTOR_H
 #define FP3_ODE_VECTOR_H
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ahead.h - which instructions of a step are of the next one.
  *
- * A program may compute at the end of a step what the next step begins with. The last step of a visit
- * then computes it for nothing, and an exception there says nothing about the run.
+ * A program may compute at the end of a step what the next step begins with. The last step of a
+ * visit then computes it for nothing, and an exception there says nothing about the run.
  */
 #ifndef FP3_AHEAD_H
 #define FP3_AHEAD_H

@@ -34,8 +34,8 @@ static void undefined(asm_source *a, fp3_token name) {
                             fp3_asm_find_label(a, name) ? " (this is a label)" : "");
 }
 
-/* The operand as in a word; ASM_NOWHERE after an error. only_object is NULL, or says why the operand
- * must be an object register: "to store". */
+/* The operand as in a word; ASM_NOWHERE after an error. only_object is NULL, or says why the
+ * operand must be an object register: "to store". */
 static uint32_t resolve(asm_source *a, fp3_token t, const char *only_object) {
     char text[64];
     if (only_object)

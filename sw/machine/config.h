@@ -20,9 +20,11 @@ fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_er
 /* Schedulers in all: each has its own program and counters. */
 uint32_t fp3_config_schedulers(const fp3_config *config);
 
-/* Whether both have the same arithmetic (docs/arithmetic.md): the same program then gives the same bits on both. */
+/* Whether both have the same arithmetic (docs/arithmetic.md): the same program then gives the same
+ * bits on both. */
 int fp3_config_computes_as(const fp3_config *config, const fp3_config *other);
-/* The words that it computes in, as fp3_image has them. Instructions say whether a multiply-add is fused. */
+/* The words that it computes in, as fp3_image has them. Instructions say whether a multiply-add is
+ * fused. */
 uint32_t fp3_config_words(const fp3_config *config);
 
 /* What a configuration has for a key, the key's name, and what messages call an instruction that

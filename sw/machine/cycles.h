@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cycles.h - how many cycles a sequence of instructions takes, exactly. The one place in the software
- * that knows the machine's timing; its constants are those of isa/timing.toml.
+/* cycles.h - how many cycles a sequence of instructions takes, exactly. The one place in the
+ * software that knows the machine's timing; its constants are those of isa/timing.toml.
  *
  * The solo machine issues in order, so a sequence has one timing: an instruction issues when what
  * it reads and what it writes is there, and when the write port is free in the cycle of its
  * result. That covers the adder, too: a sum and a chained product that met there would be written
  * in one cycle.
  *
- * The machine with contexts has no timing that depends on the instructions: it sweeps. With `dual` it
- * depends on their order: overlap.h. Where objects see each other it depends on their lists: phased.h.
+ * The machine with contexts has no timing that depends on the instructions: it sweeps. With `dual`
+ * it depends on their order: overlap.h. Where objects see each other it depends on their lists:
+ * phased.h.
  */
 #ifndef FP3_CYCLES_H
 #define FP3_CYCLES_H
@@ -46,8 +47,8 @@ double fp3_cycles_solo_step(const fp3_config *config, const fp3_timed_program *p
 uint32_t fp3_cycles_operands(const fp3_config *config);
 uint32_t fp3_cycles_write(const fp3_config *config);
 
-/* Interleaved: from an issue to the next one of the same context, at least; from the last issue of a round to its last report;
- * groups of lanes that hear the same in the same cycle. */
+/* Interleaved: from an issue to the next one of the same context, at least; from the last issue of
+ * a round to its last report; groups of lanes that hear the same in the same cycle. */
 uint32_t fp3_cycles_gap(const fp3_config *config);
 uint32_t fp3_cycles_settle(const fp3_config *config);
 uint32_t fp3_cycles_groups(const fp3_config *config);
@@ -61,7 +62,8 @@ uint64_t fp3_cycles_sweep(const fp3_config *config, uint32_t n, fp3_grant grant)
 /* Up to so many contexts, a sweep with a grant takes equally long. At least 1. */
 uint32_t fp3_cycles_waiting(const fp3_config *config);
 
-/* What copies before a round take: of so many objects, so many published words of each. To find that there is none takes some, too. */
+/* What copies before a round take: of so many objects, so many published words of each. To find
+ * that there is none takes some, too. */
 uint64_t fp3_cycles_copies(const fp3_config *config, uint32_t copies, uint32_t words);
 /* What a round takes beyond its copies, and from its first issue to its last: one settling, too. */
 uint32_t fp3_cycles_around_round(const fp3_config *config);

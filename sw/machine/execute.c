@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* execute.c - see execute.h.
  *
- * base/fpu.h computes values and flags: it is IEEE 754 binary32, in its two roundings. What is left to do is the one quiet
- * NaN, results and operands that are flushed, and underflow where the host detects tininess before rounding.
+ * base/fpu.h computes values and flags: it is IEEE 754 binary32, in its two roundings. What is left
+ * to do is the one quiet NaN, results and operands that are flushed, and underflow where the host
+ * detects tininess before rounding.
  */
 #include "execute.h"
 #include "base/bits.h"
@@ -50,8 +51,9 @@ static float one(const fp3_config *config, uint32_t op, float x, float y) {
     return d;
 }
 
-/* How much the exact z + x y is more than d, to which it is rounded, times the sign of d. Only the sign counts, and whether it
- * is less than -2^-151: of d = 2^-126 that is right, as a product is exact in double, and so is z - d. */
+/* How much the exact z + x y is more than d, to which it is rounded, times the sign of d. Only the
+ * sign counts, and whether it is less than -2^-151: of d = 2^-126 that is right, as a product is
+ * exact in double, and so is z - d. */
 static double beyond(float x, float y, float z, float d) {
     return ((double)x * (double)y + ((double)z - (double)d)) * (double)copysignf(1.0f, d);
 }

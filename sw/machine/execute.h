@@ -22,8 +22,9 @@
 uint32_t fp3_execute(const fp3_config *config, uint32_t op, const uint32_t operands[3],
                      uint32_t *flags);
 
-/* Whether each lane is computed by fp3_execute, in integers, as no processor has such arithmetic: logarithmic words, and numbers
- * with fewer fraction bits. The processor's flags and rounding then do not matter, but for `rint`. */
+/* Whether each lane is computed by fp3_execute, in integers, as no processor has such arithmetic:
+ * logarithmic words, and numbers with fewer fraction bits. The processor's flags and rounding then
+ * do not matter, but for `rint`. */
 int fp3_execute_is_of_words(const fp3_config *config);
 
 /* Whether floats have this operation in integers, too: `rcp` and `rsqrt` of the key `mixed`. */
@@ -32,7 +33,8 @@ int fp3_execute_is_by_logarithms(const fp3_config *config, uint32_t op);
 /* Whether `sleep` with these operands puts an object to sleep: |a| < b. */
 int fp3_execute_sleeps(const fp3_config *config, const uint32_t operands[3]);
 
-/* What fp3_execute gives, in double and without the machine's roundings; an estimate is what it estimates. */
+/* What fp3_execute gives, in double and without the machine's roundings; an estimate is what it
+ * estimates. */
 double fp3_execute_exact(uint32_t op, double a, double b, double c);
 
 #endif

@@ -20,7 +20,8 @@ static int exponent(uint32_t a) { return (int)(a >> 23 & 255); }
 
 static uint64_t significand(uint32_t a) { return exponent(a) ? (a & FRACTION) | HIDDEN : 0; }
 
-/* The number m 2^(e - 150), and a rest below its last bit if there is one, truncated. 1.0 is m = 2^23 with e = 127. */
+/* The number m 2^(e - 150), and a rest below its last bit if there is one, truncated. 1.0 is m =
+ * 2^23 with e = 127. */
 static uint32_t truncated(uint32_t sign, uint64_t m, int e, int has_rest, uint32_t *flags) {
     if (!m)
         return 0;                               /* a rest is never left alone */
@@ -68,7 +69,8 @@ int fp3_finite_is_less(uint32_t a, uint32_t b) {
     return a & SIGN ? !(b & SIGN) || y < x : !(b & SIGN) && x < y;
 }
 
-/* Of zero, the largest estimate with its sign. Above 2^126 the result is below 2^-126: the adder makes it 0. */
+/* Of zero, the largest estimate with its sign. Above 2^126 the result is below 2^-126: the adder
+ * makes it 0. */
 static uint32_t rcp(uint32_t a) {
     const int e = exponent(a);
     return e == 0 ? (a & SIGN) | MOST_ESTIMATE : e > 252 ? 0 : fp3_estimate_rcp(a);
@@ -107,7 +109,8 @@ static uint32_t logarithm(uint32_t a) {
     return truncated(n < 0 ? SIGN : 0, (uint64_t)(n < 0 ? -n : n), 150, 0, &no_flags);
 }
 
-/* What fp_value makes of its operands: the adder has it then, and makes it +0 if its exponent is 0. */
+/* What fp_value makes of its operands: the adder has it then, and makes it +0 if its exponent is 0.
+ */
 static uint32_t choose(uint32_t op, uint32_t a, uint32_t b, uint32_t c) {
     switch (op) {
     case FP3_OP_MIN:

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* finite.h - the arithmetic of a configuration with `finite`: Cell's, in integers.
  *
- * Numbers are binary32's, but exponent 255 is a number's like any other: up to (2 - 2^-23) 2^128, and neither infinity nor
- * NaN. An operand with exponent 0 is zero. Results are truncated; a result above the largest number is that number,
- * with its sign, and one below 2^-126 is +0, as is each zero result. Source: the floating-point pages of IBM's SDK for
- * Multicore Acceleration 3.0, "Programming Tutorial"; docs/arithmetic.md has the tables.
+ * Numbers are binary32's, but exponent 255 is a number's like any other: up to (2 - 2^-23) 2^128,
+ * and neither infinity nor NaN. An operand with exponent 0 is zero. Results are truncated; a result
+ * above the largest number is that number, with its sign, and one below 2^-126 is +0, as is each
+ * zero result. Source: the floating-point pages of IBM's SDK for Multicore Acceleration 3.0,
+ * "Programming Tutorial"; docs/arithmetic.md has the tables.
  */
 #ifndef FP3_FINITE_H
 #define FP3_FINITE_H

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* live.h - which registers of a program something reads later.
  *
- * Between two steps a state may be in its register or, in a program with loads and stores of its own,
- * in its word of the object's record, while the register holds something else or nothing.
+ * Between two steps a state may be in its register or, in a program with loads and stores of its
+ * own, in its word of the object's record, while the register holds something else or nothing.
  */
 #ifndef FP3_LIVE_H
 #define FP3_LIVE_H

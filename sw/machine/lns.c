@@ -10,7 +10,8 @@
 #define FIELD 0x7fffffffu
 #define INFINITE 0x7f800000u
 #define ONE ((int64_t)FP3_BITS_ONE)
-#define FOUR (UINT32_C(1) << 25) /* a distance of 4: nearer operands that cancel take another way */
+/* A distance of 4: nearer operands that cancel take another way. */
+#define FOUR (UINT32_C(1) << 25)
 #define WHOLE (INT64_C(1) << 28) /* a logarithm of 1: tables have 28 bits behind the point */
 #define FAR (UINT32_C(1) << 28)  /* a distance of 32: the smaller operand does not count */
 
@@ -98,7 +99,8 @@ uint32_t fp3_lns_rsqrt(uint32_t a, uint32_t *flags) {
     return a == INFINITE ? 0 : half(3 * FP3_BITS_ONE - a, flags);
 }
 
-/* A function of x / 2^24 in 0 .. 1, in units of 2^-28: log2(1 + x) - x, or with power 1 + x - 2^x. */
+/* A function of x / 2^24 in 0 .. 1, in units of 2^-28: log2(1 + x) - x, or with power 1 + x - 2^x.
+ */
 static int64_t curve(uint32_t x, int power) {
     const fp3_lns_curve *word = &fp3_lns_curves[512 * power + (x >> 15)];
     const int64_t v = x & 0x7fff;

@@ -11,7 +11,8 @@
 #define QUIET 0x00400000u
 #define TOP 62 /* the bit of a significand's leading 1: a sum has room for a carry */
 
-/* m 2^e with its sign: the leading bit of m is TOP, or m is 0. Bit 0 says also whether the rest below it is not 0. */
+/* m 2^e with its sign: the leading bit of m is TOP, or m is 0. Bit 0 says also whether the rest
+ * below it is not 0. */
 typedef struct {
     uint32_t sign;
     uint64_t m;

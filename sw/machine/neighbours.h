@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* neighbours.h - what a program reads of other objects: its lists, its phases, what it publishes.
  *
- * A program with neighbours has loops (`each` .. `next`) and phases (`phase`). In a phase all loads come
- * before all stores, so what a neighbour's record held when the phase began is what a machine without a
- * second copy of it reads, too, if no object stores before the last has loaded.
+ * A program with neighbours has loops (`each` .. `next`) and phases (`phase`). In a phase all loads
+ * come before all stores, so what a neighbour's record held when the phase began is what a machine
+ * without a second copy of it reads, too, if no object stores before the last has loaded.
  */
 #ifndef FP3_IMAGE_NEIGHBOURS_H
 #define FP3_IMAGE_NEIGHBOURS_H
@@ -27,10 +27,11 @@ typedef struct {
     int is_any;         /* there is an instruction with neighbours */
 } fp3_neighbourhood;
 
-/* FP3_E_PROGRAM: a loop within a loop, or without its end; something that reads a neighbour outside of a loop; a phase within a loop;
- * a first or a last part; a store in a loop; a load behind a store of the same phase; a phase that
- * does not store a word which neighbours read and another phase stores; loops over one list with different
- * numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of an entry; `sleep` beside all this. */
+/* FP3_E_PROGRAM: a loop within a loop, or without its end; something that reads a neighbour outside
+ * of a loop; a phase within a loop; a first or a last part; a store in a loop; a load behind a
+ * store of the same phase; a phase that does not store a word which neighbours read and another
+ * phase stores; loops over one list with different numbers of fields; more than FP3_LISTS_MAX
+ * lists, or FP3_FIELDS_MAX fields of an entry; `sleep` beside all this. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 

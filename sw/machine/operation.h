@@ -2,8 +2,8 @@
 /* operation.h - the rows of isa/isa.toml as a table.
  *
  * Whoever asks what an operation is (which operands, which unit, what a configuration must have for
- * it) asks this table, so that a new operation needs no further case anywhere. What it computes is in
- * execute.h.
+ * it) asks this table, so that a new operation needs no further case anywhere. What it computes is
+ * in execute.h.
  *
  *     const fp3_operation *of = fp3_operation_find(word.op);
  *     if (of && of->path & FP3_UNIT_MULTIPLIER)
@@ -62,11 +62,12 @@ int fp3_operation_scales(uint32_t code);
 /* Its bit in a set of operations; 0: there is no such code. */
 uint64_t fp3_operation_bit(uint32_t code);
 
-/* The key without which this configuration does not have the operation; FP3_KEY_NONE if it has it. */
+/* The key without which this configuration does not have the operation; FP3_KEY_NONE if it has it.
+ */
 fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
 
-/* Where a configuration keeps sums and products apart (`dual`): what this instruction does that it must
- * not, or NULL. As in rtl/front/fp3_decode.v. */
+/* Where a configuration keeps sums and products apart (`dual`): what this instruction does that it
+ * must not, or NULL. As in rtl/front/fp3_decode.v. */
 const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *word);
 
 /* Whether this operand is the number of a field, and so stands in assembly as one. */
@@ -74,7 +75,8 @@ static inline int fp3_operation_counts(const fp3_operation *of, char letter) {
     return of->gives == FP3_GIVES_FIELD && letter == of->number;
 }
 
-/* Of an operation that computes with what a neighbour gives: its operands a and b as those of `computes`. */
+/* Of an operation that computes with what a neighbour gives: its operands a and b as those of
+ * `computes`. */
 static inline void fp3_operation_place(const fp3_operation *of, uint32_t own, uint32_t given,
                                        uint32_t *a, uint32_t *b) {
     *a = of->is_first ? given : own;

@@ -40,8 +40,8 @@ static int is_alike(const fp3_overlap *a, const fp3_overlap *b) {
            beyond(a->multiplier, a) == beyond(b->multiplier, b);
 }
 
-/* Steps, until they repeat or all are made. What they repeat with is renewed after 1, 2, 4 .. of them.
- * Gives the steps and the cycles in between; 0 steps: they do not repeat. */
+/* Steps, until they repeat or all are made. What they repeat with is renewed after 1, 2, 4 .. of
+ * them. Gives the steps and the cycles in between; 0 steps: they do not repeat. */
 typedef struct {
     uint64_t made, steps, cycles;
 } period;

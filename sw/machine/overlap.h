@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* overlap.h - cycles of the sweeps of a visit, where those of sums and of products overlap (`dual`).
+/* overlap.h - cycles of the sweeps of a visit, where those of sums and of products overlap
+ * (`dual`).
  *
- * A sweep begins when its unit is free, and at least GAP cycles after the one before. Nothing else makes
- * it wait, so each begins in a cycle that is known.
+ * A sweep begins when its unit is free, and at least GAP cycles after the one before. Nothing else
+ * makes it wait, so each begins in a cycle that is known.
  */
 #ifndef FP3_OVERLAP_H
 #define FP3_OVERLAP_H
@@ -11,16 +12,16 @@
 
 #include <stdint.h>
 
-/* The words of a visit: loads and first part; so many times the words step .. last - 1; last part and
- * stores. */
+/* The words of a visit: loads and first part; so many times the words step .. last - 1; last part
+ * and stores. */
 typedef struct {
     const fp3_decoded *code; /* of which only the operations count */
     uint32_t count, step, last;
     uint64_t steps;
 } fp3_swept;
 
-/* From the first issue of a visit of n contexts after another, to its last issue and beyond: in turns.
- * Zero it for the beginning of a round. */
+/* From the first issue of a visit of n contexts after another, to its last issue and beyond: in
+ * turns. Zero it for the beginning of a round. */
 typedef struct {
     uint64_t soonest;           /* the next sweep does not begin before */
     uint64_t adder, multiplier; /* when each is free */

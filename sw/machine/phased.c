@@ -7,8 +7,8 @@
 #include "gen/timing.h"
 #include <fp3/isa.h>
 
-/* From the last issue of `each` to the next issue: the lanes say how long the longest list is (rtl/sequence/fp3_loops.v), and
- * what was held goes on. */
+/* From the last issue of `each` to the next issue: the lanes say how long the longest list is
+ * (rtl/sequence/fp3_loops.v), and what was held goes on. */
 #define KNOWN 9
 /* `phase` is taken a cycle after the last sweep has begun, and ends the round a cycle later. */
 #define PHASE_ENDS 2
@@ -35,7 +35,8 @@ static uint32_t next_of(const fp3_phased *program, uint32_t each) {
 
 /* ---- a run ---- */
 
-/* Issues of a round: sweeps follow each other, and two that have a context in common are GAP cycles apart. */
+/* Issues of a round: sweeps follow each other, and two that have a context in common are GAP cycles
+ * apart. */
 typedef struct {
     uint64_t start; /* of the sweep before */
     uint32_t count; /* ... its contexts; 0: there is none */
@@ -50,7 +51,8 @@ static void sweep(issues *s, uint32_t count, uint32_t late) {
     s->count = count;
 }
 
-/* Words begin .. end of the program, for one batch. late: the next issue is not sooner after the start of the one before. */
+/* Words begin .. end of the program, for one batch. late: the next issue is not sooner after the
+ * start of the one before. */
 static void issue_batch(const fp3_config *config, const fp3_phased *program,
                         const fp3_phased_run *run, issues *s, const fp3_phase_cost *phase,
                         uint32_t first, uint32_t count) {

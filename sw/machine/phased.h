@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* phased.h - cycles of a program in which objects see each other: its phases, its loops over neighbours.
+/* phased.h - cycles of a program in which objects see each other: its phases, its loops over
+ * neighbours.
  *
- * A phase is a round. All contexts of a batch go through a loop as often as the longest of their lists is long, so the
- * cycles follow from the program, the lists and isa/timing.toml.
+ * A phase is a round. All contexts of a batch go through a loop as often as the longest of their
+ * lists is long, so the cycles follow from the program, the lists and isa/timing.toml.
  */
 #ifndef FP3_PHASED_H
 #define FP3_PHASED_H
@@ -23,7 +24,8 @@ typedef struct {
     uint32_t rows;   /* objects of the fullest lane */
     uint32_t copies; /* from lane to lane before each phase ... */
     uint32_t words;  /* ... of so many published words */
-    /* The longest of the lists of register reg that the objects in these rows have, in whichever lane. */
+    /* The longest of the lists of register reg that the objects in these rows have, in whichever
+     * lane. */
     uint32_t (*longest)(const void *user, uint32_t reg, uint32_t first_row, uint32_t rows);
     const void *user;
 } fp3_phased_run;
@@ -32,9 +34,9 @@ typedef struct {
 uint64_t fp3_cycles_phased(const fp3_config *config, const fp3_phased *program,
                            const fp3_phased_run *run, uint32_t steps);
 
-/* What a phase costs, beyond what its batches and turns say. With FULL contexts or more in each batch, and no batch whose
- * lists are all empty, a phase takes
- *     objects * (object + sum over loops: turns * turn) + batches * loops * loop + around. */
+/* What a phase costs, beyond what its batches and turns say. With FULL contexts or more in each
+ * batch, and no batch whose lists are all empty, a phase takes objects * (object + sum over loops:
+ * turns * turn) + batches * loops * loop + around. */
 typedef struct {
     uint32_t begin, end;    /* its words; `end` is that of its `phase`, or of the program */
     uint32_t object, loops; /* cycles; how many loops there are */

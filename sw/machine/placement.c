@@ -112,8 +112,8 @@ static size_t slowest(const share *shares, size_t count) {
     return found;
 }
 
-/* Each further scheduler goes to the group that ends last. No other division ends earlier. For let T
- * be the end of the best one. Cycles never rise with schedulers, so a group that ends after T has
+/* Each further scheduler goes to the group that ends last. No other division ends earlier. For let
+ * T be the end of the best one. Cycles never rise with schedulers, so a group that ends after T has
  * fewer than in the best division, and one that no scheduler helps ends by T. While some group ends
  * after T, each scheduler so goes to one that has fewer than in the best division: none gets more
  * than there, and before the schedulers are used up all end by T. */
@@ -176,7 +176,8 @@ static uint32_t best_tile(const fp3_config *config, const tile *tiles, const sha
 }
 
 /* Who needs most comes first, and each goes where it hurts least: so a program that multiplies
- * meets one that adds, and a long one a short one. A rule of thumb (longest first), not the best. */
+ * meets one that adds, and a long one a short one. A rule of thumb (longest first), not the best.
+ */
 static void pair(const fp3_config *config, share *shares, size_t count, tile *tiles,
                  uint32_t *group_of) {
     for (uint32_t left = fp3_config_schedulers(config); left > 0; left--) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* placement.h - which schedulers run which group of objects, so that all end as early as possible.
  *
- * A scheduler with its lanes runs one program; a group may have several, and its objects then go round
- * all their lanes.
+ * A scheduler with its lanes runs one program; a group may have several, and its objects then go
+ * round all their lanes.
  */
 #ifndef FP3_PLACEMENT_H
 #define FP3_PLACEMENT_H
@@ -12,7 +12,8 @@
 #include <fp3/status.h>
 #include <stddef.h>
 
-/* What the instruction memory gets: the image's words; interleaved, with loads and stores around. */
+/* What the instruction memory gets: the image's words; interleaved, with loads and stores around.
+ */
 typedef struct {
     const uint32_t *code;
     const fp3_decoded *decoded; /* each word of code */

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* storage.h - records of 16 bits (key `storage`): what a store makes of a word, and how it draws where it rounds at random.
+/* storage.h - records of 16 bits (key `storage`): what a store makes of a word, and how it draws
+ * where it rounds at random.
  *
  *     uint32_t flags;
  *     const fp3_draw draw = {.seed = fp3_storage_seed(1), .object = 5, .step = 12, .reg = 0};
  *     record = fp3_stored(config, word, &draw, &flags);
  *
- * Every engine has the record's number as the binary32 word that a load gives; only hardware has its 16 bits.
+ * Every engine has the record's number as the binary32 word that a load gives; only hardware has
+ * its 16 bits.
  */
 #ifndef FP3_STORAGE_H
 #define FP3_STORAGE_H
@@ -20,8 +22,8 @@ typedef struct {
     uint32_t object, step, reg;
 } fp3_draw;
 
-/* The word that a load gives after the store of this one. draw may be NULL: to nearest. *flags: overflow and inexact if a finite
- * number became infinite; nothing else is raised. */
+/* The word that a load gives after the store of this one. draw may be NULL: to nearest. *flags:
+ * overflow and inexact if a finite number became infinite; nothing else is raised. */
 uint32_t fp3_stored(const fp3_config *config, uint32_t word, const fp3_draw *draw, uint32_t *flags);
 
 /* The register `seed` of a run whose caller has chosen this seed; 0: 0. */

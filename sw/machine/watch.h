@@ -5,7 +5,8 @@
 
 #include <fp3/engine.h>
 
-/* Exceptions after which a number means nothing; divide by zero, which only inverses by logarithms raise, leaves an infinity. */
+/* Exceptions after which a number means nothing; divide by zero, which only inverses by logarithms
+ * raise, leaves an infinity. */
 #define FP3_FLAGS_GRAVE (FP3_FLAG_INVALID | FP3_FLAG_OVERFLOW)
 #define FP3_NEVER UINT64_MAX
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* around.h - what a recording keeps of relations: who is linked, and within what distance objects are near. */
+/* around.h - what a recording keeps of relations: who is linked, and within what distance objects
+ * are near. */
 #ifndef FP3_OUTPUT_AROUND_H
 #define FP3_OUTPUT_AROUND_H
 
@@ -22,7 +23,8 @@ typedef struct {
     size_t count;
 } fp3_around;
 
-/* Asks the engine, whose program is loaded. The caller frees *around, after a failure too. FP3_E_SYSTEM: out of memory. */
+/* Asks the engine, whose program is loaded. The caller frees *around, after a failure too.
+ * FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_around_find(const fp3_source *source, fp3_around *around, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_around_free(fp3_around *around);

@@ -12,7 +12,8 @@ typedef struct {
     int is_checkpoint;
 } fp3_chain;
 
-/* The caller frees *chain, after a failure too. FP3_E_ARGUMENT: the file is neither, or is damaged. */
+/* The caller frees *chain, after a failure too. FP3_E_ARGUMENT: the file is neither, or is damaged.
+ */
 fp3_status fp3_chain_read(const char *path, fp3_chain *chain, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_chain_free(fp3_chain *chain);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* checkpoint.h - the state of a run in a file, from which another process goes on with the same bits (docs/checkpoints.md). */
+/* checkpoint.h - the state of a run in a file, from which another process goes on with the same
+ * bits (docs/checkpoints.md). */
 #ifndef FP3_CHECKPOINT_H
 #define FP3_CHECKPOINT_H
 
@@ -18,7 +19,8 @@ typedef struct {
     uint32_t *has_failed;     /* of each object: 0 or 1 */
 } fp3_past;
 
-/* Room for an engine's groups and objects, all 0. The caller frees *past, after a failure too. FP3_E_SYSTEM: out of memory. */
+/* Room for an engine's groups and objects, all 0. The caller frees *past, after a failure too.
+ * FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_past_open(const fp3_engine *engine, fp3_past *past, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_past_free(fp3_past *past);
@@ -30,14 +32,16 @@ typedef struct {
                             nothing: another process of a cluster does */
 } fp3_checkpoint_def;
 
-/* Gives past its hash, adds that to the chain, and writes the file: whole, or not at all. What it held before stays as path.1. */
+/* Gives past its hash, adds that to the chain, and writes the file: whole, or not at all. What it
+ * held before stays as path.1. */
 fp3_status fp3_checkpoint_write(const fp3_checkpoint_def *def, fp3_state *state, fp3_past *past,
                                 fp3_error *error);
 
 typedef struct fp3_checkpoint fp3_checkpoint;
 /* *is: the file begins as a checkpoint does, whole or not. FP3_E_ARGUMENT: it cannot be read. */
 fp3_status fp3_checkpoint_is(const char *path, int *is, fp3_error *error);
-/* The caller closes *checkpoint, which is NULL on failure. FP3_E_ARGUMENT: the file is no whole checkpoint; error names path.1 if that is one. */
+/* The caller closes *checkpoint, which is NULL on failure. FP3_E_ARGUMENT: the file is no whole
+ * checkpoint; error names path.1 if that is one. */
 fp3_status fp3_checkpoint_open(const char *path, fp3_checkpoint **checkpoint, fp3_error *error);
 /* Sets *checkpoint to NULL, which it may be already. */
 void fp3_checkpoint_close(fp3_checkpoint **checkpoint);
@@ -47,8 +51,9 @@ void fp3_checkpoint_chain(const fp3_checkpoint *checkpoint, fp3_digest *before, 
 /* See fp3_checkpoint_def. */
 const char *fp3_checkpoint_command(const fp3_checkpoint *checkpoint);
 
-/* Writes the state to an engine that has been loaded as that of the checkpoint was; past has the hash of that load as its start. Gives past the rest.
- * FP3_E_ARGUMENT: it has been loaded otherwise; error says with what. */
+/* Writes the state to an engine that has been loaded as that of the checkpoint was; past has the
+ * hash of that load as its start. Gives past the rest. FP3_E_ARGUMENT: it has been loaded
+ * otherwise; error says with what. */
 fp3_status fp3_checkpoint_restore(fp3_checkpoint *checkpoint, fp3_state *state, fp3_past *past,
                                   fp3_error *error);
 

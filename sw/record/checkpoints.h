@@ -19,7 +19,9 @@ typedef struct {
     uint64_t hashed;
 } fp3_checkpoints;
 
-/* The program is loaded. The caller closes *c, after a failure too. FP3_E_ARGUMENT: adaptive steps; checkpoints that another process writes; a restart from what is no checkpoint, or behind the end of the run. */
+/* The program is loaded. The caller closes *c, after a failure too. FP3_E_ARGUMENT: adaptive steps;
+ * checkpoints that another process writes; a restart from what is no checkpoint, or behind the end
+ * of the run. */
 fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine,
                                 fp3_checkpoints *c, fp3_error *error);
 /* Leaves {0}, which may be closed as well. */

@@ -37,9 +37,10 @@ static inline int fp3_column_is_wide(const fp3_column *column) {
     return column->kind == FP3_COLUMN_SUM || column->kind == FP3_COLUMN_COMPUTED;
 }
 
-/* names: NULL for the states. has_lives: objects are born and gone, so the last column says who lives. Room for blocks of at most `objects` objects, fewer where there are many
- * columns. The caller frees *columns, after a failure too. FP3_E_ARGUMENT: no such name, twice the same,
- * or one that stands for a column of its own. */
+/* names: NULL for the states. has_lives: objects are born and gone, so the last column says who
+ * lives. Room for blocks of at most `objects` objects, fewer where there are many columns. The
+ * caller frees *columns, after a failure too. FP3_E_ARGUMENT: no such name, twice the same, or one
+ * that stands for a column of its own. */
 fp3_status fp3_columns_open(const fp3_program *program, const char *const *names, size_t count,
                             size_t objects, int has_lives, fp3_columns *columns, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
@@ -48,8 +49,8 @@ void fp3_columns_free(fp3_columns *columns);
 /* Once before the first block, with the values that objects were given. */
 fp3_status fp3_columns_begin(fp3_columns *columns, const fp3_source *source, fp3_error *error);
 
-/* Fills the values of objects first .. first+count-1, after `step` steps of the run. What goes wrong the
- * engine tells. */
+/* Fills the values of objects first .. first+count-1, after `step` steps of the run. What goes
+ * wrong the engine tells. */
 fp3_status fp3_columns_read(fp3_columns *columns, const fp3_source *source, uint64_t step,
                             size_t first, size_t count);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* csv.h - a recording as comma-separated values, RFC 4180: a row for each object of each snapshot. */
+/* csv.h - a recording as comma-separated values, RFC 4180: a row for each object of each snapshot.
+ */
 #ifndef FP3_OUTPUT_CSV_H
 #define FP3_OUTPUT_CSV_H
 

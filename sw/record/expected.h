@@ -17,7 +17,8 @@ typedef struct fp3_expected {
     size_t agreed; /* how many the run has had so far */
 } fp3_expected;
 
-/* hash: that of the state after this step. FP3_E_MISMATCH: it makes another link. A step that is not in the list is not compared. */
+/* hash: that of the state after this step. FP3_E_MISMATCH: it makes another link. A step that is
+ * not in the list is not compared. */
 fp3_status fp3_expected_compare(fp3_expected *expected, const fp3_hdf5_ops *calls, uint64_t step,
                                 const fp3_digest *hash, fp3_error *error);
 

@@ -14,8 +14,8 @@ typedef struct {
 /* In the order of the list; NULL beyond the last. */
 const fp3_family *fp3_family_of_integrators(size_t number);
 
-/* Of an integrator, by its name, and of whoever runs steps, by the name of its engine. What is in no family has one of its
- * own: "other", grey. */
+/* Of an integrator, by its name, and of whoever runs steps, by the name of its engine. What is in
+ * no family has one of its own: "other", grey. */
 const fp3_family *fp3_family_of_integrator(const char *name);
 const fp3_family *fp3_family_of_solver(const char *engine);
 

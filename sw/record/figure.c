@@ -20,7 +20,9 @@ enum {
     BELOW = 28
 };
 
-#define LEFT 0.14 /* where data begin and end, as shares of the width: the legend is on the right */
+#define LEFT                                                                                       \
+    0.14 /* where data begin and end, as shares of the width: the legend is on the right           \
+          */
 #define RIGHT 0.82
 #define MARKS_MOST 40 /* points that are drawn as such, and not lines alone */
 
@@ -73,7 +75,8 @@ static void put_data(const fp3_figure *f, FILE *out) {
 
 /* ---- the layout: panels, then planes ---- */
 
-/* Components of a vector share a panel where they are one object's; several objects have a panel for each name. */
+/* Components of a vector share a panel where they are one object's; several objects have a panel
+ * for each name. */
 static size_t in_panel(const fp3_figure *f, size_t name) {
     return f->object_count == 1 ? fp3_planes_vector(f->subject, name) : 1;
 }
@@ -106,7 +109,8 @@ static fp3_range range_of(const fp3_figure *f, const size_t *names, size_t count
     return r;
 }
 
-/* With one scale a circle is round: the plane is as tall as its curves ask for, and what is left over stays empty. */
+/* With one scale a circle is round: the plane is as tall as its curves ask for, and what is left
+ * over stays empty. */
 static void fit(const fp3_figure *f, layout *l, size_t i) {
     const fp3_plane *p = &l->plane[i];
     fp3_range over = range_of(f, p->x, p->count), up = range_of(f, p->y, p->count);
@@ -147,7 +151,8 @@ static void place(const layout *l, FILE *out, int top, int height) {
 
 /* ---- curves ---- */
 
-/* Columns x and y of the data, of one object. A curve is told by its object, else by its number; alone it needs no name. */
+/* Columns x and y of the data, of one object. A curve is told by its object, else by its number;
+ * alone it needs no name. */
 static void put_curve(const fp3_figure *f, FILE *out, size_t object, size_t number, size_t x,
                       size_t y, const char *name, size_t length) {
     const int is_first = object == 0 && number == 0, is_one = f->object_count == 1;

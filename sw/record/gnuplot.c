@@ -68,7 +68,8 @@ static fp3_status tell(FILE *said, int code, fp3_error *error) {
     return fp3_fail(error, FP3_E_SYSTEM, "gnuplot ends with %d", code);
 }
 
-/* Until gnuplot closes its end, or its time is over. What cannot be written, the stream remembers. */
+/* Until gnuplot closes its end, or its time is over. What cannot be written, the stream remembers.
+ */
 static void copy(int from, const fp3_child *child, FILE *to) {
     char bytes[65536];
     struct pollfd end = {.fd = from, .events = POLLIN};

@@ -20,8 +20,8 @@ const char *fp3_gnuplot_colour(size_t i);
 /* Writes a script, and in it every number with a point, whatever the user's language. */
 typedef void fp3_gnuplot_script_fn(const void *user, FILE *script);
 
-/* The first lines of a script: the kind of picture, by its name, and its size in pixels; a grid, and
- * the legend to the right of `right`, a share of the width. */
+/* The first lines of a script: the kind of picture, by its name, and its size in pixels; a grid,
+ * and the legend to the right of `right`, a share of the width. */
 void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height, double right);
 
 /* Both axes logarithmic, and each power of ten as 10 with an exponent. */
@@ -30,8 +30,8 @@ void fp3_gnuplot_logarithmic(FILE *script);
 /* A heading in the legend; " ": a gap. */
 void fp3_gnuplot_heading(FILE *script, const char *text);
 
-/* Draws what the script says into a stream. FP3_E_SYSTEM: gnuplot does not start or fails, and error
- * has what it said; what cannot be written, the stream remembers. */
+/* Draws what the script says into a stream. FP3_E_SYSTEM: gnuplot does not start or fails, and
+ * error has what it said; what cannot be written, the stream remembers. */
 fp3_status fp3_gnuplot_write(fp3_gnuplot_script_fn *script, const void *user, FILE *to,
                              fp3_error *error);
 

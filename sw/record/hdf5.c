@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* hdf5.c - see hdf5.h. A chunk of about 1 MB is one piece of the file: it is gathered here, then written
- * whole, so that libhdf5 keeps none.
+/* hdf5.c - see hdf5.h. A chunk of about 1 MB is one piece of the file: it is gathered here, then
+ * written whole, so that libhdf5 keeps none.
  */
 #include "hdf5.h"
 
@@ -142,7 +142,8 @@ static fp3_status add_column(const hdf5 *self, size_t i, fp3_error *error) {
 
 /* ---- who sees whom ---- */
 
-/* The state that is a position knows its velocity, so that readers can tell the two from each other. */
+/* The state that is a position knows its velocity, so that readers can tell the two from each
+ * other. */
 static fp3_status name_velocity(const hdf5 *self, size_t i, fp3_error *error) {
     const fp3_model *model = self->subject->program->model;
     const uint32_t state =

@@ -8,8 +8,8 @@
 /* Whether a name ends in .h5 or .hdf5, in letters of any case. */
 int fp3_hdf5_is_named(const char *path);
 
-/* The subject must outlive the sink; the caller closes it. FP3_E_ARGUMENT: what is there is no regular
- * file; FP3_E_SYSTEM: fp3_hdf5.so is not there or does not fit. */
+/* The subject must outlive the sink; the caller closes it. FP3_E_ARGUMENT: what is there is no
+ * regular file; FP3_E_SYSTEM: fp3_hdf5.so is not there or does not fit. */
 fp3_status fp3_hdf5_open(const fp3_subject *subject, fp3_sink **sink, fp3_error *error);
 
 #endif

@@ -54,7 +54,8 @@ fp3_failure fp3_failure_unpack(const uint32_t words[FP3_FAILURE_WORDS]) {
 
 /* ---- what the engine was loaded with ---- */
 
-/* A list of those that are near is made as objects move: its rule counts, but not its skin, which changes no bit. */
+/* A list of those that are near is made as objects move: its rule counts, but not its skin, which
+ * changes no bit. */
 static void add_list(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const fp3_list *list) {
     const uint32_t head[] = {
         list->reg,     list->fields,         (uint32_t)list->is_all, (uint32_t)list->is_near,

@@ -14,8 +14,8 @@ static int is_at(double time, double step, double h) {
     return fabs(step * h - time) <= ROUNDING * fabs(time);
 }
 
-/* h as it was given, or as the program has it: whoever asks for 0.3 with h=0.1 means step 3, and so does
- * who copies the time of step 3 from a file. */
+/* h as it was given, or as the program has it: whoever asks for 0.3 with h=0.1 means step 3, and so
+ * does who copies the time of step 3 from a file. */
 fp3_status fp3_plan_step(const fp3_source *source, double time, uint64_t *step, fp3_error *error) {
     if (!source->has_time)
         return fp3_fail(error, FP3_E_ARGUMENT,

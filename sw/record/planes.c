@@ -67,7 +67,8 @@ static int is_velocity(const fp3_subject *s, size_t name) {
     return 0;
 }
 
-/* By its unit; without one, a state whose derivative is another state, and which is no such derivative itself. */
+/* By its unit; without one, a state whose derivative is another state, and which is no such
+ * derivative itself. */
 static int is_position(const fp3_subject *s, size_t name) {
     const char *unit = column(s, name)->unit;
     return *unit && strcmp(unit, "1") != 0 ? fp3_unit_is_length(unit)

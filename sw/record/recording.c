@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* recording.c - a run in parts: after each, who failed in it is asked, and a snapshot or a checkpoint is taken. */
+/* recording.c - a run in parts: after each, who failed in it is asked, and a snapshot or a
+ * checkpoint is taken. */
 #include <fp3/program.h>
 
 #include "checkpoints.h"

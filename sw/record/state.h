@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* state.h - all that a program keeps of its objects from step to step: which words, and a hash of them.
+/* state.h - all that a program keeps of its objects from step to step: which words, and a hash of
+ * them.
  *
  *     fp3_state state;
  *     fp3_digest hash;
@@ -29,7 +30,8 @@ typedef struct {
     uint32_t *words; /* of one register of all objects */
 } fp3_state;
 
-/* Of a loaded engine, until the next load. The caller frees *state, after a failure too. FP3_E_SYSTEM: no fp3_hdf5.so, no memory. */
+/* Of a loaded engine, until the next load. The caller frees *state, after a failure too.
+ * FP3_E_SYSTEM: no fp3_hdf5.so, no memory. */
 fp3_status fp3_state_open(fp3_engine *engine, fp3_state *state, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_state_free(fp3_state *state);
@@ -43,8 +45,9 @@ typedef struct {
     const uint32_t *words;
 } fp3_state_row;
 typedef fp3_status fp3_state_fn(void *user, const fp3_state_row *row, fp3_error *error);
-/* Calls `tell`, unless it is NULL, with each row, group by group in ascending order of registers, and makes the hash of docs/checkpoints.md:
- * SHA-256 of the step, 64 bits, and of these words, each with its lowest byte first. */
+/* Calls `tell`, unless it is NULL, with each row, group by group in ascending order of registers,
+ * and makes the hash of docs/checkpoints.md: SHA-256 of the step, 64 bits, and of these words, each
+ * with its lowest byte first. */
 fp3_status fp3_state_look(fp3_state *state, uint64_t step, fp3_state_fn *tell, void *user,
                           fp3_digest *hash, fp3_error *error);
 static inline fp3_status fp3_state_hash(fp3_state *state, uint64_t step, fp3_digest *hash,
@@ -52,7 +55,8 @@ static inline fp3_status fp3_state_hash(fp3_state *state, uint64_t step, fp3_dig
     return fp3_state_look(state, step, NULL, NULL, hash, error);
 }
 
-/* The next link: SHA-256 of the one before and of a hash, as 64 bytes. Before the first it is all 0. */
+/* The next link: SHA-256 of the one before and of a hash, as 64 bytes. Before the first it is all
+ * 0. */
 fp3_status fp3_chain_add(const fp3_hdf5_ops *calls, fp3_digest *chain, const fp3_digest *hash,
                          fp3_error *error);
 

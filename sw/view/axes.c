@@ -101,7 +101,8 @@ static int take_vector(const fp3_view_recording *r, fp3_view_axes *axes) {
     return 0;
 }
 
-/* The column that is the derivative of this one: as the recording says, or the only one in its unit per time. */
+/* The column that is the derivative of this one: as the recording says, or the only one in its unit
+ * per time. */
 static size_t velocity_of(const fp3_view_recording *r, size_t column) {
     const fp3_view_column *c = &r->columns[column];
     size_t found = FP3_VIEW_NO_COLUMN, count = 0;

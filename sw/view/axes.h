@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* axes.h - which values of a recording say where an object is, how large it is and what colour it has. */
+/* axes.h - which values of a recording say where an object is, how large it is and what colour it
+ * has. */
 #ifndef FP3_VIEW_AXES_H
 #define FP3_VIEW_AXES_H
 
@@ -26,15 +27,17 @@ typedef struct {
     char speed[64];     /* the default field of colours; "" */
 } fp3_view_axes;
 
-/* Before the recording is loaded: chooses, and wants all that is shown. FP3_E_ARGUMENT: nothing can be a position, or there is
- * no such name; the message says what there is. */
+/* Before the recording is loaded: chooses, and wants all that is shown. FP3_E_ARGUMENT: nothing can
+ * be a position, or there is no such name; the message says what there is. */
 fp3_status fp3_view_choose(fp3_view_recording *r, const fp3_view_wishes *wishes,
                            fp3_view_axes *axes, fp3_error *error);
 
-/* Components "name_x", "name_y" and, maybe, "name_z" of a vector: how many there are, 0 if it is none. */
+/* Components "name_x", "name_y" and, maybe, "name_z" of a vector: how many there are, 0 if it is
+ * none. */
 unsigned fp3_view_vector(const fp3_view_recording *r, const char *name, size_t length,
                          size_t columns[FP3_VIEW_AXES]);
-/* Whether the column is the first component of a vector: the length of the vector's name, else 0. */
+/* Whether the column is the first component of a vector: the length of the vector's name, else 0.
+ */
 size_t fp3_view_begins_vector(const fp3_view_recording *r, size_t column);
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* camera.h - where in a picture a place of a recording is: as in the page (page/camera.js), seen from its first view or turned.
+/* camera.h - where in a picture a place of a recording is: as in the page (page/camera.js), seen
+ * from its first view or turned.
  *
- * Of the mathematical library only sqrt and floor are used, which are exact everywhere: so a place is in the same part of a
- * pixel on every machine.
+ * Of the mathematical library only sqrt and floor are used, which are exact everywhere: so a place
+ * is in the same part of a pixel on every machine.
  */
 #ifndef FP3_VIEW_CAMERA_H
 #define FP3_VIEW_CAMERA_H

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* csv.c - a recording as CSV: a head with names and units, a row for each object of each snapshot. */
+/* csv.c - a recording as CSV: a head with names and units, a row for each object of each snapshot.
+ */
 #include "reader.h"
 
 #include "base/file.h"
@@ -225,8 +226,8 @@ static fp3_status make_room(fp3_view_recording *r, fp3_error *error) {
 
 /* ---- snapshots ---- */
 
-/* How many objects there are is known when the first snapshot ends, so until then there is room for twice as many as
- * were seen. */
+/* How many objects there are is known when the first snapshot ends, so until then there is room for
+ * twice as many as were seen. */
 static fp3_status grow_objects(fp3_view_recording *r, uint64_t object, fp3_error *error) {
     csv *self = (csv *)r->reader;
     if (object < r->objects)

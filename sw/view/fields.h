@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fields.h - what objects can be coloured by: each value, and the length of each vector, with their ranges. */
+/* fields.h - what objects can be coloured by: each value, and the length of each vector, with their
+ * ranges. */
 #ifndef FP3_VIEW_FIELDS_H
 #define FP3_VIEW_FIELDS_H
 
@@ -10,9 +11,9 @@ typedef struct {
     int length;       /* of the name */
     const char *unit;
     size_t columns[FP3_VIEW_AXES];
-    unsigned count; /* of columns; above 1: the length of the vector */
-    double least,
-        most; /* colours go from here to there: all that is finite (both 0 if nothing is), or what was asked for */
+    unsigned count;     /* of columns; above 1: the length of the vector */
+    double least, most; /* colours go from here to there: all that is finite (both 0 if nothing is),
+                           or what was asked for */
 } fp3_view_field;
 
 typedef struct {

@@ -42,7 +42,8 @@ uint32_t fp3_view_code(const fp3_view_scale *s, float value) {
 
 /* ---- differences ---- */
 
-/* What a code is expected to be: from the rows before it, in the first row from the one to the left. */
+/* What a code is expected to be: from the rows before it, in the first row from the one to the
+ * left. */
 static uint32_t expected(const uint32_t *codes, size_t row, size_t i, size_t count, int order) {
     const uint32_t *at = codes + row * count + i;
     if (row == 0)

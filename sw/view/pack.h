@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* pack.h - numbers as text in a page: 16 bits of each, or all 32, as differences that deflate makes small, in base64.
+/* pack.h - numbers as text in a page: 16 bits of each, or all 32, as differences that deflate makes
+ * small, in base64.
  *
- * The page undoes it (page/data.js). A stream is deflated; its first byte is the order of the differences, then come all
- * lowest bytes, all next ones, and so on. A difference d is stored as 2 d, or -2 d - 1 if it is negative.
+ * The page undoes it (page/data.js). A stream is deflated; its first byte is the order of the
+ * differences, then come all lowest bytes, all next ones, and so on. A difference d is stored as 2
+ * d, or -2 d - 1 if it is negative.
  */
 #ifndef FP3_VIEW_PACK_H
 #define FP3_VIEW_PACK_H
@@ -27,8 +29,8 @@ typedef struct {
 fp3_view_scale fp3_view_scale_of(const float *values, size_t count, int is_exact);
 uint32_t fp3_view_code(const fp3_view_scale *scale, float value);
 
-/* Writes rows x count codes of 16 bits, or of 32 if is_wide, which it changes. FP3_E_SYSTEM: out of memory; the stream says
- * for itself whether it could be written. */
+/* Writes rows x count codes of 16 bits, or of 32 if is_wide, which it changes. FP3_E_SYSTEM: out of
+ * memory; the stream says for itself whether it could be written. */
 fp3_status fp3_view_pack(uint32_t *codes, size_t rows, size_t count, int is_wide, FILE *out,
                          fp3_error *error);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* page.c - see page.h. What comes from files is in one JSON text without '<', so that nothing in it can end the element that
- * it is in; the page shows it as text alone.
+/* page.c - see page.h. What comes from files is in one JSON text without '<', so that nothing in it
+ * can end the element that it is in; the page shows it as text alone.
  */
 #include "page.h"
 
@@ -92,7 +92,8 @@ static json_t *box_of(const fp3_view_page *page) {
     return list;
 }
 
-/* Mostly a step is first + i * every, and the last is where the run ended; and a time is a step times h. */
+/* Mostly a step is first + i * every, and the last is where the run ended; and a time is a step
+ * times h. */
 static json_t *steps_of(const fp3_view_recording *r) {
     const uint64_t first = r->steps[0], last = r->steps[r->snapshots - 1];
     const uint64_t every = r->snapshots > 1 ? r->steps[1] - first : 1;

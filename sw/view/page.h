@@ -32,7 +32,8 @@ typedef struct {
 /* FP3_E_ARGUMENT: a wall is along an axis that the position does not have. */
 fp3_status fp3_view_page_check(const fp3_view_page *page, fp3_error *error);
 
-/* Sets scales[i], one for each column of the recording that is loaded. FP3_E_SYSTEM: out of memory. */
+/* Sets scales[i], one for each column of the recording that is loaded. FP3_E_SYSTEM: out of memory.
+ */
 fp3_status fp3_view_page_write(const fp3_view_page *page, FILE *out, fp3_view_scale *scales,
                                fp3_error *error);
 

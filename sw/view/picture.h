@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* picture.h - a snapshot of a recording as pixels, without a display: what the page shows at first, in its light colours and
- * without words.
+/* picture.h - a snapshot of a recording as pixels, without a display: what the page shows at first,
+ * in its light colours and without words.
  */
 #ifndef FP3_VIEW_PICTURE_H
 #define FP3_VIEW_PICTURE_H

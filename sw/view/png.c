@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* png.c - see png.h. libpng as it is released writes no animations, and a PNG without them is four chunks around what zlib
- * makes.
+/* png.c - see png.h. libpng as it is released writes no animations, and a PNG without them is four
+ * chunks around what zlib makes.
  */
 #include "png.h"
 

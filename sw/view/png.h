@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* png.h - pictures as PNG, and several of them as an animated one (APNG, which everything that shows a PNG shows the first
- * picture of). Pixels are 3 bytes: red, green, blue.
+/* png.h - pictures as PNG, and several of them as an animated one (APNG, which everything that
+ * shows a PNG shows the first picture of). Pixels are 3 bytes: red, green, blue.
  */
 #ifndef FP3_VIEW_PNG_H
 #define FP3_VIEW_PNG_H

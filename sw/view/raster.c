@@ -46,7 +46,8 @@ static uint32_t root(uint64_t x) {
 
 static uint8_t lit(uint8_t colour, uint32_t light) { return (uint8_t)((colour * light) >> 8); }
 
-/* From 128 where the light does not come to 256: its way is (-5, 8, 10)/14, to the left, up, to the eye. */
+/* From 128 where the light does not come to 256: its way is (-5, 8, 10)/14, to the left, up, to the
+ * eye. */
 static uint32_t light_of(int64_t x, int64_t y, int64_t z, int64_t radius) {
     const int64_t towards = -5 * x - 8 * y + 10 * z;
     return towards > 0 ? (uint32_t)(128 + 128 * towards / (14 * radius)) : 128;
@@ -109,7 +110,8 @@ static void put_line(fp3_view_raster *r, int64_t x, int64_t y, int64_t depth, fp
 
 static int64_t size_of(int64_t x) { return x < 0 ? -x : x; }
 
-/* A pixel for each step along the longer side. Lines hide nothing, so their order does not matter for depth. */
+/* A pixel for each step along the longer side. Lines hide nothing, so their order does not matter
+ * for depth. */
 void fp3_view_raster_line(fp3_view_raster *r, fp3_view_place from, fp3_view_place to,
                           fp3_view_ink ink, uint32_t cover) {
     const int64_t wide = (int64_t)to.x - from.x, high = (int64_t)to.y - from.y;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* raster.h - balls and lines as pixels.
  *
- * Which pixels are drawn, and in what colour, is decided in whole numbers alone, so they are the same on every machine.
- * A picture is drawn twice as wide and high, and each pixel is the mean of four.
+ * Which pixels are drawn, and in what colour, is decided in whole numbers alone, so they are the
+ * same on every machine. A picture is drawn twice as wide and high, and each pixel is the mean of
+ * four.
  */
 #ifndef FP3_VIEW_RASTER_H
 #define FP3_VIEW_RASTER_H
@@ -36,7 +37,8 @@ fp3_status fp3_view_raster_make(uint32_t width, uint32_t height, fp3_view_raster
 void fp3_view_raster_free(fp3_view_raster *raster);
 
 void fp3_view_raster_clear(fp3_view_raster *raster, fp3_view_ink ink);
-/* A ball of this radius in parts of a pixel, whose light comes from the left above. deep: its radius as a depth. */
+/* A ball of this radius in parts of a pixel, whose light comes from the left above. deep: its
+ * radius as a depth. */
 void fp3_view_raster_ball(fp3_view_raster *raster, fp3_view_place at, int32_t radius, int32_t deep,
                           fp3_view_ink ink);
 /* A line that lets 256 - cover parts of 256 through. */

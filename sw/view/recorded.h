@@ -48,21 +48,24 @@ typedef struct {
 
 /* FP3_VIEW_NO_COLUMN: there is none of this name. */
 size_t fp3_view_find(const fp3_view_recording *r, const char *name);
-/* The column of this name will be loaded. "object" is the number of each object, "time" the time of each snapshot.
- * FP3_E_ARGUMENT: there is none; the message names those that there are. */
+/* The column of this name will be loaded. "object" is the number of each object, "time" the time of
+ * each snapshot. FP3_E_ARGUMENT: there is none; the message names those that there are. */
 fp3_status fp3_view_want(fp3_view_recording *r, const char *name, size_t *column, fp3_error *error);
 /* "x_x [m], x_y [m], ..."; cut to the size. */
 const char *fp3_view_names(const fp3_view_recording *r, char *text, size_t size);
 
-/* A column with these texts, which belong to the recording from here on; NULL is "". FP3_E_SYSTEM: out of memory. */
+/* A column with these texts, which belong to the recording from here on; NULL is "". FP3_E_SYSTEM:
+ * out of memory. */
 fp3_status fp3_view_add(fp3_view_recording *r, char *name, char *unit, int source,
                         fp3_error *error);
 
-/* Whether that many values have room. FP3_E_ARGUMENT, and the message says what makes them fewer. */
+/* Whether that many values have room. FP3_E_ARGUMENT, and the message says what makes them fewer.
+ */
 fp3_status fp3_view_check_size(const fp3_view_recording *r, uint64_t snapshots, uint64_t objects,
                                fp3_error *error);
 
-/* A wide number as the float that it is shown as; NaN stays what it is. 0: it is finite, and no float is near it. */
+/* A wide number as the float that it is shown as; NaN stays what it is. 0: it is finite, and no
+ * float is near it. */
 int fp3_view_narrow(double wide, float *value);
 
 /* Frees all but the reader. */

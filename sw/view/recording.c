@@ -39,7 +39,8 @@ fp3_status fp3_view_load(fp3_view_recording *r, uint64_t every, fp3_error *error
 
 /* ---- opening and closing ---- */
 
-/* Every HDF5 file of ours begins so. What comes through a pipe can be read only once, so it is taken for CSV. */
+/* Every HDF5 file of ours begins so. What comes through a pipe can be read only once, so it is
+ * taken for CSV. */
 static int is_hdf5(const char *path) {
     static const char mark[] = "\211HDF\r\n\032\n";
     char begin[sizeof mark - 1];

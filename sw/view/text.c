@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* text.c - see text.h. The assembler includes what C11 cannot; the Makefile knows that this depends on it. */
+/* text.c - see text.h. The assembler includes what C11 cannot; the Makefile knows that this depends
+ * on it. */
 #include "text.h"
 
 #define TEXT(name, file)                                                                           \

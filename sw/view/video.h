@@ -9,10 +9,11 @@
 
 /* Whether the name is that of a video: it ends in .mp4, in upper or lower case. */
 int fp3_view_video_is_named(const char *path);
-/* Before anything is drawn. FP3_E_ARGUMENT: the width or the height is odd; FP3_E_SYSTEM: ffmpeg is not installed, or does not
- * start. */
+/* Before anything is drawn. FP3_E_ARGUMENT: the width or the height is odd; FP3_E_SYSTEM: ffmpeg is
+ * not installed, or does not start. */
 fp3_status fp3_view_video_check(uint32_t width, uint32_t height, fp3_error *error);
-/* Of an animated PNG, from its beginning, into a file that exists. FP3_E_SYSTEM: ffmpeg fails; error has what it said. */
+/* Of an animated PNG, from its beginning, into a file that exists. FP3_E_SYSTEM: ffmpeg fails;
+ * error has what it said. */
 fp3_status fp3_view_video_make(FILE *film, const char *path, fp3_error *error);
 
 #endif

@@ -6,8 +6,9 @@
 #include <fp3/image.h>
 #include <fp3/program.h>
 
-/* Of an object; share as of fp3_values_at. *is_spread: another share gives other values. FP3_E_ARGUMENT: an end before
- * the start, a step or a tolerance that is none. Nothing of a program whose steps are fixed. */
+/* Of an object; share as of fp3_values_at. *is_spread: another share gives other values.
+ * FP3_E_ARGUMENT: an end before the start, a step or a tolerance that is none. Nothing of a program
+ * whose steps are fixed. */
 fp3_status fp3_adaptive_image_check(const fp3_image *image, const fp3_params *params, double share,
                                     int *is_spread, fp3_error *error);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* apply.c - the values of a program, for a block of objects at once: those that an image declares, those that a
- * compiled model computes from its own.
+/* apply.c - the values of a program, for a block of objects at once: those that an image declares,
+ * those that a compiled model computes from its own.
  *
- * They do not go through the fields of a batch: those keep a value for each object, and say which object is
- * wrong, where a scene has a formula for all of them, and says in which line.
+ * They do not go through the fields of a batch: those keep a value for each object, and say which
+ * object is wrong, where a scene has a formula for all of them, and says in which line.
  */
 #include "apply.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* arranged.h - objects of a group that a structure or a file places and links: `grid`, `random`, `points`, `links`, `only`. */
+/* arranged.h - objects of a group that a structure or a file places and links: `grid`, `random`,
+ * `points`, `links`, `only`. */
 #ifndef FP3_SCENE_ARRANGED_H
 #define FP3_SCENE_ARRANGED_H
 
@@ -17,13 +18,14 @@ typedef struct {
     fp3_table points;
 } fp3_arranged;
 
-/* What of it says how many objects there are: *objects, or 0. The caller closes *arranged, after a failure too. */
+/* What of it says how many objects there are: *objects, or 0. The caller closes *arranged, after a
+ * failure too. */
 fp3_status fp3_arranged_read(const fp3_settings *s, const config_setting_t *from,
                              fp3_arranged *arranged, uint64_t *objects);
 void fp3_arranged_close(fp3_arranged *arranged);
 
-/* Places the objects, links them, and gives some of them other values. The group has its program, its number of objects
- * and all other values. */
+/* Places the objects, links them, and gives some of them other values. The group has its program,
+ * its number of objects and all other values. */
 fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from,
                               fp3_arranged *arranged, fp3_scene_group *group);
 

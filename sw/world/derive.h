@@ -9,8 +9,8 @@
 
 typedef struct fp3_derive fp3_derive;
 
-/* The table, and what def points to, must outlive it. Nothing has been computed yet. The caller closes *derive, which is NULL
- * on failure. */
+/* The table, and what def points to, must outlive it. Nothing has been computed yet. The caller
+ * closes *derive, which is NULL on failure. */
 fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *table,
                            fp3_derive **derive, fp3_error *error);
 /* Sets *derive to NULL, which it may be already. */

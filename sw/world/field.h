@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* field.h - what a program's objects have by name: which names there are, where each is kept.
  *
- * A compiled model has its params, its states, h and, if it counts them, `steps`; any other image what it
- * declares for the host.
+ * A compiled model has its params, its states, h and, if it counts them, `steps`; any other image
+ * what it declares for the host.
  */
 #ifndef FP3_BATCH_FIELD_H
 #define FP3_BATCH_FIELD_H
@@ -35,13 +35,13 @@ typedef struct {
     int place;     /* the register, or shared constant, that holds it as it is; -1: there is none */
     int low, lost; /* of a state: registers of its second word, of what updates lose; -1: none */
     int is_kept;   /* the values are kept here, since inputs are computed from them */
-    int is_pending; /* not kept, and `uniform` is not in the engine yet */
-    double uniform; /* the value of all objects, unless there is a column */
-    double *column; /* of each object; NULL: all have the same */
-    uint64_t
-        follows; /* of a state: the params its start is made of, a bit each; 0: it is written, or a number */
-    unsigned char *
-        is_given; /* of a start that follows: of which objects it is written all the same; NULL: of none */
+    int is_pending;   /* not kept, and `uniform` is not in the engine yet */
+    double uniform;   /* the value of all objects, unless there is a column */
+    double *column;   /* of each object; NULL: all have the same */
+    uint64_t follows; /* of a state: the params its start is made of, a bit each; 0: it is written,
+                         or a number */
+    unsigned char *is_given; /* of a start that follows: of which objects it is written all the
+                                same; NULL: of none */
 } fp3_field;
 
 typedef struct {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* fields.h - the values of a group of an engine's objects, by the names of its program.
  *
- * What the engine gets is computed as fp3_compiled_inputs does it, again where something has changed
- * that it is made of: before the next step, only those inputs of those objects.
+ * What the engine gets is computed as fp3_compiled_inputs does it, again where something has
+ * changed that it is made of: before the next step, only those inputs of those objects.
  *
  *     if (fp3_fields_open(&def, &fields, error) ||
  *         fp3_fields_set(fields, "m", 2, error) || fp3_fields_settle(fields, error) ||
@@ -43,7 +43,8 @@ fp3_status fp3_fields_column(fp3_fields *q, const char *name, const float **valu
 /* The value of the first object. */
 fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_error *error);
 
-/* Gives the engine what has changed. FP3_E_ARGUMENT: as of fp3_compiled_inputs, with the object in front. */
+/* Gives the engine what has changed. FP3_E_ARGUMENT: as of fp3_compiled_inputs, with the object in
+ * front. */
 fp3_status fp3_fields_settle(fp3_fields *q, fp3_error *error);
 /* A step was made: states are where it has left them. */
 void fp3_fields_moved(fp3_fields *q);

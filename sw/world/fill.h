@@ -19,8 +19,8 @@ typedef struct {
 
 #define FP3_FILL_TRIES 5000 /* of one object, before the box counts as full */
 
-/* position[k][i] of each object: FP32 numbers. *placed: how many found a place; fewer than all: the rest is not
- * set. FP3_E_SYSTEM: out of memory. */
+/* position[k][i] of each object: FP32 numbers. *placed: how many found a place; fewer than all: the
+ * rest is not set. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_fill_box(const fp3_fill *fill, double *const position[FP3_FILL_AXES], size_t *placed,
                         fp3_error *error);
 

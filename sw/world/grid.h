@@ -34,8 +34,8 @@ typedef struct {
     float *length;   /* of each link */
 } fp3_grid_links;
 
-/* Links of these kinds, a set of bits, object by object. The caller frees *made, after a failure too. FP3_E_SYSTEM:
- * out of memory. */
+/* Links of these kinds, a set of bits, object by object. The caller frees *made, after a failure
+ * too. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_grid_link(const fp3_grid *grid, unsigned kinds, fp3_grid_links *made,
                          fp3_error *error);
 void fp3_grid_links_free(fp3_grid_links *made);

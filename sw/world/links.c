@@ -101,7 +101,8 @@ fp3_status fp3_links_note(fp3_scene_group *group, const char *path, fp3_error *e
 
 /* ---- one block ---- */
 
-/* The relation of this name in the model; NULL: an image has lists alone, whose names the load checks. */
+/* The relation of this name in the model; NULL: an image has lists alone, whose names the load
+ * checks. */
 static fp3_status find_relation(const fp3_settings *s, const config_setting_t *at,
                                 const fp3_model *model, const char *name, const fp3_relation **of) {
     const char *near = NULL;

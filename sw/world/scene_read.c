@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* scene_read.c - the file of a scene: its settings, programs and values, each refused in its line. */
+/* scene_read.c - the file of a scene: its settings, programs and values, each refused in its line.
+ */
 #include "scene_read.h"
 
 #include "adaptive.h"
@@ -339,7 +340,8 @@ static fp3_status check_h(const reader *r) {
     return r->h_at ? fp3_setting_wrong(&r->in, r->h_at, "no program has an 'h'") : FP3_OK;
 }
 
-/* Whether objects of the first group's model do. A model that cannot be read says why where it is compiled. */
+/* Whether objects of the first group's model do. A model that cannot be read says why where it is
+ * compiled. */
 static int sees_others(const reader *r) {
     const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
     const config_setting_t *group = list ? config_setting_get_elem(list, 0) : NULL;

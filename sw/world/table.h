@@ -6,7 +6,8 @@
  *     ... points.number[column * points.rows + row] ...
  *     fp3_table_close(&points);
  *
- * The first line is the head: names. Blanks around values, empty lines and lines that begin with # are ignored.
+ * The first line is the head: names. Blanks around values, empty lines and lines that begin with #
+ * are ignored.
  */
 #ifndef FP3_ARRANGE_TABLE_H
 #define FP3_ARRANGE_TABLE_H
@@ -23,7 +24,8 @@ typedef struct {
     unsigned head;          /* the line of the head */
 } fp3_table;
 
-/* FP3_E_ARGUMENT, with "path:line:column: found ..., expected ...". The caller closes *table, after a failure too. */
+/* FP3_E_ARGUMENT, with "path:line:column: found ..., expected ...". The caller closes *table, after
+ * a failure too. */
 fp3_status fp3_table_read(const char *path, fp3_table *table, fp3_error *error);
 void fp3_table_close(fp3_table *table);
 
@@ -42,9 +44,9 @@ typedef struct {
     size_t objects; /* one more than the highest number of an object; 0: no links */
 } fp3_table_links;
 
-/* most: how many objects there are; 0: not known. The table must outlive *made, which the caller frees, after a
- * failure too. FP3_E_ARGUMENT: the first columns are not a and b, an object that there is not, a link of an object
- * with itself, a field outside of FP32. */
+/* most: how many objects there are; 0: not known. The table must outlive *made, which the caller
+ * frees, after a failure too. FP3_E_ARGUMENT: the first columns are not a and b, an object that
+ * there is not, a link of an object with itself, a field outside of FP32. */
 fp3_status fp3_table_link(const fp3_table *table, size_t most, fp3_table_links *made,
                           fp3_error *error);
 void fp3_table_links_free(fp3_table_links *made);

@@ -67,7 +67,8 @@ static fp3_status check_agreement(const asking *a, const fp3_value *v, double co
                            v->name, given, v->formula, computed);
 }
 
-/* "h = 0.125, m = 2", if the formula is one of facts (language/formula.h) that do not hold now; else NULL. */
+/* "h = 0.125, m = 2", if the formula is one of facts (language/formula.h) that do not hold now;
+ * else NULL. */
 static char *facts_that_held(asking *a, const fp3_formula *formula) {
     fp3_fact *facts = NULL;
     const size_t count = formula ? fp3_formula_facts(formula, &facts) : 0;
@@ -160,7 +161,8 @@ fp3_status fp3_params_get(const fp3_params *params, const char *name, double *nu
     return fp3_values_at(params, name, 0, 1, number, &is_spread, error);
 }
 
-/* One that cannot be read counts as of everything: what is wrong with it is said when it is asked for. */
+/* One that cannot be read counts as of everything: what is wrong with it is said when it is asked
+ * for. */
 static int is_made_of(const fp3_value *v, const char *name) {
     return v->formula && (!v->parsed || fp3_formula_mentions(v->parsed, name));
 }

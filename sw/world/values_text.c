@@ -2,8 +2,8 @@
 /* values_text.c - what the host gives a compiled program, as a file of parameters.
  *
  * What the compiler has made of h and params stands there as a formula, so that a run computes it
- * again. What no formula gives (a position at -h) holds for one set of values alone, and its formula
- * says which: with any other it has no value.
+ * again. What no formula gives (a position at -h) holds for one set of values alone, and its
+ * formula says which: with any other it has no value.
  */
 #include "apply.h"
 #include "base/host.h"
@@ -26,8 +26,8 @@ typedef struct {
     int has_h;
 } writer;
 
-/* What the file calls a param or h: its own register's name, which differs where another register has that
- * of the model. */
+/* What the file calls a param or h: its own register's name, which differs where another register
+ * has that of the model. */
 static const char *name_in_file(const writer *w, const char *name) {
     const fp3_compiled *c = w->program->compiled;
     for (uint32_t i = 0; i < c->input_count; i++)

@@ -2,7 +2,8 @@
  *
  *     simulated LIBRARY BITS SEED SHIPS STEPS     prints "v s" of each ship, as bits
  *     simulated LIBRARY BITS 0 latency            prints the cycles of transfers
- *     simulated LIBRARY BITS SEED sleep           prints in which step an object fell asleep, the first after 69,999
+ *     simulated LIBRARY BITS SEED sleep           prints in which step an object fell asleep, the
+ * first after 69,999
  *
  * BITS: of the bus's addresses. A window of that size is all that a processor gives FP3.
  * ships.c, ship.h and sleeper.h are made by the test.
@@ -51,8 +52,8 @@ static int write_word(void *user, uint32_t address, uint32_t word) {
            fp3_rtl_transfer_one(b->ops, b->rtl, 1, address, &word);
 }
 
-/* A run that has no end in sight: what the driver refuses by itself costs no transfer, what the hardware refuses
- * comes back, and the run goes on until it is stopped. */
+/* A run that has no end in sight: what the driver refuses by itself costs no transfer, what the
+ * hardware refuses comes back, and the run goes on until it is stopped. */
 static void refuse_while_running(fp3_bare *fp3, board *b) {
     uint32_t word = 0;
     uint64_t cycles = 0, later = 0;

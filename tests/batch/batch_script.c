@@ -1,15 +1,16 @@
 /* batch_script.c - fp3/batch.h, driven by lines of standard input.
  *
- *     build/tests/batch_script MODEL [-n OBJECTS] [-i INTEGRATOR] [-a ARITHMETIC] [-e ENGINE] [-c CONFIG]
- *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o] [-f]
- *     set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
+ *     build/tests/batch_script MODEL [-n OBJECTS] [-i INTEGRATOR] [-a ARITHMETIC] [-e ENGINE] [-c
+ * CONFIG]
+ *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o]
+ * [-f] set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
  *     step N                     restart                     use COUNT
  *     read NAME...               wide NAME... (in double); a line for each object
  *     column NAME                (where it is; "none" where there is no such place)
  *     time                       failure
- * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is compiled
- * before, for this CONFIG, and handed over. -o: threads and memory are this program's own.
+ * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is
+ * compiled before, for this CONFIG, and handed over. -o: threads and memory are this program's own.
  * -f: a step of which objects fail is an error.
  */
 #include <fp3/batch.h>

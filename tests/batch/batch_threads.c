@@ -1,5 +1,5 @@
-/* batch_threads.c - two threads, each with batches of its own at the same time: of a text each, and of one compiled program. Prints what
- * differs.
+/* batch_threads.c - two threads, each with batches of its own at the same time: of a text each, and
+ * of one compiled program. Prints what differs.
  *
  *     build/tests/batch_threads MODEL PARAM STATE
  */

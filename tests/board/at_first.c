@@ -1,9 +1,11 @@
-/* at_first.c - what objects hold on a board after a load, before anybody has written them: engine.h promises 0.
+/* at_first.c - what objects hold on a board after a load, before anybody has written them: engine.h
+ * promises 0.
  *
- *     at_first PORT IMAGE     prints of object 0 the states x and y, the constant k, and how many objects have failed
- *                             after a step from there; then how many requests the line carries for two columns
- *                             of three objects, and for reading one word, and whether its bytes are no fewer than
- *                             docs/board.md says: 20 and 8 for each of three writes, 12 and 264 for the read
+ *     at_first PORT IMAGE     prints of object 0 the states x and y, the constant k, and how many
+ * objects have failed after a step from there; then how many requests the line carries for two
+ * columns of three objects, and for reading one word, and whether its bytes are no fewer than
+ *                             docs/board.md says: 20 and 8 for each of three writes, 12 and 264 for
+ * the read
  */
 #include <fp3/engine.h>
 #include <fp3/image.h>

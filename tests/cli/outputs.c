@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* outputs.c - a file that is written again and again, where a write or an allocation fails. In the current directory. */
+/* outputs.c - a file that is written again and again, where a write or an allocation fails. In the
+ * current directory. */
 #include "base/file.h"
 #include "base/temporary.h"
 

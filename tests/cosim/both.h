@@ -1,5 +1,5 @@
-/* both.h - objects that see each other, on the hardware and on the isa engine: the same words and lists in both, what a run leaves
- * in them, random links. Of a test that is one file.
+/* both.h - objects that see each other, on the hardware and on the isa engine: the same words and
+ * lists in both, what a run leaves in them, random links. Of a test that is one file.
  */
 #ifndef FP3_TESTS_BOTH_H
 #define FP3_TESTS_BOTH_H

@@ -1,5 +1,5 @@
-/* chosen_values.c - comparisons, selections, estimates, rounding and exponents: the hardware, the isa engine, and what isless
- * and the table say, bit for bit; and the values of the fast engine.
+/* chosen_values.c - comparisons, selections, estimates, rounding and exponents: the hardware, the
+ * isa engine, and what isless and the table say, bit for bit; and the values of the fast engine.
  *
  *     chosen_values [N]      every Nth of all operands (1)
  *
@@ -214,7 +214,8 @@ static size_t pairs(input *to) {
     return count;
 }
 
-/* Both ends of what one entry of the table is for: of rsqrt the upper 9, of rcp the upper 10 bits. */
+/* Both ends of what one entry of the table is for: of rsqrt the upper 9, of rcp the upper 10 bits.
+ */
 static size_t entries(input *to) {
     static const uint32_t exponents[] = {0, 1, 2, 126, 127, 128, 129, 251, 252, 253, 254, 255};
     size_t count = 0;

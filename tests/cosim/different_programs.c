@@ -2,11 +2,11 @@
  *
  *     different_programs [SEED [ROUNDS]]
  *
- * Over the raw host port: every scheduler of every configuration that has more than one gets a random
- * program, constants and objects of its own, another number of steps, another visit. They start
- * together or one after the other. Records, status words, flags and counters of each are then those
- * of the isa engine, which ran that program alone. Also listed are objects that sleep: their visit must
- * do nothing.
+ * Over the raw host port: every scheduler of every configuration that has more than one gets a
+ * random program, constants and objects of its own, another number of steps, another visit. They
+ * start together or one after the other. Records, status words, flags and counters of each are then
+ * those of the isa engine, which ran that program alone. Also listed are objects that sleep: their
+ * visit must do nothing.
  */
 #include "engine/common/inside.h"
 #include "stream.h"

@@ -1,9 +1,11 @@
-/* early_ends.c - runs of objects that see each other, stopped or at an illegal word: what the host reads then.
+/* early_ends.c - runs of objects that see each other, stopped or at an illegal word: what the host
+ * reads then.
  *
  *     early_ends [SEED [CONFIGURATION [OBJECTS]]]    so many objects
  *
- * Published words are those of the last phase that ended, every other word is of that phase or of the next: as the isa engine
- * has them, which runs the program as far as each phase. The next run goes on from what the host reads.
+ * Published words are those of the last phase that ended, every other word is of that phase or of
+ * the next: as the isa engine has them, which runs the program as far as each phase. The next run
+ * goes on from what the host reads.
  */
 #include "both.h"
 
@@ -11,7 +13,8 @@
 
 enum { STEPS = 4, PHASES_MAX = 2, ENDS = STEPS * PHASES_MAX, WORDS_MAX = 64, STOPS = 24 };
 
-/* Each phase changes what neighbours read, which is a word above 31, and another word, which it stores first. */
+/* Each phase changes what neighbours read, which is a word above 31, and another word, which it
+ * stores first. */
 static const char *const programs[] = {".state a = r40\n.state b = r1\n.temp l\nstep:\n"
                                        "ld l\nld a\nld b\neach l\naddn b, b, a\nnext\n"
                                        "add a, a, 1.0\nst b\nst a\n",
@@ -110,7 +113,8 @@ static uint32_t phases_ended(const bench *s, const records *is) {
     return ENDS + 1;
 }
 
-/* Who is in the first batch has stored its words before the illegal word; no other has. is_stop: some have. */
+/* Who is in the first batch has stored its words before the illegal word; no other has. is_stop:
+ * some have. */
 static void check_others(const bench *s, const records *is, uint32_t n, int is_stop,
                          const char *how) {
     const fp3_config *hardware = fp3_config_find(config);
@@ -200,7 +204,8 @@ static void check_illegal(chance *c, const char *text) {
     close_bench(&s);
 }
 
-/* Nobody reads its words, so a visit makes all steps: the hardware has forgotten what was published. */
+/* Nobody reads its words, so a visit makes all steps: the hardware has forgotten what was
+ * published. */
 static void check_ordinary(chance *c) {
     static bench s;
     static const char ordinary[] = ".state x\nstep:\nadd x, x, 1.0\n";

@@ -61,7 +61,8 @@ static fp3_status reopen(bench *b) {
     return fp3_engine_open(&b->def, &b->engine);
 }
 
-/* The same; where words are no floats, sums of small numbers are off by a few units in the last place. */
+/* The same; where words are no floats, sums of small numbers are off by a few units in the last
+ * place. */
 static int is_nearly(const bench *b, float value, float expected) {
     return value == expected || (!fp3_format_is_float(b->config) &&
                                  fabsf(value - expected) <= 4e-6f * fmaxf(1, fabsf(expected)));
@@ -625,8 +626,9 @@ static void steps_are_counted_after_a_limit_too(bench *b) {
     fp3_image_free(&image);
 }
 
-/* What a promise is about: all that it needs of a configuration (FLOAT: words that are binary32; WHOLE: records that keep them), and whose
- * it is: the fast engine has the host's memory for a store, refuses illegal words, and counts no cycles. */
+/* What a promise is about: all that it needs of a configuration (FLOAT: words that are binary32;
+ * WHOLE: records that keep them), and whose it is: the fast engine has the host's memory for a
+ * store, refuses illegal words, and counts no cycles. */
 typedef enum { ANY, FLOAT = 1, WHOLE = 2, STORE = 4, SLEEP = 8, STATUS = 16 } about;
 typedef enum { ALL, MACHINES, FAST } whose;
 

@@ -1,11 +1,14 @@
-/* given.c - arithmetic with what a neighbour gives, in programs by chance: engines against the isa engine.
+/* given.c - arithmetic with what a neighbour gives, in programs by chance: engines against the isa
+ * engine.
  *
- *     given [SEED [CONFIGURATION [PROGRAMS [OBJECTS]]]]    engines fast (native, interpreter) and rtl; at most so many objects
+ *     given [SEED [CONFIGURATION [PROGRAMS [OBJECTS]]]]    engines fast (native, interpreter) and
+ * rtl; at most so many objects
  *
- * Programs of one phase or two, with loops over two lists. What they load, what they compute with a word or a field of a
- * neighbour, and what they do between, is random, and so are the lists; the words are numbers of any size, zeros of both
- * signs, infinities, NaNs and subnormal numbers. Every word must be that of the isa engine, and so must the flags; the
- * hardware's cycles are those that are foreseen.
+ * Programs of one phase or two, with loops over two lists. What they load, what they compute with a
+ * word or a field of a neighbour, and what they do between, is random, and so are the lists; the
+ * words are numbers of any size, zeros of both signs, infinities, NaNs and subnormal numbers. Every
+ * word must be that of the isa engine, and so must the flags; the hardware's cycles are those that
+ * are foreseen.
  */
 #include "chance.h"
 #include "engine/board/foreseen.h"

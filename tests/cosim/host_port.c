@@ -3,7 +3,8 @@
  *     host_port [CONFIGURATION]    or all
  *
  * Addresses of every kind, read and written, idle and running, on each configuration; expected is
- * what isa/registers.toml says, written once more by hand. Every channel waits 0 to 3 cycles in every transfer.
+ * what isa/registers.toml says, written once more by hand. Every channel waits 0 to 3 cycles in
+ * every transfer.
  */
 #include "chance.h"
 
@@ -260,7 +261,8 @@ static uint32_t kept(const bench *b, uint32_t address, uint32_t word) {
                : word;
 }
 
-/* Fills what can be read with marks, and looks for them. Records of 16 bits get numbers that they tell apart. */
+/* Fills what can be read with marks, and looks for them. Records of 16 bits get numbers that they
+ * tell apart. */
 static uint32_t mark(const bench *b, uint32_t address) {
     const uint32_t word = address * 0x9e3779b9u ^ 0x5a5a5a5au;
     const int is_half = b->config->storage &&
@@ -353,7 +355,8 @@ static void choose_known(bench *b, known *k) {
     }
 }
 
-/* One more transfer for the list: of a known word (in one list it is either written once, or read), or a refused one. */
+/* One more transfer for the list: of a known word (in one list it is either written once, or read),
+ * or a refused one. */
 static fp3_rtl_word one_of_many(bench *b, known *k, uint8_t *is_used) {
     const uint32_t i = below(&b->c, k->count);
     fp3_rtl_word word = {0, (uint32_t)next64(&b->c), (uint8_t)below(&b->c, 2), 0};
@@ -618,8 +621,8 @@ static void counters_are_0_before_the_first_run(bench *b) {
 
 static int one_bit(uint32_t word) { return word && !(word & (word - 1)); }
 
-/* Whenever a host looks, a run either goes on or has one outcome; whether it comes to its end, meets
- * an illegal word, is stopped, or more than one of these at once. */
+/* Whenever a host looks, a run either goes on or has one outcome; whether it comes to its end,
+ * meets an illegal word, is stopped, or more than one of these at once. */
 static void a_run_has_one_outcome(bench *b) {
     const uint64_t length = b->config->interleave ? 150 : 60;
     for (unsigned is_illegal = 0; is_illegal < 2; is_illegal++)
@@ -644,7 +647,8 @@ static void a_run_has_one_outcome(bench *b) {
             }
 }
 
-/* ended: set by every end, one of 0 steps too; gone when the host writes 1 there, and with the next start. */
+/* ended: set by every end, one of 0 steps too; gone when the host writes 1 there, and with the next
+ * start. */
 static void an_end_is_kept_until_it_is_seen(bench *b) {
     const uint32_t enable = 1u << FP3_INTERRUPT_ENABLE_LO, ended = 1u << FP3_INTERRUPT_ENDED_LO;
     must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS, 0); /* nothing overflows */

@@ -1,10 +1,12 @@
-/* lanes_scene.c - a scene whose objects see each other, on several lanes: the words of the isa engine, the cycles that were
- * foreseen, and how many of these copy words from lane to lane.
+/* lanes_scene.c - a scene whose objects see each other, on several lanes: the words of the isa
+ * engine, the cycles that were foreseen, and how many of these copy words from lane to lane.
  *
  *     lanes_scene SCENE CONFIGURATION STEPS          on engine rtl
- *     lanes_scene SCENE CONFIGURATION STEPS LANES    nothing runs: what it would take with so many lanes, and room for all
+ *     lanes_scene SCENE CONFIGURATION STEPS LANES    nothing runs: what it would take with so many
+ * lanes, and room for all
  *
- * Prints one line: objects N, rows N (of the fullest lane), copies N, words N (of each), cycles N, of copies N.
+ * Prints one line: objects N, rows N (of the fullest lane), copies N, words N (of each), cycles N,
+ * of copies N.
  */
 #include "engine/board/foreseen.h"
 #include "engine/common/ghosts.h"

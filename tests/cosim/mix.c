@@ -2,11 +2,12 @@
  *
  *     mix [SEED [ROUNDS]]
  *
- * Three things. Placing: random problems, against every division of the schedulers that there is. Bits:
- * every configuration of several schedulers runs random programs for random groups; every retirement,
- * register, constant and status must be that of the isa engine with the same groups, and that of an isa engine
- * which has one group alone; then other groups are loaded into the same engines. Cycles: what the
- * schedulers need is what was predicted, and no other division would have ended earlier.
+ * Three things. Placing: random problems, against every division of the schedulers that there is.
+ * Bits: every configuration of several schedulers runs random programs for random groups; every
+ * retirement, register, constant and status must be that of the isa engine with the same groups,
+ * and that of an isa engine which has one group alone; then other groups are loaded into the same
+ * engines. Cycles: what the schedulers need is what was predicted, and no other division would have
+ * ended earlier.
  */
 #include "engine/common/inside.h"
 #include "stream.h"
@@ -141,7 +142,8 @@ static void unlike_programs_share(void) {
 
 /* ---- bits ---- */
 
-/* What retired, for each register of each object: how often, and a hash in the order of its writes. */
+/* What retired, for each register of each object: how often, and a hash in the order of its writes.
+ */
 typedef struct {
     uint64_t *hash;
 } journal;
@@ -204,7 +206,8 @@ static void close_machine(machine *m) {
     m->j.hash = NULL;
 }
 
-/* Objects for so many groups, as many in all as there are; every group has room in one scheduler. */
+/* Objects for so many groups, as many in all as there are; every group has room in one scheduler.
+ */
 static void share_out(bench *b) {
     const uint32_t most = (b->config->store_words / b->words) * b->config->lanes;
     uint32_t left = b->objects;
@@ -466,8 +469,8 @@ static uint64_t predicted(fp3_engine *engine, size_t group, uint32_t rows, uint3
 
 static uint64_t apart(uint64_t a, uint64_t b) { return a > b ? a - b : b - a; }
 
-/* Each scheduler ends when it was said to, within 1 %, and the last of them no later than that of the
- * best division. */
+/* Each scheduler ends when it was said to, within 1 %, and the last of them no later than that of
+ * the best division. */
 static void check_cycles(const fp3_config *config, chance *c, double *worst) {
     enum { STEPS = 24 };
     const size_t count = 1 + below(c, groups_most(config));

@@ -1,11 +1,13 @@
-/* neighbours.c - objects that see each other, on the simulated hardware of configuration `world` against the isa engine.
+/* neighbours.c - objects that see each other, on the simulated hardware of configuration `world`
+ * against the isa engine.
  *
  *     neighbours [SEED [CONFIGURATION [OBJECTS]]]    at most so many objects
  *
- * Chains, cloths, bodies that attract each other and balls that touch, with integrators of one phase and of several; as many
- * objects as one context, some, all and several batches take; random links, so that lists end at different turns, and of
- * some objects, batches or all are empty. Every word of every record must be that of the isa engine, also those of lists'
- * registers, and the flags; a run of several steps is several runs. The hardware's cycles are those that the program's
+ * Chains, cloths, bodies that attract each other and balls that touch, with integrators of one
+ * phase and of several; as many objects as one context, some, all and several batches take; random
+ * links, so that lists end at different turns, and of some objects, batches or all are empty. Every
+ * word of every record must be that of the isa engine, also those of lists' registers, and the
+ * flags; a run of several steps is several runs. The hardware's cycles are those that the program's
  * words, the lists and isa/timing.toml say. Programs by hand: what a model does not make.
  */
 #include "both.h"
@@ -205,7 +207,8 @@ static void check_by_hand(chance *c) {
     }
 }
 
-/* Some lanes have no object in the last row, and there a list before was longer: the loop is as long as those that are there. */
+/* Some lanes have no object in the last row, and there a list before was longer: the loop is as
+ * long as those that are there. */
 static void check_last_row(chance *c) {
     const uint32_t row = fp3_config_find(config)->contexts * fp3_config_find(config)->lanes;
     fp3_assembly *made = NULL;
@@ -237,7 +240,8 @@ static void check_slots(const both *b, uint32_t *slot) {
         FAIL("objects are not placed by the lists that they have");
 }
 
-/* Of two lists one has the links, and either one counts; then the first alone is given anew, and objects move. */
+/* Of two lists one has the links, and either one counts; then the first alone is given anew, and
+ * objects move. */
 static void check_places(chance *c) {
     static const char text[] = ".state a\n.temp l\n.temp m\nstep:\nld l\nld m\nld a\neach l\n"
                                "addn a, a, a\nnext\neach m\naddn a, a, a\nnext\nst a\n";

@@ -1,19 +1,21 @@
 /* random_stream.c - random programs: the hardware against the isa engine at every retirement.
  *
- *     random_stream [--engine fast] [--vary] [--instructions N] [--config NAME] [--seed S] [--streams N] [--trace]
+ *     random_stream [--engine fast] [--vary] [--instructions N] [--config NAME] [--seed S]
+ * [--streams N] [--trace]
  *
  * The hardware's units finish out of order, but each register of an object is written in program
- * order: the isa engine runs first and leaves a queue per register, from which each retirement of the
- * hardware takes one. Values, flags, final registers, the status of objects, sticky flags, steps and
- * counts must agree. A run that ends before its time, at an illegal word or because it is stopped,
- * retires the beginning of what the isa engine does, and leaves each object as one of its visits left it.
+ * order: the isa engine runs first and leaves a queue per register, from which each retirement of
+ * the hardware takes one. Values, flags, final registers, the status of objects, sticky flags,
+ * steps and counts must agree. A run that ends before its time, at an illegal word or because it is
+ * stopped, retires the beginning of what the isa engine does, and leaves each object as one of its
+ * visits left it.
  *
  * A session opens both engines for a random number of objects and runs some streams; between the
  * runs of a stream the host writes, wakes and removes objects. A session has its own seed:
  * --seed S --streams 1 repeats it alone, --trace prints what it does.
  *
- * The fast engine instead of the hardware retires nothing and runs no illegal words: what is left after each
- * run is compared. With --vary each session has its own rounding, flushing and flags.
+ * The fast engine instead of the hardware retires nothing and runs no illegal words: what is left
+ * after each run is compared. With --vary each session has its own rounding, flushing and flags.
  */
 #include "engine/common/inside.h"
 #include "machine/ahead.h"
@@ -39,8 +41,8 @@ typedef struct {
     size_t *head, *tail;      /* of each register of each object */
 } queues;
 
-/* What a run of the isa engine leaves after each round of visits: one of these is what an object has
- * when the hardware was stopped. */
+/* What a run of the isa engine leaves after each round of visits: one of these is what an object
+ * has when the hardware was stopped. */
 typedef struct {
     uint32_t *records; /* rounds + 1, each of all registers of all objects */
     uint32_t rounds;
@@ -276,8 +278,8 @@ static void compare_status(bench *b, int is_part) {
     }
 }
 
-/* Whether an instruction of the step or the last part counts for the step that follows, which need not
- * be made. */
+/* Whether an instruction of the step or the last part counts for the step that follows, which need
+ * not be made. */
 static int has_ahead(const fp3_members *group) {
     const fp3_code *program = &group->program;
     uint8_t *is_ahead = calloc(program->count + 1u, sizeof *is_ahead);
@@ -290,8 +292,8 @@ static int has_ahead(const fp3_members *group) {
     return has;
 }
 
-/* An object that sleeps all the time has no retirements. One that fell asleep in step 0 reads as awake,
- * and whoever repeats the run does not know: then nobody's failures are compared. */
+/* An object that sleeps all the time has no retirements. One that fell asleep in step 0 reads as
+ * awake, and whoever repeats the run does not know: then nobody's failures are compared. */
 static int is_unseen(bench *b, uint32_t object) {
     const int slept = fp3_engine_layout(b->engine[0])->groups[0].program.slept;
     int is_there = slept < 0 || kept(b, 0, object, (uint32_t)slept) != 0;
@@ -300,8 +302,9 @@ static int is_unseen(bench *b, uint32_t object) {
     return !is_there;
 }
 
-/* What the retirements of the isa engine and the states in the end say about an object. Where something
- * is ahead, an exception alone may be of a step that nobody makes; so may that of an object that sleeps. */
+/* What the retirements of the isa engine and the states in the end say about an object. Where
+ * something is ahead, an exception alone may be of a step that nobody makes; so may that of an
+ * object that sleeps. */
 static int is_told_right(bench *b, uint32_t object, int is_told) {
     const fp3_members *group = &fp3_engine_layout(b->engine[0])->groups[0];
     const uint64_t states = fp3_engine_states_of(group);
@@ -326,8 +329,8 @@ static int is_same_failure(const fp3_failure *a, const fp3_failure *b) {
            memcmp(&a->value, &b->value, sizeof a->value) == 0;
 }
 
-/* Both engines tell the same failures: those that were seen, not before the step that the hardware's
- * status has. */
+/* Both engines tell the same failures: those that were seen, not before the step that the
+ * hardware's status has. */
 static void compare_failures(bench *b, int has_steps) {
     size_t failed = 0;
     fp3_failure all, f[2];
@@ -359,8 +362,8 @@ static void compare_failures(bench *b, int has_steps) {
         WRONG("%zu failures are told of all objects, %zu one by one", all.failed, failed);
 }
 
-/* Of objects that all execute all, the hardware issues what the isa engine does; with several lanes only
- * once, and lane 0 has objects wherever another lane has. */
+/* Of objects that all execute all, the hardware issues what the isa engine does; with several lanes
+ * only once, and lane 0 has objects wherever another lane has. */
 static void compare_counters(bench *b, const fp3_stats stats[2]) {
     const uint32_t columns = fp3_engine_layout(b->engine[0])->groups[0].columns,
                    lanes = b->config->lanes;
@@ -404,7 +407,8 @@ static void compare_end(bench *b, const fp3_stats stats[2]) {
         compare_status(b, 0);
 }
 
-/* Where one scheduler has the arithmetic, and nobody sleeps, each cycle is known beforehand; else 0. */
+/* Where one scheduler has the arithmetic, and nobody sleeps, each cycle is known beforehand; else
+ * 0. */
 static uint64_t predict(bench *b, uint32_t steps) {
     fp3_engine *engine = b->engine[1];
     const fp3_code *program = &fp3_engine_layout(engine)->groups[0].program;
@@ -455,7 +459,8 @@ static void compare_first_visits(bench *b) {
                       object, reg);
 }
 
-/* What the hardware retired before an illegal word, the isa engine did as well, and nothing was stored. */
+/* What the hardware retired before an illegal word, the isa engine did as well, and nothing was
+ * stored. */
 static void end_at_illegal(bench *b, const fp3_stats stats[2]) {
     b->faults++;
     if (strcmp(b->error[0].text, b->error[1].text) != 0)
@@ -517,8 +522,8 @@ static void end_at_stop(bench *b, const fp3_stats stats[2]) {
     }
 }
 
-/* Stops the hardware somewhere, or near the end, where it stores. What it has in the end only part of the objects have: all are
- * written anew before they are looked at again. */
+/* Stops the hardware somewhere, or near the end, where it stores. What it has in the end only part
+ * of the objects have: all are written anew before they are looked at again. */
 static void run_and_stop(bench *b, chance *c, uint32_t steps) {
     fp3_stats stats[2];
     fp3_engine *rtl = b->engine[1];

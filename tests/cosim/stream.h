@@ -1,9 +1,9 @@
 /* stream.h - random programs for a configuration.
  *
  * Of three makes where contexts interleave: raw words, of which every register is kept; with names,
- * of which some are .temp; with loads and stores of their own. A register that a visit may find with
- * what another object left there is read only where every path has written it: the rest of the path
- * is what an object that falls asleep leaves out.
+ * of which some are .temp; with loads and stores of their own. A register that a visit may find
+ * with what another object left there is read only where every path has written it: the rest of the
+ * path is what an object that falls asleep leaves out.
  */
 #ifndef FP3_TESTS_STREAM_H
 #define FP3_TESTS_STREAM_H
@@ -40,8 +40,9 @@ typedef struct {
     uint64_t at_last;   /* where the last part begins */
 } stream;
 
-/* What the host can write into an object: a number that is too large for a record of 16 bits is refused, its infinity is not.
- * There numbers of other sizes are more telling: at both ends of binary16, and halfway between two of its numbers. */
+/* What the host can write into an object: a number that is too large for a record of 16 bits is
+ * refused, its infinity is not. There numbers of other sizes are more telling: at both ends of
+ * binary16, and halfway between two of its numbers. */
 static inline uint32_t object_value(chance *c, const fp3_config *config) {
     uint32_t flags, bits = value(c);
     if (config->storage && below(c, 2))
@@ -104,7 +105,8 @@ static inline int lacks_arithmetic(const fp3_config *config) {
     return 0;
 }
 
-/* An operation and its operands; d is 0, or 1 where a product may not be written to an even register. */
+/* An operation and its operands; d is 0, or 1 where a product may not be written to an even
+ * register. */
 static inline uint32_t operation_word(chance *c, stream *s) {
     const uint32_t op = random_op(c, s->config, 1), sources = stream_sources(op);
     const uint32_t x = stream_source(c, s), y = sources > 1 ? stream_source(c, s) : 0;

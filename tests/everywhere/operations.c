@@ -1,5 +1,5 @@
-/* operations.c - each arithmetic operation in each arithmetic, over operands that are hard to get right: a hash of results and of
- * flags for each, to be compared with those of other machines.
+/* operations.c - each arithmetic operation in each arithmetic, over operands that are hard to get
+ * right: a hash of results and of flags for each, to be compared with those of other machines.
  *
  *     operations        a line "OPERATION NEAREST SUBNORMAL HASH" for each
  *     operations N      ... with N operands by chance
@@ -13,8 +13,8 @@
 
 #define BY_CHANCE 60000
 
-/* Zeros, the ends of subnormal and normal numbers, ties, NaNs, and factors of products around 2^-126: 1 +/- 2^-12 and 2^-13
- * by 2^-63, the second of which is tiny before rounding alone. */
+/* Zeros, the ends of subnormal and normal numbers, ties, NaNs, and factors of products around
+ * 2^-126: 1 +/- 2^-12 and 2^-13 by 2^-63, the second of which is tiny before rounding alone. */
 static const uint32_t hard[] = {
     0x00000000, 0x80000000, 0x00000001, 0x80000001, 0x00400000, 0x007fffff, 0x807fffff, 0x00800000,
     0x80800000, 0x00800001, 0x01000000, 0x1fffffff, 0x20000400, 0x1ffff800, 0x20000800, 0x1ffff000,

@@ -1,7 +1,7 @@
 /* estimates.c - rcp and rsqrt of lanes.h give the bits of machine/estimate.c, and raise nothing.
  *
- * Both ends and the middle of every interval of the table, with every exponent and sign, in vectors that are ordinary and
- * in ones that have something else among them; to nearest, and cut.
+ * Both ends and the middle of every interval of the table, with every exponent and sign, in vectors
+ * that are ordinary and in ones that have something else among them; to nearest, and cut.
  */
 #define FP3_NEAREST 1
 #define FP3_SUBNORMAL 1

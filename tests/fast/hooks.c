@@ -1,4 +1,5 @@
-/* hooks.c - threads and memory of the caller's, versions, and engines side by side: the results are those of an engine alone.
+/* hooks.c - threads and memory of the caller's, versions, and engines side by side: the results are
+ * those of an engine alone.
  *
  *     hooks   prints "ok"; under -fsanitize=thread it is a test of what threads share, too
  */

@@ -1,5 +1,6 @@
-/* products.c - products by fp3_execute, by the processor in vectors, and as in tiny.h, with what they raise: around all
- * ends of the range, and at random where a result just is, or just is not, subnormal.
+/* products.c - products by fp3_execute, by the processor in vectors, and as in tiny.h, with what
+ * they raise: around all ends of the range, and at random where a result just is, or just is not,
+ * subnormal.
  *
  *     products [RANDOM-PAIRS]     (default: 10000)
  */
@@ -61,8 +62,9 @@ static int is_subnormal(uint32_t bits) {
     return (bits & 0x7fffffffu) != 0 && (bits & 0x7f800000u) == 0;
 }
 
-/* Whether tiny.h is still needed: a run goes back to the processor's products without. A result that is
- * rounded up to the least normal number may be counted or not, and so may a product with 0. */
+/* Whether tiny.h is still needed: a run goes back to the processor's products without. A result
+ * that is rounded up to the least normal number may be counted or not, and so may a product with 0.
+ */
 static void compare_need(bench *b, uint32_t (*pairs)[2], const uint32_t *products, unsigned seen) {
     int is_needed = 0, is_either = 0;
     for (unsigned i = 0; i < LANES; i++)
@@ -131,7 +133,8 @@ static void multiply_one(bench *b, uint32_t x, uint32_t y) {
     multiply(b, pairs);
 }
 
-/* Each power of two and its neighbours, zeros, infinity, the NaN; the least and largest subnormal numbers. */
+/* Each power of two and its neighbours, zeros, infinity, the NaN; the least and largest subnormal
+ * numbers. */
 static void multiply_chosen(bench *b) {
     static const uint32_t near[] = {0, 1, 0x7fffff, 0x400000};
     for (uint32_t e = 0; e < 256; e += e < 8 || e > 250 ? 1 : 9)
@@ -145,7 +148,8 @@ static void multiply_chosen(bench *b) {
             }
 }
 
-/* Of a product of some 2^-126 or some multiple of 2^-149: the factors differ by units in the last place. */
+/* Of a product of some 2^-126 or some multiple of 2^-149: the factors differ by units in the last
+ * place. */
 static uint32_t partner(uint32_t x) {
     const float f = fp3_value_of(x & 0x7fffffffu);
     const double target = draw() & 1 ? 0x1p-126 : 0x1p-149 * (1 + draw() % (1u << (draw() % 25)));

@@ -1,8 +1,10 @@
-/* fp_cell - Cell's arithmetic against an oracle of its own: the cores, and the engine isa's functions.
+/* fp_cell - Cell's arithmetic against an oracle of its own: the cores, and the engine isa's
+ * functions.
  *
- * Neither the cores nor sw/machine/finite.c computes as this does: numbers are doubles here, whose exponents go far beyond
- * 2^129. A product of two is exact. A sum is rounded to nearest, and the error of that is a double, too (Knuth, "The Art of
- * Computer Programming" 2, 4.2.2, theorem B). Then both are truncated to 24 bits. Every pair of special numbers, and random ones.
+ * Neither the cores nor sw/machine/finite.c computes as this does: numbers are doubles here, whose
+ * exponents go far beyond 2^129. A product of two is exact. A sum is rounded to nearest, and the
+ * error of that is a double, too (Knuth, "The Art of Computer Programming" 2, 4.2.2, theorem B).
+ * Then both are truncated to 24 bits. Every pair of special numbers, and random ones.
  */
 #include <math.h>
 
@@ -56,7 +58,8 @@ static uint32_t expected(fp3_bench_op op, uint32_t a, uint32_t b, uint8_t *flags
     return truncated(sum, rest, flags);
 }
 
-/* Around every place where something changes: exponents 0, 1, 127, 254 and 255, and runs of ones and zeros. */
+/* Around every place where something changes: exponents 0, 1, 127, 254 and 255, and runs of ones
+ * and zeros. */
 static size_t specials(uint32_t *of) {
     static const uint32_t fractions[] = {0, 1, 2, 0x3fffff, 0x400000, 0x400001, 0x7ffffe, 0x7fffff};
     static const uint32_t exponents[] = {0,   1,   2,   23,  24,  25,  103, 125, 126, 127, 128,

@@ -4,8 +4,8 @@
  *
  * All 2^23 fractions with exponents of both parities, near the ends and in the middle: never too
  * large, never too small by more than promised, and no larger fraction would do for the same entry
- * of the table. Every product is exact in binary64: a fraction of the estimate has ten bits. Then what
- * is no normal number, and the exponents that leave the normal ones.
+ * of the table. Every product is exact in binary64: a fraction of the estimate has ten bits. Then
+ * what is no normal number, and the exponents that leave the normal ones.
  */
 #include <base/bits.h>
 #include <inttypes.h>
@@ -34,8 +34,8 @@ static double error_of(int is_root, double a, double y) {
     return is_root ? 1 - a * y * y : 1 - fabs(a) * fabs(y);
 }
 
-/* y with the next fraction that the table can give is too large for some number of a's entry: for the
- * last, as its end is beyond it. */
+/* y with the next fraction that the table can give is too large for some number of a's entry: for
+ * the last, as its end is beyond it. */
 static int is_largest(int is_root, uint32_t a, uint32_t y) {
     const uint32_t entry = is_root ? 0x3fff : 0x1fff;
     const uint32_t next = y + (is_root && !(a >> 23 & 1) ? 0x2000 : 0x4000);

@@ -1,9 +1,10 @@
-/* fp_host - binary32 add, subtract, multiply and multiply-add, rounded once, against the FPU of this machine, values and
- * flags.
+/* fp_host - binary32 add, subtract, multiply and multiply-add, rounded once, against the FPU of
+ * this machine, values and flags.
  *
- * Every pair (of multiply-add, every triple of fewer) of special values and many random ones, through the uncut cores and through every
- * distinct set of cuts of the named configurations. The host must be an IEEE 754 machine that
- * detects tininess after rounding, as x86 and RISC-V do and ARM does not: checked at the start.
+ * Every pair (of multiply-add, every triple of fewer) of special values and many random ones,
+ * through the uncut cores and through every distinct set of cuts of the named configurations. The
+ * host must be an IEEE 754 machine that detects tininess after rounding, as x86 and RISC-V do and
+ * ARM does not: checked at the start.
  */
 #include <base/bits.h>
 #include <fenv.h>
@@ -121,7 +122,8 @@ static size_t special_values(uint32_t *values) {
     return n;
 }
 
-/* Every pair of special values. Of multiply-add there are 32,768,000 triples: all of them are in a long run only. */
+/* Every pair of special values. Of multiply-add there are 32,768,000 triples: all of them are in a
+ * long run only. */
 static uint64_t put_special(test *t, fp3_bench_op op, size_t *count) {
     enum { LONG = 10000000 };
     const size_t step = op < FP3_BENCH_MADD || t->opt->pairs >= LONG ? 1 : 31;

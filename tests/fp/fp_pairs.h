@@ -119,8 +119,8 @@ static inline void fp3_pair(gsl_rng *rng, unsigned exp, unsigned frac, fp3_bench
     *b = signs >> 29 & 1 ? q : p;
 }
 
-/* An addend for the product of a and b, mostly where they meet: it cancels the product, or is half a unit of one
- * of them away from where it changes something. */
+/* An addend for the product of a and b, mostly where they meet: it cancels the product, or is half
+ * a unit of one of them away from where it changes something. */
 static inline uint32_t fp3_third(gsl_rng *rng, unsigned exp, unsigned frac, uint32_t a,
                                  uint32_t b) {
     const uint32_t all = (UINT32_C(1) << frac) - 1, hidden = all + 1;

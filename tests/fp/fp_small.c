@@ -1,11 +1,13 @@
 /* fp_small - the cores in small formats against tables of all representable numbers.
  *
- * The 8-bit format (4-bit exponent, 3-bit fraction) in its five modes with all 65,536 pairs, and binary16 with random pairs.
- * Multiply-add, which Cell's arithmetic does not have, takes as many of the 8-bit format's 16,777,216 triples as --pairs says.
- * The exact result is a double, as these formats are small enough. Only the exact sum of binary16's multiply-add may be longer: it is
- * rounded to odd, which no later rounding notices. The double is rounded by looking up its two neighbours: once among the
- * format's own numbers, for the value, and once among numbers with the same fractions and all exponents, for overflow and underflow.
- * What zero, infinity and NaN give is taken from the host's double arithmetic.
+ * The 8-bit format (4-bit exponent, 3-bit fraction) in its five modes with all 65,536 pairs, and
+ * binary16 with random pairs. Multiply-add, which Cell's arithmetic does not have, takes as many of
+ * the 8-bit format's 16,777,216 triples as --pairs says. The exact result is a double, as these
+ * formats are small enough. Only the exact sum of binary16's multiply-add may be longer: it is
+ * rounded to odd, which no later rounding notices. The double is rounded by looking up its two
+ * neighbours: once among the format's own numbers, for the value, and once among numbers with the
+ * same fractions and all exponents, for overflow and underflow. What zero, infinity and NaN give is
+ * taken from the host's double arithmetic.
  */
 #include <math.h>
 
@@ -22,8 +24,8 @@ typedef struct {
 
 typedef struct {
     fp3_bench_core core;
-    table
-        format; /* index = code without sign; one more entry, where infinity is or, without one, would be */
+    table format; /* index = code without sign; one more entry, where infinity is or, without one,
+                     would be */
     table unbounded; /* no subnormal numbers: exponents far beyond any result's */
 } reference;
 

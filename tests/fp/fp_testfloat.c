@@ -2,8 +2,9 @@
  *
  *     testfloat_gen -rnear_even -tininessafter -level 1 f32_add | build/tests/fp_testfloat --op add
  *
- * A line is "A B Z flags" in hexadecimal, of madd (f32_mulAdd) "A B C Z flags"; the flags are invalid 16, divide by zero 8, overflow 4,
- * underflow 2, inexact 1. Each vector goes through the uncut core and every named set of cuts.
+ * A line is "A B Z flags" in hexadecimal, of madd (f32_mulAdd) "A B C Z flags"; the flags are
+ * invalid 16, divide by zero 8, overflow 4, underflow 2, inexact 1. Each vector goes through the
+ * uncut core and every named set of cuts.
  */
 #include "fp_common.h"
 

@@ -256,7 +256,8 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size) {
     return 0;
 }
 
-/* Half of the time changes a word of a model that was accepted; else a word or bytes of this input. */
+/* Half of the time changes a word of a model that was accepted; else a word or bytes of this input.
+ */
 size_t LLVMFuzzerCustomMutator(unsigned char *data, size_t size, size_t room, unsigned seed) {
     unsigned count = accepted.count < MUTATE_MODELS ? accepted.count : MUTATE_MODELS;
     unsigned state = seed, how = mutate_random(&state, 8);

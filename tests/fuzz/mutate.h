@@ -1,5 +1,5 @@
-/* mutate.h - changes words of a model rather than bytes, so that the result is often a model, too, and
- * reaches the stages after the reader. Only for libFuzzer. */
+/* mutate.h - changes words of a model rather than bytes, so that the result is often a model, too,
+ * and reaches the stages after the reader. Only for libFuzzer. */
 #ifndef FP3_FUZZ_MUTATE_H
 #define FP3_FUZZ_MUTATE_H
 

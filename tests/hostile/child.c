@@ -1,9 +1,10 @@
-/* child.c - a process that has an engine forks, and both go on with it: each has its own from then on.
+/* child.c - a process that has an engine forks, and both go on with it: each has its own from then
+ * on.
  *
  *     child PROGRAM ENGINE
  *
- * Ends with 1 if the child does not come to the values of its parent within 20 seconds, or an engine has a thread before its
- * first run.
+ * Ends with 1 if the child does not come to the values of its parent within 20 seconds, or an
+ * engine has a thread before its first run.
  */
 #include <dirent.h>
 #include <fp3/program.h>

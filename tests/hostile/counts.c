@@ -1,6 +1,7 @@
-/* counts.c - every count of engine.h, batch.h and program.h at its ends: 0, 1, all, one more, SIZE_MAX, and where
- * first + count overflows. Each call ends with the status in its row and touches no memory but its own: room is
- * exact, so that a sanitizer sees more, and what stands behind it is looked at.
+/* counts.c - every count of engine.h, batch.h and program.h at its ends: 0, 1, all, one more,
+ * SIZE_MAX, and where first + count overflows. Each call ends with the status in its row and
+ * touches no memory but its own: room is exact, so that a sanitizer sees more, and what stands
+ * behind it is looked at.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>

@@ -1,7 +1,9 @@
-/* definitions.c - what a program gets that was compiled with other headers, or that forgot a default.
+/* definitions.c - what a program gets that was compiled with other headers, or that forgot a
+ * default.
  *
- * Of each definition of the library: one that is smaller and one that is larger than the library's, as older and newer
- * headers have it, one of zeros, and one that is as it must be. Prints "NAME: STATUS TEXT" of each call that takes it.
+ * Of each definition of the library: one that is smaller and one that is larger than the library's,
+ * as older and newer headers have it, one of zeros, and one that is as it must be. Prints "NAME:
+ * STATUS TEXT" of each call that takes it.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>

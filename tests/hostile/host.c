@@ -1,9 +1,10 @@
-/* host.c - what the library computes, reads and writes for a host with an arithmetic and a locale of its own.
+/* host.c - what the library computes, reads and writes for a host with an arithmetic and a locale
+ * of its own.
  *
  *     host PROGRAM [up|down|cut|flush|locale]
  *
- * PROGRAM is a model with the params m and T. Prints bits and texts, which are the same for each kind of host, and ends with 1 if
- * the host has not its own arithmetic and locale afterwards.
+ * PROGRAM is a model with the params m and T. Prints bits and texts, which are the same for each
+ * kind of host, and ends with 1 if the host has not its own arithmetic and locale afterwards.
  */
 #include <fenv.h>
 #include <fp3/batch.h>

@@ -1,10 +1,11 @@
-/* memory.c - memory runs out once: at the first allocation, at the second, and so on, until a call needs no more.
+/* memory.c - memory runs out once: at the first allocation, at the second, and so on, until a call
+ * needs no more.
  *
  *     memory PROGRAM SCENE [STEP]
  *
- * Each call then fails as it says, or succeeds without it; none crashes, and what is open is closed. Counted are the
- * allocations of our own code: libraries (libconfig, GSL) end the process themselves. STEP: every so many alone, from the
- * hundredth on.
+ * Each call then fails as it says, or succeeds without it; none crashes, and what is open is
+ * closed. Counted are the allocations of our own code: libraries (libconfig, GSL) end the process
+ * themselves. STEP: every so many alone, from the hundredth on.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>

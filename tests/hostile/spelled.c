@@ -1,5 +1,5 @@
-/* spelled.c - files in libconfig's syntax, damaged at random: libconfig sees exactly the numbers that
- * were replaced, in their order, and reads none by itself.
+/* spelled.c - files in libconfig's syntax, damaged at random: libconfig sees exactly the numbers
+ * that were replaced, in their order, and reads none by itself.
  *
  *     spelled SEED COUNT
  */

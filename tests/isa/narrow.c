@@ -1,12 +1,15 @@
-/* narrow - numbers with fewer fraction bits than binary32: the engine isa's operations against an oracle of its own.
+/* narrow - numbers with fewer fraction bits than binary32: the engine isa's operations against an
+ * oracle of its own.
  *
  *     narrow FRACTION NEAREST SUBNORMAL COUNT
  *
- * sw/machine/narrow.c computes in integers. Here numbers are doubles, whose exponents go beyond every result's. A product of two is
- * exact. A sum is rounded to odd by the error that its rounding leaves (Knuth, "The Art of Computer Programming" 2, 4.2.2, theorem
- * B), and rounding to odd is no second rounding where 53 bits become 24 or less (Boldo and Melquiond, "Emulation of a FMA and
- * correctly rounded sums", IEEE Transactions on Computers 57, 2008). Then all is rounded as a multiple of its last place.
- * All pairs of special numbers, COUNT random triples, and, of the operations with one operand, every number.
+ * sw/machine/narrow.c computes in integers. Here numbers are doubles, whose exponents go beyond
+ * every result's. A product of two is exact. A sum is rounded to odd by the error that its rounding
+ * leaves (Knuth, "The Art of Computer Programming" 2, 4.2.2, theorem B), and rounding to odd is no
+ * second rounding where 53 bits become 24 or less (Boldo and Melquiond, "Emulation of a FMA and
+ * correctly rounded sums", IEEE Transactions on Computers 57, 2008). Then all is rounded as a
+ * multiple of its last place. All pairs of special numbers, COUNT random triples, and, of the
+ * operations with one operand, every number.
  */
 #include <base/bits.h>
 #include <fp3/isa.h>

@@ -11,7 +11,8 @@
  * must agree with the registers.
  * To find a load that is not needed, the test enumerates all paths through the program.
  *
- * --ship: compares ship_sleep.s with ship_madd.s, both in DIRECTORY, visit by visit, until it sleeps.
+ * --ship: compares ship_sleep.s with ship_madd.s, both in DIRECTORY, visit by visit, until it
+ * sleeps.
  */
 #include <base/bits.h>
 #include <fp3/image.h>

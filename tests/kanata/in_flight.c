@@ -1,8 +1,9 @@
 /* in_flight.c - tells the rtl engine's pairing what a test says, and prints what it makes of it.
  *
  *     in_flight CONFIG < EVENTS
- *         i CYCLE SCHEDULER CONTEXT PC WORD                 an instruction issues; WORD as hexadecimal
- *         e CYCLE SCHEDULER LANE CONTEXT OUTCOME RESULT REGISTER    one ends; prints its issue and pc
+ *         i CYCLE SCHEDULER CONTEXT PC WORD                 an instruction issues; WORD as
+ * hexadecimal e CYCLE SCHEDULER LANE CONTEXT OUTCOME RESULT REGISTER    one ends; prints its issue
+ * and pc
  */
 #include "engine/board/in_flight.h"
 

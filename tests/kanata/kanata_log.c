@@ -2,10 +2,9 @@
  *
  *     kanata_log SOURCE CONFIG LOG < EVENTS       assembles SOURCE, writes LOG; says why not
  *         t ISSUED ENDED SCHEDULER LANE CONTEXT PC OUTCOME OBJECT RESULT BITS FLAGS [WORD]
- *                            an instruction ends, of the program unless WORD is given; BITS, WORD as
- *                            hexadecimal
- *         n COUNT            so many end, issued in cycles 0, 1, ..
- *     kanata_log occupancy COUNTER ...            the table of these counters
+ *                            an instruction ends, of the program unless WORD is given; BITS, WORD
+ * as hexadecimal n COUNT            so many end, issued in cycles 0, 1, .. kanata_log occupancy
+ * COUNTER ...            the table of these counters
  */
 #include <fp3/image.h>
 #include <fp3/program.h>

@@ -1,13 +1,14 @@
 /* lns_certify.c - every function value of logarithmic arithmetic, enclosed by MPFR.
  *
- *     lns_certify              every input: 2^28 distances of a sum, as many of a difference, 2^23 fractions of each converter
- *                              and of each inverse at each exponent that changes it
- *     lns_certify 1009         runs of inputs, one of 1009
+ *     lns_certify              every input: 2^28 distances of a sum, as many of a difference, 2^23
+ * fractions of each converter and of each inverse at each exponent that changes it lns_certify 1009
+ * runs of inputs, one of 1009
  *
- * The logarithm of a sum is that of the larger operand plus a function of the distance of both; all else is exact. So all
- * distances are all pairs of operands. Where a run starts, MPFR gives the function and its slope. Within the run the
- * function leaves this line by at most max|f''| k^2 / 2, and the run ends before that is 2^-12 of the last place. It counts
- * as error, as does what doubles may lose.
+ * The logarithm of a sum is that of the larger operand plus a function of the distance of both; all
+ * else is exact. So all distances are all pairs of operands. Where a run starts, MPFR gives the
+ * function and its slope. Within the run the function leaves this line by at most max|f''| k^2 / 2,
+ * and the run ends before that is 2^-12 of the last place. It counts as error, as does what doubles
+ * may lose.
  */
 #include <gen/logarithms.h>
 #include <inttypes.h>
@@ -22,7 +23,8 @@
 #define INVERSE 0.95   /* ... of the inverse of a float */
 #define LEAVES 0x1p-12 /* of the line, in last places */
 #define DOUBLES                                                                                    \
-    0x1p-24 /* lost by doubles, likewise: values are below 2^29 last places, and each operation loses 2^-53 */
+    0x1p-24 /* lost by doubles, likewise: values are below 2^29 last places, and each operation    \
+               loses 2^-53 */
 
 typedef struct {
     mpfr_t x, y, z, ln2;

@@ -1,9 +1,11 @@
 /* lns_pairs.c - sw/machine/lns.c against MPFR, on operands of all kinds.
  *
- *     lns_pairs [PAIRS]        every pair of special words, and so many random pairs (default 200,000)
+ *     lns_pairs [PAIRS]        every pair of special words, and so many random pairs (default
+ * 200,000)
  *
- * lns_certify checks the functions behind a sum. Here whole operations are computed again from the numbers that words stand
- * for, with what becomes of zeros, infinities, NaN, range, signs and flags.
+ * lns_certify checks the functions behind a sum. Here whole operations are computed again from the
+ * numbers that words stand for, with what becomes of zeros, infinities, NaN, range, signs and
+ * flags.
  */
 #include "lns_operands.h"
 #include <base/bits.h>
@@ -102,7 +104,8 @@ static void number_of(mpfr_t x, uint32_t word, int is_float) {
         mpfr_neg(x, x, MPFR_RNDN);
 }
 
-/* z, with MPFR's infinities, NaN and signs of zero: those of IEEE 754. Returns whether z is exact. */
+/* z, with MPFR's infinities, NaN and signs of zero: those of IEEE 754. Returns whether z is exact.
+ */
 static int truth(operation op, numbers *n) {
     switch (op) {
     case MUL:
@@ -140,8 +143,8 @@ static uint32_t special_flags(operation op, uint32_t a, const numbers *n) {
     return (op == RCP || op == RSQRT) && mpfr_zero_p(n->a) ? DZ : 0;
 }
 
-/* Position of z among words, in last places: its logarithm, or as binary32. Whether z is one of them: of different powers of
- * two, only those that are equal agree to 2^-300. */
+/* Position of z among words, in last places: its logarithm, or as binary32. Whether z is one of
+ * them: of different powers of two, only those that are equal agree to 2^-300. */
 static double place_of(const mpfr_t z, int is_float, int *is_whole) {
     mpfr_t place, rest;
     mpfr_inits2(PRECISION, place, rest, (mpfr_ptr)0);

@@ -1,6 +1,7 @@
 /* lns_rtl.c - rtl/lns/lns_*.v against sw/machine/lns.c, value and flags.
  *
- *     lns_rtl [PAIRS]          of each operation every pair of special words, and so many random pairs (default 1,000,000)
+ *     lns_rtl [PAIRS]          of each operation every pair of special words, and so many random
+ * pairs (default 1,000,000)
  */
 #include "lns_operands.h"
 

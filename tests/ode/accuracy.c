@@ -1,7 +1,8 @@
 /* accuracy.c - how far from the truth what the compiler makes of / sqrt sin cos is.
  *
  *     accuracy               prints, for each function, its largest error over its range
- *     accuracy CONFIG        of quotients and roots in the numbers of this configuration, in units of their last place
+ *     accuracy CONFIG        of quotients and roots in the numbers of this configuration, in units
+ * of their last place
  *
  * y' = f(x) by Euler's method with h = 1 from y = 0 is f(x), as 1 * f + 0 rounds nothing.
  */

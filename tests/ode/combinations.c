@@ -1,10 +1,11 @@
-/* combinations.c - compiles models by integrators in every arithmetic, and tells whether each is a program or is refused.
+/* combinations.c - compiles models by integrators in every arithmetic, and tells whether each is a
+ * program or is refused.
  *
  *     combinations SEED EVERY PART MODELS...
  *
- * SEED picks every EVERYth combination; 1: all. PART 0..: of these every combination with this number modulo PARTS, as
- * "0/2". Prints each combination before it compiles it, so that the last line names the one that crashes, and
- * exits with 1 where one is refused without a reason.
+ * SEED picks every EVERYth combination; 1: all. PART 0..: of these every combination with this
+ * number modulo PARTS, as "0/2". Prints each combination before it compiles it, so that the last
+ * line names the one that crashes, and exits with 1 where one is refused without a reason.
  */
 #include <fp3/compile.h>
 #include <stdio.h>

@@ -1,10 +1,12 @@
 /* double_single.c - the compiler's arithmetic with pairs of floats, executed as the machine does.
  *
- *     double_single [N]     N random pairs of operands for each operation (default 40000), eight times as many of floats
+ *     double_single [N]     N random pairs of operands for each operation (default 40000), eight
+ * times as many of floats
  *
- * Sums, differences and products of two floats against what they are exactly, over the whole range, with
- * ties, cancellation, subnormal numbers and both ends; operations on pairs against __float128, with 113
- * bits, relative to the result; loose ones relative to the size of the result (loose.h). Prints, for each, how many were checked, how many nodes it has, and its largest relative error in
+ * Sums, differences and products of two floats against what they are exactly, over the whole range,
+ * with ties, cancellation, subnormal numbers and both ends; operations on pairs against __float128,
+ * with 113 bits, relative to the result; loose ones relative to the size of the result (loose.h).
+ * Prints, for each, how many were checked, how many nodes it has, and its largest relative error in
  * units of u^2 = 2^-48.
  */
 #include "executed_pairs.h"
@@ -34,8 +36,8 @@ static float bounded(float x) { return isfinite(x) ? x : FLT_MAX; }
 
 /* ---- floats ---- */
 
-/* Whether s + e is a + b, of finite numbers: where quad has not all bits, nothing was rounded but the
- * smaller one away. */
+/* Whether s + e is a + b, of finite numbers: where quad has not all bits, nothing was rounded but
+ * the smaller one away. */
 static int is_sum(float a, float b, const float r[2]) {
     if ((quad)r[0] + (quad)r[1] != (quad)a + (quad)b)
         return 0;
@@ -69,7 +71,8 @@ static void check_product(operation *o, float a, float b) {
     o->checked++;
     const double found = (double)r[0] + (double)r[1];
     if (!isfinite(wanted) || least >= 0x1.ffp127 || fmaxf(fabsf(a), fabsf(b)) >= 0x1p115f) {
-        /* From 2^115 on a half may overflow, and so may the product of two that were rounded up: then the result is said to be no number, else it is right. */
+        /* From 2^115 on a half may overflow, and so may the product of two that were rounded up:
+         * then the result is said to be no number, else it is right. */
         const int is_said = (!isfinite(r[0]) || !isfinite(r[1])) &&
                             flags_of(o, words) & (FP3_FLAG_OVERFLOW | FP3_FLAG_INVALID);
         if (!is_said && !(isfinite(wanted) && fabs(found - exact) <= 0x1p-147))
@@ -150,7 +153,8 @@ static int check_pairs(const char *name, binary *two, unary *one, error_fn *erro
 
 typedef fp3_loose loose_binary(dag *g, fp3_loose x, fp3_loose y);
 
-/* A value of this size, of which anything up to all may have cancelled: its words and its spread of `spread` u. */
+/* A value of this size, of which anything up to all may have cancelled: its words and its spread of
+ * `spread` u. */
 static void any_loose(float *words, double size, unsigned spread) {
     const int gone = chance() % 3 ? 0 : (int)(chance() % 60);
     words[0] = (float)ldexp(size * (chance() & 1 ? -1 : 1), -gone);
@@ -186,7 +190,8 @@ static void check_loose_once(operation *o, char kind, const unsigned spread[2],
     o->worst = fmax(o->worst, found);
 }
 
-/* Of operands with these spreads, whose second words are added or subtracted; the result is renormalised, without an error. */
+/* Of operands with these spreads, whose second words are added or subtracted; the result is
+ * renormalised, without an error. */
 static int check_loose(const char *name, loose_binary *op, char kind, unsigned k, unsigned l,
                        uint64_t count) {
     const double product = k + l == 2 ? 8 : 2 + 4 * k + 4 * l + k * l;

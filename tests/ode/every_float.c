@@ -1,12 +1,13 @@
 /* every_float.c - functions of one number against libm in double, for every float of their range.
  *
- *     every_float [N [NAME [FROM TO]]]     every Nth float (1: minutes for each function), of all functions or one, of
- *                                          its whole range or a part
+ *     every_float [N [NAME [FROM TO]]]     every Nth float (1: minutes for each function), of all
+ * functions or one, of its whole range or a part
  *
- * Prints of each function the instructions, the largest error, where it is, and how many were compared. The
- * compiler makes a step of y' = f(x); its operations are carried out here on blocks of floats, as the
- * compiler knows no faster way, and a sample of them by fp3_execute, which must give the same bits. A
- * result that should be beyond FLT_MAX counts as 2^128, and so does what should not be.
+ * Prints of each function the instructions, the largest error, where it is, and how many were
+ * compared. The compiler makes a step of y' = f(x); its operations are carried out here on blocks
+ * of floats, as the compiler knows no faster way, and a sample of them by fp3_execute, which must
+ * give the same bits. A result that should be beyond FLT_MAX counts as 2^128, and so does what
+ * should not be.
  */
 #pragma GCC optimize("O3")
 #include "function.h"
@@ -21,9 +22,9 @@ typedef struct {
     const char *name, *expression;
     double (*truth)(double x, double n);
     float from, to;
-    double n; /* of x^n, an FP32 number as every param; a NaN: of all sizes */
-    double least,
-        most; /* a smaller truth counts as least: near a zero. A larger one is near a pole; 0: none is */
+    double n;           /* of x^n, an FP32 number as every param; a NaN: of all sizes */
+    double least, most; /* a smaller truth counts as least: near a zero. A larger one is near a
+                           pole; 0: none is */
 } function;
 
 static double sin_of(double x, double n) { return (void)n, sin(x); }
@@ -273,8 +274,8 @@ static result every(const program *p, const function *f, int64_t step) {
 /* A number in [0, 1), of a sequence that fills it. */
 static double fraction(uint64_t i, double step) { return fmod(0.5 + (double)i * step, 1.0); }
 
-/* x^n for exponents of every size from 2^-12 to 2^24, a block for each, and x whose powers are normal or
- * nearly so. */
+/* x^n for exponents of every size from 2^-12 to 2^24, a block for each, and x whose powers are
+ * normal or nearly so. */
 static result any_power(program *p, int64_t step) {
     result r = {0};
     const uint64_t blocks = (UINT64_C(1) << 22) / (uint64_t)step + 16;

@@ -1,6 +1,8 @@
-/* exact_division.c - the pass `exact-division` against the host's division and square root, bit for bit.
+/* exact_division.c - the pass `exact-division` against the host's division and square root, bit for
+ * bit.
  *
- *     exact_division [N [CONFIG]]     every Nth fraction (1: all), and as many random and hard quotients
+ *     exact_division [N [CONFIG]]     every Nth fraction (1: all), and as many random and hard
+ * quotients
  *
  * y' = f(x, a) by Euler's method with h = 1 from y = -0 is f(x, a), as 1 * f + -0 rounds nothing.
  */

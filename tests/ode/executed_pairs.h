@@ -1,5 +1,5 @@
-/* executed_pairs.h - the compiler's arithmetic with pairs of floats, executed as the machine does, and random
- * operands for it. */
+/* executed_pairs.h - the compiler's arithmetic with pairs of floats, executed as the machine does,
+ * and random operands for it. */
 #ifndef EXECUTED_PAIRS_H
 #define EXECUTED_PAIRS_H
 
@@ -67,7 +67,8 @@ static inline int end(operation *o) {
     return is_bad;
 }
 
-/* From the words of the operands to those of the result; flags, unless NULL: the exceptions raised. */
+/* From the words of the operands to those of the result; flags, unless NULL: the exceptions raised.
+ */
 static inline void execute(const operation *o, const float *words, float result[2],
                            uint32_t *flags) {
     static uint32_t value[FP3_DAG_LIMIT];
@@ -129,7 +130,8 @@ static inline float between(int least, int most) {
 
 static inline quad sum_of(const float *words) { return (quad)words[0] + (quad)words[1]; }
 
-/* A pair whose second word is half a unit of the first one's last place at most; some are 0 or at it. */
+/* A pair whose second word is half a unit of the first one's last place at most; some are 0 or at
+ * it. */
 static inline void any_pair(float *words, int least, int most) {
     words[0] = between(least, most);
     const int exponent = ilogbf(words[0]) - 24;

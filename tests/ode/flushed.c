@@ -1,12 +1,13 @@
-/* flushed.c - quotients and roots where subnormal numbers are flushed, or inverses made by logarithms, for every exponent of both
- * operands.
+/* flushed.c - quotients and roots where subnormal numbers are flushed, or inverses made by
+ * logarithms, for every exponent of both operands.
  *
  *     flushed CONFIG [N]     N pairs of fractions for each pair of exponents (1)
  *
- * Prints of each expression how many values are wrong, how many are refused (they raise invalid or overflow), and the largest
- * error of the others in units in the last place. A value may be refused if a denominator is 0 or the value is beyond the numbers.
- * Quotients are computed scaled: they may also be refused in the last binades, and if the divisor is below eight times the least
- * number. A value that has 0 in a denominator must be refused.
+ * Prints of each expression how many values are wrong, how many are refused (they raise invalid or
+ * overflow), and the largest error of the others in units in the last place. A value may be refused
+ * if a denominator is 0 or the value is beyond the numbers. Quotients are computed scaled: they may
+ * also be refused in the last binades, and if the divisor is below eight times the least number. A
+ * value that has 0 in a denominator must be refused.
  */
 #include "function.h"
 
@@ -57,7 +58,8 @@ typedef struct {
     double worst;
 } result;
 
-/* Exponent 255 is a number's, if the configuration is finite; 0 is no number's where subnormal numbers are flushed. */
+/* Exponent 255 is a number's, if the configuration is finite; 0 is no number's where subnormal
+ * numbers are flushed. */
 static double number(const fp3_config *config, uint32_t bits) {
     const int exponent = (int)(bits >> 23 & 255);
     const double size = exponent ? ldexp((double)((bits & 0x7fffff) | 0x800000), exponent - 150)
@@ -70,7 +72,8 @@ static int is_number(const fp3_config *config, uint32_t bits) {
     return config->finite || (bits >> 23 & 255) < 255;
 }
 
-/* Fractions and signs that fill their range evenly (Knuth, The Art of Computer Programming 3, 6.4). */
+/* Fractions and signs that fill their range evenly (Knuth, The Art of Computer Programming 3, 6.4).
+ */
 static uint32_t operand(uint32_t exponent, uint32_t *count) {
     const uint32_t mixed = 0x9e3779b1u * ++*count;
     return (mixed & 0x80000000u) | exponent << 23 | (mixed >> 8 & 0x7fffff);

@@ -1,5 +1,5 @@
-/* function.h - a function of x, of a, of a parameter n and of root, which is sqrt(x), as the compiler makes it:
- * compiled as a step of y' = f(x), and its operations carried out one by one. */
+/* function.h - a function of x, of a, of a parameter n and of root, which is sqrt(x), as the
+ * compiler makes it: compiled as a step of y' = f(x), and its operations carried out one by one. */
 #ifndef FP3_TESTS_FUNCTION_H
 #define FP3_TESTS_FUNCTION_H
 

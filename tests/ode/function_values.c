@@ -1,5 +1,5 @@
-/* function_values.c - functions of states on the hardware: the bits and flags of their operations one by one, and
- * the special cases of docs/compiler.md.
+/* function_values.c - functions of states on the hardware: the bits and flags of their operations
+ * one by one, and the special cases of docs/compiler.md.
  *
  *     function_values ENGINE CONFIG
  */

@@ -1,6 +1,7 @@
 /* losses.c - what language/loss.h calls underflow, beside the flag of the processor.
  *
- *     losses N      a line "OPERATION FLAGGED DIFFERENT" for each operation, of N operands by chance
+ *     losses N      a line "OPERATION FLAGGED DIFFERENT" for each operation, of N operands by
+ * chance
  */
 #include <fenv.h>
 #include <language/loss.h>

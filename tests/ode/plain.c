@@ -1,10 +1,10 @@
 /* plain - what plain C in FP32 reaches on a model, beside the compiler's program.
  *
- *     plain MODEL.ode STEPS    the smallest error of each by rk4 with up to that number of steps, and at
- *                              which step: one line
+ *     plain MODEL.ode STEPS    the smallest error of each by rk4 with up to that number of steps,
+ * and at which step: one line
  *
- * The loop is the one that somebody writes by hand (lab/bench/loop.h). Its steps and the truth are those of
- * fp3/tune.h.
+ * The loop is the one that somebody writes by hand (lab/bench/loop.h). Its steps and the truth are
+ * those of fp3/tune.h.
  */
 #include "lab/bench/loop.h"
 

@@ -3,9 +3,10 @@
  *     random_models <CASES      one case a line:
  *     MODEL INTEGRATOR CONFIG PASSES ARITHMETIC STEPS VISIT HAS_RTL IS_WILD SEED OBSERVED
  *
- * PASSES is a set of FP3_PASS(...) in hexadecimal, ARITHMETIC 0 plain, 1 compensated, 2 double-single, OBSERVED "all" or names with commas. States
- * begin at numbers of SEED; IS_WILD: infinities and NaNs are among them. Prints "bad", "refused" or
- * "same" for each case, and exits with 1 where one is bad.
+ * PASSES is a set of FP3_PASS(...) in hexadecimal, ARITHMETIC 0 plain, 1 compensated, 2
+ * double-single, OBSERVED "all" or names with commas. States begin at numbers of SEED; IS_WILD:
+ * infinities and NaNs are among them. Prints "bad", "refused" or "same" for each case, and exits
+ * with 1 where one is bad.
  *
  * Reference and program come from one graph, so what the graph means is checked by itself: in
  * double, a step of Euler's method and its events against the evaluation of the model.

@@ -9,7 +9,8 @@
  * steps: random steps, scheduled, executed in C, and every Nth one on the hardware, bits and
  * cycles. integrators: likewise, steps as a Runge-Kutta method makes them. lines: random
  * instructions, no scheduler, the hardware's cycles against the prediction. ship: the ship's step.
- * rows: batches that are not full. --spill: values may be stored and loaded within the step. large: how long the scheduler takes.
+ * rows: batches that are not full. --spill: values may be stored and loaded within the step. large:
+ * how long the scheduler takes.
  */
 #include "step_check.h"
 

@@ -1,4 +1,5 @@
-/* step_sample.h - steps to schedule: random ones, ones as an integrator makes them, and the ship's. */
+/* step_sample.h - steps to schedule: random ones, ones as an integrator makes them, and the ship's.
+ */
 #ifndef STEP_SAMPLE_H
 #define STEP_SAMPLE_H
 

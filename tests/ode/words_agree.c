@@ -1,10 +1,12 @@
-/* words_agree - models on all engines of a configuration: whether all words agree, and how far they are off.
+/* words_agree - models on all engines of a configuration: whether all words agree, and how far they
+ * are off.
  *
  *     words_agree CONFIG INTEGRATOR STEPS FILE...
  *
- * Prints a line for each model: its name, the words that were compared, how many differ, and the largest rounding error: the distance
- * from the same method in double, relative to the largest state of the object; or its name, "refused" and why. What the compiler's
- * reference makes of it counts as an engine, with the states as floats.
+ * Prints a line for each model: its name, the words that were compared, how many differ, and the
+ * largest rounding error: the distance from the same method in double, relative to the largest
+ * state of the object; or its name, "refused" and why. What the compiler's reference makes of it
+ * counts as an engine, with the states as floats.
  */
 #include "engine/common/inside.h"
 #include "lab/bench/variants.h"

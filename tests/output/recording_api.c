@@ -1,5 +1,5 @@
-/* recording_api.c - fp3/program.h from a program: what it promises, what it refuses. Prints a line for each
- * promise that is broken.
+/* recording_api.c - fp3/program.h from a program: what it promises, what it refuses. Prints a line
+ * for each promise that is broken.
  *
  *     build/tests/recording_api MODEL      writes api.csv
  */

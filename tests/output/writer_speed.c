@@ -1,9 +1,11 @@
-/* writer_speed.c - how fast recordings are written, whatever the engine: snapshots of a ship's two states.
+/* writer_speed.c - how fast recordings are written, whatever the engine: snapshots of a ship's two
+ * states.
  *
  *     build/tests/writer_speed OBJECTS SNAPSHOTS FILE [compress]
  *
- * Prints bytes of states, seconds until the file is on the disk, megabytes a second, and the most memory
- * that the process had. For the disk alone: dd if=/dev/zero of=FILE bs=1M count=763 conv=fdatasync
+ * Prints bytes of states, seconds until the file is on the disk, megabytes a second, and the most
+ * memory that the process had. For the disk alone: dd if=/dev/zero of=FILE bs=1M count=763
+ * conv=fdatasync
  */
 #include "record/csv.h"
 #include "record/hdf5.h"

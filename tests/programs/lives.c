@@ -1,5 +1,5 @@
-/* lives.c - objects with random lifetimes, over several runs: each holds after them what it holds alone after as
- * many steps as it lived, on every engine; and what fp3_engine_live refuses.
+/* lives.c - objects with random lifetimes, over several runs: each holds after them what it holds
+ * alone after as many steps as it lived, on every engine; and what fp3_engine_live refuses.
  *
  *     lives SEED PROGRAMS_DIRECTORY
  */

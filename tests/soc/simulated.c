@@ -2,8 +2,9 @@
  *
  *     simulated LIBRARY well | deaf | gone | BROKEN
  *
- * deaf: no interrupt comes; gone: nothing is behind the bus, which reads as ones; BROKEN: the number of a transfer that is answered with
- * an error, from 1 on. Their number goes to stderr. ship.h is made by the test.
+ * deaf: no interrupt comes; gone: nothing is behind the bus, which reads as ones; BROKEN: the
+ * number of a transfer that is answered with an error, from 1 on. Their number goes to stderr.
+ * ship.h is made by the test.
  */
 #include "machine.h"
 

@@ -1,7 +1,8 @@
-/* storage_words.c - what a store makes of words: every number of both formats and its neighbours, against arithmetic in double;
- * and the draws of stores that round at random.
+/* storage_words.c - what a store makes of words: every number of both formats and its neighbours,
+ * against arithmetic in double; and the draws of stores that round at random.
  *
- * Prints "FORMAT: N words, N wrong", then what is measured of draws; ends with 1 if a word is wrong.
+ * Prints "FORMAT: N words, N wrong", then what is measured of draws; ends with 1 if a word is
+ * wrong.
  */
 #include <base/bits.h>
 #include <fp3/isa.h>
@@ -13,8 +14,8 @@
 typedef struct {
     const char *name;
     uint32_t storage;
-    int bits,
-        least; /* of the significand, the hidden one too; exponent of the last place of the smallest number */
+    int bits, least; /* of the significand, the hidden one too; exponent of the last place of the
+                        smallest number */
     double most;
 } format;
 
@@ -47,7 +48,8 @@ static int is_wrong(const format *f, uint32_t word) {
     return got != expected || flags != (is_over ? FP3_FLAG_OVERFLOW | FP3_FLAG_INEXACT : 0);
 }
 
-/* Each number that a record has, those around it, and those around the middle between it and the next one. */
+/* Each number that a record has, those around it, and those around the middle between it and the
+ * next one. */
 static uint64_t look_at_words(const format *f) {
     static const int32_t beside[] = {0, 1, 2, -1, -2};
     uint64_t count = 0, wrong = 0;
@@ -71,7 +73,8 @@ static int goes_up(const format *f, uint32_t word, uint32_t seed, uint32_t objec
            fabsf(fp3_value_of(word));
 }
 
-/* Of words whose fraction is cut off at 1/16, 2/16 ...: how far the share that goes up is from it, in standard deviations. */
+/* Of words whose fraction is cut off at 1/16, 2/16 ...: how far the share that goes up is from it,
+ * in standard deviations. */
 static double look_at_means(const format *f) {
     const int cut = f->storage == 1 ? 16 : 13;
     double most = 0;

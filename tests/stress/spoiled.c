@@ -2,9 +2,10 @@
  *
  *     spoiled INTEGRATOR SECTION FACTOR
  *
- * Runs one section in its quick form by an integrator of which one coefficient (the last of A, the first substep, a slope of a recurrence) is
- * multiplied by a factor, beside the theory of its table. Prints how many results there are, and how many do not
- * hold. Exit code 1: something went wrong.
+ * Runs one section in its quick form by an integrator of which one coefficient (the last of A, the
+ * first substep, a slope of a recurrence) is multiplied by a factor, beside the theory of its
+ * table. Prints how many results there are, and how many do not hold. Exit code 1: something went
+ * wrong.
  */
 #include "lab/stress/suite.h"
 

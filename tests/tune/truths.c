@@ -1,8 +1,9 @@
-/* Truths at several times in one go are those of one time after the other, and so are those of a path.
+/* Truths at several times in one go are those of one time after the other, and so are those of a
+ * path.
  *
- *     truths MODEL...            for each: its name, the largest distances, that times go upwards, and
- *                                how far the start of stoermer_verlet is from the truth
- *     truths MODEL NAME=VALUE... of one object, and times from standard input: the states and their sizes
+ *     truths MODEL...            for each: its name, the largest distances, that times go upwards,
+ * and how far the start of stoermer_verlet is from the truth truths MODEL NAME=VALUE... of one
+ * object, and times from standard input: the states and their sizes
  */
 #include "compiler/backwards.h"
 #include "lab/truth/path.h"
@@ -59,7 +60,8 @@ static double strays(const fp3_model *model, const double *params, const double 
     return most;
 }
 
-/* What stoermer_verlet starts from, by the truth a step before the start. Events are not followed back. */
+/* What stoermer_verlet starts from, by the truth a step before the start. Events are not followed
+ * back. */
 static double strays_back(const fp3_model *model, const double *params, const double *initial) {
     double there[16], truth[16], most = 0;
     fp3_error error;

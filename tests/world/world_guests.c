@@ -1,10 +1,10 @@
-/* world_guests.c - a scene on several engines, each with a part of the objects and with guests for those of the others that its own
- * objects can read: the words of one engine that has them all.
+/* world_guests.c - a scene on several engines, each with a part of the objects and with guests for
+ * those of the others that its own objects can read: the words of one engine that has them all.
  *
  *     world_guests SCENE STEPS PARTS ENGINE CUT      CUT: blocks, or strewn: whom a part has
  *
- * Each part runs in a thread of its own, and they exchange words between phases. Prints: parts N, guests N, words N (that were brought
- * in all), differing N.
+ * Each part runs in a thread of its own, and they exchange words between phases. Prints: parts N,
+ * guests N, words N (that were brought in all), differing N.
  */
 #include "engine/common/inside.h"
 

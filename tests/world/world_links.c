@@ -1,5 +1,5 @@
-/* world_links.c - links and reaches through fp3/batch.h and fp3/program.h: what is promised, what is refused. Prints a
- * line for each promise that is broken.
+/* world_links.c - links and reaches through fp3/batch.h and fp3/program.h: what is promised, what
+ * is refused. Prints a line for each promise that is broken.
  *
  *     build/tests/world_links FOLDER      with chain.ode and balls.ode of programs/world
  */

@@ -1,8 +1,9 @@
-/* world_near.c - whether a list of those that are near is stale: exactly when somebody has moved by more than half the skin.
+/* world_near.c - whether a list of those that are near is stale: exactly when somebody has moved by
+ * more than half the skin.
  *
- * In one to three dimensions, where squares are ordinary numbers and where FP32 has none of them, and also if the caller has the
- * processor flush what is subnormal. And what lists are made of where some objects are far away: the same, at a cost that does not depend
- * on how far.
+ * In one to three dimensions, where squares are ordinary numbers and where FP32 has none of them,
+ * and also if the caller has the processor flush what is subnormal. And what lists are made of
+ * where some objects are far away: the same, at a cost that does not depend on how far.
  */
 #include <engine/common/near.h>
 #include <stdio.h>
@@ -52,8 +53,8 @@ static int is_stale(double skin, uint32_t dimensions, float share) {
     return is;
 }
 
-/* Two that are farther apart than the reach by a few units in the last place: a program that rounds in another order may see them
- * as near, so the list has them, however narrow the skin is. */
+/* Two that are farther apart than the reach by a few units in the last place: a program that rounds
+ * in another order may see them as near, so the list has them, however narrow the skin is. */
 static int has_pair_at_reach(uint32_t dimensions) {
     fp3_near_rule rule = {.dimensions = dimensions, .reach = 1, .skin = 1e-30};
     fp3_where_they_are now = {.stride = 1, .objects = 2, .dimensions = dimensions};
@@ -76,7 +77,8 @@ static int has_pair_at_reach(uint32_t dimensions) {
 
 enum { SIDE = 20, MANY = SIDE * SIDE * SIDE };
 
-/* A block of objects, `outside` of them as far away as can be in all axes; lists of `count` by a search over all. Returns looks for each. */
+/* A block of objects, `outside` of them as far away as can be in all axes; lists of `count` by a
+ * search over all. Returns looks for each. */
 static double look_around(float far, uint32_t outside) {
     static float place[FP3_NEAR_DIMENSIONS][MANY];
     fp3_near_rule rule = {.dimensions = FP3_NEAR_DIMENSIONS, .reach = 1, .skin = 0.1};

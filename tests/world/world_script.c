@@ -8,11 +8,10 @@
  *     links NAME A B F1 F2 ...  one entry: object A has the neighbour B
  *     near NAME REACH SKIN X..  with the names of the position's states
  *     all NAME
- *     load MODEL                another program: objects keep what their registers hold, lists are gone
- *     run STEPS                 go STEPS: an error is printed, and not the end
- *     print NAME ...            a line of bits for each state
- *     flags STEPS               run, and what that raised
- *     failure                   "none", or which
+ *     load MODEL                another program: objects keep what their registers hold, lists are
+ * gone run STEPS                 go STEPS: an error is printed, and not the end print NAME ... a
+ * line of bits for each state flags STEPS               run, and what that raised failure "none",
+ * or which
  */
 #include <fp3/compile.h>
 #include <fp3/engine.h>

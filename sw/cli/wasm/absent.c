@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* absent.c - what WebAssembly has not: other programs, libraries that are loaded, native code, serial ports. Who asks
- * for one of them hears that.
+/* absent.c - what WebAssembly has not: other programs, libraries that are loaded, native code,
+ * serial ports. Who asks for one of them hears that.
  */
 #include "cli/cli.h"
 #include "cli/run_ranks.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* posix.h - what the headers of WASI lack of POSIX and of glibc. It stands in front of every file, and includes none. */
+/* posix.h - what the headers of WASI lack of POSIX and of glibc. It stands in front of every file,
+ * and includes none. */
 #ifndef FP3_WASM_POSIX_H
 #define FP3_WASM_POSIX_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* temporary.c - base/temporary.h for WebAssembly, which is one process: a temporary is the beginning of a name, not a folder. */
+/* temporary.c - base/temporary.h for WebAssembly, which is one process: a temporary is the
+ * beginning of a name, not a folder. */
 #include "base/temporary.h"
 
 #include <stdio.h>

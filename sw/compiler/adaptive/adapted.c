@@ -9,13 +9,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met. What is compensated
- * loses a like part of what a step adds to a state, some sixteenth of it. */
+/* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met. What
+ * is compensated loses a like part of what a step adds to a state, some sixteenth of it. */
 #define TOLERANCE_LEAST 0x1p-23
 #define TOLERANCE_LEAST_COMPENSATED 0x1p-27
 #define TOLERANCE_LEAST_DOUBLE 0x1p-40 /* below that the estimate, in floats, is all rounding */
 #define LOCATE_LEAST 0x1p-45           /* of the end: t has 48 bits */
-#define ABSOLUTE_LEAST 0x1p-100 /* its reciprocal, squared with an error of its size, is in range */
+#define ABSOLUTE_LEAST                                                                             \
+    0x1p-100 /* its reciprocal, squared with an error of its size, is in range                     \
+              */
 
 static fp3_status check_tolerance(double tolerance, const fp3_options *options, fp3_error *error) {
     const double least = options->arithmetic == FP3_DOUBLE_SINGLE ? TOLERANCE_LEAST_DOUBLE
@@ -84,8 +86,8 @@ static int is_at_time(const fp3_model *model, const fp3_event *event) {
            model->exprs[e->operand[1]].op == FP3_EXPR_TIME;
 }
 
-/* An event at the time at which the object starts never happens: there is no step before it. What a run that begins late has behind
- * it is past. */
+/* An event at the time at which the object starts never happens: there is no step before it. What a
+ * run that begins late has behind it is past. */
 static fp3_status check_time(const fp3_event *event, double time, double start, fp3_error *error) {
     const float at = (float)time, from = (float)start;
     if (!(at <= from) || (at < from && from != 0))

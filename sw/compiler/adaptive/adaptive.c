@@ -70,8 +70,8 @@ static void add_limit(fp3_advance *a, uint32_t known) {
     a->limit = sel(g, op2(g, FP3_OP_LT, t, time), first, a->limit);
 }
 
-/* At `until`, or where a condition in t changes. One of an event is looked at when it has held for `locate`: the event then is
- * at most that late. */
+/* At `until`, or where a condition in t changes. One of an event is looked at when it has held for
+ * `locate`: the event then is at most that late. */
 static void find_limit(fp3_advance *a) {
     known_table *known = &a->step->known;
     uint32_t times[2 * FP3_SWITCHINGS_MOST], count = 0;
@@ -99,7 +99,8 @@ static void find_limit(fp3_advance *a) {
     }
 }
 
-/* A condition in t is made once, in the middle of the step: it holds in all of it, but not at both its ends. */
+/* A condition in t is made once, in the middle of the step: it holds in all of it, but not at both
+ * its ends. */
 static fp3_status open_inside(fp3_advance *a, fp3_error *error) {
     if (!a->switchings.count)
         return FP3_OK;
@@ -135,7 +136,8 @@ static uint32_t cut(const fp3_advance *a) {
                              : fp3_advance_held(a, &a->step->values, ROLE_STATE, state).node;
 }
 
-/* Nothing is located. A step whose error is too large is shorter next time, and the search begins again. */
+/* Nothing is located. A step whose error is too large is shorter next time, and the search begins
+ * again. */
 static uint32_t is_found(const fp3_advance *a) {
     dag *g = &a->step->values;
     return a->is_chosen ? sel(g, a->is_small, a->is_in_time, num(g, 1)) : a->is_in_time;
@@ -160,8 +162,9 @@ static uint32_t moved_by(const fp3_advance *a, uint32_t t, uint32_t low, uint32_
     return op2(g, FP3_OP_MIN, add(g, h, low), sub(g, end, t));
 }
 
-/* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first, and what that
- * loses is the second. The first is the limit where by is limit - t, whatever that difference has lost. */
+/* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first,
+ * and what that loses is the second. The first is the limit where by is limit - t, whatever that
+ * difference has lost. */
 static void find_end(fp3_advance *a, uint32_t by) {
     dag *g = &a->step->values;
     const uint32_t t = a->begin.node;
@@ -171,8 +174,8 @@ static void find_end(fp3_advance *a, uint32_t by) {
     a->end_low = sub(g, by, sub(g, a->end.node, t));
 }
 
-/* In double-single t is a pair as states are, and so is the step. The end is the limit itself where that comes
- * first. */
+/* In double-single t is a pair as states are, and so is the step. The end is the limit itself where
+ * that comes first. */
 typedef struct {
     uint32_t h, end, gain;
 } move;
@@ -254,7 +257,8 @@ static uint32_t ratio(const fp3_advance *a, uint32_t s, double share) {
     return mul(g, fp3_dag_first(g, a->error[s].node), weight);
 }
 
-/* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it. */
+/* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it.
+ */
 static uint32_t squares(const fp3_advance *a) {
     dag *g = &a->step->values;
     const double share = sqrt(count_moved(a)) * pow(SAFETY, 4);
@@ -269,8 +273,8 @@ static uint32_t squares(const fp3_advance *a) {
     return sum == FP3_NONE ? num(g, 0) : sum;
 }
 
-/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. `min` and `max` give their second
- * operand where one is a NaN: so a NaN asks for SHRINK. */
+/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. `min` and `max` give their
+ * second operand where one is a NaN: so a NaN asks for SHRINK. */
 static uint32_t factor(const fp3_advance *a, uint32_t x) {
     dag *g = &a->step->values;
     note(a, "what the next step is longer by");
@@ -289,7 +293,8 @@ static uint32_t is_small_enough(fp3_advance *a) {
     return op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
 }
 
-/* A step that is not chosen is never too short, and after the end the object sleeps. One that has stopped may be woken. */
+/* A step that is not chosen is never too short, and after the end the object sleeps. One that has
+ * stopped may be woken. */
 static int is_always_attempt(const fp3_advance *a) {
     return !a->is_chosen && a->options->config->sleep && !a->fit->has_stop;
 }
@@ -389,7 +394,8 @@ static uint32_t next_chosen(const fp3_advance *a, uint32_t left) {
     return a->is_in_time == FP3_NONE ? h : sel(g, is_cut(a), old(a, H), h);
 }
 
-/* As long as there may be, but up to an event. An attempt after the end, whose step is 0, changes nothing. */
+/* As long as there may be, but up to an event. An attempt after the end, whose step is 0, changes
+ * nothing. */
 static uint32_t next_fixed(const fp3_advance *a) {
     dag *g = &a->step->values;
     const uint32_t next = a->is_in_time == FP3_NONE ? old(a, H) : next_cut(a);

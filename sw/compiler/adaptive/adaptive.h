@@ -14,7 +14,8 @@
 
 /* Before the method: a->begin, a->h, a->end. FP3_E_PROGRAM: no object could stop. */
 fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error);
-/* After it, and before events: whether the step is good, in a->is_good, and the next one's length. */
+/* After it, and before events: whether the step is good, in a->is_good, and the next one's length.
+ */
 fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error);
 /* After events: the new states if the step is good, and else the old ones. */
 fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error);

@@ -5,10 +5,12 @@
 
 #include "compiler/step/advance.h"
 
-/* A variable that holds node `first` in each step: computed when a visit begins, and then `next`. FP3_E_SYSTEM: out of memory. */
+/* A variable that holds node `first` in each step: computed when a visit begins, and then `next`.
+ * FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *error);
 
-/* The slopes and the functions of t at the end of the step, where it has them, for the next one. Errors as above. */
+/* The slopes and the functions of t at the end of the step, where it has them, for the next one.
+ * Errors as above. */
 fp3_status fp3_keep_stages(const fp3_advance *a, fp3_error *error);
 
 #endif

@@ -8,15 +8,19 @@
 #include <inttypes.h>
 
 #define FINE                                                                                       \
-    0x1p-4 /* of `locate`, within which a root is found by halves: so it is hardly late as a rule */
+    0x1p-4 /* of `locate`, within which a root is found by halves: so it is hardly late as a rule  \
+            */
 #define FINEST 0x1p-21 /* of the step: two that are closer may be neighbours in FP32 */
 #define LEAVE                                                                                      \
-    0x1p-10 /* likewise, in double-single: then the search goes on from the end that is before the event */
+    0x1p-10 /* likewise, in double-single: then the search goes on from the end that is before the \
+               event */
 #define SHORT                                                                                      \
-    0x1p-1 /* of what is near enough: so much before the root that a line tells the next attempt ends, */
+    0x1p-1 /* of what is near enough: so much before the root that a line tells the next attempt   \
+              ends, */
 #define BEYOND 0x1p-4 /* or so much behind it */
 #define GAIN                                                                                       \
-    0.75 /* the next end is nearer to this one than other ends are, by this at least: else the middle is next */
+    0.75 /* the next end is nearer to this one than other ends are, by this at least: else the     \
+            middle is next */
 #define MIDDLE                                                                                     \
     (0.5 +                                                                                         \
      0x1p-24) /* of the sum of both ends: between neighbours it is not the first of them again */
@@ -29,8 +33,8 @@ static void note(const fp3_advance *a, const char *text) {
 
 static uint32_t either(dag *g, uint32_t a, uint32_t b) { return sel(g, a, num(g, 1), b); }
 
-/* Whether so_far, or a part of the condition that it needs (is_true: to be true) was so before the step, and no
- * longer is. */
+/* Whether so_far, or a part of the condition that it needs (is_true: to be true) was so before the
+ * step, and no longer is. */
 static uint32_t has_lost(lowering *before, lowering *after, uint32_t expr, int is_true,
                          uint32_t so_far) {
     const fp3_expr *e = &before->model->exprs[expr];
@@ -45,9 +49,10 @@ static uint32_t has_lost(lowering *before, lowering *after, uint32_t expr, int i
     return either(g, lost, so_far);
 }
 
-/* Whether the condition is false before the step, and true after it or, as far as its parts tell, on the way: `x > wall
- * and v > 0` may be on the way if v > 0 is no longer true, as x then has been largest within the step. If no part of it is lost, it is
- * true on the way only if it is in the end. */
+/* Whether the condition is false before the step, and true after it or, as far as its parts tell,
+ * on the way: `x > wall and v > 0` may be on the way if v > 0 is no longer true, as x then has been
+ * largest within the step. If no part of it is lost, it is true on the way only if it is in the
+ * end. */
 static uint32_t becomes(const fp3_advance *a, const fp3_event *event, lowering *before,
                         lowering *after) {
     const fp3_expr_op op = a->step->model->exprs[event->condition].op;
@@ -100,12 +105,12 @@ static void see_root(const fp3_advance *a, const fp3_event *event, lowering *bef
 
 /* ---- the search ----
  *
- * Of two steps from here, one ends before the event and one behind it. Attempts between them bring them closer, until the one
- * behind is accepted. All begin here: what FP3 rounds off in an attempt is not lost, and whatever the function, each shortens
- * the bracket. */
+ * Of two steps from here, one ends before the event and one behind it. Attempts between them bring
+ * them closer, until the one behind is accepted. All begin here: what FP3 rounds off in an attempt
+ * is not lost, and whatever the function, each shortens the bracket. */
 
-/* Nodes: the bracket so far; from its ends to that of this attempt; whether that is before all events; how far apart both ends
- * may be. */
+/* Nodes: the bracket so far; from its ends to that of this attempt; whether that is before all
+ * events; how far apart both ends may be. */
 typedef struct {
     uint32_t before, behind, since, until, is_before, near;
 } attempt;
@@ -125,17 +130,20 @@ static uint32_t near_enough(const fp3_advance *a, const sight *seen, uint32_t h)
     return fp3_dag_known(g, fp3_known_make(known, KNOWN_ADD, locate, least));
 }
 
-/* What has to be near enough where the step ends before the event: nothing if none is looked for. The event is not where it was said
- * to be if the other end is next to this one. What controls steps is floats, and double-single can tell more apart. */
+/* What has to be near enough where the step ends before the event: nothing if none is looked for.
+ * The event is not where it was said to be if the other end is next to this one. What controls
+ * steps is floats, and double-single can tell more apart. */
 static uint32_t gap_before(const fp3_advance *a, const attempt *is, uint32_t h) {
     dag *g = &a->step->values;
     return g->is_abstract ? sub(g, is->until, mul(g, num(g, LEAVE), h))
                           : mul(g, num(g, WRONG), is->until);
 }
 
-/* Where the line between both ends of the bracket crosses 0, seen from the new one. A little beyond that, on the other side, so that
- * the root is soon between two ends that are close. Both values have different signs as a rule, so their sizes are added. Where the signs
- * are equal (a condition has become true, and roots are far away or rest) the quotient is at most 1 all the same, and raises no flag. */
+/* Where the line between both ends of the bracket crosses 0, seen from the new one. A little beyond
+ * that, on the other side, so that the root is soon between two ends that are close. Both values
+ * have different signs as a rule, so their sizes are added. Where the signs are equal (a condition
+ * has become true, and roots are far away or rest) the quotient is at most 1 all the same, and
+ * raises no flag. */
 static uint32_t by_line(fp3_advance *a, const sight *seen, const attempt *is) {
     dag *g = &a->step->values;
     note(a, "the root at the step that ends before the event");
@@ -156,7 +164,8 @@ static uint32_t by_line(fp3_advance *a, const sight *seen, const attempt *is) {
     return add(g, far, mul(g, sel(g, is->is_before, num(g, BEYOND), num(g, -SHORT)), is->near));
 }
 
-/* The end of the next attempt: where the line says, if that is much closer to this end; else in the middle. */
+/* The end of the next attempt: where the line says, if that is much closer to this end; else in the
+ * middle. */
 static uint32_t next_end(fp3_advance *a, const sight *seen, const attempt *is, uint32_t h) {
     dag *g = &a->step->values;
     note(a, "the middle between both steps");

@@ -6,14 +6,15 @@
 #include "compiler/step/options.h"
 #include "compiler/value/dag.h"
 
-/* Which additions take a product in before it is rounded to a register. What a chained addition adds
- * to must be there when the product begins; where latency counts, that can make the addition later. */
+/* Which additions take a product in before it is rounded to a register. What a chained addition
+ * adds to must be there when the product begins; where latency counts, that can make the addition
+ * later. */
 typedef enum {
     CHAIN_NONE,
     CHAIN_EARLY, /* where it makes nothing later */
     CHAIN_ALL,
-    /* All, and other sums and products go the chain's way as well: a + b as a + 1 b, a b as -0 + a b.
-     * Results that are equally late never meet at the write port. */
+    /* All, and other sums and products go the chain's way as well: a + b as a + 1 b, a b as -0 + a
+     * b. Results that are equally late never meet at the write port. */
     CHAIN_SLACK, /* ... those far from the longest path */
     CHAIN_LONG   /* ... each of them */
 } chain_policy;

@@ -82,7 +82,8 @@ static fp3_ref known_ref(const converter *c, uint32_t id) {
                                       : (fp3_ref){slot->at, slot->index};
 }
 
-/* `sleep` reads no register of the object in its place: if it is one already, it is a constant besides. */
+/* `sleep` reads no register of the object in its place: if it is one already, it is a constant
+ * besides. */
 static fp3_ref constant_ref(const converter *c, uint32_t id) {
     const fp3_ref there = known_ref(c, id);
     return there.at == FP3_AT_CONSTANT ? there : place_known(c, id, 1);

@@ -36,7 +36,8 @@ uint32_t fp3_small_arc(dag *g, uint32_t q) {
     return mul(g, q, add(g, num(g, 1), mul(g, z, polynomial(g, z, arctangent, 8))));
 }
 
-/* atan(x), or atan(-1/x) and a quarter turn. Of a small x no reciprocal is made, which might raise something. */
+/* atan(x), or atan(-1/x) and a quarter turn. Of a small x no reciprocal is made, which might raise
+ * something. */
 term fp3_atan(dag *g, term at) {
     const uint32_t x = fp3_term_value(g, at);
     const uint32_t large = side(g, x, 1);
@@ -45,8 +46,9 @@ term fp3_atan(dag *g, term at) {
     return fp3_term(sub(g, arc, mul(g, large, num(g, PI / 2))));
 }
 
-/* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by zero: it is 0/1.
- * A quarter of a divisor is never as large as those that have no estimate, unless those are flushed. */
+/* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by
+ * zero: it is 0/1. A quarter of a divisor is never as large as those that have no estimate, unless
+ * those are flushed. */
 static uint32_t tangent_of(dag *g, uint32_t above, uint32_t below) {
     if (g->is_flushed)
         return fp3_quotient(g, fp3_term(above), sel(g, below, below, num(g, 1))).node;
@@ -64,7 +66,8 @@ term fp3_atan2(dag *g, term up, term along) {
     return fp3_term(add(g, fp3_small_arc(g, tangent), mul(g, turn, part)));
 }
 
-/* Of |x| > 1 a NaN, which raises invalid. asin(x) = arc - large pi/2, with arc = asin(x), or minus the sign of x times 2 asin(sqrt((1 - |x|)/2)). */
+/* Of |x| > 1 a NaN, which raises invalid. asin(x) = arc - large pi/2, with arc = asin(x), or minus
+ * the sign of x times 2 asin(sqrt((1 - |x|)/2)). */
 typedef struct {
     uint32_t arc, large;
 } part_arc;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* circular.c - sine, cosine, tangent: the argument less a multiple of pi or pi/2, and a polynomial. */
+/* circular.c - sine, cosine, tangent: the argument less a multiple of pi or pi/2, and a polynomial.
+ */
 #include "circular.h"
 
 #include "compiler/value/ops.h"
@@ -11,9 +12,9 @@
 #define PI 3.14159265358979323846
 
 /* Minimax, of z = r^2, highest power first. |r| is at most half of what is
- * subtracted, and a little more since n is found with rounded numbers. sin(r) = r + r z s(z), relative error
- * 6e-9; cos(r) = 1 + z c(z), absolute error 5e-8; r/tan(r) = 1 - z t(z), relative error 6e-9. The rest
- * of what the tests find is rounding. */
+ * subtracted, and a little more since n is found with rounded numbers. sin(r) = r + r z s(z),
+ * relative error 6e-9; cos(r) = 1 + z c(z), absolute error 5e-8; r/tan(r) = 1 - z t(z), relative
+ * error 6e-9. The rest of what the tests find is rounding. */
 static const double sine[] = {2.6049796955608703e-06, -1.9809259638245343e-04,
                               8.333061854128796e-03, -0.16666659392646654};
 static const double cosine[] = {2.318603927151998e-05, -1.3855580403143559e-03,
@@ -26,16 +27,17 @@ typedef struct {
     uint32_t r, z, sign; /* z = r^2; sign is 1 or -1, or FP3_NONE: 1 */
 } angle;
 
-/* pi and pi/2 in parts. Where |x| < 2^16, n pi has n of at most 15 bits, n pi/2 of 16, and all parts but
- * the last have 9 and 8 bits, so n times them is exact. So are all differences but the last: each is a
- * multiple of the last place of x or of the part, and fits 24 bits (Cody and Waite, Software Manual for the
- * Elementary Functions, 1980, chapter 8). The first part is too large, so that the second is negative: an
- * infinite n gives infinity minus infinity. A tangent grows without limit as r falls, so it takes four. */
+/* pi and pi/2 in parts. Where |x| < 2^16, n pi has n of at most 15 bits, n pi/2 of 16, and all
+ * parts but the last have 9 and 8 bits, so n times them is exact. So are all differences but the
+ * last: each is a multiple of the last place of x or of the part, and fits 24 bits (Cody and Waite,
+ * Software Manual for the Elementary Functions, 1980, chapter 8). The first part is too large, so
+ * that the second is negative: an infinite n gives infinity minus infinity. A tangent grows without
+ * limit as r falls, so it takes four. */
 static const double pi_part[] = {0x1.93p+1, -0x1.c1p-8, 0x1.aa22168c234c5p-18};
 static const double half_pi_part[] = {0x1.94p+0, -0x1.ep-8, -0x1.2cp-18, 0x1.110b4611a6263p-26};
 
-/* x 2^112 overflows from |x| = 2^16 on. Then n, the multiple nearest to x, is infinite, the result is a NaN, and invalid is raised:
- * beyond the range there is a flag and no number. */
+/* x 2^112 overflows from |x| = 2^16 on. Then n, the multiple nearest to x, is infinite, the result
+ * is a NaN, and invalid is raised: beyond the range there is a flag and no number. */
 #define LIMIT 0x1p112
 
 uint32_t fp3_nearest_multiple(dag *g, uint32_t x, double unit, double limit) {
@@ -61,7 +63,8 @@ static angle reduced(dag *g, uint32_t x) {
     return (angle){r, mul(g, r, r), sel(g, fp3_is_odd(g, n), num(g, -1), num(g, 1))};
 }
 
-/* x (2/pi) 2^127, rounded, overflows from the second number above pi/2 on: then it times 0 is a NaN. */
+/* x (2/pi) 2^127, rounded, overflows from the second number above pi/2 on: then it times 0 is a
+ * NaN. */
 uint32_t fp3_small_angle(dag *g, uint32_t x) {
     const uint32_t beyond = mul(g, x, num(g, 0x1.45f304p+127));
     return add(g, x, mul(g, beyond, num(g, 0)));
@@ -80,8 +83,8 @@ static uint32_t signed_by(dag *g, const angle *a, uint32_t x) {
     return a->sign == FP3_NONE ? x : mul(g, a->sign, x);
 }
 
-/* Of x in radians, |x| < 2^16; sine and cosine with the pass `small-angles`, |x| <= pi/2. Beyond that the
- * value is a NaN and raises invalid. */
+/* Of x in radians, |x| < 2^16; sine and cosine with the pass `small-angles`, |x| <= pi/2. Beyond
+ * that the value is a NaN and raises invalid. */
 term fp3_sin(dag *g, term x) {
     const angle a = angle_of(g, x.node);
     const uint32_t r = signed_by(g, &a, a.r);

@@ -5,7 +5,8 @@
 
 #include "compiler/value/term.h"
 
-/* rint(x/unit), and infinite where limit times x overflows: x less an infinite n times parts of different signs is a NaN, and raises invalid. */
+/* rint(x/unit), and infinite where limit times x overflows: x less an infinite n times parts of
+ * different signs is a NaN, and raises invalid. */
 uint32_t fp3_nearest_multiple(dag *g, uint32_t x, double unit, double limit);
 /* Not 0 if n is odd. */
 uint32_t fp3_is_odd(dag *g, uint32_t n);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* division.c - a series makes an estimate of 9 bits a quotient or root of 24; with fewer bits its first term is enough. */
+/* division.c - a series makes an estimate of 9 bits a quotient or root of 24; with fewer bits its
+ * first term is enough. */
 #include "division.h"
 
 #include "compiler/value/ops.h"
@@ -7,8 +8,8 @@
 #include <math.h>
 
 /* With e = 1 - b y, x/b is x y / (1 - e), and 1/(1 - e) = 1 + e + e^2 + O(e^3), where e^3 is below
- * half a unit in the last place. y is never too large, so b y is in [1/2, 1]: rounding changes it by
- * at most 2^-25, and 1 - b y is exact. */
+ * half a unit in the last place. y is never too large, so b y is in [1/2, 1]: rounding changes it
+ * by at most 2^-25, and 1 - b y is exact. */
 fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     const uint32_t y = op1(g, FP3_OP_RCP, b);
     if (g->is_direct)
@@ -17,8 +18,8 @@ fp3_series fp3_reciprocal(dag *g, uint32_t b) {
     return (fp3_series){y, g->terms == 1 ? e : add(g, e, mul(g, e, e))};
 }
 
-/* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). Flushed, y^2 may be 0, so that b y is
- * made first, which costs half a unit in the last place. */
+/* Likewise x/sqrt(b): with e = 1 - b y^2, (1 - e)^-1/2 = 1 + e/2 + 3/8 e^2 + O(e^3). Flushed, y^2
+ * may be 0, so that b y is made first, which costs half a unit in the last place. */
 static fp3_series root_series(dag *g, uint32_t b, uint32_t y) {
     if (g->is_direct)
         return (fp3_series){y, FP3_NONE};
@@ -42,15 +43,16 @@ term fp3_corrected(dag *g, term x, fp3_series s) {
     return (term){corrected(g, q, s.correction), x.is_negative};
 }
 
-/* Without infinities 1/sqrt(0) overflows, but its product with a small x does not: so it is made first. */
+/* Without infinities 1/sqrt(0) overflows, but its product with a small x does not: so it is made
+ * first. */
 term fp3_over_root(dag *g, term x, fp3_series s) {
     return g->is_finite ? fp3_term_mul(g, x, fp3_corrected(g, one(g), s)) : fp3_corrected(g, x, s);
 }
 
 /* ---- where subnormal numbers are flushed ---- */
 
-/* A numerator up to 1 needs no more: the quotient is flushed wherever the reciprocal is. Without infinities it has to be
- * large enough that x/0 overflows. */
+/* A numerator up to 1 needs no more: the quotient is flushed wherever the reciprocal is. Without
+ * infinities it has to be large enough that x/0 overflows. */
 static int needs_no_scale(const dag *g, uint32_t node) {
     const uint32_t id = fp3_dag_is_known(g, node);
     const int is_number = id != FP3_NONE && g->known->list[id].op == KNOWN_NUMBER;
@@ -58,11 +60,12 @@ static int needs_no_scale(const dag *g, uint32_t node) {
     return size <= 1 && size >= (g->is_finite ? 0.5 : 0);
 }
 
-/* Without infinities 1/0 has to overflow, whatever it is multiplied with: twice its estimate does. */
+/* Without infinities 1/0 has to overflow, whatever it is multiplied with: twice its estimate does.
+ */
 static uint32_t without_zero(dag *g, uint32_t y) { return g->is_finite ? add(g, y, y) : y; }
 
-/* The estimate of 1/b from 2^126 on is 0. So b is scaled to be less: numbers end at 2^128, or at 2^129 if exponent 255 is
- * a number's. */
+/* The estimate of 1/b from 2^126 on is 0. So b is scaled to be less: numbers end at 2^128, or at
+ * 2^129 if exponent 255 is a number's. */
 term fp3_quotient(dag *g, term x, uint32_t b) {
     if (!g->is_flushed || needs_no_scale(g, x.node))
         return fp3_corrected(g, x, fp3_reciprocal(g, b));
@@ -72,8 +75,8 @@ term fp3_quotient(dag *g, term x, uint32_t b) {
     return fp3_term_mul(g, larger, fp3_term(num(g, g->is_finite ? 0.0625 : 0.25)));
 }
 
-/* Where subnormal numbers are flushed, r^n may be 0 though x r^n is not: x is multiplied by r^(n/2) twice, so that nothing
- * on the way is less than both the result and x. */
+/* Where subnormal numbers are flushed, r^n may be 0 though x r^n is not: x is multiplied by r^(n/2)
+ * twice, so that nothing on the way is less than both the result and x. */
 term fp3_times_power(dag *g, term x, term r, unsigned n) {
     const int is_one = fp3_dag_is_number(g, x.node, 1) && !x.is_negative;
     if (!g->is_flushed || n == 1 || is_one) {
@@ -98,8 +101,9 @@ term fp3_over_power(dag *g, term x, uint32_t b, unsigned n) {
     return fp3_term_mul(g, fp3_times_power(g, x, y, n), fp3_term_power(g, fp3_term(factor), n));
 }
 
-/* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller numbers are
- * infinite. What is no estimate is above 2^74.5 for 0 alone. Without infinities b y is 0 for the b that is 0, and overflows for a negative one. */
+/* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller
+ * numbers are infinite. What is no estimate is above 2^74.5 for 0 alone. Without infinities b y is
+ * 0 for the b that is 0, and overflows for a negative one. */
 #define MOST 0x1p63
 #define MOST_DIRECT 0x1p75
 #define MOST_CORRECTION(g) ((g)->terms == 1 ? 0x1p-5 : 0x1p-8)

@@ -5,8 +5,9 @@
 
 #include "compiler/value/term.h"
 
-/* An estimate y and a small t, so that x/b or x/sqrt(b) is x y (1 + t). Two of the same b share both. t is FP3_NONE where y is no
- * estimate, but as near to 1/b or 1/sqrt(b) as a word can be, or almost: keys logarithmic and mixed. */
+/* An estimate y and a small t, so that x/b or x/sqrt(b) is x y (1 + t). Two of the same b share
+ * both. t is FP3_NONE where y is no estimate, but as near to 1/b or 1/sqrt(b) as a word can be, or
+ * almost: keys logarithmic and mixed. */
 typedef struct {
     uint32_t estimate, correction;
 } fp3_series;
@@ -28,8 +29,8 @@ term fp3_times_power(dag *g, term x, term r, unsigned n);
 /* Of b below 2^-126 with the estimate of 2^-126, so that b times it is small. */
 fp3_series fp3_finite_inverse_root(dag *g, uint32_t b);
 
-/* sqrt(b) is b/sqrt(b), 0 for 0. Below 2^-126 it is off by 2^-65 at most. The second shares what x/sqrt(b) has,
- * and raises invalid for 0 as that does. */
+/* sqrt(b) is b/sqrt(b), 0 for 0. Below 2^-126 it is off by 2^-65 at most. The second shares what
+ * x/sqrt(b) has, and raises invalid for 0 as that does. */
 uint32_t fp3_root(dag *g, uint32_t b);
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b);
 

@@ -5,13 +5,13 @@
 
 #include "compiler/value/dag.h"
 
-/* x^n, where n is a known value and x is not. A negative x is a NaN, and raises invalid, unless n is an
- * integer. */
+/* x^n, where n is a known value and x is not. A negative x is a NaN, and raises invalid, unless n
+ * is an integer. */
 uint32_t fp3_power(dag *g, uint32_t x, uint32_t n);
 
-/* What double-single takes of them, too. A scale for x, so that x times it has a normal power of two; 0 for a
- * negative x, which makes e a NaN. Of x scale and scale: x = m 2^-e with m from sqrt(1/2) to sqrt(2), m =
- * (x scale) power. 0 is 0 2^-inf, infinity is inf 2^inf. */
+/* What double-single takes of them, too. A scale for x, so that x times it has a normal power of
+ * two; 0 for a negative x, which makes e a NaN. Of x scale and scale: x = m 2^-e with m from
+ * sqrt(1/2) to sqrt(2), m = (x scale) power. 0 is 0 2^-inf, infinity is inf 2^inf. */
 typedef struct {
     uint32_t m, power, e;
 } fp3_log_parts;

@@ -42,8 +42,8 @@ static term slope_at(const chebyshev *r, unsigned j, uint32_t s) {
     return fp3_lower(&r->a->places[j], r->a->step->model->states[s].derivative);
 }
 
-/* The slope is known to the host, and the same in all stages: their sums are c h times it. By the recurrence the host's
- * formula would double with each stage. */
+/* The slope is known to the host, and the same in all stages: their sums are c h times it. By the
+ * recurrence the host's formula would double with each stage. */
 static int is_steady(const chebyshev *r, uint32_t s) {
     return fp3_dag_is_known(values(r), r->slope[s].node) != FP3_NONE;
 }
@@ -58,7 +58,8 @@ static term increment(const chebyshev *r, unsigned j, uint32_t s) {
     return fp3_term_mul(values(r), number(r, r->table.at[j]), r->sum[s]);
 }
 
-/* E_stages, where V_j+1 is 1 and none before it is anything, and no slope adds to those after it. */
+/* E_stages, where V_j+1 is 1 and none before it is anything, and no slope adds to those after it.
+ */
 static double effect_of(const fp3_recurrence *table, unsigned j) {
     double change = 1, sum = 1;
     while (++j < table->stages) {
@@ -68,8 +69,8 @@ static double effect_of(const fp3_recurrence *table, unsigned j) {
     return sum;
 }
 
-/* Where f is the same in all stages, y moves by h f: see weights.h. Only how often f_0 counts is adjusted, which no condition of
- * higher order reads. */
+/* Where f is the same in all stages, y moves by h f: see weights.h. Only how often f_0 counts is
+ * adjusted, which no condition of higher order reads. */
 static void fit(const fp3_advance *a, fp3_recurrence *table) {
     double weights[FP3_STAGES_MAX], share[FP3_STAGES_MAX];
     double sum = 1 / (double)(float)table->at[table->stages];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* chebyshev.h - a step of a stabilised explicit method (Runge, Kutta, Chebyshev), by its recurrence. */
+/* chebyshev.h - a step of a stabilised explicit method (Runge, Kutta, Chebyshev), by its
+ * recurrence. */
 #ifndef FP3_COMPILER_CHEBYSHEV_H
 #define FP3_COMPILER_CHEBYSHEV_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* derivative.c - rules of differentiation on expressions, as their arrays are: operands come first. */
+/* derivative.c - rules of differentiation on expressions, as their arrays are: operands come first.
+ */
 #include "derivative.h"
 
 #include "language/function_rows.h"

@@ -45,7 +45,8 @@ static fp3_status happens(const fp3_advance *a, const fp3_event *event, lowering
     const fp3_status status = fp3_advance_event(a, event, 0, &before, error);
     if (!status && fp3_root_is(a, event)) {
         const fp3_reach r = fp3_root_reach(a, event, &before, l);
-        if (a->is_adaptive) { /* the search needs it; a step that ends without a value is not accepted */
+        if (a->is_adaptive) { /* the search needs it; a step that ends without a value is not
+                                 accepted */
             *when = (occurrence){fp3_root_is_ahead(a, event, &r), 1};
         } else {
             g->note =

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* rosenbrock.c - stages that each solve one system of linear equations, all with the same matrix.
  *
- *     (1/(gamma h) - J) u_i = f(y + sum a_ij u_j) + sum (c_ij/h) u_j + gamma_i h f_t,   y += sum m_i u_i
+ *     (1/(gamma h) - J) u_i = f(y + sum a_ij u_j) + sum (c_ij/h) u_j + gamma_i h f_t,   y += sum
+ * m_i u_i
  *
- * where no stage is multiplied with J: Hairer and Wanner, Solving Ordinary Differential Equations II,
- * chapter IV.7, equations (7.25). With the table's alpha, Gamma and b: a = alpha Gamma^-1, c = 1/gamma -
- * Gamma^-1, m = b Gamma^-1.
+ * where no stage is multiplied with J: Hairer and Wanner, Solving Ordinary Differential Equations
+ * II, chapter IV.7, equations (7.25). With the table's alpha, Gamma and b: a = alpha Gamma^-1, c =
+ * 1/gamma - Gamma^-1, m = b Gamma^-1.
  */
 #include "rosenbrock.h"
 

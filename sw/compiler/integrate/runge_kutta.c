@@ -55,8 +55,8 @@ static unsigned different(const fp3_integrator *table) {
     return count;
 }
 
-/* Slopes are without h: it is in the coefficients, or in a product for each row (adaptive steps). Of pairs a product is dear, but
- * each number of a table with h takes four constants. */
+/* Slopes are without h: it is in the coefficients, or in a product for each row (adaptive steps).
+ * Of pairs a product is dear, but each number of a table with h takes four constants. */
 static int is_folded(const runge_kutta *r) {
     return r->a->is_adaptive || fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP) ||
            (r->a->options->arithmetic == FP3_DOUBLE_SINGLE &&
@@ -68,8 +68,8 @@ static term coefficient(const runge_kutta *r, double c) {
     return fp3_advance_scaled_step(r->a, c, is_folded(r) ? 1 : 0);
 }
 
-/* Whether a state gets its slopes one by one. Not where steps are chosen, whose h is outside the sum, nor where
- * what an update loses is kept: it is that of the whole increment. */
+/* Whether a state gets its slopes one by one. Not where steps are chosen, whose h is outside the
+ * sum, nor where what an update loses is kept: it is that of the whole increment. */
 static int has_own_weights(const runge_kutta *r) {
     return fp3_has_pass(r->a->options, FP3_PASS_OWN_WEIGHTS) && !r->a->is_adaptive &&
            r->a->options->arithmetic != FP3_COMPENSATED;
@@ -118,8 +118,8 @@ static double common_factor(const runge_kutta *r, summand *list, unsigned count)
     return unit;
 }
 
-/* The first coefficient, which is taken out of all others: (c1 h) (k1 + c2/c1 k2 + ...). The product in front is
- * the same for all states, where h is a value of the object. */
+/* The first coefficient, which is taken out of all others: (c1 h) (k1 + c2/c1 k2 + ...). The
+ * product in front is the same for all states, where h is a value of the object. */
 static double take_first(summand *list, unsigned count) {
     unsigned first = 0;
     while (first + 1 < count && list[first].c == 0)
@@ -199,7 +199,8 @@ static int is_late(const runge_kutta *r, uint32_t state) {
     return r->a->integrator->is_position_late && fp3_fit_is_position(r->a->fit, state);
 }
 
-/* The last stage of a pair is at the new state itself: only then do its slopes serve the next step. */
+/* The last stage of a pair is at the new state itself: only then do its slopes serve the next step.
+ */
 static int is_at_new(const runge_kutta *r, uint32_t place) {
     const fp3_integrator *integrator = r->a->integrator;
     return r->a->is_chosen && integrator->is_first_same_as_last && place + 1 == integrator->stages;
@@ -248,8 +249,9 @@ static double sum_of_weights(const summand *list, unsigned count) {
     return sum;
 }
 
-/* Compensated, what is added to a state, with what was lost before: its weights are exact. A factor that is none in FP32 stays inside,
- * because only weights that are no integers have room for its error: 2 - 2^-23 for 2 rounds most products to the same side. */
+/* Compensated, what is added to a state, with what was lost before: its weights are exact. A factor
+ * that is none in FP32 stays inside, because only weights that are no integers have room for its
+ * error: 2 - 2^-23 for 2 rounds most products to the same side. */
 static term increment_kept(const runge_kutta *r, uint32_t s, summand *list, unsigned count) {
     dag *g = values(r);
     summand taken[FP3_STAGES_MAX];
@@ -302,8 +304,8 @@ static void advance_late(runge_kutta *r, uint32_t s) {
     r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
 }
 
-/* Of pairs, an estimate in floats: its weights add up to 0, so all may be of k_i - k_1, whose first words know
- * what those of k_i have lost. */
+/* Of pairs, an estimate in floats: its weights add up to 0, so all may be of k_i - k_1, whose first
+ * words know what those of k_i have lost. */
 static unsigned of_differences(dag *g, summand *list, unsigned count) {
     const term first = list[0].slope;
     for (unsigned i = 1; i < count; i++) {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* double_single.h - arithmetic with unevaluated sums of two floats, as instructions.
  *
- * A pair stands for high + low, where high is that sum rounded to FP32. u = 2^-24. All bounds are relative
- * to the result and hold with rounding to nearest, where nothing overflows and no product falls below
- * 2^-102: below that a product's error is no float any more, and is off by a few 2^-149. A factor from
- * 2^115 on, or a product from 1.99 2^127 on, may overflow in its halves: then a word is no number, and
- * overflow is raised.
+ * A pair stands for high + low, where high is that sum rounded to FP32. u = 2^-24. All bounds are
+ * relative to the result and hold with rounding to nearest, where nothing overflows and no product
+ * falls below 2^-102: below that a product's error is no float any more, and is off by a few
+ * 2^-149. A factor from 2^115 on, or a product from 1.99 2^127 on, may overflow in its halves: then
+ * a word is no number, and overflow is raised.
  *
- * Sources: Dekker, A floating-point technique for extending the available precision, Numer. Math. 18
- * (1971); Knuth, TAOCP 2, 4.2.2; Joldes, Muller and Popescu, Tight and rigorous error bounds for basic
- * building blocks of double-word arithmetic, ACM TOMS 44 (2017); Muller and Rideau, Formalization of
- * double-word arithmetic, ACM TOMS 48 (2022).
+ * Sources: Dekker, A floating-point technique for extending the available precision, Numer. Math.
+ * 18 (1971); Knuth, TAOCP 2, 4.2.2; Joldes, Muller and Popescu, Tight and rigorous error bounds for
+ * basic building blocks of double-word arithmetic, ACM TOMS 44 (2017); Muller and Rideau,
+ * Formalization of double-word arithmetic, ACM TOMS 48 (2022).
  */
 #ifndef FP3_DOUBLE_SINGLE_H
 #define FP3_DOUBLE_SINGLE_H
@@ -21,7 +21,8 @@ typedef struct {
     uint32_t high, low; /* low FP3_NONE: it is 0 */
 } fp3_pair;
 
-/* Nodes as they are: no pass but `common` may touch what depends on how each operation is rounded. */
+/* Nodes as they are: no pass but `common` may touch what depends on how each operation is rounded.
+ */
 uint32_t fp3_pair_op(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
 /* The second word, 0 where there is none. */
 uint32_t fp3_pair_low(dag *g, fp3_pair x);
@@ -52,15 +53,17 @@ fp3_pair fp3_pair_inverse_root(dag *g, fp3_pair x);         /* 16 u^2 */
 
 /* |y| not larger than |x|, or x 0: 4 u^2 of x. The words of y may overlap. */
 fp3_pair fp3_pair_add_smaller(dag *g, fp3_pair x, fp3_pair y);
-/* c + z p, where |z p| is not larger than |c|: 4 u^2 of c, as what the product leaves is not made a pair first. */
+/* c + z p, where |z p| is not larger than |c|: 4 u^2 of c, as what the product leaves is not made a
+ * pair first. */
 fp3_pair fp3_pair_step(dag *g, fp3_pair c, fp3_pair z, fp3_pair p);
 /* By Horner's rule, highest power first, where each term is larger than all behind it. The first
  * `singles` + 1 coefficients and what is made of them are floats. */
 fp3_pair fp3_pair_polynomial(dag *g, fp3_pair z, const double *coefficient, int count, int singles);
 fp3_pair fp3_pair_number(dag *g, double number);
 
-/* x - n (part[0] + part[1] + ...), where n times each part but the last is exact, and so is x less the first
- * `exact` of these products. The error is that of n times the last part, and of a sum of small terms. */
+/* x - n (part[0] + part[1] + ...), where n times each part but the last is exact, and so is x less
+ * the first `exact` of these products. The error is that of n times the last part, and of a sum of
+ * small terms. */
 fp3_pair fp3_pair_less_multiple(dag *g, fp3_pair x, uint32_t n, const double *part, int count,
                                 int exact);
 /* limit, if the first word is beyond it; x, if it is a NaN. */

@@ -17,8 +17,8 @@ static uint32_t select(dag *g, uint32_t condition, uint32_t then, uint32_t other
     return fp3_pair_op(g, FP3_OP_SEL, then, otherwise, condition);
 }
 
-/* For |q| <= 1: a + atan((q - tan(a))/(1 + q tan(a))), with a the arc of floats and tan(a) = a/d. The
- * correction is some 2^-24 of a, and so is its own arc. */
+/* For |q| <= 1: a + atan((q - tan(a))/(1 + q tan(a))), with a the arc of floats and tan(a) = a/d.
+ * The correction is some 2^-24 of a, and so is its own arc. */
 static fp3_pair small_arc(dag *g, fp3_pair q) {
     const uint32_t a = fp3_small_arc(g, q.high);
     const fp3_pair d = fp3_pair_cotangent_times(g, (fp3_pair){a, FP3_NONE});
@@ -46,7 +46,8 @@ fp3_pair fp3_pair_atan(dag *g, fp3_pair x) {
     return turned(g, small_arc(g, q), op(g, FP3_OP_MUL, large, num(g, 0.5)));
 }
 
-/* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by zero: it is 0/1. */
+/* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by
+ * zero: it is 0/1. */
 fp3_pair fp3_pair_atan2(dag *g, fp3_pair y, fp3_pair x) {
     const uint32_t zero = num(g, 0);
     const uint32_t steep = op(g, FP3_OP_LT, fp3_pair_op(g, FP3_OP_ABS, x.high, FP3_NONE, FP3_NONE),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* pair_circular.c - sine, cosine and tangent of double-single: as circular.c, with more of everything.
- * tools/polynomials.py computes the coefficients; highest power first. */
+/* pair_circular.c - sine, cosine and tangent of double-single: as circular.c, with more of
+ * everything. tools/polynomials.py computes the coefficients; highest power first. */
 #include "compiler/functions/circular.h"
 #include "pair_functions.h"
 
@@ -9,7 +9,8 @@
 
 #define PI 3.14159265358979323846
 
-/* Of z = r^2: (sin(r)/r - 1)/z and (cos(r) - 1)/z for |r| <= pi/2, (r/tan(r) - 1)/z for |r| <= pi/4. */
+/* Of z = r^2: (sin(r)/r - 1)/z and (cos(r) - 1)/z for |r| <= pi/2, (r/tan(r) - 1)/z for |r| <=
+ * pi/4. */
 static const double sine_48[] = {
     -7.407959567159864e-13,  1.6050965773802308e-10, -2.50519727582028e-08, 2.7557318053804133e-06,
     -0.00019841269836459347, 0.008333333333325916,   -0.1666666666666665};
@@ -21,8 +22,8 @@ static const double cotangent_48[] = {-2.8703248023979875e-08, -2.12426373728154
                                       -0.00021164038137831676, -0.002116402103241101,
                                       -0.02222222222261006,    -0.3333333333333315};
 
-/* pi in parts: all but the last have 9 bits, so n of 15 bits times them is exact, and so is x less the first
- * two (circular.c). What they leave of pi is 2^-64. */
+/* pi in parts: all but the last have 9 bits, so n of 15 bits times them is exact, and so is x less
+ * the first two (circular.c). What they leave of pi is 2^-64. */
 #define PARTS 5
 static const double pi_part[PARTS] = {0x1.93p+1, -0x1.c1p-8, 0x1.aap-18, 0x1.11p-29,
                                       -0x1.2e7b96p-39};
@@ -55,8 +56,8 @@ static fp3_pair signed_by(dag *g, uint32_t sign, fp3_pair x) {
                             : (fp3_pair){mul(g, sign, x.high), mul(g, sign, fp3_pair_low(g, x))};
 }
 
-/* |x| < 2^16, of the tangent 2^15: beyond that they are NaNs and raise invalid. With the pass `small-angles`
- * sine and cosine likewise beyond pi/2. */
+/* |x| < 2^16, of the tangent 2^15: beyond that they are NaNs and raise invalid. With the pass
+ * `small-angles` sine and cosine likewise beyond pi/2. */
 fp3_pair fp3_pair_sin(dag *g, fp3_pair x) {
     const angle a = angle_of(g, x);
     const fp3_pair z = fp3_pair_mul(g, a.r, a.r);

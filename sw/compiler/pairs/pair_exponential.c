@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* pair_exponential.c - exponentials and logarithms of double-single. tools/polynomials.py computes the
- * coefficients; highest power first. */
+/* pair_exponential.c - exponentials and logarithms of double-single. tools/polynomials.py computes
+ * the coefficients; highest power first. */
 #include "compiler/functions/exponential.h"
 #include "compiler/functions/logarithm.h"
 #include "pair_functions.h"
@@ -56,8 +56,8 @@ fp3_pair fp3_pair_exp(dag *g, fp3_pair x) {
     return scaled(g, scaled(g, most, power_of_two(g, p.k, -1)), num(g, 2));
 }
 
-/* Of x >= 0: f = (e^x - 1)/2 and q = f/(1 + 2 f), so that sinh(x) = f + q and cosh(x) = f + 1 - q. Where f is
- * large, q is 1/2. */
+/* Of x >= 0: f = (e^x - 1)/2 and q = f/(1 + 2 f), so that sinh(x) = f + q and cosh(x) = f + 1 - q.
+ * Where f is large, q is 1/2. */
 typedef struct {
     fp3_pair f, q;
 } hyperbolic;
@@ -113,8 +113,9 @@ fp3_pair fp3_pair_tanh(dag *g, fp3_pair x) {
 
 /* ---- logarithms ---- */
 
-/* log(m) for m from sqrt(1/2) to sqrt(2), and less = m - 1: y, that of floats, and log(m e^-y) = log(1 + d) = d - d^2/2, as d is
- * some 2^-24 of y, or 2^-25 from the second word of m. With g = e^-y - 1, d = less + m g: what cancels is exact, and so it is as good near 1. */
+/* log(m) for m from sqrt(1/2) to sqrt(2), and less = m - 1: y, that of floats, and log(m e^-y) =
+ * log(1 + d) = d - d^2/2, as d is some 2^-24 of y, or 2^-25 from the second word of m. With g =
+ * e^-y - 1, d = less + m g: what cancels is exact, and so it is as good near 1. */
 static fp3_pair log_near_1(dag *g, fp3_pair m, fp3_pair less) {
     const uint32_t y = fp3_log_near_1(g, m.high);
     const fp3_pair minus_y = {op(g, FP3_OP_SUB, num(g, -0.0), y), FP3_NONE};

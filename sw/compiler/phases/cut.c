@@ -108,7 +108,8 @@ static fp3_status straight(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32
     return FP3_OK;
 }
 
-/* The variable that a word of the neighbour is loaded to: nothing is kept there while the loop runs. */
+/* The variable that a word of the neighbour is loaded to: nothing is kept there while the loop
+ * runs. */
 static uint32_t loaded(builder *b, uint32_t node) {
     const dag_node *n = fp3_cut_node(b->c, node);
     fp3_cut_plan *c = b->c;

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cut.h - a step with sums over neighbours as sections: straight code, and loops over neighbours.
  *
- * A sum reads what neighbours held when its phase began. So the step is cut into phases, in each of which
- * every neighbour shows one value of each state, and a phase into sections, one after the other:
+ * A sum reads what neighbours held when its phase began. So the step is cut into phases, in each of
+ * which every neighbour shows one value of each state, and a phase into sections, one after the
+ * other:
  *
- *     straight, loops that need nothing but that, straight, loops that need the sums before, ... straight
+ *     straight, loops that need nothing but that, straight, loops that need the sums before, ...
+ * straight
  *
- * A section is a step of its own: it reads variables as they were when it began, and writes some. What
- * goes from section to section, or from phase to phase, is in variables that the cut adds.
+ * A section is a step of its own: it reads variables as they were when it began, and writes some.
+ * What goes from section to section, or from phase to phase, is in variables that the cut adds.
  */
 #ifndef FP3_CUT_H
 #define FP3_CUT_H
@@ -33,13 +35,14 @@ typedef struct {
 typedef struct {
     fp3_section *sections;
     uint32_t section_count, phase_count;
-    uint64_t published; /* states of the model that neighbours read */
-    uint32_t list
-        [FP3_RELATIONS_MAX]; /* of each relation: its variable, or FP3_NONE: no sum goes over it */
-    uint32_t unused;         /* a variable for unread words */
+    uint64_t published;               /* states of the model that neighbours read */
+    uint32_t list[FP3_RELATIONS_MAX]; /* of each relation: its variable, or FP3_NONE: no sum goes
+                                         over it */
+    uint32_t unused;                  /* a variable for unread words */
 } fp3_cut;
 
-/* Adds variables to the step. FP3_E_LIMIT: too many phases or sections. The caller closes, after a failure too. */
+/* Adds variables to the step. FP3_E_LIMIT: too many phases or sections. The caller closes, after a
+ * failure too. */
 fp3_status fp3_cut_make(fp3_step *step, fp3_cut *cut, fp3_error *error);
 void fp3_cut_close(fp3_cut *cut);
 

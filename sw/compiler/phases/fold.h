@@ -10,8 +10,8 @@
 
 #include "compiler/schedule/lines.h"
 
-/* Of the lines between `each` and `next`: first loads of words and of all fields in their order, to registers that nothing
- * reads behind the loop, then arithmetic. Gives how many lines are left. */
+/* Of the lines between `each` and `next`: first loads of words and of all fields in their order, to
+ * registers that nothing reads behind the loop, then arithmetic. Gives how many lines are left. */
 uint32_t fp3_phases_fold(fp3_line *lines, uint32_t count);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* phases.c - sections are converted and scheduled one by one, then put in a row, loads of neighbours in their use. */
+/* phases.c - sections are converted and scheduled one by one, then put in a row, loads of
+ * neighbours in their use. */
 #include "phases.h"
 
 #include "compiler/code/check.h"
@@ -137,7 +138,8 @@ static uint32_t word_of(const maker *m, const fp3_loaded *l) {
     return fp3_code_param(code, fp3_convert_param(m->step, m->options, m->code, l->index));
 }
 
-/* Every loop over links reads the same fields, in the order of the model, so that an entry has one form. */
+/* Every loop over links reads the same fields, in the order of the model, so that an entry has one
+ * form. */
 static void put_fields(maker *m, const fp3_section *s, uint64_t fields, uint32_t unused) {
     for (uint32_t f = 0; f < m->step->model->field_count; f++) {
         uint32_t to = unused;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* phases.h - a step with sums over neighbours as a program: sections in their order, loads and stores around them. */
+/* phases.h - a step with sums over neighbours as a program: sections in their order, loads and
+ * stores around them. */
 #ifndef FP3_PHASES_H
 #define FP3_PHASES_H
 

@@ -196,7 +196,8 @@ uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
     return FP3_NONE;
 }
 
-/* It is read at this time. If it is from another section, and no variable holds it there, one has to keep it. */
+/* It is read at this time. If it is from another section, and no variable holds it there, one has
+ * to keep it. */
 static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
     const uint32_t op = fp3_cut_node(c, node)->op, phase = when / FP3_CUT_SLOTS;
     const int is_here = op != NODE_VARIABLE && op != NODE_TOTAL && c->when[node] == when;
@@ -261,8 +262,8 @@ static void find_uses(fp3_cut_plan *c) {
                 use(c, fp3_cut_gets(c, p, v), end_of(c, p));
 }
 
-/* The section that writes the variable which keeps a node: a sum begins before its loop, and what a variable held when the
- * step began is copied at the end of the first phase. */
+/* The section that writes the variable which keeps a node: a sum begins before its loop, and what a
+ * variable held when the step began is copied at the end of the first phase. */
 static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
     return fp3_cut_node(c, node)->op == NODE_TOTAL      ? c->when[node] - 1
            : fp3_cut_node(c, node)->op == NODE_VARIABLE ? end_of(c, 0)

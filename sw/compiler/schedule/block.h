@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* block.h - a part of a program as nodes: the first, the step or the last part.
  *
- * A node is an operation, or a copy. Its operands name other nodes, or a variable as it was when the
- * block began. A node that writes a variable writes the variable's register, so every node that reads
- * the old value issues before it.
+ * A node is an operation, or a copy. Its operands name other nodes, or a variable as it was when
+ * the block began. A node that writes a variable writes the variable's register, so every node that
+ * reads the old value issues before it.
  */
 #ifndef FP3_BLOCK_H
 #define FP3_BLOCK_H

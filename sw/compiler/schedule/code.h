@@ -51,8 +51,9 @@ typedef struct {
     /* A constant that is -0.0, for copies; FP3_NONE_INDEX: there is none yet, the scheduler asks
      * for it by needs_minus_zero. */
     uint32_t minus_zero;
-    /* Where sums and products are apart (`dual`): the registers of the params, which say which of the two
-     * each is kept with. Variables are kept with sums, in the lowest even registers. NULL elsewhere. */
+    /* Where sums and products are apart (`dual`): the registers of the params, which say which of
+     * the two each is kept with. Variables are kept with sums, in the lowest even registers. NULL
+     * elsewhere. */
     uint32_t *param_registers;
     int allow_ahead; /* operations of the next step may be executed at the end of this one */
     int may_spill;   /* many objects: values may be stored and loaded within the program */
@@ -61,8 +62,8 @@ typedef struct {
 } fp3_step_code;
 #define FP3_NONE_INDEX UINT32_MAX
 
-/* The object register of a variable and of a param, and whose a register is: VARIABLE or PARAM, or NOWHERE
- * that of nobody. */
+/* The object register of a variable and of a param, and whose a register is: VARIABLE or PARAM, or
+ * NOWHERE that of nobody. */
 uint32_t fp3_code_variable(const fp3_step_code *code, uint32_t variable);
 uint32_t fp3_code_param(const fp3_step_code *code, uint32_t param);
 fp3_ref fp3_code_owner(const fp3_step_code *code, uint32_t reg);

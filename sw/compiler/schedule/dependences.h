@@ -5,7 +5,8 @@
 
 #include "block.h"
 
-/* Node `to` issues at least `weight` cycles after node `from` of the step `distance` steps before. */
+/* Node `to` issues at least `weight` cycles after node `from` of the step `distance` steps before.
+ */
 typedef struct {
     uint32_t from, to;
     uint32_t weight, distance;

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many times the list scheduler repeats the step. Each time it knows better what the step before
- * leaves. */
+/* How many times the list scheduler repeats the step. Each time it knows better what the step
+ * before leaves. */
 #define ROUNDS 2
 
 /* Cycles that a node may wait for another one's sake. */

@@ -12,8 +12,8 @@
 
 typedef struct fp3_room fp3_room;
 
-/* limit: values at a time, variables and params included; the plans keep to it. NULL: out of memory.
- * Block and is_ahead must stay. The caller frees. */
+/* limit: values at a time, variables and params included; the plans keep to it. NULL: out of
+ * memory. Block and is_ahead must stay. The caller frees. */
 fp3_room *fp3_room_make(const fp3_block *block, const char *is_ahead, uint32_t limit);
 void fp3_room_free(fp3_room **room);
 

@@ -260,7 +260,8 @@ static fp3_status propose_loops(search *m, uint32_t *order, fp3_error *error) {
     return status;
 }
 
-/* Sums and products at once: the best order so far, with moves by which fewer wait for their unit. */
+/* Sums and products at once: the best order so far, with moves by which fewer wait for their unit.
+ */
 static fp3_status propose_turns(search *m, uint32_t *order, fp3_error *error) {
     const uint32_t moves = orders_for(m, NODES_MOVED);
     uint32_t units[2] = {0};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* spilled.h - a program whose values do not fit into the registers, with loads and stores in each part. */
+/* spilled.h - a program whose values do not fit into the registers, with loads and stores in each
+ * part. */
 #ifndef FP3_SPILLED_H
 #define FP3_SPILLED_H
 
@@ -7,7 +8,8 @@
 #include "lines.h"
 
 /* Fills the lines of a schedule, those of a visit included: the host adds none. FP3_E_LIMIT: it
- * does not fit even so. FP3_E_PROGRAM: it has more variables and params than there are registers. */
+ * does not fit even so. FP3_E_PROGRAM: it has more variables and params than there are registers.
+ */
 fp3_status fp3_spilled_make(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                             fp3_error *error);
 

@@ -37,7 +37,8 @@ static int has_slope(const fp3_model *model, uint32_t state) {
     return derivative->op != FP3_EXPR_NUMBER || derivative->number != 0;
 }
 
-/* Where nothing moves at all, a step has an instruction that moves it by 0: there is no empty one. */
+/* Where nothing moves at all, a step has an instruction that moves it by 0: there is no empty one.
+ */
 int fp3_advance_rests(const fp3_advance *a, uint32_t state) {
     const fp3_model *model = a->step->model;
     int moves = a->is_adaptive;

@@ -33,10 +33,10 @@ typedef struct {
     term error_scale; /* what they all have to be multiplied with */
     term *slope;      /* likewise, where has_slope: its derivative at the new states */
     int has_slope;
-    uint32_t is_attempt, is_small, is_good,
-        by; /* nodes: there is a step; its error is small enough; it is accepted; the next is longer by */
-    /* Nodes, FP3_NONE if there are no events to locate: the step may end where it does; else what is tried next, and between which
-     * two steps the event is. */
+    uint32_t is_attempt, is_small, is_good, by; /* nodes: there is a step; its error is small
+                                                   enough; it is accepted; the next is longer by */
+    /* Nodes, FP3_NONE if there are no events to locate: the step may end where it does; else what
+     * is tried next, and between which two steps the event is. */
     uint32_t is_in_time, next, before, behind;
     uint32_t root_before, root_behind; /* the nearest root there; FP3_NONE: not needed */
     uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
@@ -52,7 +52,8 @@ static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state)
     return a->step->model->states[state].name;
 }
 
-/* Whether only events and projections change it: its derivative is the number 0. Without the pass `zero` none does. */
+/* Whether only events and projections change it: its derivative is the number 0. Without the pass
+ * `zero` none does. */
 int fp3_advance_rests(const fp3_advance *a, uint32_t state);
 
 /* A variable as it was when the step began, which dag g calls it. */
@@ -65,15 +66,16 @@ term fp3_advance_time(const fp3_advance *a, dag *g, double c);
 /* coefficient * h^n as a known value, its sign outside. */
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n);
 
-/* Compensated: d with what rounding took off before; and base + that, of which what is rounded away is kept (Kahan, 1965). */
+/* Compensated: d with what rounding took off before; and base + that, of which what is rounded away
+ * is kept (Kahan, 1965). */
 term fp3_advance_with_lost(const fp3_advance *a, uint32_t state, term d);
 term fp3_advance_keep(const fp3_advance *a, uint32_t state, term base, term y);
 
 /* base + d, compensated both of them. */
 term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d);
 
-/* Opens l for the expressions of an event: with the states and the time before the step, or with a->now and the time after
- * it. The caller closes, after a failure too. */
+/* Opens l for the expressions of an event: with the states and the time before the step, or with
+ * a->now and the time after it. The caller closes, after a failure too. */
 fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
                              lowering *l, fp3_error *error);
 

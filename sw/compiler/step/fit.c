@@ -284,7 +284,8 @@ static unsigned order_of(const fitting *f) {
     return integrator->order;
 }
 
-/* The first event that a step may pass over, as no one says how long it may be; NULL: there is none. */
+/* The first event that a step may pass over, as no one says how long it may be; NULL: there is
+ * none. */
 static fp3_status find_passed(const fp3_fit *fit, const fp3_model *model, const fp3_event **event,
                               fp3_error *error) {
     fp3_switchings switchings;

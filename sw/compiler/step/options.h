@@ -8,8 +8,8 @@
 
 #define FP3_STATES_MAX 64 /* a set of states is the bits of a uint64_t */
 
-/* States of a model with events to locate: an event is known to be between two steps from here, and the next attempt as well. Both are
- * 0 while none is looked for. */
+/* States of a model with events to locate: an event is known to be between two steps from here, and
+ * the next attempt as well. Both are 0 while none is looked for. */
 #define FP3_STATE_BEFORE "h_before"
 #define FP3_STATE_BEHIND "h_behind"
 /* With a tolerance and a root: the root there. */

@@ -18,7 +18,8 @@ typedef struct {
 fp3_status fp3_switchings_find(const fp3_model *model, fp3_switchings *s, fp3_error *error);
 void fp3_switchings_close(fp3_switchings *s);
 
-/* Whether the event is at a time of the list, t = T: steps end there, and nothing has to be looked for. */
+/* Whether the event is at a time of the list, t = T: steps end there, and nothing has to be looked
+ * for. */
 int fp3_switchings_time(const fp3_model *model, const fp3_switchings *s, const fp3_event *event);
 
 /* When one of the list changes, as a known value; FP3_NONE: never. */

@@ -74,8 +74,8 @@ static void sort(uint32_t *where, uint32_t *what, uint32_t count) {
     }
 }
 
-/* Columns of objects come register by register, and a bus that moves neighbours at once wants them object by object.
- * Of words that are nothing but memory only the order at one address counts. */
+/* Columns of objects come register by register, and a bus that moves neighbours at once wants them
+ * object by object. Of words that are nothing but memory only the order at one address counts. */
 static void arrange(fp3_driver *self) {
     for (uint32_t i = 0, n; !self->bus->is_anywhere && i < self->queued; i += n + 1) {
         for (n = 0; i + n < self->queued && fp3_read_ahead_has(self->where[i + n]);)

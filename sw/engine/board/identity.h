@@ -12,7 +12,8 @@
 
 /* Byte addresses of `id` and of the other registers that describe a build. */
 extern const uint32_t fp3_identity_addresses[FP3_IDENTITY_WORDS];
-/* Whether hardware that has these words before number i has that one, too; if not, it stands for 0. */
+/* Whether hardware that has these words before number i has that one, too; if not, it stands for 0.
+ */
 int fp3_identity_has(const uint32_t words[FP3_IDENTITY_WORDS], int i);
 
 /* The first named configuration that has these words; NULL: there is none. */

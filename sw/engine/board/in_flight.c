@@ -5,8 +5,8 @@
 #include <assert.h>
 #include <stdlib.h>
 
-/* More than any scheduler has in flight: one instruction a cycle for the length of a lane's pipeline
- * and then of the chain of 64 lanes. */
+/* More than any scheduler has in flight: one instruction a cycle for the length of a lane's
+ * pipeline and then of the chain of 64 lanes. */
 #define ROOM 1024u
 
 typedef struct {

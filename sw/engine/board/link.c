@@ -51,7 +51,8 @@ uint64_t fp3_link_repeats(const fp3_link *link) { return link->repeats; }
 
 uint64_t fp3_link_bytes(const fp3_link *link) { return link->sent + link->bytes; }
 
-/* Whether the packet that the reader has answers the request; then the words and *refused are filled. */
+/* Whether the packet that the reader has answers the request; then the words and *refused are
+ * filled. */
 static int take(fp3_link *link, const request *r, uint32_t *refused) {
     const fp3_packet_reader *packet = &link->reader;
     if (packet->size < 2 || packet->content[0] != link->sequence || packet->content[1] > r->count)

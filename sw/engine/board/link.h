@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* link.h - reads and writes words on a board's bus, over a serial port; asks again where an answer is lost. */
+/* link.h - reads and writes words on a board's bus, over a serial port; asks again where an answer
+ * is lost. */
 #ifndef FP3_LINK_H
 #define FP3_LINK_H
 
@@ -8,8 +9,8 @@
 
 typedef struct fp3_link fp3_link;
 
-/* Says nothing to the board. Failures as of fp3_port_open. The caller closes *link, which is NULL on failure; port and error
- * must outlive it. */
+/* Says nothing to the board. Failures as of fp3_port_open. The caller closes *link, which is NULL
+ * on failure; port and error must outlive it. */
 fp3_status fp3_link_open(const char *port, uint32_t baud, fp3_link **link, fp3_error *error);
 void fp3_link_close(fp3_link **link);
 

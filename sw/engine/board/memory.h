@@ -6,7 +6,8 @@
 #include "engine/common/backend.h"
 
 fp3_status fp3_memory_load(fp3_engine *engine);
-/* After a load: 0 into what engine.h promises to be 0 at first. Hardware that was used before holds something else. */
+/* After a load: 0 into what engine.h promises to be 0 at first. Hardware that was used before holds
+ * something else. */
 fp3_status fp3_memory_clear(fp3_engine *engine);
 fp3_status fp3_memory_read(fp3_engine *engine, fp3_cells cells, void *words);
 fp3_status fp3_memory_write(fp3_engine *engine, fp3_cells cells, const void *words);

@@ -11,7 +11,8 @@
     (6 + 4 * FP3_PACKET_WORDS + 4) /* the largest, with its CRC, without escapes */
 #define FP3_PACKET_SIZE (2 * FP3_PACKET_CONTENT + 2) /* the largest on the line */
 
-/* A request for 1 to FP3_PACKET_WORDS words; words: what a write writes, ignored by a read. Returns its size. */
+/* A request for 1 to FP3_PACKET_WORDS words; words: what a write writes, ignored by a read. Returns
+ * its size. */
 size_t fp3_packet_request(uint8_t sequence, int is_write, uint32_t address, const uint32_t *words,
                           uint32_t count, uint8_t packet[FP3_PACKET_SIZE]);
 

@@ -18,8 +18,8 @@ typedef struct {
 #define FP3_PORT_BAUDS_SIZE 160
 void fp3_port_bauds(char text[FP3_PORT_BAUDS_SIZE]);
 
-/* name must outlive the port. FP3_E_ARGUMENT: no such rate. FP3_E_SYSTEM: there is no such port, or it cannot be
- * used. Bytes that came before are dropped. */
+/* name must outlive the port. FP3_E_ARGUMENT: no such rate. FP3_E_SYSTEM: there is no such port, or
+ * it cannot be used. Bytes that came before are dropped. */
 fp3_status fp3_port_open(const char *name, uint32_t baud, fp3_port *port, fp3_error *error);
 void fp3_port_close(fp3_port *port);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* read_ahead.h - words of objects and of their status that were read with others: a serial line takes about as long
- * for 1 word as for 8, and the engine asks for single ones.
+/* read_ahead.h - words of objects and of their status that were read with others: a serial line
+ * takes about as long for 1 word as for 8, and the engine asks for single ones.
  */
 #ifndef FP3_READ_AHEAD_H
 #define FP3_READ_AHEAD_H

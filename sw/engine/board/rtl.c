@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* rtl.c - the "rtl" engine: simulated hardware on a simulated AXI4-Lite bus, driven as driver.h says.
+/* rtl.c - the "rtl" engine: simulated hardware on a simulated AXI4-Lite bus, driven as driver.h
+ * says.
  *
  * What it tells the hardware and what it learns goes over the bus: the cycles are the hardware's
  * own count. Retirements alone are watched from outside.

@@ -47,7 +47,8 @@ static fp3_status start(fp3_engine *engine, const part *p) {
     return status ? status : fp3_driver_flush(engine);
 }
 
-/* Until no scheduler runs, for so many cycles and questions at most; *outcome is the OR of all status words. */
+/* Until no scheduler runs, for so many cycles and questions at most; *outcome is the OR of all
+ * status words. */
 static fp3_status wait_until_idle(fp3_engine *engine, uint64_t cycles, uint32_t asks,
                                   uint32_t *outcome) {
     const fp3_bus *bus = ((const fp3_driver *)engine->self)->bus;
@@ -104,8 +105,8 @@ static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t
     return status;
 }
 
-/* docs/registers.md: every running cycle is an issue, of one or two, or a stall; all that was issued
- * retires. */
+/* docs/registers.md: every running cycle is an issue, of one or two, or a stall; all that was
+ * issued retires. */
 static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const uint64_t *n,
                                  int is_done) {
     uint64_t issued = 0, stalled = 0;
@@ -198,7 +199,8 @@ static void add_counters(fp3_engine *engine, uint64_t *sums) {
         engine->counters[0][i] = sums[i] += engine->counters[0][i];
 }
 
-/* Objects that see each other: a visit is a step, and lists that follow the objects do so after each. */
+/* Objects that see each other: a visit is a step, and lists that follow the objects do so after
+ * each. */
 static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     const uint64_t limit = engine->def.cycle_limit;
     const uint32_t at_once = fp3_store_lists_is_near(engine) || engine->exchange.end ? 1 : steps;

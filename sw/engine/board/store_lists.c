@@ -37,7 +37,8 @@ static fp3_status refuse(fp3_engine *engine, const char *what) {
                     what);
 }
 
-/* The hardware finds a list by its register: each phase loads it before it loops, and leaves it alone. */
+/* The hardware finds a list by its register: each phase loads it before it loops, and leaves it
+ * alone. */
 static fp3_status check_lists(fp3_engine *engine, const fp3_code *program) {
     uint64_t loaded = 0;
     for (uint32_t i = 0; i < program->count; i++) {
@@ -359,7 +360,8 @@ static fp3_status move_published(fp3_engine *engine, uint32_t *words, int is_wri
     return status;
 }
 
-/* Published words to the lower half: all are read before one is written, so that a board gets those of an object together. */
+/* Published words to the lower half: all are read before one is written, so that a board gets those
+ * of an object together. */
 static fp3_status lower(fp3_engine *engine) {
     fp3_driver *self = engine->self;
     const fp3_members *group = group_of(engine);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* store_lists.h - a driver's side of objects that see each other: during a run the hardware's store has the lists of
- * neighbours, and published words are in one of its halves.
+/* store_lists.h - a driver's side of objects that see each other: during a run the hardware's store
+ * has the lists of neighbours, and published words are in one of its halves.
  *
- * Between runs the lower half has them, and the registers of lists hold what the caller wrote there.
+ * Between runs the lower half has them, and the registers of lists hold what the caller wrote
+ * there.
  */
 #ifndef FP3_STORE_LISTS_H
 #define FP3_STORE_LISTS_H
@@ -10,8 +11,8 @@
 #include "engine/common/backend.h"
 
 typedef struct {
-    uint32_t *
-        saved; /* what the registers of lists hold between runs, list by list; NULL: there are no lists */
+    uint32_t *saved; /* what the registers of lists hold between runs, list by list; NULL: there are
+                        no lists */
     uint32_t *words; /* of one register of all objects */
     int is_written;  /* the lists are in the store */
 } fp3_store_lists;
@@ -22,11 +23,11 @@ fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group);
 /* Whether runs stop after each step, because lists follow the objects. */
 int fp3_store_lists_is_near(const fp3_engine *engine);
 
-/* Before a run. Whatever becomes of it, the caller ends it with fp3_store_lists_end. FP3_E_PROGRAM: lists of those that
- * are near, in a program of several phases. */
+/* Before a run. Whatever becomes of it, the caller ends it with fp3_store_lists_end. FP3_E_PROGRAM:
+ * lists of those that are near, in a program of several phases. */
 fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists);
-/* Before a part of a run: lists that are not in the store, or stale, are written. FP3_E_PROGRAM: there is no room for
- * them, or an object has too many neighbours. Else as fp3_lists_follow. */
+/* Before a part of a run: lists that are not in the store, or stale, are written. FP3_E_PROGRAM:
+ * there is no room for them, or an object has too many neighbours. Else as fp3_lists_follow. */
 fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists);
 /* After a part: which half has the published words. */
 fp3_status fp3_store_lists_look(fp3_engine *engine);

@@ -126,7 +126,8 @@ static int by_place(const void *a, const void *b) {
                                 : (x->object > y->object) - (x->object < y->object);
 }
 
-/* Where the first `low` of so many ranks have their share of the weight. Every rank gets an object. */
+/* Where the first `low` of so many ranks have their share of the weight. Every rank gets an object.
+ */
 static uint32_t find_cut(const placed *list, uint32_t count, uint32_t low, uint32_t ranks) {
     uint64_t all = 0, sum = 0;
     uint32_t cut = 0;
@@ -137,7 +138,8 @@ static uint32_t find_cut(const placed *list, uint32_t count, uint32_t low, uint3
     return cut;
 }
 
-/* Recursive bisection: across the longest side of what `list` fills, in the proportion of the ranks of either half. */
+/* Recursive bisection: across the longest side of what `list` fills, in the proportion of the ranks
+ * of either half. */
 static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_t first,
                    uint32_t ranks, uint32_t *whose) {
     uint32_t axis = 0;

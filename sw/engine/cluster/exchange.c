@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Whether some object has moved by more than half the skin since guests were chosen: then another may be near that is none. Who has
- * no place, and had none, has not moved. */
+/* Whether some object has moved by more than half the skin since guests were chosen: then another
+ * may be near that is none. Who has no place, and had none, has not moved. */
 static fp3_status look_who_moved(fp3_engine *engine, uint64_t *has_moved) {
     const fp3_ranked *self = engine->self;
     const fp3_near_rule *rule = fp3_positions_rule(&engine->layout.groups[0]);

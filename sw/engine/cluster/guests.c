@@ -51,7 +51,8 @@ static void note_links(const fp3_engine *engine, const fp3_ranked *self, const u
     }
 }
 
-/* Objects in the box of the own ones, with the reach around it: only among these there are pairs. */
+/* Objects in the box of the own ones, with the reach around it: only among these there are pairs.
+ */
 static uint32_t find_around(const fp3_ranked *self, const fp3_positions *p, double reach,
                             uint32_t *objects, uint32_t count) {
     double least[FP3_NEAR_DIMENSIONS], most[FP3_NEAR_DIMENSIONS];

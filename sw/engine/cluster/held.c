@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* held.c - words of a rank's own objects while it has no engine: before lists say which objects these are, and when
- * other lists do. A board has one port, which two engines cannot have at the same time.
+/* held.c - words of a rank's own objects while it has no engine: before lists say which objects
+ * these are, and when other lists do. A board has one port, which two engines cannot have at the
+ * same time.
  */
 #include "engine/common/cells.h"
 #include "inside.h"

@@ -12,7 +12,8 @@
 /* Of objects that move, steps until somebody looks whether they are to be divided anew. */
 #define FP3_RANKS_AT_ONCE 64
 
-/* Objects of this rank that another rank needs, or guests that it brings: words side by side, register by register. */
+/* Objects of this rank that another rank needs, or guests that it brings: words side by side,
+ * register by register. */
 typedef struct {
     uint32_t *rows;  /* of the rank's own engine, rank by rank */
     uint32_t *count; /* of each rank */
@@ -42,8 +43,8 @@ typedef struct {
     fp3_rank_use use;    /* without the bus of the open engine, which use.c adds */
     fp3_traffic out, in;
     fp3_mpi_plan *plan;
-    float *made
-        [FP3_NEAR_DIMENSIONS]; /* where own objects were when guests were chosen; NULL: they do not depend on it */
+    float *made[FP3_NEAR_DIMENSIONS]; /* where own objects were when guests were chosen; NULL: they
+                                         do not depend on it */
 } fp3_ranked;
 
 static inline unsigned fp3_ranks_here(const fp3_ranked *self) { return self->ranks->rank; }
@@ -80,7 +81,8 @@ fp3_status fp3_ranks_write_guests(fp3_ranked *self, fp3_cells cells, const uint3
 fp3_status fp3_ranks_no_memory(fp3_engine *engine);
 /* Adds words to self->given: every rank was given the same, or they run scenes that differ. */
 void fp3_ranks_note(fp3_ranked *self, const void *words, size_t count);
-/* Closes the own engine, if there is one; its words are held from then on. FP3_E_SYSTEM: they could not be read. */
+/* Closes the own engine, if there is one; its words are held from then on. FP3_E_SYSTEM: they could
+ * not be read. */
 fp3_status fp3_ranks_hold(fp3_engine *engine);
 void fp3_ranks_forget_held(fp3_ranked *self);
 /* By the own engine's rows, or where they are held. */
@@ -114,9 +116,11 @@ fp3_status fp3_ranks_receive(void *user, fp3_engine *own);
 
 /* ---- place.c ---- */
 
-/* Without neighbours, and before lists are known: blocks. Without neighbours it opens the own engine. */
+/* Without neighbours, and before lists are known: blocks. Without neighbours it opens the own
+ * engine. */
 fp3_status fp3_ranks_begin(fp3_engine *engine);
-/* By the lists of neighbours: divides the objects anew, moves what they hold, chooses guests and opens the own engine. */
+/* By the lists of neighbours: divides the objects anew, moves what they hold, chooses guests and
+ * opens the own engine. */
 fp3_status fp3_ranks_place(fp3_engine *engine);
 /* Whether objects have moved so far that they are to be divided anew: then nothing is placed. */
 fp3_status fp3_ranks_wander(fp3_engine *engine);

@@ -124,8 +124,8 @@ static void use_rows(fp3_engine *engine, fp3_ranked *to) {
     fp3_engine_set_exchange(to->own, &(fp3_exchange){fp3_ranks_send, fp3_ranks_receive, engine});
 }
 
-/* In the host there is room for as many guests as there may be: what nobody has written to costs nothing. Hardware has half of its
- * store for records. */
+/* In the host there is room for as many guests as there may be: what nobody has written to costs
+ * nothing. Hardware has half of its store for records. */
 static uint32_t room_for(const fp3_engine *engine, const fp3_ranked *to) {
     const fp3_config *config =
         fp3_config_find(to->def.config); /* engine->config has the host's store */
@@ -226,7 +226,8 @@ static fp3_status move(fp3_engine *engine, fp3_ranked *before, fp3_ranked *to) {
     return status;
 }
 
-/* Guests of objects that are near change in the middle of a run, and those of all others have places of their own. */
+/* Guests of objects that are near change in the middle of a run, and those of all others have
+ * places of their own. */
 static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
     const fp3_members *group = &engine->layout.groups[0];
     const int near = count_near(group);

@@ -15,7 +15,8 @@ typedef struct {
 
 /* The rule of the first relation `near`: there is one. */
 const fp3_near_rule *fp3_positions_rule(const fp3_members *group);
-/* Who is near whom among the first `objects`, by this rule: a list of each, itself not in it. The caller frees *begin and *other. */
+/* Who is near whom among the first `objects`, by this rule: a list of each, itself not in it. The
+ * caller frees *begin and *other. */
 fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
                                const fp3_positions *p, uint32_t objects, uint32_t **begin,
                                uint32_t **other);
@@ -23,7 +24,8 @@ fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p);
 void fp3_positions_close(fp3_positions *p);
 
-/* 0 where it is not finite, so that all ranks agree on whose such an object is. Nobody is near it: the words say so. */
+/* 0 where it is not finite, so that all ranks agree on whose such an object is. Nobody is near it:
+ * the words say so. */
 static inline float fp3_position(const fp3_positions *p, uint32_t k, uint32_t object) {
     float f;
     memcpy(&f, &p->word[k][object], sizeof f);

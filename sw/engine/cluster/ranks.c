@@ -107,7 +107,8 @@ static void add_up(fp3_engine *engine, fp3_stats *stats) {
     stats->schedulers = (uint32_t)ranks->calls->most(ranks->world, stats->schedulers);
 }
 
-/* Ranks that were given other scenes or options would leave a result of neither, or wait for ever. */
+/* Ranks that were given other scenes or options would leave a result of neither, or wait for ever.
+ */
 static fp3_status agree_ranked(fp3_engine *engine, const void *words, size_t size) {
     fp3_ranked *self = engine->self;
     const fp3_ranks *ranks = self->ranks;

@@ -5,7 +5,8 @@
 
 #include "processes.h"
 
-/* Of every rank, in their order, for all of them: of an engine that is divided. The caller frees *all. */
+/* Of every rank, in their order, for all of them: of an engine that is divided. The caller frees
+ * *all. */
 fp3_status fp3_ranks_use(fp3_engine *engine, fp3_rank_use **all, unsigned *count);
 
 /* After a run, by all ranks together: its cycles, and the bus of all. */

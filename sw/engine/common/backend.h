@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* backend.h - what an engine provides behind fp3/engine.h.
  *
- * The calls check every argument, so a backend sees valid ones only: objects, registers and constants
- * in range, a program that fits. To add one, write this table and list it in engine.c. Nobody outside this folder
- * sees an engine's struct: others ask by inside.h.
+ * The calls check every argument, so a backend sees valid ones only: objects, registers and
+ * constants in range, a program that fits. To add one, write this table and list it in engine.c.
+ * Nobody outside this folder sees an engine's struct: others ask by inside.h.
  */
 #ifndef FP3_BACKEND_H
 #define FP3_BACKEND_H
@@ -13,8 +13,10 @@
 /* Words of one kind, side by side. */
 typedef struct {
     enum {
-        FP3_CELLS_REGISTER, /* `number`, of objects first .. first+count-1: what they keep from run to run */
-        FP3_CELLS_STATUS, /* what space `status` has for those objects; only if the configuration has it */
+        FP3_CELLS_REGISTER, /* `number`, of objects first .. first+count-1: what they keep from run
+                               to run */
+        FP3_CELLS_STATUS,   /* what space `status` has for those objects; only if the configuration
+                               has it */
         FP3_CELLS_CONSTANT, /* first .. first+count-1 of group `number` */
     } kind;
     uint32_t number;
@@ -25,8 +27,8 @@ typedef struct {
     const char *name;
     fp3_status (*open)(fp3_engine *engine);
     void (*close)(fp3_engine *engine); /* also after an open that failed */
-    /* Before a load, of a group that has been placed: a program that the backend cannot execute is refused, and nothing is changed. NULL:
-     * there is none. */
+    /* Before a load, of a group that has been placed: a program that the backend cannot execute is
+     * refused, and nothing is changed. NULL: there is none. */
     fp3_status (*check)(fp3_engine *engine, const fp3_members *group);
     fp3_status (*load)(fp3_engine *engine);
     /* As many words as cells.count. */
@@ -37,14 +39,16 @@ typedef struct {
     /* A word of each of these objects; NULL: by `read`. */
     void (*gather)(const fp3_engine *engine, uint32_t reg, const uint32_t *objects, size_t count,
                    uint32_t *words);
-    /* A list of neighbours has been given, or (list is NULL) all are made anew; NULL: the backend reads those of the layout. */
+    /* A list of neighbours has been given, or (list is NULL) all are made anew; NULL: the backend
+     * reads those of the layout. */
     fp3_status (*connect)(fp3_engine *engine, fp3_members *group, const fp3_list *list);
     /* Interleaved: the next run begins with all objects that fp3_engine_is_awake. */
     fp3_status (*list)(fp3_engine *engine);
-    /* Fills the counters of the schedulers, which are 0, and schedulers of stats; adds to its flags. */
+    /* Fills the counters of the schedulers, which are 0, and schedulers of stats; adds to its
+     * flags. */
     fp3_status (*run)(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
-    /* A copy of those that failed in the last run, by object; the caller frees *failed. NULL: the engine does
-     * not know, and the run is made again. */
+    /* A copy of those that failed in the last run, by object; the caller frees *failed. NULL: the
+     * engine does not know, and the run is made again. */
     fp3_status (*failures)(fp3_engine *engine, fp3_failed **failed, size_t *count);
     /* See fp3_engine_write_native; NULL: there is no native code. */
     fp3_status (*write_native)(fp3_engine *engine, const char *path);
@@ -52,7 +56,8 @@ typedef struct {
     /* See fp3_engine_agree; NULL: there is one process. */
     fp3_status (*agree)(fp3_engine *engine, const void *words, size_t size);
     uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
-    int begins_at_0; /* a run makes steps of the first objects: fp3_engine_use has no other `first` */
+    int begins_at_0;  /* a run makes steps of the first objects: fp3_engine_use has no other `first`
+                       */
     int is_divided;   /* other engines have the objects, and know who failed */
     int is_hardware;  /* words of instruction memory are as many as the configuration has */
     int is_uncounted; /* no scheduler counts: all counters stay 0 */
@@ -128,7 +133,8 @@ fp3_status fp3_engine_open_on(const fp3_engine_def *def, const fp3_config *confi
 
 /* Whether an object may have failed in the last run: then the run is made again. */
 fp3_status fp3_engine_suspect(fp3_engine *engine, int *is_suspect);
-/* Who failed in the last run: engine->failures. is_suspect: it is made again in any case, because others need what it publishes. */
+/* Who failed in the last run: engine->failures. is_suspect: it is made again in any case, because
+ * others need what it publishes. */
 fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect);
 
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cells.c - registers and constants, by number and by name.
  *
- * Here numbers become words of the machine and words numbers: callers of fp3/engine.h see binary32, everything in this folder sees words.
+ * Here numbers become words of the machine and words numbers: callers of fp3/engine.h see binary32,
+ * everything in this folder sees words.
  */
 #include "cells.h"
 #include "base/bits.h"
@@ -98,7 +99,8 @@ static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word
         (double)kept);
 }
 
-/* Whether word i of these cells is an integer and no number: the register of `sleep`, or what leads to a list of neighbours. */
+/* Whether word i of these cells is an integer and no number: the register of `sleep`, or what leads
+ * to a list of neighbours. */
 static int is_whole(const fp3_engine *engine, fp3_cells cells, size_t i) {
     if (cells.kind != FP3_CELLS_REGISTER)
         return 0;
@@ -109,7 +111,8 @@ static int is_whole(const fp3_engine *engine, fp3_cells cells, size_t i) {
     return is_list || group->program.slept == (int)cells.number;
 }
 
-/* FP3_E_ARGUMENT: a finite number would not be one in a record of 16 bits, or a parameter would lose its digits. */
+/* FP3_E_ARGUMENT: a finite number would not be one in a record of 16 bits, or a parameter would
+ * lose its digits. */
 static fp3_status round_words(fp3_engine *engine, fp3_cells cells, const void *words,
                               uint32_t *to) {
     const uint32_t infinite = 0x7f800000;

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* ghosts.h - neighbours in other lanes: each lane has a copy of what they publish, in rows behind its own objects.
+/* ghosts.h - neighbours in other lanes: each lane has a copy of what they publish, in rows behind
+ * its own objects.
  *
- * An object that all other lanes need is in the same row of all of them, so that one copy reaches all.
+ * An object that all other lanes need is in the same row of all of them, so that one copy reaches
+ * all.
  */
 #ifndef FP3_GHOSTS_H
 #define FP3_GHOSTS_H
@@ -25,7 +27,8 @@ typedef struct {
     uint32_t count;
 } fp3_ghosts;
 
-/* Of the engine's first group, by the lists that it has. FP3_E_SYSTEM: out of memory; *ghosts is then {0}. */
+/* Of the engine's first group, by the lists that it has. FP3_E_SYSTEM: out of memory; *ghosts is
+ * then {0}. */
 fp3_status fp3_ghosts_find(const fp3_engine *engine, fp3_ghosts *ghosts);
 void fp3_ghosts_free(fp3_ghosts *ghosts);
 

@@ -9,8 +9,8 @@
 
 #include <fp3/engine.h>
 
-/* fp3_engine_open with a configuration that need not be a named one, instead of def->config; it is copied.
- * Of "isa" and "fast": "rtl" is hardware that has been built. */
+/* fp3_engine_open with a configuration that need not be a named one, instead of def->config; it is
+ * copied. Of "isa" and "fast": "rtl" is hardware that has been built. */
 fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *config,
                               fp3_engine **engine);
 
@@ -18,8 +18,8 @@ fp3_status fp3_engine_open_as(const fp3_engine_def *def, const fp3_config *confi
  * of its own. */
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image);
 
-/* fp3_engine_write, _read, _write_shared_of and _read_shared_of of words as the machine has them, which are not converted: for
- * tests that compare all bits. */
+/* fp3_engine_write, _read, _write_shared_of and _read_shared_of of words as the machine has them,
+ * which are not converted: for tests that compare all bits. */
 fp3_status fp3_engine_write_words(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                                   const uint32_t *words);
 fp3_status fp3_engine_read_words(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
@@ -29,41 +29,45 @@ fp3_status fp3_engine_write_shared_words(fp3_engine *engine, size_t group, uint3
 fp3_status fp3_engine_read_shared_words(fp3_engine *engine, size_t group, uint32_t first,
                                         size_t count, uint32_t *words);
 
-/* What the next run goes by: the steps of earlier runs, by which it numbers its own; the definition, whose strings
- * may be gone; the configuration. Tests change them. */
+/* What the next run goes by: the steps of earlier runs, by which it numbers its own; the
+ * definition, whose strings may be gone; the configuration. Tests change them. */
 uint32_t *fp3_engine_clock(fp3_engine *engine);
-/* Whether something was raised in the last run that leads from finite numbers to others; always where no flags are kept. */
+/* Whether something was raised in the last run that leads from finite numbers to others; always
+ * where no flags are kept. */
 int fp3_engine_may_have_failed(const fp3_engine *engine);
 fp3_engine_def *fp3_engine_definition(fp3_engine *engine);
 fp3_config *fp3_engine_config(fp3_engine *engine);
 
-/* For calls that have an error of their own, and are to be the only place that a caller looks at: hush
- * before the first use of the engine, hear after the last. What the engine says in the error of its
- * definition is then in error, too. error may be NULL. hear returns status. */
+/* For calls that have an error of their own, and are to be the only place that a caller looks at:
+ * hush before the first use of the engine, hear after the last. What the engine says in the error
+ * of its definition is then in error, too. error may be NULL. hear returns status. */
 void fp3_engine_hush(fp3_error *error);
 fp3_status fp3_engine_hear(fp3_engine *engine, fp3_status status, fp3_error *error);
 
 /* FP3_E_ARGUMENT: no engine has this name, which may be NULL. */
 fp3_status fp3_engine_check_name(const char *name, fp3_error *error);
 
-/* Its objects are on several ranks: cycles are those of the slowest, and other counters sums over all. */
+/* Its objects are on several ranks: cycles are those of the slowest, and other counters sums over
+ * all. */
 int fp3_engine_is_divided(const fp3_engine *engine);
 
 /* They belong to the engine. */
 const char *fp3_engine_name(const fp3_engine *engine);
 const fp3_layout *fp3_engine_layout(const fp3_engine *engine);
 
-/* The states of a group for which its records have room, as a set of registers; the sleep register is
- * none. */
+/* The states of a group for which its records have room, as a set of registers; the sleep register
+ * is none. */
 uint64_t fp3_engine_states_of(const fp3_members *group);
 
 /* Whether some objects do not live always. */
 int fp3_engine_has_lives(const fp3_engine *engine);
 /* What fp3_engine_live said of an object. */
 void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone);
-/* From here on as if the runs since the load had made so many steps; the caller writes what objects held then. */
+/* From here on as if the runs since the load had made so many steps; the caller writes what objects
+ * held then. */
 void fp3_engine_resume(fp3_engine *engine, uint64_t made);
-/* What the configuration keeps of the status of all objects, one word each. FP3_E_ARGUMENT: it keeps none. */
+/* What the configuration keeps of the status of all objects, one word each. FP3_E_ARGUMENT: it
+ * keeps none. */
 fp3_status fp3_engine_read_status(fp3_engine *engine, uint32_t *words);
 fp3_status fp3_engine_write_status(fp3_engine *engine, const uint32_t *words);
 /* FP3_E_ARGUMENT: an object's `steps` is no whole number, or would not be after so many more. */
@@ -71,35 +75,41 @@ fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps);
 /* Those of the last run, by object, after fp3_engine_failure. */
 const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count);
 
-/* From the next run on objects first .. first+count-1, of an engine with one group, make steps. The others cost nothing and keep what
- * they hold; as neighbours they can be read. `first` is 0; or objects see each other, the engine is not hardware, and `first` is a
- * multiple of FP3_USE_STEP. A load makes it all objects again. Objects that see each other in several lanes are moved by this: it has
- * to be said before words are written to them. */
+/* From the next run on objects first .. first+count-1, of an engine with one group, make steps. The
+ * others cost nothing and keep what they hold; as neighbours they can be read. `first` is 0; or
+ * objects see each other, the engine is not hardware, and `first` is a multiple of FP3_USE_STEP. A
+ * load makes it all objects again. Objects that see each other in several lanes are moved by this:
+ * it has to be said before words are written to them. */
 #define FP3_USE_STEP 16
 void fp3_engine_use(fp3_engine *engine, size_t first, size_t count);
 
-/* ---- guests: objects behind those that make steps, which only stand for objects of another engine ---- */
+/* ---- guests: objects behind those that make steps, which only stand for objects of another engine
+ * ---- */
 
 typedef fp3_status fp3_exchange_fn(void *user, fp3_engine *engine);
 
-/* At each phase of a run `begin` sends what own objects publish, and after `end` guests have what their objects publish. Between the
- * two an engine may compute for objects that see no guests. A failure ends the run. */
+/* At each phase of a run `begin` sends what own objects publish, and after `end` guests have what
+ * their objects publish. Between the two an engine may compute for objects that see no guests. A
+ * failure ends the run. */
 typedef struct {
     fp3_exchange_fn *begin, *end; /* begin may be NULL */
     void *user;
 } fp3_exchange;
 void fp3_engine_set_exchange(fp3_engine *engine, const fp3_exchange *exchange);
-/* Sums over those that are near go by these numbers, one for each object and guest, all different: as if a single engine had
- * them all. They are copied, and hold until the next load. FP3_E_SYSTEM: out of memory. */
+/* Sums over those that are near go by these numbers, one for each object and guest, all different:
+ * as if a single engine had them all. They are copied, and hold until the next load. FP3_E_SYSTEM:
+ * out of memory. */
 fp3_status fp3_engine_set_numbers(fp3_engine *engine, const uint32_t *numbers);
 /* A word of a record of these objects, of the engine's only group. */
 fp3_status fp3_engine_gather(fp3_engine *engine, uint32_t reg, const uint32_t *objects,
                              size_t count, uint32_t *words);
-/* Of an engine that is divided among processes: whether all of them were given the same up to now, these 32-bit words of `size` bytes among it. What they do
- * together must not depend on what they do not share. FP3_E_ARGUMENT, on all: they were not. */
+/* Of an engine that is divided among processes: whether all of them were given the same up to now,
+ * these 32-bit words of `size` bytes among it. What they do together must not depend on what they
+ * do not share. FP3_E_ARGUMENT, on all: they were not. */
 fp3_status fp3_engine_agree(fp3_engine *engine, const void *words, size_t size);
 
-/* What neighbours read and some phase stores, as a set of registers: what an exchange has to bring. */
+/* What neighbours read and some phase stores, as a set of registers: what an exchange has to bring.
+ */
 uint64_t fp3_engine_published(const fp3_engine *engine);
 
 /* fp3_adaptive_look at objects first .. first+count-1. */

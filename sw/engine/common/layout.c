@@ -138,7 +138,8 @@ static uint32_t column_begin(const fp3_members *group, uint32_t column) {
     return column * (group->objects / group->columns) + (column < more ? column : more);
 }
 
-/* How many of count things a column has, if they are dealt out or divided: the first columns have one more. */
+/* How many of count things a column has, if they are dealt out or divided: the first columns have
+ * one more. */
 static uint32_t share_of(const fp3_members *group, uint32_t count, uint32_t column) {
     return count / group->columns + (column < count % group->columns);
 }

@@ -2,8 +2,9 @@
 /* layout.h - groups of objects, each with its program, and where each object is.
  *
  * Object i of a group is row i / columns of lane i % columns, counted through the lanes of the
- * group's schedulers. Where objects see each other, each lane has objects that follow each other instead, by their numbers or by an
- * order of its own: most neighbours are then in the same lane. Guests are dealt out to the lanes, into the rows behind.
+ * group's schedulers. Where objects see each other, each lane has objects that follow each other
+ * instead, by their numbers or by an order of its own: most neighbours are then in the same lane.
+ * Guests are dealt out to the lanes, into the rows behind.
  */
 #ifndef FP3_LAYOUT_H
 #define FP3_LAYOUT_H
@@ -29,10 +30,10 @@ typedef struct {
     int64_t counted;            /* the most steps that an object has there */
     uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
     fp3_lists lists;            /* of neighbours */
-    uint32_t *slot,
-        *who; /* the order in which lanes take objects, and its inverse; NULL: as they are numbered */
-    uint8_t *is_ahead; /* of each word of the program, if it is watched; else NULL */
-    uint64_t live;     /* ... and the registers that a step leaves to what follows */
+    uint32_t *slot, *who; /* the order in which lanes take objects, and its inverse; NULL: as they
+                             are numbered */
+    uint8_t *is_ahead;    /* of each word of the program, if it is watched; else NULL */
+    uint64_t live;        /* ... and the registers that a step leaves to what follows */
 } fp3_members;
 
 /* Objects of the engine that make steps. */
@@ -75,8 +76,8 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
 /* Leaves {0}, which may be freed as well. */
 void fp3_layout_free(fp3_layout *layout);
 
-/* Takes `slot`, one for each object, for the order of a group whose objects see each other. FP3_E_SYSTEM: out of memory; `slot` is still
- * the caller's. */
+/* Takes `slot`, one for each object, for the order of a group whose objects see each other.
+ * FP3_E_SYSTEM: out of memory; `slot` is still the caller's. */
 fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, fp3_error *error);
 
 /* Whether every object is where it was, with a record of the same size. */

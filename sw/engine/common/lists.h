@@ -24,8 +24,8 @@ typedef struct {
 
 typedef struct {
     fp3_neighbourhood shape;
-    uint32_t *
-        order; /* objects in the order in which sums go through those that are near; NULL: as they are numbered */
+    uint32_t *order; /* objects in the order in which sums go through those that are near; NULL: as
+                        they are numbered */
     fp3_list lists[FP3_LISTS_MAX];
 } fp3_lists;
 
@@ -34,7 +34,8 @@ void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists 
 void fp3_lists_close(fp3_lists *lists);
 /* The list of register reg, which there is. */
 fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg);
-/* Makes a list what the host gives, or the one of those that are near. FP3_E_SYSTEM: out of memory; it is as it was. */
+/* Makes a list what the host gives, or the one of those that are near. FP3_E_SYSTEM: out of memory;
+ * it is as it was. */
 fp3_status fp3_list_take(fp3_list *list, const fp3_neighbours *from, fp3_error *error);
 void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
 /* `order` is the lists' then. Those of objects that are near are made again. */
@@ -42,15 +43,16 @@ void fp3_lists_take_order(fp3_lists *lists, uint32_t *order);
 /* rows: as many as the group has. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, fp3_error *error);
 
-/* At the beginning of a phase: makes the lists of those that are near again, where they are stale. Words of the
- * group's objects: words[register] is that of row 0, NULL: there is none; row: of each object, NULL: its number. Lists are of
- * rows. *is_new: some were made.
- * FP3_E_LIMIT, FP3_E_SYSTEM as of fp3_near_make. */
+/* At the beginning of a phase: makes the lists of those that are near again, where they are stale.
+ * Words of the group's objects: words[register] is that of row 0, NULL: there is none; row: of each
+ * object, NULL: its number. Lists are of rows. *is_new: some were made. FP3_E_LIMIT, FP3_E_SYSTEM
+ * as of fp3_near_make. */
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
                             const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
 
-/* 1 + the number of the neighbour that an object sees in this turn of a loop, if it is near and at the same place; else 0. Objects
- * have `each` words; those of the group begin at `first`. list: NULL outside of loops. */
+/* 1 + the number of the neighbour that an object sees in this turn of a loop, if it is near and at
+ * the same place; else 0. Objects have `each` words; those of the group begin at `first`. list:
+ * NULL outside of loops. */
 uint32_t fp3_list_same_place(const fp3_list *list, const uint32_t *words, size_t each,
                              uint32_t first, uint32_t object, uint32_t turn);
 

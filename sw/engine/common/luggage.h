@@ -5,7 +5,8 @@
 
 #include "backend.h"
 
-/* Columns of all objects, a register each and then the status; constants of each group. {0} holds nothing. */
+/* Columns of all objects, a register each and then the status; constants of each group. {0} holds
+ * nothing. */
 typedef struct {
     uint32_t *objects, *constants;
 } fp3_luggage;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* near.c - objects are sorted into cells as large as they see; neighbours are in the cells around.
  *
- * Cells fill a box, where all objects are in a box of not many more cells than there are objects. Where some are far away, only cells
- * with objects in them are kept, by a hash of where they are: then the cost does not depend on the box.
+ * Cells fill a box, where all objects are in a box of not many more cells than there are objects.
+ * Where some are far away, only cells with objects in them are kept, by a hash of where they are:
+ * then the cost does not depend on the box.
  */
 #include "near.h"
 
@@ -14,14 +15,16 @@
 #define CELLS_PER_OBJECT 4.0
 #define LARGER 2.0 /* cells of a box are at most this much larger than a list reaches */
 
-/* From this cell on numbers of FP32 are farther apart than a cell is wide: those that are near have the same number. */
+/* From this cell on numbers of FP32 are farther apart than a cell is wide: those that are near have
+ * the same number. */
 #define LAST_CELL 0x1p25
 
-/* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong by some units in the last place, for
- * which the list reaches a little farther. */
+/* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong
+ * by some units in the last place, for which the list reaches a little farther. */
 #define ROUNDING 1e-5
 
-/* Below this a square of FP32 may lose too much to underflow, the more so if the caller has the processor flush what is subnormal. */
+/* Below this a square of FP32 may lose too much to underflow, the more so if the caller has the
+ * processor flush what is subnormal. */
 #define LEAST_LOOK 0x1p-100
 
 static double at(const fp3_where_they_are *w, uint32_t k, size_t row) {
@@ -34,7 +37,8 @@ static double at(const fp3_where_they_are *w, uint32_t k, size_t row) {
  * checked alone. */
 #define BLOCK 1024u
 
-/* Whether these rows have moved by less than this, as far as FP32 can tell: a look that costs little. */
+/* Whether these rows have moved by less than this, as far as FP32 can tell: a look that costs
+ * little. */
 static int are_near_home(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t first,
                          uint32_t end, float most) {
     const float *made[FP3_NEAR_DIMENSIONS], *x[FP3_NEAR_DIMENSIONS];
@@ -51,7 +55,8 @@ static int are_near_home(const fp3_near_rule *rule, const fp3_where_they_are *no
     return !is_beyond;
 }
 
-/* How far the object of a row was away when the list was made, squared. Who has no place, and had none, has not moved. */
+/* How far the object of a row was away when the list was made, squared. Who has no place, and had
+ * none, has not moved. */
 static double way_of(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t i) {
     double way = 0;
     int is_astray = 0, was_astray = 0;
@@ -106,7 +111,8 @@ static void find_box(grid *g, double extent[FP3_NEAR_DIMENSIONS]) {
     }
 }
 
-/* Cells at least as large as the list reaches, and not many more than there are objects. is_box: nothing but a box will do. */
+/* Cells at least as large as the list reaches, and not many more than there are objects. is_box:
+ * nothing but a box will do. */
 static void measure(grid *g, double reach, int is_box) {
     double extent[FP3_NEAR_DIMENSIONS] = {0}, count;
     find_box(g, extent);
@@ -195,14 +201,16 @@ static fp3_status sort(grid *g, fp3_error *error) {
     return FP3_OK;
 }
 
-/* Pairs of rows that are near, from the side of each: row i has found[first[i]] .. of them, in the order of the cells. */
+/* Pairs of rows that are near, from the side of each: row i has found[first[i]] .. of them, in the
+ * order of the cells. */
 typedef struct {
     uint32_t *first, *found;
     size_t count, room;
     uint64_t looks; /* at how many objects it took to find them */
 } pairs;
 
-/* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too. There is room for all. */
+/* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too.
+ * There is room for all. */
 static uint32_t find(const grid *g, const float *place, uint32_t from, uint32_t end,
                      uint32_t *found) {
     uint32_t count = 0;
@@ -328,8 +336,9 @@ static fp3_status find_pairs(const grid *g, pairs *p, fp3_error *error) {
     return status;
 }
 
-/* Each object is near those that are near it. So if objects come in the order of their numbers, and each enters itself in the
- * lists of those that it has found, all lists have that order. Each has found itself, too. */
+/* Each object is near those that are near it. So if objects come in the order of their numbers, and
+ * each enters itself in the lists of those that it has found, all lists have that order. Each has
+ * found itself, too. */
 static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_t **other,
                         fp3_error *error) {
     const uint32_t objects = g->now->objects;

@@ -14,8 +14,8 @@
 
 #define FP3_NEAR_DIMENSIONS 3
 
-/* How far a list may reach. A program compares squares in FP32: below, a square could lose too many digits to
- * underflow; above, it could overflow. */
+/* How far a list may reach. A program compares squares in FP32: below, a square could lose too many
+ * digits to underflow; above, it could overflow. */
 #define FP3_NEAR_LEAST 0x1p-50
 #define FP3_NEAR_MOST 0x1p63
 
@@ -32,21 +32,22 @@ typedef struct {
     uint32_t regs[FP3_NEAR_DIMENSIONS]; /* of the position */
     uint32_t dimensions;
     double reach, skin;
-    float *made
-        [FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made; NULL: there is none */
-    uint64_t lists; /* how many were made */
-    uint64_t looks; /* at how many candidates the last of them took */
+    float *made[FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made;
+                                         NULL: there is none */
+    uint64_t lists;                   /* how many were made */
+    uint64_t looks;                   /* at how many candidates the last of them took */
 } fp3_near_rule;
 
 /* Whether the list has to be made again. */
 int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now);
 
-/* Makes the list: *begin and *other as in fp3_neighbours, but of rows and with rows; the caller frees them. Neighbours are in
- * the order of their objects. Nobody is near an object whose position is not finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31
- * entries. */
+/* Makes the list: *begin and *other as in fp3_neighbours, but of rows and with rows; the caller
+ * frees them. Neighbours are in the order of their objects. Nobody is near an object whose position
+ * is not finite. FP3_E_SYSTEM: out of memory. FP3_E_LIMIT: more than 2^31 entries. */
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error);
-/* Rows in an order in which those that are near each other mostly stand together: as many as there are objects. Likewise. */
+/* Rows in an order in which those that are near each other mostly stand together: as many as there
+ * are objects. Likewise. */
 fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *rows,
                           fp3_error *error);
 /* There is no list; the next look finds it stale. */

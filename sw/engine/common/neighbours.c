@@ -50,7 +50,8 @@ static fp3_status find_list(fp3_engine *engine, size_t group, const char *name, 
     return FP3_OK;
 }
 
-/* Fields as words of the machine; the caller frees *words. NULL: they are already, or there are none. */
+/* Fields as words of the machine; the caller frees *words. NULL: they are already, or there are
+ * none. */
 static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const char *name,
                                  const fp3_neighbours *n, uint32_t **words) {
     const size_t fields = n->begin ? (size_t)n->begin[list->objects] * list->fields : 0;

@@ -136,7 +136,8 @@ static fp3_status read_all(fp3_engine *engine) {
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
         const int slept = group->program.slept;
-        /* A state that is only stored may be left as it is; so may what says that an object sleeps. */
+        /* A state that is only stored may be left as it is; so may what says that an object sleeps.
+         */
         const uint64_t wanted = named_by(engine, group, FP3_OP_LD, FP3_OP_LDS) |
                                 fp3_engine_states_of(group) |
                                 (slept < 0 ? 0 : (uint64_t)1 << slept);

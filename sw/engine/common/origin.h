@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* origin.h - what objects and groups held when the last run began, so that it can be made again.
  *
- * It mirrors what the host writes. What a run changes is read back when the next run begins, and only
- * if a run reads it or it is a state: the first run after a load costs no access.
+ * It mirrors what the host writes. What a run changes is read back when the next run begins, and
+ * only if a run reads it or it is a state: the first run after a load costs no access.
  */
 #ifndef FP3_ORIGIN_H
 #define FP3_ORIGIN_H
 
 #include "backend.h"
 
-/* An engine that finds failures by itself keeps no copies, unless objects see each other: the pointers are NULL. */
+/* An engine that finds failures by itself keeps no copies, unless objects see each other: the
+ * pointers are NULL. */
 struct fp3_origin {
     uint32_t *registers; /* columns of all objects */
     uint32_t *constants; /* of all groups */
@@ -28,7 +29,8 @@ void fp3_origin_close(fp3_engine *engine);
 
 /* The host writes. */
 void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words);
-/* A load. is_moved: objects and constants are elsewhere, and may have lost something. FP3_E_SYSTEM: out of memory. */
+/* A load. is_moved: objects and constants are elsewhere, and may have lost something. FP3_E_SYSTEM:
+ * out of memory. */
 fp3_status fp3_origin_load(fp3_engine *engine, int is_moved);
 
 /* Before and after a run of so many steps. */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* partition.c - see partition.h.
  *
- * The objects of some lanes are divided in two, for one half of the lanes and the other: a walk in breadth begins at an object far from
- * the others, and the first half are those that it meets first. Then each half likewise. What a walk meets at the same time
- * is as wide as the structure, so a cloth is cut along straight lines, or diagonals that cost the same.
+ * The objects of some lanes are divided in two, for one half of the lanes and the other: a walk in
+ * breadth begins at an object far from the others, and the first half are those that it meets
+ * first. Then each half likewise. What a walk meets at the same time is as wide as the structure,
+ * so a cloth is cut along straight lines, or diagonals that cost the same.
  */
 #include "partition.h"
 
@@ -40,7 +41,8 @@ static uint32_t meet_neighbours(partition *p, uint32_t object, uint32_t part, ui
     return count;
 }
 
-/* A walk through the objects at begin .. end of the order, from one of them. The last that is connected with that one. */
+/* A walk through the objects at begin .. end of the order, from one of them. The last that is
+ * connected with that one. */
 static uint32_t walk(partition *p, uint32_t begin, uint32_t end, uint32_t from) {
     const uint32_t part = p->parts += 2;
     uint32_t count = 0, far = from, next = 0;

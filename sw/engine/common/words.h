@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* words.h - a word of each object, in memory of the caller's if the engine was opened with an allocator. */
+/* words.h - a word of each object, in memory of the caller's if the engine was opened with an
+ * allocator. */
 #ifndef FP3_WORDS_H
 #define FP3_WORDS_H
 

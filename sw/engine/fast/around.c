@@ -95,8 +95,8 @@ static uint32_t turns_in_block(const interpreter *in, const fp3_fast_given *list
     return most;
 }
 
-/* Where only some have a neighbour these are taken aside, so that nothing is computed, and no flag raised, for the
- * others. */
+/* Where only some have a neighbour these are taken aside, so that nothing is computed, and no flag
+ * raised, for the others. */
 static void run_loop(const interpreter *in, const fp3_fast_loop *loop) {
     fp3_fast_lanes *all = in->lanes, *some = &in->worker->aside;
     const uint64_t taken = loop->outside | loop->kept;
@@ -166,7 +166,8 @@ static void interpret(const interpreter *in, uint32_t phase) {
 
 /* ---- native ---- */
 
-/* Vectors that are whole are worked on in place. The last one, if it is not, is copied, and filled with its last object. */
+/* Vectors that are whole are worked on in place. The last one, if it is not, is copied, and filled
+ * with its last object. */
 static void run_native(const interpreter *in, uint32_t phase) {
     const unsigned wide = in->fast->sweep->lanes;
     const uint32_t count = in->lanes->count, whole = count / wide, first = in->first / wide;
@@ -214,7 +215,8 @@ static uint64_t kept_in_place(const interpreter *in) {
     return in->fast->plan.stored & ~in->fast->plan.around.published;
 }
 
-/* Where the processor raises underflow too early it is a hint: with it the phase is made again by what knows. */
+/* Where the processor raises underflow too early it is a hint: with it the phase is made again by
+ * what knows. */
 static void run_native_with_hints(const interpreter *in, uint32_t phase) {
     const size_t size = in->lanes->count * sizeof(float);
     const uint32_t count = in->lanes->count;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* around.h - a phase of objects that see each other, a block of them at a time.
  *
- * Objects are columns, as in fast.h. A word that neighbours read and a phase stores has two columns: a phase reads
- * `own` and `seen`, and writes `next`.
+ * Objects are columns, as in fast.h. A word that neighbours read and a phase stores has two
+ * columns: a phase reads `own` and `seen`, and writes `next`.
  */
 #ifndef FP3_FAST_AROUND_H
 #define FP3_FAST_AROUND_H
@@ -26,8 +26,9 @@ uint32_t fp3_fast_phases(const fp3_fast *fast);
 uint64_t fp3_fast_doubled(const fp3_fast *fast);
 /* Floats that the records of so many objects take. */
 size_t fp3_fast_records(const fp3_fast *fast, uint32_t objects);
-/* Objects first .. first + count - 1 of the group make a phase, or, as phase number fp3_fast_phases, their records; first is a multiple of FP3_BLOCK. What they raise is
- * the worker's. */
+/* Objects first .. first + count - 1 of the group make a phase, or, as phase number
+ * fp3_fast_phases, their records; first is a multiple of FP3_BLOCK. What they raise is the
+ * worker's. */
 void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fast_group *group,
                     uint32_t phase, uint32_t first, uint32_t count);
 

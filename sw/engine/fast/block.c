@@ -52,8 +52,8 @@ fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
 
 typedef int four __attribute__((vector_size(16), aligned(4), may_alias));
 
-/* In vectors: what is stored word by word keeps a load of a vector waiting. is_there: the lanes that have an
- * object, of the last sixteen. */
+/* In vectors: what is stored word by word keeps a load of a vector waiting. is_there: the lanes
+ * that have an object, of the last sixteen. */
 static void fill(void *row, uint32_t count, const four is_there[4]) {
     const int last = ((const int *)row)[count - 1];
     four *at = (four *)row + count / 16 * 4;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* block.h - the objects that a worker has in hand, lane by lane: what they hold, what is known of them. */
+/* block.h - the objects that a worker has in hand, lane by lane: what they hold, what is known of
+ * them. */
 #ifndef FP3_FAST_BLOCK_H
 #define FP3_FAST_BLOCK_H
 
@@ -78,8 +79,8 @@ void fp3_fast_wake(fp3_fast_lanes *lanes);
 fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
                                  const fp3_fast *fast);
 
-/* Takes lanes, which are counted, out of `from`, in order: their rows and records in these sets, and all that is known of them.
- * The last one fills its vector. to is not from. */
+/* Takes lanes, which are counted, out of `from`, in order: their rows and records in these sets,
+ * and all that is known of them. The last one fills its vector. to is not from. */
 void fp3_fast_pick(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t count, uint64_t rows,
                    uint64_t records, fp3_fast_lanes *to);
 void fp3_fast_pick_witness(const fp3_fast_lanes *from, const uint32_t *lanes, uint32_t count,

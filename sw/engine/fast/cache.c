@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cache.c - see cache.h. Behind the library stand its text, the text's size, a CRC-32 of all before, and a mark. */
+/* cache.c - see cache.h. Behind the library stand its text, the text's size, a CRC-32 of all
+ * before, and a mark. */
 #include "cache.h"
 
 #include <base/file.h>

@@ -12,8 +12,8 @@ typedef struct {
     char path[PATH_MAX];      /* of the entry for the text */
 } fp3_cache;
 
-/* Where the entry for a text belongs; the directory is made. FP3_E_ARGUMENT, FP3_E_SYSTEM: there is no directory that
- * is this user's alone; error says why. */
+/* Where the entry for a text belongs; the directory is made. FP3_E_ARGUMENT, FP3_E_SYSTEM: there is
+ * no directory that is this user's alone; error says why. */
 fp3_status fp3_cache_find(const char *text, fp3_cache *cache, fp3_error *error);
 /* Whether the entry is there, this user's, whole, and of this text. */
 int fp3_cache_has(const fp3_cache *cache, const char *text);

@@ -57,8 +57,8 @@ static void watch(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s) {
 
 /* ---- whose flags they are ---- */
 
-/* What it takes to execute a stretch again: sets of rows that it reads, of those that it writes; of words in
- * records likewise. */
+/* What it takes to execute a stretch again: sets of rows that it reads, of those that it writes; of
+ * words in records likewise. */
 typedef struct {
     uint64_t read, written, words, stored;
 } trace;
@@ -144,8 +144,9 @@ static void find_out(const fp3_drive *d, const stretch *s, const uint32_t *which
     fp3_drive_know(d->run, d->lanes);
 }
 
-/* What the stretch raised, and is not known of a lane. Of an object that sleeps the processor raises what
- * the program does not, as where there are hints: there only what was found out counts. */
+/* What the stretch raised, and is not known of a lane. Of an object that sleeps the processor
+ * raises what the program does not, as where there are hints: there only what was found out counts.
+ */
 static uint32_t unknown_of(const fp3_drive *d, uint32_t lane, uint32_t flags) {
     const fp3_fast_lanes *l = d->lanes;
     const uint32_t *word = d->run->status ? &d->run->status[l->object[lane]] : NULL;
@@ -228,8 +229,8 @@ static uint32_t find(const fp3_fast_lanes *lanes, int awake, uint32_t *which) {
     return count;
 }
 
-/* What moves with a lane: words of its record, with those states that no visit touches where somebody
- * looks at them; rows. */
+/* What moves with a lane: words of its record, with those states that no visit touches where
+ * somebody looks at them; rows. */
 static uint64_t words_of(const fp3_drive *d) {
     const fp3_fast_plan *p = &d->fast->plan;
     const int looks = d->is_watching && p->config->interleave;
@@ -312,7 +313,8 @@ static uint32_t chunk_of(const fp3_drive *d, uint32_t number, uint32_t left) {
     return left < most ? left : most;
 }
 
-/* Those who sleep leave when it is worth it. Returns 1 if all of them do: they are at the end of the visit. */
+/* Those who sleep leave when it is worth it. Returns 1 if all of them do: they are at the end of
+ * the visit. */
 static int is_over(const fp3_drive *d, uint32_t end) {
     uint32_t which[FP3_BLOCK];
     const uint32_t count = d->lanes->count; /* before some leave */

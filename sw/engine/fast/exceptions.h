@@ -33,8 +33,8 @@ static inline fp3_i fp3_flags_of_finite(fp3_finite of) {
            fp3_marked(of.inexact, FP3_FLAG_INEXACT);
 }
 
-/* Of the sum of a and b, which was rounded to d (before it was flushed). That a sum is inexact shows in
- * the difference with the larger one, which is exact in every rounding (Dekker 1971). */
+/* Of the sum of a and b, which was rounded to d (before it was flushed). That a sum is inexact
+ * shows in the difference with the larger one, which is exact in every rounding (Dekker 1971). */
 static inline fp3_i fp3_flags_of_sum(fp3_v x, fp3_v y) {
     if (FP3_FINITE)
         return fp3_flags_of_finite(fp3_finite_sum(x, y, 1));

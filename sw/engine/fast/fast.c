@@ -296,7 +296,8 @@ static void look_for_failures(const block *b, fp3_fast_lanes *l) {
     }
 }
 
-/* Registers that nothing stores are as the processor left them: a NaN becomes the one of the machine. */
+/* Registers that nothing stores are as the processor left them: a NaN becomes the one of the
+ * machine. */
 static void make_one_nan(const block *b, const fp3_fast_lanes *l) {
     if (is_interleaved(b->fast) || b->fast->plan.sleeps || b->fast->plan.config->finite)
         return;

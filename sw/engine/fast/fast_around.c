@@ -123,7 +123,8 @@ static piece piece_of(const sweep *s, uint32_t n) {
     return s->pieces ? s->pieces[n] : (piece){s->from + first, left < FP3_BLOCK ? left : FP3_BLOCK};
 }
 
-/* First its own share, which is in its processor's cache from the phase before, then what others have left of theirs. */
+/* First its own share, which is in its processor's cache from the phase before, then what others
+ * have left of theirs. */
 static void take_part(void *of, uint32_t number) {
     sweep *s = of;
     const uint32_t used = s->self->used;
@@ -194,7 +195,8 @@ static void take_pieces(fp3_engine *engine, sweep s, const group *g, uint32_t fi
     sweep_all(engine, &s);
 }
 
-/* An exchange has begun. While words are on their way, those are computed that need none of them. */
+/* An exchange has begun. While words are on their way, those are computed that need none of them.
+ */
 static fp3_status sweep_around_exchange(fp3_engine *engine, const fp3_members *members,
                                         const group *g, const sweep *s) {
     gather(engine, *s, g, 0, members->objects);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fast.c - the "fast" engine: blocks of objects by sw/engine/fast, in as many threads as there are processors.
+/* fast.c - the "fast" engine: blocks of objects by sw/engine/fast, in as many threads as there are
+ * processors.
  *
  * It holds objects as columns, a word of each object in the order of their numbers, made when they
  * are first needed; what was never written is 0.

@@ -50,9 +50,9 @@ typedef struct {
 
 typedef struct {
     uint32_t *column[FP3_BANK_OBJECT_COUNT];
-    uint32_t *row; /* of each object in the columns; NULL: its number */
-    uint64_t
-        order_due; /* how many lists of those that are near have been made when rows get a new order */
+    uint32_t *row;      /* of each object in the columns; NULL: its number */
+    uint64_t order_due; /* how many lists of those that are near have been made when rows get a new
+                           order */
     uint32_t
         *other_half[FP3_BANK_OBJECT_COUNT]; /* of words that neighbours read: what a phase writes */
     uint32_t *status;
@@ -73,11 +73,12 @@ typedef struct {
 int fp3_around_is_any(const fp3_engine *engine);
 /* About how often an object goes through its loops, and 1. */
 double fp3_around_turns(const fp3_engine *engine);
-/* Steps of programs with neighbours: all objects make a phase before any makes the next one. All groups have such a
- * program, or this refuses. */
+/* Steps of programs with neighbours: all objects make a phase before any makes the next one. All
+ * groups have such a program, or this refuses. */
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps);
-/* At the beginning of a phase: objects that see only those near them stand in rows cell by cell, so that neighbours are in
- * cache. Lists are then of rows; their order stays that of the objects' numbers. FP3_E_SYSTEM: out of memory. */
+/* At the beginning of a phase: objects that see only those near them stand in rows cell by cell, so
+ * that neighbours are in cache. Lists are then of rows; their order stays that of the objects'
+ * numbers. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members);
 /* Each object stands at its number. */
 fp3_status fp3_order_undo(fp3_engine *engine);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fused.h - multiply-add, rounded once. Its text stands behind that of lanes.h, where a configuration has the instruction. */
+/* fused.h - multiply-add, rounded once. Its text stands behind that of lanes.h, where a
+ * configuration has the instruction. */
 #ifndef FP3_FAST_FUSED_H
 #define FP3_FAST_FUSED_H
 
@@ -13,9 +14,10 @@ FP3_OPERATION fp3_v fp3_fused(fp3_v a, fp3_v b, fp3_v c) {
 }
 #endif
 
-/* The sum, rounded to odd: of the two doubles beside it that whose last bit is 1. As a double has every product of two floats, a float
- * that is made of it is rounded once (Boldo and Melquiond 2008). A difference with the larger number is exact in every rounding
- * (Dekker 1971); rounded to nearest, the error is, too (Knuth). They raise inexact where the sum does. */
+/* The sum, rounded to odd: of the two doubles beside it that whose last bit is 1. As a double has
+ * every product of two floats, a float that is made of it is rounded once (Boldo and Melquiond
+ * 2008). A difference with the larger number is exact in every rounding (Dekker 1971); rounded to
+ * nearest, the error is, too (Knuth). They raise inexact where the sum does. */
 FP3_OPERATION fp3_d fp3_odd_sum(fp3_d a, fp3_d b) {
     const fp3_d s = a + b;
     const fp3_l is_finite = ((fp3_l)s & 0x7ff0000000000000ll) != 0x7ff0000000000000ll;

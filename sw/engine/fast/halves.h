@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* halves.h - what a store of 16-bit words makes of a vector, with the bits of machine/storage.c. Its text stands behind that of
- * lanes.h where a configuration has `storage`. */
+/* halves.h - what a store of 16-bit words makes of a vector, with the bits of machine/storage.c.
+ * Its text stands behind that of lanes.h where a configuration has `storage`. */
 #ifndef FP3_FAST_HALVES_H
 #define FP3_FAST_HALVES_H
 
@@ -43,7 +43,8 @@ FP3_OPERATION fp3_i fp3_half_of(fp3_i size, fp3_i random) {
     return (is_small & small) | (~is_small & fp3_cut(size, 13, fp3_all(0), random) << 13);
 }
 
-/* What a load gives after the store; *over: -1 where a finite number became infinite. storage: the configuration's key. */
+/* What a load gives after the store; *over: -1 where a finite number became infinite. storage: the
+ * configuration's key. */
 FP3_OPERATION fp3_v fp3_rounded(unsigned storage, fp3_v value, fp3_i random, fp3_i *over) {
     const fp3_i size = fp3_magnitude(value), is_out = size >= FP3_INFINITE;
     const fp3_i end = fp3_all(storage == 1 ? FP3_INFINITE : 0x47800000);

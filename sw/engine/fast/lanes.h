@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* lanes.h - each arithmetic operation for a vector of objects, lane by lane, with the bits of machine/execute.c.
+/* lanes.h - each arithmetic operation for a vector of objects, lane by lane, with the bits of
+ * machine/execute.c.
  *
- * It is compiled into the interpreter (sw/engine/fast/sweep.c), once for each kind of processor, and its text
- * stands in front of the C that sw/engine/fast/write.c writes for a program: so it includes nothing. Who uses
- * it defines, as 0 or 1,
- *     FP3_NEAREST, FP3_SUBNORMAL, FP3_FINITE, FP3_FLAGS      the configuration's keys
- * and compiles it with -ffp-contract=off -frounding-math. The processor has the rounding of the
- * configuration while it runs.
+ * It is compiled into the interpreter (sw/engine/fast/sweep.c), once for each kind of processor,
+ * and its text stands in front of the C that sw/engine/fast/write.c writes for a program: so it
+ * includes nothing. Who uses it defines, as 0 or 1, FP3_NEAREST, FP3_SUBNORMAL, FP3_FINITE,
+ * FP3_FLAGS      the configuration's keys and compiles it with -ffp-contract=off -frounding-math.
+ * The processor has the rounding of the configuration while it runs.
  *
- * What these functions leave to their caller: a NaN has any payload and sign until fp3_one_nan. That
- * is sound, as no operation tells one quiet NaN from another. With FP3_FLAGS the processor's own sticky
- * flags are those that the operations raise; so comparisons may not raise invalid for a quiet NaN, and
- * what an adder behind a value has to raise is raised by fp3_behind.
+ * What these functions leave to their caller: a NaN has any payload and sign until fp3_one_nan.
+ * That is sound, as no operation tells one quiet NaN from another. With FP3_FLAGS the processor's
+ * own sticky flags are those that the operations raise; so comparisons may not raise invalid for a
+ * quiet NaN, and what an adder behind a value has to raise is raised by fp3_behind.
  */
 #if defined __AVX512F__ && defined __AVX512DQ__
 #define FP3_LANES 16
@@ -71,7 +71,8 @@ FP3_OPERATION fp3_v fp3_flushed(fp3_v a) {
     return (fp3_v)((fp3_i)a & (((((fp3_i)a & FP3_INFINITE) != 0)) | FP3_SIGN));
 }
 
-/* Where a result that is not 0 is below the normal numbers: 0 of its sign, underflow and inexact. */
+/* Where a result that is not 0 is below the normal numbers: 0 of its sign, underflow and inexact.
+ */
 FP3_OPERATION fp3_v fp3_underflown(fp3_i mask, fp3_i sign, fp3_v result) {
     if (FP3_FLAGS) {
         fp3_v x = fp3_choose(mask, (fp3_v)fp3_all(FP3_LEAST + 1), (fp3_v)fp3_all(FP3_ONE));
@@ -169,7 +170,8 @@ FP3_OPERATION fp3_finite fp3_finite_of(fp3_d low, fp3_d high, fp3_i is_cut) {
     return (fp3_finite){(fp3_v)(~small & (size | sign)), over, under,
                         over | under | below | is_cut};
 }
-/* That the processor cut a sum shows in the difference with the larger one, which is exact in every rounding (Dekker 1971). */
+/* That the processor cut a sum shows in the difference with the larger one, which is exact in every
+ * rounding (Dekker 1971). */
 FP3_OPERATION fp3_l fp3_is_cut(fp3_d a, fp3_d b, fp3_d sum) {
     return (sum - a != b) | (sum - b != a);
 }
@@ -187,7 +189,8 @@ FP3_OPERATION fp3_finite fp3_finite_product(fp3_v a, fp3_v b) {
     return fp3_finite_of(fp3_finite_wide(a, 0) * fp3_finite_wide(b, 0),
                          fp3_finite_wide(a, 1) * fp3_finite_wide(b, 1), fp3_all(0));
 }
-/* The value; the processor raises what a product of this number with itself does: all that was lost. */
+/* The value; the processor raises what a product of this number with itself does: all that was
+ * lost. */
 FP3_OPERATION fp3_v fp3_finite_raised(fp3_finite of) {
     if (FP3_FLAGS) {
         const fp3_i lost = (of.over & 0x7f7fffff) | (of.under & (FP3_LEAST + 1)) |
@@ -273,7 +276,8 @@ FP3_OPERATION fp3_i fp3_is_at_most(fp3_v a, fp3_v b) {
         return fp3_finite_order(a) <= fp3_finite_order(b);
     return FP3_COMPARE(a, b, 18);
 }
-/* Of any operands: even a quiet comparison raises invalid for a signalling NaN, so each is made a quiet one. */
+/* Of any operands: even a quiet comparison raises invalid for a signalling NaN, so each is made a
+ * quiet one. */
 FP3_OPERATION fp3_v fp3_quieted(fp3_v a) {
     return (fp3_v)((fp3_i)a | (fp3_is_nan(a) & (FP3_QUIET ^ FP3_INFINITE)));
 }
@@ -349,11 +353,12 @@ FP3_OPERATION fp3_i fp3_entry(const int *table, fp3_i index) {
 #endif
 }
 
-/* The estimates without their table, where all lanes are ordinary numbers. An entry is 1/u or 1/sqrt(u) of the upper
- * end u of its interval, cut to its bits. Of all 2,048, some are cut nowhere; the others are cut by 7.5 units of FP32 or more,
- * and all are 31 or more below the next entry. A step of Newton's is wrong by 2 units at most. Its 1 (or 1/2) is 2^-22 more
- * than that, which makes the result 2 to 4 units larger, so that it may be cut. These instructions raise no flag, and round to
- * nearest in any mode. */
+/* The estimates without their table, where all lanes are ordinary numbers. An entry is 1/u or
+ * 1/sqrt(u) of the upper end u of its interval, cut to its bits. Of all 2,048, some are cut
+ * nowhere; the others are cut by 7.5 units of FP32 or more, and all are 31 or more below the next
+ * entry. A step of Newton's is wrong by 2 units at most. Its 1 (or 1/2) is 2^-22 more than that,
+ * which makes the result 2 to 4 units larger, so that it may be cut. These instructions raise no
+ * flag, and round to nearest in any mode. */
 #if FP3_LANES == 16 && !defined __clang__
 #define FP3_ALL_LANES ((unsigned short)-1)
 #define FP3_QUIETLY 8 /* to nearest, no exceptions */

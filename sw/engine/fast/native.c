@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The first line of the text is for a file that is shipped. The second names the compiler and its options, so
- * that they count in the cache. */
+/* The first line of the text is for a file that is shipped. The second names the compiler and its
+ * options, so that they count in the cache. */
 #define LINE "/* fp3 " FP3_VERSION " "
 #define OPTIONS                                                                                    \
     "-O1", "-w", "-std=gnu11", "-ffp-contract=off", "-frounding-math", "-fPIC", "-shared",         \

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* pack.c - see pack.h.
  *
- * An object's neighbours keep their order, but a vector need not take the first neighbours of all its objects in one turn: who
- * waits a turn has -0 added, which leaves no trace. So where objects have different numbers of neighbours, as at the edges
- * of a grid, a turn can still take those that stand side by side.
+ * An object's neighbours keep their order, but a vector need not take the first neighbours of all
+ * its objects in one turn: who waits a turn has -0 added, which leaves no trace. So where objects
+ * have different numbers of neighbours, as at the edges of a grid, a turn can still take those that
+ * stand side by side.
  */
 #include "pack.h"
 
@@ -12,7 +13,8 @@
 
 #define LANES_MOST 16
 
-/* What a turn costs, about: neighbours side by side, those that are gathered, and more where some objects have none. */
+/* What a turn costs, about: neighbours side by side, those that are gathered, and more where some
+ * objects have none. */
 enum { COST_ROW = 4, COST_GATHERED = 10, COST_IN_PART = 1 };
 
 typedef struct {
@@ -213,8 +215,8 @@ static unsigned cost_of_all(const packer *p, uint32_t first) {
     return cost;
 }
 
-/* Whether turns of neighbours that stand side by side cost less than this. Where there are none the search for them would take long:
- * it ends when turns have fewer than a quarter of the lanes. */
+/* Whether turns of neighbours that stand side by side cost less than this. Where there are none the
+ * search for them would take long: it ends when turns have fewer than a quarter of the lanes. */
 static int is_better(const packer *p, uint32_t first, unsigned most) {
     vector v = start(p, first);
     unsigned cost = 0, turns = 0, taken = 0;

@@ -25,8 +25,8 @@ typedef struct {
     int *tape;
 } fp3_fast_packed;
 
-/* For vectors of so many lanes, at most 16; 0: no native code will go through it. FP3_E_SYSTEM: out of memory. The caller frees,
- * after a failure too. */
+/* For vectors of so many lanes, at most 16; 0: no native code will go through it. FP3_E_SYSTEM: out
+ * of memory. The caller frees, after a failure too. */
 fp3_status fp3_fast_pack(const fp3_fast_given *given, unsigned lanes, fp3_fast_packed *packed,
                          fp3_error *error);
 void fp3_fast_pack_free(fp3_fast_packed *packed);

@@ -86,7 +86,8 @@ static void note(fp3_fast_plan *plan, uint32_t pc) {
     plan->has_lds |= in->op == FP3_OP_LDS;
 }
 
-/* What a neighbour gives a word; arithmetic with it becomes that of registers. loaded: by `ldl`, of this turn. */
+/* What a neighbour gives a word; arithmetic with it becomes that of registers. loaded: by `ldl`, of
+ * this turn. */
 static void find_given(fp3_fast_word *p, const fp3_operation *of, uint32_t *loaded) {
     const fp3_instruction in = p->in;
     if (in.op == FP3_OP_EACH)
@@ -229,8 +230,8 @@ static int is_sum(uint32_t op) {
 /* Of operands that are not. */
 static int makes_subnormal(uint32_t op) { return op == FP3_OP_RCP || op == FP3_OP_EXP2; }
 
-/* From what is known before an instruction to what is known after it. mixed: registers that are stored
- * and may hold either. */
+/* From what is known before an instruction to what is known after it. mixed: registers that are
+ * stored and may hold either. */
 static void follow(fp3_fast_word *p, const fp3_config *config, unsigned char *from,
                    uint64_t *mixed) {
     const fp3_instruction *in = &p->in;
@@ -302,7 +303,8 @@ static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
     return FP3_OK;
 }
 
-/* Something is added to register d, or subtracted from it, which does not depend on what a loop keeps. */
+/* Something is added to register d, or subtracted from it, which does not depend on what a loop
+ * keeps. */
 static int changes_a_sum(const fp3_instruction *in, uint64_t kept) {
     const uint64_t a = bit(in->a) & kept, b = bit(in->b) & kept, own = bit(in->d) & kept;
     switch (in->op) {
@@ -318,8 +320,8 @@ static int changes_a_sum(const fp3_instruction *in, uint64_t kept) {
     }
 }
 
-/* Of what the loop keeps each register has been computed before it in this phase, so that it is no NaN of the host's, and only
- * sums change it. */
+/* Of what the loop keeps each register has been computed before it in this phase, so that it is no
+ * NaN of the host's, and only sums change it. */
 static int are_sums(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint32_t phase) {
     uint64_t computed = 0;
     for (uint32_t pc = phase; pc < loop->first; pc++) {

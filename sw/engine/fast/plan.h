@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* plan.h - a program as the fast engine executes it: decoded, with what each instruction has to take care of.
+/* plan.h - a program as the fast engine executes it: decoded, with what each instruction has to
+ * take care of.
  *
- * The parts of a program are executed for a block of objects at a time, a row of lanes for each register
- * (block.h). Between parts, and from step to step, only the registers that something reads later
- * are in their rows.
+ * The parts of a program are executed for a block of objects at a time, a row of lanes for each
+ * register (block.h). Between parts, and from step to step, only the registers that something reads
+ * later are in their rows.
  */
 #ifndef FP3_FAST_PLAN_H
 #define FP3_FAST_PLAN_H
@@ -22,7 +23,8 @@ static inline uint32_t fp3_register_from(uint64_t set, uint32_t first) {
     for (uint32_t reg = fp3_register_from((set), 0); reg < FP3_BANK_OBJECT_COUNT;                  \
          reg = fp3_register_from((set), reg + 1))
 
-/* An operand that a neighbour gives. Sets of registers and of constants do not have it; its row is behind those of registers. */
+/* An operand that a neighbour gives. Sets of registers and of constants do not have it; its row is
+ * behind those of registers. */
 #define FP3_FAST_GIVEN (FP3_BANK_SHARED_BASE + FP3_BANK_SHARED_COUNT)
 #define FP3_FAST_ROWS (FP3_BANK_OBJECT_COUNT + 1)
 
@@ -32,12 +34,13 @@ typedef struct {
     fp3_gives gives; /* what a neighbour gives: to register d, or as that operand */
     uint32_t number; /* ... of the word or of the field */
     int is_dead;     /* nothing reads its result: it counts for its flags alone */
-    int is_unread; /* no step reads its result: in all steps but the last one it counts for its flags alone */
-    int is_rounded; /* a store to a record of 16 bits, of another register than that of `sleep` */
-    int is_masked;  /* objects that sleep keep what is in d */
-    int is_one_nan; /* what is written is seen as it is: a NaN is made the one of the machine */
-    int is_behind;  /* an operand may be a NaN that the host wrote, or the operation makes one: see
-                       fp3_behind in lanes.h */
+    int is_unread;   /* no step reads its result: in all steps but the last one it counts for its
+                        flags alone */
+    int is_rounded;  /* a store to a record of 16 bits, of another register than that of `sleep` */
+    int is_masked;   /* objects that sleep keep what is in d */
+    int is_one_nan;  /* what is written is seen as it is: a NaN is made the one of the machine */
+    int is_behind;   /* an operand may be a NaN that the host wrote, or the operation makes one: see
+                        fp3_behind in lanes.h */
 } fp3_fast_word;
 
 typedef enum { FP3_PART_FIRST, FP3_PART_STEP, FP3_PART_LAST, FP3_PARTS } fp3_fast_part_number;
@@ -83,8 +86,9 @@ uint32_t fp3_fast_record(const fp3_fast_plan *plan);
 /* The registers of the object that a word reads or writes. */
 uint64_t fp3_fast_touched(const fp3_fast_word *word);
 
-/* states: registers that are looked at after each step. *plan is freed by the caller. FP3_E_PROGRAM: a word is no instruction that the configuration has, or an
- * lds stands behind something else than loads. */
+/* states: registers that are looked at after each step. *plan is freed by the caller.
+ * FP3_E_PROGRAM: a word is no instruction that the configuration has, or an lds stands behind
+ * something else than loads. */
 fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, uint64_t states,
                               const fp3_neighbourhood *around, fp3_fast_plan *plan,
                               fp3_error *error);

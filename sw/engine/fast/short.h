@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* short.h - operations of numbers with fewer fraction bits than binary32, for a vector of objects, in double: 53 bits are enough that
- * a sum or product of at most 24 bits may be rounded once more (Figueroa, "When is double rounding innocuous?", ACM SIGNUM
- * Newsletter 30, 1995). For sweep.c, behind tiny.h. What is not ordinary is left to machine/execute.h: infinities, NaN, results that
+/* short.h - operations of numbers with fewer fraction bits than binary32, for a vector of objects,
+ * in double: 53 bits are enough that a sum or product of at most 24 bits may be rounded once more
+ * (Figueroa, "When is double rounding innocuous?", ACM SIGNUM Newsletter 30, 1995). For sweep.c,
+ * behind tiny.h. What is not ordinary is left to machine/execute.h: infinities, NaN, results that
  * are or become subnormal or overflow, and the operations that no step uses often. */
 #ifndef FP3_FAST_SHORT_H
 #define FP3_FAST_SHORT_H
@@ -26,7 +27,8 @@ typedef struct {
     fp3_longs lost; /* not 0: a result was rounded */
 } fp3_short;
 
-/* Of one operation: not 0 where an operand, or bit 63 where a result, is not ordinary; what is rounded away. */
+/* Of one operation: not 0 where an operand, or bit 63 where a result, is not ordinary; what is
+ * rounded away. */
 typedef struct {
     fp3_i operand;
     fp3_longs result, lost;
@@ -63,7 +65,8 @@ FP3_OPERATION fp3_v fp3_short_operand(const fp3_short *n, fp3_short_met *met, fp
     return (fp3_v)bits;
 }
 
-/* Ordinary: 0, or from 2^-126 on before it is rounded, and finite behind. By sums alone, as not every processor compares 64 bits. */
+/* Ordinary: 0, or from 2^-126 on before it is rounded, and finite behind. By sums alone, as not
+ * every processor compares 64 bits. */
 FP3_OPERATION fp3_v fp3_short_rounded(const fp3_short *n, fp3_short_met *met, fp3_doubles exact) {
     const fp3_longs bits = (fp3_longs)exact, size = bits & ~FP3_LONG_SIGN;
     const fp3_longs up = n->half ? n->half + (bits >> n->place & 1) : size - size;
@@ -95,7 +98,8 @@ FP3_OPERATION fp3_v fp3_short_estimate(const fp3_short *n, fp3_short_met *met, u
     return (fp3_v)((fp3_i)y & n->read);
 }
 
-/* Whether all lanes are ordinary; only then *d is the result. The processor's flags may rise: of them only inexact counts. */
+/* Whether all lanes are ordinary; only then *d is the result. The processor's flags may rise: of
+ * them only inexact counts. */
 static inline int fp3_short_apply(fp3_short *n, uint32_t op, uint32_t sources, fp3_v a, fp3_v b,
                                   fp3_v c, const int *table, fp3_v *d) {
     fp3_short_met met = {0};

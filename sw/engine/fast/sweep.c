@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL and, where it is 1,
- * FP3_FINITE or FP3_OF_WORDS. */
+/* sweep.c - see sweep.h. Compiled with FP3_SWEEP, the name of its table, FP3_NEAREST, FP3_SUBNORMAL
+ * and, where it is 1, FP3_FINITE or FP3_OF_WORDS. */
 #include "sweep.h"
 
 #ifndef FP3_SWEEP
@@ -96,8 +96,8 @@ FP3_OPERATION fp3_v fuse(met *met, fp3_v a, fp3_v b, fp3_v c) {
     return sum.value;
 }
 
-/* Operands, results and what products meet are locals, since a result might be a field of the machine, for
- * all that the compiler knows. */
+/* Operands, results and what products meet are locals, since a result might be a field of the
+ * machine, for all that the compiler knows. */
 #define OPERANDS(m)                                                                                \
     const fp3_v *a = (m)->from[0].row, *b = (m)->from[1].row, *c = (m)->from[2].row;               \
     const unsigned next_a = (m)->from[0].stride, next_b = (m)->from[1].stride,                     \
@@ -172,7 +172,8 @@ static int is_of_words(const machine *m) {
     return FP3_OF_WORDS || fp3_execute_is_by_logarithms(&m->config, m->now->in.op);
 }
 
-/* By the machine's own words; their flags are raised as the processor raises those of floats, and nothing that it raises itself. */
+/* By the machine's own words; their flags are raised as the processor raises those of floats, and
+ * nothing that it raises itself. */
 static void calculate_words(machine *m) {
     const uint64_t before = fp3_fpu_get();
     const uint32_t op = m->now->in.op, sources = fp3_operation_find(op)->sources;
@@ -366,7 +367,8 @@ static fp3_i flags_of_chain(fp3_v a, fp3_v b, fp3_v c) {
     return fp3_flags_of_product(a, b) | fp3_flags_of_sum(c, fp3_product_value(a, b));
 }
 
-/* Of vector j, before the operation is executed. A signalling NaN raises invalid; operands tell what is chosen or estimated. */
+/* Of vector j, before the operation is executed. A signalling NaN raises invalid; operands tell
+ * what is chosen or estimated. */
 static fp3_i flags_of(machine *m, unsigned j) {
     const int *table = m->place->table;
     const fp3_v a = A, b = B, c = C;

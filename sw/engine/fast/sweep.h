@@ -2,8 +2,8 @@
 /* sweep.h - the interpreter: one instruction for all objects of a block, then the next.
  *
  * sweep.c is compiled for several kinds of processor and arithmetic; fp3_sweep_choose finds the one
- * for this machine. It needs no compiler at run time, and so it stands in for native code; and it is the one that
- * knows the flags of each object.
+ * for this machine. It needs no compiler at run time, and so it stands in for native code; and it
+ * is the one that knows the flags of each object.
  */
 #ifndef FP3_SWEEP_H
 #define FP3_SWEEP_H
@@ -22,7 +22,8 @@
 #define FP3_SWEEP_LEAST "rv64gc"
 #endif
 
-/* What becomes of each object: rows of FP3_BLOCK. Steps are numbers of steps, as an object's status has them. */
+/* What becomes of each object: rows of FP3_BLOCK. Steps are numbers of steps, as an object's status
+ * has them. */
 typedef struct {
     int flags[FP3_BLOCK];     /* raised, FP3_FLAG_* */
     int failed[FP3_BLOCK];    /* the first step but 0 with a grave exception, if grave has one */
@@ -50,14 +51,15 @@ typedef struct {
     /* A part; the step part so many times, the first time as step number + 1. */
     void (*run)(const fp3_fast_plan *plan, const fp3_fast_place *place, fp3_fast_part_number part,
                 uint32_t steps, uint32_t number);
-    /* The same without the processor's multiplier for subnormal numbers: see tiny.h. What it raises for
-     * underflow is in place->seen. */
+    /* The same without the processor's multiplier for subnormal numbers: see tiny.h. What it raises
+     * for underflow is in place->seen. */
     void (*run_tiny)(const fp3_fast_plan *plan, const fp3_fast_place *place,
                      fp3_fast_part_number part, uint32_t steps, uint32_t number);
     /* The same, and what it does to each object is added to *witness. */
     void (*watch)(const fp3_watch_plan *plan, const fp3_fast_place *place,
                   fp3_fast_part_number part, uint32_t steps, uint32_t number, fp3_witness *witness);
-    /* Words first .. end - 1 of the program, once; likewise without the multiplier, if that raises underflow too early. */
+    /* Words first .. end - 1 of the program, once; likewise without the multiplier, if that raises
+     * underflow too early. */
     void (*run_words)(const fp3_fast_plan *plan, const fp3_fast_place *place, uint32_t first,
                       uint32_t end);
     /* 0: none of these values is infinite or a NaN. */

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* tiny.h - products of subnormal numbers without the processor's help.
  *
- * Many processors multiply subnormal numbers in microcode, 100 times slower. fp3_tiny_product tells all that a
- * product raises; fp3_tiny_value is for runs, and where there is a fused sum it takes a third of the time.
+ * Many processors multiply subnormal numbers in microcode, 100 times slower. fp3_tiny_product tells
+ * all that a product raises; fp3_tiny_value is for runs, and where there is a fused sum it takes a
+ * third of the time.
  *
- * A double has every product of two floats, and its sum with 2^-97 is rounded where a subnormal float is: the last bit of 2^-97 is
- * 2^-149. So no multiplication and no conversion here meets a subnormal number or makes one. Sums are
- * not slower for them.
+ * A double has every product of two floats, and its sum with 2^-97 is rounded where a subnormal
+ * float is: the last bit of 2^-97 is 2^-149. So no multiplication and no conversion here meets a
+ * subnormal number or makes one. Sums are not slower for them.
  */
 #ifndef FP3_FAST_TINY_H
 #define FP3_FAST_TINY_H
@@ -136,12 +137,12 @@ typedef struct {
 #define FP3_DOWN 0x03800000         /* 2^-120 */
 #define FP3_LITTLE 0x12800000       /* 2^-90 */
 
-/* In floats: where the product may be below the normal numbers, the smaller factor is multiplied by 2^120.
- * Then no number here is subnormal, and the product p of the scaled numbers is tiny, after rounding as if
- * the exponent had no bound, if p < 2^-6. The last bit of 2^-6 is 2^-149 times 2^120; so a fused sum
- * with 2^-6 rounds once, where a subnormal result is rounded, and its last bits are that result.
- * A larger factor below 2^-90 stands for a product below 2^-180, which is 0 and inexact: it is raised
- * to 2^-90, with the same result.
+/* In floats: where the product may be below the normal numbers, the smaller factor is multiplied by
+ * 2^120. Then no number here is subnormal, and the product p of the scaled numbers is tiny, after
+ * rounding as if the exponent had no bound, if p < 2^-6. The last bit of 2^-6 is 2^-149 times
+ * 2^120; so a fused sum with 2^-6 rounds once, where a subnormal result is rounded, and its last
+ * bits are that result. A larger factor below 2^-90 stands for a product below 2^-180, which is 0
+ * and inexact: it is raised to 2^-90, with the same result.
  */
 FP3_OPERATION fp3_light_product fp3_tiny_value(fp3_v a, fp3_v b) {
     const fp3_i x = fp3_magnitude(a), y = fp3_magnitude(b), least = fp3_all(FP3_SCALED_LEAST);

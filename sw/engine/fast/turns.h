@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* turns.h - what a turn of a list gives: neighbours' words and fields. Its text stands behind that of lanes.h; FP3_RECORD is defined
- * before it, the floats of a record: see fp3_fast_around. */
+/* turns.h - what a turn of a list gives: neighbours' words and fields. Its text stands behind that
+ * of lanes.h; FP3_RECORD is defined before it, the floats of a record: see fp3_fast_around. */
 
 /* A vector that stands anywhere. */
 FP3_OPERATION fp3_i fp3_row(const int *at) { return (fp3_i) * (const fp3_loose *)at; }
@@ -27,7 +27,8 @@ typedef float fp3_quad __attribute__((vector_size(16), may_alias, aligned(4)));
 #define FP3_OF_QUADS(f) f(0)
 #endif
 
-/* Quad g of vector k is word 0 .. 3 of object 4 g + k; it becomes word k of the objects 4 g .. 4 g + 3. And back. */
+/* Quad g of vector k is word 0 .. 3 of object 4 g + k; it becomes word k of the objects 4 g .. 4 g
+ * + 3. And back. */
 FP3_OPERATION void fp3_transpose(fp3_v v[4]) {
     const fp3_v a = __builtin_shufflevector(v[0], v[1], FP3_OF_QUADS(FP3_FIRST_TWO));
     const fp3_v b = __builtin_shufflevector(v[0], v[1], FP3_OF_QUADS(FP3_LAST_TWO));

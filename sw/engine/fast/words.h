@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* words.h - operations that no processor has, for a vector of objects: lane by lane, by machine/execute.h. For sweep.c, behind
- * tiny.h, where FP3_OF_WORDS is 1. */
+/* words.h - operations that no processor has, for a vector of objects: lane by lane, by
+ * machine/execute.h. For sweep.c, behind tiny.h, where FP3_OF_WORDS is 1. */
 #ifndef FP3_FAST_WORDS_H
 #define FP3_FAST_WORDS_H
 

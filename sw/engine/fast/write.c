@@ -53,7 +53,8 @@ static void store(const writer *w, const fp3_fast_word *p, unsigned vector) {
     fp3_write_stored(w, d, vector);
 }
 
-/* A row's vector. All rows are at a constant distance from `here`, so that the compiler needs one address. */
+/* A row's vector. All rows are at a constant distance from `here`, so that the compiler needs one
+ * address. */
 static void element(const writer *w, uint32_t reg, unsigned vector) {
     fprintf(w->to, "here[%" PRIu32 " * (FP3_BLOCK / FP3_LANES) + %u]", reg, vector);
 }
@@ -157,8 +158,8 @@ static void loop(writer *w, unsigned beside) {
     fprintf(w->to, "    }\n");
 }
 
-/* Short programs leave the units idle unless many vectors are on the way. Long ones spill, but two chains of results wait for
- * each other less than one: more than two take the compiler too long. */
+/* Short programs leave the units idle unless many vectors are on the way. Long ones spill, but two
+ * chains of results wait for each other less than one: more than two take the compiler too long. */
 static unsigned beside_of(const fp3_fast_plan *plan) {
     const uint32_t count = plan->part[FP3_PART_STEP].end - plan->part[FP3_PART_STEP].first;
     return count <= 40 ? 8 : count <= 250 ? 4 : 2;
@@ -170,7 +171,8 @@ static void stretch(writer *w) {
             "(const fp3_fast_place *p, unsigned parts, unsigned steps, unsigned before) {\n");
     declare(w);
     fprintf(w->to, "    unsigned long j = 0;\n");
-    /* Those that are left over in fours, pairs, alone: a step takes as long for one vector as for four. */
+    /* Those that are left over in fours, pairs, alone: a step takes as long for one vector as for
+     * four. */
     for (unsigned beside = beside_of(w->plan); beside; beside /= 2)
         loop(w, beside);
     fprintf(w->to, "}\n");

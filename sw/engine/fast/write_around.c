@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* write_around.c - see write_around.h and, in place.h, fp3_fast_list.
  *
- * Registers of the vector are r5_0, those of turn s of the turns that are side by side r5_(s + 1), what arithmetic there is given by
- * the neighbour given_(s + 1). What turn s gives for word 7 of the program is n7_s. Where some objects have no neighbour, another pair stands in, which raises nothing that it does
- * not raise anyway, and sums take -0 (`takes_s`).
+ * Registers of the vector are r5_0, those of turn s of the turns that are side by side r5_(s + 1),
+ * what arithmetic there is given by the neighbour given_(s + 1). What turn s gives for word 7 of
+ * the program is n7_s. Where some objects have no neighbour, another pair stands in, which raises
+ * nothing that it does not raise anyway, and sums take -0 (`takes_s`).
  */
 #include "write_around.h"
 
@@ -34,7 +35,8 @@ static void declare(const writer *w) {
 
 /* ---- what a turn gives ---- */
 
-/* Turns side by side: of a list, as FP3_TURN_PLAIN, or any; of all others, objects that are none of this vector, or any. */
+/* Turns side by side: of a list, as FP3_TURN_PLAIN, or any; of all others, objects that are none of
+ * this vector, or any. */
 typedef enum { PLAIN, LIST, ALL, ALL_BUT_ONE } kind;
 
 /* Whether it is given to a register. */
@@ -47,7 +49,8 @@ static uint32_t stride(const writer *w, const fp3_fast_loop *l) {
     return FP3_TURN_HEAD + w->plan->around.lists[l->list].fields;
 }
 
-/* The words or fields of turn s, n7_s for word 7; how: the C that finds one, by the column's or the field's number. */
+/* The words or fields of turn s, n7_s for word 7; how: the C that finds one, by the column's or the
+ * field's number. */
 static void take(const writer *w, const fp3_fast_loop *l, unsigned s, fp3_gives gives,
                  const char *how) {
     for (uint32_t pc = l->first; pc < l->end; pc++)
@@ -111,8 +114,8 @@ static void take_from_list(const writer *w, const fp3_fast_loop *l, unsigned s) 
     fprintf(w->to, "            }\n");
 }
 
-/* Object t, for all but itself, for whom another one stands in; behind the last one nobody takes it. Lanes behind the last object have
- * what that one has. */
+/* Object t, for all but itself, for whom another one stands in; behind the last one nobody takes
+ * it. Lanes behind the last object have what that one has. */
 static void take_from_all(const writer *w, const fp3_fast_loop *l, unsigned s) {
     fprintf(
         w->to,
@@ -142,7 +145,8 @@ static void begin(const writer *w, const fp3_fast_loop *l, unsigned s, kind of) 
         take_from_list(w, l, s);
 }
 
-/* A word that the neighbour or the link gives. Where the turn has it in a known place, it is read here. */
+/* A word that the neighbour or the link gives. Where the turn has it in a known place, it is read
+ * here. */
 static void give(const writer *w, const fp3_fast_loop *l, uint32_t pc, unsigned s, kind of) {
     const fp3_fast_word *p = &w->plan->code[pc];
     const uint32_t number = p->number;
@@ -170,10 +174,10 @@ static void copy(const writer *w, uint32_t reg, unsigned to, unsigned from) {
 
 /* A turn on its way. */
 typedef struct {
-    uint32_t at;    /* word */
-    uint64_t taken; /* registers that it has from the turn before */
-    uint32_t given
-        [FP3_BANK_OBJECT_COUNT]; /* 1 + the word that gives a register, which nothing has read yet; or 0 */
+    uint32_t at;                           /* word */
+    uint64_t taken;                        /* registers that it has from the turn before */
+    uint32_t given[FP3_BANK_OBJECT_COUNT]; /* 1 + the word that gives a register, which nothing has
+                                              read yet; or 0 */
 } turn;
 
 /* What is given is read where it is first needed, as it would else wait in a register. */
@@ -211,8 +215,9 @@ static uint64_t left_by(const writer *w, const fp3_fast_loop *l, const turn *t) 
     return left & l->kept;
 }
 
-/* A word of one turn and then of the next, as a turn waits for its own results more than for anything else. What one leaves to the
- * next (sums) is touched by the next when nothing of the one before will touch it again. Registers of turn s are r5_(s + 1). */
+/* A word of one turn and then of the next, as a turn waits for its own results more than for
+ * anything else. What one leaves to the next (sums) is touched by the next when nothing of the one
+ * before will touch it again. Registers of turn s are r5_(s + 1). */
 static void body(const writer *w, const fp3_fast_loop *l, kind of) {
     const unsigned turns = FP3_TURNS_BESIDE;
     turn t[FP3_TURNS_BESIDE] = {0};
@@ -246,7 +251,8 @@ static void turns(const writer *w, const fp3_fast_loop *l, kind of) {
         fprintf(w->to, "            t += %d;\n", FP3_TURNS_BESIDE);
 }
 
-/* e5: register 5 as the loop finds it; for an object without any neighbour, as another one of the vector has it. */
+/* e5: register 5 as the loop finds it; for an object without any neighbour, as another one of the
+ * vector has it. */
 static void loop_over_list(const writer *w, const fp3_fast_loop *l) {
     fprintf(w->to, "        const int *at = l->tape + l->start[j];\n"
                    "        const int *const end = l->tape + l->start[j + 1];\n"

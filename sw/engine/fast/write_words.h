@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* write_words.h - words and names of the C that a program becomes: for write.c and write_around.c.
  *
- * Names in the text: r5_2 is register 5 of the vector 2 of those side by side, k3 a shared constant.
+ * Names in the text: r5_2 is register 5 of the vector 2 of those side by side, k3 a shared
+ * constant.
  */
 #ifndef FP3_FAST_WRITE_WORDS_H
 #define FP3_FAST_WRITE_WORDS_H
@@ -24,7 +25,8 @@ void fp3_write_constants(const fp3_writer *w);
 /* Unread results must be computed, too, for their flags: this tells the compiler that they are
  * read. */
 void fp3_write_keep(const fp3_writer *w, uint32_t reg, unsigned vector);
-/* Behind a store: a later one may overwrite the word, and then the store alone does not keep what it stored. */
+/* Behind a store: a later one may overwrite the word, and then the store alone does not keep what
+ * it stored. */
 void fp3_write_stored(const fp3_writer *w, uint32_t reg, unsigned vector);
 void fp3_write_arithmetic(const fp3_writer *w, const fp3_fast_word *p, unsigned vector);
 /* A word that adds to what a loop keeps, and adds -0 where the mask is 0. */

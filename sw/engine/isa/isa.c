@@ -288,7 +288,8 @@ static void tell(const fp3_engine *engine) {
     fp3_engine_tell(engine, self->executed);
 }
 
-/* After a step, or after the last part: whose states are numbers. in_records: those that are there. */
+/* After a step, or after the last part: whose states are numbers. in_records: those that are there.
+ */
 static void watch_states(const round_of *r, uint64_t in_records) {
     const isa *self = r->engine->self;
     const fp3_members *group = members(r);
@@ -316,8 +317,8 @@ static void begin_step(round_of *r) {
             fp3_watch_step(&r->engine->watched[i], r->number - r->engine->began);
 }
 
-/* Where the program goes on after this word, which belongs to the sequence: within a round all objects make an
- * instruction before any makes the next one, so a phase ends by itself. */
+/* Where the program goes on after this word, which belongs to the sequence: within a round all
+ * objects make an instruction before any makes the next one, so a phase ends by itself. */
 static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
     fp3_lists *lists = &r->engine->layout.groups[r->group].lists;
     loop *l = &r->loop;

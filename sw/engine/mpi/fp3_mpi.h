@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fp3_mpi.h - what fp3_mpi.so provides: the processes of a cluster, and how objects are divided among them, by MPI and Scotch.
+/* fp3_mpi.h - what fp3_mpi.so provides: the processes of a cluster, and how objects are divided
+ * among them, by MPI and Scotch.
  *
- * It is a library of its own because an MPI library opens files and devices when it is loaded: linked with it, every start of the
- * command would take that time, and a program could not be linked statically any more.
+ * It is a library of its own because an MPI library opens files and devices when it is loaded:
+ * linked with it, every start of the command would take that time, and a program could not be
+ * linked statically any more.
  */
 #ifndef FP3_MPI_H
 #define FP3_MPI_H
@@ -29,7 +31,8 @@ typedef struct {
     unsigned (*ranks)(const fp3_mpi *world);
     /* How many ranks share this one's memory and processors. */
     unsigned (*beside)(const fp3_mpi *world);
-    /* Waits for the others; after a failure for a second. 0: all have come, and MPI has ended; -1: some have not. */
+    /* Waits for the others; after a failure for a second. 0: all have come, and MPI has ended; -1:
+     * some have not. */
     int (*close)(fp3_mpi *world, int has_failed);
     /* Ends all processes; does not return. */
     void (*abort)(fp3_mpi *world, int exit_code);
@@ -38,15 +41,16 @@ typedef struct {
     /* The largest of what each process has; their sums, in place. */
     uint64_t (*most)(fp3_mpi *world, uint64_t own);
     void (*add)(fp3_mpi *world, uint64_t *sums, unsigned count);
-    /* An exchange that is made again and again: send[r] words to rank r and receive[r] from it, side by side in `out` and `in`, which
-     * stay where they are. NULL: out of memory. */
+    /* An exchange that is made again and again: send[r] words to rank r and receive[r] from it,
+     * side by side in `out` and `in`, which stay where they are. NULL: out of memory. */
     fp3_mpi_plan *(*plan)(fp3_mpi *world, const uint32_t *send, const uint32_t *receive,
                           uint32_t *out, uint32_t *in);
     void (*begin)(fp3_mpi_plan *plan);
     void (*end)(fp3_mpi_plan *plan);
     void (*forget)(fp3_mpi_plan *plan); /* NULL does no harm */
-    /* Divides the things of a graph among all ranks, so that each weighs about the same and few neighbours are divided: the same for all. Rank 0 has
-     * the graph, the others its count. -1, for all: out of memory, more than 2^31 neighbours, or rank 0 has NULL. */
+    /* Divides the things of a graph among all ranks, so that each weighs about the same and few
+     * neighbours are divided: the same for all. Rank 0 has the graph, the others its count. -1, for
+     * all: out of memory, more than 2^31 neighbours, or rank 0 has NULL. */
     int (*divide)(fp3_mpi *world, const fp3_mpi_graph *graph, uint32_t *whose);
 } fp3_mpi_ops;
 

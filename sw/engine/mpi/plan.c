@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* plan.c - an exchange that is made again and again: through memory with ranks of the node, by messages with the others.
+/* plan.c - an exchange that is made again and again: through memory with ranks of the node, by
+ * messages with the others.
  *
- * In memory, each rank has two places for the words of each peer, by turns, and a number: the turn whose words are there. A sender
- * may write those of turn t as soon as its peer has copied those of turn t - 2. It knows that, because it has the peer's number t - 1,
- * and a peer writes that after it has ended turn t - 2. So every peer writes its number, also one that has no words to send.
+ * In memory, each rank has two places for the words of each peer, by turns, and a number: the turn
+ * whose words are there. A sender may write those of turn t as soon as its peer has copied those of
+ * turn t - 2. It knows that, because it has the peer's number t - 1, and a peer writes that after
+ * it has ended turn t - 2. So every peer writes its number, also one that has no words to send.
  */
 #include "plan.h"
 

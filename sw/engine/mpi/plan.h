@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* plan.h - inside fp3_mpi.so: an exchange that is made again and again, as fp3_mpi.h describes it. */
+/* plan.h - inside fp3_mpi.so: an exchange that is made again and again, as fp3_mpi.h describes it.
+ */
 #ifndef FP3_MPI_PLAN_H
 #define FP3_MPI_PLAN_H
 

@@ -7,7 +7,8 @@
 
 #include <mpi.h>
 
-/* Memory of this rank that the others of its node write to. Kept for the next plan: all ranks together must make one, and end it. */
+/* Memory of this rank that the others of its node write to. Kept for the next plan: all ranks
+ * together must make one, and end it. */
 typedef struct fp3_window {
     struct fp3_window *next;
     MPI_Win win;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* kanata_log.c - see kanata_log.h. Konata wants the events of all instructions by cycle, so those in
- * flight are kept and advanced together. */
+/* kanata_log.c - see kanata_log.h. Konata wants the events of all instructions by cycle, so those
+ * in flight are kept and advanced together. */
 #include "kanata_log.h"
 
 #include "stages.h"

@@ -17,8 +17,8 @@ static uint32_t tenths_of(uint64_t count, uint64_t cycles) {
     return (uint32_t)(1000.0 * (double)count / (double)cycles + 0.5);
 }
 
-/* Tenths of a per cent, rounded so that they add up to 1000 and those of `paired`: each down, and what is
- * then missing goes to those that lost most. */
+/* Tenths of a per cent, rounded so that they add up to 1000 and those of `paired`: each down, and
+ * what is then missing goes to those that lost most. */
 static void round_shares(const uint64_t *counter, uint64_t cycles, uint32_t *tenths) {
     double lost[FP3_COUNTER_COUNT] = {0};
     uint32_t left = 1000 + tenths_of(counter[FP3_COUNTER_PAIRED], cycles);

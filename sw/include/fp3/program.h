@@ -227,9 +227,9 @@ static inline fp3_engine_def fp3_scene_engine(const fp3_scene *scene) {
 
 /* Loads programs, values and lifetimes into an engine that has as many objects as the scene. If the
  * engine refuses something, error has the message as well as the error of the engine's definition;
- * the message begins with the path and the line of `groups`. FP3_E_ARGUMENT: also if the run has to be split (objects have
- * lifetimes, or only some groups have adaptive steps), and the first or last part of a program does
- * more than prepare and complete values. */
+ * the message begins with the path and the line of `groups`. FP3_E_ARGUMENT: also if the run has to
+ * be split (objects have lifetimes, or only some groups have adaptive steps), and the first or last
+ * part of a program does more than prepare and complete values. */
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error);
 
 /* ---- recordings: named values of all objects after chosen steps, in a file ----

@@ -16,7 +16,8 @@
 
 typedef enum { FP3_BENCH_DOUBLE, FP3_BENCH_FLOAT, FP3_BENCH_PYTHON } fp3_bench_language;
 
-/* The caller frees *text, which is NULL on failure. FP3_E_ARGUMENT: Python, and there are events or projections. */
+/* The caller frees *text, which is NULL on failure. FP3_E_ARGUMENT: Python, and there are events or
+ * projections. */
 fp3_status fp3_bench_equations(const fp3_model *model, fp3_bench_language language, char **text,
                                fp3_error *error);
 

@@ -17,8 +17,9 @@ typedef struct {
     fp3_bench_native *native;
     /* Steps first .. first + steps - 1 of one object: p its params, y its states. */
     void (*one)(const float *p, float *y, uint64_t first, uint64_t steps, float h);
-    /* The same of `objects` objects (a multiple of FP3_BENCH_LOOP_BLOCK) from step 0, in columns: p and
-     * y have a row of `objects` numbers for each param and state. The compiler may use vectors. */
+    /* The same of `objects` objects (a multiple of FP3_BENCH_LOOP_BLOCK) from step 0, in columns: p
+     * and y have a row of `objects` numbers for each param and state. The compiler may use vectors.
+     */
     void (*many)(const float *p, float *y, size_t objects, uint64_t steps, float h);
 } fp3_bench_loop;
 

@@ -26,8 +26,8 @@ struct fp3_others {
     double *params; /* rows of objects that are seen */
     uint32_t
         *row_of; /* of each object; FP3_NONE: none sees it, or no equation asks for its params */
-    /* Of each expression, a bit for each relation whose terms it is part of: another neighbour gives it another
-     * value. */
+    /* Of each expression, a bit for each relation whose terms it is part of: another neighbour
+     * gives it another value. */
     unsigned char *terms;
 };
 

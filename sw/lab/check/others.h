@@ -16,24 +16,25 @@
 
 typedef struct fp3_others fp3_others;
 
-/* Finds the neighbours of the first `looked` of the objects of a part, whose states are columns of `objects` numbers.
- * The columns must outlive it, and may change: neighbours then have other states, but stay the same objects. The
- * caller closes *others, which is NULL on failure. */
+/* Finds the neighbours of the first `looked` of the objects of a part, whose states are columns of
+ * `objects` numbers. The columns must outlive it, and may change: neighbours then have other
+ * states, but stay the same objects. The caller closes *others, which is NULL on failure. */
 fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params, size_t objects,
                            size_t looked, const double *columns, fp3_others **others,
                            fp3_error *error);
 /* Sets *others to NULL, which it may be already. */
 void fp3_others_close(fp3_others **others);
 
-/* How many of the looked objects, from the first on, have at most this number of neighbours together; at least one. */
+/* How many of the looked objects, from the first on, have at most this number of neighbours
+ * together; at least one. */
 size_t fp3_others_within(const fp3_others *others, size_t neighbours);
 
-/* Sees each expression with its value, and returns the value to use instead: it is stored, and the expressions
- * after it are computed from it. */
+/* Sees each expression with its value, and returns the value to use instead: it is stored, and the
+ * expressions after it are computed from it. */
 typedef double fp3_others_fn(const void *user, uint32_t expr, double value);
 
-/* The values of all expressions of a looked object, whose own states are the point's. had: NULL, or called for each
- * value before it is stored. */
+/* The values of all expressions of a looked object, whose own states are the point's. had: NULL, or
+ * called for each value before it is stored. */
 void fp3_others_evaluate(const fp3_others *others, size_t object, const fp3_point *point,
                          fp3_others_fn *had, const void *user, double *values);
 

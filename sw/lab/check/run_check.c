@@ -30,8 +30,8 @@ struct fp3_run_check {
     size_t objects;
     double *error, *size; /* rows of a number for each object */
     fp3_compiled *compiled;
-    fp3_program
-        program; /* of the second run: its parts, but for the compiled program, are the first one's */
+    fp3_program program; /* of the second run: its parts, but for the compiled program, are the
+                            first one's */
     fp3_params *params;
     fp3_engine *engine;
     fp3_engine_def def;
@@ -201,8 +201,8 @@ static fp3_status run_again(fp3_run_check *c, fp3_error *error) {
 
 /* ---- estimates ---- */
 
-/* Of a method of order p the error falls by 2^p with half the step. An event that is seen at the end of a step, and not located, is of
- * first order. */
+/* Of a method of order p the error falls by 2^p with half the step. An event that is seen at the
+ * end of a step, and not located, is of first order. */
 static double share_of(const fp3_run_check *c) {
     const unsigned order = c->model->event_count && !c->is_adaptive ? 1 : c->compiled->order;
     return c->is_chosen || !order ? 1 : 1 / (1 - pow(0.5, order));

@@ -163,8 +163,8 @@ static void disturb(lens *l) {
     }
 }
 
-/* By which factor a disturbance grows in a step of h/parts, made `parts` times. It is made small again after each, so
- * that it never overflows. */
+/* By which factor a disturbance grows in a step of h/parts, made `parts` times. It is made small
+ * again after each, so that it never overflows. */
 static double growth(lens *l, double h, unsigned parts, size_t *object) {
     double sum = 0, early = -INFINITY, late = -INFINITY; /* logarithms */
     disturb(l);

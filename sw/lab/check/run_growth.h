@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* run_growth.h - whether the time step of a run was too long for the forces in it: by how much one step of the method
- * enlarges a small disturbance of the final states.
+/* run_growth.h - whether the time step of a run was too long for the forces in it: by how much one
+ * step of the method enlarges a small disturbance of the final states.
  *
- * The equations are linearised at the final states, and the method's step is applied to a random disturbance of all
- * looked objects until its fastest part is left (power iteration). Objects that are not looked at stay where they
- * are. That can only slow a disturbance down, where forces between objects are equal and opposite.
+ * The equations are linearised at the final states, and the method's step is applied to a random
+ * disturbance of all looked objects until its fastest part is left (power iteration). Objects that
+ * are not looked at stay where they are. That can only slow a disturbance down, where forces
+ * between objects are equal and opposite.
  */
 #ifndef FP3_CHECK_RUN_GROWTH_H
 #define FP3_CHECK_RUN_GROWTH_H
@@ -27,8 +28,9 @@ typedef struct {
     size_t object; /* where it is largest */
 } fp3_run_growth;
 
-/* factor is 1 where the step is short enough, where the motion itself grows as fast, and with adaptive steps, linearly
- * implicit methods and Stoermer's, where nothing is looked at. The first objects are looked at. */
+/* factor is 1 where the step is short enough, where the motion itself grows as fast, and with
+ * adaptive steps, linearly implicit methods and Stoermer's, where nothing is looked at. The first
+ * objects are looked at. */
 fp3_status fp3_run_growth_find(const fp3_run_moment *moment, fp3_run_growth *found,
                                fp3_error *error);
 /* The same at the start of a run; of more than a few thousand objects nothing. */

@@ -225,9 +225,9 @@ static double root_of_tiny(const fp3_run_loss *l, double b) {
                : root;
 }
 
-/* An fp3_others_fn: what the program has of an expression, where the host has computed value from the program's
- * operands. A value that is known before the run is computed in double: only what the program reads of it, as the host
- * has rounded it, is FP32. */
+/* An fp3_others_fn: what the program has of an expression, where the host has computed value from
+ * the program's operands. A value that is known before the run is computed in double: only what the
+ * program reads of it, as the host has rounded it, is FP32. */
 static double as_program(const void *loss, uint32_t expr, double value) {
     const fp3_run_loss *l = loss;
     const fp3_expr *e = &l->model->exprs[expr];
@@ -330,7 +330,8 @@ static void warn_of_digits(warner *w, size_t object) {
     }
 }
 
-/* The first expression that underflows, or the first root of what is too small for one; operands do not underflow. */
+/* The first expression that underflows, or the first root of what is too small for one; operands do
+ * not underflow. */
 static uint32_t line_of_underflow(const fp3_run_loss *l, double *value) {
     for (uint32_t i = 0; i < l->model->expr_count; i++) {
         const fp3_expr *e = &l->model->exprs[i];
@@ -378,7 +379,8 @@ static int warn_of_standstill(warner *w, size_t object) {
     return 1;
 }
 
-/* At the start, and at the end: where objects that touched have flown apart, the end does not show it. */
+/* At the start, and at the end: where objects that touched have flown apart, the end does not show
+ * it. */
 static fp3_status warn_of_growth(warner *w, fp3_error *error) {
     fp3_run_loss *l = w->loss;
     const fp3_run_part *part = &l->part;
@@ -422,8 +424,8 @@ fp3_status fp3_run_loss_warn(fp3_run_loss *l, fp3_run_say_fn *say, const char *p
 
 /* ---- what failed ---- */
 
-/* Sines end at 2^16 (compiler/functions/circular.c). An attempt that goes beyond is rejected: then the object is a little
- * before it. */
+/* Sines end at 2^16 (compiler/functions/circular.c). An attempt that goes beyond is rejected: then
+ * the object is a little before it. */
 #define ANGLE_END 0x1p16
 #define ANGLE_SIZE (0.999 * ANGLE_END)
 

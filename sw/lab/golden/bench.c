@@ -297,8 +297,8 @@ static fp3_status run(bench *b, uint64_t steps, fp3_stats *stats, fp3_error *err
     return status;
 }
 
-/* The caller's values. Where objects can sleep the limit is 0, which no change of speed is below: all
- * objects make all steps. */
+/* The caller's values. Where objects can sleep the limit is 0, which no change of speed is below:
+ * all objects make all steps. */
 static fp3_status copy_params(bench *b, fp3_error *error) {
     double eps;
     fp3_status status = fp3_params_copy(b->what->params, &b->params, error);

@@ -17,8 +17,8 @@ typedef struct {
 } fp3_ship;
 
 /* Equations (1) once: *v [m/s] and *s [m] go from t to t + h. Any values, as IEEE 754 has them. The
- * position, s = s + h*v1, is of first order: its error is about h/2 times the change of speed, whatever
- * the arithmetic. */
+ * position, s = s + h*v1, is of first order: its error is about h/2 times the change of speed,
+ * whatever the arithmetic. */
 void fp3_ship_step(const fp3_ship *ship, float *v, float *s);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* gsl.c - the solvers of GSL, each with a sweep of tolerances; its rk4 with fixed steps.
  *
- * A driver is made once and reset for each object. GSL's rk4 makes two steps of h/2 for each step of h,
- * to estimate the error.
+ * A driver is made once and reset for each object. GSL's rk4 makes two steps of h/2 for each step
+ * of h, to estimate the error.
  */
 #include "gsl.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* loop.c - the plain C loop of lab/bench/loop.h of the library: one object after the other, and in columns. */
+/* loop.c - the plain C loop of lab/bench/loop.h of the library: one object after the other, and in
+ * columns. */
 #include "loop.h"
 
 #include "lab/bench/loop.h"

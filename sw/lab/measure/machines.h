@@ -14,8 +14,8 @@ fp3_status fp3_measure_machines_open(int is_interpreted, fp3_measure_machines **
 /* Also what was kept. Sets *machines to NULL, which it may be already. */
 void fp3_measure_machines_close(fp3_measure_machines **machines);
 
-/* One that is open already, or a new one; what its calls fail with, fp3_measure_machines_error says. threads:
- * of "fast", no others have any. */
+/* One that is open already, or a new one; what its calls fail with, fp3_measure_machines_error
+ * says. threads: of "fast", no others have any. */
 fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const char *name,
                                        const char *config, unsigned threads, uint64_t objects,
                                        fp3_engine **engine, fp3_error *error);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* measure.h - error against run time: one model, many ways to solve it.
  *
- * In the command, and in the program of `make bench`, which adds the solvers of SUNDIALS: not in the library.
+ * In the command, and in the program of `make bench`, which adds the solvers of SUNDIALS: not in
+ * the library.
  */
 #ifndef FP3_MEASURE_H
 #define FP3_MEASURE_H

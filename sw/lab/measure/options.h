@@ -20,8 +20,8 @@ struct fp3_measure_options {
     unsigned variants, repeats;
     double patience;    /* of fp3_measure_points */
     const char *engine; /* of fp3: "fast" or "isa" */
-    const char *
-        config; /* of engine and hardware, and nothing is measured beside; NULL: those that were placed, and peers */
+    const char *config; /* of engine and hardware, and nothing is measured beside; NULL: those that
+                           were placed, and peers */
     const char *const *integrators; /* ended by NULL; NULL: all that are built in */
     double most_work; /* instructions of the longest run that finds an error, times its objects */
     int has_times;    /* of engine; else errors and cycles alone */

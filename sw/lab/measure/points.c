@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* points.c - ways to solve a problem: each is run for its error, then all in turn for their times. */
+/* points.c - ways to solve a problem: each is run for its error, then all in turn for their times.
+ */
 #include "points.h"
 
 #include <math.h>
@@ -146,8 +147,8 @@ static fp3_status first_run(fp3_measure_points *points, fp3_measure_point *p, in
 
 /* ---- sweeps ---- */
 
-/* Points of one solver with smaller and smaller time steps or tolerances. The rest is not worth a run
- * when two in a row are no better than the best, or one took too long. */
+/* Points of one solver with smaller and smaller time steps or tolerances. The rest is not worth a
+ * run when two in a row are no better than the best, or one took too long. */
 typedef struct {
     const char *engine, *method;
     double best;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* points.h - ways to solve a problem: an integrator with a time step on an engine, or a solver with a tolerance.
+/* points.h - ways to solve a problem: an integrator with a time step on an engine, or a solver with
+ * a tolerance.
  *
  * All points of a problem are timed in turn, again and again, so that all see the same machine; the
  * figure is the median.

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* problem.h - what is solved: a model from 0 to its span, for objects that differ a little (variants). */
+/* problem.h - what is solved: a model from 0 to its span, for objects that differ a little
+ * (variants). */
 #ifndef FP3_MEASURE_PROBLEM_H
 #define FP3_MEASURE_PROBLEM_H
 
@@ -21,13 +22,14 @@ fp3_status fp3_measure_problem_open(const fp3_model *model, unsigned variants,
                                     fp3_measure_problem *problem, fp3_error *error);
 void fp3_measure_problem_close(fp3_measure_problem *problem);
 
-/* Of ends, a row of states for each variant: relative to the scale, root of the mean square over the
- * states; its median and its largest over the variants. Infinite where a state is not finite. */
+/* Of ends, a row of states for each variant: relative to the scale, root of the mean square over
+ * the states; its median and its largest over the variants. Infinite where a state is not finite.
+ */
 void fp3_measure_problem_errors(const fp3_measure_problem *problem, const double *ends,
                                 double *median, double *worst);
 
-/* Fixed steps that are tried: 1, 2, 3, 4, 6, 8, 12, 16, ... over the span, so that their cost grows no faster than
- * that of the tolerances of others. */
+/* Fixed steps that are tried: 1, 2, 3, 4, 6, 8, 12, 16, ... over the span, so that their cost grows
+ * no faster than that of the tolerances of others. */
 uint64_t fp3_measure_steps(unsigned rung);
 
 double fp3_measure_median(const double *values, unsigned count);

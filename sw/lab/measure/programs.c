@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
  *
- * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once: what that moves the end is part of the error.
- * With events they are also cut there. Adaptive ones have tolerances 10^-2, 10^-3, ... A short run says which are worth a point.
+ * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once: what that moves
+ * the end is part of the error. With events they are also cut there. Adaptive ones have tolerances
+ * 10^-2, 10^-3, ... A short run says which are worth a point.
  */
 #include "programs.h"
 
@@ -24,7 +25,9 @@
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
 #define HARDWARE_MOST 6e5 /* instructions of such runs of a family on one configuration */
-#define FAR 4 /* ... of which another on the same configuration takes so many times fewer: no run */
+#define FAR                                                                                        \
+    4 /* ... of which another on the same configuration takes so many times fewer: no run          \
+       */
 #define CUTS_MOST 4096 /* attempts to find events, beside steps */
 #define PACES_MOST 48
 
@@ -32,7 +35,8 @@
 static const char *const hardware[] = {"many_full", "single_full", "many", "single",
                                        "lanes",     "uncut",       "paper"};
 enum { HARDWARE = sizeof hardware / sizeof *hardware };
-/* Cycles of adaptive steps and of those that are cut depend on the objects: a run is needed, of the first two alone. */
+/* Cycles of adaptive steps and of those that are cut depend on the objects: a run is needed, of the
+ * first two alone. */
 enum { HARDWARE_ADAPTED = 2 };
 
 /* Fixed steps, fixed ones that are cut at events, and those that objects choose. */
@@ -229,7 +233,8 @@ static int is_far(const family *f, const char *config, unsigned i, double cycles
     return 0;
 }
 
-/* Cycles of steps whose number depends on the object are measured, where that does not take too long; the coarsest always, for the bits. */
+/* Cycles of steps whose number depends on the object are measured, where that does not take too
+ * long; the coarsest always, for the bits. */
 static fp3_status add_measured(const family *f, const fp3_compiled *compiled, const char *config,
                                fp3_error *error) {
     fp3_engine *engine = NULL;
@@ -269,7 +274,8 @@ static double up(double h, uint64_t steps, double end) {
     return (double)near * (double)steps < end ? (double)nextafterf(near, INFINITY) : (double)near;
 }
 
-/* Work limits runs, and not time: so points do not depend on how fast the machine is, or engine fast in an arithmetic. */
+/* Work limits runs, and not time: so points do not depend on how fast the machine is, or engine
+ * fast in an arithmetic. */
 static double most_steps(const family *f) {
     const fp3_measure_options *o = f->options;
     const double step = (double)f->compiled->instructions * f->problem->variants;
@@ -356,8 +362,9 @@ static fp3_status sample(family *f, fp3_error *error) {
 
 /* ---- all of it ---- */
 
-/* Of fixed steps a few, of the largest that is worth a point; where objects have times of their own, a run of some steps would be none: the shortest. (A ball
- * that bounces wrongly may do so a thousand times.) */
+/* Of fixed steps a few, of the largest that is worth a point; where objects have times of their
+ * own, a run of some steps would be none: the shortest. (A ball that bounces wrongly may do so a
+ * thousand times.) */
 static fp3_status run_brief(family *f, fp3_error *error) {
     fp3_measure_run r = run_of(f, f->compiled);
     fp3_stats stats;
@@ -445,8 +452,8 @@ static fp3_status adapt(family *f, fp3_error *error) {
     return FP3_OK;
 }
 
-/* With adaptive steps: plain and compensated; docs/command.md says so. h of what is cut is not known beforehand: nothing is
- * folded into it. */
+/* With adaptive steps: plain and compensated; docs/command.md says so. h of what is cut is not
+ * known beforehand: nothing is folded into it. */
 static int is_measured(const fp3_model *model, fp3_arithmetic arithmetic,
                        const fp3_integrator *integrator, steps_kind kind) {
     if (kind == CUT &&

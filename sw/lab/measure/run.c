@@ -44,7 +44,8 @@ static fp3_status add_low_words(const fp3_measure_run *e, size_t state, float *c
     return status ? said(e, status, error) : FP3_OK;
 }
 
-/* The states of the variants, row by row; objects that are the same variant must have the same bits. */
+/* The states of the variants, row by row; objects that are the same variant must have the same
+ * bits. */
 static fp3_status read_ends(const fp3_measure_run *e, const fp3_measure_problem *p, double *ends,
                             fp3_error *error) {
     const size_t states = p->model->state_count, objects = fp3_engine_objects(e->engine);
@@ -136,7 +137,8 @@ static int has_condition(const fp3_model *model) {
     return has;
 }
 
-/* A condition is looked for by halves, down to a part of the step; the first step is no longer. A root is located as fp3/compile.h says. */
+/* A condition is looked for by halves, down to a part of the step; the first step is no longer. A
+ * root is located as fp3/compile.h says. */
 static void set_step(fp3_model *model, double h) {
     if (!has_condition(model))
         return;

@@ -18,23 +18,23 @@ typedef struct {
 
 /* How objects come from the start to the end. */
 typedef struct {
-    double h; /* of a step; of adaptive ones where they begin */
-    double
-        tolerance; /* of an adaptive step; its `absolute` is that times the smallest scale of a state. 0: not adaptive */
-    uint64_t steps; /* ... then so many of them fill the span */
-    uint64_t count; /* of steps; the most attempts of those that are adaptive or cut at events */
-    double made;    /* by one object, steps or attempts, on average: for who asks, not read */
+    double h;         /* of a step; of adaptive ones where they begin */
+    double tolerance; /* of an adaptive step; its `absolute` is that times the smallest scale of a
+                         state. 0: not adaptive */
+    uint64_t steps;   /* ... then so many of them fill the span */
+    uint64_t count;   /* of steps; the most attempts of those that are adaptive or cut at events */
+    double made;      /* by one object, steps or attempts, on average: for who asks, not read */
 } fp3_measure_pace;
 
-/* Fills the states of the variants, row by row. FP3_E_MISMATCH: objects that are the same variant end with
- * different bits. FP3_E_LIMIT: an object does not end with so many attempts. *seconds and *stats are of the run
- * alone. */
+/* Fills the states of the variants, row by row. FP3_E_MISMATCH: objects that are the same variant
+ * end with different bits. FP3_E_LIMIT: an object does not end with so many attempts. *seconds and
+ * *stats are of the run alone. */
 fp3_status fp3_measure_run_solve(const fp3_measure_run *run, const fp3_measure_problem *problem,
                                  const fp3_measure_pace *pace, double *ends, double *seconds,
                                  fp3_stats *stats, fp3_error *error);
 
-/* How many objects a timed run has in which each makes so many steps and takes `each` seconds with one
- * thread: always whole rounds of the variants. */
+/* How many objects a timed run has in which each makes so many steps and takes `each` seconds with
+ * one thread: always whole rounds of the variants. */
 uint64_t fp3_measure_run_objects(const fp3_measure_options *options, double steps, double each,
                                  unsigned threads);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* chance.c - params at random over many decades: which runs fail, beside which should, and how it is told. */
+/* chance.c - params at random over many decades: which runs fail, beside which should, and how it
+ * is told. */
 #include "sections.h"
 
 #include "theory.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* chaos.c - the largest Lyapunov exponent of Lorenz's equations, with the linearised ones beside them. */
+/* chaos.c - the largest Lyapunov exponent of Lorenz's equations, with the linearised ones beside
+ * them. */
 #include "sections.h"
 
 #include <math.h>

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* drift.c - a planet over a million steps: what becomes of its energy, its momentum and its place.
  *
- * 64 objects are the same orbit, turned, so that their roundings are independent: their mean is the method's drift,
- * and whatever is the same in all roundings; their spread is the random walk. Energies are means over an orbit.
+ * 64 objects are the same orbit, turned, so that their roundings are independent: their mean is the
+ * method's drift, and whatever is the same in all roundings; their spread is the random walk.
+ * Energies are means over an orbit.
  */
 #include "kepler.h"
 #include "sections.h"
@@ -107,7 +108,8 @@ static fp3_status measure(drift *d, fp3_lab *lab, fp3_error *error) {
     return status;
 }
 
-/* The same steps in double: the method without roundings, but those of its numbers where they are asked for. */
+/* The same steps in double: the method without roundings, but those of its numbers where they are
+ * asked for. */
 static fp3_status follow(drift *d, fp3_rig *rig, fp3_trial_numbers numbers, double *energy,
                          double *momentum, double *place, fp3_error *error) {
     const double *start = fp3_lab_initial(rig->lab, 0);
@@ -148,7 +150,8 @@ static fp3_status measure_exact(drift *d, fp3_rig *rig, fp3_error *error) {
 
 /* ---- verdicts ---- */
 
-/* Mean and spread over the objects of what has become of a value since the start, relative to it. */
+/* Mean and spread over the objects of what has become of a value since the start, relative to it.
+ */
 static void change(double values[ALL][OBJECTS], int w, double *mean, double *spread) {
     double sum = 0, squares = 0;
     for (int i = 0; i < OBJECTS; i++) {
@@ -160,16 +163,16 @@ static void change(double values[ALL][OBJECTS], int w, double *mean, double *spr
     *spread = sqrt(fmax(0, squares / OBJECTS - *mean * *mean));
 }
 
-/* Stoermer's two-term recursion takes a rounding of x for a change of the velocity, by 1/h as large (Hairer, Norsett and
- * Wanner, Solving Ordinary Differential Equations I, chapter III.10).
- * The random walk of updates rounded to nearest: v dv + r dr/r^3 of two components of v and of r in each substep,
- * relative to the energy 1/2. */
+/* Stoermer's two-term recursion takes a rounding of x for a change of the velocity, by 1/h as large
+ * (Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, chapter III.10). The
+ * random walk of updates rounded to nearest: v dv + r dr/r^3 of two components of v and of r in
+ * each substep, relative to the energy 1/2. */
 static double walk(const drift *d) {
     const unsigned updates = d->trial->run->kind == FP3_SPLITTING ? d->trial->run->stages : 2;
     const double rounded = fp3_lab_rounded(d->arithmetic);
     const double all = 2 * rounded * sqrt(0.75 * updates * (double)d->total);
-    /* The k of a linearly implicit method solve n linear equations: a backward error of 3 n roundings (Higham, theorem
-     * 9.4). */
+    /* The k of a linearly implicit method solve n linear equations: a backward error of 3 n
+     * roundings (Higham, theorem 9.4). */
     const double of_k = d->trial->run->kind == FP3_ROSENBROCK ? 3 * FP3_KEPLER_STATES : 1;
     const double each = d->arithmetic->update == FP3_COMPENSATED
                             ? all * of_k * d->h + 4 * fp3_lab_unit(d->arithmetic)
@@ -177,11 +180,12 @@ static double walk(const drift *d) {
     return d->trial->run->kind == FP3_STOERMER ? each / d->h : each;
 }
 
-/* A program adds the products c k to a state from the left, and k and the sum are multiples of units far above the
- * error of c, less than half a unit of c k. So c's error may be rounded away or doubled, alike in all orbits that have
- * the same units: what rounded coefficients do in double (exact beside pure) is seen up to once more or less. With
- * coefficients that FP32 has, it is nothing. Measured on Kepler's problem by rk6 in FP32 but for its coefficients: 3e-7
- * instead of 1.2e-5 in 65536 steps. */
+/* A program adds the products c k to a state from the left, and k and the sum are multiples of
+ * units far above the error of c, less than half a unit of c k. So c's error may be rounded away or
+ * doubled, alike in all orbits that have the same units: what rounded coefficients do in double
+ * (exact beside pure) is seen up to once more or less. With coefficients that FP32 has, it is
+ * nothing. Measured on Kepler's problem by rk6 in FP32 but for its coefficients: 3e-7 instead
+ * of 1.2e-5 in 65536 steps. */
 static double doubt(const double *exact, const double *pure) {
     return fabs(exact[WINDOWS] / exact[0] - pure[WINDOWS] / pure[0]);
 }
@@ -213,8 +217,9 @@ static fp3_status judge_value(const drift *d, const char *what, double values[AL
     return fp3_verdicts_add(d->trial->verdicts, &v, error);
 }
 
-/* Each update is cut towards 0, or of logarithms is too large, by fp3_lab_bias of itself: of v this takes v^2 from the energy, of r 1/r, and the mean of each
- * over an orbit is 1. Relative to the energy, -1/2, that is twice as much for each update of v, and of r. */
+/* Each update is cut towards 0, or of logarithms is too large, by fp3_lab_bias of itself: of v this
+ * takes v^2 from the energy, of r 1/r, and the mean of each over an orbit is 1. Relative to the
+ * energy, -1/2, that is twice as much for each update of v, and of r. */
 static fp3_status judge_bias(drift *d, fp3_error *error) {
     const unsigned updates = d->trial->run->kind == FP3_SPLITTING ? d->trial->run->stages : 2;
     double mean[ALL], spread;
@@ -253,7 +258,8 @@ static int is_independent(const drift *d) {
            d->h * d->h > 2 * fp3_lab_unit(d->arithmetic);
 }
 
-/* How far ahead since the first orbit, within which a method errs to and fro: mean and spread over the objects. */
+/* How far ahead since the first orbit, within which a method errs to and fro: mean and spread over
+ * the objects. */
 static void lead(const drift *d, int w, double *mean, double *spread) {
     double sum = 0, squares = 0;
     for (int i = 0; i < OBJECTS; i++) {
@@ -280,9 +286,9 @@ static fp3_status judge_power(const drift *d, const char *what, const double *va
     return fp3_verdicts_add(d->trial->verdicts, &v, error);
 }
 
-/* The mean of a symplectic method's objects errs with t, that of another with t^2; the random walk of the energy makes
- * objects part with t^(3/2) (Hairer, Lubich and Wanner, Geometric Numerical Integration, X.3; Brouwer, Astron. J. 46,
- * 149 (1937)). */
+/* The mean of a symplectic method's objects errs with t, that of another with t^2; the random walk
+ * of the energy makes objects part with t^(3/2) (Hairer, Lubich and Wanner, Geometric Numerical
+ * Integration, X.3; Brouwer, Astron. J. 46, 149 (1937)). */
 static fp3_status judge_place(drift *d, fp3_error *error) {
     const int is_symplectic = fp3_trial_is_symplectic(d->trial->integrator);
     double mean[ALL], spread[ALL];
@@ -325,7 +331,8 @@ static fp3_status draw(drift *d, fp3_error *error) {
 
 static fp3_status judge(drift *d, fp3_error *error) {
     fp3_status status = draw(d, error);
-    /* Stoermer's recursion takes what x is too large for a velocity, by 1/h as large: no theory here. */
+    /* Stoermer's recursion takes what x is too large for a velocity, by 1/h as large: no theory
+     * here. */
     if (fp3_lab_is_logarithmic(d->arithmetic) && d->trial->run->kind == FP3_STOERMER)
         return status;
     if (!status && fp3_lab_bias(d->arithmetic) != 0)
@@ -354,7 +361,8 @@ static void forget(drift *d) {
     memset(d->place, 0, sizeof d->place);
 }
 
-/* The processor has no arithmetic without infinities, with fewer bits or by logarithms: it takes 30 times as long. */
+/* The processor has no arithmetic without infinities, with fewer bits or by logarithms: it takes 30
+ * times as long. */
 static uint64_t steps_of(const drift *d) {
     if (d->trial->options->is_quick)
         return is_pair(d) ? STEPS_LEAST : STEPS_QUICK;
@@ -366,7 +374,8 @@ static fp3_status run(drift *d, const fp3_lab_arithmetic *arithmetic, fp3_error 
     d->arithmetic = arithmetic;
     d->total = steps_of(d);
     if (!fp3_lab_bias(arithmetic) && SIGMAS * walk(d) > CUT_MOST)
-        return FP3_OK; /* with so few bits the walk takes the orbit apart, and steps are too short to move it */
+        return FP3_OK; /* with so few bits the walk takes the orbit apart, and steps are too short
+                          to move it */
     plan(d);
     forget(d);
     if (d->exact_of && !fp3_lab_is_as_exact(d->exact_of, arithmetic))

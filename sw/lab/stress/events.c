@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* events.c - the order of a bouncing ball: an event happens at the end of a step, so it is 1, whatever the integrator. */
+/* events.c - the order of a bouncing ball: an event happens at the end of a step, so it is 1,
+ * whatever the integrator. */
 #include "sections.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* failures.c - overflow and NaN put into one object of many: the engine names the object and the step. */
+/* failures.c - overflow and NaN put into one object of many: the engine names the object and the
+ * step. */
 #include "sections.h"
 
 #include <math.h>
@@ -12,8 +13,8 @@
 
 static const char text[] = "model twice\nstate x = 1\nstep 1\nx' = x\n";
 
-/* x doubles in each step, so 2^k overflows in step 128 - k; of double-single when 2^116 is split into halves by a
- * product with 2^12 + 1, in step 117 - k. */
+/* x doubles in each step, so 2^k overflows in step 128 - k; of double-single when 2^116 is split
+ * into halves by a product with 2^12 + 1, in step 117 - k. */
 static fp3_status inject(const fp3_trial *trial, const fp3_lab_arithmetic *how, double value,
                          fp3_failure *failure, char said[FP3_FAILURE_TEXT_SIZE], fp3_error *error) {
     double x[OBJECTS];

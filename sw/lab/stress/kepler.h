@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* kepler.h - a planet for the suite: objects that are the same orbit, turned, so that their roundings differ. */
+/* kepler.h - a planet for the suite: objects that are the same orbit, turned, so that their
+ * roundings differ. */
 #ifndef FP3_STRESS_KEPLER_H
 #define FP3_STRESS_KEPLER_H
 
@@ -9,7 +10,8 @@
 
 extern const char fp3_kepler_text[];
 
-/* Object i starts in the pericentre of an orbit of semi-major axis 1, turned by i angles; the first is not. */
+/* Object i starts in the pericentre of an orbit of semi-major axis 1, turned by i angles; the first
+ * is not. */
 fp3_status fp3_kepler_fill(fp3_lab *lab, size_t objects, double eccentricity, fp3_error *error);
 double fp3_kepler_energy(const double *row);
 double fp3_kepler_momentum(const double *row);

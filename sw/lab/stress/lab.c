@@ -76,7 +76,8 @@ double fp3_lab_bias(const fp3_lab_arithmetic *arithmetic) {
                                               : 0;
 }
 
-/* A logarithm is not read again as the float that is nearest to it, so it is left to the machine. */
+/* A logarithm is not read again as the float that is nearest to it, so it is left to the machine.
+ */
 double fp3_lab_number(const fp3_lab_arithmetic *arithmetic, double x) {
     const fp3_config *config = fp3_config_find(arithmetic->config);
     uint32_t word;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* model.c - what of the suite applies to any model: its invariants, its errors by step size, the way back, and params
- * over many decades, each beside the same steps in double. */
+/* model.c - what of the suite applies to any model: its invariants, its errors by step size, the
+ * way back, and params over many decades, each beside the same steps in double. */
 #include "suite.h"
 
 #include <fp3/compile.h>
@@ -132,7 +132,8 @@ static fp3_status judge_invariants(subject *s, fp3_error *error) {
 #define ORDER_OFF 0.2
 #define FLOOR_OFF 0.01 /* where the smallest error is the method's */
 
-/* How far two starts part on the way, in double, at most, by how far they were apart: what becomes of a rounding. */
+/* How far two starts part on the way, in double, at most, by how far they were apart: what becomes
+ * of a rounding. */
 static fp3_status amplification(const subject *s, const fp3_ladder *ladder, double *most,
                                 fp3_error *error) {
     const uint32_t n = s->model->state_count;
@@ -219,7 +220,8 @@ static fp3_status open_ladder(const subject *s, fp3_ladder **ladder, fp3_error *
 
 /* ---- the way back ---- */
 
-/* Whether it runs backwards when all velocities are turned: their derivatives do not feel it, those of positions turn. */
+/* Whether it runs backwards when all velocities are turned: their derivatives do not feel it, those
+ * of positions turn. */
 static int is_reversible(const subject *s, const char *is_velocity) {
     const fp3_model *m = s->model;
     double *values = calloc(m->expr_count + 1u, sizeof *values),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* reversal.c - a planet goes forward, its velocity is turned, and it goes as far again: a symmetric method comes back
- * to where it began but for roundings (Hairer, Lubich and Wanner, Geometric Numerical Integration, chapter V). */
+/* reversal.c - a planet goes forward, its velocity is turned, and it goes as far again: a symmetric
+ * method comes back to where it began but for roundings (Hairer, Lubich and Wanner, Geometric
+ * Numerical Integration, chapter V). */
 #include "kepler.h"
 #include "sections.h"
 
@@ -17,8 +18,8 @@
 #define ORDER_OFF 0.3
 #define NOISE 40 /* an error of so many times what roundings can make is the method's */
 
-/* Turning v and going on by h is going back by -h, for whatever has a(r) alone: so a splitting that reads the same
- * from both ends is symmetric, and no explicit Runge-Kutta method is. */
+/* Turning v and going on by h is going back by -h, for whatever has a(r) alone: so a splitting that
+ * reads the same from both ends is symmetric, and no explicit Runge-Kutta method is. */
 static int is_symmetric(const fp3_integrator *integrator) {
     if (integrator->kind != FP3_SPLITTING)
         return 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* small.c - where a step moves nothing any more: beside a state of ordinary size, near an equilibrium, and at the
- * lower end of the numbers. What should be is exact, from the rules of IEEE 754. */
+/* small.c - where a step moves nothing any more: beside a state of ordinary size, near an
+ * equilibrium, and at the lower end of the numbers. What should be is exact, from the rules of IEEE
+ * 754. */
 #include "sections.h"
 
 #include <math.h>
@@ -15,8 +16,8 @@
 
 static const char move_text[] = "model move\nparam a = 1\nstate x = 1\nstep 1\nx' = a\n";
 
-/* The next number on the way to `to`. Where a sum is rounded is not known to a last place of logarithms, so that they are taken
- * further apart. */
+/* The next number on the way to `to`. Where a sum is rounded is not known to a last place of
+ * logarithms, so that they are taken further apart. */
 static float beside(const fp3_lab_arithmetic *how, float at, float to) {
     const double way = to < at ? -1 : 1;
     int exponent;
@@ -27,8 +28,8 @@ static float beside(const fp3_lab_arithmetic *how, float at, float to) {
                        : at + way * ldexp(fp3_lab_unit(how), exponent - (is_power && to < at)));
 }
 
-/* Objects whose a are the numbers around `centre`; *largest: the largest a that does not move 1. *off: by how many
- * units of 2^-23 the others are off at most. */
+/* Objects whose a are the numbers around `centre`; *largest: the largest a that does not move 1.
+ * *off: by how many units of 2^-23 the others are off at most. */
 static fp3_status move(const fp3_trial *trial, const fp3_lab_arithmetic *how, double centre,
                        double *largest, double *off, fp3_error *error) {
     double a[OBJECTS], x[OBJECTS];
@@ -57,9 +58,10 @@ static fp3_status move(const fp3_trial *trial, const fp3_lab_arithmetic *how, do
     return status;
 }
 
-/* 1 + a is 1 for a up to half a unit, of logarithms about there: the tie goes to the even 1 (IEEE 754, 4.3.1); of a truncated sum below a unit.
- * What is kept of updates is added exactly but for the last sum. In double-single a and all sums are multiples of
- * 2^-48 below 2, which has room for them. */
+/* 1 + a is 1 for a up to half a unit, of logarithms about there: the tie goes to the even 1 (IEEE
+ * 754, 4.3.1); of a truncated sum below a unit. What is kept of updates is added exactly but for
+ * the last sum. In double-single a and all sums are multiples of 2^-48 below 2, which has room for
+ * them. */
 static fp3_status judge_move(const fp3_trial *trial, const fp3_lab_arithmetic *how,
                              fp3_error *error) {
     const int bits = -ilogb(fp3_lab_unit(how)); /* of half a unit beside 1 */
@@ -98,9 +100,10 @@ static fp3_status judge_move(const fp3_trial *trial, const fp3_lab_arithmetic *h
 static const char calm_text[] =
     "model calm\nparam p = 1\nparam q = 1\nstate x = 0\nstep 1\nx' = p - q*x\n";
 
-/* x stops where h f is half a unit of x, 2^-24 x to 2^-23 x; f = p - q x itself is off by 2^-24 p and a unit. So
- * |x - p/q| stays below (2^-24/(h q) + 2^-23) p/q times 2 at most; compensated, below what f is off by. In
- * double-single products are off by 5 2^-48 at most, sums by less, in place of 2^-24, and of logarithms sums by 1.3 times that. */
+/* x stops where h f is half a unit of x, 2^-24 x to 2^-23 x; f = p - q x itself is off by 2^-24 p
+ * and a unit. So |x - p/q| stays below (2^-24/(h q) + 2^-23) p/q times 2 at most; compensated,
+ * below what f is off by. In double-single products are off by 5 2^-48 at most, sums by less, in
+ * place of 2^-24, and of logarithms sums by 1.3 times that. */
 static fp3_status judge_calm(const fp3_trial *trial, const fp3_lab_arithmetic *how,
                              fp3_error *error) {
     const double unit = fp3_lab_unit(how), h = fmax(CALM_STEP, CALM_UNITS * unit);
@@ -158,9 +161,9 @@ fp3_status fp3_section_stagnation(const fp3_trial *trial, fp3_error *error) {
 
 static const char decay_text[] = "model decay\nparam a = 1\nstate x = 1e-30\nstep 1\nx' = -a*x\n";
 
-/* Where a decay by a stops, by Euler's method with h = 1. Gradual: a x rounds to 0 up to half of the smallest
- * number, truncated below all of it. Flushed, and of logarithms: a x is 0 below the smallest number; the last x is less
- * than one step below that. */
+/* Where a decay by a stops, by Euler's method with h = 1. Gradual: a x rounds to 0 up to half of
+ * the smallest number, truncated below all of it. Flushed, and of logarithms: a x is 0 below the
+ * smallest number; the last x is less than one step below that. */
 static int is_right(const fp3_lab_arithmetic *how, double a, double x) {
     const double least = fp3_lab_least(how);
     if (fp3_lab_flushes(how))

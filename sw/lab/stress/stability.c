@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* stability.c - up to which time step nothing grows, found by bisection with a block of objects at a time.
+/* stability.c - up to which time step nothing grows, found by bisection with a block of objects at
+ * a time.
  *
- * The equations are x' = v, v' = -k x - c v with eigenvalues at an angle from the negative real axis, and a step of
- * 1; on the axis itself x' = -a x where the method takes that. Objects differ in z, the size of the eigenvalue.
+ * The equations are x' = v, v' = -k x - c v with eigenvalues at an angle from the negative real
+ * axis, and a step of 1; on the axis itself x' = -a x where the method takes that. Objects differ
+ * in z, the size of the eigenvalue.
  */
 #include "sections.h"
 
@@ -59,8 +61,8 @@ static fp3_status fill(search *s, double low, double high, fp3_error *error) {
     return status;
 }
 
-/* Of all objects; at the start it is 1. |v + conj(lambda) x|^2 / |lambda|^2: each step of a Runge-Kutta method
- * multiplies it by |R|^2, so nothing grows for a while before it decays. */
+/* Of all objects; at the start it is 1. |v + conj(lambda) x|^2 / |lambda|^2: each step of a
+ * Runge-Kutta method multiplies it by |R|^2, so nothing grows for a while before it decays. */
 static fp3_status look(search *s, fp3_error *error) {
     double x[OBJECTS], v[OBJECTS] = {0};
     fp3_status status = fp3_lab_read(s->lab, "x", x, error);
@@ -72,8 +74,9 @@ static fp3_status look(search *s, fp3_error *error) {
     return status;
 }
 
-/* The number of the first object that has grown after these steps; OBJECTS: none has. Each part of the run is as
- * long as all before it, so what has not grown yet cannot overflow in it. What has, and what has decayed, rests. */
+/* The number of the first object that has grown after these steps; OBJECTS: none has. Each part of
+ * the run is as long as all before it, so what has not grown yet cannot overflow in it. What has,
+ * and what has decayed, rests. */
 static fp3_status first_grown(search *s, uint64_t steps, int *found, fp3_error *error) {
     char rests[OBJECTS] = {0}, has_grown[OBJECTS] = {0};
     fp3_status status = fp3_lab_start(s->lab, error);
@@ -95,14 +98,16 @@ static fp3_status first_grown(search *s, uint64_t steps, int *found, fp3_error *
     return status;
 }
 
-/* How many steps it takes until growth is seen that far above the limit; infinite: it does not grow. */
+/* How many steps it takes until growth is seen that far above the limit; infinite: it does not
+ * grow. */
 static double steps_for(const search *s, double limit, double above) {
     const double growth =
         log(fp3_theory_growth(s->trial->integrator, limit * (1 + above), s->angle));
     return growth > 0 ? log(s->gain) / 2 / growth : INFINITY;
 }
 
-/* Growth that is not seen within the tolerance is below the roundings of the table: it is told from where it is. */
+/* Growth that is not seen within the tolerance is below the roundings of the table: it is told from
+ * where it is. */
 static int is_seen(const search *s, double limit) {
     return !isfinite(limit) || (limit > 0 && steps_for(s, limit, TOLERANCE / 2) <= STEPS_MOST);
 }

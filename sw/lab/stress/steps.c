@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* steps.c - the error of an oscillator, free or driven by t, from long time steps to short ones: the method's on
- * the left, the roundings' on the right. */
+/* steps.c - the error of an oscillator, free or driven by t, from long time steps to short ones:
+ * the method's on the left, the roundings' on the right. */
 #include "sections.h"
 
 #include <gsl/gsl_pow_int.h>
@@ -98,7 +98,8 @@ static fp3_trial_numbers numbers_of(const curve *c) {
     return c->arithmetic->update == FP3_DOUBLE_SINGLE ? FP3_TRIAL_UNROUNDED : FP3_TRIAL_ROUNDED;
 }
 
-/* The error of the same steps in double, by the numbers that the program has, of the first EXACT objects. */
+/* The error of the same steps in double, by the numbers that the program has, of the first EXACT
+ * objects. */
 static fp3_status exact_error(const curve *c, fp3_rig *rig, unsigned rung, double *off,
                               fp3_error *error) {
     const uint64_t steps = (uint64_t)c->steps[rung];
@@ -141,9 +142,9 @@ static double least_of_roundings(const curve *c, unsigned rung) {
                : hypot(fp3_lab_bias(c->arithmetic) * n, fp3_lab_rounded(c->arithmetic) * sqrt(n));
 }
 
-/* The slope where the method's error is far above the roundings', over the shortest such steps. What is expected is the
- * slope in double of the same objects: a method of high order may not be near its order yet where FP32 ends, and there
- * each object has a slope of its own. */
+/* The slope where the method's error is far above the roundings', over the shortest such steps.
+ * What is expected is the slope in double of the same objects: a method of high order may not be
+ * near its order yet where FP32 ends, and there each object has a slope of its own. */
 static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
     const unsigned best = best_of(c);
     /* Where errors still fall in the end, the roundings' are not seen yet. */
@@ -173,10 +174,10 @@ static fp3_status judge_order(const curve *c, fp3_rig *rig, fp3_error *error) {
     return status ? status : fp3_verdicts_add(c->trial->verdicts, &v, error);
 }
 
-/* Of updates that lose nothing, what is left at the smallest step is the method's, and the last sums'. Stoermer's
- * keeps h v as one float, which is rounded three times a step: a walk of N roundings of v, each of which turns with
- * the oscillation. Double-single rounds as plain updates do, at the end of its second word; Stoermer's method takes
- * that for a rounding of h v. */
+/* Of updates that lose nothing, what is left at the smallest step is the method's, and the last
+ * sums'. Stoermer's keeps h v as one float, which is rounded three times a step: a walk of N
+ * roundings of v, each of which turns with the oscillation. Double-single rounds as plain updates
+ * do, at the end of its second word; Stoermer's method takes that for a rounding of h v. */
 static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
     const int is_pair = c->arithmetic->update == FP3_DOUBLE_SINGLE, last = (int)c->count - 1;
     const int is_stoermer = c->trial->run->kind == FP3_STOERMER, is_walk = is_pair || is_stoermer;
@@ -202,14 +203,16 @@ static fp3_status judge_end(const curve *c, fp3_rig *rig, fp3_error *error) {
 
 /* How the roundings' error grows as a power of h, u being the unit of x: 2^-23 in binary32.
  *
- * Roundings of N = T/h steps: independent, they add up as sqrt(N), all in one direction, as N (Higham, Accuracy and
- * Stability of Numerical Algorithms, 2nd ed. 2002, section 2.8; Henrici 1962). x is a multiple of its unit, so what is
- * rounded is h f alone: independent from step to step only while it changes by a unit or more, h^2 |x''| > u.
+ * Roundings of N = T/h steps: independent, they add up as sqrt(N), all in one direction, as N
+ * (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. 2002, section 2.8; Henrici
+ * 1962). x is a multiple of its unit, so what is rounded is h f alone: independent from step to
+ * step only while it changes by a unit or more, h^2 |x''| > u.
  *
- * Stoermer's recursion takes a rounding r of x for one of the velocity, r/h, and rounds h^2 x'', which changes by
- * h^3 x''' a step. Below h = u^(1/3) it passes all fractions of a unit evenly, so roundings cancel, but where x''' = 0:
- * there, over sqrt(2 u)/h^2 steps, all are alike. (u/h) sqrt(u)/h^2 goes with h^-3. Cut off, each is -u/2 in the mean,
- * as an acceleration of u/(2 h^2). Of logarithms both are as large, and there is no power. */
+ * Stoermer's recursion takes a rounding r of x for one of the velocity, r/h, and rounds h^2 x'',
+ * which changes by h^3 x''' a step. Below h = u^(1/3) it passes all fractions of a unit evenly, so
+ * roundings cancel, but where x''' = 0: there, over sqrt(2 u)/h^2 steps, all are alike. (u/h)
+ * sqrt(u)/h^2 goes with h^-3. Cut off, each is -u/2 in the mean, as an acceleration of u/(2 h^2).
+ * Of logarithms both are as large, and there is no power. */
 static double power_of_roundings(const curve *c, unsigned from) {
     double both[RIGHT];
     if (c->trial->run->kind == FP3_STOERMER)
@@ -219,9 +222,10 @@ static double power_of_roundings(const curve *c, unsigned from) {
     return fp3_trial_slope(c->h + from, both, RIGHT);
 }
 
-/* With few bits there are few steps between the method's error and those that are too short, and the slope over so few is chance.
- * So it is the size that is judged. An update that is off by e of x leaves e x cos(t) of it in the end, or of v e v sin(t):
- * squares of all of these are 1/4 in the mean. The errors of h and of coefficients, which are as large, are taken away: */
+/* With few bits there are few steps between the method's error and those that are too short, and
+ * the slope over so few is chance. So it is the size that is judged. An update that is off by e of
+ * x leaves e x cos(t) of it in the end, or of v e v sin(t): squares of all of these are 1/4 in the
+ * mean. The errors of h and of coefficients, which are as large, are taken away: */
 static fp3_status error_of_roundings(const curve *c, fp3_rig *rig, unsigned rung, double *off,
                                      fp3_error *error) {
     const uint64_t steps = (uint64_t)c->steps[rung];
@@ -237,7 +241,8 @@ static fp3_status error_of_roundings(const curve *c, fp3_rig *rig, unsigned rung
     return status;
 }
 
-/* The last rung that is what is said above: of Stoermer's method cut off, while the error is small. */
+/* The last rung that is what is said above: of Stoermer's method cut off, while the error is small.
+ */
 static unsigned last_of_roundings(const curve *c) {
     const int is_stoermer = c->trial->run->kind == FP3_STOERMER;
     unsigned last = c->count - 1;

@@ -66,7 +66,8 @@ static double growth_of_splitting(const fp3_integrator *integrator, double k, do
     return radius(m);
 }
 
-/* v by the method while x stays: v1 = R v - phi k x with phi = (R(-c) - 1)/(-c); then x1 = x + v1. */
+/* v by the method while x stays: v1 = R v - phi k x with phi = (R(-c) - 1)/(-c); then x1 = x + v1.
+ */
 static double growth_of_late(const double *coefficients, unsigned degree, double k, double c) {
     double phi = 0;
     for (unsigned j = degree; j >= 1; j--)
@@ -112,7 +113,8 @@ static int is_matrix(const fp3_integrator *integrator) {
            integrator->is_position_late;
 }
 
-/* Where growth first exceeds most. A rational R tends to a limit, which FAR_RATIONAL is as good as. */
+/* Where growth first exceeds most. A rational R tends to a limit, which FAR_RATIONAL is as good as.
+ */
 static double first(const fp3_integrator *integrator, double angle, double most, double at) {
     const int is_rational = integrator->kind == FP3_ROSENBROCK;
     double apart = SCAN;

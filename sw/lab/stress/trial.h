@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* trial.h - what the parts of the suite share: what is asked for, an integrator on trial, a lab for a text. */
+/* trial.h - what the parts of the suite share: what is asked for, an integrator on trial, a lab for
+ * a text. */
 #ifndef FP3_STRESS_TRIAL_H
 #define FP3_STRESS_TRIAL_H
 
@@ -13,8 +14,8 @@ typedef struct {
     const char *section;            /* only this one; NULL: all */
     void (*say)(void *user, const char *section, const char *what); /* what is done now; or NULL */
     void *say_user;
-    /* To see that it is noticed: what runs instead of an integrator, whose theory stays that of its table;
-     * or NULL. */
+    /* To see that it is noticed: what runs instead of an integrator, whose theory stays that of its
+     * table; or NULL. */
     void (*spoil)(fp3_integrator *integrator);
 } fp3_stress_options;
 
@@ -38,11 +39,13 @@ fp3_status fp3_rig_open(const fp3_trial *trial, const char *text,
 void fp3_rig_close(fp3_rig *rig);
 /* Whether an arithmetic is tried: if it was asked for, or nothing was and it is not left out. */
 int fp3_trial_tries(const fp3_trial *trial, const fp3_lab_arithmetic *arithmetic, int is_left_out);
-/* Whether a rig was refused because a program in double-single, which is long, does not fit the configuration. */
+/* Whether a rig was refused because a program in double-single, which is long, does not fit the
+ * configuration. */
 int fp3_trial_has_no_room(const fp3_lab_arithmetic *arithmetic, fp3_status status);
 
-/* The steps of an object of a rig in double, by the table as it is: rows of all states. Coefficients, h and params are
- * those of the program (in double-single of a plain one), rounded as its numbers are, or as they are. */
+/* The steps of an object of a rig in double, by the table as it is: rows of all states.
+ * Coefficients, h and params are those of the program (in double-single of a plain one), rounded as
+ * its numbers are, or as they are. */
 typedef enum { FP3_TRIAL_ROUNDED, FP3_TRIAL_UNROUNDED } fp3_trial_numbers;
 fp3_status fp3_trial_exact(const fp3_trial *trial, fp3_rig *rig, fp3_trial_numbers numbers,
                            size_t object, double h, const uint64_t *steps, size_t count,

@@ -20,7 +20,8 @@ typedef struct {
     char model[64], integrator[64], arithmetic[32]; /* "": none */
     fp3_comparison relation;
     double expected, measured, tolerance;
-    /* Of the caller: what was measured beside it that explains a figure that is off; else NULL or "". */
+    /* Of the caller: what was measured beside it that explains a figure that is off; else NULL or
+     * "". */
     const char *because;
     /* Of fp3_verdicts_add. */
     int holds;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* bsimp.c - states that a step moves far are shifted away from 0.
  *
- * GSL's bsimp takes a step for unstable if a state becomes many times what it was. So it would hardly leave a point at which one
- * is 1e-18, as right after an event at 0. What a step adds to such a state is what its sum with the shift is rounded to.
+ * GSL's bsimp takes a step for unstable if a state becomes many times what it was. So it would
+ * hardly leave a point at which one is 1e-18, as right after an event at 0. What a step adds to
+ * such a state is what its sum with the shift is rounded to.
  */
 #include "bsimp.h"
 

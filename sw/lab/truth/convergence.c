@@ -255,7 +255,8 @@ static void measure(const fp3_ladder *l, unsigned order, fp3_convergence *c) {
         c->finest_order = slope(l, c->method, from, to);
 }
 
-/* Those that an error is looked for after, and the eight of a truth; returns how many, and eight[j] is the place of look j. */
+/* Those that an error is looked for after, and the eight of a truth; returns how many, and eight[j]
+ * is the place of look j. */
 static size_t list_looks(const fp3_ladder *l, unsigned rung, uint64_t *steps, size_t *eight) {
     const uint64_t every = fp3_path_every(l->steps[rung]);
     size_t count = 0;
@@ -280,7 +281,8 @@ static double largest_of(const fp3_ladder *l, unsigned rung, const uint64_t *ste
     return worst;
 }
 
-/* Room for the looks at a run; the most there are: up to 2,047, and those of the eight that are beside them. */
+/* Room for the looks at a run; the most there are: up to 2,047, and those of the eight that are
+ * beside them. */
 typedef struct {
     uint64_t *steps;
     float *first, *low;

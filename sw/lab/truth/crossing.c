@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* crossing.c - the time of an event or a turn by bisection, as far as double can tell two times apart. */
+/* crossing.c - the time of an event or a turn by bisection, as far as double can tell two times
+ * apart. */
 #include "crossing.h"
 
 #include "path.h"
@@ -43,7 +44,8 @@ void fp3_crossing_close(fp3_crossing *c) {
 
 static size_t bytes(const fp3_crossing *c) { return c->model->state_count * sizeof(double); }
 
-/* Whether an event happens here, in a step that has begun at t0 with c->from, or in none (NAN); c->next are the states after it. */
+/* Whether an event happens here, in a step that has begun at t0 with c->from, or in none (NAN);
+ * c->next are the states after it. */
 static int happens(const fp3_crossing *c, double t0, double t, const double *y) {
     const fp3_point before = {.states = c->from, .params = c->params, .t = t0};
     memcpy(c->next, y, bytes(c));

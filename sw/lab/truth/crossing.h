@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* crossing.h - where in a step of a solution an event happens, and what it makes of the states; and where a switch turns.
+/* crossing.h - where in a step of a solution an event happens, and what it makes of the states; and
+ * where a switch turns.
  *
- * An event happens at the first time at which firing all events changes a state or stops the object. One that is true and
- * changes nothing, as a switch that is off already, does not happen.
+ * An event happens at the first time at which firing all events changes a state or stops the
+ * object. One that is true and changes nothing, as a switch that is off already, does not happen.
  */
 #ifndef FP3_CROSSING_H
 #define FP3_CROSSING_H
@@ -44,7 +45,8 @@ int fp3_crossing_start(fp3_crossing *c, double *y);
 const fp3_event *fp3_crossing_of(const fp3_model *model, const double *params, double t,
                                  const double *y, double *values);
 /* A step has come from time t0 and the states c->from to *t and y. If an event happens or a switch
- * turns on the way, they become those right after it, and *is_found is 1. Returns GSL's codes, or one of those above. */
+ * turns on the way, they become those right after it, and *is_found is 1. Returns GSL's codes, or
+ * one of those above. */
 int fp3_crossing_find(fp3_crossing *c, double t0, double *t, double *y, int *is_found);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* orbit.h - one way of an object from time 0 to an end, by a method of GSL's, with its events and the turns of its equations. */
+/* orbit.h - one way of an object from time 0 to an end, by a method of GSL's, with its events and
+ * the turns of its equations. */
 #ifndef FP3_TRUTH_ORBIT_H
 #define FP3_TRUTH_ORBIT_H
 
@@ -11,7 +12,8 @@
 /* Beside GSL's own codes and those of crossing.h: the model is stiff. */
 enum { FP3_ORBIT_STIFF = 2000 };
 
-/* The estimated error of a step may be tolerance (|y| + slope h |y'| + floor S), S being the size of a state. */
+/* The estimated error of a step may be tolerance (|y| + slope h |y'| + floor S), S being the size
+ * of a state. */
 typedef struct {
     const gsl_odeiv2_step_type *step;
     const gsl_odeiv2_step_type *within; /* for parts of a step: needs no step before it */
@@ -35,8 +37,9 @@ typedef struct {
     fp3_path *path; /* NULL: only the states at the times are of interest */
 } fp3_orbit;
 
-/* The states at each time become a row of rows. sizes: of each state. path: NULL, or where to keep how it goes. Returns GSL's codes,
- * those of crossing.h, or FP3_ORBIT_STIFF: steps have long been limited by stability. */
+/* The states at each time become a row of rows. sizes: of each state. path: NULL, or where to keep
+ * how it goes. Returns GSL's codes, those of crossing.h, or FP3_ORBIT_STIFF: steps have long been
+ * limited by stability. */
 int fp3_orbit_go(fp3_orbit *o, const fp3_method *how, double tolerance, const double *sizes,
                  double *rows, fp3_path **path);
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* path.c - polynomials between the steps of a solution, each as long as it may be.
  *
- * One of degree 7 goes through four points and has their slopes, which begin as those of three steps. Where it
- * misses the solution in the middle of the longest step, each step gets its own, with points at their thirds: one, or more if the
- * step is so long that one misses the solution. Two neighbours become one if that goes through the points that it leaves out.
+ * One of degree 7 goes through four points and has their slopes, which begin as those of three
+ * steps. Where it misses the solution in the middle of the longest step, each step gets its own,
+ * with points at their thirds: one, or more if the step is so long that one misses the solution.
+ * Two neighbours become one if that goes through the points that it leaves out.
  */
 #include "path.h"
 
@@ -20,7 +21,9 @@
 #define TERMS (2 * POINTS)
 #define SHARES_MOST 4096 /* of a step */
 #define TWICE 2          /* a neighbour more than so many times as long stays by itself */
-#define NO_STEP 1e-14 /* an event so close behind the step before, relative to the time, is at it */
+#define NO_STEP                                                                                    \
+    1e-14 /* an event so close behind the step before, relative to the time, is at it              \
+           */
 
 /* A part without events or turns of the equations. */
 typedef struct {
@@ -28,8 +31,8 @@ typedef struct {
     int is_event; /* it begins with one */
 } piece;
 
-/* A polynomial is a row: the times of its points, then states and slopes of one point after the other; in the end, of all states,
- * the coefficients of Newton's form. */
+/* A polynomial is a row: the times of its points, then states and slopes of one point after the
+ * other; in the end, of all states, the coefficients of Newton's form. */
 struct fp3_path {
     size_t states, width; /* of a row */
     double *rows;
@@ -138,8 +141,8 @@ static double product(const double *row, double t) {
     return product * product;
 }
 
-/* How far it is from y at a time, as a multiple of NEAR; so its error is told where it is largest: near the middle between
- * two points. */
+/* How far it is from y at a time, as a multiple of NEAR; so its error is told where it is largest:
+ * near the middle between two points. */
 static double miss(const fp3_path *p, const double *row, double t, const double *y) {
     double most = 0, worst = 0;
     for (unsigned i = 0; i + 1 < POINTS; i++)

@@ -113,8 +113,8 @@ static void join_words(const fp3_step *b, double *known, double *start) {
             start[i] = 0;
 }
 
-/* start: of each variable; it is overwritten. states: in row i, of each state of the model that is a
- * variable, its value after steps[i] steps. Where not all is rounded, estimates are what they
+/* start: of each variable; it is overwritten. states: in row i, of each state of the model that is
+ * a variable, its value after steps[i] steps. Where not all is rounded, estimates are what they
  * estimate. */
 static fp3_status run_from(const fp3_step *b, const fp3_config *config, const double *params,
                            double h, rounding rounding, double *start, const uint64_t *steps,
@@ -154,7 +154,8 @@ static fp3_status run_from(const fp3_step *b, const fp3_config *config, const do
     return status;
 }
 
-/* IEEE 754 rounds to nearest, unless words are no floats: then the configuration does it in its way. Its inverses are its own. */
+/* IEEE 754 rounds to nearest, unless words are no floats: then the configuration does it in its
+ * way. Its inverses are its own. */
 static fp3_status run(const fp3_compilation *k, const double *params, const double *initial,
                       double h, rounding rounding, const uint64_t *steps, size_t count,
                       double *states, double *low, fp3_error *error) {

@@ -40,7 +40,8 @@ static fp3_point point_of(const fp3_slopes *s, double t, const double y[]) {
     return (fp3_point){.states = y, .params = s->params, .initial = s->initial, .t = t};
 }
 
-/* What a switch keeps out may have no value beyond it, as the root of max(x, 0): there nothing is held. */
+/* What a switch keeps out may have no value beyond it, as the root of max(x, 0): there nothing is
+ * held. */
 int fp3_slopes_of(double t, const double y[], double dydt[], void *slopes) {
     const fp3_slopes *s = slopes;
     const fp3_point point = point_of(s, t, y);

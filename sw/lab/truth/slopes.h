@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* slopes.h - the equations of an object as GSL takes them: the derivatives of its states, and theirs.
+/* slopes.h - the equations of an object as GSL takes them: the derivatives of its states, and
+ * theirs.
  *
  *     fp3_slopes slopes;
  *     if (!fp3_slopes_open(&slopes, model, params, initial, 20, error))
@@ -23,7 +24,8 @@ typedef struct {
     fp3_differentiated partial; /* made by the first call of fp3_slopes_jacobian */
 } fp3_slopes;
 
-/* For times from 0 to end. Errors as of fp3_switches_open. The caller closes, after a failure too. */
+/* For times from 0 to end. Errors as of fp3_switches_open. The caller closes, after a failure too.
+ */
 fp3_status fp3_slopes_open(fp3_slopes *s, const fp3_model *model, const double *params,
                            const double *initial, double end, fp3_error *error);
 void fp3_slopes_close(fp3_slopes *s);

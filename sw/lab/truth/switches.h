@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* switches.h - where the right-hand side of a model jumps or bends, so that its truth stops there.
  *
- * A comparison, min, max and abs of what changes with time is a switch: it has two sides. Between two turns every
- * switch is held to its side, so that what GSL integrates is smooth. The turns of a switch of t alone are
- * known before the integration begins (stops); those of states are looked for in each step (crossing.h).
+ * A comparison, min, max and abs of what changes with time is a switch: it has two sides. Between
+ * two turns every switch is held to its side, so that what GSL integrates is smooth. The turns of a
+ * switch of t alone are known before the integration begins (stops); those of states are looked for
+ * in each step (crossing.h).
  */
 #ifndef FP3_TRUTH_SWITCHES_H
 #define FP3_TRUTH_SWITCHES_H
@@ -22,8 +23,8 @@ typedef struct {
     int has_states; /* one depends on states: only looks in each step find its turns */
 } fp3_switches;
 
-/* For times from 0 to end, which may be below 0. FP3_E_ARGUMENT: switches of t turn too often. The caller closes, after a
- * failure too. */
+/* For times from 0 to end, which may be below 0. FP3_E_ARGUMENT: switches of t turn too often. The
+ * caller closes, after a failure too. */
 fp3_status fp3_switches_open(fp3_switches *s, const fp3_model *model, const double *params,
                              double end, fp3_error *error);
 void fp3_switches_close(fp3_switches *s);

@@ -31,9 +31,10 @@ typedef struct {
     double *guess, *other; /* of each state's size; rows of states, the other way */
 } orbit;
 
-/* Explicit: Prince and Dormand's order 8, and Cash and Karp's. Implicit: Bader and Deuflhard's extrapolation, and backward
- * differences. On stiff models small errors of a state may become large ones of another, or of itself once it has grown. So
- * the implicit ones have nearly a relative tolerance; h |y'| allows for a state that goes through 0. */
+/* Explicit: Prince and Dormand's order 8, and Cash and Karp's. Implicit: Bader and Deuflhard's
+ * extrapolation, and backward differences. On stiff models small errors of a state may become large
+ * ones of another, or of itself once it has grown. So the implicit ones have nearly a relative
+ * tolerance; h |y'| allows for a state that goes through 0. */
 static void choose(orbit *o, int is_stiff) {
     if (is_stiff) {
         o->how = (fp3_method){&fp3_step_bsimp, &fp3_step_bsimp, 1e-13, 1, 1e-6, 50000, 0};
@@ -169,7 +170,8 @@ static int is_stuck(int result) {
     return result && result != GSL_ENOMEM && result < FP3_CROSSING_STAYS;
 }
 
-/* Rounding may keep steps from a tolerance that is tight where a state is near 0: then its size counts for more. */
+/* Rounding may keep steps from a tolerance that is tight where a state is near 0: then its size
+ * counts for more. */
 static int go(orbit *o, const fp3_method *how, double *rows, fp3_path **path) {
     fp3_method with = *how;
     int result = fp3_orbit_go(&o->way, &with, how->tolerance, o->guess, rows, path);
@@ -182,7 +184,8 @@ static int go(orbit *o, const fp3_method *how, double *rows, fp3_path **path) {
     return result;
 }
 
-/* Where a state has no closed form; on a stiff model always, as a step of bsimp may be so long that it passes over a peak. */
+/* Where a state has no closed form; on a stiff model always, as a step of bsimp may be so long that
+ * it passes over a peak. */
 static fp3_status check_again(orbit *o, const double *rows, const fp3_path *path,
                               fp3_error *error) {
     const uint32_t count = o->eq.model->state_count;
@@ -203,8 +206,8 @@ static int is_final(int result) {
     return !result || result == FP3_ORBIT_STIFF || result == GSL_ENOMEM || result == GSL_EMAXITER;
 }
 
-/* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a stiff
- * model then explodes: with a tighter one it does not. */
+/* Sizes of a rough run. A state that stays far below its guess may be lost in the tolerance, and a
+ * stiff model then explodes: with a tighter one it does not. */
 static int find_sizes(orbit *o, double *rows) {
     const int first = fp3_orbit_go(&o->way, &o->how, ROUGH, o->guess, rows, NULL);
     int result = first;

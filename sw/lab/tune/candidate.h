@@ -5,7 +5,8 @@
 
 #include <fp3/compile.h>
 
-/* An integrator with an arithmetic, and fixed or adaptive steps, or fixed ones that are cut at events. */
+/* An integrator with an arithmetic, and fixed or adaptive steps, or fixed ones that are cut at
+ * events. */
 typedef struct {
     fp3_integrator *integrator;
     fp3_arithmetic arithmetic;
@@ -23,8 +24,8 @@ void fp3_candidate_free(fp3_candidate *candidate);
 fp3_status fp3_candidate_compile(fp3_candidate *candidate, const fp3_model *model,
                                  const char *config, fp3_error *error);
 
-/* For an object over so many steps, or attempts: a mean need not be whole. All contexts full; 0: not known
- * beforehand. */
+/* For an object over so many steps, or attempts: a mean need not be whole. All contexts full; 0:
+ * not known beforehand. */
 double fp3_candidate_cycles(const fp3_candidate *candidate, const char *config, double steps);
 
 #endif

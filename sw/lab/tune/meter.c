@@ -111,8 +111,8 @@ static fp3_status load(const measurement *k, const double *params, const double 
     return status || !is_timed(k->how) ? status : fp3_engine_wake(engine, 0, k->sample->count);
 }
 
-/* Gives an engine the program and its objects. *has_room: all their numbers have room in FP32; else they
- * have not all of them. */
+/* Gives an engine the program and its objects. *has_room: all their numbers have room in FP32; else
+ * they have not all of them. */
 static fp3_status start(const measurement *k, int *has_room, fp3_error *error) {
     double *params = calloc(k->sample->count * k->model->param_count + 1, sizeof *params);
     double *initial = calloc(k->sample->count * k->model->state_count + 1, sizeof *initial);
@@ -175,7 +175,8 @@ static fp3_status read_times(const measurement *k, uint64_t made) {
     return status ? status : add_named(k, "h_next", k->next, 1);
 }
 
-/* Then its time is the span: steps may end a little beside it, and one that has stopped stays as it is. */
+/* Then its time is the span: steps may end a little beside it, and one that has stopped stays as it
+ * is. */
 static int is_at_end(const measurement *k, size_t object, uint64_t made) {
     if (!is_timed(k->how))
         return made == k->how->steps;
@@ -183,7 +184,8 @@ static int is_at_end(const measurement *k, size_t object, uint64_t made) {
            (k->next[object] == 0 && signbit(k->next[object]));
 }
 
-/* After so many steps, or attempts; those that have made none since the look before are not looked at again. */
+/* After so many steps, or attempts; those that have made none since the look before are not looked
+ * at again. */
 static fp3_status look_at(const measurement *k, uint64_t made, double *worst) {
     const fp3_sample *s = k->sample;
     fp3_status status = read_times(k, made);

@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-/* Of an LFE5U-85F of speed grade 6, placed: LUT4 and MHz of docs/synth.json and docs/arithmetic.md, with which tests/tune
- * compares them. */
+/* Of an LFE5U-85F of speed grade 6, placed: LUT4 and MHz of docs/synth.json and docs/arithmetic.md,
+ * with which tests/tune compares them. */
 typedef struct {
     const char *config;
     int luts;

@@ -22,8 +22,8 @@ uint32_t fp3_sample_ranges(const fp3_params *params);
 void fp3_sample_open(fp3_sample *sample, const fp3_model *model, double span);
 void fp3_sample_close(fp3_sample *sample);
 
-/* Adds the object that lies at these shares, one for each range: 0 its first, 1 its last value. Parameters
- * and start are FP32 numbers. FP3_E_FAILED: it has no truth. */
+/* Adds the object that lies at these shares, one for each range: 0 its first, 1 its last value.
+ * Parameters and start are FP32 numbers. FP3_E_FAILED: it has no truth. */
 fp3_status fp3_sample_add(fp3_sample *sample, const fp3_program *program, const fp3_params *params,
                           const double *shares, fp3_error *error);
 /* Takes all objects of another one, which then has none. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* search.c - see search.h.
  *
- * The error falls with the power of the order until rounding stops it. So a look tells about how many steps
- * the target needs; what is left is bracketed and divided.
+ * The error falls with the power of the order until rounding stops it. So a look tells about how
+ * many steps the target needs; what is left is bracketed and divided.
  */
 #include "search.h"
 
@@ -31,8 +31,8 @@ typedef struct {
     double most_attempts; /* of steps that are cut */
 } seeker;
 
-/* h is rounded to FP32, so that most numbers of steps end beside the span. Of the numbers from the first to the last, the
- * first that ends at it, or the one that ends nearest. */
+/* h is rounded to FP32, so that most numbers of steps end beside the span. Of the numbers from the
+ * first to the last, the first that ends at it, or the one that ends nearest. */
 static uint64_t find_end(const seeker *s, uint64_t first, uint64_t last) {
     const fp3_sample *sample = s->search->sample;
     uint64_t best = first;
@@ -104,7 +104,8 @@ static uint64_t most_below(const seeker *s, double limit) {
     return low;
 }
 
-/* The most steps that are of interest; 0: not even the fewest. What is cut makes attempts beside them. */
+/* The most steps that are of interest; 0: not even the fewest. What is cut makes attempts beside
+ * them. */
 static uint64_t find_most(const seeker *s) {
     const uint64_t most = most_below(s, fmin(s->search->dearest, s->search->cheaper));
     return most ? tidy(s, (double)most) : 0;
@@ -149,7 +150,8 @@ static fp3_status climb(const seeker *s, uint64_t most, uint64_t *low, uint64_t 
     return status;
 }
 
-/* From the most steps that are of interest downwards, as far as rounding may be what stands in the way. */
+/* From the most steps that are of interest downwards, as far as rounding may be what stands in the
+ * way. */
 static fp3_status descend(const seeker *s, uint64_t most, uint64_t *high) {
     double error = INFINITY;
     fp3_status status = FP3_OK;

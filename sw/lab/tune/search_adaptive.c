@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* search_adaptive.c - the tolerance of adaptive steps that meets a target.
  *
- * Over the span, errors are about proportional to the tolerance of a step: the estimate is of the order of the
- * error that steps add up to. The loosest one that meets the target costs the least.
+ * Over the span, errors are about proportional to the tolerance of a step: the estimate is of the
+ * order of the error that steps add up to. The loosest one that meets the target costs the least.
  */
 #include "search.h"
 
@@ -108,7 +108,8 @@ static int is_hopeless(const seeker *s, const point *p) {
                HOPELESS * s->most;
 }
 
-/* Tighter, from one that fails. *tight then is good, or out of reach; or there is none: nothing helps. */
+/* Tighter, from one that fails. *tight then is good, or out of reach; or there is none: nothing
+ * helps. */
 static fp3_status tighten(seeker *s, point *loose, point *tight, int *is_found) {
     fp3_status status = FP3_OK;
     unsigned idle = 0;
@@ -194,8 +195,8 @@ static double size_of(const fp3_sample *sample, uint32_t state) {
     return sum / (double)sample->count;
 }
 
-/* The smallest state asks for an `absolute` that larger ones are slow with where they cross 0. Which one costs the
- * least is not known beforehand. */
+/* The smallest state asks for an `absolute` that larger ones are slow with where they cross 0.
+ * Which one costs the least is not known beforehand. */
 static unsigned find_sizes(const fp3_sample *sample, double sizes[SIZES]) {
     double least = INFINITY, most = 0;
     for (uint32_t i = 0; i < sample->model->state_count; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out sample. */
+/* tune.c - see fp3/tune.h: candidates by candidate on what the choice has seen, then the held-out
+ * sample. */
 #include "search.h"
 #include "sensitivity.h"
 
@@ -112,7 +113,8 @@ static fp3_status check(const tuner *k) {
     return check_machine(def, k->error);
 }
 
-/* What no object may have, in the words of a run: a shared param that is spread, a name that there is not. */
+/* What no object may have, in the words of a run: a shared param that is spread, a name that there
+ * is not. */
 static fp3_status check_values(const tuner *k) {
     int is_spread;
     float *values = calloc(k->def->program->compiled->input_count + 1u, sizeof *values);
@@ -265,8 +267,8 @@ static const fp3_tune_row *plain_of(const tuner *k, size_t i) {
     return &rows[j];
 }
 
-/* Where plain steps failed by far more than rounding, the method did: an arithmetic that rounds less and
- * costs more has fewer steps for the same cycles, and fails, too. */
+/* Where plain steps failed by far more than rounding, the method did: an arithmetic that rounds
+ * less and costs more has fewer steps for the same cycles, and fails, too. */
 static int is_the_method(tuner *k, size_t i, double target) {
     const fp3_arithmetic how = k->candidates[i].arithmetic;
     const fp3_tune_row *plain = plain_of(k, i);
@@ -321,7 +323,8 @@ static fp3_status try_all(tuner *k, fp3_steps_kind kind) {
     return status;
 }
 
-/* Adaptive steps first: they find what a stiff model needs, and fixed ones that cost more are not run. */
+/* Adaptive steps first: they find what a stiff model needs, and fixed ones that cost more are not
+ * run. */
 static fp3_status choose(tuner *k) {
     k->t->best = k->t->row_count;
     fp3_status status = try_all(k, ADAPTIVE);

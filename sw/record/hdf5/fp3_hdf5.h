@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fp3_hdf5.h - what fp3_hdf5.so provides: HDF5 files of tables, written and read, by libhdf5; and SHA-256, by Nettle.
+/* fp3_hdf5.h - what fp3_hdf5.so provides: HDF5 files of tables, written and read, by libhdf5; and
+ * SHA-256, by Nettle.
  *
- * It is a library of its own because libhdf5 brings 30 others along: linked with them, every start of the
- * command would take 14 ms longer, and a program could not be linked statically any more.
+ * It is a library of its own because libhdf5 brings 30 others along: linked with them, every start
+ * of the command would take 14 ms longer, and a program could not be linked statically any more.
  */
 #ifndef FP3_HDF5_H
 #define FP3_HDF5_H
@@ -35,12 +36,13 @@ typedef struct fp3_hdf5_sum fp3_hdf5_sum;
 
 typedef void fp3_hdf5_number_fn(void *user, const char *name, double value);
 
-/* Calls give 0, or -1 after a failure, which `why` explains. dataset: a number that add gave, in the order of the
- * calls from 0; or -1: the file. */
+/* Calls give 0, or -1 after a failure, which `why` explains. dataset: a number that add gave, in
+ * the order of the calls from 0; or -1: the file. */
 typedef struct {
     uint32_t version, size;
-    /* An existing file loses its contents. The first `front` bytes, 0 or a power of 2 from 512 on, are left to the caller: HDF5
-     * begins behind them. NULL: out of memory. After any other failure the next call fails. */
+    /* An existing file loses its contents. The first `front` bytes, 0 or a power of 2 from 512 on,
+     * are left to the caller: HDF5 begins behind them. NULL: out of memory. After any other failure
+     * the next call fails. */
     fp3_hdf5 *(*create)(const char *path, uint64_t front);
     int (*add)(fp3_hdf5 *file, const fp3_hdf5_table *table);
     int (*text)(fp3_hdf5 *file, int dataset, const char *name, const char *value);
@@ -52,8 +54,9 @@ typedef struct {
     const char *(*why)(const fp3_hdf5 *file, int *number);
     void (*close)(fp3_hdf5 *file);
 
-    /* Reading. An existing file, with the datasets of one or two dimensions of numbers that lie in it, by name; others
-     * are left out. Links to other files are not followed. NULL and failures as with create. */
+    /* Reading. An existing file, with the datasets of one or two dimensions of numbers that lie in
+     * it, by name; others are left out. Links to other files are not followed. NULL and failures as
+     * with create. */
     fp3_hdf5 *(*open)(const char *path);
     int (*count)(const fp3_hdf5 *file);
     /* name belongs to the file; chunks are not told. type: what has room for its numbers. */

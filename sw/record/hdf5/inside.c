@@ -27,7 +27,8 @@ hid_t fp3_hdf5_type_of(fp3_hdf5_type type) {
     return -1;
 }
 
-/* From the innermost call outwards: the first has the reason, and one may have an errno in its text. */
+/* From the innermost call outwards: the first has the reason, and one may have an errno in its
+ * text. */
 static herr_t note(unsigned depth, const H5E_error2_t *entry, void *user) {
     fp3_hdf5 *f = user;
     const char *number = strstr(entry->desc, "errno = ");
