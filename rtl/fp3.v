@@ -116,8 +116,9 @@ module fp3 #(
     wire [23:0]            req_addr;
     wire [31:0]            req_wdata;
     wire [`FP3_ANSWER_W*N-1:0] answers;
-    // From a number that is added to the last lane's list until a start is refused for it, beyond what the bus takes in any case.
-    localparam QUIET = SLEEP != 0 && (GROUPS > 1 || STORAGE != 0) ? GROUPS + LANES + TIMING_HALVE : 0;
+    // From a number that is added to a list until all lanes have reported the list's count: an access takes MEMORY_LATENCY,
+    // and a count passes from lane to lane, one cycle each. With one lane of 32 bits the bus itself takes longer.
+    localparam QUIET = SLEEP != 0 && (LANES > 1 || STORAGE != 0) ? MEMORY_LATENCY + LANES : 0;
     fp3_hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
         .clk_i(clk), .rst_i(rst),
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),

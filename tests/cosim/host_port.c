@@ -742,7 +742,8 @@ static void sleepers_are_skipped(bench *b) {
         must(b, "no whole word", FP3_ADDR_WHOLE, FP3_BANK_OBJECT_COUNT);
 }
 
-/* Bits below the fraction are no number: what only has such is 0. */
+/* Bits below the fraction are no number: what only has such is 0. The least number chooses, also
+ * where subnormal numbers are flushed (isa/isa.toml). Records of 16 bits cannot hold such words. */
 static void bits_below_the_fraction_are_0(bench *b) {
     const fp3_config *c = b->config;
     const uint32_t choose = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_SEL,
@@ -750,7 +751,8 @@ static void bits_below_the_fraction_are_0(bench *b) {
                                                                .a = FP3_BANK_SHARED_BASE,
                                                                .b = FP3_BANK_SHARED_BASE + 1,
                                                                .c = 1});
-    for (uint32_t is_one = 0; c->select && c->fraction < 23 && is_one < 2; is_one++) {
+    for (uint32_t is_one = 0; c->select && !c->storage && c->fraction < 23 && is_one < 2;
+         is_one++) {
         const uint32_t least = 1u << (23 - c->fraction);
         load(b, 1);
         must(b, "a choice", FP3_ADDR_WINDOW_PROGRAM + 4 * get(b, FP3_ADDR_STEP), choose);
@@ -759,16 +761,17 @@ static void bits_below_the_fraction_are_0(bench *b) {
         must(b, "what chooses", in_space(0, FP3_SPACE_OBJECTS, 1), is_one ? least : least - 1);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);
-        const uint32_t normal = is_one && c->subnormal ? 0x3f800000u : 0x40000000u;
-        want(b, "a choice by what is almost 0", in_space(0, FP3_SPACE_OBJECTS, 0), normal);
+        want(b, "a choice by what is almost 0", in_space(0, FP3_SPACE_OBJECTS, 0),
+             is_one ? 0x3f800000u : 0x40000000u);
     }
 }
 
-/* A list that got one number too many starts no run, also where the start follows at once. */
-static void an_overfull_list_does_not_start(bench *b) {
+/* A list that got one number too many starts no run, also where the start follows at once. Of the
+ * first lane, whose count has the longest way, and of the last. */
+static void an_overfull_list_does_not_start(bench *b, uint32_t lane) {
     enum { ROWS_MAX = 2048 };
     static fp3_rtl_word words[ROWS_MAX + 2];
-    const uint32_t rows = b->config->store_words / 8, lane = b->config->lanes - 1;
+    const uint32_t rows = b->config->store_words / 8;
     if (!b->config->sleep || rows > ROWS_MAX)
         return;
     for (uint32_t more = 0; more < 2; more++) {
@@ -802,7 +805,8 @@ static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *
     if (config->interleave)
         objects_stream(&quick);
     many_are_answered_in_order(&quick, 100);
-    an_overfull_list_does_not_start(&quick);
+    an_overfull_list_does_not_start(&quick, 0);
+    an_overfull_list_does_not_start(&quick, config->lanes - 1);
     sleepers_are_skipped(&quick);
     bits_below_the_fraction_are_0(&quick);
     a_run_has_one_outcome(&quick);

@@ -1,11 +1,11 @@
-"""Numbers with fewer fraction bits in configurations without a name: hardware and engine fast against engine isa."""
+"""Numbers with fewer fraction bits, and lanes that sleep, in configurations without a name: hardware and engine fast against engine isa."""
 
 import re
 import subprocess
 
 import pytest
 
-ROWS = {"odd": ("many_full", {"fraction": 18, "nearest": 0, "subnormal": 0}), "fused": ("many_full", {"fraction": 11, "fused": 1, "chain": 0}),
+ROWS = {"odd": ("many_full", {"fraction": 18, "nearest": 0, "subnormal": 0, "lanes": 3, "store_words": 2048}), "fused": ("many_full", {"fraction": 11, "fused": 1, "chain": 0}),
         "alone": ("single_fused", {"fraction": 18, "nearest": 0, "subnormal": 0})}
 
 
@@ -40,3 +40,9 @@ def test_comparisons_selections_and_estimates_have_their_bits(tree):
     """Of words whose low bits are not 0, too."""
     done = subprocess.run([tree / "chosen_values", "17"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and re.search(r"operands, \d{4,} results, .* 0 wrong", done.stdout), done.stdout + done.stderr
+
+
+def test_the_host_port_answers_everything(tree):
+    """Lists of several lanes, too: no named configuration has those and sleep."""
+    done = subprocess.run([tree / "host_port"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0 and re.fullmatch(r"\d{5,} transfers, 0 failed\n", done.stdout), done.stdout + done.stderr
