@@ -12,9 +12,8 @@
 
 #include <fp3/program.h>
 
-#define FP3_RUN_BOUND                                                                              \
-    1e-3 /* of errors relative to the size of a state, where no other is given                     \
-          */
+/* Of errors relative to the size of a state, where no other is given. */
+#define FP3_RUN_BOUND 1e-3
 
 /* Of --check and --strict. */
 typedef struct {

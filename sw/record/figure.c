@@ -20,9 +20,8 @@ enum {
     BELOW = 28
 };
 
-#define LEFT                                                                                       \
-    0.14 /* where data begin and end, as shares of the width: the legend is on the right           \
-          */
+/* Where data begin and end, as shares of the width: the legend is on the right. */
+#define LEFT 0.14
 #define RIGHT 0.82
 #define MARKS_MOST 40 /* points that are drawn as such, and not lines alone */
 

@@ -22,9 +22,8 @@
 #define BOUND 0.65     /* promised, in last places ... */
 #define INVERSE 0.95   /* ... of the inverse of a float */
 #define LEAVES 0x1p-12 /* of the line, in last places */
-#define DOUBLES                                                                                    \
-    0x1p-24 /* lost by doubles, likewise: values are below 2^29 last places, and each operation    \
-               loses 2^-53 */
+/* Lost by doubles, likewise: values are below 2^29 last places, and each operation loses 2^-53. */
+#define DOUBLES 0x1p-24
 
 typedef struct {
     mpfr_t x, y, z, ln2;

@@ -15,9 +15,8 @@
 #define TOLERANCE_LEAST_COMPENSATED 0x1p-27
 #define TOLERANCE_LEAST_DOUBLE 0x1p-40 /* below that the estimate, in floats, is all rounding */
 #define LOCATE_LEAST 0x1p-45           /* of the end: t has 48 bits */
-#define ABSOLUTE_LEAST                                                                             \
-    0x1p-100 /* its reciprocal, squared with an error of its size, is in range                     \
-              */
+/* Its reciprocal, squared with an error of its size, is in range. */
+#define ABSOLUTE_LEAST 0x1p-100
 
 static fp3_status check_tolerance(double tolerance, const fp3_options *options, fp3_error *error) {
     const double least = options->arithmetic == FP3_DOUBLE_SINGLE ? TOLERANCE_LEAST_DOUBLE

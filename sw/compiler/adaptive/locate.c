@@ -7,23 +7,22 @@
 
 #include <inttypes.h>
 
-#define FINE                                                                                       \
-    0x1p-4 /* of `locate`, within which a root is found by halves: so it is hardly late as a rule  \
-            */
-#define FINEST 0x1p-21 /* of the step: two that are closer may be neighbours in FP32 */
-#define LEAVE                                                                                      \
-    0x1p-10 /* likewise, in double-single: then the search goes on from the end that is before the \
-               event */
-#define SHORT                                                                                      \
-    0x1p-1 /* of what is near enough: so much before the root that a line tells the next attempt   \
-              ends, */
-#define BEYOND 0x1p-4 /* or so much behind it */
-#define GAIN                                                                                       \
-    0.75 /* the next end is nearer to this one than other ends are, by this at least: else the     \
-            middle is next */
-#define MIDDLE                                                                                     \
-    (0.5 +                                                                                         \
-     0x1p-24) /* of the sum of both ends: between neighbours it is not the first of them again */
+/* A root is found by halves to within this share of `locate`: as a rule the event is hardly late.
+ */
+#define FINE 0x1p-4
+/* Of the step: two ends that are closer may be neighbours in FP32. */
+#define FINEST 0x1p-21
+/* Likewise, in double-single: then the search goes on from the end that is before the event. */
+#define LEAVE 0x1p-10
+/* Of what is near enough: where a line says that the root is, the next attempt ends this much
+ * before it, or BEYOND behind it. */
+#define SHORT 0x1p-1
+#define BEYOND 0x1p-4
+/* An end is a gain if it is nearer to this one by this factor; else the next attempt ends in the
+ * middle. */
+#define GAIN 0.75
+/* Of the sum of both ends. Between neighbours this is not the first of them again. */
+#define MIDDLE (0.5 + 0x1p-24)
 #define NOTHING 0x1p-126 /* of a root, but a divisor */
 #define WRONG 0x1p6      /* the event is not where it was said to be, so close before that end */
 

@@ -61,9 +61,8 @@ typedef struct {
  * Turns come FP3_TURNS_BESIDE at a time; the last of them may be padding. */
 #define FP3_TURN_HEAD 3 /* words */
 #define FP3_TURN_SAME 1 /* all with the same fields */
-#define FP3_TURN_PLAIN                                                                             \
-    2 /* of the first of them: in all every object has a neighbour, from base on, with the same    \
-         fields */
+/* Of the first of them: in all every object has a neighbour, from base on, with the same fields. */
+#define FP3_TURN_PLAIN 2
 #define FP3_TURN_TAKES 16 /* from this bit on: a bit for each lane that has a neighbour */
 #define FP3_TURNS_BESIDE 3
 typedef struct {

@@ -24,10 +24,10 @@
 #define RUNGS_AFTER 20 /* beyond the first time step that solves it: 1,024 times as many steps */
 #define SOLVED 0.1     /* ... if the error was once below this */
 #define ERROR_MOST 0.5
-#define HARDWARE_MOST 6e5 /* instructions of such runs of a family on one configuration */
-#define FAR                                                                                        \
-    4 /* ... of which another on the same configuration takes so many times fewer: no run          \
-       */
+/* Instructions of such runs of a family on one configuration. A run is left out if another one on
+ * the same configuration takes FAR times fewer. */
+#define HARDWARE_MOST 6e5
+#define FAR 4
 #define CUTS_MOST 4096 /* attempts to find events, beside steps */
 #define PACES_MOST 48
 

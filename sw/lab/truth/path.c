@@ -21,9 +21,8 @@
 #define TERMS (2 * POINTS)
 #define SHARES_MOST 4096 /* of a step */
 #define TWICE 2          /* a neighbour more than so many times as long stays by itself */
-#define NO_STEP                                                                                    \
-    1e-14 /* an event so close behind the step before, relative to the time, is at it              \
-           */
+/* An event so close behind the step before, relative to the time, is at it. */
+#define NO_STEP 1e-14
 
 /* A part without events or turns of the equations. */
 typedef struct {
