@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3: the field-programmable physics processor.
 //
-// Purpose   Integrates equations of motion. A host loads a program and objects over an AXI4-Lite bus
-//           and starts a run of N steps; docs/architecture.md says how the parts work together.
+// Purpose   Integrates equations of motion. A host loads a program and objects over an AXI4-Lite
+//           bus and starts a run of N steps; docs/architecture.md says how the parts work together.
 //
 //           bus ──► axi_lite ──► hub ──► solo                     one object, STORE_WORDS = 0
 //                                 └────► tile, tile ...           many, STORE_WORDS > 0
@@ -23,7 +23,8 @@ module fp3 #(
 `include "config/derived.vh"
 // verilator lint_on UNUSEDPARAM
 ) (
-    // The bus: AXI4-Lite. The attributes say what Vivado cannot tell from a port's name; each top has them, too.
+    // The bus: AXI4-Lite. The attributes say what Vivado cannot tell from a port's name; each top
+    // has them, too.
     (* X_INTERFACE_INFO = "xilinx.com:signal:clock:1.0 s_axi_aclk CLK" *)
     (* X_INTERFACE_PARAMETER = "XIL_INTERFACENAME s_axi_aclk, ASSOCIATED_BUSIF s_axi, ASSOCIATED_RESET s_axi_aresetn" *)
     input  wire                 s_axi_aclk,
@@ -58,8 +59,8 @@ module fp3 #(
     output wire [16*TILES*SCHEDULERS*(DUAL+1)-1:0]       issue_pc_o,
     output wire [16*TILES*SCHEDULERS*(DUAL+1)-1:0]       issue_context_o,
     output wire [32*TILES*SCHEDULERS*(DUAL+1)-1:0]       issue_word_o,
-    // Trace: an instruction ends (0: none; 1: the context has no object; 2: it sleeps; 3: executed) and
-    // its result is written
+    // Trace: an instruction ends (0: none; 1: the context has no object; 2: it sleeps; 3: executed)
+    // and its result is written
     output wire [2*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0]  retire_end_o,
     output wire [TILES*SCHEDULERS*LANES*(DUAL+1)-1:0]    retire_valid_o,
     output wire [16*TILES*SCHEDULERS*LANES*(DUAL+1)-1:0] retire_context_o,
@@ -116,8 +117,9 @@ module fp3 #(
     wire [23:0]            req_addr;
     wire [31:0]            req_wdata;
     wire [`FP3_ANSWER_W*N-1:0] answers;
-    // From a number that is added to a list until all lanes have reported the list's count: an access takes MEMORY_LATENCY,
-    // and a count passes from lane to lane, one cycle each. With one lane of 32 bits the bus itself takes longer.
+    // From a number that is added to a list until all lanes have reported the list's count: an
+    // access takes MEMORY_LATENCY, and a count passes from lane to lane, one cycle each. With one
+    // lane of 32 bits the bus itself takes longer.
     localparam QUIET = SLEEP != 0 && (LANES > 1 || STORAGE != 0) ? MEMORY_LATENCY + LANES : 0;
     fp3_hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
         .clk_i(clk), .rst_i(rst),
@@ -129,8 +131,8 @@ module fp3 #(
     assign irq = irq_q;
     wire unused = &{s_axi_awprot, s_axi_arprot};
 
-    // What has no width in one of these breaks a rule, too. Tools that met it first would end before they name the rule (Verilator: with an
-    // internal error).
+    // What has no width in one of these breaks a rule, too. Tools that met it first would end
+    // before they name the rule (Verilator: with an internal error).
     genvar t;
     generate
         if (INTERLEAVE == 0) begin : g_one

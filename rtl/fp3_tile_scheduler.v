@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the arithmetic.
+// fp3_tile_scheduler: one scheduler with its lanes, seen by the host. Everything but the
+// arithmetic.
 //
 // Purpose   The parts of one program: the host port, the sequencer and the lanes that follow it,
 //           each group of four a cycle after the group before.
@@ -8,9 +9,9 @@
 //                            ▲                           │
 //                            └──────── reports ◄─────────┘
 //
-// Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says; adds_o and
-//           muls_o ask for a unit two cycles before the first lane says the instruction, five before its
-//           operands.
+// Latency   See sequencer, lane and host_port. Operands leave and results arrive as lane says;
+//           adds_o and muls_o ask for a unit two cycles before the first lane says the instruction,
+//           five before its operands.
 // Hazard    Operands without a grant do not reach the arithmetic. The host accesses lanes, and
 //           writes the program, only between runs.
 `default_nettype none
@@ -65,8 +66,8 @@ module fp3_tile_scheduler #(
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
 
-    // Where records have 16 bits a word for one is rounded before it goes to its lane, unless it is the word that is kept whole. Every access
-    // is delayed by the same time.
+    // Where records have 16 bits a word for one is rounded before it goes to its lane, unless it is
+    // the word that is kept whole. Every access is delayed by the same time.
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS = settings;
     wire        late_access, late_write, late_whole;
@@ -92,8 +93,8 @@ module fp3_tile_scheduler #(
         end
     endgenerate
 
-    // Constants are in all lanes, and only there for reading; this copy is the host's. Who asks for one asks for
-    // nothing else until it is there.
+    // Constants are in all lanes, and only there for reading; this copy is the host's. Who asks for
+    // one asks for nothing else until it is there.
     wire [31:0] constant, lanes_answer;
     reg  [31:0] word_q;
     fp3_ram_registered #(.ADDR_W(REGISTER_W)) u_constants (.clk_i(clk_i),
@@ -113,7 +114,8 @@ module fp3_tile_scheduler #(
     assign access_lane    = by_lane ? late_address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
     assign access_address = late_address[STORE_W-1:0];
 
-    // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1 ------------
+    // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1
+    // ------------
     localparam ISSUES_W = `FP3_LANE_ISSUE_W, RETIRES_W = `FP3_LANE_RETIRE_W, REACHES_W = `FP3_REACH_W;
     wire [GROUPS:0]                 resets;
     wire [REACHES_W*(GROUPS+1)-1:0] reaches;

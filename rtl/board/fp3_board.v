@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_board: the processor behind a serial line, without any vendor's parts.
 //
-// Purpose   What a board's own top and the simulated board instantiate: all but clock, reset and pins.
+// Purpose   What a board's own top and the simulated board instantiate: all but clock, reset and
+//           pins.
 //
 //           line ◄──► uart_bridge ◄── AXI4-Lite ──► a named configuration (build/rtl/fp3_<name>.v)
 //
-// Use       Define FP3_TOP as the configuration's module, fp3_single if it is not defined; DIVISOR is the clock's
-//           frequency over the baud rate, rounded; ADDRESS_W is that of the configuration's ports.
+// Use       Define FP3_TOP as the configuration's module, fp3_single if it is not defined; DIVISOR
+//           is the clock's frequency over the baud rate, rounded; ADDRESS_W is that of the
+//           configuration's ports.
 // Hazard    rst_i is synchronous to clk_i; at power-up it is high for at least two cycles.
 `default_nettype none
 `ifndef FP3_TOP

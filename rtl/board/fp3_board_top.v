@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_board_top: what a board's pins see: clock, power-up reset, fp3_board and a light.
 //
-// Purpose   The top of every bitstream, and of the simulated board. Boards differ in their entries in
-//           boards/boards.toml, in their constraint files, and in the module board_clock of their family.
+// Purpose   The top of every bitstream, and of the simulated board. Boards differ in their entries
+//           in boards/boards.toml, in their constraint files, and in the module board_clock of
+//           their family.
 //
 //           clk_pin ─► board_clock ─► reset ─► fp3_board ◄─► uart_rxd, uart_txd
 //
-// Reset     The flip-flops of ready_q are 0 when the FPGA has been configured; four cycles after the clock is good
-//           the reset ends. There is no button: load the bitstream again.
+// Reset     The flip-flops of ready_q are 0 when the FPGA has been configured; four cycles after
+//           the clock is good the reset ends. There is no button: load the bitstream again.
 // Hazard    ready_q needs initial values at power-up, which FPGAs have; an ASIC has not.
 `default_nettype none
 module fp3_board_top #(

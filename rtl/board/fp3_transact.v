@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_transact: carries out a request as a master of AXI4-Lite, and keeps its answer.
 //
-// Purpose   The words of a request go to, or come from, addresses that grow by 4, one transfer after the other, until
-//           the bus answers one with an error. The store has those to write, or those that were read.
+// Purpose   The words of a request go to, or come from, addresses that grow by 4, one transfer
+//           after the other, until the bus answers one with an error. The store has those to write,
+//           or those that were read.
 // Latency   Three cycles for each word, plus the time of the bus.
 // Promise   A write with the sequence number of the last write is not executed again: it gets the
 //           first answer. After a read, it counts as a new write. An address with more bits than

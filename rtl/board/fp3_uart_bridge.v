@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_uart_bridge: a serial line as a master of AXI4-Lite.
 //
-// Purpose   Lets a host that has a serial port read and write words on the bus. docs/board.md has the packets.
+// Purpose   Lets a host that has a serial port read and write words on the bus. docs/board.md has
+//           the packets.
 //
 //           rxd ──► uart_rx ──► slip_rx ──► request_rx ─┐
 //           txd ◄── uart_tx ◄── slip_tx ◄── answer_tx ◄─┴─ transact ◄─► the bus

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_uart_rx: bytes from a serial line, 8N1 (a start bit, eight data bits with the lowest first, a stop bit).
+// fp3_uart_rx: bytes from a serial line, 8N1 (a start bit, eight data bits with the lowest first, a
+// stop bit).
 //
 // Purpose   Finds the start bit's falling edge, then samples the middle of each bit.
 // Latency   valid_o is high for one cycle, two to three cycles after the middle of the stop bit.
-// Promise   bad_o: the stop bit was low, so the byte is noise, a break, or of another baud rate. The next byte
-//           begins only after the line was high again, so a break of any length is one bad byte.
+// Promise   bad_o: the stop bit was low, so the byte is noise, a break, or of another baud rate.
+//           The next byte begins only after the line was high again, so a break of any length is
+//           one bad byte.
 // Hazard    The line cannot be stopped: a byte that is not taken in its cycle is lost.
 //
 //     rxd_i     ‾\_s_/b0\b1\b2\ ... b7\‾p‾|      one bit = DIVISOR cycles

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_uart_tx: bytes onto a serial line, 8N1 (a start bit, eight data bits with the lowest first, a stop bit).
+// fp3_uart_tx: bytes onto a serial line, 8N1 (a start bit, eight data bits with the lowest first, a
+// stop bit).
 //
 // Purpose   The other end of uart_rx.
-// Latency   The start bit begins in the cycle after a byte is taken; the next byte is taken when the stop bit is over.
-// Promise   txd_o comes straight from a flip-flop, so the line has no glitches; it is high when nothing is sent.
+// Latency   The start bit begins in the cycle after a byte is taken; the next byte is taken when
+//           the stop bit is over.
+// Promise   txd_o comes straight from a flip-flop, so the line has no glitches; it is high when
+//           nothing is sent.
 `default_nettype none
 module fp3_uart_tx #(
     parameter DIVISOR = 104            // clock cycles in a bit, >= 4

@@ -8,8 +8,8 @@
 //           answered with SLVERR. Requests with a bit of STREAM in their address are pipelined, up
 //           to one in each cycle. Any other request is alone: it waits until all requests before it
 //           are answered, and the next request waits for its answer.
-// Latency   One cycle from the handshakes of the address (and the data) to the request, one from the answer
-//           to bvalid or rvalid.
+// Latency   One cycle from the handshakes of the address (and the data) to the request, one from
+//           the answer to bvalid or rvalid.
 // Promise   Every transfer gets one response, in its channel's order. A read is answered even if
 //           the response to a write is not taken, and vice versa. If both wait, reads and writes
 //           alternate.
@@ -62,7 +62,8 @@ module fp3_axi_lite #(
     input  wire                 read_error_i,
     input  wire [31:0]          rdata_i
 );
-    // One transfer of each channel waits here; a channel is ready when the place is free, or becomes free.
+    // One transfer of each channel waits here; a channel is ready when the place is free, or
+    // becomes free.
     reg                 aw_q, w_q, ar_q;
     reg [ADDRESS_W-1:0] awaddr_q, araddr_q;
     reg [31:0]          wdata_q;

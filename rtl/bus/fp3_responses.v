@@ -5,8 +5,9 @@
 //           a place here before it is sent.
 // Latency   A response stands in the cycle after answered_i.
 // Promise   One response for each request, in the order of answered_i. It stays until it is taken.
-// Hazard    go_i needs room_o; each go_i has one answered_i, in its cycle or later. The last place but one taken, the last
-//           one goes only to a request in the next cycle: room_o is a register.
+// Hazard    go_i needs room_o; each go_i has one answered_i, in its cycle or later. The last place
+//           but one taken, the last one goes only to a request in the next cycle: room_o is a
+//           register.
 //
 //     cycle        0     1    ..    n    n+1   n+2
 //     go_i         1     0

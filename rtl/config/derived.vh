@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// derived.vh: what follows from the keys of a configuration. Part of a parameter list, behind the keys: of config.vh, and of
-// fp3, which has them as parameters of its own. Not to be set.
+// derived.vh: what follows from the keys of a configuration. Part of a parameter list, behind the
+// keys: of config.vh, and of fp3, which has them as parameters of its own. Not to be set.
 //
 // Lanes with the same control in the same cycle, and the number of such groups.
 parameter integer GROUP      = 4,
 parameter integer GROUPS     = (LANES + GROUP - 1) / GROUP,
-// Widths: of the number of a register, of a context (the constants are one more, or two), of a word of
-// program, of a word of store, of a row of store (a record has at least 8 words), of a lane; of a
-// register's number with its context's, and in a bank of sums or products.
+// Widths: of the number of a register, of a context (the constants are one more, or two), of a word
+// of program, of a word of store, of a row of store (a record has at least 8 words), of a lane; of
+// a register's number with its context's, and in a bank of sums or products.
 parameter integer REGISTER_W = $clog2(REGISTERS),
 parameter integer CONTEXT_W  = $clog2(CONTEXTS + 1 + DUAL),
 parameter integer PROGRAM_W  = $clog2(PROGRAM_WORDS),
@@ -20,7 +20,8 @@ parameter integer BANK_W     = REG_W - 1,
 parameter integer LENGTH_W   = 12,
 // Of the bundle AROUND (lane/around.vh).
 parameter integer AROUND_W   = NEIGHBOURS != 0 ? 6 + LENGTH_W + STORE_W : 1,
-// Bits of a word below the fraction, which arithmetic reads as 0; the others; which bits of a number, from this one up, say whether it is 0.
+// Bits of a word below the fraction, which arithmetic reads as 0; the others; which bits of a
+// number, from this one up, say whether it is 0.
 parameter integer BELOW        = 23 - FRACTION,
 parameter [31:0] KEPT         = 32'hffffffff << BELOW,
 parameter integer NONZERO_FROM = FINITE != 0 ? 23 : BELOW,
@@ -44,22 +45,26 @@ parameter integer MUL_SPARE = MUL_LATENCY -
      + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
 // With FUSED, from x and y to their exact product. Where contexts take turns, z comes then.
 parameter integer PRODUCT_LATENCY = MUL_LATENCY - (INTERLEAVE == 0 ? TIMING_SOLO_FUSED : 0),
-// Where contexts take turns, from operands to result; and as if all operands were read as soon as a sum's scaled one.
+// Where contexts take turns, from operands to result; and as if all operands were read as soon as a
+// sum's scaled one.
 parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
                                : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
 parameter integer LATENCY = UNIT_LATENCY + (DUAL != 0 ? TIMING_EARLY : 0),
-// In cycles: TO_RESULT from ISSUE to the result, ENDED from RETIRE to the result, TO_END from ISSUE to RETIRE.
+// In cycles: TO_RESULT from ISSUE to the result, ENDED from RETIRE to the result, TO_END from ISSUE
+// to RETIRE.
 parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
 parameter integer WIDENED   = STORAGE != 0 ? TIMING_WIDEN : 0,
 parameter integer ENDED     = DUAL != 0 ? TIMING_DUAL_END : TIMING_END + WIDENED,
 parameter integer TO_END    = TO_RESULT - ENDED,
-// Where records have 16 bits, from what the lanes are told of a store to the half that is stored; no instruction ends before.
+// Where records have 16 bits, from what the lanes are told of a store to the half that is stored;
+// no instruction ends before.
 parameter integer ROUNDED   = 2 * TIMING_MIX + 1 + TIMING_HALVE,
-// How much earlier they are told what it reads of the store: a word of a neighbour is then there beside the operands.
+// How much earlier they are told what it reads of the store: a word of a neighbour is then there
+// beside the operands.
 parameter integer AHEAD     = NEIGHBOURS != 0 ? TIMING_REACH : 0,
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
-// registers wait, once for all lanes, instead of values in each. Not where something is made of z and x, where
-// schedulers share an adder that z may want at once, or where z is what is read for y.
+// registers wait, once for all lanes, instead of values in each. Not where something is made of z
+// and x, where schedulers share an adder that z may want at once, or where z is what is read for y.
 parameter integer Z_LATE  = INTERLEAVE != 0 && (CHAIN != 0 || FUSED != 0) && VALUES == 0 && SCHEDULERS == 1 ? MUL_LATENCY : 0,
 // And: from an issue to the next one of the same context, at least; and from the last issue
 // of a round to its last report, through the lanes and back.

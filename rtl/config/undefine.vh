@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// undefine.vh: included at the end of each file that includes a bundle, so that no macro of ours reaches the next file.
+// undefine.vh: included at the end of each file that includes a bundle, so that no macro of ours
+// reaches the next file.
 `undef FP3_ACCESS
 `undef FP3_ACCESS_FIELDS
 `undef FP3_ACCESS_W

@@ -11,8 +11,8 @@
 // Modes     NEAREST = 0 truncates: overflow gives the largest finite number.
 //           SUBNORMAL = 0 reads subnormals as zeros of their sign. An exact sum that is not
 //           zero and below the smallest normal number gives a zero of its sign, UF and NX.
-//           FINITE = 1, with both of these, is the arithmetic of Cell's SPU: the largest exponent is a number's, overflow
-//           gives the largest number, and every zero result is +0.
+//           FINITE = 1, with both of these, is the arithmetic of Cell's SPU: the largest exponent
+//           is a number's, overflow gives the largest number, and every zero result is +0.
 //
 //     fp_add #(.CUTS(7'b001_0010)) u_add (.clk_i(clk_i), .sub_i(sub), .a_i(a), .b_i(b),
 //         .z_o(z), .flags_o(flags));              // two cycles later
@@ -98,8 +98,8 @@ module fp3_fp_add #(
         .q_o({big3, other3, e3, sticky3, close3, minus3, made3, sign3, invalid3}));
 
     // Add. The bits shifted out make the true difference slightly smaller than the computed one, by
-    // less than one unit in the last place. Rounding to nearest corrects that later; truncation borrows
-    // it here.
+    // less than one unit in the last place. Rounding to nearest corrects that later; truncation
+    // borrows it here.
     wire [S-1:0] sum3;
     wire         unused_carry;
     assign {sum3, unused_carry} = {1'b0, big3, 2'b00, 1'b1}

@@ -3,8 +3,8 @@
 //
 // Purpose   Chooses between those places and the near path in one four-way choice, so that
 //           no leading zeros are counted between the addition and the rounding.
-// Latency   As many cycles as CUTS has ones. The near path enters one cut later than the sum, at the
-//           choice.
+// Latency   As many cycles as CUTS has ones. The near path enters one cut later than the sum, at
+//           the choice.
 //
 //     sum 01.10..01 10, e 127  ->  1.10..10, exponent 127      (a tie goes to even)
 `default_nettype none

@@ -4,8 +4,8 @@
 // Purpose   Guarantees big >= little to the stages behind, without infinities and NaNs: such a
 //           result is made here, as a big operand to which 0 is added.
 // Latency   As many cycles as CUTS has ones.
-// Result    With special_o the result is big_o + little_o as it stands: the exponent is e_o, and the bit
-//           that is the hidden one elsewhere is the top fraction bit.
+// Result    With special_o the result is big_o + little_o as it stands: the exponent is e_o, and
+//           the bit that is the hidden one elsewhere is the top fraction bit.
 //
 //     1.5 - 12.0  ->  big 1.1000.., little 1.1000.., n 3, e 130, sign 1, minus 1
 `default_nettype none
@@ -48,8 +48,9 @@ module fp3_fp_add_swap #(
     wire [M-1:0] unused_difference;
     assign {swap, unused_difference} = {1'b0, a_i[M-1:0]} - {1'b0, b_i[M-1:0]};
 
-    // The distance is the difference of the exponents, but one less when exactly one of them is 0, whose weight is that of
-    // 1: x - y - 1 = ~(y - x). Which difference it is, and whether it is inverted, is decided behind the cut.
+    // The distance is the difference of the exponents, but one less when exactly one of them is 0,
+    // whose weight is that of 1: x - y - 1 = ~(y - x). Which difference it is, and whether it is
+    // inverted, is decided behind the cut.
     wire [EXP-1:0] d_ba = eb - ea;
     wire [EXP-1:0] d_ab;
     wire           less;                // in exponent: known before swap
@@ -92,8 +93,8 @@ module fp3_fp_add_swap #(
               differ0 && !special, special, nought, invalid}),
         .q_o({big_o, little_o, n_o, gone_o, e_o, sign_o, minus_o, special_o, nought_o, invalid_o}));
 
-    // Without a register in front of it the choice is late: both are shifted before it is made, and subtracted if no register
-    // is behind it either.
+    // Without a register in front of it the choice is late: both are shifted before it is made, and
+    // subtracted if no register is behind it either.
     wire [FRAC:0]   a_little = {y_some, a0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
     wire [FRAC:0]   b_little = {y_some, b0[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || y_some}}};
     wire [FRAC+1:0] a_low    = one0 ? {1'b0, a_little} : {a_little, 1'b0};

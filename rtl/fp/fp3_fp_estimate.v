@@ -32,8 +32,9 @@ module fp3_fp_estimate #(
     initial for (i = 0; i < 2048; i = i + 1) words[i] = ESTIMATES[9*i +: 9];
     always @(posedge clk_i) word_q <= words[{root_i, root_i ? a_i[23:14] : a_i[22:13]}];
 
-    // Whether the fraction is the table's; else it is 0, or that of a signalling NaN, for which the adder
-    // raises invalid, or, without infinities, that of the largest estimate. A subnormal estimate has its leading 1 in the fraction.
+    // Whether the fraction is the table's; else it is 0, or that of a signalling NaN, for which the
+    // adder raises invalid, or, without infinities, that of the largest estimate. A subnormal
+    // estimate has its leading 1 in the fraction.
     reg       sign_q, known_q, late_q, small_q, nan_q;
     reg [7:0] e_q;
     always @(posedge clk_i)

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_exponent: a power of two from its exponent, or an exponent from its number.
 //
-// Purpose   exp2: 2^n for a's integral part n; what is above 2^127 is infinity, from 2^-127 to 2^-149 subnormal,
-//           below 0. logb: the exponent of |a|; a zero or subnormal number has -infinity, infinity has infinity.
-//           No flag: the adder behind fp_value flushes what has to be. Without infinities 2^128 is a number, the largest
-//           number stands for infinity, and 128 is the exponent of those from 2^128 on.
+// Purpose   exp2: 2^n for a's integral part n; what is above 2^127 is infinity, from 2^-127 to
+//           2^-149 subnormal, below 0. logb: the exponent of |a|; a zero or subnormal number has
+//           -infinity, infinity has infinity. No flag: the adder behind fp_value flushes what has
+//           to be. Without infinities 2^128 is a number, the largest number stands for infinity,
+//           and 128 is the exponent of those from 2^128 on.
 // Latency   1, or 2 with CUT: a register behind the exponent as an integer, and one in front of the
 //           bits of the result.
 // Hazard    For a NaN z_o is meaningless: fp_value passes the NaN on.
@@ -22,7 +23,8 @@ module fp3_fp_exponent #(
 );
     wire [7:0] e = a_i[30:23];
 
-    // The integer |n|, of exp2 below 256, of logb below 128; whether it is more; and whether it is -n.
+    // The integer |n|, of exp2 below 256, of logb below 128; whether it is more; and whether it is
+    // -n.
     wire [7:0] shifted = {1'b1, a_i[22:16]} >> (~e[2:0] - 3'd1);       // 2^7 at e = 134
     wire       is_less = e < 8'd127;                                   // than 1
     reg  [7:0] n_q;
@@ -40,7 +42,8 @@ module fp3_fp_exponent #(
         end
     end
 
-    // exp2: exponent, or the one bit of a subnormal number's fraction, which is |n| - 127 places down.
+    // exp2: exponent, or the one bit of a subnormal number's fraction, which is |n| - 127 places
+    // down.
     wire [7:0] power    = minus_q ? {1'b0, ~n_q[6:0]} : {FINITE != 0 && n_q[7], n_q[6:0]} + 8'd127;
     wire       is_low   = minus_q && (over_q || n_q >= 8'd127);
     wire       is_high  = !minus_q && (over_q || (n_q[7] && (FINITE == 0 || |n_q[6:0])));

@@ -12,18 +12,21 @@
 //           exponent of the left end is never below that of z, and a subnormal result needs no
 //           right shift. The sum may be negative: it is normalised as it is, and negated where it
 //           is rounded.
-// Latency   x and y: popcount(CUTS) + WAIT cycles, one operation per cycle. z_i and subtract_i come as much later as
-//           the product takes: popcount(CUTS[3:0]) + WAIT cycles. With Z_EARLY they come with x and y: z is shifted by
-//           ones and fours beside the multiplication, and only by sixteens behind it. CUTS = 0, WAIT = 0 is a function.
-//           Places: 0 operands, 1 partial products, 2 first sums, 3 product, 4 distance, 5 z shifted, 6 added, 7 zeros
-//           in front counted by sixteens, 8 shifted by them, 9 normalised, 10 rounded.
-// Result    As of fp_add and fp_mul: every NaN result is the quiet NaN with sign 0 and only the top fraction bit;
-//           infinity times zero is invalid also if z is a NaN; tininess after rounding.
+// Latency   x and y: popcount(CUTS) + WAIT cycles, one operation per cycle. z_i and subtract_i come
+//           as much later as the product takes: popcount(CUTS[3:0]) + WAIT cycles. With Z_EARLY
+//           they come with x and y: z is shifted by ones and fours beside the multiplication, and
+//           only by sixteens behind it. CUTS = 0, WAIT = 0 is a function. Places: 0 operands, 1
+//           partial products, 2 first sums, 3 product, 4 distance, 5 z shifted, 6 added, 7 zeros in
+//           front counted by sixteens, 8 shifted by them, 9 normalised, 10 rounded.
+// Result    As of fp_add and fp_mul: every NaN result is the quiet NaN with sign 0 and only the top
+//           fraction bit; infinity times zero is invalid also if z is a NaN; tininess after
+//           rounding.
 // Modes     NEAREST = 0 truncates: overflow gives the largest finite number.
 //           SUBNORMAL = 0 reads subnormals as zeros of their sign. An exact result that is not
 //           zero and below the smallest normal number gives a zero of its sign, UF and NX.
 //
-//     fp_fma #(.CUTS(11'h7ff)) u_fma (.clk_i(clk_i), .x_i(x), .y_i(y), .no_product_i(1'b0), .subtract_i(subtract), .z_i(z_4),
+//     fp_fma #(.CUTS(11'h7ff)) u_fma (.clk_i(clk_i), .x_i(x), .y_i(y), .no_product_i(1'b0),
+//     .subtract_i(subtract), .z_i(z_4),
 //         .z_o(result), .flags_o(flags));      // z_4 four cycles after x and y, the result eleven
 `default_nettype none
 module fp3_fp_fma #(

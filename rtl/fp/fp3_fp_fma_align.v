@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_fma_align: shifts the addend of fp_fma right, from the top of the window to its place beside the product.
+// fp3_fp_fma_align: shifts the addend of fp_fma right, from the top of the window to its place
+// beside the product.
 //
-// Purpose   By ones and fours first, while the word is narrow, then by sixteens. lost_o is the OR of the bits
-//           that are shifted out below the window.
-// Latency   WAIT, and as many cycles as CUTS has ones: behind the shift; lost_o comes later than d_o in that cycle.
+// Purpose   By ones and fours first, while the word is narrow, then by sixteens. lost_o is the OR
+//           of the bits that are shifted out below the window.
+// Latency   WAIT, and as many cycles as CUTS has ones: behind the shift; lost_o comes later than
+//           d_o in that cycle.
 //
 //     z_i 24'hC00000, n_i 52  ->  d_o 76'hC00000, lost_o 0; n_i 75  ->  d_o 76'h1, lost_o 1       (P = 24, W = 76)
 `default_nettype none

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_fma_normalize: shifts the sum of fp_fma left until its first significant bit is at the top.
+// fp3_fp_fma_normalize: shifts the sum of fp_fma left until its first significant bit is at the
+// top.
 //
-// Purpose   By sixteens, fours and ones. Each step looks at the bits in front of it, so that no leading zeros are
-//           counted beforehand. limit_i, the exponent, is the longest shift: then the result is subnormal.
-//           A negative sum stays as it is: its significant bits are the zeros. Its first significant bit is then at
-//           the top or, of a power of two, would be one place above.
-// Latency   As many cycles as CUTS has ones. Places: 0 sixteens counted, 1 shifted by them and fours counted, 2 shifted.
+// Purpose   By sixteens, fours and ones. Each step looks at the bits in front of it, so that no
+//           leading zeros are counted beforehand. limit_i, the exponent, is the longest shift: then
+//           the result is subnormal. A negative sum stays as it is: its significant bits are the
+//           zeros. Its first significant bit is then at the top or, of a power of two, would be one
+//           place above.
+// Latency   As many cycles as CUTS has ones. Places: 0 sixteens counted, 1 shifted by them and
+//           fours counted, 2 shifted.
 //
 //     s_i 0..01011, negative_i 0, limit_i 99  ->  d_o 1011 0.., the distance is the zeros in front
 `default_nettype none
@@ -30,8 +33,8 @@ module fp3_fp_fma_normalize #(
     localparam N = (W - 1) / 16;       // so many sixteens at most
     localparam V = 16 * N + A;
 
-    // Of each four of bits, whether it has no significant one. A block of sixteen is passed if its fours have none, and
-    // the exponent allows it.
+    // Of each four of bits, whether it has no significant one. A block of sixteen is passed if its
+    // fours have none, and the exponent allows it.
     localparam G = 4 * N + 3;
     wire [V-1:0]     s = {s_i, {V-W{1'b0}}};
     wire             far  = |limit_i[PLACE-1:7];

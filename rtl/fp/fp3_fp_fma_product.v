@@ -4,8 +4,8 @@
 // Purpose   Rounds nothing. The product is the integer p_o. place_o is the exponent field of an
 //           addend whose last bit is FRAC + 4 places above the product's first bit; fp_fma
 //           subtracts the addend's exponent from place_o to get the shift distance.
-// Latency   As many cycles as CUTS has ones, one operation per cycle. Places: 0 operands, 1 partial products,
-//           2 first sums, 3 product. With AHEAD all but p_o comes at once.
+// Latency   As many cycles as CUTS has ones, one operation per cycle. Places: 0 operands, 1 partial
+//           products, 2 first sums, 3 product. With AHEAD all but p_o comes at once.
 // Result For finite operands p_o is 0 exactly if zero_o is 1. For an infinity or a NaN p_o is
 // meaningless.
 //

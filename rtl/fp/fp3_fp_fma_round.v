@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_fma_round: rounds and packs the normalised sum of fp_fma.
 //
-// Purpose   The one rounding of a fused multiply-add, with all flags. A negative sum -v comes as the bits of its
-//           two's complement: v is the inverted significand, and one more, less what follows. So one increment
-//           negates and rounds.
+// Purpose   The one rounding of a fused multiply-add, with all flags. A negative sum -v comes as
+//           the bits of its two's complement: v is the inverted significand, and one more, less
+//           what follows. So one increment negates and rounds.
 // Latency   As many cycles as CUTS has ones: behind the increment.
 //
 //     d_i 1.10..01 10, e_i 128, n_i 2  ->  1.10..10, exponent 127      (a tie goes to even)
@@ -41,15 +41,15 @@ module fp3_fp_fma_round #(
     wire hidden = t[P-1];
     wire zero   = !negative_i && exact && d_i[P+1:2] == 0;
 
-    // Tiny: it stays below the smallest normal number if it is rounded as if exponents had no bound, or
-    // before it is rounded if such numbers are flushed.
+    // Tiny: it stays below the smallest normal number if it is rounded as if exponents had no
+    // bound, or before it is rounded if such numbers are flushed.
     wire tiny   = !hidden && !(NEAREST != 0 && SUBNORMAL != 0 ? ones && (negative_i ? !g && !(r && more_i) : g && r)
                                                               : negative_i && ones && exact);
     wire flush  = SUBNORMAL == 0 && tiny && !zero;
     wire usual  = !inf_i && !nan_i;
 
-    // Exponent and fraction are one number: a carry out of the fraction counts into the exponent. Without the
-    // hidden bit the field is 0, not 1.
+    // Exponent and fraction are one number: a carry out of the fraction counts into the exponent.
+    // Without the hidden bit the field is 0, not 1.
     wire [4:0] add = {4'd0, hidden} - {1'b0, n_i};
     wire [PLACE+FRAC-1:0] rounded = {e_i, t[FRAC-1:0]} + {{PLACE-5{add[4]}}, add, {FRAC-1{1'b0}}, up};
 

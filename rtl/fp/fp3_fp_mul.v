@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_mul: floating-point multiplier, IEEE 754, subnormals and flags included.
 //
-// Purpose   z = a * b in a binary format with EXP >= 3, FRAC from 2 to 30 (SW bits hold the shift); default binary32, round
-//           to nearest even, gradual underflow, tininess after rounding, every NaN result 7FC00000. A device's own
-//           fp_mul_product may have a narrower range, and refuses the rest (rtl/fpga/).
+// Purpose   z = a * b in a binary format with EXP >= 3, FRAC from 2 to 30 (SW bits hold the shift);
+//           default binary32, round to nearest even, gradual underflow, tininess after rounding,
+//           every NaN result 7FC00000. A device's own fp_mul_product may have a narrower range, and
+//           refuses the rest (rtl/fpga/).
 // Latency   popcount(CUTS) cycles, one operation per cycle; CUTS = 0 is a function of a_i, b_i.
 //           There is no reset, enable or valid bit: a tag travels beside it.
 //           Places: 0 operands classified, 1 partial products, 2 first sums, 3 product,
@@ -12,8 +13,9 @@
 // Options   SUBNORMAL = 0: a subnormal operand is a zero of its sign; a nonzero product whose
 //           exact value lies below the least normal number (tiny before rounding) becomes a
 //           zero of its sign with UF and NX. NEAREST = 0: truncate; overflow then gives the
-//           largest finite number with OF and NX. FINITE = 1, with both of these, is the arithmetic of Cell's SPU: the
-//           largest exponent is a number's, overflow gives the largest number, and every zero result is +0.
+//           largest finite number with OF and NX. FINITE = 1, with both of these, is the arithmetic
+//           of Cell's SPU: the largest exponent is a number's, overflow gives the largest number,
+//           and every zero result is +0.
 //
 //     fp_mul #(.CUTS(7'b0101000)) u (.clk_i(clk), .a_i(x), .b_i(y), .z_o(z), .flags_o(f));
 //     // two edges later z = x * y: 3F800001 * 40000000 = 40000001, f = 0
@@ -133,8 +135,8 @@ module fp3_fp_mul #(
     wire            stick = lost_4 || |(fours_4[2:0] & ~(3'd7 << by_1));
     fp3_mux4 #(.W(W1)) u_ones (.n_i(by_1), .q_o(fine),
         .d0_i(fours_4[0 +: W1]), .d1_i(fours_4[1 +: W1]), .d2_i(fours_4[2 +: W1]), .d3_i(fours_4[3 +: W1]));
-    // With CUTS[5] one adder rounds, and its operand is selected before that register (lower). Without it two adders work side
-    // by side, and the top bit selects one of their sums.
+    // With CUTS[5] one adder rounds, and its operand is selected before that register (lower).
+    // Without it two adders work side by side, and the top bit selects one of their sums.
     localparam [0:0] ONE = CUTS[5];
     wire            lower, st;
     fp3_cut #(.W(W1+2+`FP3_PLACE_W+5), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
@@ -144,10 +146,10 @@ module fp3_fp_mul #(
     wire            nv_5, nan_5, inf_5, zero_5, sign_5;
     assign {nv_5, nan_5, inf_5, zero_5, sign_5} = class_5;
 
-    // Both places of the leading one are rounded, by half a unit, and the top bit of t chooses beside
-    // the adders; with ONE, lower chooses in front of one adder. A tie then clears the last bit.
-    // Exponent and fraction are one number, so a carry out of the fraction needs no care, up to
-    // infinity itself.
+    // Both places of the leading one are rounded, by half a unit, and the top bit of t chooses
+    // beside the adders; with ONE, lower chooses in front of one adder. A tie then clears the last
+    // bit. Exponent and fraction are one number, so a carry out of the fraction needs no care, up
+    // to infinity itself.
     wire top   = t[FRAC+2];
     localparam [0:0] HALF = NEAREST != 0;
     wire [EXP+FRAC:0] hi = {place_field, lower ? t[FRAC:0] : t[FRAC+1:1]} + {{EXP-1{1'b0}}, top, {FRAC{1'b0}}, HALF};

@@ -2,13 +2,14 @@
 // fp3_fp_mul_pack: the end of fp_mul: each bit of the result is 0, 1, or the bit of one of two
 // rounded numbers.
 //
-// Purpose   One LUT of four inputs behind the adders that round, whose flip-flop is in the same slice.
+// Purpose   One LUT of four inputs behind the adders that round, whose flip-flop is in the same
+//           slice.
 // Latency   0.
 //
 //     which_i 0, 1, 2, 3  ->  z_o 0, 1, lo_i, hi_i      (INVERT 0)
 `default_nettype none
-// The hierarchy is kept because a tool would otherwise make what chooses a part of the choice: larger LUTs, which reach
-// their flip-flops through the routing.
+// The hierarchy is kept because a tool would otherwise make what chooses a part of the choice:
+// larger LUTs, which reach their flip-flops through the routing.
 (* keep_hierarchy *)
 module fp3_fp_mul_pack #(
     parameter         W      = 34,     // bits

@@ -62,8 +62,8 @@ module fp3_fp_mul_scale #(
     wire [XW-1:0] sum_1;
     fp3_cut #(.W(SW+XW), .ON(CUTS[0])) u_1 (.clk_i(clk_i), .d_i({n, sum}), .q_o({n_1, sum_1}));
 
-    // n - room, but not by way of room. Which of both is the shift, the exponent's sign says: asked behind
-    // the cut, where the product is not there yet.
+    // n - room, but not by way of room. Which of both is the shift, the exponent's sign says: asked
+    // behind the cut, where the product is not there yet.
     wire [XW-1:0] exponent = sum_1 + {{XW-SW{1'b0}}, n_1};
     wire [XW-1:0] room     = -sum_1;
     wire          beyond   = |room[XW-1:SW];    // then all ones: only sticky bits are left

@@ -4,7 +4,8 @@
 // Purpose   The same bits and flags as a product with 2 or 1/2. Only the exponent changes, unless
 //           the result is not a normal number.
 // Latency   0, or 1 with CUTS.
-// Options   SUBNORMAL = 0, NEAREST = 0 and FINITE = 1 as in fp_mul. SUM_LAST = 1: the same bits, the result comes out of an adder.
+// Options   SUBNORMAL = 0, NEAREST = 0 and FINITE = 1 as in fp_mul. SUM_LAST = 1: the same bits,
+//           the result comes out of an adder.
 // Promise   With neither twice_i nor half_i, z_o is d_i, bit by bit, and no flag rises: a subnormal
 //           passes even with SUBNORMAL = 0, where the adder behind reads it as zero.
 //           A NaN passes unchanged: the adder behind makes it quiet, and raises invalid for a

@@ -2,16 +2,18 @@
 // fp3_fp_value: passes an addend on, or replaces it by a comparison, a selection, an estimate, a
 // rounding or an exponent.
 //
-// Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for its
-//           product: the sum of z_o and -0 is the instruction's result, with its flags.
+// Purpose   min, max, abs, lt, le, sel, rcp, rsqrt, rint, exp2 and logb, while an addend waits for
+//           its product: the sum of z_o and -0 is the instruction's result, with its flags.
 // Latency   MUL_LATENCY - EARLY, at least 1, as beside the multiplier: up to three registers in the
 //           logic, the others behind it. no_product_o comes a cycle before z_o: the product must
 //           then be -0.
-// Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built (VALUES = 0): then
-//           all of this is a delay, as long as z_o is not read late enough (Z_LATE). Bits below the fraction are not 0 in
-//           z_o where an estimate has more bits: the adder reads none of them.
+// Hazard    choice_i as in gen/choices.vh, and CHOICE_NONE where no such instruction is built
+//           (VALUES = 0): then all of this is a delay, as long as z_o is not read late enough
+//           (Z_LATE). Bits below the fraction are not 0 in z_o where an estimate has more bits: the
+//           adder reads none of them.
 //
-//     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY - EARLY edges later
+//     choice_i CHOICE_MIN, a_i 3F800000, b_i C0000000  ->  z_o C0000000, MUL_LATENCY - EARLY edges
+//     later
 `default_nettype none
 module fp3_fp_value #(
     parameter EARLY = 0,               // registers less
@@ -45,7 +47,8 @@ module fp3_fp_value #(
             wire logb = choice_i == CHOICE_LOGB, exponent = ROUND != 0 && (logb || choice_i == CHOICE_EXP2);
             fp3_delay #(.W(1), .N(DEPTH-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
 
-            // Magnitudes are ordered as integers; without infinities, subnormal numbers are read as zeros. What is known of the operands, and then what follows.
+            // Magnitudes are ordered as integers; without infinities, subnormal numbers are read as
+            // zeros. What is known of the operands, and then what follows.
             wire        a_nan = FINITE == 0 && &a[30:23] && |a[22:0], b_nan = FINITE == 0 && &b[30:23] && |b[22:0];
             reg         a_lower_q, b_lower_q, nan_q, zeros_q, true_q;
             reg         minimum_q, maximum_q, sel_q, lt_q, le_q, estimated_q, rint_q, exponent_q, made_q;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// place.vh: the bundle PLACE, the exponent of a product, and what follows from it before the product is there: from
-// fp_mul_scale, beside the product, to where it is rounded. For modules with a parameter EXP. front/decoded.vh shows
-// how a bundle is used.
+// place.vh: the bundle PLACE, the exponent of a product, and what follows from it before the
+// product is there: from fp_mul_scale, beside the product, to where it is rounded. For modules with
+// a parameter EXP. front/decoded.vh shows how a bundle is used.
 //
 //     field                       the exponent's field
 //     low                         the result is subnormal unless the product's top bit is set

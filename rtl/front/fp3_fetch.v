@@ -10,8 +10,9 @@
 //
 // Latency   3: the first word is on word_o three cycles after start_i, then one per cycle
 //           in which advance_i is high.
-//           skip_i ends the steps of this visit early: it may come at any time, and takes effect at the
-//           end of a step. jump_i drops what was fetched and not taken; advance_i is low with it.
+//           skip_i ends the steps of this visit early: it may come at any time, and takes effect at
+//           the end of a step. jump_i drops what was fetched and not taken; advance_i is low with
+//           it.
 // Hazard    advance_i low holds everything but start and stop. stop_i drops what was fetched and
 //           not taken.
 `default_nettype none
@@ -47,8 +48,8 @@ module fp3_fetch #(
     output wire [`FP3_MARKS_W-1:0] marks_o, // its place in its visit
     output wire              empty_o    // nothing left to deliver
 );
-    // step and last are at most size <= PROGRAM_WORDS, and last and size at least 1: the words where the parts begin and end
-    // fit the program counter.
+    // step and last are at most size <= PROGRAM_WORDS, and last and size at least 1: the words
+    // where the parts begin and end fit the program counter.
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS = settings_i;
     wire [PROGRAM_W-1:0] step = setting_step[PROGRAM_W-1:0];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// marks.vh: the bundle MARKS, an instruction's place in its visit: from fetch, through the sweep, to
-// issue. Used as decoded.vh shows.
+// marks.vh: the bundle MARKS, an instruction's place in its visit: from fetch, through the sweep,
+// to issue. Used as decoded.vh shows.
 //
 //     begins, ends                the first, the last of the visit
 //     newstep                     the first of a step

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_counters: counts the cycles in which each of N events happens.
 //
-// Purpose   Says where a run's cycles went. A count wraps at 2^W: with 48 bits, after a month at 10 ns.
+// Purpose   Says where a run's cycles went. A count wraps at 2^W: with 48 bits, after a month at 10
+//           ns.
 // Latency   An event is counted two cycles later, so that no event has to reach a carry chain in
 //           its own cycle. A word of a count is on value_o in the cycle after read_i.
 // Device    rtl/fpga/ice40 has a smaller one of the same behaviour.
@@ -38,7 +39,8 @@ module fp3_counters #(
         end
     endgenerate
 
-    // A word of each four is taken in the cycle of read_i, one of these shown in the next: one mux of all is too slow.
+    // A word of each four is taken in the cycle of read_i, one of these shown in the next: one mux
+    // of all is too slow.
     reg [32*FOURS-1:0] taken_q;
     reg [INDEX_W-3:0]  which_q;
     integer            f;

@@ -25,8 +25,9 @@ module fp3_host_decode #(
 `include "host/lane_host.vh"
     localparam [31:0] REGISTERS_32  = REGISTERS;
     localparam [31:0] PROGRAM_32    = PROGRAM_WORDS;
-    // Which lanes have a store, and which pieces of the objects' window there are: a lane's store, or the registers of the
-    // one object. Both lengths are powers of two. A table of 64 bits is shorter than a comparison's carries.
+    // Which lanes have a store, and which pieces of the objects' window there are: a lane's store,
+    // or the registers of the one object. Both lengths are powers of two. A table of 64 bits is
+    // shorter than a comparison's carries.
     localparam integer STORES     = STORE_WORDS != 0 ? LANES : 0;
     localparam integer PIECE_W    = STORE_WORDS != 0 ? STORE_W : REGISTER_W;
     localparam [63:0]  HAS_STORE  = ~(~64'd0 << STORES);

@@ -8,13 +8,15 @@
 //           answered when it is executed, a read of a register or counter two cycles later, any
 //           other read MEMORY_LATENCY + 1 cycles later: MEMORY_LATENCY cycles from access_o to the
 //           word on rdata_i (isa/timing.toml).
-// Promise   Every request is answered. A request to an address without a register, with an access that the
-//           register does not have, or with a value out of its range is answered with an error and changes nothing.
-// Hazard    A request may come in every cycle. But a request to a register, a counter or a constant comes alone: all
-//           requests before it have been answered, the next one comes at least four cycles after its answer,
-//           and its address and data stay as they are until then.
-//           With start_o, step < last <= size in the settings, a visit is a step where words are published, and no list is overfull:
-//           hub keeps a start back until the lanes have reported it.
+// Promise   Every request is answered. A request to an address without a register, with an access
+//           that the register does not have, or with a value out of its range is answered with an
+//           error and changes nothing.
+// Hazard    A request may come in every cycle. But a request to a register, a counter or a constant
+//           comes alone: all requests before it have been answered, the next one comes at least
+//           four cycles after its answer, and its address and data stay as they are until then.
+//           With start_o, step < last <= size in the settings, a visit is a step where words are
+//           published, and no list is overfull: hub keeps a start back until the lanes have
+//           reported it.
 //
 //     cycle           0     1     2     3     4    ..  3+M   M = MEMORY_LATENCY
 //     req_valid_i     1     0     0     0     0
@@ -142,7 +144,8 @@ module fp3_host_port #(
         end
     endgenerate
 
-    // A list takes objects that the lane has rows for, a power of two. A list of numbers is only emptied.
+    // A list takes objects that the lane has rows for, a power of two. A list of numbers is only
+    // emptied.
     wire [31:0] rows   = STORE_32 >> ({1'b0, setting_record} + SETTING_LEAST[8*ADDR_RECORD +: 3]);
     wire        in_row = (req_wdata_i & ~(rows - 32'd1)) == 32'd0;
     reg         is_row, is_count;
@@ -214,7 +217,8 @@ module fp3_host_port #(
     assign {answer_read, answer_read_error, answer_rdata} = {read_q, read_error_q, rdata_q};
     assign answer_o = `FP3_ANSWER;
 
-    // Which register a write is for is found while it is checked; whether it may be written enables the register then.
+    // Which register a write is for is found while it is checked; whether it may be written enables
+    // the register then.
     wire writes = check_q && write_q && in_registers && !rst_i;
     reg  to_control_q, to_interrupt_q;
     always @(posedge clk_i) begin

@@ -6,8 +6,8 @@
 //           QUIET cycles after the last write that does: by then the lanes have reported that write
 //           (fp3).
 // Latency   One cycle on the way there, one back.
-// Promise   Every request is answered; one to a scheduler that there is not, with an error: scheduler 0 is asked, for an
-//           address that nothing has.
+// Promise   Every request is answered; one to a scheduler that there is not, with an error:
+//           scheduler 0 is asked, for an address that nothing has.
 // Hazard    Schedulers with the same request answer in the same cycle; a scheduler without a
 //           request answers 0.
 `default_nettype none

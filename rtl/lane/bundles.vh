@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// bundles.vh: all bundles of a lane: what it is told, what goes on inside, what it answers, and what goes to
-// its arithmetic and back.
+// bundles.vh: all bundles of a lane: what it is told, what goes on inside, what it answers, and
+// what goes to its arithmetic and back.
 `include "lane/around.vh"
 `include "lane/reach.vh"
 `include "lane/issue.vh"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// draw.vh: the bundle DRAW, which goes from lane to lane TIMING_MIX + 1 cycles after ISSUE: how a store is rounded. One bit, 0, where
-// the store has words of 32 bits.
+// draw.vh: the bundle DRAW, which goes from lane to lane TIMING_MIX + 1 cycles after ISSUE: how a
+// store is rounded. One bit, 0, where the store has words of 32 bits.
 // front/decoded.vh shows how a bundle is used.
 //
 //     draws                       at random; else to nearest

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// dual_issue.vh: the bundle DUAL_ISSUE, which goes from lane to lane where a sum and a product may issue at
-// once: the operands of both, each for a context of its own.
+// dual_issue.vh: the bundle DUAL_ISSUE, which goes from lane to lane where a sum and a product may
+// issue at once: the operands of both, each for a context of its own.
 // front/decoded.vh shows how a bundle is used.
 //
 //     minus_x, minus_y            of the sum: +/- x +/- y

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// dual_retire.vh: the bundle DUAL_RETIRE, which goes from lane to lane TO_END cycles after DUAL_ISSUE: what
-// the ends of two instructions need.
+// dual_retire.vh: the bundle DUAL_RETIRE, which goes from lane to lane TO_END cycles after
+// DUAL_ISSUE: what the ends of two instructions need.
 // front/decoded.vh shows how a bundle is used.
 //
 //     sum_valid, product_valid    an instruction ends; without it nothing else of its stream is set

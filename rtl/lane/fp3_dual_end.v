@@ -9,8 +9,9 @@
 //                    retire_i, store to be read   its word there  ends_o
 //
 // Latency   As shown.
-// Hazard    One context does not come twice within GAP cycles (checked in two_streams). retire_i is about the instructions
-//           of TO_END cycles ago. The host's accesses come when no instruction is in the lane.
+// Hazard    One context does not come twice within GAP cycles (checked in two_streams). retire_i is
+//           about the instructions of TO_END cycles ago. The host's accesses come when no
+//           instruction is in the lane.
 `default_nettype none
 `include "lane/bundles.vh"
 module fp3_dual_end #(

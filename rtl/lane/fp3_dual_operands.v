@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_dual_operands: a lane's registers in two banks, and the operands that a sum and a product take from them at once.
+// fp3_dual_operands: a lane's registers in two banks, and the operands that a sum and a product
+// take from them at once.
 //
 // Purpose   Sums are written to one bank, products to the other; every operation reads at most one
 //           register of each bank, so four memories with one read and one write port are enough,

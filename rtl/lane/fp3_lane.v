@@ -11,10 +11,11 @@
 //                    named     read       to it
 //           retire             told ENDED before W; the store's word there in W (W-1)
 //
-//           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result (_w6 is in
-//           cycle W-6). Where objects see each other, what is read of the store is told AHEAD before cycle 0 (reach), and
-//           counts up from there (_r3); it is there TIMING_END later, beside the registers in cycle 2, and what is loaded
-//           waits from then on. Where a sum and a product issue at once, a sum's y is named TIMING_EARLY before cycle 0, which
+//           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result
+//           (_w6 is in cycle W-6). Where objects see each other, what is read of the store is told
+//           AHEAD before cycle 0 (reach), and counts up from there (_r3); it is there TIMING_END
+//           later, beside the registers in cycle 2, and what is loaded waits from then on. Where a
+//           sum and a product issue at once, a sum's y is named TIMING_EARLY before cycle 0, which
 //           is that much later for all else.
 //
 // Latency   A register read GAP cycles after the issue of the instruction that writes it, or later,
@@ -58,7 +59,8 @@ module fp3_lane #(
     wire to_store     = (write && access_space == HOST_OBJECT) || (EXCHANGE != 0 && access_valid && access_write && access_space == HOST_EVERY);
     wire to_constants = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
 
-    // What is in the lane: operands, and ends ---------------------------------------------------------
+    // What is in the lane: operands, and ends
+    // ---------------------------------------------------------
     wire [S-1:0]         writes;                // W+1
     wire [REG_W*S-1:0]   registers;
     wire [32*S-1:0]      values;
@@ -109,7 +111,8 @@ module fp3_lane #(
         end
     endgenerate
 
-    // Results: written in W+1 -------------------------------------------------------------------------
+    // Results: written in W+1
+    // -------------------------------------------------------------------------
     wire [S-1:0]   raises;                      // W
     wire [5*S-1:0] raised, flags;               // W; W+1
     genvar p;
@@ -166,7 +169,8 @@ module fp3_lane #(
         end
     endgenerate
 
-    // What the sequencer and the host hear ---------------------------------------------------------------
+    // What the sequencer and the host hear
+    // ---------------------------------------------------------------
     wire [31:0]      status;
     wire [ROW_W-1:0] row_w3;                    // with STORAGE, too
     fp3_delay #(.W(ROW_W), .N(WIDENED)) u_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_load_row), .q_o(row_w3));

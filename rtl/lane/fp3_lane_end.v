@@ -9,12 +9,14 @@
 //           cycle    W-6       W-3                    W
 //                    retire_i  row, store to be read  end_o; word_i is there
 //
-//           With STORAGE W-6, W-4 and W-3, w4 and w3 in names too, are WIDENED earlier. Where objects see each other, what is read of the store
-//           follows from reach_i, and is there as soon behind it (lists).
+//           With STORAGE W-6, W-4 and W-3, w4 and w3 in names too, are WIDENED earlier. Where
+//           objects see each other, what is read of the store follows from reach_i, and is there as
+//           soon behind it (lists).
 //
 // Latency   As shown; of a store's row, two cycles after issue_i.
-// Hazard    One context does not come twice within GAP cycles. retire_i is about the instruction of TO_END cycles ago, data_i
-//           in W about the same (checked in issue). The host's accesses come when no instruction is in the lane.
+// Hazard    One context does not come twice within GAP cycles. retire_i is about the instruction of
+//           TO_END cycles ago, data_i in W about the same (checked in issue). The host's accesses
+//           come when no instruction is in the lane.
 `default_nettype none
 `include "lane/bundles.vh"
 module fp3_lane_end #(
@@ -70,7 +72,8 @@ module fp3_lane_end #(
         .d_i({retire_valid, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
         .q_o({valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
-    // Whose turn it is -----------------------------------------------------------------------------
+    // Whose turn it is
+    // -----------------------------------------------------------------------------
     wire executed, absent, sleeps;
     wire executes, missing, ended;              // as if there were no loops
     wire [ROW_W-1:0] own_row_w3;
@@ -100,7 +103,8 @@ module fp3_lane_end #(
         end
     endgenerate
 
-    // What it does with neighbours: what is loaded, and for whom nothing is executed -----------------
+    // What it does with neighbours: what is loaded, and for whom nothing is executed
+    // -----------------
     generate
         if (NEIGHBOURS != 0) begin : g_lists
             `FP3_REACH_FIELDS

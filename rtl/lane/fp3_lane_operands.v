@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lane_operands: a lane's registers, and the operands x, y and z that an instruction takes from them.
+// fp3_lane_operands: a lane's registers, and the operands x, y and z that an instruction takes from
+// them.
 //
 // Purpose   Three copies of the registers, for three reads in a cycle. A sum is z +/- x * 1 (or 2,
 //           1/2), a product -0 + x * y: the same bits and flags as the plain operation. The 1 and
 //           the -0 come from the set and reset inputs of the operands' registers. x may be a word
 //           of a neighbour. For z - x, z is used as it is; for x - z, z is negated: -z + x * 1.
-// Latency   Three cycles from the registers' numbers to the operands. z is named, and comes, Z_LATE cycles after
-//           x and y. less_o comes with the result.
+// Latency   Three cycles from the registers' numbers to the operands. z is named, and comes, Z_LATE
+//           cycles after x and y. less_o comes with the result.
 // Hazard    There are no interlocks: registers are named in time (lane, which checks it).
 //
 //     cycle        0              1, 2         3                         3 + UNIT_LATENCY

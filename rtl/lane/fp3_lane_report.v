@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lane_report: adds a lane's report to the report of the lanes before it.
 //
-// Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep, and
-//           the answer of the lane that the host asked. The sequencer hears the last lane.
-// Latency   One cycle from report_i for the count and the longest list, none for the others: lane_group registers them. A lane
-//           answers the host three cycles after mine_i, WIDENED more with STORAGE, and reports two cycles after valid_i.
+// Purpose   From lane to lane the largest count, all flags, whether a context's objects all sleep,
+//           and the answer of the lane that the host asked. The sequencer hears the last lane.
+// Latency   One cycle from report_i for the count and the longest list, none for the others:
+//           lane_group registers them. A lane answers the host three cycles after mine_i, WIDENED
+//           more with STORAGE, and reports two cycles after valid_i.
 // Hazard    Lanes are in step: all lanes report an instruction in the same cycle. Lanes that are
 //           not asked answer 0.
 //

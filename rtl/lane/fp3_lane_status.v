@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lane_status: what happened to each object: the step of its first failure, and its exceptions.
 //
-// Purpose   A word for each row: {step of the first NV or OF (27 bits), exceptions}. Each result of the
-//           arithmetic adds its exceptions. Without STATUS there are no words, and status_o is 0.
+// Purpose   A word for each row: {step of the first NV or OF (27 bits), exceptions}. Each result of
+//           the arithmetic adds its exceptions. Without STATUS there are no words, and status_o is
+//           0.
 //
 // Latency   row_w3_i to status_o three cycles; the new word is written two cycles after flags_i.
 // Hazard    One row does not come twice within 4 cycles.

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lane_store: the records of a lane's objects, loaded and stored word by word.
 //
-// Purpose   A record has 8 << record words, one for each register. A store knows its row two cycles after
-//           its issue, a load reads in time for its result.
+// Purpose   A record has 8 << record words, one for each register. A store knows its row two cycles
+//           after its issue, a load reads in time for its result.
 //
-//           With STORAGE a word has 16 bits: it is rounded as it is stored, and widened as it is loaded. The host writes halves. One
-//           word of each record is kept whole if objects sleep: its upper half is in a memory of its own, by rows.
+//           With STORAGE a word has 16 bits: it is rounded as it is stored, and widened as it is
+//           loaded. The host writes halves. One word of each record is kept whole if objects sleep:
+//           its upper half is in a memory of its own, by rows.
 //
-// Latency   Stored five cycles after the issue (cycle 5 has the new word), with STORAGE ROUNDED + 2. Loaded: three cycles from the row to
-//           word_o, with STORAGE WIDENED more.
+// Latency   Stored five cycles after the issue (cycle 5 has the new word), with STORAGE ROUNDED +
+//           2. Loaded: three cycles from the row to word_o, with STORAGE WIDENED more.
 // Hazard    No word is loaded (W-2) in the cycle in which it is written (4): between rounds
 //           everything drains, and within a round no object loads what another stores (checked).
 //           Published words are loaded from one half of the store and stored in the other half. The

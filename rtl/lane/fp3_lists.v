@@ -12,7 +12,8 @@
 //           load     around_i   list read  place    row, address    word_i    an entry's row is noted
 //
 // Latency   As shown. ended_o comes with the result, AHEAD + TO_RESULT cycles after R.
-// Hazard    One context does not come twice within GAP cycles. R+1 of an `each` comes after its place is noted (issue).
+// Hazard    One context does not come twice within GAP cycles. R+1 of an `each` comes after its
+//           place is noted (issue).
 `default_nettype none
 `include "lane/around.vh"
 module fp3_lists #(

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_mix: hashes 32 bits to 32 bits that look random.
 //
-// Purpose   The hash of draws (sw/machine/storage.h has the same): each bit of the result depends on every bit of the number, and
-//           different numbers have different results. Shifts and sums alone: no multiplier.
-//           Source: Thomas Wang, "Integer Hash Function", the 32-bit mix function.
+// Purpose   The hash of draws (sw/machine/storage.h has the same): each bit of the result depends
+//           on every bit of the number, and different numbers have different results. Shifts and
+//           sums alone: no multiplier. Source: Thomas Wang, "Integer Hash Function", the 32-bit mix
+//           function.
 // Latency   4.
 // Hazard    None: it takes a number in each cycle.
 //

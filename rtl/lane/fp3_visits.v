@@ -7,9 +7,11 @@
 //           instruction whether the object in its context executes it.
 //
 //           cycle  W-6    W-4        W-3       W-1         W           W+1        W+2
-//           list:  taken  head read  row_w3_o  state read  executed_o  nonzero_i  state written, put back
+//           list:  taken  head read  row_w3_o  state read  executed_o  nonzero_i  state written,
+//           put back
 //
-// Latency   As shown; with STORAGE W-6 to W-3, w4 and w3 in names too, are WIDENED earlier. Of a store's row, two cycles after st_context_i.
+// Latency   As shown; with STORAGE W-6 to W-3, w4 and w3 in names too, are WIDENED earlier. Of a
+//           store's row, two cycles after st_context_i.
 // Hazard    One context does not come twice within ENDED + 2 cycles. No run begins with an overfull
 //           list: host_port checks this. The list's head is not read in the cycle in which it is
 //           written. What is executed is executed for an object that is there and awake, or stored

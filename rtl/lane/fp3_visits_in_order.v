@@ -9,7 +9,8 @@
 //           cycle  W-6       W-3       W            W+1
 //           row_i            row_w3_o  executed_o   row_late_o
 //
-// Latency   As shown; with STORAGE W-6 and W-3, w3 in names too, are WIDENED earlier. Of a store's row, two cycles after st_row_i.
+// Latency   As shown; with STORAGE W-6 and W-3, w3 in names too, are WIDENED earlier. Of a store's
+//           row, two cycles after st_row_i.
 // Hazard    The count changes only between runs.
 //
 //     a lane of 5 objects, row_i = 5:     ENDED cycles later absent_o = 1, executed_o = 0

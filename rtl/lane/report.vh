@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// report.vh: the bundle REPORT, which goes from lane to lane and back to the sequencer. Each lane adds
-// what it has to say.
+// report.vh: the bundle REPORT, which goes from lane to lane and back to the sequencer. Each lane
+// adds what it has to say.
 // front/decoded.vh shows how a bundle is used.
 //
 //     count                       the most objects that a lane will visit

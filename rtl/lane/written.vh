@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// written.vh: the bundle WRITTEN, an instruction's end in a lane, for the trace alone: left open, it costs nothing.
-// front/decoded.vh shows how a bundle is used. Its widths are those of fp3's ports.
+// written.vh: the bundle WRITTEN, an instruction's end in a lane, for the trace alone: left open,
+// it costs nothing. front/decoded.vh shows how a bundle is used. Its widths are those of fp3's
+// ports.
 //
 //     end                         0: none; 1: the context has no object; 2: it sleeps; 3: executed
 //     valid                       a register is written

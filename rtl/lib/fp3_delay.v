@@ -2,7 +2,8 @@
 // fp3_delay: N registers in a row.
 //
 // Purpose   Keeps what travels beside a pipeline in step with it.
-// Latency   N cycles; 0 is a wire. rst_i clears every register: it is 0 for data, which needs no reset.
+// Latency   N cycles; 0 is a wire. rst_i clears every register: it is 0 for data, which needs no
+//           reset.
 //
 //     delay #(.W(5), .N(3)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(flags), .q_o(flags_3));
 `default_nettype none

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_delay_ram: what `delay` does, in a distributed memory.
 //
-// Purpose   For wide words that wait long: a register takes a flip-flop for each bit and cycle, this one for each bit.
+// Purpose   For wide words that wait long: a register takes a flip-flop for each bit and cycle,
+//           this one for each bit.
 // Latency   N cycles, 3 at least. In the first N cycles after a reset q_o is what was there.
 //
 //     delay_ram #(.W(32), .N(17)) u_word (.clk_i(clk_i), .rst_i(rst_i), .d_i(word), .q_o(word_17));
@@ -17,7 +18,8 @@ module fp3_delay_ram #(
 );
     localparam ADDR_W = $clog2(N - 1);
     localparam [31:0] LAST_32 = N - 2;
-    // A word is read in the cycle in which the next one takes its place, N - 1 cycles after it was written.
+    // A word is read in the cycle in which the next one takes its place, N - 1 cycles after it was
+    // written.
     reg  [ADDR_W-1:0] at_q;
     reg  [W-1:0]      d_q;
     wire [W-1:0]      d;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lutram_1r1w: an inferred distributed memory with one write port and one combinational read port.
+// fp3_lutram_1r1w: an inferred distributed memory with one write port and one combinational read
+// port.
 //
 // Purpose   The memory for few words that must be fast: its reader registers the word, so that
 //           nothing but a flip-flop's delay is in front of what uses it.
 // Latency   0. A read in the cycle of a write to the same word returns the old word.
-// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
-//           Synthesis must not see the loop: not every device can load such a memory, and some tools stop at 5,000 words.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation
+//           alone. Synthesis must not see the loop: not every device can load such a memory, and
+//           some tools stop at 5,000 words.
 `default_nettype none
 // The hierarchy is kept because Yosys would otherwise move the reader's register in front of the
 // memory, to the address, and the memory into the path behind it.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lzc: counts the zeros above the highest one.
 //
-// Purpose   Says how far a sum or a significand must move left to be normal. Of an all-zero input only
-//           zero_o is meaningful.
+// Purpose   Says how far a sum or a significand must move left to be normal. Of an all-zero input
+//           only zero_o is meaningful.
 // Latency   0. A tree of halves: the depth grows with N, not with the width.
 //
 //     d_i 0001_0110  ->  n_o 3, zero_o 0      (N = 3)

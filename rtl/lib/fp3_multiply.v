@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_multiply: a product of two numbers of 18 bits, and where it is cut by registers.
 //
-// Purpose   One multiplier of a device, with the registers that are inside it: rtl/fpga/ecp5/fp3_multiply.v takes its place there.
+// Purpose   One multiplier of a device, with the registers that are inside it:
+//           rtl/fpga/ecp5/fp3_multiply.v takes its place there.
 // Latency   popcount(CUTS) cycles, one operation per cycle. Places: 0 operands, 1 product.
 //
 //     multiply #(.SIGNED(1), .CUTS(2'b11)) u (.clk_i(clk_i), .a_i(x), .b_i(y), .p_o(p));     // two edges later p == x * y

@@ -3,8 +3,9 @@
 //
 // Purpose   A level of a shifter by two bits, or any choice by two bits that is on a long path.
 // Latency   0. A function: no clock.
-// Device    rtl/fpga/ecp5/fp3_mux4.v takes its place on ECP5, where a slice has a multiplexer behind two LUTs of four
-//           inputs. The synthesis tools may find it by themselves, or make two LUTs in a row instead.
+// Device    rtl/fpga/ecp5/fp3_mux4.v takes its place on ECP5, where a slice has a multiplexer
+//           behind two LUTs of four inputs. The synthesis tools may find it by themselves, or make
+//           two LUTs in a row instead.
 //
 //     mux4 #(.W(32)) u (.n_i(by), .d0_i(x), .d1_i(x >> 1), .d2_i(x >> 2), .d3_i(x >> 3), .q_o(y));   // y = x >> by
 `default_nettype none

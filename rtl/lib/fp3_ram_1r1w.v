@@ -5,7 +5,8 @@
 // Latency   1: the word addressed while read_i is high is on read_value_o in the next cycle,
 //           and stays there until the next read. A read in the cycle of a write to the same word
 //           returns the old word.
-// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation
+//           alone.
 `default_nettype none
 module fp3_ram_1r1w #(
     parameter ADDR_W = 9,              // 2^ADDR_W words

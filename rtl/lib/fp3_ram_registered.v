@@ -5,9 +5,11 @@
 //           so the word is registered before anything is done with it.
 // Latency   2: the word addressed in a cycle is on read_value_o two cycles later. With read_i low
 //           both registers keep what they have.
-// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
-// Hazard    A read of the word that is written in the same cycle is not used: a device may give anything.
-//           Here it gives the old word, and with FP3_CHECK its inverse, so that a use changes results.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation
+//           alone.
+// Hazard    A read of the word that is written in the same cycle is not used: a device may give
+//           anything. Here it gives the old word, and with FP3_CHECK its inverse, so that a use
+//           changes results.
 //
 //     cycle         0     1     2     3
 //     write_i       1     0     0     0       address 5, value x

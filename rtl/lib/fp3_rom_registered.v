@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_rom_registered: a table in block memory with a register behind it.
 //
-// Purpose   As ram_registered: a block memory is slow to show its word, so the word is registered before anything is done with it.
+// Purpose   As ram_registered: a block memory is slow to show its word, so the word is registered
+//           before anything is done with it.
 // Latency   2: the word addressed in a cycle is on word_o two cycles later.
 //
 //     rom_registered #(.ADDR_W(9), .W(18), .WORDS(TABLE)) u (.clk_i(clk_i), .at_i(at), .word_o(word));   // TABLE[18*at +: 18]

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_add: z = a + b or a - b of logarithmic words.
 //
-// Purpose   The larger operand's logarithm plus a function of the distance r of both logarithms: log2(1 + 2^-r) or
-//           log2(1 - 2^-r). docs/logarithmic.md says which bits it gives, sw/machine/lns.c gives the same ones.
+// Purpose   The larger operand's logarithm plus a function of the distance r of both logarithms:
+//           log2(1 + 2^-r) or log2(1 - 2^-r). docs/logarithmic.md says which bits it gives,
+//           sw/machine/lns.c gives the same ones.
 //
 //           r ──► lns_add_curve: sum, or difference without its pole ─────┐
 //           r < 4, difference ──► normalised ──► lns_curve: log2(r) ─────(+)──► (+) ──► z
 //           the larger operand ──────────────────────────────────────────────────┘
 //
-// Latency   9; a new pair every cycle. There is no register at the ports, no reset and no valid bit.
-// Result    Of NaN or infinity - infinity the NaN 7FC00000; x - x is +0. OF and UF as a result leaves the range.
+// Latency   9; a new pair every cycle. There is no register at the ports, no reset and no valid
+//           bit.
+// Result    Of NaN or infinity - infinity the NaN 7FC00000; x - x is +0. OF and UF as a result
+//           leaves the range.
 //
 //     sub_i 0, a_i 3F800000, b_i 3F800000  ->  z_o 40000000, flags_o 0, nine edges later
 `default_nettype none

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_from_float: the logarithmic word of a binary32 number.
 //
-// Purpose   The exponent, and the logarithm of the significand. Numbers up to 2^-127 become zeros, with UF and NX.
+// Purpose   The exponent, and the logarithm of the significand. Numbers up to 2^-127 become zeros,
+//           with UF and NX.
 // Latency   6; a new number every cycle.
 //
 //     a_i 40400000  ->  z_o 404AE00D, which is 2^(128 + 0.58496 - 127), six edges later

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_inverse: 1 / a or 1 / sqrt(a) of a binary32 number, through its logarithm.
 //
-// Purpose   Normalises a, takes the logarithm of its significand, negates or negates and halves it, and takes the power of two. The bits
-//           and flags of fp3_lns_float_rcp and fp3_lns_float_rsqrt in sw/machine/lns.c, except that of a NaN z_o and flags_o are 0.
+// Purpose   Normalises a, takes the logarithm of its significand, negates or negates and halves it,
+//           and takes the power of two. The bits and flags of fp3_lns_float_rcp and
+//           fp3_lns_float_rsqrt in sw/machine/lns.c, except that of a NaN z_o and flags_o are 0.
 //
 //           a ──► normalised ──► lns_curve: log2 ──► -log2 or -log2/2 ──► lns_curve: power of two ──► rounded
 //           edges          2                   5                       1                           5
 //
-// Latency   13; a new number every cycle. There is no register at the ports, no reset and no valid bit.
+// Latency   13; a new number every cycle. There is no register at the ports, no reset and no valid
+//           bit.
 // Result    Without on_i z_o and flags_o are 0.
 //
 //     on_i 1, root_i 0, a_i 40400000  ->  z_o 3EAAAAAB, flags_o 1, thirteen edges later      (1 / 3)
@@ -21,7 +23,8 @@ module fp3_lns_inverse (
     output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
 );
 `include "gen/isa.vh"
-    // What is no positive number or no inverse: nothing (not asked for, NaN, inverse of infinity), NaN, infinity.
+    // What is no positive number or no inverse: nothing (not asked for, NaN, inverse of infinity),
+    // NaN, infinity.
     wire low = ~|a_i[30:23], top = &a_i[30:23], rest = |a_i[22:0];
     wire zero = low && !rest, nan = top && rest;
     wire asked = on_i && !nan;

@@ -3,7 +3,8 @@
 //
 // Purpose   Adds or subtracts two logarithms.
 // Latency   0, or 1 with CUT: a register behind the sum.
-// Result    0 * infinity, 0 / 0, infinity / infinity and NaN give the NaN 7FC00000; x / 0 an infinity and DZ.
+// Result    0 * infinity, 0 / 0, infinity / infinity and NaN give the NaN 7FC00000; x / 0 an
+//           infinity and DZ.
 //
 //     divide_i 0, a_i 40000000, b_i C0800000  ->  z_o C1000000, flags_o 0      (2 * -4)
 `default_nettype none

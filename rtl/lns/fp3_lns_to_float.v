@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_to_float: the binary32 number of a logarithmic word.
 //
-// Purpose   The logarithm's integer part is the exponent, 2^fraction the significand. Below 2^-126 the result is subnormal, with UF and NX.
+// Purpose   The logarithm's integer part is the exponent, 2^fraction the significand. Below 2^-126
+//           the result is subnormal, with UF and NX.
 // Latency   5; a new word every cycle.
 //
 //     a_i 3FC00000  ->  z_o 3FB504F3, which is sqrt(2), five edges later

@@ -12,7 +12,8 @@
 // Latency   mask_o is that of the instruction that decode takes; a report changes it two cycles
 //           later. A report comes some cycles after an object fell asleep. Until then instructions
 //           still issue for the object (no lane executes them); afterwards they do not.
-// Hazard    Each report is about a context that has an object, and comes before the next round opens.
+// Hazard    Each report is about a context that has an object, and comes before the next round
+//           opens.
 //
 //     CONTEXTS = 4, count_i = 6:       mask_o of ld  1111   of add  1111   after a report of context 2  1011
 //                   the second batch:                0011           0011

@@ -10,7 +10,8 @@
 //           the number itself.
 //
 // Latency   draw_o TIMING_MIX + 2 cycles after issue_i, TIMING_MIX + 1 after issue's ISSUE.
-// Hazard    first_i comes with the first context of each sweep. A sweep goes through all objects of its batch.
+// Hazard    first_i comes with the first context of each sweep. A sweep goes through all objects of
+//           its batch.
 //
 //     first = 5, stride = 2, two contexts:     batch 1: objects 5, 7     batch 2: objects 9, 11
 `default_nettype none

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_dual_pace: when the next sweep may begin, where a sweep of sums and one of products may be under way at once.
+// fp3_dual_pace: when the next sweep may begin, where a sweep of sums and one of products may be
+// under way at once.
 //
 // Purpose   A sweep waits for its unit, and long enough after the sweep before that no context
 //           reads a result before it is written. All sweeps go through the contexts in the same
@@ -12,9 +13,9 @@
 //           is busy, and no sweep waits longer than these two rules require. Proved:
 //           tests/formal/dual_pace_spec.v.
 // Latency   count_o two cycles after valid_i, known_o and may_o five.
-// Hazard    mask_i, adds_i, muls_i and legal_i stay while valid_i is high. take_i comes with may_o and ends it:
-//           valid_i is low in the next cycle. The contexts of a mask are 0, 1, .. without a hole.
-//           start_i comes with valid_i low, when nothing has issued for GAP cycles.
+// Hazard    mask_i, adds_i, muls_i and legal_i stay while valid_i is high. take_i comes with may_o
+//           and ends it: valid_i is low in the next cycle. The contexts of a mask are 0, 1, ..
+//           without a hole. start_i comes with valid_i low, when nothing has issued for GAP cycles.
 `default_nettype none
 module fp3_dual_pace #(
     parameter CONTEXTS = 24,
@@ -40,7 +41,8 @@ module fp3_dual_pace #(
     localparam [31:0] GAP_32 = GAP;
     localparam [COUNT_W-1:0] GAP_C = GAP_32[COUNT_W-1:0], ZERO = {COUNT_W{1'b0}};
 
-    // A mask has no hole, so it has one last context: its number and 1 is their count, which takes no sum of bits.
+    // A mask has no hole, so it has one last context: its number and 1 is their count, which takes
+    // no sum of bits.
     wire [CONTEXTS-1:0] last = mask_i & ~(mask_i >> 1);
     wire [CONTEXTS-1:0] low  = ~({CONTEXTS{1'b1}} << HALF);
     function [COUNT_W-1:0] count(input [CONTEXTS-1:0] one);

@@ -53,7 +53,8 @@ module fp3_exchange #(
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS = settings_i;
 
-    // Word by word ---------------------------------------------------------------------------------
+    // Word by word
+    // ---------------------------------------------------------------------------------
     reg  [2:0]            state_q;
     reg  [63:0]           left_q, low_q;       // published words that are still to be copied; the first of them
     reg                   any_q, copied_q;
@@ -97,7 +98,8 @@ module fp3_exchange #(
     assign copied_o = copied_q;
     assign busy_o   = state_q != IDLE;
 
-    // From: the list is read in two cycles ---------------------------------------------------------------
+    // From: the list is read in two cycles
+    // ---------------------------------------------------------------
     wire                  walks = state_q == WALK;
     wire                  from_valid, to_reads, to_valid;
     wire [REGISTER_W-1:0] from_register, to_register;
@@ -125,7 +127,8 @@ module fp3_exchange #(
     assign reach_copy     = from_valid;
     assign reach_o        = `FP3_REACH;
 
-    // To: likewise, as the answer comes ----------------------------------------------------------------
+    // To: likewise, as the answer comes
+    // ----------------------------------------------------------------
     reg [INDEX_W-1:0] to_index_q;
     fp3_delay #(.W(1), .N(WAY)) u_to_reads (.clk_i(clk_i), .rst_i(rst_i || abort_i), .d_i(walks), .q_o(to_reads));
     fp3_delay #(.W(1), .N(2)) u_to (.clk_i(clk_i), .rst_i(rst_i || abort_i), .d_i(to_reads), .q_o(to_valid));

@@ -148,13 +148,15 @@ module fp3_issue #(
             end
             assign {issue_upper, issue_given, minus} = {upper_q, takes_q, flips_q};
 
-            // The place of a list is noted four cycles after issue_o, and read in the cycle after reach_o.
+            // The place of a list is noted four cycles after issue_o, and read in the cycle after
+            // reach_o.
             localparam LATE = AHEAD + 4;
             wire                 finds;
             wire [CONTEXT_W-1:0] context_late;
             fp3_delay #(.W(1), .N(LATE)) u_finds (.clk_i(clk_i), .rst_i(rst_i), .d_i(each_q), .q_o(finds));
             fp3_delay #(.W(CONTEXT_W), .N(LATE)) u_context_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_now), .q_o(context_late));
-            // Its entry is the first: all of AROUND is 0 but that it is an entry, and that of `each`.
+            // Its entry is the first: all of AROUND is 0 but that it is an entry, and that of
+            // `each`.
             localparam [AROUND_W-1:0] FIRST = {2'b11, {AROUND_W-2{1'b0}}};
             `FP3_REACH_FIELDS
             assign reach_valid   = finds || (valid_q && !each_q);

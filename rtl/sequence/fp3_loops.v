@@ -15,7 +15,8 @@
 //
 //           Loops are not nested, and no phase ends within a loop; software checks this.
 //
-//           Words of published registers are in both halves of the store: a phase loads from one and stores in the other.
+//           Words of published registers are in both halves of the store: a phase loads from one
+//           and stores in the other.
 //
 // Latency   around_o and drop_o are about the word that is taken in this cycle, jump_o comes a
 //           cycle later.

@@ -76,7 +76,8 @@ module fp3_pace #(
         pause_q    <= enough ? ZERO : GAP_C - least_q;
         rested_q   <= (busy_i ? ZERO : since_q) + 1'b1 >= pause_q;
 
-        // Without a start value it would be X under Icarus, and stay X: no context would ever issue.
+        // Without a start value it would be X under Icarus, and stay X: no context would ever
+        // issue.
         if (start_i)     before_q <= {COUNT_W{1'b1}};
         else if (take_i) before_q <= count_q;
         if (busy_i)                since_q <= {{COUNT_W-1{1'b0}}, 1'b1};

@@ -11,8 +11,9 @@
 //                        ▲                        └ legal, for somebody?                          │
 //                        └────────────────────────── reports ◄────────────────────────────────────┘
 //
-// Latency   See one_stream and two_streams. A sweep that has to wait for the one before is counted (stall_dependency).
-//           With NEIGHBOURS a register stands behind decode, so a round's first instruction comes a cycle later.
+// Latency   See one_stream and two_streams. A sweep that has to wait for the one before is counted
+//           (stall_dependency). With NEIGHBOURS a register stands behind decode, so a round's first
+//           instruction comes a cycle later.
 // Hazard    Every running cycle is an issue or exactly one stall; no other cycle is one of these.
 //           Once the last part of a visit has begun to issue, no stop comes before its end.
 `default_nettype none
@@ -126,7 +127,8 @@ module fp3_sequencer #(
         .take_i(ready && fetched), .begins_i(begins), .lasts_i(lasts), .mask_o(mask), .batch_o(batch),
         .valid_i(report_valid), .asleep_i(report_asleep), .reported_batch_i(report_batch), .reported_context_i(report_context));
 
-    // The next instruction: it waits here until its sweep may begin ----------------------------------
+    // The next instruction: it waits here until its sweep may begin
+    // ----------------------------------
     reg                      valid_q, seen_q;           // valid for a cycle: what follows is known
     reg                      goes_q, drops_q, traps_q;  // to its sweep, nowhere (nobody is awake), illegal
     reg [`FP3_DECODED_W-1:0]     decoded_q;
@@ -165,7 +167,8 @@ module fp3_sequencer #(
     end
     assign {illegal_o, illegal_pc_o} = {illegal_q, pc_q};
 
-    // Where the program goes on in which objects see each other --------------------------------------
+    // Where the program goes on in which objects see each other
+    // --------------------------------------
     generate
         if (NEIGHBOURS != 0) begin : g_loops
             fp3_loops #(.CONFIG(CONFIG)) u_loops (.clk_i(clk_i), .rst_i(rst_i),
@@ -182,7 +185,8 @@ module fp3_sequencer #(
         end
     endgenerate
 
-    // What is under way -----------------------------------------------------------------------------
+    // What is under way
+    // -----------------------------------------------------------------------------
     wire [4:0] kinds;                  // that issue: memory, sleep, chain, mul, add
     wire       retired, paired, issued_late;
     generate
@@ -216,7 +220,8 @@ module fp3_sequencer #(
     assign storing = (valid_q && lasts_q) || (busy && under_lasts_q);
     wire unused = &{`FP3_DECODED, `FP3_MARKS, report_flags, report_answer};      // the streams'; the host's
 
-    // Every running cycle is an issue or exactly one stall -----------------------------------------
+    // Every running cycle is an issue or exactly one stall
+    // -----------------------------------------
     wire quiet = running_o && !busy;
     `FP3_EVENTS_FIELDS
     assign event_cycles = running_o;

@@ -4,8 +4,8 @@
 // Purpose   The next set bit of a mask in every cycle, without a gap between two sweeps.
 // Latency   current_o shows the first context in the cycle after load_i, the next one in the cycle
 //           after next_i.
-// Hazard    load_i only with last_o and next_i, or while busy_o is low. mask_i then has count_i ones,
-//           at least one.
+// Hazard    load_i only with last_o and next_i, or while busy_o is low. mask_i then has count_i
+//           ones, at least one.
 //
 //     cycle      0     1     2     3
 //     load_i     1     0     0     0        mask 1010, count 2

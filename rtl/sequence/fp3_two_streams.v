@@ -58,7 +58,8 @@ module fp3_two_streams #(
     wire [REGISTER_W:0] x = st ? {1'b0, d} : turned ? b : a;
     wire [REGISTER_W:0] y = st ? {1'b0, d} : turned ? a : b;
 
-    // The turns ---------------------------------------------------------------------------------------
+    // The turns
+    // ---------------------------------------------------------------------------------------
     localparam SUM_W = TRACE_W + 9 + REGISTER_W + 2 * (REGISTER_W + 1), PRODUCT_W = TRACE_W + 1 + REGISTER_W + 2 * (REGISTER_W + 1);
     reg                  memory_q;         // both units are taken
     wire                 to_products = to_mul || (to_memory && !st && d[0]);
@@ -91,7 +92,8 @@ module fp3_two_streams #(
         .what_o(product_what), .row_o(product_row));
     assign {product_trace, product_loads, product_register, product_x, product_y} = product_what;
 
-    // What the lanes are told ---------------------------------------------------------------------------
+    // What the lanes are told
+    // ---------------------------------------------------------------------------
     function [BANK_W-1:0] spot(input [REGISTER_W:0] of, input [CONTEXT_W-1:0] context_number);
         spot = of[REGISTER_W] ? {{CONTEXT_W-1{1'b1}}, of[REGISTER_W-1:0]} : {context_number, of[REGISTER_W-1:1]};
     endfunction
@@ -126,7 +128,8 @@ module fp3_two_streams #(
     assign retire_load_register = retire_product_loads ? retire_product_register : retire_sum_register;
     assign retire_o = `FP3_DUAL_RETIRE;
 
-    // What happens ----------------------------------------------------------------------------------------
+    // What happens
+    // ----------------------------------------------------------------------------------------
     reg [4:0] sum_kind_q, product_kind_q;
     always @(posedge clk_i) if (load_o) begin
         if (to_products) product_kind_q <= {to_memory, 2'b00, to_mul, 1'b0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// issued.vh: the bundle ISSUED, an instruction that issues, for the trace alone: left open, it costs nothing.
-// front/decoded.vh shows how a bundle is used. Its widths are those of fp3's ports.
+// issued.vh: the bundle ISSUED, an instruction that issues, for the trace alone: left open, it
+// costs nothing. front/decoded.vh shows how a bundle is used. Its widths are those of fp3's ports.
 //
 //     valid                       an instruction issues
 //     pc, word                    from where in the program

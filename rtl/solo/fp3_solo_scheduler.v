@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_solo_scheduler: the paper's workload scheduler. Fetches a program, issues its instructions and
-// writes the results back, for one object in the shortest time. (For many: tile_scheduler.)
+// fp3_solo_scheduler: the paper's workload scheduler. Fetches a program, issues its instructions
+// and writes the results back, for one object in the shortest time. (For many: tile_scheduler.)
 //
 // Purpose   The paper's instruction memory, register file and busy flags. An instruction issues
 //           when none of its registers is flagged, its unit takes it, and the register file will

@@ -4,8 +4,9 @@
 // Purpose   a + b or a - b, rounded.
 // Latency   ADD_LATENCY + WAIT; new operands every cycle.
 //
-//     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(1'b1), .a_i(a), .b_i(b), .value_o(sum), .flags_o(flags));
-//     // a 40400000, b 3F800000  ->  sum 40000000, ADD_LATENCY edges later
+//     adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(1'b1), .a_i(a), .b_i(b),
+//     .value_o(sum), .flags_o(flags)); // a 40400000, b 3F800000  ->  sum 40000000, ADD_LATENCY
+//     edges later
 `default_nettype none
 module fp3_adder #(
     parameter WAIT = 0,                // more registers

@@ -6,8 +6,8 @@
 //           multiplies, not from a request that needs both. Among equals, the scheduler whose sweep
 //           ended last comes last: schedulers then stand at different instructions, which lets them
 //           overlap.
-// Latency   1: a request of one cycle is granted in the next, unless its sweep is over by then. So a
-//           new sweep waits for a cycle, in which the units are another scheduler's. A request
+// Latency   1: a request of one cycle is granted in the next, unless its sweep is over by then. So
+//           a new sweep waits for a cycle, in which the units are another scheduler's. A request
 //           that needs nothing is granted at once.
 // Promise   At most one grant per unit and cycle, and no grant without a request. A request waits
 //           only for a request that comes first and takes a unit that it needs. A request that was

@@ -2,13 +2,15 @@
 // fp3_fused_adder: fp_fma with the cuts of a configuration, and the registers behind it.
 //
 // Purpose   z + x * y or z - x * y, rounded once; or z alone, added to -0.
-// Latency   x and y: PRODUCT_LATENCY + ADD_LATENCY; z and subtract_i come PRODUCT_LATENCY cycles later. For one object
-//           they come together with x and y, and no_product_i has no effect. New operands every cycle.
-//           MUL_CUTS cuts the product (its first four bits) and ADD_CUTS the rest; the other cycles are registers behind these.
+// Latency   x and y: PRODUCT_LATENCY + ADD_LATENCY; z and subtract_i come PRODUCT_LATENCY cycles
+//           later. For one object they come together with x and y, and no_product_i has no effect.
+//           New operands every cycle. MUL_CUTS cuts the product (its first four bits) and ADD_CUTS
+//           the rest; the other cycles are registers behind these.
 // Hazard    no_product_i comes a cycle before z.
 //
-//     fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(1'b1), .z_i(z), .x_i(x), .y_i(y), .result_o(result));
-//     // x 3F800000, y 40000000, and z 40400000 PRODUCT_LATENCY edges later  ->  3F800000, ADD_LATENCY edges after that
+//     fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(1'b1),
+//     .z_i(z), .x_i(x), .y_i(y), .result_o(result)); // x 3F800000, y 40000000, and z 40400000
+//     PRODUCT_LATENCY edges later  ->  3F800000, ADD_LATENCY edges after that
 `default_nettype none
 `include "unit/socket.vh"
 module fp3_fused_adder #(

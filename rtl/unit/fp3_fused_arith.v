@@ -3,10 +3,12 @@
 //
 // Purpose   Like lane_arith, with a fused multiply-add. A product alone is -0 + x * y, a sum alone
 //           z + x * 1; rounding once keeps both correct. The result of fp_value is added to -0.
-// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the rest.
+// Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the
+//           rest.
 //
-//     fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .result_o(result));
-//     // with 5 and 8, subtract 1, z 40400000, x 3F800000, y 40000000  ->  3F800000, thirteen edges later
+//     fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands),
+//     .result_o(result)); // with 5 and 8, subtract 1, z 40400000, x 3F800000, y 40000000  -> 
+//     3F800000, thirteen edges later
 `default_nettype none
 `include "unit/socket.vh"
 module fp3_fused_arith #(

@@ -8,8 +8,9 @@
 // Latency   MUL_LATENCY + ADD_LATENCY; new operands every cycle. z comes Z_LATE cycles after the
 //           rest. Flags Of the product or the sum; of rcp and rsqrt with MIXED, of lns_inverse.
 //
-//     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .result_o(result));
-//     // with 8 and 8, subtract 1, z 40400000, x 3F800000, y 40000000  ->  3F800000, sixteen edges later
+//     lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands),
+//     .result_o(result)); // with 8 and 8, subtract 1, z 40400000, x 3F800000, y 40000000  -> 
+//     3F800000, sixteen edges later
 `default_nettype none
 `include "unit/socket.vh"
 module fp3_lane_arith #(

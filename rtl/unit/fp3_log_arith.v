@@ -3,10 +3,12 @@
 //
 // Purpose   Like lane_arith, in the arithmetic of docs/logarithmic.md: the product is exact, and
 //           1/a or 1/sqrt(a) is computed beside it. fp_value does the same as for binary32.
-// Latency   MUL_LATENCY + ADD_LATENCY, of which 2 and 10 are needed; new operands every cycle. z comes Z_LATE cycles after the rest.
+// Latency   MUL_LATENCY + ADD_LATENCY, of which 2 and 10 are needed; new operands every cycle. z
+//           comes Z_LATE cycles after the rest.
 // Flags     Those of the product or those of the sum.
 //
-//     log_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .result_o(result));
+//     log_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands),
+//     .result_o(result));
 //     // with 2 and 10, subtract 1, z 40800000, x 40000000, y 3F800000  ->  40000000, twelve edges later      (4 - 2)
 `default_nettype none
 `include "unit/socket.vh"

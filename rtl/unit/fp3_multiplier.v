@@ -3,11 +3,12 @@
 //
 // Purpose   a * b, rounded, or instead_i in its place: before an adder that is -0, to which the
 //           adder adds the result of fp_value.
-// Latency   MUL_LATENCY + WAIT; new operands every cycle. no_product_i and instead_i come a cycle before the result
-//           that they replace.
+// Latency   MUL_LATENCY + WAIT; new operands every cycle. no_product_i and instead_i come a cycle
+//           before the result that they replace.
 //
-//     multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(MINUS_ZERO), .a_i(a), .b_i(b), .value_o(product), .flags_o(flags));
-//     // a 40400000, b 40000000  ->  product 40C00000, MUL_LATENCY edges later
+//     multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0),
+//     .instead_i(MINUS_ZERO), .a_i(a), .b_i(b), .value_o(product), .flags_o(flags)); // a 40400000,
+//     b 40000000  ->  product 40C00000, MUL_LATENCY edges later
 `default_nettype none
 module fp3_multiplier #(
     parameter WAIT = 0,                // more registers

@@ -9,9 +9,10 @@
 //           mul    x, y of one ─► multiplier ─────┘ chained
 //                                      └──────────── wait ────────► result
 //
-// Latency   TIMING_SHARE + MUL_LATENCY + ADD_LATENCY from operands to results; new operands every cycle.
-// Hazard    adds_i and muls_i come in the cycle of the operands, with at most one scheduler in each.
-//           twice and half never come together.
+// Latency   TIMING_SHARE + MUL_LATENCY + ADD_LATENCY from operands to results; new operands every
+//           cycle.
+// Hazard    adds_i and muls_i come in the cycle of the operands, with at most one scheduler in
+//           each. twice and half never come together.
 `default_nettype none
 `include "unit/socket.vh"
 module fp3_shared_arith #(

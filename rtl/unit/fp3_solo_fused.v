@@ -12,8 +12,9 @@
 //           Both multiply x by y. If both have the same cuts, synthesis makes one product for both.
 // Latency   sum_o: PRODUCT_LATENCY + ADD_LATENCY; product_o: MUL_LATENCY. New operands every cycle.
 //
-//     solo_fused #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .sum_o(sum), .product_o(product));
-//     // with 2 and 2, z 40400000, x 3F800000, y 40000000  ->  product 40000000 two edges later, sum 40A00000 three edges later
+//     solo_fused #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands), .sum_o(sum),
+//     .product_o(product)); // with 2 and 2, z 40400000, x 3F800000, y 40000000  ->  product
+//     40000000 two edges later, sum 40A00000 three edges later
 `default_nettype none
 `include "unit/socket.vh"
 module fp3_solo_fused #(
@@ -33,8 +34,9 @@ module fp3_solo_fused #(
     fp3_fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(operands_subtract),
         .z_i(operands_z), .x_i(operands_x), .y_i(operands_y), .result_o(sum_o));
 
-    // What fp_value makes, as the sum of it and -0 would be: a NaN is the quiet one, and invalid if it was signalling; a number
-    // has the fraction's bits, and may be flushed. fp_value is a cycle early, for the register in the multiplier.
+    // What fp_value makes, as the sum of it and -0 would be: a NaN is the quiet one, and invalid if
+    // it was signalling; a number has the fraction's bits, and may be flushed. fp_value is a cycle
+    // early, for the register in the multiplier.
     wire        valued;
     wire [36:0] value;
     generate

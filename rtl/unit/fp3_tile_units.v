@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_tile_units: the arithmetic of a tile, behind one socket for each stream of each lane.
 //
-// Purpose   A lane has units of its own, except where several schedulers share one adder and one multiplier: then they
-//           ask, and an arbiter grants.
+// Purpose   A lane has units of its own, except where several schedulers share one adder and one
+//           multiplier: then they ask, and an arbiter grants.
 //
 //           own       operands of a stream ──► unit ──► its result
 //           shared    adds_i, muls_i ──► arbiter ──► grant_o

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_board_clock: the processor's clock from a board's oscillator, by the PLL of an ECP5.
 //
-// Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low until the clock
-//           can be used; it is not synchronous to it.
-// Ranges    Lattice's data sheet FPGA-DS-02012: phase detector 3.125 to 400 MHz, oscillator 400 to 800 MHz,
-//           divisors 1 to 128 (feedback 1 to 80).
+// Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low
+//           until the clock can be used; it is not synchronous to it.
+// Ranges    Lattice's data sheet FPGA-DS-02012: phase detector 3.125 to 400 MHz, oscillator 400 to
+//           800 MHz, divisors 1 to 128 (feedback 1 to 80).
 //
 //           phase detector = PIN_HZ / IN = CLOCK_HZ / FEEDBACK;  oscillator = CLOCK_HZ * OUT
 `default_nettype none

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_mul_product: the exact product of two significands, by the multipliers of an ECP5.
 //
-// Purpose   Takes the place of rtl/fp/fp3_fp_mul_product.v: the registers at cuts 0 and 1 are those inside
-//           the MULT18X18D, whose delay without them bounds the clock.
-// Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product.
-//           The hidden bit comes late: without cut 0 the multiplier waits for it.
-// Range     FRAC up to 23: with more bits the rows of logic below are too short, which ends elaboration.
-// Tiles     Up to FRAC = 17 one multiplier is enough. Beyond, a significand is 18 low bits and a high part of at most 6: three
-//           tiles are multipliers, the one of both high parts is logic. The hidden bit is multiplied as any other: the
-//           additions that the generic version makes for it are not needed.
+// Purpose   Takes the place of rtl/fp/fp3_fp_mul_product.v: the registers at cuts 0 and 1 are those
+//           inside the MULT18X18D, whose delay without them bounds the clock.
+// Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3
+//           product. The hidden bit comes late: without cut 0 the multiplier waits for it.
+// Range     FRAC up to 23: with more bits the rows of logic below are too short, which ends
+//           elaboration.
+// Tiles     Up to FRAC = 17 one multiplier is enough. Beyond, a significand is 18 low bits and a
+//           high part of at most 6: three tiles are multipliers, the one of both high parts is
+//           logic. The hidden bit is multiplied as any other: the additions that the generic
+//           version makes for it are not needed.
 //
 //     fp_mul_product #(.FRAC(23), .CUTS(4'b0111)) u (.clk_i(clk_i), .a_i(x), .b_i(y), .p_o(p));
 //     // three edges later p == x * y
@@ -45,9 +47,9 @@ module fp3_fp_mul_product #(
             fp3_multiply #(.CUTS(CUTS[1:0])) u_lh (.clk_i(clk_i), .a_i(al), .b_i(bh), .p_o(lh));
             fp3_multiply #(.CUTS(CUTS[1:0])) u_hl (.clk_i(clk_i), .a_i(ah), .b_i(bl), .p_o(hl));
 
-            // The high parts, in three rows of two digits of b. A row is a carry chain and nothing else: a
-            // LUT of the chain adds a bit of a * b[0] and one of 2 * a * b[1], as A & B ^ C & D; its lowest
-            // four bits, A & B, are the carry where that is 0.
+            // The high parts, in three rows of two digits of b. A row is a carry chain and nothing
+            // else: a LUT of the chain adds a bit of a * b[0] and one of 2 * a * b[1], as A & B ^ C
+            // & D; its lowest four bits, A & B, are the carry where that is 0.
             localparam [15:0] ROW = 16'h7888;
             wire [5:0]  a, b;
             wire [7:0]  a1 = {2'b00, a}, a2 = {1'b0, a, 1'b0};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_multiply: a product of two numbers of 18 bits, by a multiplier of an ECP5.
 //
-// Purpose   Takes the place of rtl/lib/fp3_multiply.v: the registers are those inside the MULT18X18D, whose delay without them bounds the clock.
+// Purpose   Takes the place of rtl/lib/fp3_multiply.v: the registers are those inside the
+//           MULT18X18D, whose delay without them bounds the clock.
 // Latency   As there, popcount(CUTS). Places: 0 operands, 1 product.
 //
 //     multiply #(.SIGNED(1), .CUTS(2'b11)) u (.clk_i(clk_i), .a_i(x), .b_i(y), .p_o(p));     // two edges later p == x * y

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_mux4: one of four words, by the multiplexers in an ECP5's slices.
 //
-// Purpose   Takes the place of rtl/lib/fp3_mux4.v: each bit is one slice, two LUTs and the PFUMX behind them. n_i[1],
-//           which may be late, passes no LUT, and nothing else becomes a part of these LUTs.
+// Purpose   Takes the place of rtl/lib/fp3_mux4.v: each bit is one slice, two LUTs and the PFUMX
+//           behind them. n_i[1], which may be late, passes no LUT, and nothing else becomes a part
+//           of these LUTs.
 // Latency   0, as there.
 //
 //     mux4 #(.W(32)) u (.n_i(by), .d0_i(x), .d1_i(x >> 1), .d2_i(x >> 2), .d3_i(x >> 3), .q_o(y));   // y = x >> by

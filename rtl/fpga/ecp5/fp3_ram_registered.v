@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_ram_registered: block memory of an ECP5 with the register at its output.
 //
-// Purpose   Takes the place of rtl/lib/fp3_ram_registered.v: the second register is the one inside the
-//           DP16KD, which shows its word 1 ns after the clock (grade 6), the bare memory after 5.8.
+// Purpose   Takes the place of rtl/lib/fp3_ram_registered.v: the second register is the one inside
+//           the DP16KD, which shows its word 1 ns after the clock (grade 6), the bare memory after
+//           5.8.
 // Latency   2, as there.
-// Size      A block has 512 words of 36 bits, 1024 of 18, .. or 16384 of 1; as many blocks as W asks for. More words than that are
-//           two memories of half as many, and a multiplexer behind their registers.
+// Size      A block has 512 words of 36 bits, 1024 of 18, .. or 16384 of 1; as many blocks as W
+//           asks for. More words than that are two memories of half as many, and a multiplexer
+//           behind their registers.
 // Contents  Zero at power-up, which is what a DP16KD has by default; there is no reset.
-// Hazard    A read of the word that is written in the same cycle gives anything (ram_registered of rtl/lib
-//           checks that nobody uses it).
+// Hazard    A read of the word that is written in the same cycle gives anything (ram_registered of
+//           rtl/lib checks that nobody uses it).
 //
 //     ram_registered #(.ADDR_W(9), .W(32)) u (...);     // one block
 `default_nettype none
@@ -38,8 +40,8 @@ module fp3_ram_registered #(
                 .read_i(read_i), .read_addr_i(read_addr_i[ADDR_W-2:0]), .read_value_o(high));
             assign read_value_o = upper_q[1] ? high : low;
         end else begin : g_blocks
-            // A block's word, and the address bits below it. Where a word is more than a byte these say
-            // at the write port which bytes are written: all.
+            // A block's word, and the address bits below it. Where a word is more than a byte these
+            // say at the write port which bytes are written: all.
             localparam WIDE   = ADDR_W <= 9 ? 36 : ADDR_W == 10 ? 18 : ADDR_W == 11 ? 9 : 1 << (14 - ADDR_W);
             localparam BELOW  = ADDR_W <= 9 ? 5 : 14 - ADDR_W;
             localparam BYTES  = ADDR_W <= 9 ? 15 : ADDR_W == 10 ? 3 : 0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_rom_registered: a table in the block memory of an ECP5, with the register at its output.
 //
-// Purpose   Takes the place of rtl/lib/fp3_rom_registered.v: the second register is the one inside the DP16KD, which shows its word 1 ns
-//           after the clock (grade 6), the bare memory after 5.8.
+// Purpose   Takes the place of rtl/lib/fp3_rom_registered.v: the second register is the one inside
+//           the DP16KD, which shows its word 1 ns after the clock (grade 6), the bare memory after
+//           5.8.
 // Latency   2, as there.
 // Size      A block has 512 words of 36 bits or 1024 of 18; as many blocks as W asks for.
 //
@@ -26,7 +27,8 @@ module fp3_rom_registered #(
         end
     endgenerate
 
-    // A block is filled by 64 parameters: 16 times 18 bits, each of which takes 20. Half a word of 36 bits follows the other.
+    // A block is filled by 64 parameters: 16 times 18 bits, each of which takes 20. Half a word of
+    // 36 bits follows the other.
     localparam ROW = W * 16 / HALVES;
     function [319:0] part(input integer block, input [ROW-1:0] words);
         integer      k;

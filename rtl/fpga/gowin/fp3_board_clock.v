@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_board_clock: the processor's clock from a board's oscillator, by the PLL of a Gowin GW2A.
 //
-// Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low until the clock
-//           can be used; it is not synchronous to it.
-// Ranges    Gowin's DS226, grade C8/I7: phase detector 3 to 500 MHz, oscillator 500 to 1250 MHz, output 3.90625 to
-//           625 MHz; divisors 1 to 64, of the output 2, 4, 8, 16, 32, .., 128.
+// Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low
+//           until the clock can be used; it is not synchronous to it.
+// Ranges    Gowin's DS226, grade C8/I7: phase detector 3 to 500 MHz, oscillator 500 to 1250 MHz,
+//           output 3.90625 to 625 MHz; divisors 1 to 64, of the output 2, 4, 8, 16, 32, .., 128.
 //
 //           phase detector = PIN_HZ / IN = CLOCK_HZ / FEEDBACK;  oscillator = CLOCK_HZ * OUT
 `default_nettype none

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_board_clock: the processor's clock from a board's oscillator, by the PLL of an iCE40.
 //
-// Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low until the clock
-//           can be used; it is not synchronous to it.
-// Ranges    Lattice's FPGA-TN-02052: phase detector 10 to 133 MHz, oscillator 533 to 1066 MHz, output 16 to
-//           275 MHz. The pin is not divided before the phase detector.
+// Purpose   CLOCK_HZ out of PIN_HZ, exactly; the pin itself where they are the same. good_o is low
+//           until the clock can be used; it is not synchronous to it.
+// Ranges    Lattice's FPGA-TN-02052: phase detector 10 to 133 MHz, oscillator 533 to 1066 MHz,
+//           output 16 to 275 MHz. The pin is not divided before the phase detector.
 //
 //           phase detector = PIN_HZ;  oscillator = PIN_HZ * FEEDBACK = CLOCK_HZ * 2^OUT
 `default_nettype none

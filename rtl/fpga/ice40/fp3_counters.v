@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_counters: counts the cycles in which each of N events happens, with most bits in block memory.
+// fp3_counters: counts the cycles in which each of N events happens, with most bits in block
+// memory.
 //
-// Purpose   Takes the place of rtl/host/fp3_counters.v where logic is scarce. A counter has its low 8 bits in
-//           flip-flops. The rest is a word of a memory; one adder goes round all words and adds what the low bits
-//           have carried.
+// Purpose   Takes the place of rtl/host/fp3_counters.v where logic is scarce. A counter has its low
+//           8 bits in flip-flops. The rest is a word of a memory; one adder goes round all words
+//           and adds what the low bits have carried.
 // Latency   As there.
-// Promise   The count that is shown is that of the cycle of read_i, also while a carry waits for its word:
-//           the adder adds it on the way out, too.
-// Hazard    read_i is high for at most one cycle in two: a read takes the turn of a word, which comes next.
-//           A word's turn comes sooner than its next carry as long as N is at most 2^INDEX_W and INDEX_W 6.
+// Promise   The count that is shown is that of the cycle of read_i, also while a carry waits for
+//           its word: the adder adds it on the way out, too.
+// Hazard    read_i is high for at most one cycle in two: a read takes the turn of a word, which
+//           comes next. A word's turn comes sooner than its next carry as long as N is at most
+//           2^INDEX_W and INDEX_W 6.
 //
 //     cycle         0        1
 //     read_i        1        0

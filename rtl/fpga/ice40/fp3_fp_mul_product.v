@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_mul_product: the exact product of two significands, by the multipliers of an iCE40 UltraPlus.
+// fp3_fp_mul_product: the exact product of two significands, by the multipliers of an iCE40
+// UltraPlus.
 //
-// Purpose   Takes the place of rtl/fp/fp3_fp_mul_product.v: four SB_MAC16, whose own registers are those at cuts 0
-//           and 1, and one addition.
-// Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product.
-// Range     FRAC from 16 to 23, as there is one low part of 16 bits. Anything else ends elaboration: take the generic module.
-// Tiles     A significand is 16 low bits and a high part of at most 8. The hidden bit is multiplied as any other.
-// Hazard    nextpnr takes a multiplier for registered on both sides, whatever its parameters say. Without cuts 0
-//           and 1 it does not see the paths through the multipliers.
+// Purpose   Takes the place of rtl/fp/fp3_fp_mul_product.v: four SB_MAC16, whose own registers are
+//           those at cuts 0 and 1, and one addition.
+// Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3
+//           product.
+// Range     FRAC from 16 to 23, as there is one low part of 16 bits. Anything else ends
+//           elaboration: take the generic module.
+// Tiles     A significand is 16 low bits and a high part of at most 8. The hidden bit is multiplied
+//           as any other.
+// Hazard    nextpnr takes a multiplier for registered on both sides, whatever its parameters say.
+//           Without cuts 0 and 1 it does not see the paths through the multipliers.
 //
 //     fp_mul_product #(.FRAC(23), .CUTS(4'b0011)) u (.clk_i(clk), .a_i(x), .b_i(y), .p_o(p));
 //     // two edges later p == x * y

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_ram_forward: a memory whose read sees the write of its own cycle, in the block memory of an iCE40.
+// fp3_ram_forward: a memory whose read sees the write of its own cycle, in the block memory of an
+// iCE40.
 //
-// Purpose   Takes the place of rtl/lib/fp3_ram_forward.v: an iCE40 has no distributed memory, so that few words would
-//           become flip-flops. A block memory shows any word in the cycle of its write; then the written value is
-//           shown instead.
+// Purpose   Takes the place of rtl/lib/fp3_ram_forward.v: an iCE40 has no distributed memory, so
+//           that few words would become flip-flops. A block memory shows any word in the cycle of
+//           its write; then the written value is shown instead.
 // Latency   1, as there.
-// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation alone.
+// Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation
+//           alone.
 `default_nettype none
 module fp3_ram_forward #(
     parameter ADDR_W = 6,              // 2^ADDR_W words

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_fp_mul_product: the exact product of two significands, by multipliers that are as wide, or nearly.
+// fp3_fp_mul_product: the exact product of two significands, by multipliers that are as wide, or
+// nearly.
 //
-// Purpose   Takes the place of rtl/fp/fp3_fp_mul_product.v where synthesis knows the device's multipliers, their registers and the adder behind
-//           them: a DSP48 of AMD has 25 bits by 18, so that two make a product of 24 by 24; one of Intel has 27 by 27.
-//           The hidden bit is multiplied as any other.
-// Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3 product: here the product is registered at
-//           each of the last three, which synthesis may move into the multipliers.
+// Purpose   Takes the place of rtl/fp/fp3_fp_mul_product.v where synthesis knows the device's
+//           multipliers, their registers and the adder behind them: a DSP48 of AMD has 25 bits by
+//           18, so that two make a product of 24 by 24; one of Intel has 27 by 27. The hidden bit
+//           is multiplied as any other.
+// Latency   As there, popcount(CUTS). Places: 0 operands, 1 partial products, 2 first sums, 3
+//           product: here the product is registered at each of the last three, which synthesis may
+//           move into the multipliers.
 // Range     As there. It has no primitive of a device.
 //
 //     fp_mul_product #(.FRAC(23), .CUTS(4'b0011)) u (.clk_i(clk), .a_i(x), .b_i(y), .p_o(p));
