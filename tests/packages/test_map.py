@@ -42,6 +42,7 @@ def config_of(configs, name):
     """Every key of a configuration."""
     row = next(row for row in configs["config"] if row["name"] == name)
     full = {key: row.get(key, known.get("default", 0)) for key, known in configs["key"].items()}
+    full |= {key: int(bool(eval(known["is"], {}, full))) for key, known in configs["key"].items() if "is" in known}  # our own table
     for unit in ("add", "mul"):
         full[f"{unit}_latency"] = row.get(f"{unit}_latency", bin(row[f"{unit}_cuts"]).count("1") + 1)
     return full
