@@ -83,6 +83,7 @@ def test_predicted_cycles_grow_by_a_step(oscillator):
     assert (cycles[256] - cycles[128]) / 128 == pytest.approx((cycles[128] - cycles[64]) / 64)
 
 
+@pytest.mark.long
 def test_a_model_with_events_has_no_other_solvers_and_says_so(build, root, tmp_path):
     done = bench(build, root / "programs/bouncing_ball.ode", "-i", "euler", "--json", tmp_path / "ball.json")
     assert done.returncode == 0, done.stderr
@@ -174,6 +175,7 @@ def test_without_a_compiler_it_says_so(build, root, tmp_path):
     assert done.returncode != 0 and "no-such-cc" in done.stderr and not (tmp_path / "x.json").exists()
 
 
+@pytest.mark.long
 def test_one_configuration_is_measured_alone(fp3, root, tmp_path):
     """In its own arithmetic: Cell's is truncated, and so less accurate."""
     errors = {}

@@ -50,7 +50,7 @@ def kill(going, chance, on):
             os.kill(pid, signal.SIGKILL if on > 1 else chance.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT]))
 
 
-@pytest.mark.parametrize("on", [1, 2, 3])
+@pytest.mark.parametrize("on", [1, 2, pytest.param(3, marks=pytest.mark.long)])
 def test_kills(command, start, world, ranks, tmp_path, long, on):
     """Of a divided run one process, which makes mpirun end the others."""
     if on not in ranks:

@@ -90,7 +90,7 @@ def test_engines_give_the_same_bits_on_ranks(hash_of, small):
         assert hash_of(small, ranks, engine, 40)[0] == one[0], (engine, ranks)
 
 
-@pytest.mark.parametrize("name, engine", [("comets", "fast"), ("comets", "rtl"), ("mixed", "fast"), ("fleet", "isa")])
+@pytest.mark.parametrize("name, engine", [("comets", "fast"), pytest.param("comets", "rtl", marks=pytest.mark.long), ("mixed", "fast"), ("fleet", "isa")])
 def test_groups_that_see_nobody(mpirun, fp3, root, name, engine):
     """Objects that sleep, lifetimes, several programs, adaptive steps: what is printed is the same."""
     said = []

@@ -73,7 +73,7 @@ def kepler(t):
 
 @pytest.mark.parametrize("how", [
     ["--set=h=2^-4", "-n200"], ["--set=h=2^-5", "-n400", "-k"], ["-i", "verlet", "--set=h=2^-6", "-n800"], ["-i", "euler", "--set=h=2^-8", "-n256"],
-    ["--tolerance", "1e-4"], ["--tolerance", "1e-3", "-i", "heun", "--until", "4"]])
+    pytest.param(["--tolerance", "1e-4"], marks=pytest.mark.long), ["--tolerance", "1e-3", "-i", "heun", "--until", "4"]])
 def test_estimates_are_near_the_errors(run, how):
     steps = [int(word[2:]) for word in how if word.startswith("-n")]
     h = [2.0**int(word.split("^")[1]) for word in how if "h=" in word]
