@@ -29,7 +29,6 @@ EXCEPTIONS = [
     (r"dd ", "writes 763 MB"),
     (r"build/fp3 compare (programs/(kepler|arenstorf)|tests/ode/adaptive/\w+)\.ode", "takes minutes; tests/ode compares every model in a shorter form"),
     (r"build/fp3 tune programs/kepler\.ode .* --arithmetic flush", "takes long; tests/tune chooses among arithmetics"),
-    (r"build/fp3 run programs/kepler\.ode -c many_full -o 64 .*\.h5", "takes long; tests/output writes such files"),
     (r"build/tests/double_functions", "tests/ode runs it on fewer numbers"),
     (r"build/fp3 board |.*--port /dev/", "needs the port that the first command names; tests/board runs the two together"),
     (r"tools/chip\.py --run", "builds a simulator of 38 lanes, which takes minutes"),
