@@ -5,6 +5,8 @@
 #include "arguments.h"
 #include "run_adaptive.h"
 
+#include "record/format.h"
+
 #include <string.h>
 
 /* What belongs to an image, and what to a scene. */
@@ -228,8 +230,7 @@ static const fp3_option table[] = {
      "estimate is above TOL, relative to the size of the state (default: 1e-3)",
      FP3_CALL(take_strict), .is_optional = 1, .forms = FP3_RUN_BESIDE},
     {"output", 0, "FILE",
-     "Write observed values to FILE: as HDF5 if its name ends in .h5 or .hdf5, else as CSV, a "
-     "row for each object of each snapshot",
+     "Write observed values to FILE: " FP3_FORMATS ", a row for each object of each snapshot",
      FP3_TEXT(fp3_run_options, record.def.path), .forms = FP3_RUN_BESIDE},
     {"compress", 0, NULL, "With --output: compress HDF5",
      FP3_FLAG(fp3_run_options, record.def.is_compressed), .forms = FP3_RUN_BESIDE},

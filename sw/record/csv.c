@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* csv.c - see csv.h. */
-#include "csv.h"
+/* csv.c - a recording as comma-separated values: see sink.h. */
+#include "sink.h"
 
 #include "base/file.h"
 #include "base/host.h"

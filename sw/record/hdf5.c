@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* hdf5.c - see hdf5.h. A chunk of about 1 MB is one piece of the file: it is gathered here, then
- * written whole, so that libhdf5 keeps none.
+/* hdf5.c - a recording as HDF5: see sink.h. A chunk of about 1 MB is one piece of the file: it is
+ * gathered here, then written whole, so that libhdf5 keeps none.
  */
-#include "hdf5.h"
+#include "sink.h"
 
 #include "base/file.h"
 #include "library_hdf5.h"
@@ -32,11 +32,6 @@ typedef struct {
     int chain_dataset;
     int has_time;
 } hdf5;
-
-int fp3_hdf5_is_named(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot && (!strcasecmp(dot, ".h5") || !strcasecmp(dot, ".hdf5"));
-}
 
 static fp3_status failed(const hdf5 *self, fp3_error *error) {
     return fp3_hdf5_cannot_write(self->calls, self->file, self->subject->path, error);

@@ -4,9 +4,8 @@
 #include <fp3/program.h>
 
 #include "checkpoints.h"
-#include "csv.h"
 #include "expected.h"
-#include "hdf5.h"
+#include "format.h"
 #include "plan.h"
 #include "plot.h"
 #include "targets.h"
@@ -77,7 +76,7 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "snapshots are at times or after every N steps: "
                         "found both");
-    if (def->is_compressed && !(def->path && fp3_hdf5_is_named(def->path)))
+    if (def->is_compressed && !(def->path && fp3_format_of(def->path)->can_compress))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: only HDF5 (a name that ends in .h5 or .hdf5) is compressed",
                         def->path ? def->path : def->plot);
@@ -120,10 +119,8 @@ static fp3_subject describe(const fp3_recording *r, const fp3_recording_def *def
                          .before = r->chain};
 }
 
-typedef fp3_status open_fn(const fp3_subject *subject, fp3_sink **sink, fp3_error *error);
-
 static fp3_status add_sink(fp3_recording *r, const fp3_recording_def *def, const char *path,
-                           open_fn *open, fp3_error *error) {
+                           fp3_sink_open *open, fp3_error *error) {
     const int i = r->sink_count;
     r->subjects[i] = describe(r, def);
     r->subjects[i].path = r->paths[i] = strdup(path);
@@ -141,8 +138,7 @@ static fp3_status add_sinks(fp3_recording *r, const fp3_recording_def *def, fp3_
     if (def->plot)
         status = add_sink(r, def, def->plot, fp3_plot_open, error);
     if (!status && def->path)
-        status = add_sink(r, def, def->path,
-                          fp3_hdf5_is_named(def->path) ? fp3_hdf5_open : fp3_csv_open, error);
+        status = add_sink(r, def, def->path, fp3_format_of(def->path)->open, error);
     return status;
 }
 

@@ -43,4 +43,12 @@ struct fp3_sink {
     void (*close)(fp3_sink *sink);
 };
 
+/* The subject must outlive the sink; the caller closes it. */
+typedef fp3_status fp3_sink_open(const fp3_subject *subject, fp3_sink **sink, fp3_error *error);
+/* RFC 4180: a row for each object of each snapshot. */
+fp3_sink_open fp3_csv_open;
+/* A dataset [snapshot][object] for each name, with its unit. FP3_E_ARGUMENT: what is there is no
+ * regular file; FP3_E_SYSTEM: fp3_hdf5.so is not there or does not fit. */
+fp3_sink_open fp3_hdf5_open;
+
 #endif

@@ -3,8 +3,9 @@
  */
 #include "reader.h"
 
-#include "base/file.h"
-#include "base/path.h"
+#include "base/number.h"
+#include "base/rows.h"
+#include "base/scanner.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -14,10 +15,7 @@
 
 typedef struct {
     fp3_view_reader reader;
-    FILE *file;
-    char *line; /* the one that was read last, without its end */
-    size_t room;
-    unsigned number;  /* of the line, from 1 */
+    fp3_rows rows;
     int fields;       /* of each row */
     int step, object; /* fields */
     int time;         /* -1: there is none */
@@ -26,55 +24,36 @@ typedef struct {
     size_t *columns;  /* that each field is kept in; FP3_VIEW_NO_COLUMN: in none */
 } csv;
 
-/* ---- lines and fields ---- */
-
-static fp3_status fail(const fp3_view_recording *r, const char *at, fp3_error *error,
+/* Of the line that was read last; column 0: of all of it. */
+static fp3_status fail(const fp3_view_recording *r, unsigned column, fp3_error *error,
                        const char *found, const char *expected) {
     const csv *self = (const csv *)r->reader;
-    return fp3_fail_at(error, FP3_E_ARGUMENT, r->path, self->number,
-                       at ? (unsigned)(at - self->line) + 1 : 0, "found %s, expected %s", found,
-                       expected);
+    return fp3_fail_at(error, FP3_E_ARGUMENT, r->path, self->rows.number, column,
+                       "found %s, expected %s", found, expected);
 }
-
-/* *is_end: there is no further line. */
-static fp3_status next_line(fp3_view_recording *r, int *is_end, fp3_error *error) {
-    csv *self = (csv *)r->reader;
-    errno = 0;
-    ssize_t length = getline(&self->line, &self->room, self->file);
-    *is_end = length < 0;
-    if (length < 0)
-        return ferror(self->file) || errno ? fp3_path_fail(error, r->path, "cannot read") : FP3_OK;
-    self->number++;
-    if (strlen(self->line) != (size_t)length)
-        return fail(r, self->line + strlen(self->line), error, "a NUL", "text");
-    while (length && (self->line[length - 1] == '\n' || self->line[length - 1] == '\r'))
-        self->line[--length] = 0;
-    return FP3_OK;
-}
-
-/* Of a field that begins here: what ends it. */
-static char *field_end(char *at) { return at + strcspn(at, ","); }
 
 /* ---- the head ---- */
 
 /* "x_x [m]" */
-static fp3_status split_name(const fp3_view_recording *r, const char *at, const char *end,
-                             char **name, char **unit, fp3_error *error) {
-    const char *bracket = memchr(at, '[', (size_t)(end - at));
+static fp3_status split_name(const fp3_view_recording *r, fp3_token at, char **name, char **unit,
+                             fp3_error *error) {
+    const csv *self = (const csv *)r->reader;
+    const char *end = at.text + at.length, *bracket = memchr(at.text, '[', at.length);
     const char *stop = bracket ? bracket : end;
-    while (stop > at && stop[-1] == ' ')
+    while (stop > at.text && stop[-1] == ' ')
         stop--;
     *name = *unit = NULL;
-    if (stop == at)
-        return fail(r, at, error, "no name", "the head 'step,time,object,...' of a recording");
+    if (stop == at.text)
+        return fp3_rows_wrong(&self->rows, at, "the head 'step,time,object,...' of a recording",
+                              error);
     if (bracket && end[-1] != ']')
-        return fail(r, bracket, error, "'[' without ']'", "a unit in brackets");
-    *name = strndup(at, (size_t)(stop - at));
+        return fp3_rows_wrong(&self->rows, at, "a unit in brackets, as in 'x [m]'", error);
+    *name = strndup(at.text, (size_t)(stop - at.text));
     *unit = bracket ? strndup(bracket + 1, (size_t)(end - bracket - 2)) : strdup("");
     return *name && *unit ? FP3_OK : fp3_no_memory(error);
 }
 
-static fp3_status take_name(fp3_view_recording *r, const char *at, char *name, char *unit,
+static fp3_status take_name(fp3_view_recording *r, fp3_token at, char *name, char *unit,
                             fp3_error *error) {
     csv *self = (csv *)r->reader;
     const int field = self->fields++;
@@ -85,7 +64,7 @@ static fp3_status take_name(fp3_view_recording *r, const char *at, char *name, c
     if ((place && *place >= 0) || fp3_view_find(r, name) != FP3_VIEW_NO_COLUMN) {
         free(name);
         free(unit);
-        return fail(r, at, error, "the same name again", "a name for each column");
+        return fp3_rows_wrong(&self->rows, at, "a name that no other column has", error);
     }
     if (!place)
         return fp3_view_add(r, name, unit, field, error);
@@ -100,13 +79,14 @@ static fp3_status take_name(fp3_view_recording *r, const char *at, char *name, c
 
 static fp3_status read_head(fp3_view_recording *r, fp3_error *error) {
     csv *self = (csv *)r->reader;
-    int is_end;
-    fp3_status status = next_line(r, &is_end, error);
-    if (!status && is_end)
+    int is_there;
+    fp3_status status = fp3_rows_next(&self->rows, &is_there, error);
+    if (!status && !is_there)
         return fp3_fail(error, FP3_E_ARGUMENT, "%s: empty, expected a recording", r->path);
-    for (char *at = self->line; !status && at;) {
-        char *end = field_end(at), *name, *unit;
-        status = split_name(r, at, end, &name, &unit, error);
+    while (!status && self->rows.next) {
+        const fp3_token at = fp3_rows_value(&self->rows);
+        char *name, *unit;
+        status = split_name(r, at, &name, &unit, error);
         if (!status)
             status = take_name(r, at, name, unit, error);
         else {
@@ -114,11 +94,10 @@ static fp3_status read_head(fp3_view_recording *r, fp3_error *error) {
             free(unit);
         }
         if (!status && self->fields == FP3_VIEW_COLUMNS_MOST)
-            return fail(r, at, error, "4096 columns", "fewer");
-        at = *end ? end + 1 : NULL;
+            return fail(r, at.location.column, error, "4096 columns", "fewer");
     }
     if (!status && (self->step < 0 || self->object < 0 || !r->column_count))
-        return fail(r, NULL, error, "no recording",
+        return fail(r, 0, error, "no recording",
                     "a head 'step,time,object,...' with columns 'step' and 'object' and others, as "
                     "fp3 run --output writes it");
     r->has_time = self->time >= 0;
@@ -130,84 +109,59 @@ static fp3_status read_head(fp3_view_recording *r, fp3_error *error) {
 typedef struct {
     uint64_t step, object;
     double time;
+    int is_none; /* before the first row */
 } row;
 
-static fp3_status read_count(const fp3_view_recording *r, const char *at, const char *end,
-                             uint64_t *value, fp3_error *error) {
-    char *stop;
+static fp3_status read_count(const fp3_rows *rows, fp3_token at, uint64_t *value,
+                             fp3_error *error) {
+    char text[FP3_NUMBER_SIZE], *stop;
+    const int is_read = !fp3_number_copy(at, text);
     errno = 0;
-    *value = strtoull(at, &stop, 10);
-    return stop == end && *at >= '0' && *at <= '9' && !errno
+    *value = is_read ? strtoull(text, &stop, 10) : 0;
+    return is_read && fp3_is_digit(*text) && !*stop && !errno
                ? FP3_OK
-               : fail(r, at, error, "no number", "a number in decimal digits");
-}
-
-static fp3_status read_number(const fp3_view_recording *r, const char *at, const char *end,
-                              double *value, fp3_error *error) {
-    char *stop;
-    *value = strtod(at, &stop);
-    return stop == end && at != end ? FP3_OK
-                                    : fail(r, at, error, "no number", "a number, nan, inf or -inf");
-}
-
-/* Where the values of a row go: into the snapshot that is read, if it is kept. */
-static fp3_status take_value(fp3_view_recording *r, int field, const char *at, const char *end,
-                             uint64_t object, int is_kept, fp3_error *error) {
-    const csv *self = (const csv *)r->reader;
-    const size_t column = self->columns[field];
-    double wide;
-    if (column == FP3_VIEW_NO_COLUMN || !is_kept)
-        return FP3_OK;
-    fp3_status status = read_number(r, at, end, &wide, error);
-    float *value = &r->columns[column].values[self->at * r->objects + object];
-    if (!status && !fp3_view_narrow(wide, value))
-        status = fail(r, at, error, "a number beyond the range of FP32",
-                      "one that can be shown: leave the column out with --observe");
-    return status;
+               : fp3_rows_wrong(rows, at, "a number in decimal digits", error);
 }
 
 /* What a row is of; its values come later, when there is room for them. */
-static fp3_status read_place(fp3_view_recording *r, row *of, fp3_error *error) {
-    csv *self = (csv *)r->reader;
-    fp3_status status = FP3_OK;
-    int field = 0;
-    for (char *at = self->line; !status && at; field++) {
-        char *end = field_end(at);
+static fp3_status read_place(csv *self, row *of, fp3_error *error) {
+    fp3_rows *rows = &self->rows;
+    fp3_status status = fp3_rows_check(rows, (size_t)self->fields, error);
+    for (int field = 0; !status && rows->next; field++) {
+        const fp3_token at = fp3_rows_value(rows);
         if (field == self->step)
-            status = read_count(r, at, end, &of->step, error);
+            status = read_count(rows, at, &of->step, error);
         else if (field == self->object)
-            status = read_count(r, at, end, &of->object, error);
+            status = read_count(rows, at, &of->object, error);
         else if (field == self->time)
-            status = read_number(r, at, end, &of->time, error);
-        at = *end ? end + 1 : NULL;
+            status = fp3_rows_number(rows, at, &of->time, error);
     }
-    if (!status && field != self->fields)
-        return fail(r, self->line, error, "a row of another length",
-                    "as many fields as the head has");
     return status;
 }
 
-static fp3_status read_values(fp3_view_recording *r, uint64_t object, int is_kept,
-                              fp3_error *error) {
+/* Into the snapshot that is read. */
+static fp3_status read_values(fp3_view_recording *r, uint64_t object, fp3_error *error) {
     csv *self = (csv *)r->reader;
     fp3_status status = FP3_OK;
-    int field = 0;
-    for (char *at = self->line; !status && at; field++) {
-        char *end = field_end(at);
-        status = take_value(r, field, at, end, object, is_kept, error);
-        at = *end ? end + 1 : NULL;
+    fp3_rows_again(&self->rows);
+    for (int field = 0; !status && self->rows.next; field++) {
+        const size_t column = self->columns[field];
+        const fp3_token at = fp3_rows_value(&self->rows);
+        double wide;
+        if (column == FP3_VIEW_NO_COLUMN)
+            continue;
+        status = fp3_rows_number(&self->rows, at, &wide, error);
+        float *value = &r->columns[column].values[self->at * r->objects + object];
+        if (!status && !fp3_view_narrow(wide, value))
+            status = fp3_rows_wrong(&self->rows, at,
+                                    "a number in the range of FP32, or none of this column: "
+                                    "leave it out with --observe",
+                                    error);
     }
     return status;
 }
 
 /* ---- room ---- */
-
-static int grow_list(void **list, size_t count, size_t size) {
-    void *more = realloc(*list, count * size);
-    if (more)
-        *list = more;
-    return more != NULL;
-}
 
 static fp3_status make_room(fp3_view_recording *r, fp3_error *error) {
     csv *self = (csv *)r->reader;
@@ -215,11 +169,12 @@ static fp3_status make_room(fp3_view_recording *r, fp3_error *error) {
         return FP3_OK;
     const size_t held = self->held ? 2 * self->held : 1;
     fp3_status status = fp3_view_check_size(r, self->at + 1, r->objects, error);
-    int is_good = grow_list((void **)&r->steps, held, sizeof *r->steps) &&
-                  grow_list((void **)&r->times, held, sizeof *r->times);
+    int is_good = fp3_rows_grow((void **)&r->steps, held, sizeof *r->steps) &&
+                  fp3_rows_grow((void **)&r->times, held, sizeof *r->times);
     for (size_t i = 0; !status && i < r->column_count; i++)
         if (r->columns[i].is_wanted && !r->columns[i].is_made)
-            is_good &= grow_list((void **)&r->columns[i].values, held * r->objects, sizeof(float));
+            is_good &=
+                fp3_rows_grow((void **)&r->columns[i].values, held * r->objects, sizeof(float));
     self->held = held;
     return status || is_good ? status : fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", r->path);
 }
@@ -240,14 +195,13 @@ static fp3_status grow_objects(fp3_view_recording *r, uint64_t object, fp3_error
 static fp3_status check_row(const fp3_view_recording *r, const row *now, const row *before,
                             uint64_t expected, fp3_error *error) {
     char found[80], wanted[80];
-    const csv *self = (const csv *)r->reader;
     if (now->object == expected &&
-        (expected == 0 ? now->step > before->step || self->number == 2 : now->step == before->step))
+        (expected == 0 ? now->step > before->step || before->is_none : now->step == before->step))
         return FP3_OK;
     snprintf(found, sizeof found, "step %" PRIu64 " of object %" PRIu64, now->step, now->object);
     snprintf(wanted, sizeof wanted, "%s of object %" PRIu64,
              expected ? "the same step" : "a later step", expected);
-    return fail(r, self->line, error, found, wanted);
+    return fail(r, 1, error, found, wanted);
 }
 
 /* A snapshot is all objects of one step. */
@@ -267,7 +221,7 @@ static fp3_status begin_snapshot(fp3_view_recording *r, progress *p, const row *
         self->held = 1;
     }
     if (p->is_counted && p->next != r->objects)
-        return fail(r, self->line, error, "the next step", "all objects of the one before");
+        return fail(r, 1, error, "the next step", "all objects of the one before");
     const int was_kept = p->snapshots && (p->snapshots - 1) % every == 0;
     self->at += (size_t)was_kept;
     p->next = 0;
@@ -283,7 +237,7 @@ static fp3_status begin_snapshot(fp3_view_recording *r, progress *p, const row *
 
 static fp3_status take_row(fp3_view_recording *r, progress *p, uint64_t every, fp3_error *error) {
     row now = {0};
-    fp3_status status = read_place(r, &now, error);
+    fp3_status status = read_place((csv *)r->reader, &now, error);
     if (!status && now.object == 0)
         status = begin_snapshot(r, p, &now, every, error);
     if (!status)
@@ -291,10 +245,9 @@ static fp3_status take_row(fp3_view_recording *r, progress *p, uint64_t every, f
     if (!status && !p->is_counted)
         status = grow_objects(r, now.object, error);
     if (!status && p->is_counted && now.object >= r->objects)
-        status = fail(r, ((csv *)r->reader)->line, error, "one object more",
-                      "as many as the first step has");
-    if (!status)
-        status = read_values(r, now.object, (p->snapshots - 1) % every == 0, error);
+        status = fail(r, 1, error, "one object more", "as many as the first step has");
+    if (!status && (p->snapshots - 1) % every == 0)
+        status = read_values(r, now.object, error);
     p->before = now;
     p->next++;
     return status;
@@ -316,11 +269,11 @@ static fp3_status find_columns(fp3_view_recording *r, fp3_error *error) {
 
 static fp3_status csv_load(fp3_view_recording *r, uint64_t every, fp3_error *error) {
     csv *self = (csv *)r->reader;
-    progress p = {0};
-    int is_end = 0;
+    progress p = {.before = {.is_none = 1}};
+    int is_there;
     fp3_status status = find_columns(r, error);
     r->objects = 0;
-    while (!status && !(status = next_line(r, &is_end, error)) && !is_end)
+    while (!status && !(status = fp3_rows_next(&self->rows, &is_there, error)) && is_there)
         status = take_row(r, &p, every, error);
     if (status)
         return status;
@@ -329,7 +282,7 @@ static fp3_status csv_load(fp3_view_recording *r, uint64_t every, fp3_error *err
     if (!p.is_counted)
         r->objects = p.next;
     if (p.next != r->objects)
-        return fail(r, NULL, error, "the end of the file", "all objects of the last step");
+        return fail(r, 0, error, "the end of the file", "all objects of the last step");
     r->snapshots = self->at + ((p.snapshots - 1) % every == 0);
     if (!r->has_time) {
         free(r->times);
@@ -342,9 +295,7 @@ static fp3_status csv_load(fp3_view_recording *r, uint64_t every, fp3_error *err
 
 static void csv_close(fp3_view_reader *reader) {
     csv *self = (csv *)reader;
-    if (self->file)
-        fclose(self->file);
-    free(self->line);
+    fp3_rows_close(&self->rows);
     free(self->columns);
     free(self);
 }
@@ -356,6 +307,6 @@ fp3_status fp3_view_csv_open(fp3_view_recording *r, fp3_error *error) {
     self->reader = (fp3_view_reader){csv_load, csv_close};
     self->step = self->object = self->time = -1;
     r->reader = &self->reader;
-    fp3_status status = fp3_file_open(r->path, &self->file, error);
+    fp3_status status = fp3_rows_open(&self->rows, r->path, error);
     return status ? status : read_head(r, error);
 }

@@ -5,6 +5,7 @@
 #include "reader.h"
 
 #include "base/host.h"
+#include "record/format.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,11 +55,6 @@ static int is_hdf5(const char *path) {
     return result;
 }
 
-static int ends_as_hdf5(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot && (!strcasecmp(dot, ".h5") || !strcasecmp(dot, ".hdf5"));
-}
-
 /* Texts that a file does not have are empty. */
 static int fill_texts(fp3_view_recording *r) {
     char **texts[] = {&r->model,  &r->doc,           &r->integrator,
@@ -75,8 +71,9 @@ fp3_status fp3_view_open(const char *path, fp3_view_recording **r, fp3_error *er
     if (!made)
         return fp3_no_memory(error);
     made->path = path;
-    fp3_status status = ends_as_hdf5(path) || is_hdf5(path) ? fp3_view_hdf5_open(made, error)
-                                                            : fp3_view_csv_open(made, error);
+    fp3_status status = fp3_format_of(path)->open == fp3_hdf5_open || is_hdf5(path)
+                            ? fp3_view_hdf5_open(made, error)
+                            : fp3_view_csv_open(made, error);
     if (!status && !fill_texts(made))
         status = out_of_memory(made, error);
     if (status)

@@ -2,9 +2,8 @@
 /* table.c - see table.h. */
 #include "table.h"
 
-#include "base/file.h"
 #include "base/number.h"
-#include "base/token.h"
+#include "base/rows.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -13,156 +12,103 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A line that has something to say. */
-typedef struct {
-    const char *start, *end, *next; /* next: of the value after this one; NULL: there is none */
-    unsigned line;
-} cursor;
-
-typedef struct {
-    const char *at, *end; /* of the file that is left */
-    unsigned line;
-} source;
-
-static const char *skip_blanks(const char *p, const char *end) {
-    while (p < end && (*p == ' ' || *p == '\t' || *p == '\r'))
-        p++;
-    return p;
-}
-
-/* Whether there is one. */
-static int next_line(source *s, cursor *c) {
-    while (s->at < s->end) {
-        const char *newline = memchr(s->at, '\n', (size_t)(s->end - s->at));
-        *c = (cursor){s->at, newline ? newline : s->end, s->at, ++s->line};
-        s->at = newline ? newline + 1 : s->end;
-        const char *first = skip_blanks(c->start, c->end);
-        if (first < c->end && *first != '#')
-            return 1;
-    }
-    return 0;
-}
-
-/* The next value of the line, without blanks around it. */
-static fp3_token next_value(cursor *c) {
-    const char *start = skip_blanks(c->next, c->end);
-    const char *comma = memchr(c->next, ',', (size_t)(c->end - c->next));
-    const char *end = comma ? comma : c->end;
-    start = start < end ? start : end;
-    while (end > start && skip_blanks(end - 1, end) == end)
-        end--;
-    c->next = comma ? comma + 1 : NULL;
-    return (fp3_token){.text = start,
-                       .length = (size_t)(end - start),
-                       .location = {c->line, (unsigned)(start - c->start) + 1},
-                       .kind = FP3_TOKEN_NAME};
-}
-
-static fp3_status wrong(const fp3_table *t, fp3_token at, const char *expected, fp3_error *error) {
-    char shown[FP3_TOKEN_SHOWN_SIZE];
-    return fp3_fail_at(error, FP3_E_ARGUMENT, t->path, at.location.line, at.location.column,
-                       "found %s, expected %s", at.length ? fp3_token_shown(at, shown) : "nothing",
-                       expected);
-}
-
 /* ---- the head ---- */
 
-static fp3_status read_name(fp3_table *t, fp3_token at, fp3_error *error) {
+static fp3_status take_name(fp3_table *t, const fp3_rows *rows, fp3_token at, fp3_error *error) {
     char *name = t->names[t->columns];
     if (at.length >= FP3_NAME_SIZE)
-        return wrong(t, at, "a name of at most 31 characters", error);
+        return fp3_rows_wrong(rows, at, "a name of at most 31 characters", error);
     memcpy(name, at.text, at.length);
     name[at.length] = '\0';
-    if (strlen(name) != at.length || !fp3_name_valid(name))
-        return wrong(t, at, "the name of a column", error);
+    if (!fp3_name_valid(name))
+        return fp3_rows_wrong(rows, at, "the name of a column", error);
     for (size_t i = 0; i < t->columns; i++)
         if (strcmp(t->names[i], name) == 0)
-            return wrong(t, at, "a name that no other column has", error);
+            return fp3_rows_wrong(rows, at, "a name that no other column has", error);
     t->columns++;
     return FP3_OK;
 }
 
-static fp3_status read_head(fp3_table *t, source *s, fp3_error *error) {
-    cursor c;
-    size_t most = 1;
-    fp3_status status = FP3_OK;
-    if (!next_line(s, &c))
-        return fp3_fail_at(error, FP3_E_ARGUMENT, t->path, 1, 1,
-                           "found nothing, expected a line of names, with commas between them");
-    for (const char *p = c.start; p < c.end; p++)
-        most += *p == ',';
-    t->head = c.line;
-    t->names = calloc(most, sizeof *t->names);
+static fp3_status read_head(fp3_table *t, fp3_rows *rows, fp3_error *error) {
+    int is_there;
+    fp3_status status = fp3_rows_next(rows, &is_there, error);
+    if (status || !is_there)
+        return status ? status
+                      : fp3_fail_at(error, FP3_E_ARGUMENT, t->path, 1, 1,
+                                    "found nothing, expected a line of names, with commas "
+                                    "between them");
+    t->head = rows->number;
+    t->names = calloc(fp3_rows_count(rows), sizeof *t->names);
     if (!t->names)
         return fp3_no_memory(error);
-    while (!status && c.next)
-        status = read_name(t, next_value(&c), error);
+    while (!status && rows->next)
+        status = take_name(t, rows, fp3_rows_value(rows), error);
     return status;
 }
 
 /* ---- the rows ---- */
 
-static fp3_status read_number(fp3_table *t, fp3_token at, double *number, fp3_error *error) {
-    char text[FP3_NUMBER_SIZE];
-    const char *expected = fp3_number_copy(at, text);
-    if (!expected)
-        expected = fp3_number_read(text, number);
-    if (!expected && !isfinite(*number))
-        expected = "a finite number";
-    return expected ? wrong(t, at, expected, error) : FP3_OK;
+/* For twice as many rows. */
+static fp3_status make_room(fp3_table *t, size_t *room, fp3_error *error) {
+    *room = *room ? 2 * *room : 64;
+    return fp3_rows_grow((void **)&t->number, *room * t->columns, sizeof *t->number) &&
+                   fp3_rows_grow((void **)&t->line, *room, sizeof *t->line) &&
+                   fp3_rows_grow((void **)&t->where, *room * t->columns, sizeof *t->where)
+               ? FP3_OK
+               : fp3_no_memory(error);
 }
 
-static fp3_status read_row(fp3_table *t, cursor *c, size_t room, fp3_error *error) {
-    size_t i = 0;
-    t->line[t->rows] = c->line;
-    for (; c->next; i++) {
-        const fp3_token at = next_value(c);
-        if (i == t->columns)
-            return wrong(t, at, "the end of the line: the head has no more names", error);
-        t->where[t->rows * t->columns + i] = at.location.column;
-        const fp3_status status = read_number(t, at, &t->number[i * room + t->rows], error);
-        if (status)
-            return status;
+static fp3_status take_numbers(fp3_table *t, fp3_rows *rows, fp3_error *error) {
+    fp3_status status = fp3_rows_check(rows, t->columns, error);
+    t->line[t->rows] = rows->number;
+    for (size_t i = t->rows * t->columns; !status && rows->next; i++) {
+        const fp3_token at = fp3_rows_value(rows);
+        t->where[i] = at.location.column;
+        status = fp3_rows_number(rows, at, &t->number[i], error);
+        if (!status && !isfinite(t->number[i]))
+            status = fp3_rows_wrong(rows, at, "a finite number", error);
     }
-    if (i < t->columns)
-        return fp3_fail_at(
-            error, FP3_E_ARGUMENT, t->path, c->line, (unsigned)(c->end - c->start) + 1,
-            "found %zu numbers, expected %zu: a number for each name of the head", i, t->columns);
     t->rows++;
-    return FP3_OK;
-}
-
-static fp3_status read_rows(fp3_table *t, source *s, fp3_error *error) {
-    size_t room = 1;
-    cursor c;
-    fp3_status status = FP3_OK;
-    for (const char *p = s->at; p < s->end; p++)
-        room += *p == '\n';
-    t->number = malloc(room * t->columns * sizeof *t->number);
-    t->line = malloc(room * sizeof *t->line);
-    t->where = malloc(room * t->columns * sizeof *t->where);
-    if (!t->number || !t->line || !t->where)
-        return fp3_no_memory(error);
-    while (!status && next_line(s, &c))
-        status = read_row(t, &c, room, error);
-    for (size_t i = 1; i < t->columns; i++) /* without the room of lines that say nothing */
-        memmove(&t->number[i * t->rows], &t->number[i * room], t->rows * sizeof *t->number);
     return status;
 }
 
+/* From row by row to column by column. */
+static fp3_status turn(fp3_table *t, fp3_error *error) {
+    double *turned = malloc((t->rows * t->columns + 1) * sizeof *turned);
+    if (!turned)
+        return fp3_no_memory(error);
+    for (size_t i = 0; i < t->columns; i++)
+        for (size_t row = 0; row < t->rows; row++)
+            turned[i * t->rows + row] = t->number[row * t->columns + i];
+    free(t->number);
+    t->number = turned;
+    return FP3_OK;
+}
+
+static fp3_status read_rows(fp3_table *t, fp3_rows *rows, fp3_error *error) {
+    int is_there;
+    size_t room = 0;
+    fp3_status status;
+    while (!(status = fp3_rows_next(rows, &is_there, error)) && is_there) {
+        if (t->rows == room)
+            status = make_room(t, &room, error);
+        if (!status)
+            status = take_numbers(t, rows, error);
+        if (status)
+            return status;
+    }
+    return status ? status : turn(t, error);
+}
+
 fp3_status fp3_table_read(const char *path, fp3_table *t, fp3_error *error) {
-    char *text = NULL;
-    size_t size = 0;
+    fp3_rows rows = {0};
     *t = (fp3_table){.path = strdup(path)};
-    fp3_status status = t->path ? fp3_file_read(path, &text, &size, error) : fp3_no_memory(error);
-    if (status)
-        return status;
-    const size_t mark = size >= 3 && !memcmp(text, "\xef\xbb\xbf", 3) ? 3 : 0;
-    source s = {text + mark, text + size, 0};
-    status = read_head(t, &s, error);
+    fp3_status status = t->path ? fp3_rows_open(&rows, t->path, error) : fp3_no_memory(error);
     if (!status)
-        status = read_rows(t, &s, error);
-    free(text);
+        status = read_head(t, &rows, error);
+    if (!status)
+        status = read_rows(t, &rows, error);
+    fp3_rows_close(&rows);
     return status;
 }
 

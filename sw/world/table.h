@@ -6,8 +6,7 @@
  *     ... points.number[column * points.rows + row] ...
  *     fp3_table_close(&points);
  *
- * The first line is the head: names. Blanks around values, empty lines and lines that begin with #
- * are ignored.
+ * The first line is the head: names. base/rows.h says how lines are read.
  */
 #ifndef FP3_ARRANGE_TABLE_H
 #define FP3_ARRANGE_TABLE_H

@@ -7,8 +7,7 @@
  * memory that the process had. For the disk alone: dd if=/dev/zero of=FILE bs=1M count=763
  * conv=fdatasync
  */
-#include "record/csv.h"
-#include "record/hdf5.h"
+#include "record/format.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,8 +33,7 @@ static void fill(const fp3_columns *columns, const fp3_slice *block) {
 
 static fp3_status write_all(const fp3_subject *subject, fp3_error *error) {
     fp3_sink *sink = NULL;
-    fp3_status status = fp3_hdf5_is_named(subject->path) ? fp3_hdf5_open(subject, &sink, error)
-                                                         : fp3_csv_open(subject, &sink, error);
+    fp3_status status = fp3_format_of(subject->path)->open(subject, &sink, error);
     for (uint64_t n = 0; !status && n < subject->snapshots; n++) {
         fp3_slice block = {.number = n, .step = n, .time = (double)n};
         for (; !status && block.first < subject->objects; block.first += block.count) {

@@ -255,9 +255,9 @@ typedef struct fp3_recording fp3_recording;
  * which must last until fp3_recording_open returns. */
 typedef struct {
     uint32_t cookie; /* as in fp3_compile_def */
-    /* A file, a picture, or both; NULL: none. A file is HDF5 if its name ends in .h5 or .hdf5, else
-     * CSV; "-" is standard output. A picture shows at most 8 objects; its name ends in .svg or
-     * .png, and gnuplot draws it. */
+    /* A file, a picture, or both; NULL: none. The name of a file says its form
+     * (docs/outputs.md); "-" is standard output. A picture shows at most 8 objects; its name ends
+     * in .svg or .png, and gnuplot draws it. */
     const char *path, *plot;
     /* Names of states, and of a model's definitions and invariants. NULL (default): the states of
      * the model, or all states of another program. */
