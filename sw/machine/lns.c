@@ -77,15 +77,6 @@ static uint32_t half(uint32_t twice, uint32_t *flags) {
     return (twice + (twice >> 1 & 1)) >> 1;
 }
 
-uint32_t fp3_lns_sqrt(uint32_t a, uint32_t *flags) {
-    *flags = 0;
-    if (is_nan(a))
-        return FP3_BITS_NAN;
-    if (is_zero(a) || a == INFINITE)
-        return a;
-    return a & SIGN ? invalid(flags) : half(a + FP3_BITS_ONE, flags);
-}
-
 uint32_t fp3_lns_rsqrt(uint32_t a, uint32_t *flags) {
     *flags = 0;
     if (is_nan(a))

@@ -20,7 +20,6 @@ uint32_t fp3_lns_div(uint32_t a, uint32_t b, uint32_t *flags);
 uint32_t fp3_lns_rcp(uint32_t a, uint32_t *flags);
 
 /* To the nearest word, ties to even. */
-uint32_t fp3_lns_sqrt(uint32_t a, uint32_t *flags);
 uint32_t fp3_lns_rsqrt(uint32_t a, uint32_t *flags);
 
 /* Within 0.65 of the last place of the logarithm, where operands cancel, too. */

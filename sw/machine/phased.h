@@ -3,7 +3,8 @@
  * neighbours.
  *
  * A phase is a round. All contexts of a batch go through a loop as often as the longest of their
- * lists is long, so the cycles follow from the program, the lists and isa/timing.toml.
+ * lists is long, so the cycles follow from the program, the lists and isa/timing.toml:
+ * tests/cosim/foreseen.h computes those of a run, and holds them to the hardware's.
  */
 #ifndef FP3_PHASED_H
 #define FP3_PHASED_H
@@ -18,21 +19,6 @@ typedef struct {
     const fp3_decoded *code;
     uint32_t count;
 } fp3_phased;
-
-/* What a run is about. */
-typedef struct {
-    uint32_t rows;   /* objects of the fullest lane */
-    uint32_t copies; /* from lane to lane before each phase ... */
-    uint32_t words;  /* ... of so many published words */
-    /* The longest of the lists of register reg that the objects in these rows have, in whichever
-     * lane. */
-    uint32_t (*longest)(const void *user, uint32_t reg, uint32_t first_row, uint32_t rows);
-    const void *user;
-} fp3_phased_run;
-
-/* The counter CYCLES of a run of so many steps, at least 1. */
-uint64_t fp3_cycles_phased(const fp3_config *config, const fp3_phased *program,
-                           const fp3_phased_run *run, uint32_t steps);
 
 /* What a phase costs, beyond what its batches and turns say. With FULL contexts or more in each
  * batch, and no batch whose lists are all empty, a phase takes objects * (object + sum over loops:

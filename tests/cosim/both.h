@@ -5,7 +5,7 @@
 #define FP3_TESTS_BOTH_H
 
 #include "chance.h"
-#include "engine/board/foreseen.h"
+#include "foreseen.h"
 
 #include <fp3/engine.h>
 #include <inttypes.h>
@@ -102,7 +102,7 @@ static void run_both(const both *b, uint32_t steps, const char *what, const char
         if (lists->lists[i].is_near)
             return; /* each step is a run, with lists of its own */
     uint64_t foreseen = 0;
-    told(fp3_foreseen_cycles(b->rtl, steps, &foreseen));
+    told(foreseen_cycles(b->rtl, steps, &foreseen));
     if (rtl.counter[FP3_COUNTER_CYCLES] != foreseen)
         FAIL("%s, %s: %" PRIu32 " objects, %" PRIu32 " steps: %" PRIu64
              " cycles, expected %" PRIu64,

@@ -157,7 +157,7 @@ static void check_stops(chance *c, const char *text) {
     uint64_t cycles = 0;
     uint32_t seen = 0, last = 0;
     open_bench(&s, c, text);
-    told(fp3_foreseen_cycles(s.b.rtl, STEPS, &cycles));
+    told(foreseen_cycles(s.b.rtl, STEPS, &cycles));
     for (uint64_t limit = 5; limit < cycles / 10 * 9; limit += cycles / STOPS) {
         char how[48];
         (void)snprintf(how, sizeof how, "stopped after %" PRIu64 " cycles", limit);

@@ -11,7 +11,7 @@
  * are foreseen.
  */
 #include "chance.h"
-#include "engine/board/foreseen.h"
+#include "foreseen.h"
 #include <base/bits.h>
 
 #include <fp3/compile.h>
@@ -229,7 +229,7 @@ static void compare(const program *p, const subject *isa, const subject *other, 
     }
     if (strcmp(other->name, "rtl") == 0) {
         uint64_t foreseen = 0;
-        told(fp3_foreseen_cycles(other->engine, 2, &foreseen));
+        told(foreseen_cycles(other->engine, 2, &foreseen));
         if (other->stats.counter[FP3_COUNTER_CYCLES] != foreseen)
             printf("%" PRIu64 " cycles, %" PRIu64 " are foreseen\n",
                    other->stats.counter[FP3_COUNTER_CYCLES], foreseen);

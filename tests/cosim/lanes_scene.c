@@ -8,7 +8,7 @@
  * Prints one line: objects N, rows N (of the fullest lane), copies N, words N (of each), cycles N,
  * of copies N.
  */
-#include "engine/board/foreseen.h"
+#include "foreseen.h"
 #include "engine/common/ghosts.h"
 #include "engine/common/partition.h"
 
@@ -109,13 +109,13 @@ int main(int argc, char **argv) {
     fp3_engine *isa = open_engine(scene, "isa", argc > 4 ? (uint32_t)strtoul(argv[4], NULL, 0) : 0);
     if (argc > 4) {
         place(isa);
-        told(fp3_foreseen_cycles(isa, steps, &cycles));
+        told(foreseen_cycles(isa, steps, &cycles));
         print(isa, steps, cycles);
     } else {
         fp3_engine *rtl = open_engine(scene, "rtl", 0);
         fp3_stats stats;
         told(fp3_engine_run(rtl, steps, &stats));
-        told(fp3_foreseen_cycles(rtl, steps, &cycles));
+        told(foreseen_cycles(rtl, steps, &cycles));
         told(fp3_engine_run(isa, steps, NULL));
         print(rtl, steps, stats.counter[FP3_COUNTER_CYCLES]);
         failed = compare(isa, rtl, fp3_engine_definition(rtl)->objects);

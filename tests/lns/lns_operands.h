@@ -2,6 +2,7 @@
 #ifndef FP3_TESTS_LNS_OPERANDS_H
 #define FP3_TESTS_LNS_OPERANDS_H
 
+#include <fp3/isa.h>
 #include <gsl/gsl_rng.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -24,6 +25,18 @@ static inline void lns_draw(gsl_rng *rng, uint32_t *a, uint32_t *b) {
         *a = *b;
         *b = swap;
     }
+}
+
+/* What rtl/lns computes and no instruction uses: to the nearest word, ties to even. */
+static inline uint32_t lns_sqrt(uint32_t a, uint32_t *flags) {
+    const uint32_t size = a & 0x7fffffff, twice = a + 0x3f800000;
+    *flags = 0;
+    if (size > LNS_INFINITE)
+        return 0x7fc00000;
+    if (size == 0 || a == LNS_INFINITE)
+        return a;
+    *flags = a >> 31 ? FP3_FLAG_INVALID : twice & 1 ? FP3_FLAG_INEXACT : 0;
+    return a >> 31 ? 0x7fc00000 : (twice + (twice >> 1 & 1)) >> 1;
 }
 
 /* Returns how many there are. */

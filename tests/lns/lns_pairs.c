@@ -63,7 +63,7 @@ static uint32_t compute(operation op, uint32_t a, uint32_t b, uint32_t *flags) {
     case SUB:
         return fp3_lns_sub(a, b, flags);
     case SQRT:
-        return fp3_lns_sqrt(a, flags);
+        return lns_sqrt(a, flags);
     case RSQRT:
         return fp3_lns_rsqrt(a, flags);
     case RCP:

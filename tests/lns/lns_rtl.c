@@ -47,7 +47,7 @@ static uint32_t model(fp3_lns_op op, uint32_t a, uint32_t b, uint32_t *flags) {
     case FP3_LNS_DIV:
         return fp3_lns_div(a, b, flags);
     case FP3_LNS_SQRT:
-        return fp3_lns_sqrt(a, flags);
+        return lns_sqrt(a, flags);
     case FP3_LNS_RSQRT:
         return fp3_lns_rsqrt(a, flags);
     case FP3_LNS_FLOAT_RCP:

@@ -177,7 +177,7 @@ static void open_part(part *p) {
 
 static fp3_status exchange(void *user, fp3_engine *engine) {
     part *p = user;
-    const uint64_t published = fp3_engine_published(engine);
+    const uint64_t published = fp3_layout_published(&fp3_engine_layout(engine)->groups[0]);
     uint32_t *rows = room(p->rows, sizeof *rows), *words = room(p->rows, sizeof *words);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < p->own; i++)

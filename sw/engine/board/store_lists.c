@@ -64,10 +64,8 @@ fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group) {
     const uint32_t half = engine->config->store_words / 2;
     if (!group->lists.shape.is_any)
         return FP3_OK;
-    if (fp3_config_schedulers(engine->config) != 1 ||
-        (engine->config->lanes != 1 && !engine->config->exchange))
-        return refuse(engine, "objects that see each other need a configuration of one scheduler, "
-                              "with one lane or `exchange`");
+    if (fp3_config_schedulers(engine->config) != 1)
+        return refuse(engine, "objects that see each other need a configuration of one scheduler");
     if (group->visit->loads_in_front || group->visit->stores_behind)
         return refuse(engine, "a program with neighbours needs loads and stores of its own");
     if ((uint64_t)fp3_placement_fullest(engine->config, group->rows, 1) << group->log2 > half)

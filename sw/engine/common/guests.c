@@ -57,7 +57,3 @@ fp3_status fp3_engine_gather(fp3_engine *engine, uint32_t reg, const uint32_t *o
                                        &words[i]);
     return status;
 }
-
-uint64_t fp3_engine_published(const fp3_engine *engine) {
-    return fp3_layout_published(&engine->layout.groups[0]);
-}

@@ -108,10 +108,6 @@ fp3_status fp3_engine_gather(fp3_engine *engine, uint32_t reg, const uint32_t *o
  * do not share. FP3_E_ARGUMENT, on all: they were not. */
 fp3_status fp3_engine_agree(fp3_engine *engine, const void *words, size_t size);
 
-/* What neighbours read and some phase stores, as a set of registers: what an exchange has to bring.
- */
-uint64_t fp3_engine_published(const fp3_engine *engine);
-
 /* fp3_adaptive_look at objects first .. first+count-1. */
 fp3_status fp3_adaptive_look_all(fp3_engine *engine, size_t first, size_t count,
                                  fp3_adaptive_object *found);
