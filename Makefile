@@ -7,7 +7,7 @@ PYTHON ?= /usr/bin/python3
 JOBS   ?= $(shell nproc)
 SAN    ?= 0
 CHECK  ?= 1
-BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))$(if $(SOFT),/soft)$(if $(RELEASE),/release)
+BUILD  := $(if $(filter 1,$(SAN)),build-san,$(if $(filter thread,$(SAN)),build-tsan,build))$(if $(SOFT),/soft)
 
 MAKEFLAGS += --no-print-directory
 ifeq ($(MAKELEVEL),0)
@@ -127,7 +127,7 @@ NUMBERS  := -ffp-contract=off
 PLACE    := -ffile-prefix-map=$(CURDIR)=.
 # One set of objects for libfp3.a and libfp3.so; what the headers of fp3/ do not declare is hidden.
 SHARED   := -fPIC -fvisibility=hidden
-CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(RELEASE), -DNDEBUG)$(if $(SOFT), -DFP3_FPU_SOFT)
+CFLAGS   := -std=c11 -D_GNU_SOURCE -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)$(if $(SOFT), -DFP3_FPU_SOFT)
 CXXFLAGS := -std=c++17 -O2 -g $(PLACE) $(WARN) $(NUMBERS) $(SHARED) $(SANITIZE)
 LDFLAGS  := $(SANITIZE) $(if $(SYSROOT),-L$(SYSROOT)/lib)
 LIB_LIBS := -lconfig -lz -ldl -lm

@@ -35,15 +35,9 @@ $(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
 $(BUILD)/completion.%: tools/completion.py tools/manpage.py $(BUILD)/bin/fp3
 	@$(PYTHON) $< $* $(BUILD)/bin/fp3 >$@.new && mv $@.new $@
 
-# What is installed has no asserts: the same rules with RELEASE=1 make it, in build/release/. A build with
-# sanitizers is for development and is installed with its asserts.
-RELEASED := $(BUILD)$(if $(filter 0,$(SAN)),/release)
-
-.PHONY: made released
-made: $(LIB) $(LAB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
-	@:
-released:
-	@+$(MAKE) $(if $(filter 0,$(SAN)),RELEASE=1) made
+# What is installed is what the tests ran, asserts included: a contradiction within FP3 ends a program instead of
+# giving it a wrong number.
+INSTALLED := $(LIB) $(LAB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
 
 # The loader looks below /usr/lib and /lib by itself. Elsewhere a program has to carry the place.
 RPATH = $(if $(filter /usr/lib% /lib%,$(LIBDIR)),, -Wl$(comma)-rpath$(comma)$${libdir})
@@ -80,19 +74,19 @@ endef
 .PHONY: install uninstall
 install: export FP3_PC := $(FP3_PC)
 install: export FP3_LAB_PC := $(FP3_LAB_PC)
-install: released $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
+install: $(INSTALLED) $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
 	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(BASH)) $(dir $(ZSH)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
-	@install -m 644 $(RELEASED)/lib/libfp3.a $(RELEASED)/lib/libfp3_lab.a $(RELEASED)/lib/libfp3.so.0 $(DESTDIR)$(LIBDIR)
+	@install -m 644 $(LIB) $(LAB) $(LIB_SO) $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
 	@install -m 644 $(HARDWARE) $(HDF5) $(MPI) $(RTL_DIR)
 	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
 	@echo "$$FP3_LAB_PC" >$(BUILD)/fp3_lab.pc
 	@install -m 644 $(BUILD)/fp3.pc $(BUILD)/fp3_lab.pc $(DESTDIR)$(LIBDIR)/pkgconfig
-	@install -m 644 $(RELEASED)/fp3.1 $(MAN)
-	@install -m 644 $(RELEASED)/completion.bash $(BASH)
-	@install -m 644 $(RELEASED)/completion.zsh $(ZSH)
-	@install $(RELEASED)/bin/fp3 $(COMMAND)
+	@install -m 644 $(BUILD)/fp3.1 $(MAN)
+	@install -m 644 $(BUILD)/completion.bash $(BASH)
+	@install -m 644 $(BUILD)/completion.zsh $(ZSH)
+	@install $(BUILD)/bin/fp3 $(COMMAND)
 	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
 	@install -m 644 sw/include/fp3/status.h sw/include/fp3/image.h sw/include/fp3/isa.h $(BARE)/fp3
@@ -107,16 +101,16 @@ uninstall: ## Remove what install put there
 
 # The library, what it loads and the command, as they lie below $(PREFIX), so that they find each other.
 .PHONY: python-native
-python-native: released $(HARDWARE) $(HDF5)
+python-native: $(LIB_SO) $(BUILD)/bin/fp3 $(HARDWARE) $(HDF5)
 	@$(if $(NATIVE),,echo "python-native: NATIVE names the directory; pip install . calls this" >&2; exit 1)
 	@install -d $(NATIVE)/bin $(NATIVE)/lib/fp3
-	@install -m 644 $(RELEASED)/lib/libfp3.so.0 $(NATIVE)/lib
+	@install -m 644 $(LIB_SO) $(NATIVE)/lib
 	@install -m 644 $(HARDWARE) $(HDF5) $(NATIVE)/lib/fp3
-	@install -s $(RELEASED)/bin/fp3 $(NATIVE)/bin
+	@install -s $(BUILD)/bin/fp3 $(NATIVE)/bin
 
 # ---- packages -----------------------------------------------------------------------------------
 
 .PHONY: packages
 packages: need-packages ## Debian packages, a Python wheel and its sources: build/packages/
-	@+$(MAKE) -s released $(HARDWARE) $(HDF5)
+	@+$(MAKE) -s $(INSTALLED) $(HARDWARE) $(HDF5)
 	@PYTHON=$(PYTHON) tools/packages.sh $(BUILD)/packages

@@ -232,18 +232,6 @@ def test_a_game_does_not_link_gsl(installed, root, flags, sanitize, tmp_path):
     succeeds(tmp_path / "lab")
 
 
-def asserts(library):
-    """The objects of a static library that have an assert."""
-    return re.findall(r"^(\w+\.o):\n(?:(?!\n\n).)*?__assert_fail", succeeds("nm", "-u", library), re.M | re.S)
-
-
-def test_an_installed_library_has_no_asserts_and_that_of_the_tests_has(installed, build, sanitize):
-    assert len(asserts(build / "lib/libfp3.a")) > 10
-    if not sanitize:
-        assert asserts(installed / "lib/libfp3.a") == []
-        assert "__assert_fail" not in succeeds("nm", "-D", installed / "lib/libfp3.so.0") + succeeds("nm", "-D", installed / "bin/fp3")
-
-
 def test_nothing_tells_in_which_directory_it_was_compiled(installed, root):
     """So the same sources give the same bytes: tests/install/test_packages.py."""
     files = [path for path in installed.rglob("*") if path.is_file()]

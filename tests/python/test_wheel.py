@@ -65,9 +65,3 @@ print(all(row["holds"] for row in fp3.stress("state x = 1\\nstep 0.125\\nspan 1\
     assert [f"{float(word):.9g}" for word in lines[0].split()] == [f"{value:.9g}" for value in expected["r_x"]]
     assert [f"{float(word):.9g}" for word in lines[1].split()] == [f"{single[name][0]:.9g}" for name in ("v_x", "v_y", "r_x", "r_y")]
     assert lines[2] == "True"
-
-
-def test_without_asserts_and_symbols_of_the_build(installed, clean):
-    """What is installed is the release build."""
-    native = succeeds(installed, "-c", "import fp3, os; print(os.path.dirname(fp3.__file__) + '/_native')", env=clean, cwd="/").strip()
-    assert "__assert_fail" not in succeeds("nm", "-D", f"{native}/lib/libfp3.so.0")
