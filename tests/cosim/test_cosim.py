@@ -98,8 +98,8 @@ def test_random_streams_retire_alike_in_short(build, tmp_path):
 
 
 def test_random_streams_retire_alike(build, tmp_path, long):
-    """60,000 instructions (10^6); no two tests share a stream."""
-    count = 1_000_000 if long else 60_000
+    """40,000 instructions (10^6); no two tests share a stream."""
+    count = 1_000_000 if long else 40_000
     out = start(build / "tests/random_stream", "--instructions", str(count * 6 // 5), cwd=tmp_path)
     rows = [line for line in out.splitlines() if " instructions in " in line]
     assert sum(int(row.split(": ")[1].split()[0]) for row in rows) >= count, out

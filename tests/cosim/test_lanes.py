@@ -36,7 +36,7 @@ def cloth(root, tmp_path):
 
 def test_lists_by_chance_on_eight_lanes(build, long):
     for seed in range(1, 6 if long else 2):
-        assert re.fullmatch(r"\d{3,} runs, 0 failed\n", ended(build / "tests/neighbours", seed, "fabric", 25))     # what its store has room for
+        assert re.fullmatch(r"\d{3,} runs, 0 failed\n", ended(build / "tests/neighbours", seed, "fabric", 25 if long else 12))     # 25: what its store has room for
 
 
 @pytest.mark.parametrize("name, steps", [("chain", 20), ("cloth", 3), ("planets", 10), ("balls", 10)])

@@ -266,8 +266,8 @@ def texts_in_waves(dump):
         r"^b([01]{60,256}) ", dump, re.M))).decode("latin-1")
 
 
-@pytest.mark.parametrize("preset, config, objects", [("fp3", "single", 1), ("many", "many", 24), ("many", "shared", 12),
-                                                     ("many", "lanes", 16), ("many", "array", 12)])
+@pytest.mark.parametrize("preset, config, objects", [("fp3", "single", 1), ("many", "many", 24), ("many", "lanes", 16),
+                                                     *(pytest.param("many", config, 12, marks=pytest.mark.long) for config in ("shared", "array"))])
 def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path, preset, config, objects):
     session, path = record(root, fp3, tmp_path, "ship_madd", config, 1, "-o", objects), tmp_path / "x.vcd"
     done = replay(root, icarus(config), session, f"+waves={path}")
