@@ -9,6 +9,8 @@
 #include "run_ranks.h"
 #include "world/split.h"
 
+#include "engine/common/inside.h"
+
 #include <fp3/trace.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -300,7 +302,7 @@ static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *erro
     status = status ? status : fp3_program_open(o->program, &how, &program, report, error);
     if (!status) {
         def.config = o->config ? o->config : program->config ? program->config : def.config;
-        def.engine = program->sees_others ? "fast" : def.engine;
+        def.engine = fp3_engine_usual(program->sees_others);
         status = define(o, &def, error);
     }
     if (!status && !o->has_steps && fp3_adaptive_is(program->image))

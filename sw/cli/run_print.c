@@ -299,8 +299,7 @@ static void print_balance(fp3_engine *engine, const fp3_cost *cost) {
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
                    const fp3_cost *cost, fp3_run_check *const *checks, int all, double clock) {
     const fp3_stats *stats = &cost->stats;
-    const int is_rtl = strcmp(def->engine, "rtl") == 0;
-    const int is_hardware = is_rtl || strcmp(def->engine, "board") == 0;
+    const fp3_engine_traits *is = fp3_engine_traits_of(def->engine, NULL);
     if (of->program) {
         part objects = part_of_all(engine, of->program, cost);
         objects.check = checks ? checks[0] : NULL;
@@ -314,12 +313,12 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     if (*how)
         print_speed(stats, how);
     else
-        print_time(stats, is_rtl, fp3_engine_bus(engine), clock);
+        print_time(stats, is->is_simulated, fp3_engine_bus(engine), clock);
     if (fp3_engine_is_divided(engine))
         fp3_run_ranks_print(engine);
-    if (is_hardware)
+    if (is->is_hardware)
         print_occupancy(engine, cost);
-    if (is_hardware && of->scene && !fp3_engine_is_divided(engine))
+    if (is->is_hardware && of->scene && !fp3_engine_is_divided(engine))
         print_balance(engine, cost);
     if (checks && of->program)
         fp3_run_check_print(checks[0]);

@@ -5,6 +5,8 @@
 #include "arguments.h"
 #include "run_options.h"
 
+#include "engine/common/inside.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +26,11 @@ static fp3_status add(fp3_verify_command *c, const char *format, const char *one
     return FP3_OK;
 }
 
+static int is_on_a_port(const char *engine) {
+    const fp3_engine_traits *is = fp3_engine_traits_of(engine, NULL);
+    return is && is->has_port;
+}
+
 /* An fp3_argument_fn. */
 static fp3_status take(void *user, const fp3_option *option, const char *value, fp3_error *error) {
     fp3_verify_command *c = user;
@@ -31,7 +38,7 @@ static fp3_status take(void *user, const fp3_option *option, const char *value, 
         return FP3_OK;
     if (!strcmp(option->name, "engine") && c->engine)
         return FP3_OK;
-    if (!strcmp(option->name, "engine") && !strcmp(value, "board"))
+    if (!strcmp(option->name, "engine") && is_on_a_port(value))
         return fp3_fail(
             error, FP3_E_ARGUMENT,
             "its run was on engine board, and no port that a file names is opened: choose "

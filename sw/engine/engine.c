@@ -19,22 +19,31 @@ static const fp3_backend *const backends[] = {&fp3_backend_rtl, &fp3_backend_isa
 void fp3_engine_set_default(fp3_engine_def *def, size_t size) {
     if (!fp3_definition_begin(def, size, sizeof *def))
         return;
-    def->engine = "rtl";
+    def->engine = fp3_engine_usual(0);
     def->config = "single";
 }
 
 /* NULL with an error: there is none. */
 static const fp3_backend *find(const char *name, fp3_error *error) {
     for (size_t i = 0; i < COUNT(backends); i++)
-        if (name && strcmp(backends[i]->name, name) == 0)
+        if (name && strcmp(backends[i]->is.name, name) == 0)
             return backends[i];
-    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are rtl, isa, fast and board",
-             name ? name : "");
+    char all[80] = "";
+    for (size_t i = 0; i < COUNT(backends); i++) {
+        strcat(all, i == 0 ? "" : i + 1 < COUNT(backends) ? ", " : " and ");
+        strcat(all, backends[i]->is.name);
+    }
+    fp3_fail(error, FP3_E_ARGUMENT, "no engine '%s': there are %s", name ? name : "", all);
     return NULL;
 }
 
-fp3_status fp3_engine_check_name(const char *name, fp3_error *error) {
-    return find(name, error) ? FP3_OK : FP3_E_ARGUMENT;
+const fp3_engine_traits *fp3_engine_traits_of(const char *name, fp3_error *error) {
+    const fp3_backend *backend = find(name, error);
+    return backend ? &backend->is : NULL;
+}
+
+const char *fp3_engine_usual(int sees_others) {
+    return sees_others ? fp3_backend_fast.is.name : fp3_backend_rtl.is.name;
 }
 
 static uint32_t room_of(const fp3_backend *backend, const fp3_config *config) {
@@ -62,7 +71,7 @@ fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path) {
         status =
             fp3_fail(engine->def.error, FP3_E_ARGUMENT,
                      "native code is of engine 'fast' with one program, not of '%s' with %" PRIu32,
-                     engine->backend->name, engine->layout.count);
+                     engine->backend->is.name, engine->layout.count);
     return status ? status : engine->backend->write_native(engine, path);
 }
 
@@ -212,7 +221,7 @@ size_t fp3_engine_groups(const fp3_engine *engine) { return engine->layout.count
 
 /* ---- what the project itself asks ---- */
 
-const char *fp3_engine_name(const fp3_engine *engine) { return engine->backend->name; }
+const char *fp3_engine_name(const fp3_engine *engine) { return engine->backend->is.name; }
 
 int fp3_engine_is_divided(const fp3_engine *engine) { return engine->backend->is_divided; }
 

@@ -24,7 +24,7 @@ static fp3_needs needs_of(const fp3_image *image) {
 
 /* Where the host executes, words are in its memory. */
 static fp3_status check_needs(fp3_engine *engine, fp3_needs needs) {
-    if (!engine->backend->is_hardware)
+    if (!engine->backend->is.is_hardware)
         needs.words = 0;
     return fp3_needs_check(&needs, engine->config, engine->def.error);
 }

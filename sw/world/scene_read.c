@@ -390,10 +390,10 @@ static fp3_status read_engine(const reader *r) {
     fp3_error why;
     fp3_status status = read_text(r, r->in.root, "engine", &r->scene->engine);
     if (!status && !r->scene->engine) {
-        r->scene->engine = strdup(r->machine->neighbours ? "fast" : "rtl");
+        r->scene->engine = strdup(fp3_engine_usual(r->machine->neighbours != 0));
         return r->scene->engine ? FP3_OK : no_memory(r);
     }
-    if (!status && r->scene->engine && fp3_engine_check_name(r->scene->engine, &why))
+    if (!status && !fp3_engine_traits_of(r->scene->engine, &why))
         status = fp3_setting_wrong(&r->in, config_setting_get_member(r->in.root, "engine"),
                                    "engine: %s", why.text);
     return status;

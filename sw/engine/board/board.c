@@ -187,7 +187,7 @@ fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config,
 }
 
 const fp3_backend fp3_backend_board = {
-    .name = "board",
+    .is = {"board", .is_hardware = 1, .has_port = 1},
     .check = fp3_store_lists_check,
     .open = board_open,
     .close = board_close,
@@ -197,5 +197,4 @@ const fp3_backend fp3_backend_board = {
     .list = fp3_memory_list,
     .run = fp3_session_run,
     .begins_at_0 = 1,
-    .is_hardware = 1,
 };

@@ -161,7 +161,7 @@ static fp3_status rtl_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
 }
 
 const fp3_backend fp3_backend_rtl = {
-    .name = "rtl",
+    .is = {"rtl", .is_hardware = 1, .is_simulated = 1},
     .check = fp3_store_lists_check,
     .open = rtl_open,
     .close = rtl_close,
@@ -171,5 +171,4 @@ const fp3_backend fp3_backend_rtl = {
     .list = fp3_memory_list,
     .run = rtl_run,
     .begins_at_0 = 1,
-    .is_hardware = 1,
 };

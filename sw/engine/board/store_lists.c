@@ -33,7 +33,7 @@ int fp3_store_lists_is_near(const fp3_engine *engine) {
 /* ---- what the hardware cannot run ---- */
 
 static fp3_status refuse(fp3_engine *engine, const char *what) {
-    return fp3_fail(engine->def.error, FP3_E_PROGRAM, "engine '%s': %s", engine->backend->name,
+    return fp3_fail(engine->def.error, FP3_E_PROGRAM, "engine '%s': %s", engine->backend->is.name,
                     what);
 }
 
@@ -49,7 +49,7 @@ static fp3_status check_lists(fp3_engine *engine, const fp3_code *program) {
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "engine '%s': word %" PRIu32 ": the register r%" PRIu32
                             " of a list is not loaded in this phase, or overwritten",
-                            engine->backend->name, i, word->in.d);
+                            engine->backend->is.name, i, word->in.d);
         if (word->in.op == FP3_OP_PHASE)
             loaded = 0;
         else if (word->in.op == FP3_OP_LD)
@@ -73,8 +73,8 @@ fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group) {
             engine->def.error, FP3_E_PROGRAM,
             "engine '%s': objects that see each other have half of the store: room for %" PRIu32
             " objects of %u words, not for %" PRIu32,
-            engine->backend->name, (half >> group->log2) * engine->config->lanes, 1u << group->log2,
-            group->rows);
+            engine->backend->is.name, (half >> group->log2) * engine->config->lanes,
+            1u << group->log2, group->rows);
     return check_lists(engine, &group->program);
 }
 
@@ -97,7 +97,7 @@ static fp3_status open_room(fp3_engine *engine, const fp3_ghosts *ghosts, uint32
             "engine '%s': records have half of the store: room for %" PRIu32
             " of %u words, not for %" PRIu32 ", %" PRIu32
             " of them copies of objects in other lanes or of other ranks",
-            engine->backend->name, half >> group->log2, 1u << group->log2, ghosts->used[lane],
+            engine->backend->is.name, half >> group->log2, 1u << group->log2, ghosts->used[lane],
             ghosts->used[lane] - fp3_layout_rows(&engine->layout, engine->config, 0, lane));
     *r = (room){
         engine, ghosts, lane, {(uint32_t)records, half + (uint32_t)records}, {half, 2 * half}};
@@ -143,14 +143,14 @@ static fp3_status write_list(room *r, const fp3_list *list) {
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "engine '%s': object %" PRIu32 " has %" PRIu32
                             " neighbours in a list, at most %u are possible",
-                            engine->backend->name, i, length, MOST_NEIGHBOURS);
+                            engine->backend->is.name, i, length, MOST_NEIGHBOURS);
         const uint32_t place = take(r, words);
         if (place == UINT32_MAX)
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "engine '%s': the store of configuration '%s' has no room for the "
                             "neighbours of object %" PRIu32 " of %" PRIu32 ": its %" PRIu32
                             " words are full",
-                            engine->backend->name, engine->config->name, i, list->objects,
+                            engine->backend->is.name, engine->config->name, i, list->objects,
                             engine->config->store_words);
         status = write_entries(r, list, i, place);
         if (!status)
@@ -177,7 +177,7 @@ static fp3_status write_copies(fp3_engine *engine, const fp3_ghosts *ghosts) {
                         "engine '%s': %" PRIu32
                         " objects have to be copied to other lanes in each phase, configuration "
                         "'%s' has room for a list of %" PRIu32,
-                        engine->backend->name, ghosts->count, engine->config->name, most);
+                        engine->backend->is.name, ghosts->count, engine->config->name, most);
     for (uint32_t i = 0; !status && i < ghosts->count; i++) {
         const fp3_copy *copy = &ghosts->copies[i];
         status = fp3_memory_put_copy(engine, 2 * i, place_word(copy->from_lane, copy->from_row));

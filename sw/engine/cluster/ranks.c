@@ -256,12 +256,11 @@ fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ran
     if (!self)
         return status ? status : fp3_no_memory(def->error);
     self->backend = ranked;
-    self->backend.name = own->name;
+    self->backend.is = own->is;
     self->backend.begins_at_0 = own->begins_at_0;
-    self->backend.is_hardware = own->is_hardware;
     self->ranks = ranks;
     self->def = *def;
-    self->def.engine = own->name;
+    self->def.engine = own->is.name;
     self->def.config = config->name;
     if (!def->threads)
         self->def.threads = share_threads(ranks);

@@ -24,7 +24,7 @@ typedef struct {
 } fp3_cells;
 
 typedef struct {
-    const char *name;
+    fp3_engine_traits is;
     fp3_status (*open)(fp3_engine *engine);
     void (*close)(fp3_engine *engine); /* also after an open that failed */
     /* Before a load, of a group that has been placed: a program that the backend cannot execute is
@@ -59,7 +59,6 @@ typedef struct {
     int begins_at_0;  /* a run makes steps of the first objects: fp3_engine_use has no other `first`
                        */
     int is_divided;   /* other engines have the objects, and know who failed */
-    int is_hardware;  /* words of instruction memory are as many as the configuration has */
     int is_uncounted; /* no scheduler counts: all counters stay 0 */
     int is_in_host;   /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */
 } fp3_backend;

@@ -44,8 +44,20 @@ fp3_config *fp3_engine_config(fp3_engine *engine);
 void fp3_engine_hush(fp3_error *error);
 fp3_status fp3_engine_hear(fp3_engine *engine, fp3_status status, fp3_error *error);
 
-/* FP3_E_ARGUMENT: no engine has this name, which may be NULL. */
-fp3_status fp3_engine_check_name(const char *name, fp3_error *error);
+/* What options, outputs and scenes ask of an engine; sw/engine/engine.c lists the engines. */
+typedef struct {
+    const char *name;
+    int is_hardware;  /* has cycles and a bus; words of instruction memory as the configuration has
+                       */
+    int is_simulated; /* hardware whose pipeline can be seen, and whose bus can be made to wait */
+    int has_port;
+    int has_threads;
+} fp3_engine_traits;
+/* NULL with FP3_E_ARGUMENT in error: no engine has this name, which may be NULL. */
+const fp3_engine_traits *fp3_engine_traits_of(const char *name, fp3_error *error);
+/* The engine of a run that names none. Simulated hardware is too slow for scenes of many objects
+ * that see each other. */
+const char *fp3_engine_usual(int sees_others);
 
 /* Its objects are on several ranks: cycles are those of the slowest, and other counters sums over
  * all. */

@@ -465,7 +465,7 @@ static const char *fast_how(const fp3_engine *engine) {
 }
 
 const fp3_backend fp3_backend_fast = {
-    .name = "fast",
+    .is = {"fast", .has_threads = 1},
     .open = fast_open,
     .close = fast_close,
     .check = fast_check,

@@ -488,7 +488,7 @@ static fp3_status isa_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) 
 }
 
 const fp3_backend fp3_backend_isa = {
-    .name = "isa",
+    .is = {"isa", .is_hardware = 0},
     .open = isa_open,
     .close = isa_close,
     .load = isa_load,
