@@ -82,7 +82,7 @@ else
 # ---- what there is ------------------------------------------------------------------------------
 
 CONFIGS := $(shell sed -n 's/^name = "\(.*\)"/\1/p' isa/configs.toml)
-CORES   := $(addprefix fp3_,fp_add fp_mul fp_fma lns_add lns_mul lns_root lns_from_float lns_to_float)
+CORES   := $(addprefix fp3_,fp_add fp_mul fp_fma lns_add lns_mul lns_root)
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many world
 RTL_ROOMS := bus config fp front host lane lib lns sequence solo unit
@@ -307,7 +307,7 @@ $(5): $(4) $(BUILD)/verilated/$(1)/hardware.a
 endef
 $(foreach c,$(CONFIGS),$(eval $(call VERILATED,$(c),fp3_$(c),$(BUILD)/rtl/fp3_$(c).v,sim/fp3_shim.cpp,$(BUILD)/obj/sim/fp3_shim_$(c).o,,-DFP3_CONFIG=$(c))))
 $(eval $(call VERILATED,fp_bench,fp_bench,tests/fp/fp_bench.v,sim/fp_bench_shim.cpp,$(BUILD)/obj/sim/fp_bench_shim.o))
-$(eval $(call VERILATED,lns_bench,lns_bench,tests/lns/lns_bench.v,sim/lns_bench_shim.cpp,$(BUILD)/obj/sim/lns_bench_shim.o))
+$(eval $(call VERILATED,lns_bench,lns_bench,$(wildcard tests/lns/*.v),sim/lns_bench_shim.cpp,$(BUILD)/obj/sim/lns_bench_shim.o))
 
 # A bit of the line is as short as the board's UART can read it: less to simulate.
 DIVISOR := 4

@@ -17,7 +17,7 @@ def few(rows, kind=lambda row: None):
 
 
 class Bug(NamedTuple):
-    """A change of one place in a file of rtl/, wherever it lies there: one module per file."""
+    """A change of one place in a file of rtl/ or of a bench, wherever it lies there: one module per file."""
     name: str
     file: str
     right: str                           # must be in the file once
@@ -32,8 +32,8 @@ class Bug(NamedTuple):
 
 
 def source(root, file):
-    """Where a file of rtl/ lies; not one of those that take its place on a device."""
-    return next(path for path in (root / "rtl").rglob(file) if "fpga" not in path.parts)
+    """Where a file of rtl/ or of a bench lies; not one of those that take its place on a device."""
+    return next(path for folder in ("rtl", "tests") for path in (root / folder).rglob(file) if "fpga" not in path.parts)
 
 
 def tree(root, folder, *bugs):

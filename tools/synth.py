@@ -66,7 +66,7 @@ CORES = ("fp_add", "fp_mul", "fp_fma")
 LANES = {"lane": 1, "group": 4}
 TOPS = (*CORES, *LANES, "fp3", "trim")
 # Units of logarithmic arithmetic, which no configuration changes: parameters, inputs of one bit, operands, registers inside. Without a
-# clock where there are none.
+# clock where there are none. No machine has a converter of floats.
 LOGS = {"lns_add": ("", ["sub_i"], ["a_i", "b_i"], 9), "lns_mul": ("#(.CUT(1)) ", ["divide_i"], ["a_i", "b_i"], 1), "lns_root": ("", ["inverse_i"], ["a_i"], 0),
         "lns_from_float": ("", [], ["a_i"], 6), "lns_to_float": ("", [], ["a_i"], 5)}
 # What a user chooses between, from the cheapest.
@@ -375,7 +375,7 @@ def plan(args, configs):
             for device in args.device:
                 family = DEVICES[device].family
                 cuts, wrapper = log_unit(top, narrow if FAMILIES[family].pin else registered)
-                designs[wrapper, family, True] = (top + f"-{family}" * (family != "ecp5"), [])
+                designs[wrapper, family, True] = (top + f"-{family}" * (family != "ecp5"), [f"tests/lns/fp3_{top}.v"] * ("float" in top))
                 wanted.append((top, "any", device, cuts, designs[wrapper, family, True][0], False))
             continue
         for row in configs + (depths(top) if top in CORES else []):

@@ -64,11 +64,9 @@ rtl/lib/fp3_shift_right_sticky.v
 rtl/lns/fp3_lns_add.v
 rtl/lns/fp3_lns_add_curve.v
 rtl/lns/fp3_lns_curve.v
-rtl/lns/fp3_lns_from_float.v
 rtl/lns/fp3_lns_inverse.v
 rtl/lns/fp3_lns_mul.v
 rtl/lns/fp3_lns_root.v
-rtl/lns/fp3_lns_to_float.v
 rtl/sequence/fp3_batch.v
 rtl/sequence/fp3_draws.v
 rtl/sequence/fp3_dual_pace.v

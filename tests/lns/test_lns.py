@@ -110,7 +110,7 @@ HARDWARE_BUGS = [
 def test_hardware_bugs_are_found(root, build, tmp_path, wrong, bugs):
     for bug in bugs:
         (tmp_path / bug.file).write_text(bug.put(source(root, bug.file).read_text(encoding="utf-8")), encoding="utf-8")
-    done = start("verilator", "--cc", "-Wno-lint", "-y", tmp_path, "-f", "rtl/fp3.f", "--top-module", "lns_bench", "--Mdir", tmp_path / "cc",
+    done = start("verilator", "--cc", "-Wno-lint", "-y", tmp_path, "-y", "tests/lns", "-f", "rtl/fp3.f", "--top-module", "lns_bench", "--Mdir", tmp_path / "cc",
                  "tests/lns/lns_bench.v", cwd=root)
     assert done.returncode == 0, done.stderr
     # One file, unoptimised: the shortest way to a program that runs for a tenth of a second.
