@@ -208,18 +208,27 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize("file, old, new, message", MISTAKES, ids=[m[3] for m in MISTAKES])
-def test_a_mistake_is_reported_and_nothing_is_written(one_copy, file, old, new, message):
-    def state():
-        return {path: path.stat().st_mtime_ns for path in one_copy.rglob("*") if "__pycache__" not in path.parts}
+def test_a_mistake_is_reported(root, one_copy, monkeypatch, file, old, new, message):
+    """By what is called before anything is written: the next test has the command."""
+    monkeypatch.syspath_prepend(root / "tools")
+    from generate import Bad, outputs
     right = (one_copy / "isa" / file).read_text()
     replace(one_copy / "isa" / file, old, new)
-    before = state()
-    done = generate(one_copy)
-    after = state()
-    (one_copy / "isa" / file).write_text(right)
-    assert done.returncode != 0
-    assert done.stderr.startswith(f"generate.py: isa/{file}: ") and message in done.stderr
-    assert after == before
+    try:
+        with pytest.raises(Bad) as bad:
+            outputs(one_copy)
+    finally:
+        (one_copy / "isa" / file).write_text(right)
+    assert str(bad.value).startswith(f"isa/{file}: ") and message in str(bad.value)
+
+
+@pytest.mark.parametrize("file, old, new, message", [MISTAKES[0], MISTAKES[-1]], ids=["the first", "the last"])
+def test_nothing_is_written_after_a_mistake(copy, file, old, new, message):
+    replace(copy / "isa" / file, old, new)
+    before = {path: path.stat().st_mtime_ns for path in copy.rglob("*")}
+    done = generate(copy)
+    assert done.returncode != 0 and done.stderr.startswith(f"generate.py: isa/{file}: ") and message in done.stderr
+    assert {path: path.stat().st_mtime_ns for path in copy.rglob("*") if "__pycache__" not in path.parts} == before
 
 
 def test_a_missing_file_is_named(copy):

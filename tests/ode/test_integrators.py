@@ -176,6 +176,7 @@ def evaluations(t, acceleration, start, end, time, error=1e-6):
         before, n = (steps, off), n * math.sqrt(2)
 
 
+@pytest.mark.long
 def test_the_page_says_how_many_evaluations_small_errors_take(root, table):
     rows = [re.split(r"\s*\|\s*", line.strip("| ")) for line in (root / "docs/integrators.md").read_text().split("## Small errors")[1].split("\n## ")[0].splitlines() if line.startswith("| ")]
     names = [cell.strip("`") for cell in rows[0]]

@@ -9,7 +9,6 @@ import pytest
 PROGRAMS = pathlib.Path(__file__).resolve().parents[2] / "programs"
 MODELS = sorted(path.stem for path in PROGRAMS.glob("*.ode"))
 INTEGRATORS = sorted(path.stem for path in PROGRAMS.glob("integrators/*.cfg"))
-OTHERS = [name for name in INTEGRATORS if name != "rk4"]
 FOR_ALL = {"euler", "midpoint", "heun", "ralston3", "rk4", "rk4_paper", "rk38", "rk6"}
 UNEVEN = {"bouncing_ball", "thermostat"}                 # their errors do not fall evenly
 STIFF = {"robertson", "van_der_pol_stiff"}
@@ -21,14 +20,14 @@ ARITHMETICS = [word for name in ("plain", "compensated", "folded") for word in (
 
 
 def chosen(model):
-    """rk4, and the next two of the others: all have their turn, whatever the number of models."""
+    """The next two: all have their turn, whatever the number of models."""
     first = 2 * MODELS.index(model)
-    return {"rk4", *(OTHERS[n % len(OTHERS)] for n in (first, first + 1))}
+    return {INTEGRATORS[n % len(INTEGRATORS)] for n in (first, first + 1)}
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_rows(fp3, tmp_path, long, model):
-    """Integrators by turns, with steps fine enough for an order to show; or all of both."""
+    """Integrators in turn, with steps fine enough for an order to show; or all of both."""
     names = set(INTEGRATORS) if long else chosen(model)
     most = 131072 if long else 2048 if model in STIFF else 4096
     done = subprocess.run([fp3, "compare", PROGRAMS / f"{model}.ode", *ARITHMETICS, "--errors", "--json", tmp_path / "rows.json",

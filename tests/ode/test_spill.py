@@ -69,8 +69,8 @@ def test_the_page_has_the_cheapest_and_the_dearest(root):
     assert len(over) >= 8 and [min(over), max(over)] == [float(x) for x in re.search(r"exceed the bound by ([\d.]+) to\s+([\d.]+) %", page).groups()]
 
 
-@pytest.mark.parametrize("name, options", [(name, options) for name, options in PROGRAMS
-                                           if options[1] in ("heun", "rodas3", "ralston3")])
+@pytest.mark.parametrize("name, options", [pytest.param(name, options, marks=[pytest.mark.long] * (options[1] == "ralston3"))
+                                           for name, options in PROGRAMS if options[1] in ("heun", "rodas3", "ralston3")])
 def test_engines_agree(root, tmp_path, long, name, options):
     """30 objects, which are more than contexts, in visits of different length; with adaptive steps some fall asleep before others.
     Compiling takes longest, so for one kind of processor (two)."""

@@ -279,6 +279,7 @@ def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, i
     assert "madd  r" in texts_in_waves(dump), "no mnemonic to be read"
 
 
+@pytest.mark.long
 def test_64_contexts_take_turns(root, tmp_path):
     """The largest build: each of 64 objects is loaded, doubled three times and stored, all in one sweep each."""
     wrapper, session, bench = tmp_path / "fp3_largest.v", tmp_path / "x.session", tmp_path / "x.vvp"

@@ -35,7 +35,7 @@ def test_the_reader_reads_all_models_as_the_compiler_does(root, fp3):
         assert np.all(np.abs(after - before - moved) <= 2e-6 * (np.abs(before) + np.abs(moved)) + 1e-12), (path.name, after - before, moved)
 
 
-@pytest.mark.parametrize("model, how", [("selkov", "fixed"), ("dose", "cut"), pytest.param("robertson", "adaptive", marks=pytest.mark.long)])
+@pytest.mark.parametrize("model, how", [("selkov", "fixed"), *(pytest.param(*row, marks=pytest.mark.long) for row in (("dose", "cut"), ("robertson", "adaptive")))])
 def test_a_choice_holds(judge, model, how):
     done, rows = judge("--models", model, "--tolerances", "1e-3")
     assert done.returncode == 0 and "1 of 1 rows hold" in done.stdout, done.stdout + done.stderr

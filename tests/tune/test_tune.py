@@ -142,7 +142,7 @@ def worst_of(truths, row, first, last, folder, fp3, names, name):
     return worst
 
 
-@pytest.mark.parametrize("model, tolerance, name, first, last, states", [(RELAXING, 1e-3, "mu", 7.9, 8.1, ("v", "x")), (TURNING, 1e-5, "x", 0.5, 2, ("x", "v"))])
+@pytest.mark.parametrize("model, tolerance, name, first, last, states", [pytest.param(RELAXING, 1e-3, "mu", 7.9, 8.1, ("v", "x"), marks=pytest.mark.long), (TURNING, 1e-5, "x", 0.5, 2, ("x", "v"))])
 def test_other_objects_keep_the_tolerance_all_the_time(tune, fp3, build, tmp_path, model, tolerance, name, first, last, states):
     (tmp_path / "m.ode").write_text(model)
     done, row = tune("m.ode", "--tolerance", tolerance, "--spread", f"{name}={first}:{last}", "--output", "m.scene", "--objects", "64")
@@ -251,12 +251,12 @@ def test_the_trimmed_configuration_is_one_and_has_what_it_needs(tune, root):
 # ---- no answer ----
 
 def test_a_tolerance_that_nothing_meets(tune, tmp_path):
-    # What FP32 rounds grows by exp(10), and an event makes each integrator with fixed steps one of first order, in double-single, too.
-    (tmp_path / "e.ode").write_text("state x = 1\nx' = x + 0.001*tanh(x)*atan(sin(x)*exp(-x))\nwhen x > 2: x = x - 1\nstep 0.0625\nspan 10\n")
+    # What FP32 rounds grows by exp(5), and an event makes each integrator with fixed steps one of first order, in double-single, too.
+    (tmp_path / "e.ode").write_text("state x = 1\nx' = x + 0.001*tanh(x)*atan(sin(x)*exp(-x))\nwhen x > 2: x = x - 1\nstep 0.0625\nspan 5\n")
     (tmp_path / "old.scene").write_text("as it was")
-    done, row = tune("e.ode", "--tolerance", "1e-6", "--output", "old.scene")
+    done, row = tune("e.ode", "--tolerance", "4e-7", "--output", "old.scene")
     assert done.returncode == 3 and not row["met"] and row["cost_ratio"] is None
-    assert re.search(r"nothing meets the tolerance 1e-06: the smallest error that was found is \S+, by \w+, \w+", done.stderr)
+    assert re.search(r"nothing meets the tolerance 4e-07: the smallest error that was found is \S+, by \w+, \w+", done.stderr)
     assert (tmp_path / "old.scene").read_text() == "as it was"
 
 

@@ -81,6 +81,7 @@ def test_what_numbers_are_too_short_for_is_refused(tune, config, least):
     assert tune("m.ode", "--tolerance", str(least * 1.001), "-c", config)[0].returncode in (0, 3)
 
 
+@pytest.mark.long
 def test_some_of_several_miss_the_tolerance(tune):
     """Near the limit of FP32 logarithms, which have no compensation, do not come as far as a sum of floats."""
     done, found = tune("m.ode", "--tolerance", "1.05e-7", "--spread", "k=0.5:2", "--arithmetic", "log", "--arithmetic", "flush")
@@ -130,8 +131,9 @@ def test_luts_and_clocks_are_those_of_the_pages(root):
         assert placed.get(name) == (luts, mhz) or f"| `{name}` | {luts:,} | {mhz:.2f} |" in page, name
 
 
-@pytest.mark.parametrize("config", ["many_full", "flush", "cell", "fused_full", "middle", "log", "pairs"])
-@pytest.mark.parametrize("model", ["m.ode", "roots.ode"])
+@pytest.mark.parametrize("config, model", [("many_full", "m.ode"), *((config, "roots.ode") for config in ("flush", "cell", "fused_full", "log")),
+                                           *(pytest.param(config, model, marks=pytest.mark.long) for config, model in (
+                                               ("many_full", "roots.ode"), ("middle", "roots.ode"), ("pairs", "m.ode"), ("pairs", "roots.ode"), ("log", "m.ode")))])
 def test_a_trimmed_configuration_is_a_legal_one(tune, root, config, model):
     done = tune(model, "--tolerance", "1e-2", "-c", config, "--hardware")[0]
     trimmed = tomllib.loads(done.stdout[done.stdout.index("[[config]]"):])["config"][0]

@@ -248,8 +248,10 @@ def liar(build, tmp_path):
     return liar
 
 
-@pytest.mark.parametrize("word, variant, count", [("--threads 2", "interpreter, 2 threads", 1), ("x86-64-v3", "native x86-64-v3, 1 thread", 1),
-                                                  ("skin.scene", "skin 0, 2 threads", 1), ("shuffled", "objects in another order", 1)])
+@pytest.mark.parametrize("word, variant, count", [pytest.param("--threads 2", "interpreter, 2 threads", 1, marks=pytest.mark.long),
+                                                  ("x86-64-v3", "native x86-64-v3, 1 thread", 1),
+                                                  pytest.param("skin.scene", "skin 0, 2 threads", 1, marks=pytest.mark.long),
+                                                  ("shuffled", "objects in another order", 1)])
 def test_a_wrong_bit_is_told(world, liar, word, variant, count):
     """One bit of one word."""
     done, found = world("--parts", "hashes", fp3=liar(word, r"/^\(x_x\|u\) .*object 7$/ { s/f   obj/0   obj/; t; s/.   obj/f   obj/ }"))
