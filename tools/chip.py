@@ -129,7 +129,7 @@ def simulate(args):
 
         def ran(engine, steps):
             """What a run printed, and all states at its end."""
-            told = run("env", f"FP3_RTL_DIR={tree}", tree / "fp3", "run", tree / "x.fp3", "-c", row["name"], "--engine", engine, "-o", count,
+            told = run("env", f"FP3_RTL_DIR={tree}", tree / "fp3", "run", tree / "x.fp3", "-c", row["name"], "--engine", engine, "-N", count,
                        "--steps", steps, "--params", params, "--spread", "T=1e6:2e6", "--every", steps,
                        "--output", tree / f"{engine}.csv", timeout=3600)
             return told, (tree / f"{engine}.csv").read_text().splitlines()

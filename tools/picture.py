@@ -22,7 +22,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 MODEL = "programs/kepler.ode"
 COLOURS = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666"]
-ORBITS = ["-c", "many_full", "-o", 7, "--spread", "v_y=1.25:1.75", "-n", 1000, "--every", 4]
+ORBITS = ["-c", "many_full", "-N", 7, "--spread", "v_y=1.25:1.75", "-n", 1000, "--every", 4]
 # How the error grows: the integrator's in two of them, that of FP32 in the third.
 ERRORS = [("leapfrog", ["-i", "leapfrog"]), ("rk4", ["-i", "rk4"]), ("yoshida6, compensated", ["-i", "yoshida6", "-k"])]
 STEPS, EVERY, H = 12800, 16, 0.0078125

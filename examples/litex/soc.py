@@ -105,7 +105,7 @@ def simulate(program, folder):
 def expected(fp3, config, ships):
     """The states by the engine isa, as the program prints them."""
     spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
-    text = start(fp3, "run", ROOT / "programs/ship.s", "-e", "isa", "-c", config, "-o", ships, "-n", STEPS, "--params", ROOT / "programs/ship.cfg",
+    text = start(fp3, "run", ROOT / "programs/ship.s", "-e", "isa", "-c", config, "-N", ships, "-n", STEPS, "--params", ROOT / "programs/ship.cfg",
                  "--all", *spread)
     states = [re.findall(rf"^{name} .* 0x([0-9a-f]{{8}}) ", text, re.M) for name in "vs"]
     return [f"v {v} s {s}" for v, s in zip(*states, strict=True)]

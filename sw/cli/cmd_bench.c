@@ -142,7 +142,7 @@ static const fp3_option table[] = {
      "Read values from FILE (default: " FP3_BENCH_SHIP_PARAMS
      " for a ship, else those of the model)",
      FP3_TEXT(options, programs.params), .forms = OF_PROGRAMS},
-    {"scenes", 's', "N", "Also run scenes of N objects (default: 10000)", FP3_CALL(take_scenes),
+    {"scenes", 0, "N", "Also run scenes of N objects (default: 10000)", FP3_CALL(take_scenes),
      .is_optional = 1, .forms = OF_PROGRAMS},
     {"json", 'j', "FILE", "Also write the figures as JSON", FP3_CALL(take_json)},
     {"integrator", 'i', "NAME",

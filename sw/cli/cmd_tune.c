@@ -102,7 +102,7 @@ static const fp3_option table[] = {
      "that "
      "is not 0 and has no other value",
      FP3_ABOVE_ZERO(options, around)},
-    {"set", 0, "NAME=VALUE", "Of a model: a value; may be repeated", FP3_CALL(take_set),
+    {"set", 's', "NAME=VALUE", "Of a model: a value; may be repeated", FP3_CALL(take_set),
      .is_repeated = 1},
     {"params", 0, "FILE", "Of a model: a file of values; may be repeated", FP3_CALL(take_params),
      .is_repeated = 1},
@@ -110,13 +110,13 @@ static const fp3_option table[] = {
      "The time to integrate (default: steps times h of the scene, its `until`, or the model's "
      "span)",
      FP3_ABOVE_ZERO(options, def.span)},
-    {"objects", 0, "N",
+    {"objects", 'N', "N",
      "Of a model: number of objects in the scene (default: the contexts of the configuration; "
      "without ranges 1)",
      FP3_NUMBER(options, objects, 1, UINT32_MAX)},
     {"held-out", 0, "N", "Number of new objects that judge the choice (default: 64)",
      FP3_NUMBER(options, def.held_out, 1, 65536)},
-    {"output", 0, "FILE", "Write the choice as a scene, which fp3 run --scene runs",
+    {"output", 'o', "FILE", "Write the choice as a scene, which fp3 run --scene runs",
      FP3_TEXT(options, out.scene)},
     {"json", 0, "FILE", "Also write the choice and all candidates as JSON",
      FP3_TEXT(options, out.json)},

@@ -98,6 +98,20 @@ static void take_spread(void *user, struct argp_state *state, char *text) {
     fp3_run_values_spread(&o->values, state, text);
 }
 
+int fp3_run_options_is_number(const char *output) {
+    return *output && !output[strspn(output, "0123456789")];
+}
+
+static void take_output(void *user, struct argp_state *state, char *text) {
+    fp3_run_options *o = user;
+    if (fp3_run_options_is_number(text))
+        argp_error(state,
+                   "-o, --output: found '%s', expected a file (./%s); the number of objects is "
+                   "-N, --objects",
+                   text, text);
+    o->record.def.path = text;
+}
+
 static void take_links(void *user, struct argp_state *state, char *text) {
     fp3_run_options *o = user;
     add_links(o, text, state);
@@ -186,7 +200,7 @@ static const fp3_option table[] = {
      "Number of steps (default: 1; with --times up to the last time; with --tolerance 1000000 "
      "attempts at most)",
      FP3_CALL(take_steps), .forms = FP3_RUN_DECIDES},
-    {"objects", 'o', "N",
+    {"objects", 'N', "N",
      "Number of objects (default: one for each context; with --links as many as are linked)",
      FP3_NUMBER(fp3_run_options, objects, 1, UINT32_MAX), .forms = FP3_RUN_DECIDES},
     {"visit", 0, "N", "Steps per visit of an object (default: all)",
@@ -199,7 +213,7 @@ static const fp3_option table[] = {
      FP3_FLAG(fp3_run_options, all), .forms = FP3_RUN_BESIDE},
     {"params", 0, "FILE", "Values of states, parameters and shared constants; may be repeated",
      FP3_CALL(take_params), .is_repeated = 1, .forms = FP3_RUN_DECIDES},
-    {"set", 0, "NAME=VALUE", "One value; replaces earlier ones; may be repeated",
+    {"set", 's', "NAME=VALUE", "One value; replaces earlier ones; may be repeated",
      FP3_CALL(take_set), .is_repeated = 1, .forms = FP3_RUN_DECIDES},
     {"spread", 0, "NAME=FIRST:LAST",
      "Values from FIRST, of the first object, to LAST, of the last, evenly; may be repeated",
@@ -229,9 +243,9 @@ static const fp3_option table[] = {
      "End with exit code 3 after a warning about digits that FP32 loses, and with --check where an "
      "estimate is above TOL, relative to the size of the state (default: 1e-3)",
      FP3_CALL(take_strict), .is_optional = 1, .forms = FP3_RUN_BESIDE},
-    {"output", 0, "FILE",
+    {"output", 'o', "FILE",
      "Write observed values to FILE: " FP3_FORMATS ", a row for each object of each snapshot",
-     FP3_TEXT(fp3_run_options, record.def.path), .forms = FP3_RUN_BESIDE},
+     FP3_CALL(take_output), .forms = FP3_RUN_BESIDE},
     {"compress", 0, NULL, "With --output: compress HDF5",
      FP3_FLAG(fp3_run_options, record.def.is_compressed), .forms = FP3_RUN_BESIDE},
     {"plot", 0, "FILE",

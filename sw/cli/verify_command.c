@@ -43,6 +43,11 @@ static fp3_status take(void *user, const fp3_option *option, const char *value, 
             error, FP3_E_ARGUMENT,
             "its run was on engine board, and no port that a file names is opened: choose "
             "another engine by --engine");
+    if (!strcmp(option->name, "output") && fp3_run_options_is_number(value))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "-o %s: found a number, expected a file: an fp3 in which -o was --objects "
+                        "made the run",
+                        value);
     if (option->forms == FP3_RUN_DECIDES)
         return add(c, value ? "--%s=%s" : "--%s", option->name, value, error);
     return option->forms == FP3_RUN_BESIDE

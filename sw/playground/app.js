@@ -95,7 +95,7 @@ const ask = () => {
   if (h) set.push(`h=${h}`);
   const words = [file, ...how, "--engine", of("engine").value, ...set.flatMap(one => ["--set", one])];
   if (!has(more, "-n", "--steps", "--until", "--tolerance", "--times")) words.push("--steps", steps);
-  if (!has(more, "-o", "--objects", "--links")) words.push("--objects", "1");
+  if (!has(more, "-N", "--objects", "--links")) words.push("--objects", "1");
   if (!has(more, "--every", "--times")) words.push("--every", String(Math.max(1, Math.ceil(Number(steps) / SNAPSHOTS) || 1)));
   source = {file, words: [...words, ...more, "--allow-failures", "--output", "out.csv"]};
   return {number: ++page.number, run: source.words, compile: [file, ...how, "--report"], files: {[file]: new TextEncoder().encode(text)}};

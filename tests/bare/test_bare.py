@@ -68,7 +68,7 @@ def test_the_example_has_the_bits_of_a_run(root, build, fp3, simulated, tmp_path
     """And so it has after every refusal and error that simulated.c provokes; without waits in each single transfer."""
     out = tmp_path / "x.csv"
     spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
-    succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-o", ships, "-n", STEPS, "--params",
+    succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-N", ships, "-n", STEPS, "--params",
              root / "programs/ship.cfg", *spread, "--output", out)
     head, *rows = [line.split(",") for line in out.read_text().splitlines()]
     end = [dict(zip(head, row)) for row in rows][-ships:]
@@ -98,7 +98,7 @@ def test_the_transfers_of_a_run_are_measured(root, fp3, page):
     assert len(rows) == 3
     for row in rows:
         config, objects, transfers, cycles, each, _ = (cell.strip(" `").replace(",", "") for cell in row.strip("|").split("|"))
-        out = succeeds(fp3, "run", root / "programs/ship.s", "--params", root / "programs/ship.cfg", "-c", config, "-o", objects, "-n", 1, "--clock", "100MHz")
+        out = succeeds(fp3, "run", root / "programs/ship.s", "--params", root / "programs/ship.cfg", "-c", config, "-N", objects, "-n", 1, "--clock", "100MHz")
         said = re.search(r"^bus .*: (\d+) transfers in (\d+) cycles", out, re.M)
         assert (said[1], said[2], f"{int(said[2]) / int(objects):.1f}") == (transfers, cycles, each), config
 

@@ -31,7 +31,7 @@ def ran(fp3, tmp_path_factory):
     """Names of the states, and a line for each object, as fp3 run records them in the end."""
     def ran(program, steps, objects, *options):
         out = tmp_path_factory.mktemp("run") / "run.csv"
-        done = subprocess.run([fp3, "run", program, "-e", "isa", "-c", "many_full", "-o", str(objects), "-n", str(steps), "--output", out,
+        done = subprocess.run([fp3, "run", program, "-e", "isa", "-c", "many_full", "-N", str(objects), "-n", str(steps), "--output", out,
                                *options], capture_output=True, text=True, timeout=300)
         assert done.returncode == 0, done.stderr
         head, *rows = list(csv.reader(out.open()))

@@ -116,7 +116,7 @@ def test_nothing_of_an_earlier_host_is_left(fp3, build, tmp_path):
     (tmp_path / "x.s").write_text(".state x\n.state y\n.shared k\nstep:\nmul y, y, k\nadd x, x, y\n")
     subprocess.run([fp3, "asm", tmp_path / "x.s", "-o", tmp_path / "x.fp3"], check=True)
     with board(fp3, "--config", "many") as (_, port):
-        done = run(fp3, tmp_path / "x.s", "-o", "3", "--steps", "1", "-c", "many", "--engine", "board", "--port", port,
+        done = run(fp3, tmp_path / "x.s", "-N", "3", "--steps", "1", "-c", "many", "--engine", "board", "--port", port,
                    "--set", "x=0", "--set", "y=3e38", "--set", "k=2")
         assert done.returncode == 3 and "inf" in done.stdout
         found = subprocess.run([build / "tests/at_first", port, tmp_path / "x.fp3"], capture_output=True, text=True)

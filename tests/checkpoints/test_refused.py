@@ -74,7 +74,7 @@ def test_other_partners(start, tmp_path):
                                   "    add x, x, 1.0\n    st x\n    st y\n")
     for name, pairs in (("one", "0,1\n2,3\n"), ("other", "0,2\n1,3\n")):
         (tmp_path / f"{name}.csv").write_text("a,b\n" + pairs)
-    run = ("x.s", "-c", "world", "-e", "fast", "-o", 4, "--spread", "x=1:4", "--set", "y=0", "-n", 5)
+    run = ("x.s", "-c", "world", "-e", "fast", "-N", 4, "--spread", "x=1:4", "--set", "y=0", "-n", 5)
     start("run", *run, "--links", "ties=one.csv", "--checkpoint", "a.ck", "--checkpoint-every", 3)
     assert start("run", *run, "--links", "ties=one.csv", "--restart", "a.ck.1").hash
     assert "a.ck.1: its run began with other links between objects" in start("run", *run, "--links", "ties=other.csv", "--restart", "a.ck.1", code=2).stderr

@@ -12,7 +12,7 @@ import pytest
 LIVES = """config = "many_full"; steps = 60;
 groups = ( { program = "PROGRAMS/kepler.ode"; objects = 24; spread = { v_y = [0.6, 1.2]; }; born = [0, 46]; gone = [30, 76]; } );
 """
-SLEEP = ("--params", "PROGRAMS/ship.cfg", "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-o", 6, "-c", "shared", "PROGRAMS/ship_sleep.s", "-n", 700)
+SLEEP = ("--params", "PROGRAMS/ship.cfg", "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-N", 6, "-c", "shared", "PROGRAMS/ship_sleep.s", "-n", 700)
 
 
 def spelled(root, options):
@@ -82,7 +82,7 @@ def test_cuts_change_no_bit(start, world):
 def test_failures_are_not_forgotten(start, tmp_path):
     """Of what failed before the checkpoint the restarted run knows."""
     (tmp_path / "x.s").write_text(".state x\n.param a\nstep: mul x, x, a\n")
-    run = ("x.s", "-c", "many", "-e", "fast", "-o", 9, "--set", "x=1", "--spread", "a=2:40000", "-n", 12, "--checkpoint", "a.ck", "--checkpoint-every")
+    run = ("x.s", "-c", "many", "-e", "fast", "-N", 9, "--set", "x=1", "--spread", "a=2:40000", "-n", 12, "--checkpoint", "a.ck", "--checkpoint-every")
     first = start("run", *run, 11, code=3)
     before = contents(tmp_path / "a.ck")
     again = start("run", *run, 11, "--restart", "a.ck.1", code=3)
@@ -94,7 +94,7 @@ def test_failures_are_not_forgotten(start, tmp_path):
 
 def test_a_failure_before_the_first_step_stays_one(start, tmp_path):
     (tmp_path / "x.s").write_text(".state x\nstep: add x, x, 1.0\n")
-    run = ("x.s", "-c", "many", "-e", "isa", "-o", 3, "--set", "x=nan", "-n", 9)
+    run = ("x.s", "-c", "many", "-e", "isa", "-N", 3, "--set", "x=nan", "-n", 9)
     first = start("run", *run, "--checkpoint", "a.ck", "--checkpoint-every", 5, code=3)
     assert "object 0 before its first step: state x is NaN" in first.stderr
     assert start("run", *run, "--restart", "a.ck.1", code=3).stderr == first.stderr
@@ -170,5 +170,5 @@ def test_hashes_are_those_of_the_words(start, world, tmp_path):
 @pytest.mark.parametrize("config", ["log", "bfloat", "many_half"])
 def test_words_that_are_no_floats(start, root, tmp_path, config):
     """A checkpoint has the machine's words: logarithms would lose digits as floats."""
-    run = (root / "programs/kepler.ode", "-c", config, "-o", 9, "--spread", "v_y=0.8:1.2", "-n", 20)
+    run = (root / "programs/kepler.ode", "-c", config, "-N", 9, "--spread", "v_y=0.8:1.2", "-n", 20)
     agree(start, tmp_path, run, 6, [("isa", 1), ("fast", 1)], engine="isa")

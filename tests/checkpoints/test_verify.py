@@ -52,7 +52,7 @@ def test_another_program_makes_other_hashes(start, root, made):
 
 
 def test_a_program_with_options(start, root, made):
-    start("run", root / "programs/kepler.ode", "-c", "many_full", "-i", "verlet", "-o", 5, "--spread", "r_x=0.4:0.6", "-e", "rtl", "--bus-waits", 3, "-n", 12,
+    start("run", root / "programs/kepler.ode", "-c", "many_full", "-i", "verlet", "-N", 5, "--spread", "r_x=0.4:0.6", "-e", "rtl", "--bus-waits", 3, "-n", 12,
           "--every", 4, "--output", "k.h5", "--bus-log", "log")
     (made / "log").unlink()
     assert "4 hashes of steps 0 to 12" in start("verify", "k.h5", "-e", "fast").stdout
@@ -103,11 +103,12 @@ def test_every_form_of_an_option_is_understood(keeps):
                   ("--out", "x.h5", "--every=3", "--compress", "--checkpoint", "x.ck", "--checkpoint-every", "5", "--restart=none", "--allow"),
                   ("--bus-log", "x", "--kan=y", "--native=z", "--bus-waits", "7", "--cycle-limit", "1", "--times", "1,2", "--observe", "r_x", "--plot", "p.svg")):
         assert "3 hashes of steps 0 to 8 agree" in keeps(*words).stdout, words
-    assert "after 0 steps" in keeps("-o", "2", "-cmany_full", code=1).stderr
+    assert "after 0 steps" in keeps("-N", "2", "-cmany_full", code=1).stderr
+    assert "-o 2: found a number, expected a file: an fp3 in which -o was --objects" in keeps("-o", "2", "-cmany_full", code=2).stderr
 
 
 def test_draws_are_those_of_the_seed_on_every_engine(start, root):
-    start("run", root / "programs/kepler.ode", "-c", "many_half", "-o", 3, "--seed", 7, "-e", "fast", "-n", 8, "--output", "s.h5")
+    start("run", root / "programs/kepler.ode", "-c", "many_half", "-N", 3, "--seed", 7, "-e", "fast", "-n", 8, "--output", "s.h5")
     assert "2 hashes" in start("verify", "s.h5", "-e", "isa").stdout
 
 

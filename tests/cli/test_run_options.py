@@ -44,7 +44,7 @@ def test_a_run_takes_its_cycles_at_the_clock(start, clock, hertz):
 
 def test_a_bus_that_waits_takes_longer_and_changes_nothing_else(start):
     """The same transfers, bits and counters; 0 to 3 cycles for each channel of each transfer more."""
-    outs = [start("run", "m.ode", "-n", "9", "-c", "many_full", "-o", "5", "--clock", "1GHz", *more).stdout
+    outs = [start("run", "m.ode", "-n", "9", "-c", "many_full", "-N", "5", "--clock", "1GHz", *more).stdout
             for more in ([], *(["--bus-waits", seed] for seed in "123"))]
     (transfers, cycles), *waited = [tuple(map(int, re.search(r"^bus +\S+ s: (\d+) transfers in (\d+) cycles$", out, re.M).groups())) for out in outs]
     for out, (count, took) in zip(outs[1:], waited):
@@ -75,12 +75,12 @@ def test_values_spread_as_in_a_scene(start, tmp_path):
     (tmp_path / "m.scene").write_text(
         'config = "many_full"; engine = "isa"; steps = 7;\n'
         'groups = ( { program = "m.ode"; objects = 5; spread : { x = [1.0, 2.0]; k = [4.0, 1.0]; }; } );\n')
-    one = start("run", "m.ode", *options, "-o", "5", "--spread", "x=1:2", "--spread", "k=4:2^0")
+    one = start("run", "m.ode", *options, "-N", "5", "--spread", "x=1:2", "--spread", "k=4:2^0")
     assert len(states(one.stdout)) == 10 and states(one.stdout) == states(start("run", "--scene", "m.scene").stdout)
-    single = start("run", "m.ode", *options, "-o", "5", "--set", "x=1.25", "--set", "k=3.25").stdout
+    single = start("run", "m.ode", *options, "-N", "5", "--set", "x=1.25", "--set", "k=3.25").stdout
     assert states(single)[0].split()[:3] == states(one.stdout)[2].split()[:3]
     # Of --set and of --spread each, what is said last counts.
-    again = start("run", "m.ode", *options, "-o", "5", "--set", "x=7", "--set", "x=1.25", "--set", "k=3.25").stdout
+    again = start("run", "m.ode", *options, "-N", "5", "--set", "x=7", "--set", "x=1.25", "--set", "k=3.25").stdout
     assert states(again) == states(single)
 
 
@@ -266,3 +266,16 @@ def test_the_hardware_is_looked_for_in_sensible_places(fp3, start, tmp_path):
     places = done.stderr.strip().split("looked in ")[1].split(", ")
     assert done.returncode == 1 and places[0] == str(tmp_path / "lib/fp3") and len(places) == len(set(places)) == 2
     assert not any(".." in place for place in places)
+
+
+@pytest.mark.smoke
+def test_a_letter_is_the_same_option_in_every_command(fp3):
+    def says(*words):
+        return subprocess.run([fp3, *words, "--help"], capture_output=True, text=True, check=True, timeout=60).stdout
+    commands = re.findall(r"^  (\w+)\t", says(), re.M)
+    names = {}
+    for command in commands:
+        for letter, name in re.findall(r"^ +-(\w), --([\w-]+)", says(command), re.M):
+            names.setdefault(letter, {}).setdefault(name, []).append(command)
+    assert len(names["o"]["output"]) >= 5 and "run" in names["N"]["objects"]
+    assert {letter: of for letter, of in names.items() if len(of) > 1} == {}

@@ -32,11 +32,11 @@ def ship(root, run, program, *options):
 
 def test_the_ship_takes_fourteen_cycles_and_has_its_bits(root, run):
     objects = LANES * CONTEXTS
-    full = [ship(root, run, root / "programs/ship_dual.s", "-c", "dual", "-o", objects, "-n", n) for n in (3, 8)]
+    full = [ship(root, run, root / "programs/ship_dual.s", "-c", "dual", "-N", objects, "-n", n) for n in (3, 8)]
     assert cycles(full[1]) - cycles(full[0]) == 5 * 14 * CONTEXTS
-    other = ship(root, run, root / "programs/ship_scale.s", "-c", "shared", "-e", "isa", "-o", 64, "-n", 8)
+    other = ship(root, run, root / "programs/ship_scale.s", "-c", "shared", "-e", "isa", "-N", 64, "-n", 8)
     assert len(states(other)) == 128
-    few = ship(root, run, root / "programs/ship_dual.s", "-c", "dual", "-o", 64, "-n", 8, "--visit", 3)
+    few = ship(root, run, root / "programs/ship_dual.s", "-c", "dual", "-N", 64, "-n", 8, "--visit", 3)
     assert states(few) == states(other)
 
 
@@ -45,9 +45,9 @@ def test_a_compiled_model_has_its_bits_and_its_cycles(root, fp3, run, model):
     path = root / f"programs/{model}.ode"
     text = subprocess.run([fp3, "compile", path, "-c", "dual"], capture_output=True, text=True, check=True).stdout
     told = float(re.search(r"([\d.]+) cycles per object-step", text)[1])
-    full = [run(path, "-c", "dual", "-o", LANES * CONTEXTS, "-n", n) for n in (2, 5)]
+    full = [run(path, "-c", "dual", "-N", LANES * CONTEXTS, "-n", n) for n in (2, 5)]
     assert (cycles(full[1]) - cycles(full[0])) / (3 * LANES * CONTEXTS) == pytest.approx(told, rel=1e-5)
-    few = [run(path, "-c", config, "-e", engine, "-o", 7, "-n", 9)
+    few = [run(path, "-c", config, "-e", engine, "-N", 7, "-n", 9)
            for config, engine in (("dual", "rtl"), ("dual", "isa"), ("dual", "fast"), ("shared", "isa"))]
     assert len(states(few[0])) == 7 * len(set(re.findall(r"^\.state +(\w+)", text, re.MULTILINE)))
     assert all(states(out) == states(few[0]) for out in few)
@@ -59,15 +59,15 @@ def test_the_folded_ship_takes_thirteen_cycles_or_twelve(root, fp3, run, tmp_pat
     done = subprocess.run([fp3, "compile", root / "programs/ship.ode", "-c", "dual", "-i", "rk4_paper", "--with", "fold-step",
                            "--with", "fold-product", *more, "-o", tmp_path / "x.s", "--params", tmp_path / "x.cfg"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    full = [run("x.s", "-c", "dual", "--params", tmp_path / "x.cfg", "-o", LANES * CONTEXTS, "-n", n) for n in (3, 8)]
+    full = [run("x.s", "-c", "dual", "--params", tmp_path / "x.cfg", "-N", LANES * CONTEXTS, "-n", n) for n in (3, 8)]
     assert cycles(full[1]) - cycles(full[0]) == 5 * count * CONTEXTS
 
 
 def test_a_lane_without_an_object_raises_nothing(run, tmp_path):
     """The registers of three lanes are 0 and the constant is infinite: their product would be invalid."""
     (tmp_path / "x.s").write_text(".state x = r0\n.shared k\n.temp p = r1\nstep: mul p, x, k\nadd x, x, 1.0\n")
-    assert re.search("^flags +none$", run("x.s", "-c", "dual", "-o", 1, "-n", 2, "--set", "x=1", "--set", "k=inf"), re.MULTILINE)
-    assert re.search("^flags +invalid$", run("x.s", "-c", "dual", "-o", 1, "-n", 2, "--set", "x=0", "--set", "k=inf", status=3), re.MULTILINE)
+    assert re.search("^flags +none$", run("x.s", "-c", "dual", "-N", 1, "-n", 2, "--set", "x=1", "--set", "k=inf"), re.MULTILINE)
+    assert re.search("^flags +invalid$", run("x.s", "-c", "dual", "-N", 1, "-n", 2, "--set", "x=0", "--set", "k=inf", status=3), re.MULTILINE)
 
 
 @pytest.mark.parametrize("word, wrong", [

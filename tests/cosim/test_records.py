@@ -37,7 +37,7 @@ def run(fp3, tmp_path):
     path.write_text(PROGRAM)
 
     def start(engine, how, y, steps, *more, status=0):
-        done = subprocess.run([fp3, "run", path, "-c", "many_full", "-e", engine, "-o", "30", "--steps", str(steps), "--visit", "2", "--all",
+        done = subprocess.run([fp3, "run", path, "-c", "many_full", "-e", engine, "-N", "30", "--steps", str(steps), "--visit", "2", "--all",
                                "--set", f"y={y}", "--set", "x=0", "--set", "down=1", *more],
                               env={"FP3_FAST": how, "FP3_CACHE_DIR": str(tmp_path / "cache"), "PATH": "/usr/bin:/bin"}, capture_output=True, text=True)
         assert done.returncode == status, done.stdout + done.stderr
@@ -98,9 +98,9 @@ last:
     st    x
     st    slept
 """
-KEPT = {"asleep between two stores": (ASLEEP, "many_full", "-o 4 --spread x=-6:3 --set s=0 --set eps=1 --steps 6"),
-        "beside a word that the host writes": (ASLEEP, "many_half", "-o 2 --spread x=-6:3 --set s=70000 --set eps=1 --steps 2"),
-        "a whole word beyond binary16": (LARGE, "many_half", "-o 2 --set x=0 --set slept=0 --steps 3")}
+KEPT = {"asleep between two stores": (ASLEEP, "many_full", "-N 4 --spread x=-6:3 --set s=0 --set eps=1 --steps 6"),
+        "beside a word that the host writes": (ASLEEP, "many_half", "-N 2 --spread x=-6:3 --set s=70000 --set eps=1 --steps 2"),
+        "a whole word beyond binary16": (LARGE, "many_half", "-N 2 --set x=0 --set slept=0 --steps 3")}
 
 
 @pytest.mark.parametrize("name", KEPT)

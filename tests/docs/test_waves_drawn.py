@@ -119,7 +119,7 @@ def test_stages_of_one_object(waves, fp3, root, tmp_path):
 
 def test_a_sweep(waves, fp3, root, tmp_path):
     source = waves["sweep"]
-    run = log(fp3, root, tmp_path, assembled(fp3, root, tmp_path, "ship_madd"), "-c", "many", "-o", "24", "-n", "2", "--visit", "1", "--params", "programs/ship.cfg")
+    run = log(fp3, root, tmp_path, assembled(fp3, root, tmp_path, "ship_madd"), "-c", "many", "-N", "24", "-n", "2", "--visit", "1", "--params", "programs/ship.cfg")
     first = next(one.issued for one in run if words(one)[0] == 7)
     times = shown(source, "cycle")
     issues = {one.issued - first: one for one in run}

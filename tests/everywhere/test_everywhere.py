@@ -34,8 +34,8 @@ def test_flags_are_in_the_hash(fp3, root):
         done = subprocess.run([fp3, "run", *words], cwd=root, capture_output=True, text=True, check=True)
         return next(line.split()[1:] for line in done.stdout.splitlines() if line.startswith("flags"))
     for engine in ("isa", "fast", "rtl"):
-        near = ["tests/everywhere/edge.ode", "-i", "euler", "-o", "24", "-n", "3", "--engine", engine]
-        assert flags("tests/everywhere/edge.s", "-c", "many_full", "-o", "24", "--set", "x=0", "--engine", engine) == ["inexact"]
+        near = ["tests/everywhere/edge.ode", "-i", "euler", "-N", "24", "-n", "3", "--engine", engine]
+        assert flags("tests/everywhere/edge.s", "-c", "many_full", "-N", "24", "--set", "x=0", "--engine", engine) == ["inexact"]
         assert flags(*near) == ["inexact"] and flags(*near, "--set", "q=1e-19") == ["underflow", "inexact"]
 
 

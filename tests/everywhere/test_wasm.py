@@ -22,7 +22,7 @@ def wasm(root):
 @pytest.mark.parametrize("words", [
     ["compile", "programs/pendulum.ode", "-i", "rk4", "-c", "many_full"],
     ["compile", "programs/kepler.ode", "-c", "many_full", "--report"],
-    ["run", "tests/everywhere/overflow.ode", "-c", "many_full", "-e", "isa", "-o", 3, "-n", 40, "--spread", "a=1:1e6"],
+    ["run", "tests/everywhere/overflow.ode", "-c", "many_full", "-e", "isa", "-N", 3, "-n", 40, "--spread", "a=1:1e6"],
     ["run", "programs/ship.s", "-e", "isa", "-n", 9, "--params", "programs/ship.cfg"],
     ["run", "programs/kepler.ode", "-e", "isa", "--set", "mu=none"],
     ["run", "nowhere.ode", "-e", "isa"],

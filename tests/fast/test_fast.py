@@ -66,7 +66,7 @@ def test_random_programs_are_compiled_alike(build, tmp_path, kind, long):
                                          ("bouncing_ball.ode", "v")])
 def test_models_have_the_bits_of_the_isa_engine(run, root, model, name):
     """Estimates, comparisons, sines; objects that differ, in vectors that are not all full."""
-    options = [f"programs/{model}", "-c", "many_full", "--steps", 40, "-o", 150, "--all", "--visit", 7,
+    options = [f"programs/{model}", "-c", "many_full", "--steps", 40, "-N", 150, "--all", "--visit", 7,
                "--spread", f"{name}=0.5:1.5", "--allow-failures"]
     expected = run(*options, engine="isa")
     for fast in [*filter(has, KINDS), "interpreter"]:
@@ -75,7 +75,7 @@ def test_models_have_the_bits_of_the_isa_engine(run, root, model, name):
 
 
 def test_threads_do_not_matter(run):
-    options = ["programs/kepler.ode", "-c", "many_full", "--steps", 60, "-o", 20000, "--all", "--spread", "r_x=0.9:1.1"]
+    options = ["programs/kepler.ode", "-c", "many_full", "--steps", 60, "-N", 20000, "--all", "--spread", "r_x=0.9:1.1"]
     one = run(*options, "--threads", 1)
     assert run(*options, "--threads", 2) == one == run(*options, "--threads", 5)
 
@@ -105,14 +105,14 @@ def test_threads_share_nothing_unguarded(root, build, tmp_path):
 
 
 def test_more_objects_than_any_store_has(run):
-    out = run("programs/ship.ode", "-c", "many_full", "-o", 300000, "--steps", 3)
+    out = run("programs/ship.ode", "-c", "many_full", "-N", 300000, "--steps", 3)
     assert "object_steps     900000\n" in out
 
 
 def test_failures_are_told_as_the_isa_engine_does(run, tmp_path):
     model = tmp_path / "burst.ode"
     model.write_text("param a = 1\nstate x = 1\nx' = a*x*x*x\nstep 0.25\n")
-    options = [model, "-c", "many_full", "--steps", 300, "-o", 40, "--spread", "a=0.001:2"]
+    options = [model, "-c", "many_full", "--steps", 300, "-N", 40, "--spread", "a=0.001:2"]
     expected = run(*options, engine="isa", status=3)
     assert run(*options, status=3) == expected and re.search(r"failed +\d+ of 40, first object \d+ in step \d+: overflow", expected)
     assert run(*options, status=3, FP3_FAST="interpreter") == expected
@@ -132,7 +132,7 @@ def test_what_nothing_reads_fails_all_the_same(run, fp3, tmp_path, name, config)
     first, step, last = UNREAD[name]
     (tmp_path / "x.s").write_text(".state x b\n.temp y\n.const big 3e38\n.const one 1\nld x\n" + first + "step:\nadd x, x, one\n" + step + "last:\n" + last + "st x\n")
     subprocess.run([fp3, "asm", "x.s", "-o", "x.fp3"], cwd=tmp_path, check=True)
-    options = [tmp_path / "x.fp3", "-c", config, "--steps", 3, "-o", 2, "--set", "x=1", "--set", "b=0"]
+    options = [tmp_path / "x.fp3", "-c", config, "--steps", 3, "-N", 2, "--set", "x=1", "--set", "b=0"]
     expected = run(*options, engine="isa", status=3)
     assert run(*options, status=3) == expected and run.how.startswith("native"), run.how
     assert re.search(r"^flags +overflow", expected, re.M)
@@ -142,7 +142,7 @@ def test_subnormal_numbers(run, tmp_path):
     """They are multiplied by other means than the processor's, in stretches of steps; the bits and flags are the same."""
     model = tmp_path / "decay.ode"
     model.write_text("param a = 1\nstate x = 1e-37\nx' = -a*x\nstep 0.01\n")
-    options = [model, "-c", "many_full", "--steps", 1500, "-o", 70, "--all", "--spread", "x=1e-36:1e-42", "--set", "a=1.25"]
+    options = [model, "-c", "many_full", "--steps", 1500, "-N", 70, "--all", "--spread", "x=1e-36:1e-42", "--set", "a=1.25"]
     expected = run(*options, engine="isa")
     assert run(*options) == expected == run(*options, FP3_FAST="interpreter")
     small = [bits for bits in re.findall(r" 0x([0-9a-f]{8}) ", expected) if 0 < int(bits, 16) < 0x00800000]
@@ -217,9 +217,9 @@ def test_estimates(root, tmp_path, kind, bug):
 def test_what_it_cannot_do_is_refused(run, fp3, root, tmp_path):
     run("programs/ship.ode", "-c", "many_full", "--cycle-limit", 100, status=2)
     assert "no cycles" in run.stderr
-    run("programs/ship.ode", "-c", "many_full", "-o", 2**25 + 1, status=2)
+    run("programs/ship.ode", "-c", "many_full", "-N", 2**25 + 1, status=2)
     assert "room for 33554432" in run.stderr
-    run("programs/ship.ode", "-c", "single_full", "-o", 2, status=2)
+    run("programs/ship.ode", "-c", "single_full", "-N", 2, status=2)
     assert "room for 1 object" in run.stderr
 
 
@@ -235,7 +235,7 @@ def test_what_executes_it_can_be_chosen(run):
 
 # ---- the cache ----
 
-SHIP = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-o", 20]
+SHIP = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-N", 20]
 
 
 def entries(tmp_path):
@@ -407,7 +407,7 @@ def native(fp3, root, tmp_path):
     return make
 
 
-MODEL = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-o", 20]
+MODEL = ["programs/ship.ode", "-c", "many_full", "--steps", 100, "-N", 20]
 
 
 def test_a_program_goes_to_a_machine_without_a_compiler(run, native, tmp_path):

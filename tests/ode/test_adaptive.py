@@ -50,7 +50,7 @@ def value(of, name, n=0):
 
 
 # The objects end at different times, after different numbers of attempts: nobody waits for anybody.
-SPREAD = ["--tolerance", "1e-4", "--spread", "until=0:5", "-o", "7"]
+SPREAD = ["--tolerance", "1e-4", "--spread", "until=0:5", "-N", "7"]
 
 
 @pytest.mark.parametrize("arithmetic", [[], ["-k"]])
@@ -106,14 +106,14 @@ def test_linear_equations_end_within_a_small_multiple_of_the_tolerance(written, 
     path = written(text)
     for tolerance in (1e-2, 1e-4):
         for first in (0.01, 0.25, 1, 8):
-            of, _ = run(path, "-i", name, "--tolerance", tolerance, "--until", 4, "--set", f"h_next={first}", "-o", 1, config="many_full")
+            of, _ = run(path, "-i", name, "--tolerance", tolerance, "--until", 4, "--set", f"h_next={first}", "-N", 1, config="many_full")
             error = abs(value(of, "x") - end)
             assert error < 16 * tolerance and error < tolerance * value(of, "accepted") / 2, (tolerance, first)
 
 
 def test_time_is_that_of_the_object(written):
     """c' = cos(t) is right only if every stage of every attempt has its own t."""
-    of, _ = run(written(DECAY), "--tolerance", "1e-6", "--spread", "until=1:9", "-o", "5", config="many_full")
+    of, _ = run(written(DECAY), "--tolerance", "1e-6", "--spread", "until=1:9", "-N", "5", config="many_full")
     for n in range(5):
         t = value(of, "t", n)
         assert t == 1 + 2 * n
@@ -174,7 +174,7 @@ def test_steps_are_as_short_as_they_must_be_anywhere(written, start, span):
     path = written(f"param rate = {8 / span!r}\nstate y = 3\ny' = -rate*y\nstep {span / 64!r}\nspan 1\n")
     times = ["--set", f"t={start}", "--set", f"until={start + span}", "--tolerance", "1e-5"]
     alone = each_engine(path, *times)[0]
-    many = each_engine(path, *times, "--spread", f"rate={8 / span!r}:{4 / span!r}", "-o", "2", config="many_full")
+    many = each_engine(path, *times, "--spread", f"rate={8 / span!r}:{4 / span!r}", "-N", "2", config="many_full")
     assert {name: many[0][name] for name in alone} == alone
     for n, factor in enumerate((8, 4)):
         assert value(many, "t", n) == start + span and value(many, "t_low", n) == 0
@@ -197,7 +197,7 @@ def test_the_shortest_step_is_normal(written, first, moves):
     """A subnormal one counts as none: the object has failed where it is."""
     path = written("state y = 1\ny' = -y\nstep 1\nspan 1\n")
     for config in ("single_full", "many_full"):
-        of, _ = run(path, "--tolerance", "1e-4", "--set", f"h_next={first}", "-o", "1", config=config, status=0 if moves else 3)
+        of, _ = run(path, "--tolerance", "1e-4", "--set", f"h_next={first}", "-N", "1", config=config, status=0 if moves else 3)
         assert (value(of, "t"), value(of, "accepted") > 50) == ((1, True) if moves else (0, False))
 
 
@@ -213,8 +213,8 @@ def test_an_attempt_costs_little_more_than_a_fixed_step(integrator, most):
 def test_blow_up_is_named(written):
     """y' = y^2 is infinite at t = 1: no step gets there."""
     path = written("param k = 1\nstate y = 1\ny' = k*y*y\nstep 0.01\nspan 2")
-    for engine, config, spread in (("isa", "single_full", []), ("rtl", "many_full", ["--spread", "k=0:1", "-o", "3"]),
-                                   ("fast", "many_full", ["--spread", "k=0:1", "-o", "3"])):
+    for engine, config, spread in (("isa", "single_full", []), ("rtl", "many_full", ["--spread", "k=0:1", "-N", "3"]),
+                                   ("fast", "many_full", ["--spread", "k=0:1", "-N", "3"])):
         _, done = run(path, "--tolerance", "1e-4", *spread, config=config, engine=engine, status=3)
         said = re.search(r"object (\d) at t = (\S+) of 2, after \d+ steps and \d+ rejected attempts: (.*?);", done.stderr)
         assert said, done.stderr
@@ -226,7 +226,7 @@ def test_blow_up_is_named(written):
 @pytest.mark.parametrize("options", [["-i", "cash_karp", "--tolerance", "1e-3"], ["-i", "dopri5", "--tolerance", "5e-5"]])
 def test_who_is_stuck_stays_stuck(options):
     """Where an object cannot sleep it goes on making attempts that are none: they change nothing, not even the next step."""
-    seen = [run(ROBERTSON, *options, "-o", "1", config=config, status=3)[0][0] for config in ("single_full", "many_full")]
+    seen = [run(ROBERTSON, *options, "-N", "1", config=config, status=3)[0][0] for config in ("single_full", "many_full")]
     seen[1].pop("slept")
     assert seen[0] == seen[1] and number(seen[0]["accepted"]) > 50
 
@@ -259,7 +259,7 @@ def shots(path, config, engine, *options):
 def test_snapshots_are_at_their_times(written):
     """Each object is at just this time, or at its own end; what the times cut off does not shorten later steps."""
     path = written(DECAY + "invariant late = c - sin(t)\n")
-    many = ["-o", "3", "--spread", "until=2:4"]
+    many = ["-N", "3", "--spread", "until=2:4"]
     rows = shots(path, "many_full", "isa", *many)
     assert rows == shots(path, "many_full", "rtl", *many) == shots(path, "many_full", "fast", *many)
     assert [float(row[1]) for row in rows[::3]] == [0, 0.10000000149011612, 3.299999952316284, 4]
@@ -366,7 +366,7 @@ def test_states_too_small_for_their_tolerance_are_told(tmp_path):
     """An oscillator of 1e-9: what `absolute` leaves free is 100,000 times its states."""
     path = tmp_path / "tiny.ode"
     path.write_text("state x = 1e-9\nstate v = 0\nx' = v\nv' = -x\nstep 0.03125\nspan 16\n")
-    run = ("run", path, "--tolerance", "1e-4", "-c", "many_full", "-o", 1, "-e", "isa")
+    run = ("run", path, "--tolerance", "1e-4", "-c", "many_full", "-N", 1, "-e", "isa")
     assert "warning: no state starts above 1e-09" in fp3(*run).stderr
     assert "warning" not in fp3(*run, "--set", "absolute=1e-13").stderr
     assert "warning" not in fp3(*run, "--set", "x=1").stderr

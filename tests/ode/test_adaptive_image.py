@@ -37,7 +37,7 @@ def told(out):
 @pytest.mark.parametrize("config, options", [("single_full", []), ("single_full", ["-k", "-i", "ralston3"]), ("many_full", [])])
 def test_image_and_assembly_are_the_run_of_the_model(compiled, config, options):
     model, image, assembly, values = compiled("-c", config, *options)
-    objects = ["-o", "3", "--spread", "until=0:2"] if config == "many_full" else []
+    objects = ["-N", "3", "--spread", "until=0:2"] if config == "many_full" else []
     alike = ["-c", config, "--all", *objects]
     expected = told(fp3("run", model, "--tolerance", "1e-4", *options, *alike, "-e", "isa").stdout)
     assert len(expected) > 12
@@ -59,7 +59,7 @@ def test_values_can_be_others(compiled):
 
 def test_snapshots(compiled, tmp_path):
     model, image, _, values = compiled("-c", "many_full")
-    shots = ["-c", "many_full", "-o", "2", "-e", "isa", "--times", "0,0.1,1.5", "--observe", "t_low,r_x", "--output"]
+    shots = ["-c", "many_full", "-N", "2", "-e", "isa", "--times", "0,0.1,1.5", "--observe", "t_low,r_x", "--output"]
     fp3("run", model, "--tolerance", "1e-4", "--until", "2", *shots, tmp_path / "model.csv")
     fp3("run", image, "--params", values, *shots, tmp_path / "image.csv")
     assert (tmp_path / "image.csv").read_bytes() == (tmp_path / "model.csv").read_bytes()
@@ -71,7 +71,7 @@ def test_who_does_not_end_has_failed(compiled):
     """The flags of rejected attempts are no failure; an end that is not reached is one."""
     _, image, _, values = compiled("-c", "many_full", text=UP)
     for engine in ("isa", "rtl"):
-        alike = ["--params", values, "-c", "many_full", "-e", engine, "-o", "3"]
+        alike = ["--params", values, "-c", "many_full", "-e", engine, "-N", "3"]
         done = fp3("run", image, *alike, "--spread", "k=0:1", status=3)
         assert re.search(r"object 2 at t = \S+ of 2, after \d+ steps and \d+ rejected attempts: .*; 1 of 3", done.stderr), done.stderr
     alike[5] = "isa"
@@ -82,7 +82,7 @@ def test_who_does_not_end_has_failed(compiled):
 
 def test_what_nobody_observes_is_not_told(compiled):
     model, image, _, values = compiled("-c", "many_full", "--observe", "r_x")
-    alike = ["-c", "many_full", "-e", "isa", "-o", "1"]
+    alike = ["-c", "many_full", "-e", "isa", "-N", "1"]
     out = fp3("run", image, "--params", values, *alike).stdout
     assert "accepted" not in out and "rejected" not in out
     of_model = told(fp3("run", model, "--tolerance", "1e-4", *alike).stdout)

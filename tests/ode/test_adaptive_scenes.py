@@ -43,8 +43,8 @@ def states(text):
 def test_groups_of_both_kinds_are_what_they_are_alone(scene, tmp_path, first):
     """Fewer fixed steps than attempts, so that the ones end before the others; in either order."""
     path = tmp_path / "planet.ode"
-    of = {CHOOSING: ["--tolerance", "1e-4", "--until", "3", "--spread", "until=0:3", "-o", "3"],
-          FIXED: ["-i", "leapfrog", "-n", "9", "--spread", "v_y=1.5:1.7", "-o", "2"]}
+    of = {CHOOSING: ["--tolerance", "1e-4", "--until", "3", "--spread", "until=0:3", "-N", "3"],
+          FIXED: ["-i", "leapfrog", "-n", "9", "--spread", "v_y=1.5:1.7", "-N", "2"]}
     groups = [first, CHOOSING if first == FIXED else FIXED]
     alone = [state for group in groups
              for state in states(fp3("run", path, "-c", "shared_full", "-e", "isa", "--all", *of[group]).stdout)]
@@ -63,7 +63,7 @@ def test_groups_of_both_kinds_are_what_they_are_alone(scene, tmp_path, first):
 def test_one_group_is_a_run_of_its_model(scene, tmp_path, config):
     """Also where one object cannot sleep, and the run is several."""
     group = '{ program = "planet.ode"; objects = 1; tolerance = 1e-4; until = 3.0; absolute = 1e-6; compensated = true; }'
-    alone = fp3("run", tmp_path / "planet.ode", "-c", config, "-o", "1", "-e", "rtl", "-k", "--tolerance", "1e-4", "--until", "3",
+    alone = fp3("run", tmp_path / "planet.ode", "-c", config, "-N", "1", "-e", "rtl", "-k", "--tolerance", "1e-4", "--until", "3",
                 "--set", "absolute=1e-6").stdout
     done = scene([group], config=config, engine="rtl").stdout
     assert states(done) == states(alone)
@@ -77,7 +77,7 @@ def test_one_group_is_a_run_of_its_model(scene, tmp_path, config):
 def test_snapshots_are_those_of_the_model(scene, tmp_path):
     options = ["--times", "0,0.1,2.3,3", "--observe", "t,r_x,accepted", "--output"]
     for engine in ("isa", "rtl"):
-        fp3("run", tmp_path / "planet.ode", "-c", "many_full", "-e", engine, "--tolerance", "1e-4", "--until", "3", "-o", "3",
+        fp3("run", tmp_path / "planet.ode", "-c", "many_full", "-e", engine, "--tolerance", "1e-4", "--until", "3", "-N", "3",
             "--spread", "until=0:3", *options, tmp_path / "model.csv")
         scene([CHOOSING], *options, tmp_path / "scene.csv", engine=engine)
         assert (tmp_path / "scene.csv").read_bytes() == (tmp_path / "model.csv").read_bytes()

@@ -11,7 +11,7 @@ from test_stiff import cycles, model, rows, states  # noqa: F401
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 LADDER, FRONT = os.path.join(FOLDER, "../../programs/rc_ladder.ode"), os.path.join(FOLDER, "large/front.ode")
-ONE = ("-c", "many_full", "-e", "isa", "-o", 1)
+ONE = ("-c", "many_full", "-e", "isa", "-N", 1)
 
 
 @pytest.fixture
@@ -113,7 +113,7 @@ def test_events(model, table, tmp_path):  # noqa: F811
     path = model(BALL)
     made = rows(tmp_path, path, "-i", table(5), "--most-steps", 64, "--quick", "--arithmetic", "compensated")
     assert len(made) == 1 and made[0]["order"] == 1
-    adaptive = [states(fp3("run", path, "-i", table(5), "--tolerance", "1e-4", "-c", "many_full", "-o", 2, "-e", e).stdout) for e in ("isa", "rtl", "fast")]
+    adaptive = [states(fp3("run", path, "-i", table(5), "--tolerance", "1e-4", "-c", "many_full", "-N", 2, "-e", e).stdout) for e in ("isa", "rtl", "fast")]
     exact = states(fp3("run", path, "-i", "rk4", *ONE, "--set", f"h={2.0**-14!r}", "--steps", 2**14).stdout)
     assert adaptive[0] == adaptive[1] == adaptive[2]
     assert abs(adaptive[0]["x"] - exact["x"]) < 2e-3
@@ -133,7 +133,7 @@ def spread(first, last, objects):
 def one_step(path, integrator, objects, *spreads):
     """What each state of each object is."""
     csv = path.parent / "one.csv"
-    fp3("run", path, "-i", integrator, "-c", "many_full", "-e", "isa", "-o", objects, "--steps", 1, "--output", csv, *spreads)
+    fp3("run", path, "-i", integrator, "-c", "many_full", "-e", "isa", "-N", objects, "--steps", 1, "--output", csv, *spreads)
     head, *lines = csv.read_text().split()
     ends = [line.split(",") for line in lines if line.startswith("1,")]
     assert len(ends) == objects

@@ -85,7 +85,7 @@ def test_numbers_beyond_the_constants_are_params(tmp_path, config):
     for names in (0, 1):
         (tmp_path / "m.ode").write_text(level(11, names))
         for engine in ("isa", "fast", "rtl"):
-            out = fp3("run", tmp_path / "m.ode", "-c", config, "-e", engine, "-o", 1, "-n", 40).stdout
+            out = fp3("run", tmp_path / "m.ode", "-c", config, "-e", engine, "-N", 1, "-n", 40).stdout
             ends.add(tuple(re.findall(r"^(\w+) +\S+ +(0x\w+) +object 0$", out, re.M)))
         fp3("compile", tmp_path / "m.ode", "-c", config, "-o", tmp_path / "m.s", "--image", tmp_path / "a.fp3")
         fp3("asm", tmp_path / "m.s", "-o", tmp_path / "b.fp3")

@@ -112,7 +112,7 @@ def test_kepler_to_1e_10_after_ten_orbits():
     """Compensated within 2e-5, of which 1e-5 is that of sqrt(3) as a float; double-single within 1e-10: docs/compiler.md."""
     truth = kepler_at(64)
     for arithmetic, step, most in (("--compensated", 8, 2e-5), ("--double-single", 11, 1e-10)):
-        got = states(fp3("run", KEPLER, arithmetic, "-e", "fast", "-c", "many_full", "-o", 1, "--set", f"h=2^-{step}",
+        got = states(fp3("run", KEPLER, arithmetic, "-e", "fast", "-c", "many_full", "-N", 1, "--set", f"h=2^-{step}",
                          "--steps", 64 << step).stdout)
         assert max(abs(got[name] - truth[name]) for name in truth) < most, (arithmetic, got)
 
@@ -136,7 +136,7 @@ def test_functions_have_the_same_words_on_every_engine_and_48_bits(tmp_path, fun
     path = tmp_path / "functions.ode"
     path.write_text("param n = 1.3\nstate a = 0.3\na' = 0\n" +
                     "".join(f"state y{i} = 0\ny{i}' = {text}\n" for i, text in enumerate(functions)) + "step 1\n")
-    run = ("run", path, "-i", "euler", "--double-single", "-c", "many_full", "-o", 1, "--steps", 1, "-e")
+    run = ("run", path, "-i", "euler", "--double-single", "-c", "many_full", "-N", 1, "--steps", 1, "-e")
     outs = [states(fp3(*run, engine).stdout) for engine in ("isa", "rtl", "fast")]
     assert outs[0] == outs[1] == outs[2]
     for i, wanted in enumerate(functions.values()):
@@ -186,7 +186,7 @@ def test_random_models_have_the_bits_of_their_equations(tmp_path, seed, count, r
 
 def test_values_go_in_and_come_out_as_two_words(switch):
     """A start and h that FP32 has not; the end as a number of 17 digits, and both words."""
-    out = fp3("run", switch, "--double-single", "-e", "isa", "--steps", 0, "-c", "many_full", "-o", 1, "--set", "x=0.1").stdout
+    out = fp3("run", switch, "--double-single", "-e", "isa", "--steps", 0, "-c", "many_full", "-N", 1, "--set", "x=0.1").stdout
     value, high, low = re.search(r"^x +(\S+) +(0x\w{8}) (0x\w{8}) +object 0$", out, re.M).groups()
     assert words(high) == f32(0.1) and words(low) == f32(0.1 - f32(0.1))
     assert float(value) == words(high) + words(low) and abs(float(value) - 0.1) < 1e-16
@@ -194,18 +194,18 @@ def test_values_go_in_and_come_out_as_two_words(switch):
 
 
 def test_outputs_are_sums_and_so_are_invariants_and_times(switch, tmp_path):
-    fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "--every", 2, "-c", "many_full", "-o", 1,
+    fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "--every", 2, "-c", "many_full", "-N", 1,
         "--observe", "x,twice", "--output", tmp_path / "x.csv")
     lines = [line.split(",") for line in (tmp_path / "x.csv").read_text().split()[1:]]
-    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1).stdout)
+    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-N", 1).stdout)
     assert [float(line[3]) for line in lines][-1] == last["x"] != f32(last["x"])
     assert all(float(line[4]) == 2*float(line[3]) for line in lines)
     assert all(abs(float(line[1]) - 0.1*int(line[0])) < 1e-15 for line in lines)
 
 
 def test_hdf5_has_doubles(switch, tmp_path):
-    fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1, "--output", tmp_path / "x.h5")
-    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1).stdout)
+    fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-N", 1, "--output", tmp_path / "x.h5")
+    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-N", 1).stdout)
     with h5py.File(tmp_path / "x.h5") as file:
         assert file["x"].dtype == "<f8" and file["x"][-1, 0] == last["x"]
 
@@ -213,16 +213,16 @@ def test_hdf5_has_doubles(switch, tmp_path):
 def test_a_scene_may_ask_for_it(switch, tmp_path):
     (tmp_path / "a.scene").write_text('config = "many_full"; engine = "isa"; steps = 4;\n'
                                       'groups = ({ program = "switch.ode"; integrator = "rk4"; double_single = true; objects = 1; });\n')
-    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1).stdout)
+    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-N", 1).stdout)
     assert states(fp3("run", "--scene", tmp_path / "a.scene").stdout) == last
 
 
 def test_an_image_with_its_values_is_the_same_program(switch, tmp_path):
     """The low words are bound to the values that they were computed from."""
     fp3("compile", switch, "--double-single", "-c", "many_full", "--image", tmp_path / "x.fp3", "--params", tmp_path / "x.cfg")
-    run = ("run", tmp_path / "x.fp3", "-c", "many_full", "-e", "isa", "-o", 1, "--steps", 4, "--params", tmp_path / "x.cfg")
+    run = ("run", tmp_path / "x.fp3", "-c", "many_full", "-e", "isa", "-N", 1, "--steps", 4, "--params", tmp_path / "x.cfg")
     out = fp3(*run).stdout
-    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-o", 1).stdout)
+    last = states(fp3("run", switch, "--double-single", "-e", "isa", "--steps", 4, "-c", "many_full", "-N", 1).stdout)
     bits = dict(re.findall(r"^(\w+) .*(0x\w{8}) +object 0$", out, re.M))
     assert words(bits["x"]) + words(bits["x_low"]) == last["x"]
     assert "x_low" in fp3(*run, "--set", "x=0.2", status=2).stderr
@@ -249,7 +249,7 @@ RAMP = "state x = 0\nx' = t - x\nstep 0.01\n"
 def adaptive(tmp_path, source, tolerance, until, *options, integrator="ralston3", engine="fast", status=0):
     path = tmp_path / "m.ode"
     path.write_text(source)
-    done = fp3("run", path, "--double-single", "-i", integrator, "--tolerance", tolerance, "--until", until, "-c", "many_full", "-o", 1,
+    done = fp3("run", path, "--double-single", "-i", integrator, "--tolerance", tolerance, "--until", until, "-c", "many_full", "-N", 1,
                "-e", engine, *options, status=status)
     return done.stderr if status else states(done.stdout)
 
@@ -289,7 +289,7 @@ def test_the_ends_of_the_range_are_told_on_every_engine(tmp_path):
     path = tmp_path / "m.ode"
     path.write_text("param a = 3\nstate x = 1\nstep 1\nx' = a*x - x\n")
     for engine in ("isa", "rtl", "fast"):
-        run = ("run", path, "-i", "euler", "--double-single", "-c", "many_full", "-e", engine, "-o", 1, "--steps", 1)
+        run = ("run", path, "-i", "euler", "--double-single", "-c", "many_full", "-e", engine, "-N", 1, "--steps", 1)
         assert "nan" in fp3(*run, "--set", "x=1e35", status=3).stdout
         assert abs(states(fp3(*run, "--set", "x=1e34").stdout)["x"]/3e34 - 1) < 1e-13
         small = states(fp3(*run, "--set", "x=1e-38").stdout)["x"]

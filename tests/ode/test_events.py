@@ -95,7 +95,7 @@ def test_every_engine_has_the_bits_of_the_equations(model, tmp_path, integrator)
 @pytest.mark.parametrize("integrator", ["rk4", "verlet"])
 def test_visits_change_no_bit(model, integrator):
     path = model("state v = 0", "state x = 1", "x' = v", "v' = -9", "when x < 0.7: x = 2*0.7 - x, v = -v")
-    arguments = (path, "-i", integrator, "-c", "many_full", "-o", 3, "-n", 20, "--all")
+    arguments = (path, "-i", integrator, "-c", "many_full", "-N", 3, "-n", 20, "--all")
     assert fp3("run", *arguments, "-e", "isa").stdout.split("object_steps")[0] == \
         fp3("run", *arguments, "-e", "rtl", "--visit", 3).stdout.split("object_steps")[0]
 

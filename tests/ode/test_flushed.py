@@ -25,7 +25,7 @@ def run(fp3, tmp_path):
     (tmp_path / "edge.ode").write_text(MODEL)
 
     def start(config, engine, a, b, *more):
-        return subprocess.run([fp3, "run", "edge.ode", "-c", config, "-e", engine, "-i", "euler", "-n", "1", "-o", "1", "--set", f"a={a}", "--set", f"b={b}",
+        return subprocess.run([fp3, "run", "edge.ode", "-c", config, "-e", engine, "-i", "euler", "-n", "1", "-N", "1", "--set", f"a={a}", "--set", f"b={b}",
                                *more], cwd=tmp_path, capture_output=True, text=True, timeout=120)
 
     return start

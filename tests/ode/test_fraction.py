@@ -27,7 +27,7 @@ def value(said, name):
 @pytest.mark.parametrize("model, integrator", RUNS)
 def test_engines_give_the_same_bits(model, integrator, config):
     """And the bits below the fraction are 0."""
-    said = {engine: states(fp3("run", PROGRAMS / f"{model}.ode", "-i", integrator, "-c", config, "-e", engine, "-o", 3, "--steps", 40).stdout)
+    said = {engine: states(fp3("run", PROGRAMS / f"{model}.ode", "-i", integrator, "-c", config, "-e", engine, "-N", 3, "--steps", 40).stdout)
             for engine in ("isa", "fast", "rtl")}
     assert said["isa"] and said["isa"] == said["fast"] == said["rtl"]
     below = (1 << 23 - CONFIGS[config]) - 1
@@ -52,7 +52,7 @@ def test_the_error_is_that_of_the_fraction(tmp_path):
     off = {}
     (tmp_path / "m.ode").write_text("state x = 1\nstate v = 0\nstep 0.1\nspan 6\nx' = v\nv' = -x\n")
     for config in ("many_full", *CONFIGS):
-        said = fp3("run", tmp_path / "m.ode", "-i", "rk4", "-c", config, "-e", "isa", "-o", 1, "--steps", 64, "--set", f"h={2 * math.pi / 64}").stdout
+        said = fp3("run", tmp_path / "m.ode", "-i", "rk4", "-c", config, "-e", "isa", "-N", 1, "--steps", 64, "--set", f"h={2 * math.pi / 64}").stdout
         off[config] = abs(value(said, "x") - 1)
     assert off["many_full"] < off["middle"] < 64 * 2 ** -16 < off["bfloat"] < 64 * 2 ** -8, off
 
@@ -96,7 +96,7 @@ def test_what_counts_on_24_bits_is_refused(tmp_path, config, expression, options
 def test_steps_are_counted_as_far_as_the_fraction_goes(tmp_path, config, engine):
     most = 2 << CONFIGS[config]
     (tmp_path / "m.ode").write_text(MODEL.format("t"))
-    run = ("run", tmp_path / "m.ode", "-c", config, "-e", engine, "-o", 1, "-i", "euler", "--set", "h=2^-12", "--steps")
+    run = ("run", tmp_path / "m.ode", "-c", config, "-e", engine, "-N", 1, "-i", "euler", "--set", "h=2^-12", "--steps")
     if engine != "rtl" or config == "bfloat":
         assert fp3(*run, most).stdout
     assert f"counts its steps in {config}, which ends at {most}" in fp3(*run, most + 1, status=2).stderr
@@ -105,7 +105,7 @@ def test_steps_are_counted_as_far_as_the_fraction_goes(tmp_path, config, engine)
 @pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
 def test_what_the_host_writes_is_rounded_to_nearest_even(tmp_path, engine):
     (tmp_path / "m.ode").write_text(MODEL.format("0*x"))
-    run = ("run", tmp_path / "m.ode", "-c", "bfloat", "-e", engine, "-o", 1, "-i", "euler", "-n", 1, "--set", "k=0", "--set")
+    run = ("run", tmp_path / "m.ode", "-c", "bfloat", "-e", engine, "-N", 1, "-i", "euler", "-n", 1, "--set", "k=0", "--set")
     for given, bits in {"1.00390625": "0x3f800000", "1.01171875": "0x3f820000", "1.004": "0x3f810000", "-3.4e38": None, "1e-42": "0x00000000", "1e-40": "0x00010000"}.items():
         if bits:
             assert ("x", bits) in [(name, word) for name, _, word in states(fp3(*run, f"x={given}").stdout)], given

@@ -49,7 +49,7 @@ def test_quotients_and_roots_are_those_of_the_longer_way(tmp_path, engine):
         image, params = tmp_path / f"{config}.fp3", tmp_path / f"{config}.params"
         fp3("compile", tmp_path / "quotients.ode", "-c", config, "-i", "euler", "--with=exact-division", "--without=chain",
             f"--image={image}", f"--params={params}")
-        said[config] = states(fp3("run", image, f"--params={params}", "-c", config, "-e", engine, "-o", 1, "-n", 30).stdout)
+        said[config] = states(fp3("run", image, f"--params={params}", "-c", config, "-e", engine, "-N", 1, "-n", 30).stdout)
     assert said["many_full"] == said["fused_full"] and len(said["many_full"]) == 4 and said["many_full"]["q"] != "0x00000000"
 
 
@@ -59,7 +59,7 @@ def test_a_pair_takes_less(root):
     assert cycles(kepler, "fused_full", "--double-single") < 0.7 * cycles(kepler, "many_full", "--double-single")
     assert cycles(kepler, "fused_full", "--with=exact-division") < 0.75 * cycles(kepler, "many_full", "--with=exact-division")
     assert cycles(kepler, "fused_full", "--double-single", "--without=fuse") == cycles(kepler, "many_full", "--double-single")
-    one, other = (numbers(fp3("run", kepler, "-c", config, "-e", "isa", "-o", 1, "-n", 800, "--double-single").stdout)
+    one, other = (numbers(fp3("run", kepler, "-c", config, "-e", "isa", "-N", 1, "-n", 800, "--double-single").stdout)
                   for config in ("many_full", "fused_full"))
     assert one.keys() == other.keys() >= {"r_x", "r_y", "v_x", "v_y"}
     assert all(abs(one[name] - other[name]) < 1e-11 for name in ("r_x", "r_y", "v_x", "v_y"))

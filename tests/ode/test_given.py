@@ -53,13 +53,13 @@ def test_values_that_share_an_fp32_number_give_the_same_bits(fp3, tmp_path, text
     values = {name: value for name, value in WRITTEN.items() if name != "h" or "--tolerance" not in options}
     near = {name: single(value) for name, value in values.items()}
     assert near != values
-    first, second = (states(fp3, tmp_path, "m.ode", "-c", "many_full", "-o", 1, *options, *settings(given)) for given in (values, near))
+    first, second = (states(fp3, tmp_path, "m.ode", "-c", "many_full", "-N", 1, *options, *settings(given)) for given in (values, near))
     assert first == second
 
 
 def test_double_single_has_two_words_of_them(fp3, tmp_path):
     (tmp_path / "m.ode").write_text(MODEL)
-    runs = [states(fp3, tmp_path, "m.ode", "-c", "many_full", "-o", 1, "--double-single", *settings({name: near(value) for name, value in WRITTEN.items()}))
+    runs = [states(fp3, tmp_path, "m.ode", "-c", "many_full", "-N", 1, "--double-single", *settings({name: near(value) for name, value in WRITTEN.items()}))
             for near in (float, pair, single)]
     assert runs[0] == runs[1] != runs[2]
 
@@ -69,13 +69,13 @@ def test_a_program_and_its_formulas_have_the_same(fp3, tmp_path, arithmetic):
     """The image, with the formulas that the compiler writes for what it is given, runs as the model does."""
     (tmp_path / "m.ode").write_text(DRIVEN)
     subprocess.run([fp3, "compile", "m.ode", *arithmetic, "--image", "m.fp3", "--params", "m.cfg", *settings(WRITTEN), "-c", "many_full"], cwd=tmp_path, check=True)
-    image = states(fp3, tmp_path, "m.fp3", "--params", "m.cfg", "-c", "many_full", "-o", 1)
+    image = states(fp3, tmp_path, "m.fp3", "--params", "m.cfg", "-c", "many_full", "-N", 1)
     if "--with" not in arithmetic:              # an option of compile alone
-        model = states(fp3, tmp_path, "m.ode", "-c", "many_full", "-o", 1, *arithmetic, *settings(WRITTEN))
+        model = states(fp3, tmp_path, "m.ode", "-c", "many_full", "-N", 1, *arithmetic, *settings(WRITTEN))
         assert [(name, float(x)) for name, x in image] == [(name, float(f"{single(float(x)):.9g}")) for name, x in model]
     if "--double-single" not in arithmetic:     # whose formulas are for the values that were given
         again = settings({name: single(value) for name, value in WRITTEN.items()})
-        assert image == states(fp3, tmp_path, "m.fp3", "--params", "m.cfg", "-c", "many_full", "-o", 1, *again)
+        assert image == states(fp3, tmp_path, "m.fp3", "--params", "m.cfg", "-c", "many_full", "-N", 1, *again)
 
 
 def test_a_folded_scene_has_the_same(fp3, tmp_path):
@@ -94,7 +94,7 @@ def test_a_start_follows_the_params_that_are_given(fp3, tmp_path):
     (tmp_path / "m.ode").write_text("param g = 9\nparam l = 1\nstate a = 0.5\nstate w = sqrt(g/l)\na' = w\nw' = -(g/l)*sin(a)\nstep 0.0078125\nspan 1\n")
 
     def starts(*options):
-        out = subprocess.run([fp3, "run", "m.ode", "-e", "isa", "-c", "many_full", "-o", "2", "-n", "0", *options], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+        out = subprocess.run([fp3, "run", "m.ode", "-e", "isa", "-c", "many_full", "-N", "2", "-n", "0", *options], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
         return [float(x) for x in re.findall(r"^w +(\S+)", out, re.M)]
     assert starts() == [3, 3]
     assert starts("--set", "l=4") == [1.5, 1.5]

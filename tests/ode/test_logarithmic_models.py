@@ -72,7 +72,7 @@ def test_nothing_corrects_a_quotient_or_a_root(root, fp3_run):
 def test_functions_of_numbers(fp3_run, tmp_path, expression, exact):
     """Computed by the machine, as p is a state; both conversions cost up to 0.7 times 2^-24 each."""
     (tmp_path / "f.ode").write_text(f"model f\nstate p = 1\nstate y = 0\nstep 1\np' = -p\ny' = {expression}\n")
-    out = fp3_run("run", "f.ode", "-c", "log", "-e", "isa", "-i", "euler", "-o", 60, "-n", 1, "--all", "--spread", "p=1:15.75")
+    out = fp3_run("run", "f.ode", "-c", "log", "-e", "isa", "-i", "euler", "-N", 60, "-n", 1, "--all", "--spread", "p=1:15.75")
     found = [float(y) for y in re.findall(r"^y +(\S+)", out, re.M)]
     assert len(found) == 60
     for i, y in enumerate(found):
@@ -81,7 +81,7 @@ def test_functions_of_numbers(fp3_run, tmp_path, expression, exact):
 
 def test_a_root_of_zero_is_zero(fp3_run, tmp_path):
     (tmp_path / "f.ode").write_text("model f\nstate p = 0\nstate y = 1\nstate z = 1\nstep 1\np' = -p\ny' = sqrt(p)\nz' = p*(p + 2)^0.5\n")
-    out = fp3_run("run", "f.ode", "-c", "log", "-e", "isa", "-i", "euler", "-o", 1, "-n", 1, "--all")
+    out = fp3_run("run", "f.ode", "-c", "log", "-e", "isa", "-i", "euler", "-N", 1, "-n", 1, "--all")
     assert re.findall(r"^([yz]) +(\S+)", out, re.M) == [("y", "1"), ("z", "1")], out
 
 

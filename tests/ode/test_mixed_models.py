@@ -50,7 +50,7 @@ MODEL = "state a = 1\nstate b = 1\nstate q = 0\nstate r = 0\nstep 1\na' = 0*a\nb
 def run(fp3, tmp_path):
     def run(engine, quotient, root, a, b, status):
         (tmp_path / "edge.ode").write_text(MODEL.format(quotient, root))
-        out = start(fp3, "run", "edge.ode", "-c", "pairs", "-e", engine, "-i", "euler", "-n", "1", "-o", "1", "--all", "--set", f"a={a}", "--set", f"b={b}",
+        out = start(fp3, "run", "edge.ode", "-c", "pairs", "-e", engine, "-i", "euler", "-n", "1", "-N", "1", "--all", "--set", f"a={a}", "--set", f"b={b}",
                     status=status, cwd=tmp_path)
         return {name: float(value) for name, value in re.findall(r"^(\w) +(\S+) +0x", out, re.M)}
 

@@ -19,7 +19,7 @@ PROJECT = "project q0 = q0/n, q = q/n"
 
 
 def run(path, *arguments, engine="fast"):
-    out = fp3("run", path, "-e", engine, "-c", "many_full", "-o", 1, *arguments).stdout
+    out = fp3("run", path, "-e", engine, "-c", "many_full", "-N", 1, *arguments).stdout
     return {name: number(bits) for name, bits in re.findall(r"^(q\w*) +\S+ +(0x[0-9a-f]{8}).* object 0$", out, re.M)}
 
 
@@ -49,7 +49,7 @@ def test_an_event_instead(written):
                                  ["--tolerance", 1e-5, "--until", 2, "-i", "dopri5", "-k"], ["--until", 1]])
 def test_every_engine_has_the_same_bits(written, how):
     path = written(TOP.format(PROJECT))
-    seen = [fp3("run", path, *how, "-e", engine, "-c", "many_full", "-o", 9, "--spread", "w_x=0:2", "--all").stdout.split("object_steps")[0]
+    seen = [fp3("run", path, *how, "-e", engine, "-c", "many_full", "-N", 9, "--spread", "w_x=0:2", "--all").stdout.split("object_steps")[0]
             for engine in ("isa", "fast", "rtl")]
     assert seen[0] == seen[1] == seen[2] and "object 8" in seen[0]
 

@@ -75,7 +75,7 @@ def run(path, *arguments, engine="isa", status=0):
 
 def doubles(path, *arguments):
     """Sums of both words."""
-    out = fp3("run", path, "--double-single", "-c", "many_full", "-o", 1, "-e", "fast", *arguments).stdout
+    out = fp3("run", path, "--double-single", "-c", "many_full", "-N", 1, "-e", "fast", *arguments).stdout
     return {name: number(high) + number(low) for name, high, low in
             re.findall(r"^(\w+) +\S+ +(0x[0-9a-f]{8}) (0x[0-9a-f]{8}) +object 0$", out, re.M)}
 
@@ -173,7 +173,7 @@ def test_times_are_exact(written, how):
 
 def test_a_time_may_belong_to_the_object(written):
     path = written("param T = 1\nstate u = 0\nu' = 0\nat t = 2*T: u = t\nstep 0.125\n")
-    out = fp3("run", path, "-o", 5, "--spread", "T=0.1:0.9", "--until", 1, "-c", "many_full", "-e", "fast", "--all").stdout
+    out = fp3("run", path, "-N", 5, "--spread", "T=0.1:0.9", "--until", 1, "-c", "many_full", "-e", "fast", "--all").stdout
     found = [float(u) for u in re.findall(r"^u +(\S+)", out, re.M)]
     assert found[3:] == [0, 0] and found[:3] == pytest.approx([0.2, 0.6, 1.0], rel=1e-6)
 
@@ -182,7 +182,7 @@ def test_a_time_may_belong_to_the_object(written):
 def test_a_time_at_the_start_is_refused(written, how):
     """It would never happen. An event before a start that is late is past."""
     path = written("param T = 0\nstate x = 0\nx' = 1\nat t = T: x = 5\nstep 0.125\nspan 1\n")
-    for values in ([], ["--set", "T=-1"], ["--set", "T=1e-50"], ["-o", 3, "-c", "many_full", "--spread", "T=0:1"]):
+    for values in ([], ["--set", "T=-1"], ["--set", "T=1e-50"], ["-N", 3, "-c", "many_full", "--spread", "T=0:1"]):
         said = fp3("run", path, *how, "-e", "isa", *values, status=2).stderr
         assert "line 4: the event at t = " in said and "never happens, as the object starts at t = 0: expected a time after the start" in said
     assert run(path, *how, "--set", "T=0.5")[0]["x"] == 5.5
@@ -252,7 +252,7 @@ def test_roots_that_are_not_reached_disturb_no_search(written, roots, config):
     """One that rests, and two whose sum is beyond FP32, while a condition begins: no flag, no failure."""
     path = written(f"state x = 0\nstate n = 0\nstate m = 0\nstate z = 0\nx' = 1\nn' = 0\nm' = 0\nz' = 0\n{roots}\n"
                    "when x > 0.3 and n < 0.5: n = 1\nstep 0.125\nspan 1\n")
-    seen = [run(path, "--tolerance", 1e-3, "-n", 200, "-c", config, "-o", 1, engine=engine) for engine in ("isa", "fast", "rtl")]
+    seen = [run(path, "--tolerance", 1e-3, "-n", 200, "-c", config, "-N", 1, engine=engine) for engine in ("isa", "fast", "rtl")]
     assert seen[0][0] == seen[1][0] == seen[2][0] and (seen[0][0]["n"], seen[0][0]["m"]) == (1, 0)
     assert all(re.search(r"^flags +inexact$", done.stdout, re.M) for _, done in seen)
 
@@ -290,7 +290,7 @@ def test_an_event_is_at_its_root(written, seed):
                    f"when root({g}) {way}: n = n + 1, hit = t\nstep {step}\nspan {until}\n")
     locate = draw.choice([2**-8, 2**-12, 2**-18])
     config = draw.choice(["many_full", "flush"] if re.search("exp|tanh|atan", g) else ["flush", "cell"])
-    how = [path, "--until", until, *RUNS[seed // 4], "-c", config, "-o", 12, "--set", f"locate={locate}", "--spread", f"r={-2*rate}:{3.6*rate}", "--all"]
+    how = [path, "--until", until, *RUNS[seed // 4], "-c", config, "-N", 12, "--set", f"locate={locate}", "--spread", f"r={-2*rate}:{3.6*rate}", "--all"]
     out = fp3("run", *how, "-e", "isa").stdout
     found = {name: [float(v) for v in re.findall(rf"^{name} +(\S+)", out, re.M)] for name in ("n", "hit")}
     rounded = 2**-20*until if config == "cell" else 2**-21*until
@@ -304,7 +304,7 @@ def test_a_ball_keeps_its_energy(written):
     path = written("state x = 10\nstate v = 0\nstate n = 0\nx' = v\nv' = -9.81\nn' = 0\nwhen root(x) falling: x = 0, v = -v, n = n + 1\n"
                    "step 0.0625\nspan 100\n")
     for h in ("2^-4", "0.001"):
-        o = run(path, "--until", 100, "--set", f"h={h}", "-c", "many_full", "-o", 1, engine="fast")[0]
+        o = run(path, "--until", 100, "--set", f"h={h}", "-c", "many_full", "-N", 1, engine="fast")[0]
         assert o["n"] == 35 and o["v"]**2/2 + 9.81*o["x"] == pytest.approx(98.1, rel=1e-5)
 
 
@@ -318,7 +318,7 @@ def test_every_engine_has_the_same_bits(written, text, spread, how):
     path = written(text)
     seen = []
     for engine in ("isa", "fast", "rtl"):
-        out = fp3("run", path, *how, "-e", engine, "-c", "many_full", "-o", 20, "--spread", spread, "--all").stdout
+        out = fp3("run", path, *how, "-e", engine, "-c", "many_full", "-N", 20, "--spread", spread, "--all").stdout
         seen.append(re.findall(r"^(\w+ .*object \d+)$", out, re.M))
     assert seen[0] == seen[1] == seen[2] and len(seen[0]) >= 60
     one = [run(path, *how, engine=engine)[0] for engine in ("isa", "rtl")]

@@ -78,7 +78,7 @@ def test_engines_agree(root, tmp_path, long, name, options):
     spread = ["--spread", "m1=0.9:1.1"] if "three" in name else []
     seen = {}
     for engine, how in (("isa", ""), *[("fast", "")] * long, ("fast", "x86-64"), ("fast", "interpreter"), ("rtl", "")):
-        done = subprocess.run([FP3, "run", path, "-c", "many_full", "-e", engine, "-o", "30", "--all", "--steps", "8", "--visit", "5",
+        done = subprocess.run([FP3, "run", path, "-c", "many_full", "-e", engine, "-N", "30", "--all", "--steps", "8", "--visit", "5",
                                "--allow-failures", *options, *spread],
                               env=os.environ | {"FP3_FAST": how, "FP3_CACHE_DIR": str(tmp_path / "cache")}, capture_output=True, text=True, timeout=120)
         assert done.returncode == 0, done.stdout + done.stderr
@@ -115,7 +115,7 @@ def test_64_states_have_the_bits_of_the_equations(root, tmp_path, engine):
     path, _ = resized(root, tmp_path, "vectors/rod", 64)
     starts = [single(1 + i * i / 7) for i in range(64)]
     given = [word for i, x in enumerate(starts) for word in ("--set", f"u_{i + 1}={x!r}")]
-    out = fp3("run", path, "-i", "rk4", "-c", "many_full", "-e", engine, "-o", 1, "--steps", 9, *given, "--set", "h=2^-6").stdout
+    out = fp3("run", path, "-i", "rk4", "-c", "many_full", "-e", engine, "-N", 1, "--steps", 9, *given, "--set", "h=2^-6").stdout
     found = [int(bits, 16) for bits in re.findall(r"^u_\d+ +\S+ +(0x\w+)", out, re.M)]
     assert found == [struct.unpack("<I", struct.pack("<f", x))[0] for x in rod_by_rk4(starts, 2**-6, 9)]
 
@@ -126,7 +126,7 @@ def test_a_program_that_spills_has_the_bits_of_one_that_does_not(root, tmp_path,
     """On `single_full` the params are constants, and nothing spills."""
     path, _ = resized(root, tmp_path, "large/twelve_masses", 60)
     assert not report(path, "-i", integrator, config="single_full")["spills"] and report(path, "-i", integrator)["spills"]
-    ends = [re.findall(r"^(\w+) +\S+ +(0x\w+)", fp3("run", path, "-i", integrator, "-c", config, "-e", "isa", "-o", 1, "--steps", 50).stdout, re.M)
+    ends = [re.findall(r"^(\w+) +\S+ +(0x\w+)", fp3("run", path, "-i", integrator, "-c", config, "-e", "isa", "-N", 1, "--steps", 50).stdout, re.M)
             for config in ("single_full", "many_full")]
     assert ends[0] == ends[1] and len(ends[0]) == 60
 
@@ -170,7 +170,7 @@ def test_what_does_not_fit_even_so_is_refused(root, tmp_path, name, options, con
 
 def test_words_are_a_limit_of_hardware_alone(root, tmp_path):
     """A run, a check and a scene on the host take more than 2,048; bits are those of the isa engine. Others are refused, with who takes it."""
-    run = ("run", root / "programs/rigid_body.ode", "-i", "rk4", "--double-single", "-c", "many_full", "-o", 2, "-n", 8)
+    run = ("run", root / "programs/rigid_body.ode", "-i", "rk4", "--double-single", "-c", "many_full", "-N", 2, "-n", 8)
     (tmp_path / "s.scene").write_text(f'config = "many_full"; engine = "fast"; steps = 8; groups = ({{ program = "{root}/programs/rigid_body.ode"; '
                                       'integrator = "rk4"; double_single = true; objects = 2; });')
     ends = [re.findall(r"^(\w+ +\S+ +0x\w+ 0x\w+) ", fp3(*how).stdout, re.M) for how in (

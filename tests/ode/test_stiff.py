@@ -84,7 +84,7 @@ def test_each_rule_of_differentiation(model, rule):
     slope = (value(rule, at + 1e-6) - value(rule, at - 1e-6))/2e-6
     table = model("").parent / "one.cfg"
     table.write_text('name = "one"; doc = "d"; source = "s"; kind = "rosenbrock"; order = 1; gamma = 1; A = (()); G = (()); b = (1);\n')
-    run = ("run", table.parent / "m.ode", "-i", table, "-c", "many_full", "-e", "isa", "-o", 1, "--steps", 1)
+    run = ("run", table.parent / "m.ode", "-i", table, "-c", "many_full", "-e", "isa", "-N", 1, "--steps", 1)
     model(f"state x = {at}\nx' = {rule}\nstep {h}\n")
     x = states(fp3(*run).stdout)["x"]
     assert x == pytest.approx(at + h*value(rule, at)/(1 - h*slope), rel=2e-6)
@@ -111,8 +111,8 @@ def test_double_single_solves_systems_too(tmp_path):
 def test_the_ladder_takes_steps_that_rk4_cannot(tmp_path):
     """Fixed steps 11 times as long as those that rk4 needs, which overflows."""
     ladder = os.path.join(PROGRAMS, "rc_ladder.ode")
-    run = ("run", ladder, "-c", "many_full", "-e", "isa", "-o", 1, "--set", f"h={0.125/16!r}", "--steps", 16)
-    good = states(fp3("run", ladder, "-i", "rk4", "-c", "many_full", "-e", "isa", "-o", 1, "--set", f"h={0.125/1024!r}", "--steps", 1024).stdout)
+    run = ("run", ladder, "-c", "many_full", "-e", "isa", "-N", 1, "--set", f"h={0.125/16!r}", "--steps", 16)
+    good = states(fp3("run", ladder, "-i", "rk4", "-c", "many_full", "-e", "isa", "-N", 1, "--set", f"h={0.125/1024!r}", "--steps", 1024).stdout)
     got = states(fp3(*run, "-i", "ros3p").stdout)
     assert max(abs(got[name] - good[name]) for name in good) < 1e-3
     assert any(abs(x) > 1e10 or math.isnan(x) for x in states(fp3(*run, "-i", "rk4", "--allow-failures").stdout).values())
@@ -120,7 +120,7 @@ def test_the_ladder_takes_steps_that_rk4_cannot(tmp_path):
 
 def test_robertson_with_adaptive_steps_in_two_hundredths_of_the_cycles_of_rk4():
     """Truth: fp3_model_truth. rk4 is stable up to h = 2.78 over the largest eigenvalue, some 2,600."""
-    out = fp3("run", ROBERTSON, "-i", "rodas3", "-c", "many_full", "-e", "isa", "-o", 1, "--tolerance", "1e-3", "--set", "absolute=1e-8").stdout
+    out = fp3("run", ROBERTSON, "-i", "rodas3", "-c", "many_full", "-e", "isa", "-N", 1, "--tolerance", "1e-3", "--set", "absolute=1e-8").stdout
     got = states(out)
     truth = {"y1": 0.8319337, "y2": 1.5508606e-05, "y3": 0.1680508}
     assert all(abs(got[name]/x - 1) < 1e-3 for name, x in truth.items()), got
@@ -130,7 +130,7 @@ def test_robertson_with_adaptive_steps_in_two_hundredths_of_the_cycles_of_rk4():
 
 def test_van_der_pol_over_more_than_a_period():
     """x(2000) = 1.706167732 (Test Set for Initial Value Problem Solvers). Steps in the jumps are shorter than the last place of t."""
-    out = fp3("run", os.path.join(PROGRAMS, "van_der_pol_stiff.ode"), "-i", "rodas3", "-c", "many_full", "-e", "isa", "-o", 1, "--until", 2000,
+    out = fp3("run", os.path.join(PROGRAMS, "van_der_pol_stiff.ode"), "-i", "rodas3", "-c", "many_full", "-e", "isa", "-N", 1, "--until", 2000,
               "--tolerance", "1e-4").stdout
     assert abs(states(out)["x"]/1.706167732 - 1) < 1e-3 and cycles(out) < 65000
 
@@ -142,7 +142,7 @@ def test_a_pivot_that_cancels_fails_the_object(model):
     table = path.parent / "one.cfg"
     table.write_text('name = "one"; doc = "d"; source = "s"; kind = "rosenbrock"; order = 1; gamma = 1; A = (()); G = (()); b = (1);\n')
     # The second pivot is 1 - 8*2/4; with 1.9999 for 8 it is 5e-5.
-    run = ("run", path, "-i", table, "-c", "many_full", "-e", "isa", "-o", 1, "--steps", 1)
+    run = ("run", path, "-i", table, "-c", "many_full", "-e", "isa", "-N", 1, "--steps", 1)
     fp3(*run)
     path.write_text(text.replace("8*y", "1.9999*y"))
     done = fp3(*run, status=3)
@@ -160,6 +160,6 @@ def test_registers_limit_the_states(model):
     refused = fp3("compile", model(text([f"-{i + 1}*x{i}*({everyone})" for i in range(13)])), "-i", "ros2", "-c", "many_full", status=2)
     assert "the program needs 143 object registers" in refused.stderr
     chain = model(text([f"{'x' + str(i - 1) if i else '0'} - 2*x{i} + {'x' + str(i + 1) if i < 29 else '0'}" for i in range(30)]))
-    ran = [states(fp3("run", chain, "-i", "ros2", "-c", "many_full", "-e", engine, "-o", 1, "-n", 128).stdout) for engine in ("isa", "fast")]
+    ran = [states(fp3("run", chain, "-i", "ros2", "-c", "many_full", "-e", engine, "-N", 1, "-n", 128).stdout) for engine in ("isa", "fast")]
     assert ran[0] == ran[1] and len(ran[0]) == 30
     assert ran[0]["x0"] == pytest.approx(0.5237776, abs=1e-4)  # exp(-2)(I0(2) + I1(2))

@@ -55,7 +55,7 @@ def test_what_has_stopped_stays(written, how):
 @pytest.mark.parametrize("config", ["many_full", "sixteen"])
 def test_each_object_for_itself(written, how, config):
     """Those that fall from higher are not down yet, and go on."""
-    seen = [run(written(FALL), *how, "-c", config, "-o", 5, "--spread", "x=1:40", "--all", engine=engine) for engine in ("isa", "fast", "rtl")]
+    seen = [run(written(FALL), *how, "-c", config, "-N", 5, "--spread", "x=1:40", "--all", engine=engine) for engine in ("isa", "fast", "rtl")]
     assert seen[0][0] == seen[1][0] == seen[2][0]
     found, out = seen[0]
     assert [o["t"] for o in found.values()] == pytest.approx([math.sqrt(2/9.81), math.sqrt(2*10.75/9.81), 2, 2, 2], abs=3e-6)
@@ -77,7 +77,7 @@ def test_the_truth_stops(written):
 
 
 def test_it_is_stopped_in_all_snapshots(written):
-    for how in (["--until", 2], ["--tolerance", 1e-5], ["--until", 2, "-c", "many_full", "-e", "fast", "-o", 3]):
+    for how in (["--until", 2], ["--tolerance", 1e-5], ["--until", 2, "-c", "many_full", "-e", "fast", "-N", 3]):
         out = fp3("run", written(FALL), *how, "--times", "0.25,0.5,1,2", "--output", "-", "--observe", "x,v,t,accepted,h_cut" if "--tolerance" in how else "x,v,t,accepted").stdout
         rows = [line.split(",") for line in out.splitlines() if re.match(r"\d+,.*,0,", line)]
         assert len(rows) == 4 and rows[1][3:] == rows[2][3:] == rows[3][3:] != rows[0][3:]
@@ -87,7 +87,7 @@ def test_it_is_stopped_in_all_snapshots(written):
 def test_an_image_and_a_scene_stop(written, tmp_path):
     path = written(FALL)
     fp3("compile", path, "--until", 2, "-c", "many_full", "--image", tmp_path/"m.fp3", "--params", tmp_path/"m.cfg", "-o", tmp_path/"m.s")
-    image = fp3("run", tmp_path/"m.fp3", "-c", "many_full", "-e", "isa", "-o", 2, "--params", tmp_path/"m.cfg").stdout
+    image = fp3("run", tmp_path/"m.fp3", "-c", "many_full", "-e", "isa", "-N", 2, "--params", tmp_path/"m.cfg").stdout
     assert "\nstopped          2 of 2, at events\n" in image
     (tmp_path / "s.scene").write_text('config = "shared_full";\nengine = "fast";\nh = 0.0078125;\ngroups = (\n'
                                       '{ program = "m.ode"; objects = 2; until = 2.0; spread = { x = [1.0, 30.0]; }; },\n'

@@ -119,7 +119,7 @@ def test_an_expression_of_many_readers_is_solved_once(run):
 
 def test_each_object_has_its_own_times_on_every_engine(run):
     text = "param from = 1\n" + PULSE.replace("t > 5 and t < 5.0625", "t > from and t < from + 0.0625")
-    spread = ["--tolerance", "1e-4", "--spread", "from=0:7", "--spread", "until=5:6", "-o", "8"]
+    spread = ["--tolerance", "1e-4", "--spread", "from=0:7", "--spread", "until=5:6", "-N", "8"]
     seen = [run(text, *spread, config="many_full", engine=e)[0] for e in ("isa", "rtl", "fast")]
     assert seen[0] == seen[1] == seen[2]
     for n in range(8):

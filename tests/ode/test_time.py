@@ -87,9 +87,9 @@ def test_only_what_needs_it_counts(written):
 @pytest.mark.parametrize("integrator", ["rk4", "verlet"])
 def test_visits_and_runs_change_no_bit(written, engine, integrator):
     path = written(WITCH)
-    whole = ends(path, "-i", integrator, "-c", "many_full", "-o", 40, "--all", "-n", 12, "-e", "isa")
+    whole = ends(path, "-i", integrator, "-c", "many_full", "-N", 40, "--all", "-n", 12, "-e", "isa")
     assert {number(bits) for (name, _), bits in whole.items() if name == "steps"} == {12.0} and len(whole) == 3 * 40
-    assert ends(path, "-i", integrator, "-c", "many_full", "-o", 40, "--all", "-n", 12, "-e", engine, "--visit", 5) == whole
+    assert ends(path, "-i", integrator, "-c", "many_full", "-N", 40, "--all", "-n", 12, "-e", engine, "--visit", 5) == whole
 
 
 def test_a_million_steps(written):

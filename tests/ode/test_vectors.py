@@ -312,7 +312,7 @@ def test_what_reads_models_takes_their_scalars(tmp_path):
     lone.write_text(CHAIN.split("when")[0])
     run = ("run", lone, "-c", "many_full", "-n", 16)
     csv = tmp_path / "out.csv"
-    assert "q_3" in fp3(*run, "--set", "q_3=0.25", "--set", "k_6=2", "--spread", "q_2=0:1", "-o", 3, "--observe", "energy,q_3,q_5",
+    assert "q_3" in fp3(*run, "--set", "q_3=0.25", "--set", "k_6=2", "--spread", "q_2=0:1", "-N", 3, "--observe", "energy,q_3,q_5",
                         "--output", csv).stdout
     assert {"energy", "q_3", "q_5"} < set(csv.read_text().replace("\n", ",").split(","))
     assert fp3("compile", lone, "--observe", "q_3").stdout.count("q_3") > 0
@@ -416,7 +416,7 @@ def test_a_solver_of_others_agrees(truth, name, equations, invariants):
 @pytest.mark.parametrize("name, integrator, steps, off", [("five_bodies", "verlet", 128, 0.02), ("toda", "rk4", 256, 1e-5),
                                                           ("rod", "rkc6_damped", 64, 0.01), ("hires", "rk4", 1024, 1e-5)])
 def test_the_machine_is_near(truth, root, name, integrator, steps, off):
-    got = fp3("run", root / "tests/ode/vectors" / f"{name}.ode", "-c", "many_full", "-e", "isa", "-o", 1, "-i", integrator, "--set",
+    got = fp3("run", root / "tests/ode/vectors" / f"{name}.ode", "-c", "many_full", "-e", "isa", "-N", 1, "-i", integrator, "--set",
               f"h={4 / steps}", "--steps", steps).stdout
     found = {name: float(value) for name, value in re.findall(r"^(\w+) +(\S+) +0x[0-9a-f]{8} +object 0$", got, re.M)}
     expected = truth(name, 4.0)

@@ -47,7 +47,7 @@ def test_phase_and_amplitude_do_not_drift(name, root, tmp_path):
     path = tmp_path / "circle.ode"
     path.write_text(CIRCLE)
     steps = round(TIME / H)
-    out = fp3("run", path, "-i", name, "-k", "-e", "fast", "-c", "many_full", "-o", 1, "--steps", steps).stdout
+    out = fp3("run", path, "-i", name, "-k", "-e", "fast", "-c", "many_full", "-N", 1, "--steps", steps).stdout
     state = {line.split()[0]: float(line.split()[1]) for line in out.splitlines()[:2]}
     ratio = complex(state["x"], state["v"]) / in_double(read(root / f"programs/integrators/{SAME.get(name, name)}.cfg"), steps)
     assert abs(cmath.log(ratio)) / TIME < 5e-9, cmath.log(ratio) / TIME

@@ -21,7 +21,7 @@ def single(text):
 @pytest.mark.smoke
 @pytest.mark.parametrize("engine", ["isa", "rtl", "fast"])
 def test_snapshots_have_the_bits_that_a_run_prints(start, engine):
-    which = ("-e", engine, "-c", "many_full", "-o", "5", "--spread", "m=8e5:9e5")
+    which = ("-e", engine, "-c", "many_full", "-N", "5", "--spread", "m=8e5:9e5")
     whole = start("ship.ode", *which, "-n", "9", "--every", "4")
     assert whole.header == ["step", "time [s]", "object", "v [m/s]", "s [m]"]
     assert [(row["step"], row["time"], row["object"]) for row in whole.rows] == \
@@ -46,7 +46,7 @@ def test_definitions_and_invariants_are_of_the_states_in_double(start, tmp_path,
         "param k = 2 [kg/s^2]\nparam m = 0.5 [kg]\nshared w = 0.5 [1/s]\nstate x = 1 [m]\nstate v = 0 [m/s]\nstep 0.125 [s]\n"
         "a = -k*x/m\nshare = x*t\nx' = v\nv' = a\n"
         "invariant energy = (m*v^2 + k*x^2)/2\ninvariant phase = sin(w*t)\ninvariant pure = 1\n")
-    done = start("m.ode", "-e", engine, "-c", "many_full", "-o", "3", "--spread", "k=1:4", "-n", "6", "--every", "2",
+    done = start("m.ode", "-e", engine, "-c", "many_full", "-N", "3", "--spread", "k=1:4", "-n", "6", "--every", "2",
                  "--observe", "energy,x,a,v,phase,pure")
     assert done.header == ["step", "time [s]", "object", "energy [kg*m^2/s^2]", "x [m]", "a [m/s^2]", "v [m/s]", "phase [1]", "pure"]
     for row in done.rows:
@@ -58,7 +58,7 @@ def test_definitions_and_invariants_are_of_the_states_in_double(start, tmp_path,
 
 def test_the_time_of_an_object_is_what_it_counts(start, tmp_path):
     (tmp_path / "m.ode").write_text("state x = 1\nstep 0.5\nx' = cos(t)\ninvariant late = t + 0*x\n")
-    done = start("m.ode", "-e", "isa", "-c", "many_full", "-o", "3", "--spread", "steps=0:20", "-n", "4", "--every", "2",
+    done = start("m.ode", "-e", "isa", "-c", "many_full", "-N", "3", "--spread", "steps=0:20", "-n", "4", "--every", "2",
                  "--observe", "late,steps")
     for row in done.rows:
         counted = int(row["step"]) + 10 * int(row["object"])
@@ -74,7 +74,7 @@ def test_what_updates_lose_is_observed_where_it_is_named(start):
 
 def test_the_states_of_assembly(start, root):
     values = ("--params", root / "programs/ship.cfg")
-    done = start("ship_sleep.s", *values, "-c", "shared", "-o", "2", "--set", "eps=2e-3", "-n", "900", "--every", "300")
+    done = start("ship_sleep.s", *values, "-c", "shared", "-N", "2", "--set", "eps=2e-3", "-n", "900", "--every", "300")
     assert done.names == ["step", "time", "object", "v", "s", "slept"]
     assert done.of(900)["slept"] == str(int(done.printed()["slept", 0][1], 16)) and int(done.of(900)["slept"]) > 1
 
@@ -171,7 +171,7 @@ def test_a_full_disk_is_told(start):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
     for every in ("1", "400"):   # at a row, and when all is flushed
-        done = start("ship.ode", "-c", "many_full", "-e", "isa", "-o", "16", "-n", "400" if every != "1" else "2000", "--every", every,
+        done = start("ship.ode", "-c", "many_full", "-e", "isa", "-N", "16", "-n", "400" if every != "1" else "2000", "--every", every,
                      preexec_fn=small, code=1 if every == "1" else 0)
         assert ("out.csv: cannot write: File too large" in done.stderr) == (every == "1")
         assert done.path.exists() == (every != "1") and not list(done.path.parent.glob(".fp3-*"))

@@ -44,7 +44,7 @@ def agree(done, file):
 @pytest.mark.smoke
 @pytest.mark.parametrize("engine", ["isa", "rtl"])
 def test_it_has_the_numbers_of_the_csv(record, engine):
-    done, file = record("kepler.ode", "-e", engine, "-c", "many_full", "-o", "5", "--spread", "r_x=0.4:0.6", "-n", "20", "--every", "3",
+    done, file = record("kepler.ode", "-e", engine, "-c", "many_full", "-N", "5", "--spread", "r_x=0.4:0.6", "-n", "20", "--every", "3",
                         "--observe", "v_x,energy,r_y")
     agree(done, file)
     assert {name: str(data.dtype) for name, data in file.items()} == \
@@ -62,7 +62,7 @@ def test_one_object_and_many_snapshots(start, tmp_path):
 
 
 def test_the_registers_of_sleepers_are_integers(record, root):
-    done, file = record("ship_sleep.s", "--params", root / "programs/ship.cfg", "-e", "isa", "-c", "shared", "-o", "6",
+    done, file = record("ship_sleep.s", "--params", root / "programs/ship.cfg", "-e", "isa", "-c", "shared", "-N", "6",
                         "--set", "eps=2e-3", "--spread", "T=2e5:4e5", "-n", "900", "--every", "100")
     agree(done, file)
     assert file["slept"].dtype == numpy.uint32 and file["slept"][-1].max() > 100
@@ -70,7 +70,7 @@ def test_the_registers_of_sleepers_are_integers(record, root):
 
 
 def test_what_it_says_of_itself(record, fp3, root, tmp_path):
-    done, file = record("oscillator.ode", "-e", "isa", "-c", "many_full", "-i", "ralston3", "--set", "h=0.1", "-o", "2", "-n", "3", "--every", "1")
+    done, file = record("oscillator.ode", "-e", "isa", "-c", "many_full", "-i", "ralston3", "--set", "h=0.1", "-N", "2", "-n", "3", "--every", "1")
     agree(done, file)
     subprocess.run([fp3, "compile", root / "programs/oscillator.ode", "-c", "many_full", "-i", "ralston3", "--image", "x.fp3"],
                    cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)

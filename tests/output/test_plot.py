@@ -118,7 +118,7 @@ def test_bodies_in_one_plane_and_objects_have_their_colours(start):
     (wide, high), (other, _) = size(drawn(path)[-1]), size(drawn(path, GREEN)[-1])
     assert wide == pytest.approx(other, rel=0.02) and wide / high == pytest.approx(3.02, rel=0.02)    # the figure eight
     assert len({(round(x), round(y)) for x, y in ends(path)}) == 3
-    path = draw(start, "kepler.ode", "-c", "many_full", "-o", "3", "--spread", "v_y=1.5:1.7", "-n", "200")
+    path = draw(start, "kepler.ode", "-c", "many_full", "-N", "3", "--spread", "v_y=1.5:1.7", "-n", "200")
     assert upright(path) == ["v_x", "v_y", "r_x", "r_y", "r_y"] and texts(path).count("object 2") == 5 and strokes(path) == {BLUE, RED, GREEN}
     assert [len(drawn(path, colour)) for colour in (BLUE, RED, GREEN)] == [5, 5, 5]
 
@@ -164,10 +164,10 @@ def test_curves_go_where_the_values_are(start, tmp_path):
 
 
 def test_eight_objects_of_many(start):
-    said = texts(draw(start, "ship.ode", "-c", "many_full", "-o", "300", "--spread", "T=1e5:3e5", "-n", "9"))
+    said = texts(draw(start, "ship.ode", "-c", "many_full", "-N", "300", "--spread", "T=1e5:3e5", "-n", "9"))
     assert "ship, rk4, h = 1 s, 8 of 300 objects" in said
     assert [name for name in said if name.startswith("object ")] == 3 * [f"object {i * 299 // 7}" for i in range(8)]
-    said = texts(draw(start, "ship.ode", "-c", "many_full", "-o", "8", "-n", "9"))
+    said = texts(draw(start, "ship.ode", "-c", "many_full", "-N", "8", "-n", "9"))
     assert "ship, rk4, h = 1 s, 8 of 8 objects" in said and said.count("object 7") == 3
 
 
@@ -203,7 +203,7 @@ def test_texts_are_no_commands(start, tmp_path):
 
 @pytest.mark.parametrize("arguments, message", [
     ("ship.ode --plot x.pdf", "x.pdf: expected the name of a picture that ends in .svg or .png"), ("ship.ode --plot -", "that ends in .svg or .png"),
-    ("three_body.ode --plot x.svg -c many_full -o 2 --observe v1_x,v1_y,v2_x,v2_y,v3_x,v3_y,r1_x,r1_y,r2_x,r2_y,r3_x,r3_y,energy",
+    ("three_body.ode --plot x.svg -c many_full -N 2 --observe v1_x,v1_y,v2_x,v2_y,v3_x,v3_y,r1_x,r1_y,r2_x,r2_y,r3_x,r3_y,energy",
      "a picture has room for 12 panels over time, not for 13: choose what to observe"),
     ("ship.ode --plot x.svg -n 500000 --every 1", "500001 snapshots of 2 names of 1 objects are too many to draw"),
     ("ship.ode --plot x.svg --output ./x.svg", "--output ./x.svg and --plot x.svg are one file"),

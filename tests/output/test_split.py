@@ -12,7 +12,7 @@ WHERE = [("fast", "single_full"), ("fast", "many_full"), ("isa", "single_full"),
 
 
 def which(engine, config, objects=3):
-    return ("-e", engine, "-c", config, *(["-o", objects] if not config.startswith("single") else []))
+    return ("-e", engine, "-c", config, *(["-N", objects] if not config.startswith("single") else []))
 
 
 @pytest.mark.parametrize("engine, config", WHERE)
@@ -111,7 +111,7 @@ def test_the_first_failure_of_all_parts_is_told(start, tmp_path, engine, config,
 
 def test_many_failures_are_counted_once_and_fast(start, tmp_path):
     (tmp_path / "x.s").write_text(GROWS)
-    done = start("x.s", "-c", "many", "-e", "fast", "-o", "200000", "--set", "x=1", "--spread", "a=2^10:2^21", "-n", "12", "--every", "2",
+    done = start("x.s", "-c", "many", "-e", "fast", "-N", "200000", "--set", "x=1", "--spread", "a=2^10:2^21", "-n", "12", "--every", "2",
                  code=3, output="/dev/null")   # in minutes, if each is asked about in turn
     assert int(re.search(WORDS, done.stderr)[2]) == sum((2**10 + i * (2**21 - 2**10) / 199999)**12 >= 2**128 for i in range(200000))
 
@@ -140,7 +140,7 @@ def test_an_illegal_word_writes_nothing(start, tmp_path, engine, fp3):
 
 
 def test_logs_go_on_over_the_parts(start, root, tmp_path):
-    done = start("ship.s", "--params", root / "programs/ship.cfg", "-c", "many", "-o", "8", "-n", "6", "--every", "2", "--kanata", "log", "--bus-log", "bus")
+    done = start("ship.s", "--params", root / "programs/ship.cfg", "-c", "many", "-N", "8", "-n", "6", "--every", "2", "--kanata", "log", "--bus-log", "bus")
     check = subprocess.run([sys.executable, root / "tests/kanata/check.py", "log", "--schedulers", "1", "--contexts", "16"],
                            cwd=tmp_path, capture_output=True, text=True)
     assert check.returncode == 0 and f"{done.counter('retired')} instructions" in check.stdout, check.stdout + check.stderr

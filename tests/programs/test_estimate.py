@@ -25,7 +25,7 @@ def run(fp3, root, tmp_path):
         path = root / "programs" / model if model.endswith(".ode") else tmp_path / "m.ode"
         if not model.endswith(".ode"):
             path.write_text(model)
-        done = subprocess.run([fp3, "run", path, *engine, "-o", str(objects), *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+        done = subprocess.run([fp3, "run", path, *engine, "-N", str(objects), *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300)
         assert done.returncode == code, done.stdout + done.stderr
         return done
     return start

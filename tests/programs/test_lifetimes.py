@@ -63,7 +63,7 @@ def test_a_spread_of_births_and_of_values(run, scene, tmp_path):
     (tmp_path / "decay.ode").write_text(DECAY)
     born, gone = [0, 3, 6, 9, 12], [4, 6, 9, 11, 14]   # 4 + 10 i / 4, rounded down
     text = file("many_full", 12, group("decay.ode", 5, "spread = { a = [1.0, 2.0]; }; born = [0, 12]; gone = [4, 14];"))
-    expected = [states(run("decay.ode", "-c", "many_full", "-e", "isa", "-o", 5, "--spread", "a=1:2", "-n", max(0, min(g, 12) - b),
+    expected = [states(run("decay.ode", "-c", "many_full", "-e", "isa", "-N", 5, "--spread", "a=1:2", "-n", max(0, min(g, 12) - b),
                            "--all").stdout)[i] for i, (b, g) in enumerate(zip(born, gone))]
     for engine in ENGINES:
         out = scene(text, "-e", engine).stdout
@@ -85,7 +85,7 @@ def test_groups_have_lifetimes_of_their_own(run, scene, tmp_path):
         out = scene(file("array", 10, first, last), "-e", engine, "--all").stdout
         assert re.findall("^object_steps +(.*)$", out, re.M) == ["15", "28", "43"]
         expected = [state for name, objects, steps in (("decay.ode", 3, 5), ("other.ode", 4, 7)) for state in
-                    states(run(name, "-c", "array", "-e", "isa", "-o", objects, "-n", steps).stdout)]
+                    states(run(name, "-c", "array", "-e", "isa", "-N", objects, "-n", steps).stdout)]
         assert states(out) == expected
 
 

@@ -20,7 +20,7 @@ def test_bits_are_those_of_the_command(kepler, ran):
         batch["v_y"] = np.linspace(1.6, 1.8, 9)
         for _ in range(10):
             batch.step(7)
-        expected = ran("kepler", "-e", "isa", "-c", "many_full", "-o", 9, "-n", 70, "--spread", "v_y=1.6:1.8")[-1]
+        expected = ran("kepler", "-e", "isa", "-c", "many_full", "-N", 9, "-n", 70, "--spread", "v_y=1.6:1.8")[-1]
         for name in kepler.states:
             assert batch[name].dtype == np.float32 and np.array_equal(batch[name], np.array(expected[name], np.float32)), name
         assert batch.time == 70 / 64
@@ -95,7 +95,7 @@ def test_writing_takes_arrays_of_any_kind():
 
 def test_float64_is_rounded_as_the_command_rounds(ran, tmp_path):
     (tmp_path / "decay.ode").write_text(DECAY)
-    expected = ran(tmp_path / "decay.ode", "-e", "fast", "-c", "many_full", "-o", 1, "-n", 9, "--set", "k=0.1234567890123")[-1]
+    expected = ran(tmp_path / "decay.ode", "-e", "fast", "-c", "many_full", "-N", 1, "-n", 9, "--set", "k=0.1234567890123")[-1]
     with fp3.Batch(DECAY) as batch:
         batch["k"] = np.array([0.1234567890123])
         batch.step(9)
@@ -106,7 +106,7 @@ def test_many_steps_at_once_are_the_same_steps(kepler, ran):
     """They are made in parts, the first of 64 steps."""
     with fp3.Batch(kepler, 3) as batch:
         batch.step(5000)
-        expected = ran("kepler", "-e", "fast", "-c", "many_full", "-o", 3, "-n", 5000)[-1]
+        expected = ran("kepler", "-e", "fast", "-c", "many_full", "-N", 3, "-n", 5000)[-1]
         assert batch.time == 5000 / 64 and np.array_equal(batch["r_x"], np.array(expected["r_x"], np.float32))
     with fp3.Batch(kepler, 3, tolerance=1e-6, until=125) as batch:
         batch.step(10**6)
@@ -168,7 +168,7 @@ def test_chosen_steps_to_each_frame(kepler, ran):
             batch["until"] = frame
             batch.step(1000)
             assert (batch["t"] == frame).all()
-        expected = ran("kepler", "-e", "fast", "-c", "many_full", "-o", 5, "--tolerance", "1e-5", "--spread", "v_y=1.6:1.8", "--times", "1,2,3.5")[-1]
+        expected = ran("kepler", "-e", "fast", "-c", "many_full", "-N", 5, "--tolerance", "1e-5", "--spread", "v_y=1.6:1.8", "--times", "1,2,3.5")[-1]
         assert np.array_equal(batch["r_x"], np.array(expected["r_x"], np.float32))
         batch["until"] = 9
         while (batch["t"] < 9).any():

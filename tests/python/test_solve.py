@@ -32,7 +32,7 @@ def test_fixed_steps_have_the_bits_of_the_command(model, ran, method, engine):
     vy = np.linspace(1.6, 1.8, 33)
     solution = fp3.solve_ivp(model("kepler"), (0, 6.25), {"v_y": vy}, method=method, engine=engine, t_eval=[0, 2.5, 6.25])
     options = ["-i", method] if method else []
-    snapshots = ran("kepler", "-e", engine, "-c", "many_full", "-o", 33, "--spread", "v_y=1.6:1.8", "--times", "0,2.5,6.25", *options)
+    snapshots = ran("kepler", "-e", engine, "-c", "many_full", "-N", 33, "--spread", "v_y=1.6:1.8", "--times", "0,2.5,6.25", *options)
     same(solution, snapshots, KEPLER)
     assert solution.success and solution.status == 0 and list(solution.t) == [0, 2.5, 6.25] and not solution.failed.any()
     assert np.array_equal(solution["r_x"], solution.y[:, 2]) and solution.steps.tolist() == [400] * 33
@@ -41,14 +41,14 @@ def test_fixed_steps_have_the_bits_of_the_command(model, ran, method, engine):
 @pytest.mark.parametrize("arithmetic, option", [("compensated", "--compensated"), ("double-single", "--double-single")])
 def test_arithmetics_have_the_bits_of_the_command(model, ran, arithmetic, option):
     solution = fp3.solve_ivp(model("oscillator"), (0, 4), params={"k": np.linspace(0.5, 2, 16)}, arithmetic=arithmetic, t_eval=[1, 4])
-    same(solution, ran("oscillator", "-e", "fast", "-c", "many_full", "-o", 16, "--spread", "k=0.5:2", "--times", "1,4", option), model("oscillator").states,
+    same(solution, ran("oscillator", "-e", "fast", "-c", "many_full", "-N", 16, "--spread", "k=0.5:2", "--times", "1,4", option), model("oscillator").states,
          np.float64 if arithmetic == "double-single" else np.float32)
 
 
 def test_chosen_steps_have_the_bits_of_the_command(model, ran):
     vy = np.linspace(1.6, 1.8, 40)
     solution = fp3.solve_ivp(model("kepler"), (0, 12.5), {"v_y": vy}, rtol=1e-5, atol=1e-6, t_eval=[1, 2.503, 12.5])
-    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-o", 40, "--spread", "v_y=1.6:1.8", "--tolerance", "1e-5", "--set", "absolute=1e-6",
+    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-N", 40, "--spread", "v_y=1.6:1.8", "--tolerance", "1e-5", "--set", "absolute=1e-6",
                        "--times", "1,2.503,12.5"), KEPLER)
     assert solution.h is None and (solution.steps > 10).all() and np.array_equal(solution.nfev, 6 * (solution.steps + solution.rejected))
     assert solution.t[1] == np.float32(2.503)
@@ -59,18 +59,18 @@ def test_many_attempts_are_made_in_parts(model, ran):
     vy = np.linspace(1.5, 1.8, 9)
     for options, of_the_command in (({"rtol": 1e-6}, ["--tolerance", "1e-6", "--until", 125]), ({"cut": True}, ["--until", 125])):
         solution = fp3.solve_ivp(model("kepler"), (0, 125), {"v_y": vy}, t_eval=[125], **options)
-        same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-o", 9, "--spread", "v_y=1.5:1.8", "--times", "125", *of_the_command), KEPLER)
+        same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-N", 9, "--spread", "v_y=1.5:1.8", "--times", "125", *of_the_command), KEPLER)
         assert (solution.steps > 300).all()
 
 
 def test_cut_steps_have_the_bits_of_the_command(model, ran):
     solution = fp3.solve_ivp(model("kepler"), (0, 12.5), h=2**-5, method="pefrl", t_eval=[1, 2.501, 12.5])
-    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-o", 1, "-i", "pefrl", "--until", "12.5", "--set", "h=2^-5", "--times", "1,2.501,12.5"), KEPLER)
+    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-N", 1, "-i", "pefrl", "--until", "12.5", "--set", "h=2^-5", "--times", "1,2.501,12.5"), KEPLER)
     with pytest.raises(fp3.ArgumentError, match="multiple"):
         fp3.solve_ivp(model("kepler"), (0, 12.5), h=2**-5, t_eval=[1, 2.501], cut=False)
     whole = fp3.solve_ivp(model("bouncing_ball"), (0, 2), h=2**-6)
     cut = fp3.solve_ivp(model("bouncing_ball"), (0, 2), h=2**-6, cut=True, t_eval=[0.5, 2])
-    same(cut, ran("bouncing_ball", "-e", "fast", "-c", "many_full", "-o", 1, "--until", "2", "--set", "h=2^-6", "--times", "0.5,2"), model("bouncing_ball").states)
+    same(cut, ran("bouncing_ball", "-e", "fast", "-c", "many_full", "-N", 1, "--until", "2", "--set", "h=2^-6", "--times", "0.5,2"), model("bouncing_ball").states)
     assert not np.array_equal(whole.y[:, -1], cut.y[:, -1])
 
 
@@ -96,7 +96,7 @@ def test_every_model_of_the_project(root, ran):
         with warnings.catch_warnings():
             warnings.simplefilter("error", fp3.FailedWarning)
             solution = fp3.solve_ivp(m, (0, 16 * m.step), may_compile=False)
-        snapshots = ran(m.name if (root / "programs" / f"{m.name}.ode").exists() else path, "-e", "isa", "-c", "many_full", "-o", 1, "-n", 16)
+        snapshots = ran(m.name if (root / "programs" / f"{m.name}.ode").exists() else path, "-e", "isa", "-c", "many_full", "-N", 1, "-n", 16)
         same(solution, snapshots, m.states)
         seen += 1
     assert seen > 15
@@ -108,18 +108,18 @@ def test_starts_follow_params(tmp_path, ran):
     path.write_text("param a = 2\nparam b = 3\nstate x = a*b + 0.1\nstate y = b\nstep 0.125\nx' = -x\ny' = -y\n")
     for given, options in (({"a": 0.3}, ["--set", "a=0.3"]), ({"a": np.linspace(0.3, 0.7, 5)}, ["--spread", "a=0.3:0.7"]), ({}, [])):
         solution = fp3.solve_ivp(path, (0, 1), params=given, objects=5)
-        same(solution, ran(path, "-e", "fast", "-c", "many_full", "-o", 5, "-n", 8, *options), ("x", "y"))
+        same(solution, ran(path, "-e", "fast", "-c", "many_full", "-N", 5, "-n", 8, *options), ("x", "y"))
     solution = fp3.solve_ivp(path, (0, 1), {"x": 1.0}, params={"b": 0.7})
-    same(solution, ran(path, "-e", "fast", "-c", "many_full", "-o", 1, "-n", 8, "--set", "b=0.7", "--set", "x=1"), ("x", "y"))
+    same(solution, ran(path, "-e", "fast", "-c", "many_full", "-N", 1, "-n", 8, "--set", "b=0.7", "--set", "x=1"), ("x", "y"))
 
 
 def test_time_that_does_not_begin_at_0(model, ran, root):
     """A model with t begins at t_span[0]; of another only the difference counts."""
     solution = fp3.solve_ivp(model("duffing"), (1, 3), t_eval=[1, 2, 3], h=2**-6)
-    same(solution, ran("duffing", "-e", "fast", "-c", "many_full", "-o", 1, "--set", "h=2^-6", "--set", "steps=64", "--times", "0,1,2"), model("duffing").states)
+    same(solution, ran("duffing", "-e", "fast", "-c", "many_full", "-N", 1, "--set", "h=2^-6", "--set", "steps=64", "--times", "0,1,2"), model("duffing").states)
     assert list(solution.t) == [1, 2, 3]
     chosen = fp3.solve_ivp(model("duffing"), (1, 3), rtol=1e-5)
-    same(chosen, ran("duffing", "-e", "fast", "-c", "many_full", "-o", 1, "--set", "t=1", "--tolerance", "1e-5", "--times", "1,3")[-2:], model("duffing").states)
+    same(chosen, ran("duffing", "-e", "fast", "-c", "many_full", "-N", 1, "--set", "t=1", "--tolerance", "1e-5", "--times", "1,3")[-2:], model("duffing").states)
     assert np.array_equal(fp3.solve_ivp(model("kepler"), (0.7, 1.7)).y, fp3.solve_ivp(model("kepler"), (0, 1)).y)
 
 
@@ -188,7 +188,7 @@ def test_relations(root, ran, tmp_path):
     path = root / "programs/world/cloth.ode"
     m = fp3.Model(path)
     solution = fp3.solve_ivp(m, (0, 16 * m.step), {"x_x": np.linspace(0, 1, n)}, links={m.relations[0]: (np.arange(n - 1), np.arange(1, n), {"rest": 0.05})})
-    same(solution, ran(path, "-e", "fast", "-o", n, "-n", 16, "--links", f"{m.relations[0]}={tmp_path / 'links.csv'}", "--spread", "x_x=0:1"), m.states)
+    same(solution, ran(path, "-e", "fast", "-N", n, "-n", 16, "--links", f"{m.relations[0]}={tmp_path / 'links.csv'}", "--spread", "x_x=0:1"), m.states)
 
 
 def test_progress(model):
@@ -207,7 +207,7 @@ def test_threads_change_no_bit(model):
 def test_many_times(model, ran):
     """A snapshot after each step: as many parts as steps, and each may be as long as any."""
     solution = fp3.solve_ivp(model("kepler"), (0, 32), t_eval=np.arange(2049) / 64)
-    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-o", 1, "-n", 2048, "--every", 1), KEPLER)
+    same(solution, ran("kepler", "-e", "fast", "-c", "many_full", "-N", 1, "-n", 2048, "--every", 1), KEPLER)
 
 
 @pytest.mark.parametrize("slope, k, h, told", [("k*x", 1, 1e-9, True), ("k*x", 1, 2**-6, False), ("k*x", 0, 1e-9, False), ("k*(1 - x)", 1, 2**-7, False)])
@@ -217,7 +217,7 @@ def test_a_state_that_stands_still_is_told_as_the_command_tells_it(fp3, tmp_path
     path = tmp_path / "still.ode"
     path.write_text(f"param k = 1\nstate x = 1.00000012\nstep 0.125\nx' = {slope}\n")
     steps = 2**21 if h < 1e-6 or "1 - x" in slope else 64
-    done = subprocess.run([fp3, "run", path, "-e", "fast", "-c", "many_full", "-o", "3", "-n", str(steps), "--set", f"k={k}", "--set", f"h={h!r}"],
+    done = subprocess.run([fp3, "run", path, "-e", "fast", "-c", "many_full", "-N", "3", "-n", str(steps), "--set", f"k={k}", "--set", f"h={h!r}"],
                           capture_output=True, text=True, timeout=300)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")

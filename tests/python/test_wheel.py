@@ -60,7 +60,7 @@ print(*hardware.y[:, -1])
 print(all(row["holds"] for row in fp3.stress("state x = 1\\nstep 0.125\\nspan 1\\nx' = -x\\n", quick=True)))
 """
     lines = succeeds(installed, "-c", text, env=clean, cwd=tmp_path).splitlines()
-    expected = ran("kepler", "-e", "isa", "-c", "many_full", "-o", 5, "-n", 64, "--spread", "v_y=1.6:1.8")[-1]
+    expected = ran("kepler", "-e", "isa", "-c", "many_full", "-N", 5, "-n", 64, "--spread", "v_y=1.6:1.8")[-1]
     single = ran("kepler", "-e", "isa", "-n", 64)[-1]
     assert [f"{float(word):.9g}" for word in lines[0].split()] == [f"{value:.9g}" for value in expected["r_x"]]
     assert [f"{float(word):.9g}" for word in lines[1].split()] == [f"{single[name][0]:.9g}" for name in ("v_x", "v_y", "r_x", "r_y")]

@@ -22,7 +22,7 @@ def session(root, fp3, tmp_path_factory):
     """Three ships that fall asleep in their first step."""
     at = tmp_path_factory.mktemp("session")
     subprocess.run([fp3, "asm", root / "programs/ship_sleep.s", "-o", at / "x.fp3"], check=True)
-    subprocess.run([fp3, "run", at / "x.fp3", "-c", "many", "-o", "3", "--steps", "2", "--params", root / "programs/ship.cfg",
+    subprocess.run([fp3, "run", at / "x.fp3", "-c", "many", "-N", "3", "--steps", "2", "--params", root / "programs/ship.cfg",
                     "--set", "eps=1e9", "--bus-log", at / "x.session"], check=True, capture_output=True)
     return at / "x.session"
 

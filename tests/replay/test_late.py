@@ -40,7 +40,7 @@ QUICK = ("never late", "a number that does not wait")
 
 def replayed(root, fp3, to, config, objects, program, file, right, other):
     (to / "x.s").write_text(program)
-    done = start(fp3, "run", to / "x.s", "-c", config, "-o", objects, "--set", "s=0.75", "--set", "h=0.125",
+    done = start(fp3, "run", to / "x.s", "-c", config, "-N", objects, "--set", "s=0.75", "--set", "h=0.125",
                  *(["--spread", "v=1.5:2"] if objects > 1 else ["--set", "v=1.5"]), "--bus-log", to / "x.session")
     assert done.returncode == 0, done.stderr
     for folder in ("rtl", "sim"):

@@ -130,7 +130,7 @@ def test_a_reset_of_one_cycle_is_a_reset(root, fp3, icarus, tmp_path, long, conf
     times = times if long else times[-2:]
     shown = []
     for length in (1, 80):
-        session = record(root, fp3, tmp_path, "ship_dual" if config == "dual" else "ship_madd", config, 2 if objects > 1 else 20, "-o", objects)
+        session = record(root, fp3, tmp_path, "ship_dual" if config == "dual" else "ship_madd", config, 2 if objects > 1 else 20, "-N", objects)
         done = replay(root, icarus(config), reset_in_the_middle(session, times, length))
         assert done.returncode == 0, done.stdout
         *rows, last = done.stdout.splitlines()
@@ -269,7 +269,7 @@ def texts_in_waves(dump):
 @pytest.mark.parametrize("preset, config, objects", [("fp3", "single", 1), ("many", "many", 24), ("many", "lanes", 16),
                                                      *(pytest.param("many", config, 12, marks=pytest.mark.long) for config in ("shared", "array"))])
 def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, icarus, tmp_path, preset, config, objects):
-    session, path = record(root, fp3, tmp_path, "ship_madd", config, 1, "-o", objects), tmp_path / "x.vcd"
+    session, path = record(root, fp3, tmp_path, "ship_madd", config, 1, "-N", objects), tmp_path / "x.vcd"
     done = replay(root, icarus(config), session, f"+waves={path}")
     assert done.returncode == 0 and re.search(r"^PASS ", done.stdout, re.M), done.stdout
     dump = path.read_text()

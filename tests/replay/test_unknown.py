@@ -54,7 +54,7 @@ def record(root, fp3, at, config, objects, steps):
     program, *more = ("ship_sleep", "--set", "eps=1e9") if simulate.key(config, "SLEEP") else \
                      ("ship_dual", ) if simulate.key(config, "DUAL") else ("ship_madd", )
     assert start(fp3, "asm", root / f"programs/{program}.s", "-o", image).returncode == 0
-    done = start(fp3, "run", image, "-c", config, "-o", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
+    done = start(fp3, "run", image, "-c", config, "-N", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
                  "--bus-log", session)
     assert done.returncode == 0, done.stderr
     rows = session.read_text().splitlines()

@@ -52,7 +52,7 @@ def test_the_program_needs_its_machine_and_nothing_else(root, includes, tmp_path
 def test_the_program_prints_the_bits_of_a_run(root, fp3, simulated, config):
     ships = SHIPS[config]
     spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
-    text = succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-o", ships, "-n", STEPS, "--params", root / "programs/ship.cfg",
+    text = succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-N", ships, "-n", STEPS, "--params", root / "programs/ship.cfg",
                     "--all", *spread)
     v, s = (re.findall(rf"^{name} .* 0x([0-9a-f]{{8}}) ", text, re.M) for name in "vs")
     assert len(v) == ships

@@ -49,33 +49,33 @@ def test_what_the_host_writes_is_rounded(run, engine, how):
     """The middle between 1 and 1 + 2^-10, 2^-25 and a bit more, and the last number that is not infinite."""
     for given, word in (("1.00048828125", "3f800000"), ("1.0004884", "3f802000"), ("2.98023224e-8", "00000000"), ("2.9802326e-8", "33800000"),
                         ("65519.996", "477fe000"), ("-65504", "c77fe000"), ("inf", "7f800000")):
-        said = run(SUM, "-e", engine, "-o", 1, "-n", 0, "--set", f"x={given}", "--set", "v=0", "--allow-failures", how=how)
+        said = run(SUM, "-e", engine, "-N", 1, "-n", 0, "--set", f"x={given}", "--set", "v=0", "--allow-failures", how=how)
         assert states(said)[0][2] == word, (given, said)
 
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
 def test_numbers_that_no_record_has_are_refused(run, engine):
-    said = run(SUM, "-e", engine, "-o", 3, "--set", "x=65520", "--set", "v=0", status=2)
+    said = run(SUM, "-e", engine, "-N", 3, "--set", "x=65520", "--set", "v=0", status=2)
     assert "object 0, register 0: 65520 is too large: configuration 'many_half' keeps records in binary16, up to 65504" in said
-    said = run(SUM, "-e", engine, "-o", 3, "--spread", "x=65000:66000", "--set", "v=0", status=2)
+    said = run(SUM, "-e", engine, "-N", 3, "--spread", "x=65000:66000", "--set", "v=0", status=2)
     assert "object 2, register 0: 66000 is too large" in said
 
 
 @pytest.mark.smoke
 def test_a_parameter_that_would_lose_digits_is_refused(run):
     """A state may come near 0, and so may a parameter that a record has exactly."""
-    said = run(SUM, "-e", "isa", "-o", 1, "--set", "x=1e-6", "--set", "v=1e-6", status=2)
+    said = run(SUM, "-e", "isa", "-N", 1, "--set", "x=1e-6", "--set", "v=1e-6", status=2)
     assert "object 0, parameter 'v': 9.99999997e-07 is too small: configuration 'many_half' keeps records in binary16, where it would be 1.01327896e-06" in said
     for v in ("0", "5.9604645e-8", "6.2e-5"):
-        run(SUM, "-e", "isa", "-o", 1, "--set", "x=1e-6", "--set", f"v={v}")
+        run(SUM, "-e", "isa", "-N", 1, "--set", "x=1e-6", "--set", f"v={v}")
 
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("engine, how", ENGINES)
 def test_a_store_that_overflows_is_a_failure(run, engine, how):
     """40000 + 20000 fits, 60000 + 20000 does not; registers have both, so within a visit nothing is wrong."""
-    options = ("-e", engine, "--set", "x=40000", "--set", "v=20000", "-o", 30)
+    options = ("-e", engine, "--set", "x=40000", "--set", "v=20000", "-N", 30)
     said = run(SUM, *options, "-n", 3, "--visit", 1, how=how, status=3)
     assert re.search(r"^failed +30 of 30, first object 0 in step 2: overflow", said, re.M), said
     assert "overflow" in re.search(r"^flags +(.*)$", said, re.M)[1]
@@ -87,8 +87,8 @@ def test_a_store_that_overflows_is_a_failure(run, engine, how):
 @pytest.mark.smoke
 def test_a_program_counts_its_steps_as_far_as_records_do(run):
     counting = ".state steps\nstep:\nadd steps, steps, 1.0\n"
-    assert states(run(counting, "-e", "isa", "-o", 1, "-n", 2048, "--set", "steps=0"))[0][1] == "2048"
-    assert "the program counts its steps in many_half, which ends at 2048" in run(counting, "-e", "isa", "-o", 1, "-n", 2049, "--set", "steps=0", status=2)
+    assert states(run(counting, "-e", "isa", "-N", 1, "-n", 2048, "--set", "steps=0"))[0][1] == "2048"
+    assert "the program counts its steps in many_half, which ends at 2048" in run(counting, "-e", "isa", "-N", 1, "-n", 2049, "--set", "steps=0", status=2)
 
 
 @pytest.mark.smoke
@@ -101,20 +101,20 @@ def test_twice_the_objects_fit(run, root, monkeypatch):
     assert half["storage"] == 2 and 16 * half["store_words"] == 32 * full["store_words"] and half["registers"] == full["registers"]
     start = ("-e", "rtl", "-n", 0, "--set", "x=0", "--set", "v=0")
     for config, most in (("many_full", 2048), ("many_half", 4096)):
-        run(SUM, *start, "-o", most, config=config)
-        assert f"{most + 1} objects: configuration '{config}' has room for {most} at most" in run(SUM, *start, "-o", most + 1, config=config, status=2)
+        run(SUM, *start, "-N", most, config=config)
+        assert f"{most + 1} objects: configuration '{config}' has room for {most} at most" in run(SUM, *start, "-N", most + 1, config=config, status=2)
     wide = ".state " + " ".join(f"s{i}" for i in range(32)) + "\nstep:\n" + "".join(f"add s{i}, s{i}, s0\n" for i in range(32))
     start = ("-e", "rtl", "-n", 0, *(word for i in range(32) for word in ("--set", f"s{i}=0")))
     for config, most in (("many_full", 512), ("many_half", 1024)):
-        run(wide, *start, "-o", most, config=config)
-        assert f"configuration '{config}' has room for {most} objects, not for {most + 1}" in run(wide, *start, "-o", most + 1, config=config, status=2)
+        run(wide, *start, "-N", most, config=config)
+        assert f"configuration '{config}' has room for {most} objects, not for {most + 1}" in run(wide, *start, "-N", most + 1, config=config, status=2)
 
 
 @pytest.mark.smoke
 def test_a_seed_gives_the_same_bits_everywhere(run):
     """Draws are of objects and steps, not of who computes them; another seed gives others, and none rounds to nearest."""
     def bits(*more, **options):
-        return [row[2] for row in states(run(SPRING, "-o", 60, "-n", 40, "--visit", 3, "--all", "--spread", "x=1:2", "--set", "v=0",
+        return [row[2] for row in states(run(SPRING, "-N", 60, "-n", 40, "--visit", 3, "--all", "--spread", "x=1:2", "--set", "v=0",
                                              "--set", "k=0.37", "--set", "dt=0.01", *more, **options))]
     drawn = bits("--seed", 5, "-e", "isa")
     assert len(drawn) == 120
@@ -152,7 +152,7 @@ def test_a_program_may_write_and_load_the_word_itself(run, config, load, steps):
     """`ld` of the register of `sleep` gets all of its bits, and goes on; after `lds` of a word that is not 0 the object makes no visit."""
     own = f".state x slept\nfirst:\nld x\n{load} slept\nstep:\nadd x, x, 1.0\nadd slept, slept, 1.0009765625\nsleep slept, 1.0, 0.5\nlast:\nst x\nst slept\n"
     for engine, how in ENGINES:
-        said = states(run(own, "-e", engine, "-o", 2, "-n", 6, "--visit", 2, "--all", "--set", "x=0", "--set", "slept=0", how=how, config=config))
+        said = states(run(own, "-e", engine, "-N", 2, "-n", 6, "--visit", 2, "--all", "--set", "x=0", "--set", "slept=0", how=how, config=config))
         word = {2: "40002000", 6: "40c03000"}[steps]
         assert [row[1:3] for row in said if row[0] == "x"] == [(str(steps), {2: "40000000", 6: "40c00000"}[steps])] * 2, (engine, how)
         assert {row[2] for row in said if row[0] == "slept"} == {word}, (engine, how)
@@ -174,7 +174,7 @@ def test_adaptive_steps_are_refused(run, fp3, tmp_path):
 def test_objects_sleep_and_draw_alike(run, visit):
     """They fall asleep one by one, so that each lane's list is in an order of its own; what they draw is of the object all the same."""
     def bits(*more, **options):
-        return [row[2:] for row in states(run(SLEEPS, "-o", 60, "-n", 105, "--visit", visit, "--all", "--spread", "x=1:2", "--set", "v=0.5",
+        return [row[2:] for row in states(run(SLEEPS, "-N", 60, "-n", 105, "--visit", visit, "--all", "--spread", "x=1:2", "--set", "v=0.5",
                                               "--set", "k=0.37", "--set", "dt=0.01", *more, **options))]
     for seed in ((), ("--seed", 5)):
         expected = bits("-e", "isa", *seed)
@@ -188,7 +188,7 @@ def test_objects_sleep_and_draw_alike(run, visit):
 @pytest.mark.parametrize("engine, how", ENGINES)
 def test_the_step_in_which_it_slept_is_whole(run, engine, how):
     """70,001 has more than 16 bits, and no number of 16 bits is near 2^32 - 1."""
-    said = run(LATE, "-e", engine, "-o", 2, "-n", 70005, "--set", "t=0", "--set", "limit=70001", how=how, status=3)
+    said = run(LATE, "-e", engine, "-N", 2, "-n", 70005, "--set", "t=0", "--set", "limit=70001", how=how, status=3)
     assert {row[2] for row in states(said) if row[0] == "slept"} == {f"{70001:08x}"}
     assert re.search(r"^failed +2 of 2, first object 0 in step 70005: overflow", said, re.M), said # t is too large for its record
 
@@ -200,7 +200,7 @@ def test_lifetimes(fp3, tmp_path, engine):
     (tmp_path / "x.s").write_text(SLEEPS.replace("0.02", "0"))
     (tmp_path / "x.scene").write_text("""config = "many_half"; steps = 40; visit = 5;
         groups = ({ program = "x.s"; objects = 5; born = [0, 20]; gone = 30; set = { x = 1.0; v = 0.5; k = 0.25; dt = 0.125; }; });""")
-    alone = [states(subprocess.run([fp3, "run", "x.s", "-c", "many_half", "-e", "isa", "-o", "1", "-n", str(30 - born), "--visit", "5", "--set", "x=1", "--set", "v=0.5",
+    alone = [states(subprocess.run([fp3, "run", "x.s", "-c", "many_half", "-e", "isa", "-N", "1", "-n", str(30 - born), "--visit", "5", "--set", "x=1", "--set", "v=0.5",
                                     "--set", "k=0.25", "--set", "dt=0.125"], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=True).stdout)
              for born in (0, 5, 10, 15, 20)]
     done = subprocess.run([fp3, "run", "--scene", "x.scene", "-e", engine, "--all"], cwd=tmp_path, capture_output=True, text=True, timeout=300)

@@ -25,7 +25,7 @@ def test_the_reader_reads_all_models_as_the_compiler_does(root, fp3):
     paths = [*(root / "programs").glob("*.ode"), *(root / "tests/tune/judged").glob("*.ode")]
     assert len(paths) == 40
     for path in paths:
-        out = subprocess.run([fp3, "run", path, "-i", "euler", "-c", "many_full", "-e", "isa", "-o", "1", "-n", "1", "--output", "-"], capture_output=True, text=True, check=True).stdout
+        out = subprocess.run([fp3, "run", path, "-i", "euler", "-c", "many_full", "-e", "isa", "-N", "1", "-n", "1", "--output", "-"], capture_output=True, text=True, check=True).stdout
         lines = [line.split(",") for line in out.splitlines() if line.count(",") > 2 or line[:1].isdigit()]
         before, after = (np.array([float(x) for x in line[3:]]) for line in lines[1:3])
         model, h = read(path), float(lines[2][1])

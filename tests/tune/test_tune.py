@@ -57,7 +57,7 @@ def test_the_cost_is_that_of_the_hardware(tune, fp3, tmp_path):
     done, row = tune("m.ode", "--tolerance", "1e-3", "--spread", "k=0.5:2", "--output", "m.scene")
     assert done.returncode == 0
     assert cycles(fp3, tmp_path, "--scene", "m.scene") == pytest.approx(24 * row["cycles"], abs=0.5)
-    base = cycles(fp3, tmp_path, "m.ode", "-c", "many_full", "-o", "24", "-n", "64")
+    base = cycles(fp3, tmp_path, "m.ode", "-c", "many_full", "-N", "24", "-n", "64")
     assert base == pytest.approx(24 * row["baseline_cycles"], abs=0.5)
     assert row["cost_ratio"] == pytest.approx(row["cycles"] / row["baseline_cycles"], rel=1e-6)
 

@@ -82,7 +82,7 @@ def test_the_hash_is_the_commands(shown, commands, model, more):
 
 def test_a_scene_has_the_hash_of_every_machine(shown, root):
     """That of the first row in docs/everywhere.md."""
-    change(shown, steps="40", more="-o 40 --spread v_y=0.5:1.2 --every 20")
+    change(shown, steps="40", more="-N 40 --spread v_y=0.5:1.2 --every 20")
     row = re.search(r"^\| kepler \| `(\w+)`", (root / "docs/everywhere.md").read_text(), re.M)
     assert shown.text("hash")[:8] == row[1]
 

@@ -240,7 +240,7 @@ def test_links_of_one_program(start, folder):
     def states(text):
         return [line for line in text.splitlines() if "   object " in line]
     assert len(set(states(done.stdout))) == 10
-    slow = start("chain.ode", "--links", "springs=l.csv", *options, "-e", "isa", "-c", "world", "-o", "5")
+    slow = start("chain.ode", "--links", "springs=l.csv", *options, "-e", "isa", "-c", "world", "-N", "5")
     assert states(slow.stdout) == states(done.stdout)
     fp3 = slow.args[0]
     subprocess.run([fp3, "compile", "chain.ode", "-o", "c.s", "--image", "c.fp3", "--params", "c.cfg"], cwd=folder, check=True)
@@ -272,7 +272,7 @@ def test_what_fp3_run_refuses(start, folder):
     (folder / "x.scene").write_text(CHAIN.format("grid = { count = 3; }; " + LINKED))
     for arguments, expected in [(["chain.ode"], "no links are given: links = (...) of a scene or --links of fp3 run gives them, with columns a,b,k"),
                                 (["chain.ode", "--links", "springs"], "--links: found 'springs', expected NAME=FILE"),
-                                (["chain.ode", "--links", "springs=l.csv", "-o", "2"], "l.csv:3:3: error: found object 2, expected a whole number from 0 to 1"),
+                                (["chain.ode", "--links", "springs=l.csv", "-N", "2"], "l.csv:3:3: error: found object 2, expected a whole number from 0 to 1"),
                                 (["chain.ode", "--links", "touch=l.csv"], "l.csv: links of 'touch': the model has no relation 'touch'"),
                                 (["balls.ode", "-i", "euler", "--links", "touch=l.csv"], "the model finds the objects of 'touch' by itself"),
                                 (["chain.ode", "--links", "springs=l.csv", "-c", "many_full"], "'springs' needs `neighbours`"),

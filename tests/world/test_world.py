@@ -564,7 +564,7 @@ def test_each_phase_on_hardware_loads_the_list_that_it_goes_through(fp3, tmp_pat
     (tmp_path / "ties.csv").write_text("a,b\n0,1\n")
     for second, status in (("y", 2), ("ties", 0)):
         (tmp_path / "p.s").write_text(".state x\n.state y\n.temp ties n\nstep:\n" + phase.format("ties") + "phase\n" + phase.format(second))
-        done = subprocess.run([fp3, "run", "p.s", "-c", "world", "-e", "rtl", "-o", "2", "--links", "ties=ties.csv", "--spread", "x=1:2", "--set", "y=0"], cwd=tmp_path,
+        done = subprocess.run([fp3, "run", "p.s", "-c", "world", "-e", "rtl", "-N", "2", "--links", "ties=ties.csv", "--spread", "x=1:2", "--set", "y=0"], cwd=tmp_path,
                               capture_output=True, text=True, timeout=60)
         assert done.returncode == status and ("word 10" in done.stderr) == (status == 2), done.stdout + done.stderr
 
@@ -575,7 +575,7 @@ def test_lists_may_fill_a_store_to_the_last_word(fp3, tmp_path):
     pairs = [f"{a},{b}\n" for a in range(128) for b in range(a) if a ^ b > 15]
     for more, status in ((["1,0\n"], 2), ([], 0)):
         (tmp_path / "ties.csv").write_text("a,b\n" + "".join(pairs + more))
-        done = subprocess.run([fp3, "run", "p.s", "-c", "world", "-e", "rtl", "-o", "128", "--links", "ties=ties.csv", "--set", "x=0"], cwd=tmp_path,
+        done = subprocess.run([fp3, "run", "p.s", "-c", "world", "-e", "rtl", "-N", "128", "--links", "ties=ties.csv", "--set", "x=0"], cwd=tmp_path,
                               capture_output=True, text=True, timeout=60)
         assert done.returncode == status and ("its 16384 words are full" in done.stderr) == (status == 2), done.stdout + done.stderr
 
