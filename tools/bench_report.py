@@ -19,7 +19,7 @@ import re
 import sys
 
 from bench import write
-from bench_figures import PEERS, curves, fast_of, fronts, in_fp32, speed_grids, summary
+from fp3bench.figures import PEERS, curves, fast_of, fronts, in_fp32, speed_grids, summary
 from fp3gen.text import table
 from plot import inline
 

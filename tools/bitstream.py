@@ -17,9 +17,9 @@ import subprocess
 import sys
 import tomllib
 
-import flow
+from fp3fpga import flow
 import tops
-from families import DEVICES, FAMILIES
+from fp3fpga.families import DEVICES, FAMILIES
 from fp3gen import verilog
 from fp3gen.check import Bad
 from fp3gen.read import load

@@ -22,15 +22,15 @@ import subprocess
 import sys
 import tempfile
 
-import flow
+from fp3fpga import flow
 import measured
 import synth
-from families import FAMILIES
+from fp3fpga.families import FAMILIES
 from fp3gen import floorplan, fusesoc, verilog
 from fp3gen.check import Bad
 from fp3gen.configs import check_configs
 from fp3gen.read import load
-from one_config import LIBS, Failed, build, run
+from fp3fpga.one_config import LIBS, Failed, build, run
 
 ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *unit"     # modules that are synthesised once

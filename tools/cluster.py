@@ -22,11 +22,11 @@ import tempfile
 import time
 
 import bench
-import cluster_costs
-import cluster_report
-import world_hashes
-import world_scene
-from cluster_lab import Failed, Lab, environment
+from fp3cluster import costs as cluster_costs
+from fp3cluster import report as cluster_report
+from fp3world import hashes as world_hashes
+from fp3world import scene as world_scene
+from fp3cluster.lab import Failed, Lab, environment
 
 RANKS = {False: (1, 2, 3, 4, 8), True: (1, 2, 3)}
 # Scene, how others see it, engines, steps in the full form. All are small enough for the hardware.

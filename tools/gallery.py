@@ -20,13 +20,13 @@ import time
 import types
 
 import bench
-import gallery_errors
-import gallery_page
+from fp3gallery import errors as gallery_errors
+from fp3gallery import page
 import measured
-import world_chip
-import world_hashes
-import world_physics
-import world_scene as ws
+from fp3world import chip
+from fp3world import hashes
+from fp3world import physics
+from fp3world import scene as ws
 
 ROOT = ws.ROOT
 HERE, WORLD = ROOT / "programs/gallery", ROOT / "programs/world"
@@ -77,7 +77,7 @@ def first_stars(folder):
 
 def of_world(name, title, **more):
     """With the small form that make world has of it, if any."""
-    return Scene(name, title, WORLD, **{"changes": tuple(world_hashes.SMALL.get(name, ("", ()))[1]), **more})
+    return Scene(name, title, WORLD, **{"changes": tuple(hashes.SMALL.get(name, ("", ()))[1]), **more})
 
 
 SCENES = [
@@ -116,7 +116,7 @@ def timed(fp3, path, options, turns):
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         clock.append(seconds_of(said))
         given.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return said, world_chip.counters(said), min(clock), min(given)
+    return said, chip.counters(said), min(clock), min(given)
 
 
 def run(fp3, folder, scene, engine, is_small=False, config=""):
@@ -169,7 +169,7 @@ def measure(fp3, folder, scene):
     of_small = [refusal(fp3, folder, scene, engine, is_small=True) for engine in ("isa", "rtl") if engine not in scene.engines]
     if None in of_small:
         raise ws.Failed(f"{scene.name}: an engine runs what it is said to refuse")
-    errors = list(gallery_errors.of(world_physics.Lab(fp3, folder, quick=False), scene))
+    errors = list(gallery_errors.of(physics.Lab(fp3, folder, quick=False), scene))
     return {"rows": whole + small, "errors": errors, "refused": [row for row in refused + of_small if row]}
 
 
@@ -205,14 +205,14 @@ def main():
             if options.measure:
                 data = take(fp3, pathlib.Path(folder), scenes, data)
                 bench.write(DATA, json.dumps(data, indent=1) + "\n")
-            import gallery_pictures         # which needs matplotlib
+            from fp3gallery import pictures         # which needs matplotlib
             PICTURES.mkdir(exist_ok=True)
             for scene in scenes:
-                gallery_pictures.draw(fp3, pathlib.Path(folder), scene, PICTURES / f"{scene.name}.png")
+                pictures.draw(fp3, pathlib.Path(folder), scene, PICTURES / f"{scene.name}.png")
     except ws.Failed as why:
         print(f"gallery: {why}", file=sys.stderr)
         return 1
-    bench.write(PAGE, gallery_page.page(SCENES, data))
+    bench.write(PAGE, page.page(SCENES, data))
     return 0
 
 

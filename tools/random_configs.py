@@ -20,11 +20,11 @@ import sys
 import tempfile
 import time
 
-import one_config
+from fp3fpga import one_config
 from fp3gen import configs
 from fp3gen.check import Bad
 from fp3gen.read import load
-from one_config import LIBS, Failed, run
+from fp3fpga.one_config import LIBS, Failed, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 KNOWN = load(ROOT).keys

@@ -10,9 +10,9 @@ A figure that was not measured is "–".
 import pathlib
 import sys
 
-import flow
+from fp3fpga import flow
 import measured
-from families import DEVICES, FAMILIES
+from fp3fpga.families import DEVICES, FAMILIES
 from fp3gen.text import markdown
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 from bench import about, write
-from stress_report import SECTIONS, page, pictures
+from fp3bench.stress import SECTIONS, page, pictures
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 MOST = 8        # models of one command

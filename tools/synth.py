@@ -13,7 +13,7 @@ cuts (DEPTHS, as configurations cuts0, cuts1, ...). Where contexts are interleav
 the registers inside the device's multipliers and block RAM (rtl/fpga/ecp5/, the same modules on the device's primitives);
 a lane is also placed without them (configuration NAME-inferred). What has no registers (mux4 there) is always used.
 
-The devices are in tools/families.py; without --device it is an LFE5U-85F. What cannot fit is not placed, and its row
+The devices are in tools/fp3fpga/families.py; without --device it is an LFE5U-85F. What cannot fit is not placed, and its row
 says so. Where a device has fewer pins than a top has ports, inputs are shifted in by one pin and the outputs leave as
 their parity; on the others the ports are registers. A family that has no open placer is only synthesised.
 
@@ -50,10 +50,10 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
-import flow
+from fp3fpga import flow
 import measured
 import tops
-from families import DEVICES, FAMILIES
+from fp3fpga.families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
 from fp3gen.configs import derive

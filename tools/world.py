@@ -18,20 +18,20 @@ import tempfile
 import time
 
 import bench
-import world_bodies
-import world_chip
-import world_contact
-import world_hashes
-import world_physics
-import world_report
-import world_scene
-import world_speed
-import world_water
+from fp3world import bodies
+from fp3world import chip
+from fp3world import contact
+from fp3world import hashes as world_hashes
+from fp3world import physics as world_physics
+from fp3world import report
+from fp3world import scene
+from fp3world import speed as world_speed
+from fp3world import water
 
 PARTS = ("hashes", "speed", "chip", "physics")
 # What theory says of the scenes: each a function of a Lab that yields rows.
 CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
-          world_bodies.planets, world_bodies.eight, world_bodies.plummer, world_bodies.free, world_contact.pair, world_contact.gas, world_contact.balls, world_contact.heap, world_water.dam]
+          bodies.planets, bodies.eight, bodies.plummer, bodies.free, contact.pair, contact.gas, contact.balls, contact.heap, water.dam]
 
 
 def measure(options, part, folder, say):
@@ -43,7 +43,7 @@ def measure(options, part, folder, say):
         rows, failed = world_speed.measure(options, folder, say)
         return {"speed": rows, "peers_failed": failed}
     if part == "chip":
-        rows, refused = world_chip.measure(options.fp3, folder, options.quick, say)
+        rows, refused = chip.measure(options.fp3, folder, options.quick, say)
         return {"chip": rows, "refused_on_chip": refused}
     found, lab = [], world_physics.Lab(options.fp3, folder, options.quick)
     for check in CHECKS:
@@ -105,7 +105,7 @@ def main():
         parser.error("expected --input and --markdown together")
     if options.input:
         data = json.loads(options.input.read_text(encoding="utf-8"))
-        bench.write(options.markdown, "\n".join(world_report.page(data)).rstrip("\n") + "\n")
+        bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
         return 0
     errors = 0
     try:
@@ -113,7 +113,7 @@ def main():
             for error in measure_all(options, pathlib.Path(folder)):
                 print(f"world: {error}", file=sys.stderr)
                 errors += 1
-    except world_scene.Failed as why:
+    except scene.Failed as why:
         print(f"world: {why}", file=sys.stderr)
         return 1
     print(f"{errors} rows differ, do not hold or could not be made")

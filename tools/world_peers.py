@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Scenes of programs/world by others, where they are installed. tools/world_speed.py starts it once for each of them.
+"""Scenes of programs/world by others, where they are installed. tools/fp3world/speed.py starts it once for each of them.
 
     tools/world_peers.py list --bullet build/bench/bullet
     tools/world_peers.py warp --bullet build/bench/bullet --fp3 build/fp3 --folder DIR --output rows.json [--quick]
 
-One thread each. What one solves, and in which arithmetic, is said in world_peers_SCENE.py. Compilation is not timed; the figure is the
+One thread each. What one solves, and in which arithmetic, is said in fp3world/peers_SCENE.py. Compilation is not timed; the figure is the
 shortest of several turns, in time that the processor gave.
 """
 
@@ -43,7 +43,7 @@ def installed(bullet):
 
 def measure(name, lab):
     for scene in PEERS[name][1]:
-        module = importlib.import_module(f"world_peers_{scene}")
+        module = importlib.import_module(f"fp3world.peers_{scene}")
         for found in getattr(module, f"{name}_{scene}")(lab):
             yield found | {"engine": name}
 
@@ -62,7 +62,7 @@ def main():
         return 0
     if not (lab.fp3 and lab.folder and lab.output):
         parser.error("expected --fp3, --folder and --output")
-    from world_scene import Failed  # it needs numpy, which those who are listed bring with them
+    from fp3world.scene import Failed  # it needs numpy, which those who are listed bring with them
     try:
         rows = list(measure(lab.peer, lab))
     except Failed as why:

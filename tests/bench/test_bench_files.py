@@ -15,7 +15,7 @@ import xml.etree.ElementTree
 import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
-import bench_figures    # noqa: E402
+from fp3bench import figures    # noqa: E402
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -57,7 +57,7 @@ def test_a_table_and_a_picture(bench, tmp_path):
     text = "".join(xml.etree.ElementTree.parse(tmp_path / "a.svg").getroot().itertext())
     # As tools/ have them: hardware black, fp3 and GSL in colours of their own.
     for engine, curve in (("fast", "fast, 1 thread"), ("gsl", "gsl, 1 thread"), ("rtl", "rtl many_full"), ("plain_c", "plain_c, 1 thread")):
-        assert colours[curve] == tuple(bytes.fromhex(bench_figures.COLOURS[engine][1:]))
+        assert colours[curve] == tuple(bytes.fromhex(figures.COLOURS[engine][1:]))
     assert "oscillator: error against time" in text and "oscillator: error against cycles of hardware" in text
 
 

@@ -16,7 +16,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "tools"))
 import bench          # noqa: E402
 import bench_check    # noqa: E402
-import bench_figures  # noqa: E402
+from fp3bench import figures  # noqa: E402
 import bench_report   # noqa: E402
 
 
@@ -35,7 +35,7 @@ def tool(root, name, *arguments):
 # ---- tables ---------------------------------------------------------------------------------------
 
 def test_the_best_at_an_error(data):
-    first, second, third = bench_figures.summary(data["points"], "fast")
+    first, second, third = figures.summary(data["points"], "fast")
     assert first["error"] == 0.1 and first["fast"]["ns_per_object"] == 100 and first["gsl"]["method"] == "rkf45" and first["ratio"] == 30
     assert first["all"]["integrator"] == "rk6" and first["hardware"]["cycles"] == 6400 and first["plain_c"]["method"] == "scalar"
     assert second["error"] == 0.01 and second["fast"]["ns_per_object"] == 200 and second["ratio"] == 15
@@ -44,7 +44,7 @@ def test_the_best_at_an_error(data):
 
 def test_a_better_point_that_is_less_accurate_does_not_count(data):
     data["points"][1]["error_median"] = 0.0011
-    assert [row["error"] for row in bench_figures.summary(data["points"], "fast")] == [0.1, 0.01]
+    assert [row["error"] for row in figures.summary(data["points"], "fast")] == [0.1, 0.01]
 
 
 def test_the_page_says_where_fast_falls_short(data):
@@ -60,7 +60,7 @@ def test_what_double_single_reaches_is_not_said_of_fp32(data):
     data["points"][1]["arithmetic"] = "double_single"
     page = bench_report.markdown(data)
     assert "- `kepler` at 1e-0" not in page and "| yes |" in page and "| **15.0** |" in page
-    assert [row["is_fp32"] for row in bench_figures.summary(data["points"], "fast")] == [True, False, False]
+    assert [row["is_fp32"] for row in figures.summary(data["points"], "fast")] == [True, False, False]
 
 
 def test_what_is_left_out_for_one_reason_is_one_row(data):
@@ -96,8 +96,8 @@ def test_adaptive_steps_and_peers_have_columns_where_they_were_measured(data):
     assert "Not measured" not in page
     data["problems"] += [data["problems"][0] | {"model": "ship"}, data["problems"][0] | {"model": "ball", "has_events": True}]
     assert "to 1e-14. Not measured: `ship`.\n" in bench_report.markdown(data)
-    assert bench_figures.label(data["points"][-1], "fast") in bench_figures.METHODS
-    looks = {one["name"]: one for one in bench_figures.curves(data["points"], "fast")}
+    assert figures.label(data["points"][-1], "fast") in figures.METHODS
+    looks = {one["name"]: one for one in figures.curves(data["points"], "fast")}
     assert looks["rk4 adaptive"]["look"] == looks["rk4"]["look"] and looks["rk4 adaptive"]["is_open"] and not looks["rk4"]["is_open"]
 
 
@@ -151,45 +151,45 @@ def test_a_page_that_would_be_too_large_has_no_pictures_of_all_integrators(root,
 
 
 def test_an_integrator_has_its_look_in_every_model(data):
-    of = {one["name"]: one["look"] for one in bench_figures.curves(data["points"], "fast")}
+    of = {one["name"]: one["look"] for one in figures.curves(data["points"], "fast")}
     less = [point for point in data["points"] if point["integrator"] != "euler"]
-    assert "euler" in of and {one["name"]: one["look"] for one in bench_figures.curves(less, "fast")} == {k: v for k, v in of.items() if k != "euler"}
+    assert "euler" in of and {one["name"]: one["look"] for one in figures.curves(less, "fast")} == {k: v for k, v in of.items() if k != "euler"}
 
 
-@pytest.mark.parametrize("table", [bench_figures.METHODS, bench_figures.INTEGRATORS])
+@pytest.mark.parametrize("table", [figures.METHODS, figures.INTEGRATORS])
 def test_curves_are_told_apart(table):
     """No two look alike, and there are few colours: one for a family."""
     assert len(set(table.values())) == len(table) and len({colour for colour, _, _ in table.values()}) <= 7
 
 
 def test_every_integrator_and_method_has_a_look(root, data):
-    assert {path.stem for path in root.glob("programs/integrators/*.cfg")} <= set(bench_figures.INTEGRATORS)
-    assert {bench_figures.label(point, "fast") for point in data["points"]} <= set(bench_figures.METHODS)
+    assert {path.stem for path in root.glob("programs/integrators/*.cfg")} <= set(figures.INTEGRATORS)
+    assert {figures.label(point, "fast") for point in data["points"]} <= set(figures.METHODS)
 
 
 @pictures
 def test_points_lie_where_the_axes_say_and_the_legend_outside(data):
     import plot
-    svg = plot.inline(bench_figures.fronts(data["points"], "fast"), "time", "error", unit="s")
+    svg = plot.inline(figures.fronts(data["points"], "fast"), "time", "error", unit="s")
     tree = xml.fromstring(re.sub(r"(?<= )([\w-]+)=([^'\"\s>/]+)", r"\1='\2'", svg))
     ticks = {"".join(text.itertext()).strip(): float(text.attrib["x"]) for text in tree.iter("text") if "x" in text.attrib}
     points = [(use.find("title").text, float(use.attrib["x"])) for use in tree.iter("use") if use.find("title") is not None]
-    assert len(points) == sum(len(one["points"]) for one in bench_figures.fronts(data["points"], "fast"))
+    assert len(points) == sum(len(one["points"]) for one in figures.fronts(data["points"], "fast"))
     assert dict((note.partition(":")[0], x) for note, x in points if note.endswith(" 100 ns"))["fp3, one thread"] == pytest.approx(ticks["100 ns"], abs=0.2)
-    names = [text for text in tree.iter("text") if "".join(text.itertext()).strip() in bench_figures.METHODS]
-    assert len(names) == len(bench_figures.fronts(data["points"], "fast")) and min(float(text.attrib["x"]) for text in names) > max(x for _, x in points)
+    names = [text for text in tree.iter("text") if "".join(text.itertext()).strip() in figures.METHODS]
+    assert len(names) == len(figures.fronts(data["points"], "fast")) and min(float(text.attrib["x"]) for text in names) > max(x for _, x in points)
 
 
 @pictures
 def test_a_picture_is_the_same_each_time(data):
     import plot
-    series = bench_figures.curves(data["points"], "fast")
+    series = figures.curves(data["points"], "fast")
     assert plot.draw(series, "x", "y") == plot.draw(series, "x", "y") and "date" not in plot.draw(series, "x", "y")
 
 
 def test_a_front_has_no_point_that_another_beats(data):
     fast = [point for point in data["points"] if point["engine"] == "fast" and point["threads"] == 1]
-    assert [point["ns_per_object"] for point in bench_figures.front(fast)] == [100, 200]
+    assert [point["ns_per_object"] for point in figures.front(fast)] == [100, 200]
 
 
 # ---- clocks ---------------------------------------------------------------------------------------

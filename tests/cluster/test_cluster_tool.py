@@ -74,17 +74,17 @@ class Pretended:
 
 
 def test_another_hash_is_found(tool):
-    with pytest.raises(tool("cluster_lab").Failed, match="cloth has 2 hashes: .*fast on 3 another"):
+    with pytest.raises(tool("fp3cluster.lab").Failed, match="cloth has 2 hashes: .*fast on 3 another"):
         tool("cluster").hashes(Pretended(), print)
 
 
 def test_other_bytes_are_found(tool):
-    with pytest.raises(tool("cluster_lab").Failed, match="2 ranks send 7200 bytes a step, and 3600 are needed"):
-        list(tool("cluster_costs").everybody(Pretended()))
+    with pytest.raises(tool("fp3cluster.lab").Failed, match="2 ranks send 7200 bytes a step, and 3600 are needed"):
+        list(tool("fp3cluster.costs").everybody(Pretended()))
 
 
 def test_the_model_finds_its_constants(tool):
-    model = tool("cluster_model")
+    model = tool("fp3cluster.model")
     constants = {"step_us": 3.0, "object_us": 0.02, "near_latency_us": 1.5, "near_us_per_byte": 1e-4, "far_latency_us": 40.0, "far_us_per_byte": 2e-3,
                  "switch_us": 9.0}
     rows = [{"side": side, "ranks": ranks, "nodes": nodes, "delay_us": 0, "bytes": 96.0 * side * (ranks - 1), "is_fitted": True}
@@ -96,16 +96,16 @@ def test_the_model_finds_its_constants(tool):
 
 
 def test_the_page_is_made_of_it(tool, measured, root):
-    text = tool("cluster_report").page((root / "docs/cluster.md").read_text(encoding="utf-8"), measured)
+    text = tool("fp3cluster.report").page((root / "docs/cluster.md").read_text(encoding="utf-8"), measured)
     assert f"| cloth | links | 8 | `{measured['hashes'][0]['hash'][:12]}` | – | 1, 2, 3 | – |\n" in text
     with pytest.raises(SystemExit, match="no place for kills"):
-        tool("cluster_report").page(text.replace("<!-- kills -->", ""), measured)
+        tool("fp3cluster.report").page(text.replace("<!-- kills -->", ""), measured)
 
 
 # ---- the wire ----
 
 def test_the_wire_delays(tool, build):
-    lab = tool("cluster_lab")
+    lab = tool("fp3cluster.lab")
     if why := lab.why_no_nodes(build / "bench/wire"):
         pytest.skip(why)
     with lab.two_nodes(build / "bench/wire", 3000):

@@ -8,9 +8,9 @@
  * Prints one line: objects N, rows N (of the fullest lane), copies N, words N (of each), cycles N,
  * of copies N.
  */
-#include "foreseen.h"
 #include "engine/common/ghosts.h"
 #include "engine/common/partition.h"
+#include "foreseen.h"
 
 #include <fp3/program.h>
 #include <inttypes.h>

@@ -72,7 +72,7 @@ def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, lo
 def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):
     """With the store as early before the registers, and results sooner; without fp_value z is read behind x, and so is its sign."""
     monkeypatch.syspath_prepend(root / "tools")
-    import one_config
+    from fp3fpga import one_config
     from fp3gen.read import load
     row = next(row for row in load(root).configs if row["name"] == "world") | {"name": "some"} | keys
     tree = tmp_path / "some"

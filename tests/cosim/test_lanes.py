@@ -52,7 +52,7 @@ def test_scenes_on_eight_lanes(root, build, cloth, name, steps):
 def test_other_numbers_of_lanes(root, build, tmp_path, monkeypatch, cloth, lanes):
     """Two lanes, a group that is not full, and what fills a chip: built, and tested as the named ones are."""
     monkeypatch.syspath_prepend(root / "tools")
-    import one_config
+    from fp3fpga import one_config
     from fp3gen.read import load
     row = next(row for row in load(root).configs if row["name"] == "fabric") | {"name": "some", "lanes": lanes, "store_words": 16384}
     tree = tmp_path / "some"

@@ -13,8 +13,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 pytest.importorskip("numpy")
 import gallery  # noqa: E402
-import gallery_page  # noqa: E402
-import world_scene as ws  # noqa: E402
+from fp3gallery import page  # noqa: E402
+from fp3world import scene as ws  # noqa: E402
 
 DATA = json.loads((ROOT / "docs/gallery.json").read_text(encoding="utf-8"))
 FEW = 8                                                 # steps
@@ -62,7 +62,7 @@ def test_the_data_are_of_all_scenes_and_engines_agree():
 
 
 def test_the_page_is_that_of_the_data():
-    assert (ROOT / "docs/gallery.md").read_text(encoding="utf-8") == gallery_page.page(gallery.SCENES, DATA)
+    assert (ROOT / "docs/gallery.md").read_text(encoding="utf-8") == page.page(gallery.SCENES, DATA)
 
 
 def test_clocks_are_those_of_place_and_route():

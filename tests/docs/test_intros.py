@@ -18,7 +18,7 @@ def tool(root, monkeypatch):
 
 
 def test_stress(root, tool):
-    made, page = tool("stress_report"), (root / "docs/stress.md").read_text(encoding="utf-8")
+    made, page = tool("fp3bench.stress"), (root / "docs/stress.md").read_text(encoding="utf-8")
     assert f"# Stress\n\n{made.INTRODUCTION}\n\n" in page
     for heading, text in made.SECTIONS.values():
         assert f"## {heading}\n\n{text}\n" in page and f"| {heading} |" in page
@@ -31,6 +31,6 @@ def test_benchmarks(root, tool):
 
 
 def test_world(root, tool):
-    made, page = tool("world_report"), (root / "docs/world.md").read_text(encoding="utf-8")
+    made, page = tool("fp3world.report"), (root / "docs/world.md").read_text(encoding="utf-8")
     for text in (made.HEAD, made.SCENES, made.PHYSICS, made.HASHES, made.SPEED, made.CHIP):
         assert f"\n\n{text}\n\n" in page

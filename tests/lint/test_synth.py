@@ -210,7 +210,7 @@ def test_a_device_with_few_pins_gets_three_and_a_constraint_for_each(tree):
 
 
 def test_what_does_not_fit_is_not_placed_and_says_by_how_much(tree):
-    families = tree / "tools/families.py"
+    families = tree / "tools/fp3fpga/families.py"
     families.write_text(families.read_text().replace('"lut4": 24288', '"lut4": 500'))
     done, rows = synth(tree, "--sizes", "--config", "single", "--device", "LFE5U-25F", "--device", "LFE5U-85F", "--grades", "6", "--seeds", "1")
     assert done.returncode == 0 and "not placed, it takes 124.0 % of lut4" in done.stdout

@@ -214,7 +214,7 @@ def test_lifetimes(fp3, tmp_path, engine):
 def test_other_configurations_agree(root, build, tmp_path, monkeypatch):
     """bfloat16 records of numbers with 10 fraction bits, two groups of lanes, results as soon as may be: built, and tested as the named ones are."""
     monkeypatch.syspath_prepend(root / "tools")
-    import one_config
+    from fp3fpga import one_config
     from fp3gen.read import load
     row = next(row for row in load(root).configs if row["name"] == "many_half") | {
         "name": "some", "storage": 1, "fraction": 10, "lanes": 5, "contexts": 6, "store_words": 512, "registers": 16, "program_words": 512,

@@ -7,8 +7,8 @@ import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
 import world  # noqa: E402
-import world_physics  # noqa: E402
-import world_scene  # noqa: E402
+from fp3world import physics  # noqa: E402
+from fp3world import scene as world_scene  # noqa: E402
 
 CHECKS = {check.__name__: check for check in world.CHECKS}
 # Something else than what is compared with: what is replaced in the scene, by what.
@@ -32,7 +32,7 @@ BROKEN = {
 
 @pytest.fixture
 def lab(build, tmp_path):
-    return world_physics.Lab(build / "fp3", tmp_path, True)
+    return physics.Lab(build / "fp3", tmp_path, True)
 
 
 @pytest.mark.parametrize("name", [name for name in CHECKS if name != "heap"])

@@ -122,12 +122,12 @@ def test_what_is_not_installed_is_left_out(world, root, tmp_path):
 def lab(root, build, tmp_path, monkeypatch):
     """The tools' modules, on the quick forms."""
     monkeypatch.syspath_prepend(root / "tools")
-    return importlib.import_module("world_physics").Lab(build / "fp3", tmp_path, True)
+    return importlib.import_module("fp3world.physics").Lab(build / "fp3", tmp_path, True)
 
 
 def test_the_error_of_a_net_is_its_distance_from_double_precision(lab, measured):
     """The double steps against forces of all links one by one; a wrong spring, a step too many and a moved mass are told."""
-    truth, physics, ws = (importlib.import_module(name) for name in ("world_truth", "world_physics", "world_scene"))
+    truth, physics, ws = (importlib.import_module(name) for name in ("fp3world.truth", "fp3world.physics", "fp3world.scene"))
     net = truth.Net(True)
     x, v, steps = net.start(), numpy.zeros((net.objects, 3)), net.steps
     links = [(a, b, k, numpy.hypot(b % 40 - a % 40, b // 40 - a // 40) * net.spacing) for kind, k in net.stiffness.items() for a, b, _ in ws.grid_links((40, 20), net.spacing, (kind,))]
@@ -151,7 +151,7 @@ def test_the_error_of_a_net_is_its_distance_from_double_precision(lab, measured)
 
 def test_the_error_of_stars_is_that_of_their_energy(lab, measured):
     """A longer step errs more, by its square; fp3 in float32 has roundings beside it."""
-    truth = importlib.import_module("world_truth")
+    truth = importlib.import_module("fp3world.truth")
     stars = truth.Stars("stars, 1024", True)
 
     def error(parts):
@@ -171,7 +171,7 @@ def test_the_error_of_stars_is_that_of_their_energy(lab, measured):
 
 def test_a_net_by_bullet(root, build, lab):
     """Where its library is installed: springs as in double precision; threads that neither burst nor stay; bad arguments."""
-    truth, program = importlib.import_module("world_truth"), build / "bench/bullet"
+    truth, program = importlib.import_module("fp3world.truth"), build / "bench/bullet"
     if not program.exists():
         pytest.skip("needs libbullet-dev: make setup-bench")
     net = truth.Net(True)

@@ -4,10 +4,10 @@ import json
 import math
 import subprocess
 
-import world_cases
-import world_scene as ws
-import world_truth
-from world_physics import Lab
+from fp3world import cases
+from fp3world import scene as ws
+from fp3world import truth
+from fp3world.physics import Lab
 
 
 def run(command, what, seconds=None):
@@ -36,7 +36,7 @@ def of_case(case, program, lab):
     path = ws.put(lab.folder, case.text(lab.quick), "speed")
     turns = ["--steps", 5, "--repeats", 3] if lab.quick else ["--steps", case.steps, "--before", case.before, "--repeats", 15]
     run([program, "--scene", path, "--json", output, *turns, *(["--loop", case.loop] if case.loop else [])], case.label)
-    error = world_truth.of_fp3(lab, case)
+    error = truth.of_fp3(lab, case)
     for row in json.loads(output.read_text(encoding="utf-8")):
         yield {"scene": case.name(lab.quick)} | row | {"error": error}
 
@@ -75,7 +75,7 @@ def measure(options, folder, say):
         rows.append(row)
         error = "" if row["error"] is None else f", error {row['error']:.2g}"
         say(f"{row['scene']}, {row['engine']} {row['variant']}, threads {row['threads']}: {row['ns_per_object_step']:.2f} ns{error}")
-    for case in world_cases.CASES:
+    for case in cases.CASES:
         if case.quick or not options.quick:
             for row in of_case(case, options.bench, lab):
                 keep(row)

@@ -10,7 +10,7 @@ import tomllib
 
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "programs/world"
 STATE = re.compile(r"^(\S+) +\S+ +0x([0-9a-f]{8})   object (\d+)$", re.M)
 

@@ -5,7 +5,7 @@ far apart they may be, with the reason.
 """
 
 import numpy as np
-import world_scene as ws
+from fp3world import scene as ws
 
 
 class Lab:

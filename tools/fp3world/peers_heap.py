@@ -1,8 +1,8 @@
 """The scene heap by others: balls at rest in a box. Each is a function of a lab that yields rows."""
 
 from world_peers import row, shortest
-from world_scene import Failed
-from world_truth import Heap
+from fp3world.scene import Failed
+from fp3world.truth import Heap
 
 
 def lammps_heap(lab):

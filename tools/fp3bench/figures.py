@@ -8,7 +8,7 @@ ERRORS = [10.0 ** -digits for digits in range(1, 14)]
 PEERS = {"plain_c": "plain C", "gsl": "GSL", "sundials": "SUNDIALS", "diffrax": "diffrax", "heyoka": "heyoka"}
 # How a curve looks: a family has a colour, its members have dashes and marks of their own. The same everywhere.
 DASHES, MARKS = ["-", "--", ":", "-."], "os^Dv*X"
-FAMILIES = families(pathlib.Path(__file__).resolve().parents[1])
+FAMILIES = families(pathlib.Path(__file__).resolve().parents[2])
 COLOURS = {member: family["colour"] for family in FAMILIES["solvers"] for member in family["members"]}
 
 

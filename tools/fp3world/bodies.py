@@ -1,8 +1,8 @@
 """What theory says of the scenes, beside what their objects do: bodies that attract each other."""
 
 import numpy as np
-import world_scene as ws
-from world_physics import relative, row
+from fp3world import scene as ws
+from fp3world.physics import relative, row
 
 
 def energy(x, v, m, soft):

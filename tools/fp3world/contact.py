@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-import world_scene as ws
-from world_physics import relative, row
+from fp3world import scene as ws
+from fp3world.physics import relative, row
 
 R = 0.05
 M = 0.01

@@ -1,8 +1,8 @@
 """What was measured, beside what particles of water do."""
 
 import numpy as np
-import world_scene as ws
-from world_physics import relative, row
+from fp3world import scene as ws
+from fp3world.physics import relative, row
 
 # Martin and Moyce, Philosophical Transactions of the Royal Society A 244 (1952), table 2: a column twice as high as it is wide.
 # Time in widths: t sqrt(2 g/a); where the front is, in widths.

@@ -1,15 +1,15 @@
 """How a netlist is made and placed, for tools/synth.py, tools/chip.py and tools/bitstream.py alike. What differs between families
-is in tools/families.py."""
+is in tools/fp3fpga/families.py."""
 
 import importlib.metadata
 import pathlib
 import re
 import subprocess
 
-from families import DEVICES, FAMILIES
+from fp3fpga.families import DEVICES, FAMILIES
 from fp3gen import fusesoc
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOLS = ROOT / ".venv/bin"       # where `make setup-fpga` and `make setup-boards` put the tools
 WITHOUT_REGISTERS = ("fp3_mux4.v",)  # where a family has its own, it pays in every configuration
 

@@ -1,7 +1,7 @@
 """The scene stars by others: all pairs, leapfrog, drift-kick-drift. Each is a function of a lab that yields rows."""
 
 from world_peers import row, shortest
-from world_truth import Stars
+from fp3world.truth import Stars
 
 
 def cases(lab):

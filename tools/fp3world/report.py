@@ -70,7 +70,7 @@ nothing is known to compare with.
 - `heap`: the largest difference of a coordinate from where FP3 has the balls, after 256 steps from the same start at rest, as a share
   of the width of the box. It has the errors of both, and the difference of their integrators.
 
-The program with Bullet's nets is `bench/world/bullet.cpp`; `tools/world_peers_net.py`, `world_peers_heap.py` and `world_peers_stars.py` have the other
+The program with Bullet's nets is `bench/world/bullet.cpp`; `tools/fp3world/peers_net.py`, `peers_heap.py` and `peers_stars.py` have the other
 peers. A result that is too far off makes no row, and neither does a peer that fails: `make world` names it and ends with exit code 1."""
 
 CHIP = """\
@@ -80,7 +80,7 @@ others see."""
 
 PHYSICS = """\
 The columns: the scene; a quantity; what theory or an experiment says; what the objects do; the largest difference allowed, whose reason is `why` in the
-JSON file. The functions in `tools/world_physics.py`, `world_bodies.py`, `world_contact.py` and `world_water.py` name the sources. `tests/world`
+JSON file. The functions in `tools/fp3world/physics.py`, `bodies.py`, `contact.py` and `water.py` name the sources. `tests/world`
 changes each scene a little, and then a row no longer holds."""
 
 

@@ -7,8 +7,8 @@ import sys
 import time
 
 import bench
-import cluster_model
-from cluster_lab import Failed, environment, round_trip_us, two_nodes, why_no_nodes
+from fp3cluster import model as cluster_model
+from fp3cluster.lab import Failed, environment, round_trip_us, two_nodes, why_no_nodes
 
 DELAYS = {False: (0, 50, 200, 1000), True: (0, 200)}
 REACH = 2          # of the cloth's links, in masses

@@ -6,9 +6,9 @@ A net's steps are made again in double precision. Bodies that attract each other
 import math
 
 import numpy as np
-import world_bodies
-import world_cases
-import world_scene as ws
+from fp3world import bodies
+from fp3world import cases
+from fp3world import scene as ws
 
 # ---- where fp3 has the objects ----
 
@@ -28,7 +28,7 @@ class Net:
     stiffness = {"structural": 60.0, "shear": 60.0, "bending": 6.0}
 
     def __init__(self, quick):
-        self.case = world_cases.find("net")
+        self.case = cases.find("net")
         self.columns, self.rows = (40, 20) if quick else (128, 128)
         self.objects, self.steps = self.columns * self.rows, 64 if quick else 1024
         self.size = self.spacing * (max(self.columns, self.rows) - 1)
@@ -82,14 +82,14 @@ class Stars:
     h, soft = 2.0 ** -10, 0.1
 
     def __init__(self, label, quick):
-        self.case, self.name, self.objects = world_cases.find(label), world_cases.find(label).name(quick), 70 if quick else int(label.split()[-1])
+        self.case, self.name, self.objects = cases.find(label), cases.find(label).name(quick), 70 if quick else int(label.split()[-1])
         self.steps = 64 if quick else 2048
 
     def start(self, lab):
         return at(lab, self.case, 0)
 
     def energy(self, x, v):
-        return world_bodies.energy(x, v, np.full(self.objects, 1 / self.objects), self.soft)
+        return bodies.energy(x, v, np.full(self.objects, 1 / self.objects), self.soft)
 
     def error(self, lab, x, v):
         """Change of the energy after the steps, as a share of it."""
@@ -103,7 +103,7 @@ class Heap:
     radius, mass, stiff, damp, h, g = 0.05, 0.01, 1000.0, 1.0, 2.0 ** -10, 9.81
 
     def __init__(self, quick):
-        self.case = world_cases.find("heap")
+        self.case = cases.find("heap")
         self.side, self.before, self.steps = 3.2, 2048 if quick else self.case.before, 64 if quick else 256
 
     def start(self, lab):

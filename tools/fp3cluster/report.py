@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 import bench
-import cluster_model as cm
+from fp3cluster import model as cm
 import plot
 
 PAGE, PICTURE, INPUT = bench.ROOT / "docs/cluster.md", bench.ROOT / "docs/cluster.svg", bench.ROOT / "build/results/cluster.json"

@@ -9,7 +9,7 @@ import tops
 from fp3gen.read import load
 from generate import outputs
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 KEYS = (ROOT / "isa/configs.toml").read_text(encoding="utf-8").partition("[[config]]")[0]
 CFLAGS = "-O1 -D_GNU_SOURCE -ffp-contract=off -w".split()
 LIBS = "-lgsl -lgslcblas -lconfig -lz -ldl -lm".split()

@@ -3,8 +3,8 @@
 import subprocess
 
 from world_peers import row, shortest
-from world_scene import Failed
-from world_truth import Net
+from fp3world.scene import Failed
+from fp3world.truth import Net
 
 
 def measured(lab, net, turn, positions, steps=50, repeats=15):

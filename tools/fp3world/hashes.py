@@ -3,7 +3,7 @@
 import csv
 
 import numpy as np
-import world_scene as ws
+from fp3world import scene as ws
 
 STEPS = {True: 64, False: 10000}
 STEPS_LARGE = {True: 4, False: 1000}

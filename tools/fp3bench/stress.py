@@ -2,7 +2,7 @@
 
 import re
 
-from bench_figures import INTEGRATORS, OTHER
+from fp3bench.figures import INTEGRATORS, OTHER
 from fp3gen.text import table
 from plot import draw
 

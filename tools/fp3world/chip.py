@@ -5,8 +5,8 @@ import re
 import subprocess
 import tomllib
 
-import world_hashes
-import world_scene as ws
+from fp3world import hashes
+from fp3world import scene as ws
 
 STEPS = {True: (4, 8), False: (50, 100)}
 SCENES = ["balls", "chain", "cloth", "planets", "stars"]
@@ -37,7 +37,7 @@ def measure(fp3, folder, quick, say):
     """Cycles of the steps alone: those of a longer run less those of a shorter one."""
     rows, refused = [], []
     for name in SCENES:
-        label, text = world_hashes.form_of(name, world_hashes.SMALL)
+        label, text = hashes.form_of(name, hashes.SMALL)
         path = ws.put(folder, text, "chip")
         for config in ws.worlds():
             try:

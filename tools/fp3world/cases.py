@@ -1,6 +1,6 @@
 """The forms of the scenes whose speed is measured, and what a turn of each is."""
 
-import world_scene as ws
+from fp3world import scene as ws
 
 
 class Case:

@@ -9,11 +9,11 @@ import re
 
 import numpy as np
 import ode_reader
-import world_bodies
-import world_contact
-import world_physics
-import world_scene as ws
-import world_water
+from fp3world import bodies
+from fp3world import contact
+from fp3world import physics
+from fp3world import scene as ws
+from fp3world import water
 
 FINER = 4
 
@@ -68,7 +68,7 @@ def flag(lab, scene, steps=512):
     found, _ = record(lab, scene, "--every", steps, "--steps", steps)
     h, m, air, c, wave = 2.0 ** -10, *(float(np.float32(x)) for x in (0.001, 0.004, 0.005, 6.2831853 / 0.9))
     count = (20, 32)
-    springs = world_physics.springs_of_grid(count, 0.05, [(["structural", "shear"], 100), (["bending"], 10)])
+    springs = physics.springs_of_grid(count, 0.05, [(["structural", "shear"], 100), (["bending"], 10)])
     x, v = ws.vectors(found, "x")[0], ws.vectors(found, "v")[0]
     moves = (np.arange(len(x)) >= count[0])[:, None]
     for n in range(steps):
@@ -133,13 +133,13 @@ def lorenz(lab, scene):
 # ---- all of them ----
 
 # Of the scenes of programs/world: the function, the first words of the rows, and what they are called here, if not so.
-WORLD = {"heap": (world_contact.heap, {"force on the floor": ""}),
-         "plummer": (world_bodies.plummer, {"energy after": "", "change of angular momentum": "",
+WORLD = {"heap": (contact.heap, {"force on the floor": ""}),
+         "plummer": (bodies.plummer, {"energy after": "", "change of angular momentum": "",
                                             "radius that has": "radius within which half of the mass is, mean from t = 4 on"}),
-         "dam": (world_water.dam, {"speed of the front": "speed of the front from t = 1.3 on, in sqrt(2 g a)", "largest change of density": ""}),
-         "eight": (world_bodies.eight, {"how far bodies are from where they were": "largest distance of a body from its start, after a period",
+         "dam": (water.dam, {"speed of the front": "speed of the front from t = 1.3 on, in sqrt(2 g a)", "largest change of density": ""}),
+         "eight": (bodies.eight, {"how far bodies are from where they were": "largest distance of a body from its start, after a period",
                                         "largest change of energy": ""}),
-         "chain": (world_physics.chain, {"angular frequency of mode 1,": "", "largest error of the 32": "largest relative error of the 32 frequencies"})}
+         "chain": (physics.chain, {"angular frequency of mode 1,": "", "largest error of the 32": "largest relative error of the 32 frequencies"})}
 OWN = {function.__name__: function for function in (flag, pendulums, arenstorf, van_der_pol, duffing, ships, lorenz)}
 
 

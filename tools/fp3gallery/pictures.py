@@ -6,11 +6,11 @@ light pages and on dark ones.
 
 import subprocess
 
-import gallery_errors
+from fp3gallery import errors
 import matplotlib.image
 import numpy as np
 import PIL.Image
-import world_scene as ws
+from fp3world import scene as ws
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
@@ -145,7 +145,7 @@ def chain(fp3, folder, scene):
 
 def pendulums(fp3, folder, scene):
     found, times = record(fp3, folder, scene, "--every", 64)
-    x1, y1, x2, y2 = gallery_errors.bobs(found)
+    x1, y1, x2, y2 = errors.bobs(found)
     paint = colours_of("turbo", x1.shape[1], 0.05, 0.95)
     figure, axes = canvas(340, ncols=3)
     for one, t in zip(axes, (5, 6, 7)):

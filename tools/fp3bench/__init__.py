@@ -1,0 +1,1 @@
+"""What tools/bench_report.py and tools/stress.py are made of."""

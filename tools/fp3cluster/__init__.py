@@ -1,0 +1,1 @@
+"""What tools/cluster.py is made of."""

@@ -1,0 +1,1 @@
+"""What synthesis, place and route, and builds of one configuration are made of."""

@@ -1,0 +1,1 @@
+"""What tools/gallery.py is made of."""

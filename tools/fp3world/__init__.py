@@ -1,0 +1,1 @@
+"""What tools/world.py and tools/world_peers.py are made of."""
