@@ -78,47 +78,98 @@ static void refuse_unknown(const arguments *a, const char *name, size_t length) 
     usage(a);
 }
 
-static void note(arguments *a, int option) {
-    const fp3_option *o = &a->table[option];
-    if (!o->value || o->is_repeated || !a->given[option]++)
-        return;
-    fprintf(stderr, "%s: --%s is given twice\n", a->command, o->name);
-    usage(a);
+/* ---- what a line says ---- */
+
+typedef struct {
+    arguments all;
+    int argc, at;
+    char *const *argv;
+    fp3_argument_fn *tell;
+    void *user;
+    fp3_error *error;
+    int is_argp_next; /* argp reads the line, too, and refuses the rest of what is wrong */
+} reader;
+
+/* attached: what stands in the same word; NULL: nothing. */
+static fp3_status tell(reader *r, int option, const char *attached) {
+    const fp3_option *o = &r->all.table[option];
+    if (attached && !o->value && !r->is_argp_next)
+        return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: found a value, expected none", o->name);
+    if (o->value && !attached && !o->is_optional) {
+        if (r->at + 1 == r->argc)
+            return r->is_argp_next
+                       ? FP3_OK
+                       : fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: expected a value", o->name);
+        attached = r->argv[++r->at];
+    }
+    return r->tell(r->user, o, attached, r->error);
 }
 
-/* ---- walking ---- */
-
-/* Whether the next word is the value of the option in this one. */
-static int walk_long(arguments *a, const char *text) {
+static fp3_status tell_long(reader *r, const char *text) {
     const size_t length = strcspn(text, "=");
     int count;
-    const int option = find_long(a, text, length, &count);
-    if (count == 0)
-        refuse_unknown(a, text, length);
-    if (option < 0 || count > 1) /* argp's own, or argp says that it is ambiguous */
-        return 0;
-    note(a, option);
-    return a->table[option].value && !a->table[option].is_optional && !text[length];
+    const int option = find_long(&r->all, text, length, &count);
+    if (count == 0 && r->is_argp_next)
+        refuse_unknown(&r->all, text, length);
+    if (option < 0 || count != 1)
+        return r->is_argp_next ? FP3_OK
+                               : fp3_fail(r->error, FP3_E_ARGUMENT,
+                                          "--%.*s: no option of %s, or of several the beginning",
+                                          length < 100 ? (int)length : 100, text, r->all.command);
+    return tell(r, option, text[length] ? &text[length + 1] : NULL);
 }
 
-static int walk_short(arguments *a, const char *text) {
-    for (; *text; text++) {
-        const int option = find_short(a, *text);
+static fp3_status tell_short(reader *r, const char *text) {
+    fp3_status status = FP3_OK;
+    for (; !status && *text; text++) {
+        const int option = find_short(&r->all, *text);
         if (option < 0)
-            return 0;
-        note(a, option);
-        if (a->table[option].value)
-            return !text[1];
+            return r->is_argp_next ? FP3_OK
+                                   : fp3_fail(r->error, FP3_E_ARGUMENT, "-%c: no option of %s",
+                                              *text, r->all.command);
+        if (r->all.table[option].value)
+            return tell(r, option, text[1] ? &text[1] : NULL);
+        status = tell(r, option, NULL);
     }
-    return 0;
+    return status;
 }
 
-static void walk(arguments *a, int argc, char **argv) {
-    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        if (argv[i][0] != '-' || !argv[i][1])
-            continue;
-        i += argv[i][1] == '-' ? walk_long(a, argv[i] + 2) : walk_short(a, argv[i] + 1);
+static fp3_status each(reader *r) {
+    fp3_status status = FP3_OK;
+    int is_over = 0; /* after "--" */
+    for (r->at = 1; !status && r->at < r->argc; r->at++) {
+        const char *word = r->argv[r->at];
+        if (!is_over && !strcmp(word, "--"))
+            is_over = 1;
+        else if (is_over || word[0] != '-' || !word[1])
+            status = r->tell(r->user, NULL, word, r->error);
+        else
+            status = word[1] == '-' ? tell_long(r, word + 2) : tell_short(r, word + 1);
     }
+    return status;
+}
+
+fp3_status fp3_arguments_each(const fp3_option *table, int argc, char *const *argv,
+                              fp3_argument_fn *tell, void *user, fp3_error *error) {
+    reader r = {.all = {.table = table, .command = argv[0]},
+                .argc = argc,
+                .argv = argv,
+                .tell = tell,
+                .user = user,
+                .error = error};
+    return each(&r);
+}
+
+/* An fp3_argument_fn: ends at an option with a value that is given twice. */
+static fp3_status note(void *user, const fp3_option *o, const char *value, fp3_error *error) {
+    arguments *a = user;
+    (void)value;
+    (void)error;
+    if (!o || !o->value || o->is_repeated || !a->given[o - a->table]++)
+        return FP3_OK;
+    fprintf(stderr, "%s: --%s is given twice\n", a->command, o->name);
+    usage(a);
+    return FP3_OK;
 }
 
 /* ---- taking ---- */
@@ -208,7 +259,8 @@ static error_t parse(int key, char *text, struct argp_state *state) {
 
 void fp3_arguments_parse(const fp3_command *command, int argc, char **argv, void *options) {
     static const fp3_option none[] = {{0}};
-    const arguments a = {.table = command->options ? command->options : none, .command = argv[0]};
+    arguments a = {.table = command->options ? command->options : none, .command = argv[0]};
+    reader r = {.all = a, .argc = argc, .argv = argv, .tell = note, .user = &a, .is_argp_next = 1};
     struct argp_option list[TABLE_MOST + 1] = {{0}};
     const struct argp argp = {
         .options = list, .parser = parse, .args_doc = command->forms, .doc = command->doc};
@@ -218,75 +270,9 @@ void fp3_arguments_parse(const fp3_command *command, int argc, char **argv, void
                                        o->value, o->is_optional ? OPTION_ARG_OPTIONAL : 0,
                                        o->doc,   0};
     }
-    walk(&(arguments){.table = a.table, .command = a.command}, argc, argv);
+    each(&r);
     if (argp_parse(&argp, argc, argv, 0, NULL, &(taker){command, options}))
         exit(argp_err_exit_status);
-}
-
-/* ---- what a line says ---- */
-
-typedef struct {
-    arguments all;
-    int argc, at;
-    char *const *argv;
-    fp3_argument_fn *tell;
-    void *user;
-    fp3_error *error;
-} reader;
-
-/* attached: what stands in the same word; NULL: nothing. */
-static fp3_status tell(reader *r, int option, const char *attached) {
-    const fp3_option *o = &r->all.table[option];
-    if (attached && !o->value)
-        return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: found a value, expected none", o->name);
-    if (o->value && !attached && !o->is_optional) {
-        if (r->at + 1 == r->argc)
-            return fp3_fail(r->error, FP3_E_ARGUMENT, "--%s: expected a value", o->name);
-        attached = r->argv[++r->at];
-    }
-    return r->tell(r->user, o, attached, r->error);
-}
-
-static fp3_status tell_long(reader *r, const char *text) {
-    const size_t length = strcspn(text, "=");
-    int count;
-    const int option = find_long(&r->all, text, length, &count);
-    if (option < 0 || count != 1)
-        return fp3_fail(r->error, FP3_E_ARGUMENT,
-                        "--%.*s: no option of %s, or of several the beginning",
-                        length < 100 ? (int)length : 100, text, r->all.command);
-    return tell(r, option, text[length] ? &text[length + 1] : NULL);
-}
-
-static fp3_status tell_short(reader *r, const char *text) {
-    fp3_status status = FP3_OK;
-    for (; !status && *text; text++) {
-        const int option = find_short(&r->all, *text);
-        if (option < 0)
-            return fp3_fail(r->error, FP3_E_ARGUMENT, "-%c: no option of %s", *text,
-                            r->all.command);
-        if (r->all.table[option].value)
-            return tell(r, option, text[1] ? &text[1] : NULL);
-        status = tell(r, option, NULL);
-    }
-    return status;
-}
-
-fp3_status fp3_arguments_each(const fp3_option *table, int argc, char *const *argv,
-                              fp3_argument_fn *fn, void *user, fp3_error *error) {
-    reader r = {{.table = table, .command = argv[0]}, argc, 1, argv, fn, user, error};
-    fp3_status status = FP3_OK;
-    int is_over = 0; /* after "--" */
-    for (; !status && r.at < argc; r.at++) {
-        const char *word = argv[r.at];
-        if (!is_over && !strcmp(word, "--"))
-            is_over = 1;
-        else if (is_over || word[0] != '-' || !word[1])
-            status = fn(user, NULL, word, error);
-        else
-            status = word[1] == '-' ? tell_long(&r, word + 2) : tell_short(&r, word + 1);
-    }
-    return status;
 }
 
 uint64_t fp3_arguments_number(struct argp_state *state, const char *option, const char *text,
