@@ -98,12 +98,18 @@ struct fp3_output {
     char *before;  /* where the content goes that publishing replaces; NULL: it is lost */
 };
 
-static fp3_status no_memory(const char *path, fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
-}
-
 static fp3_status cannot_write(const fp3_output *o, fp3_error *error) {
     return fp3_path_fail(error, o->path, "cannot write");
+}
+
+/* file: below 0 with errno if it could not be opened. */
+static fp3_status open_on(fp3_output *o, int file, fp3_error *error) {
+    if (file >= 0 && (o->stream = fdopen(file, "wb")))
+        return FP3_OK;
+    const fp3_status status = cannot_write(o, error);
+    if (file >= 0)
+        close(file);
+    return status;
 }
 
 static fp3_status open_temporary(fp3_output *o, fp3_error *error) {
@@ -142,16 +148,11 @@ fp3_status fp3_output_begin(fp3_output *o, fp3_error *error) {
     drop_fresh(o);
     o->fresh = fp3_temporary_path(o->real, FP3_TEMPORARY_NEW);
     if (!o->fresh)
-        return no_memory(o->path, error);
+        return fp3_no_memory(error);
     const int file = open(o->fresh, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (file >= 0 && exists)
         fchmod(file, mode); /* whatever the umask */
-    if (file >= 0 && (o->stream = fdopen(file, "wb")))
-        return FP3_OK;
-    const fp3_status status = cannot_write(o, error);
-    if (file >= 0)
-        close(file);
-    return status;
+    return open_on(o, file, error);
 }
 
 /* Not blocked by a named pipe without a reader. */
@@ -169,12 +170,7 @@ static int open_direct(const char *path) {
 
 static fp3_status open_stream(fp3_output *o, int own, fp3_error *error) {
     const int file = own >= 0 ? fcntl(own, F_DUPFD_CLOEXEC, 0) : open_direct(o->path);
-    if (file >= 0 && (o->stream = fdopen(file, "wb")))
-        return FP3_OK;
-    const fp3_status status = cannot_write(o, error);
-    if (file >= 0)
-        close(file);
-    return status;
+    return open_on(o, file, error);
 }
 
 static fp3_status open_output(fp3_output *o, fp3_error *error) {
@@ -232,7 +228,7 @@ static fp3_status open_by(open_fn *open_it, const char *path, fp3_output **outpu
     fp3_output *o = calloc(1, sizeof *o);
     if (!o || !(o->path = strdup(path))) {
         free(o);
-        return no_memory(path, error);
+        return fp3_no_memory(error);
     }
     status = open_it(o, error);
     if (status)

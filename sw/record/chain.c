@@ -8,14 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static fp3_status no_memory(const char *path, fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", path);
-}
-
-static fp3_status make_room(fp3_chain *chain, size_t count, const char *path, fp3_error *error) {
+static fp3_status make_room(fp3_chain *chain, size_t count, fp3_error *error) {
     chain->count = count;
     chain->list = calloc(count + 1, sizeof *chain->list);
-    return chain->list ? FP3_OK : no_memory(path, error);
+    return chain->list ? FP3_OK : fp3_no_memory(error);
 }
 
 /* ---- a checkpoint ---- */
@@ -24,7 +20,7 @@ static fp3_status read_checkpoint(const char *path, fp3_chain *chain, fp3_error 
     fp3_checkpoint *checkpoint = NULL;
     fp3_status status = fp3_checkpoint_open(path, &checkpoint, error);
     if (!status)
-        status = make_room(chain, 1, path, error);
+        status = make_room(chain, 1, error);
     if (!status) {
         fp3_expected_link *link = &chain->list[0];
         link->step = fp3_checkpoint_step(checkpoint);
@@ -32,7 +28,7 @@ static fp3_status read_checkpoint(const char *path, fp3_chain *chain, fp3_error 
         chain->command = strdup(fp3_checkpoint_command(checkpoint));
     }
     fp3_checkpoint_close(&checkpoint);
-    return status || chain->command ? status : no_memory(path, error);
+    return status || chain->command ? status : fp3_no_memory(error);
 }
 
 /* ---- a recording ---- */
@@ -86,8 +82,7 @@ static fp3_status read_links(const recording *r, fp3_chain *chain, fp3_error *er
     uint64_t *steps = calloc(r->rows, sizeof *steps);
     fp3_digest *digests = calloc(r->rows, sizeof *digests);
     char *before = r->calls->text_of(r->file, -1, "hash:before");
-    fp3_status status =
-        steps && digests ? make_room(chain, r->rows, r->path, error) : no_memory(r->path, error);
+    fp3_status status = steps && digests ? make_room(chain, r->rows, error) : fp3_no_memory(error);
     if (!status && (r->calls->read(r->file, r->step, FP3_HDF5_UINT64, &rows, steps) ||
                     r->calls->read(r->file, r->chain, FP3_HDF5_UINT32, &links, digests)))
         status = failed(r, error);
@@ -107,7 +102,7 @@ static fp3_status read_recording(const char *path, fp3_chain *chain, fp3_error *
     recording r = {.path = path, .step = -1, .chain = -1};
     fp3_status status = fp3_library_hdf5(&r.calls, error);
     if (!status && !(r.file = r.calls->open(path)))
-        status = no_memory(path, error);
+        status = fp3_no_memory(error);
     if (!status)
         status = find(&r, error);
     if (!status)
@@ -117,7 +112,7 @@ static fp3_status read_recording(const char *path, fp3_chain *chain, fp3_error *
     if (r.file)
         r.calls->close(r.file);
     if (!status && !chain->command && !(chain->command = strdup("")))
-        status = no_memory(path, error);
+        status = fp3_no_memory(error);
     return status;
 }
 

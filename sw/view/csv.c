@@ -176,7 +176,7 @@ static fp3_status make_room(fp3_view_recording *r, fp3_error *error) {
             is_good &=
                 fp3_rows_grow((void **)&r->columns[i].values, held * r->objects, sizeof(float));
     self->held = held;
-    return status || is_good ? status : fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", r->path);
+    return status || is_good ? status : fp3_no_memory(error);
 }
 
 /* ---- snapshots ---- */

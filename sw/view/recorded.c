@@ -8,10 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static fp3_status out_of_memory(const fp3_view_recording *r, fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", r->path);
-}
-
 /* ---- columns ---- */
 
 fp3_status fp3_view_add(fp3_view_recording *r, char *name, char *unit, int source,
@@ -33,7 +29,7 @@ fp3_status fp3_view_add(fp3_view_recording *r, char *name, char *unit, int sourc
     free(made.unit);
     free(made.doc);
     free(made.velocity);
-    return out_of_memory(r, error);
+    return fp3_no_memory(error);
 }
 
 size_t fp3_view_find(const fp3_view_recording *r, const char *name) {

@@ -12,17 +12,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static fp3_status out_of_memory(const fp3_view_recording *r, fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "%s: out of memory", r->path);
-}
-
 /* ---- loading ---- */
 
 static fp3_status fill_made(const fp3_view_recording *r, fp3_view_column *column,
                             fp3_error *error) {
     const int is_time = !strcmp(column->name, "time");
     if (!(column->values = malloc(r->snapshots * r->objects * sizeof *column->values)))
-        return out_of_memory(r, error);
+        return fp3_no_memory(error);
     for (size_t n = 0; n < r->snapshots; n++)
         for (size_t i = 0; i < r->objects; i++)
             column->values[n * r->objects + i] = is_time ? (float)r->times[n] : (float)i;
@@ -75,7 +71,7 @@ fp3_status fp3_view_open(const char *path, fp3_view_recording **r, fp3_error *er
                             ? fp3_view_hdf5_open(made, error)
                             : fp3_view_csv_open(made, error);
     if (!status && !fill_texts(made))
-        status = out_of_memory(made, error);
+        status = fp3_no_memory(error);
     if (status)
         fp3_view_close(r);
     return status;

@@ -16,16 +16,6 @@ uint32_t fp3_pair_op(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c) {
     return there != FP3_NONE ? there : fp3_dag_make(g, op, a, b, c);
 }
 
-static uint32_t add(dag *g, uint32_t a, uint32_t b) {
-    return fp3_pair_op(g, FP3_OP_ADD, a, b, FP3_NONE);
-}
-static uint32_t sub(dag *g, uint32_t a, uint32_t b) {
-    return fp3_pair_op(g, FP3_OP_SUB, a, b, FP3_NONE);
-}
-static uint32_t mul(dag *g, uint32_t a, uint32_t b) {
-    return fp3_pair_op(g, FP3_OP_MUL, a, b, FP3_NONE);
-}
-
 uint32_t fp3_pair_low(dag *g, fp3_pair x) {
     return x.low == FP3_NONE ? fp3_dag_number(g, 0) : x.low;
 }
@@ -48,18 +38,18 @@ fp3_pair fp3_pair_known(dag *g, uint32_t known) {
 /* ---- exact ---- */
 
 fp3_pair fp3_two_sum(dag *g, uint32_t a, uint32_t b) {
-    const uint32_t s = add(g, a, b), p = sub(g, s, b), q = sub(g, s, p);
-    return (fp3_pair){s, add(g, sub(g, a, p), sub(g, b, q))};
+    const uint32_t s = fp3_word_add(g, a, b), p = fp3_word_sub(g, s, b), q = fp3_word_sub(g, s, p);
+    return (fp3_pair){s, fp3_word_add(g, fp3_word_sub(g, a, p), fp3_word_sub(g, b, q))};
 }
 
 fp3_pair fp3_two_difference(dag *g, uint32_t a, uint32_t b) {
-    const uint32_t s = sub(g, a, b), p = add(g, s, b), q = sub(g, p, s);
-    return (fp3_pair){s, sub(g, sub(g, a, p), sub(g, b, q))};
+    const uint32_t s = fp3_word_sub(g, a, b), p = fp3_word_add(g, s, b), q = fp3_word_sub(g, p, s);
+    return (fp3_pair){s, fp3_word_sub(g, fp3_word_sub(g, a, p), fp3_word_sub(g, b, q))};
 }
 
 fp3_pair fp3_fast_two_sum(dag *g, uint32_t a, uint32_t b) {
-    const uint32_t s = add(g, a, b);
-    return (fp3_pair){s, sub(g, b, sub(g, s, a))};
+    const uint32_t s = fp3_word_add(g, a, b);
+    return (fp3_pair){s, fp3_word_sub(g, b, fp3_word_sub(g, s, a))};
 }
 
 /* Two halves of 12 bits, whose products are exact. The host splits what it knows. */
@@ -68,8 +58,9 @@ static fp3_pair split(dag *g, uint32_t a) {
     if (known != FP3_NONE)
         return (fp3_pair){fp3_dag_known(g, fp3_known_make(g->known, KNOWN_HEAD, known, 0)),
                           fp3_dag_known(g, fp3_known_make(g->known, KNOWN_TAIL, known, 0))};
-    const uint32_t c = mul(g, fp3_dag_number(g, SPLITTER), a), head = add(g, sub(g, a, c), c);
-    return (fp3_pair){head, sub(g, a, head)};
+    const uint32_t c = fp3_word_mul(g, fp3_dag_number(g, SPLITTER), a),
+                   head = fp3_word_add(g, fp3_word_sub(g, a, c), c);
+    return (fp3_pair){head, fp3_word_sub(g, a, head)};
 }
 
 /* What the halves leave of the product before the last one, tail by tail: the error of the rounding
@@ -79,32 +70,33 @@ typedef struct {
 } halved;
 
 static halved product_of(dag *g, uint32_t a, uint32_t b) {
-    const uint32_t product = mul(g, a, b);
+    const uint32_t product = fp3_word_mul(g, a, b);
     const fp3_pair x = split(g, a), y = split(g, b);
-    uint32_t rest = sub(g, product, mul(g, x.high, y.high));
-    rest = sub(g, rest, mul(g, x.low, y.high));
-    rest = sub(g, rest, mul(g, x.high, y.low));
-    return (halved){product, rest, mul(g, x.low, y.low)};
+    uint32_t rest = fp3_word_sub(g, product, fp3_word_mul(g, x.high, y.high));
+    rest = fp3_word_sub(g, rest, fp3_word_mul(g, x.low, y.high));
+    rest = fp3_word_sub(g, rest, fp3_word_mul(g, x.high, y.low));
+    return (halved){product, rest, fp3_word_mul(g, x.low, y.low)};
 }
 
 static int is_fused(const dag *g) { return (g->passes & FP3_PASS(FP3_PASS_FUSE)) != 0; }
 
 fp3_pair fp3_two_product(dag *g, uint32_t a, uint32_t b) {
     if (is_fused(g)) {
-        const uint32_t product = mul(g, a, b), minus = sub(g, fp3_dag_number(g, -0.0), product);
+        const uint32_t product = fp3_word_mul(g, a, b),
+                       minus = fp3_word_sub(g, fp3_dag_number(g, -0.0), product);
         return (fp3_pair){product, fp3_pair_op(g, FP3_OP_FMADD, a, b, minus)};
     }
     const halved h = product_of(g, a, b);
-    return (fp3_pair){h.product, sub(g, h.tails, h.rest)};
+    return (fp3_pair){h.product, fp3_word_sub(g, h.tails, h.rest)};
 }
 
 fp3_pair fp3_two_product_less(dag *g, uint32_t a, uint32_t b) {
     if (is_fused(g)) {
-        const uint32_t product = mul(g, a, b);
+        const uint32_t product = fp3_word_mul(g, a, b);
         return (fp3_pair){product, fp3_pair_op(g, FP3_OP_FMSUB, a, b, product)};
     }
     const halved h = product_of(g, a, b);
-    return (fp3_pair){h.product, sub(g, h.rest, h.tails)};
+    return (fp3_pair){h.product, fp3_word_sub(g, h.rest, h.tails)};
 }
 
 /* ---- sums ---- */
@@ -113,13 +105,14 @@ static int is_single(fp3_pair x) { return x.low == FP3_NONE; }
 
 fp3_pair fp3_pair_negated(dag *g, fp3_pair x) {
     const uint32_t zero = fp3_dag_number(g, -0.0);
-    return (fp3_pair){sub(g, zero, x.high), is_single(x) ? FP3_NONE : sub(g, zero, x.low)};
+    return (fp3_pair){fp3_word_sub(g, zero, x.high),
+                      is_single(x) ? FP3_NONE : fp3_word_sub(g, zero, x.low)};
 }
 
 /* Algorithm 6 of Joldes, Muller and Popescu: s the sum of the high words, t of the low ones. */
 static fp3_pair joined(dag *g, fp3_pair s, fp3_pair t) {
-    const fp3_pair v = fp3_fast_two_sum(g, s.high, add(g, s.low, t.high));
-    return fp3_fast_two_sum(g, v.high, add(g, t.low, v.low));
+    const fp3_pair v = fp3_fast_two_sum(g, s.high, fp3_word_add(g, s.low, t.high));
+    return fp3_fast_two_sum(g, v.high, fp3_word_add(g, t.low, v.low));
 }
 
 fp3_pair fp3_pair_add(dag *g, fp3_pair x, fp3_pair y) {
@@ -127,7 +120,7 @@ fp3_pair fp3_pair_add(dag *g, fp3_pair x, fp3_pair y) {
     if (is_single(x) && is_single(y))
         return s;
     if (is_single(x) || is_single(y)) /* their Algorithm 4: 2 u^2 */
-        return fp3_fast_two_sum(g, s.high, add(g, is_single(x) ? y.low : x.low, s.low));
+        return fp3_fast_two_sum(g, s.high, fp3_word_add(g, is_single(x) ? y.low : x.low, s.low));
     return joined(g, s, fp3_two_sum(g, x.low, y.low));
 }
 
@@ -136,9 +129,9 @@ fp3_pair fp3_pair_sub(dag *g, fp3_pair x, fp3_pair y) {
     if (is_single(x) && is_single(y))
         return s;
     if (is_single(y))
-        return fp3_fast_two_sum(g, s.high, add(g, x.low, s.low));
+        return fp3_fast_two_sum(g, s.high, fp3_word_add(g, x.low, s.low));
     if (is_single(x))
-        return fp3_fast_two_sum(g, s.high, sub(g, s.low, y.low));
+        return fp3_fast_two_sum(g, s.high, fp3_word_sub(g, s.low, y.low));
     return joined(g, s, fp3_two_difference(g, x.low, y.low));
 }
 
@@ -154,7 +147,8 @@ int fp3_pair_is_power_of_two(const dag *g, fp3_pair x) {
 fp3_pair fp3_pair_scaled(dag *g, fp3_pair x, uint32_t power) {
     if (fp3_dag_is_number(g, power, 1))
         return x;
-    return (fp3_pair){mul(g, x.high, power), is_single(x) ? FP3_NONE : mul(g, x.low, power)};
+    return (fp3_pair){fp3_word_mul(g, x.high, power),
+                      is_single(x) ? FP3_NONE : fp3_word_mul(g, x.low, power)};
 }
 
 /* z - a b, rounded once. */
@@ -164,8 +158,8 @@ static uint32_t less_product(dag *g, uint32_t z, uint32_t a, uint32_t b) {
 
 /* a - b, where a is the larger one. */
 static fp3_pair fast_two_difference(dag *g, uint32_t a, uint32_t b) {
-    const uint32_t s = sub(g, a, b);
-    return (fp3_pair){s, sub(g, sub(g, a, s), b)};
+    const uint32_t s = fp3_word_sub(g, a, b);
+    return (fp3_pair){s, fp3_word_sub(g, fp3_word_sub(g, a, s), b)};
 }
 
 /* Algorithm 8: by a float. */
@@ -175,7 +169,7 @@ static fp3_pair times_single(dag *g, fp3_pair x, uint32_t y) {
     const fp3_pair p = fp3_two_product_less(g, x.high, y);
     if (is_fused(g)) /* Algorithm 9 */
         return fast_two_difference(g, p.high, less_product(g, p.low, x.low, y));
-    return fp3_fast_two_sum(g, p.high, sub(g, mul(g, x.low, y), p.low));
+    return fp3_fast_two_sum(g, p.high, fp3_word_sub(g, fp3_word_mul(g, x.low, y), p.low));
 }
 
 /* Algorithm 10. */
@@ -190,15 +184,16 @@ fp3_pair fp3_pair_mul(dag *g, fp3_pair x, fp3_pair y) {
     if (is_fused(g))
         return fast_two_difference(
             g, p.high, less_product(g, less_product(g, p.low, x.low, y.high), x.high, y.low));
-    const uint32_t crossed = add(g, mul(g, x.high, y.low), mul(g, x.low, y.high));
-    return fp3_fast_two_sum(g, p.high, sub(g, crossed, p.low));
+    const uint32_t crossed =
+        fp3_word_add(g, fp3_word_mul(g, x.high, y.low), fp3_word_mul(g, x.low, y.high));
+    return fp3_fast_two_sum(g, p.high, fp3_word_sub(g, crossed, p.low));
 }
 
 fp3_pair fp3_pair_add_smaller(dag *g, fp3_pair x, fp3_pair y) {
     const fp3_pair s = fp3_fast_two_sum(g, x.high, y.high);
-    uint32_t left = is_single(y) ? s.low : add(g, s.low, y.low);
+    uint32_t left = is_single(y) ? s.low : fp3_word_add(g, s.low, y.low);
     if (!is_single(x))
-        left = add(g, x.low, left);
+        left = fp3_word_add(g, x.low, left);
     return fp3_fast_two_sum(g, s.high, left);
 }
 
@@ -207,10 +202,12 @@ fp3_pair fp3_pair_step(dag *g, fp3_pair c, fp3_pair z, fp3_pair p) {
     const fp3_pair most = fp3_two_product_less(g, z.high, p.high);
     uint32_t left = FP3_NONE;
     if (!is_single(p))
-        left = mul(g, z.high, p.low);
+        left = fp3_word_mul(g, z.high, p.low);
     if (!is_single(z))
-        left = left == FP3_NONE ? mul(g, z.low, p.high) : add(g, left, mul(g, z.low, p.high));
-    left = left == FP3_NONE ? sub(g, fp3_dag_number(g, 0), most.low) : sub(g, left, most.low);
+        left = left == FP3_NONE ? fp3_word_mul(g, z.low, p.high)
+                                : fp3_word_add(g, left, fp3_word_mul(g, z.low, p.high));
+    left = left == FP3_NONE ? fp3_word_sub(g, fp3_dag_number(g, 0), most.low)
+                            : fp3_word_sub(g, left, most.low);
     return fp3_pair_add_smaller(g, c, (fp3_pair){most.high, left});
 }
 
@@ -222,7 +219,8 @@ fp3_pair fp3_pair_polynomial(dag *g, fp3_pair z, const double *coefficient, int 
                              int singles) {
     uint32_t few = fp3_dag_number(g, (double)(float)coefficient[0]);
     for (int i = 1; i <= singles; i++)
-        few = add(g, fp3_dag_number(g, (double)(float)coefficient[i]), mul(g, few, z.high));
+        few = fp3_word_add(g, fp3_dag_number(g, (double)(float)coefficient[i]),
+                           fp3_word_mul(g, few, z.high));
     fp3_pair p = {few, FP3_NONE};
     for (int i = singles + 1; i < count; i++)
         p = fp3_pair_step(g, fp3_pair_number(g, coefficient[i]), z, p);
@@ -234,18 +232,19 @@ fp3_pair fp3_pair_less_multiple(dag *g, fp3_pair x, uint32_t n, const double *pa
                                 int exact) {
     uint32_t most = x.high, left = x.low == FP3_NONE ? fp3_dag_number(g, 0) : FP3_NONE;
     for (int i = 0; i < exact; i++)
-        most = sub(g, most, mul(g, n, fp3_dag_number(g, part[i])));
+        most = fp3_word_sub(g, most, fp3_word_mul(g, n, fp3_dag_number(g, part[i])));
     for (int i = exact; i < count - 1; i++) {
-        const fp3_pair s = fp3_two_difference(g, most, mul(g, n, fp3_dag_number(g, part[i])));
+        const fp3_pair s =
+            fp3_two_difference(g, most, fp3_word_mul(g, n, fp3_dag_number(g, part[i])));
         most = s.high;
-        left = left == FP3_NONE ? s.low : add(g, left, s.low);
+        left = left == FP3_NONE ? s.low : fp3_word_add(g, left, s.low);
         if (i == exact && !is_single(x)) {
             const fp3_pair with = fp3_two_sum(g, most, x.low);
             most = with.high;
-            left = add(g, left, with.low);
+            left = fp3_word_add(g, left, with.low);
         }
     }
-    left = sub(g, left, mul(g, n, fp3_dag_number(g, part[count - 1])));
+    left = fp3_word_sub(g, left, fp3_word_mul(g, n, fp3_dag_number(g, part[count - 1])));
     return fp3_fast_two_sum(g, most, left);
 }
 
@@ -258,31 +257,33 @@ static uint32_t one_over(dag *g, fp3_series s) {
 /* q is off by 5 u at most, so x - q y is known within a few u^2 of x: its terms but the last are
  * exact (Sterbenz), and a reciprocal of 24 bits is enough for it. */
 fp3_pair fp3_pair_quotient(dag *g, fp3_pair x, fp3_pair y) {
-    const uint32_t over = one_over(g, fp3_reciprocal(g, y.high)), q = mul(g, x.high, over);
+    const uint32_t over = one_over(g, fp3_reciprocal(g, y.high)), q = fp3_word_mul(g, x.high, over);
     const fp3_pair p = times_single(g, y, q);
-    const uint32_t most = sub(g, x.high, p.high);
-    const uint32_t left = is_single(x) ? sub(g, most, p.low) : add(g, most, sub(g, x.low, p.low));
-    return fp3_fast_two_sum(g, q, mul(g, left, over));
+    const uint32_t most = fp3_word_sub(g, x.high, p.high);
+    const uint32_t left = is_single(x) ? fp3_word_sub(g, most, p.low)
+                                       : fp3_word_add(g, most, fp3_word_sub(g, x.low, p.low));
+    return fp3_fast_two_sum(g, q, fp3_word_mul(g, left, over));
 }
 
 /* q + (x - q^2)/(2 sqrt(x)) */
 fp3_pair fp3_pair_root(dag *g, fp3_pair x) {
     const fp3_series s = fp3_finite_inverse_root(g, x.high);
     const uint32_t q = fp3_corrected(g, fp3_term(x.high), s).node;
-    const uint32_t half = mul(g, fp3_dag_number(g, 0.5), one_over(g, s));
+    const uint32_t half = fp3_word_mul(g, fp3_dag_number(g, 0.5), one_over(g, s));
     const fp3_pair p = fp3_two_product_less(g, q, q);
-    uint32_t left = add(g, sub(g, x.high, p.high), p.low);
+    uint32_t left = fp3_word_add(g, fp3_word_sub(g, x.high, p.high), p.low);
     if (!is_single(x))
-        left = add(g, left, x.low);
-    return fp3_fast_two_sum(g, q, mul(g, left, half));
+        left = fp3_word_add(g, left, x.low);
+    return fp3_fast_two_sum(g, q, fp3_word_mul(g, left, half));
 }
 
 /* y + y/2 (1 - x y^2). The next term, 3/8 (1 - x y^2)^2 y, is 6 u^2 at most. */
 fp3_pair fp3_pair_inverse_root(dag *g, fp3_pair x) {
     const uint32_t y = one_over(g, fp3_inverse_root(g, x.high));
     const fp3_pair p = times_single(g, times_single(g, x, y), y);
-    const uint32_t left = sub(g, sub(g, fp3_dag_number(g, 1), p.high), p.low);
-    return fp3_fast_two_sum(g, y, mul(g, mul(g, fp3_dag_number(g, 0.5), y), left));
+    const uint32_t left = fp3_word_sub(g, fp3_word_sub(g, fp3_dag_number(g, 1), p.high), p.low);
+    return fp3_fast_two_sum(g, y,
+                            fp3_word_mul(g, fp3_word_mul(g, fp3_dag_number(g, 0.5), y), left));
 }
 
 /* ---- choices ---- */
@@ -294,7 +295,8 @@ static fp3_pair compared(dag *g, uint32_t op, fp3_pair x, fp3_pair y) {
     const uint32_t less = fp3_pair_op(g, FP3_OP_LT, x.high, y.high, FP3_NONE);
     const uint32_t at_most = fp3_pair_op(g, FP3_OP_LE, x.high, y.high, FP3_NONE);
     const uint32_t low = fp3_pair_op(g, op, fp3_pair_low(g, x), fp3_pair_low(g, y), FP3_NONE);
-    return (fp3_pair){fp3_pair_op(g, FP3_OP_SEL, less, mul(g, at_most, low), less), FP3_NONE};
+    return (fp3_pair){fp3_pair_op(g, FP3_OP_SEL, less, fp3_word_mul(g, at_most, low), less),
+                      FP3_NONE};
 }
 
 fp3_pair fp3_pair_less(dag *g, fp3_pair x, fp3_pair y) { return compared(g, FP3_OP_LT, x, y); }
@@ -330,6 +332,7 @@ fp3_pair fp3_pair_abs(dag *g, fp3_pair x) {
     if (is_single(x))
         return (fp3_pair){high, FP3_NONE};
     const uint32_t is_negative = fp3_pair_op(g, FP3_OP_LT, x.high, fp3_dag_number(g, 0), FP3_NONE);
-    return (fp3_pair){high, fp3_pair_op(g, FP3_OP_SEL, sub(g, fp3_dag_number(g, -0.0), x.low),
-                                        x.low, is_negative)};
+    return (fp3_pair){high,
+                      fp3_pair_op(g, FP3_OP_SEL, fp3_word_sub(g, fp3_dag_number(g, -0.0), x.low),
+                                  x.low, is_negative)};
 }

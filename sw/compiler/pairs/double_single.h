@@ -16,6 +16,7 @@
 #define FP3_DOUBLE_SINGLE_H
 
 #include "compiler/value/dag.h"
+#include <fp3/isa.h>
 
 typedef struct {
     uint32_t high, low; /* low FP3_NONE: it is 0 */
@@ -24,6 +25,15 @@ typedef struct {
 /* Nodes as they are: no pass but `common` may touch what depends on how each operation is rounded.
  */
 uint32_t fp3_pair_op(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
+static inline uint32_t fp3_word_add(dag *g, uint32_t a, uint32_t b) {
+    return fp3_pair_op(g, FP3_OP_ADD, a, b, FP3_NONE);
+}
+static inline uint32_t fp3_word_sub(dag *g, uint32_t a, uint32_t b) {
+    return fp3_pair_op(g, FP3_OP_SUB, a, b, FP3_NONE);
+}
+static inline uint32_t fp3_word_mul(dag *g, uint32_t a, uint32_t b) {
+    return fp3_pair_op(g, FP3_OP_MUL, a, b, FP3_NONE);
+}
 /* The second word, 0 where there is none. */
 uint32_t fp3_pair_low(dag *g, fp3_pair x);
 

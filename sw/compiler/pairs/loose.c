@@ -4,16 +4,6 @@
 
 #include <fp3/isa.h>
 
-static uint32_t add(dag *g, uint32_t a, uint32_t b) {
-    return fp3_pair_op(g, FP3_OP_ADD, a, b, FP3_NONE);
-}
-static uint32_t sub(dag *g, uint32_t a, uint32_t b) {
-    return fp3_pair_op(g, FP3_OP_SUB, a, b, FP3_NONE);
-}
-static uint32_t mul(dag *g, uint32_t a, uint32_t b) {
-    return fp3_pair_op(g, FP3_OP_MUL, a, b, FP3_NONE);
-}
-
 static int is_single(fp3_loose x) { return x.words.low == FP3_NONE; }
 
 static unsigned larger(unsigned a, unsigned b) { return a > b ? a : b; }
@@ -21,22 +11,22 @@ static unsigned larger(unsigned a, unsigned b) { return a > b ? a : b; }
 fp3_loose fp3_loose_of(fp3_pair x) { return (fp3_loose){x, 0, 0, x.low == FP3_NONE ? 0 : 1}; }
 
 fp3_loose fp3_loose_negated(dag *g, fp3_loose x) {
-    x.words.high = sub(g, fp3_dag_number(g, -0.0), x.words.high);
+    x.words.high = fp3_word_sub(g, fp3_dag_number(g, -0.0), x.words.high);
     x.is_less = !is_single(x) && !x.is_less;
     return x;
 }
 
 /* base + word, or base - word. */
 static uint32_t with(dag *g, uint32_t base, uint32_t word, int is_less) {
-    return (is_less ? sub : add)(g, base, word);
+    return (is_less ? fp3_word_sub : fp3_word_add)(g, base, word);
 }
 
 /* As fp3_fast_two_sum. */
 static fp3_pair settled(dag *g, fp3_loose x) {
     if (!x.is_less)
         return fp3_fast_two_sum(g, x.words.high, x.words.low);
-    const uint32_t s = sub(g, x.words.high, x.words.low);
-    return (fp3_pair){s, sub(g, sub(g, x.words.high, s), x.words.low)};
+    const uint32_t s = fp3_word_sub(g, x.words.high, x.words.low);
+    return (fp3_pair){s, fp3_word_sub(g, fp3_word_sub(g, x.words.high, s), x.words.low)};
 }
 
 /* Where a sum has cancelled, the first word may be the smaller one: then what is rounded is u of
@@ -53,8 +43,8 @@ static uint32_t with_both(dag *g, uint32_t base, uint32_t a, int is_a_less, uint
                : b != FP3_NONE ? with(g, base, b, is_b_less)
                                : base;
     if (is_a_less == is_b_less)
-        return with(g, base, add(g, a, b), is_a_less);
-    return add(g, base, is_a_less ? sub(g, b, a) : sub(g, a, b));
+        return with(g, base, fp3_word_add(g, a, b), is_a_less);
+    return fp3_word_add(g, base, is_a_less ? fp3_word_sub(g, b, a) : fp3_word_sub(g, a, b));
 }
 
 static int is_zero(const dag *g, fp3_loose x) {
@@ -88,7 +78,7 @@ static int is_known(const dag *g, fp3_loose x) {
 }
 
 static uint32_t cross(dag *g, fp3_loose low_of, fp3_loose high_of) {
-    return is_single(low_of) ? FP3_NONE : mul(g, low_of.words.low, high_of.words.high);
+    return is_single(low_of) ? FP3_NONE : fp3_word_mul(g, low_of.words.low, high_of.words.high);
 }
 
 /* The error of the product of the first words is known with the other sign, and so is all that is
@@ -115,7 +105,7 @@ fp3_pair fp3_loose_pair(dag *g, fp3_loose x) {
     if (x.is_rough)
         return (x.is_less ? fp3_two_difference : fp3_two_sum)(g, x.words.high, x.words.low);
     if (x.is_less)
-        x.words.low = sub(g, fp3_dag_number(g, 0), x.words.low);
+        x.words.low = fp3_word_sub(g, fp3_dag_number(g, 0), x.words.low);
     return x.words;
 }
 
