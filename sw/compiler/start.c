@@ -15,8 +15,6 @@
 #include "compiler/adaptive/adapted.h"
 #include "inputs.h"
 
-/* A param or start below both is on its way to 0. A constant of nature may be small, but it is not
- * far below its default. */
 #define TINY 0x1p-50
 #define FAR_BELOW 0x1p-20
 
@@ -147,12 +145,16 @@ static fp3_status vanished_open(const fp3_start *s, vanished *v, fp3_error *erro
     return FP3_OK;
 }
 
+int fp3_start_vanishes(double value, double usual) {
+    const int is_far = usual == 0 || fabs(value) < FAR_BELOW * fabs(usual);
+    return is_far && fabs(value) < TINY;
+}
+
 static void vanish(const double *columns, const fp3_quantity *of, uint32_t width, size_t count,
                    size_t object, double *row) {
     for (uint32_t i = 0; i < width; i++) {
-        const double value = columns[i * count + object], usual = fabs(of[i].value);
-        const int is_far = usual == 0 || fabs(value) < FAR_BELOW * usual;
-        row[i] = is_far && fabs(value) < TINY ? copysign(0, value) : value;
+        const double value = columns[i * count + object];
+        row[i] = fp3_start_vanishes(value, of[i].value) ? copysign(0, value) : value;
     }
 }
 

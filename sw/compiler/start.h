@@ -25,6 +25,11 @@ void fp3_start_close(fp3_start **start);
 fp3_status fp3_start_values(fp3_start *start, const double *params, const double *initial, double h,
                             size_t count, float *values, fp3_error *error);
 
+/* Whether a param or start, given its default, is small because it is on its way to 0, and not
+ * because the units do not suit FP32. A constant of nature may be small, but it is not far below
+ * its default. */
+int fp3_start_vanishes(double value, double usual);
+
 /* The model whose params and states a program's inputs are made of. */
 const fp3_model *fp3_start_model(const fp3_compiled *compiled);
 /* The param of the model that the input is a copy of; FP3_NONE: it is another value. */

@@ -1,10 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* apply.c - the values of a program, for a block of objects at once: those that an image declares,
- * those that a compiled model computes from its own.
- *
- * They do not go through the fields of a batch: those keep a value for each object, and say which
- * object is wrong, where a scene has a formula for all of them, and says in which line.
- */
+/* apply.c - the values of a program, from scenes and files to the fields of its objects. */
 #include "apply.h"
 
 #include "adaptive_image.h"
@@ -14,7 +9,7 @@
 #include "base/host.h"
 #include "base/number.h"
 #include "engine/common/inside.h"
-#include "field.h"
+#include "fields.h"
 #include "relations.h"
 
 #include <assert.h>
@@ -23,15 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BLOCK 64 /* objects: their words wait together for a bus (engine/board/driver.h) */
+#define BLOCK 4096 /* objects whose values are on their way together, if they differ */
 
 /* 0 of the first object to 1 of the last. */
 static double share_of(const fp3_apply_to *to, size_t object) {
     return to->objects > 1 ? (double)object / (double)(to->objects - 1) : 0;
-}
-
-static size_t block_of(const fp3_apply_to *to, size_t first) {
-    return to->objects - first < BLOCK ? to->objects - first : BLOCK;
 }
 
 /* ---- of an image ---- */
@@ -40,87 +31,25 @@ static int image_has(const void *image, const char *name) {
     return fp3_image_find(image, name, FP3_CLASSES_HOST) != NULL;
 }
 
-/* What a field is for an object: none made, or awake, where nothing is given. */
-static fp3_status word_at(const fp3_params *params, const fp3_field_table *table,
-                          const fp3_field *of, double share, unsigned words, float *word,
-                          int *is_spread, fp3_error *error) {
-    const int has_default = of->kind == FP3_FIELD_COUNT || of->kind == FP3_FIELD_SLEPT;
-    double value = 0;
-    fp3_status status = FP3_OK;
-    *is_spread = 0;
-    if (!has_default || fp3_params_has(params, of->name))
-        status = fp3_values_at(params, of->name, share, words, &value, is_spread, error);
-    const char *expected = status ? NULL : fp3_field_word(table, of, value, word);
-    if (expected)
-        return fp3_value_wrong(params, of->name, error, "parameter '%s' is %.9g: expected %s",
-                               of->name, value, expected);
-    if (!status && *is_spread && of->is_shared)
-        return fp3_value_wrong(params, of->name, error,
-                               "parameter '%s' is spread, and the program has one for all objects",
-                               of->name);
-    return status;
-}
-
-static fp3_status apply_field(const fp3_params *params, const fp3_apply_to *to,
-                              const fp3_field_table *table, const fp3_field *of, unsigned words,
-                              fp3_error *error) {
-    float column[BLOCK] = {0};
-    int is_spread;
-    fp3_status status = word_at(params, table, of, 0, words, &column[0], &is_spread, error);
-    if (!status && of->is_shared)
-        return fp3_engine_write_shared_of(to->engine, to->group, (uint32_t)of->place, 1, column);
-    for (size_t i = 1; i < BLOCK; i++)
-        column[i] = column[0];
-    for (size_t first = 0, count; !status && first < to->objects; first += count) {
-        count = block_of(to, first);
-        for (size_t i = 0; !status && is_spread && i < count; i++)
-            status = word_at(params, table, of, share_of(to, first + i), words, &column[i],
-                             &is_spread, error);
-        if (!status)
-            status =
-                fp3_engine_write(to->engine, to->first + first, count, (uint32_t)of->place, column);
-    }
-    return status;
-}
-
-static fp3_status check_adaptive(const fp3_image *image, const fp3_params *params,
-                                 const fp3_apply_to *to, fp3_error *error) {
+static fp3_status check_image(const fp3_image *image, const fp3_params *params,
+                              const fp3_apply_to *to, fp3_error *error) {
     fp3_status status = FP3_OK;
     int is_spread = 1;
     for (size_t i = 0; !status && is_spread && i < to->objects; i++)
         status = fp3_adaptive_image_check(image, params, share_of(to, i), &is_spread, error);
-    return status;
-}
-
-static fp3_status apply_image(const fp3_image *image, const fp3_params *params,
-                              const fp3_apply_to *to, fp3_error *error) {
-    const unsigned words = fp3_values_words(image);
-    fp3_field_table table;
-    fp3_status status = fp3_field_list(image, NULL, 0, &table, error);
-    table.needs_finite |= fp3_engine_config(to->engine)->finite != 0;
-    for (uint32_t i = 0; i < table.count && !status; i++)
-        status = apply_field(params, to, &table, &table.list[i], words, error);
-    fp3_field_close(&table);
-    if (!status)
-        status = check_adaptive(image, params, to, error);
     return status ? status : fp3_values_check(params, image_has, image, error);
 }
 
 /* ---- of a model ---- */
 
-/* Which input is the number of steps made; FP3_NONE: the equations have no t. */
-static uint32_t steps_input(const fp3_compiled *c) {
-    for (uint32_t i = 0; i < c->input_count; i++)
-        if (strcmp(c->inputs[i].name, FP3_NAME_STEPS) == 0)
-            return i;
-    return FP3_NONE;
-}
+/* Whether the equations have t, which is made of the number of steps. */
+static int has_steps(const fp3_program *program) { return fp3_image_steps(program->image) >= 0; }
 
 static int model_has(const void *of, const char *name) {
     const fp3_program *program = of;
     const int is_chosen = fp3_model_chooses_steps(program->model); /* h_next is a state */
     return (strcmp(name, FP3_NAME_STEP) == 0 && !is_chosen) ||
-           (strcmp(name, FP3_NAME_STEPS) == 0 && steps_input(program->compiled) != FP3_NONE) ||
+           (strcmp(name, FP3_NAME_STEPS) == 0 && has_steps(program)) ||
            fp3_model_param(program->model, name) != FP3_NONE ||
            fp3_model_state(program->model, name) != FP3_NONE;
 }
@@ -216,28 +145,17 @@ static fp3_status take_all(fp3_object_values *of, double share, fp3_error *error
     return status || of->is_begun ? status : take_h(of, share, error);
 }
 
-/* What it refuses is made of several values: it has the place of all. */
-static fp3_status compute_inputs(const fp3_object_values *of, fp3_error *error) {
-    fp3_error why = {.text = ""};
-    const fp3_status status =
-        fp3_start_values(of->start, of->params, of->initial, of->h, 1, of->inputs, &why);
-    return status == FP3_E_ARGUMENT ? fp3_value_wrong(of->given, "", error, "%s", why.text)
-           : status                 ? fp3_fail(error, status, "%s", why.text)
-                                    : FP3_OK;
-}
-
 /* Where an object starts in time: at h times its number of steps. */
 static fp3_status take_steps(fp3_object_values *of, double share, fp3_error *error) {
     const fp3_integrator *integrator = of->program->integrator;
-    const uint32_t input = steps_input(of->program->compiled);
     double n = 0;
     int is_spread = 0;
-    if (input == FP3_NONE)
+    if (!has_steps(of->program))
         return FP3_OK;
     fp3_status status = take(of, FP3_NAME_STEPS, share, &n, &is_spread, error);
     if (is_spread) /* between whole numbers it is whole but for its last bit in double */
         n = (double)(float)n;
-    of->inputs[input] = (float)n;
+    of->steps = n;
     if (!status && !(fabs(n) <= FP3_STEPS_LIMIT && floor(n) == n))
         return fp3_value_wrong(of->given, FP3_NAME_STEPS, error,
                                "'steps' is %.9g: expected a whole number from -16777216 to "
@@ -262,29 +180,40 @@ fp3_status fp3_object_values_open(const fp3_program *program, const fp3_params *
                               .is_varied = calloc(params + states + 1, 1),
                               .params = calloc(params + 1, sizeof *of->params),
                               .initial = calloc(states + 1, sizeof *of->initial),
-                              .values = calloc(model->expr_count + params + 1, sizeof *of->values),
-                              .inputs =
-                                  calloc(program->compiled->input_count + 1u, sizeof *of->inputs)};
-    return of->is_varied && of->params && of->initial && of->values && of->inputs
-               ? fp3_start_open(program->compiled, NULL, 1, &of->start, error)
-               : fp3_no_memory(error);
+                              .values = calloc(model->expr_count + params + 1, sizeof *of->values)};
+    return of->is_varied && of->params && of->initial && of->values ? FP3_OK : fp3_no_memory(error);
 }
 
 fp3_status fp3_object_values_at(fp3_object_values *of, double share, fp3_error *error) {
-    fp3_status status = take_all(of, share, error);
-    if (!status)
-        status = compute_inputs(of, error);
+    const fp3_status status = take_all(of, share, error);
     of->is_begun |= !status;
     return status ? status : take_steps(of, share, error);
 }
 
+/* What is made of several values has the place of all. */
+static fp3_status place(const fp3_params *params, const char *name, fp3_status status,
+                        const fp3_error *why, fp3_error *error) {
+    if (!status || !why->text[0]) /* the engine has said why */
+        return status;
+    return status == FP3_E_ARGUMENT ? fp3_value_wrong(params, name, error, "%s", why->text)
+                                    : fp3_fail(error, status, "%s", why->text);
+}
+
+fp3_status fp3_object_values_inputs(const fp3_object_values *of, float *inputs, fp3_error *error) {
+    const fp3_compiled *c = of->program->compiled;
+    fp3_error why = {.text = ""};
+    const fp3_status status = fp3_compiled_inputs(c, of->params, of->initial, of->h, inputs, &why);
+    for (uint32_t i = 0; !status && i < c->input_count; i++)
+        if (strcmp(c->inputs[i].name, FP3_NAME_STEPS) == 0)
+            inputs[i] = (float)of->steps;
+    return place(of->given, "", status, &why, error);
+}
+
 void fp3_object_values_free(fp3_object_values *of) {
-    fp3_start_close(&of->start);
     free(of->is_varied);
     free(of->params);
     free(of->initial);
     free(of->values);
-    free(of->inputs);
     *of = (fp3_object_values){0};
 }
 
@@ -295,10 +224,117 @@ fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *para
     fp3_status status = fp3_object_values_open(program, params, &of, error);
     if (!status)
         status = fp3_object_values_at(&of, share, error);
-    for (uint32_t i = 0; !status && i < program->compiled->input_count; i++)
-        values[i] = of.inputs[i];
+    if (!status)
+        status = fp3_object_values_inputs(&of, values, error);
     *is_spread = of.is_spread;
     fp3_object_values_free(&of);
+    return status;
+}
+
+/* ---- all fields of a group ---- */
+
+typedef struct {
+    const fp3_program *program;
+    const fp3_params *params;
+    const fp3_apply_to *to;
+    fp3_field_table table;
+    fp3_object_values of; /* of a model */
+    double *columns;      /* of each field, a block each */
+    char *is_varied;      /* of each field: objects differ */
+    int is_spread;        /* of some field */
+} load;
+
+/* Nothing given: no steps are made, and all objects are awake. */
+static fp3_status take_of_image(load *l, const fp3_field *f, double share, double *value,
+                                char *is_varied, fp3_error *error) {
+    const int has_default = f->kind == FP3_FIELD_COUNT || f->kind == FP3_FIELD_SLEPT;
+    int is_spread = 0;
+    *value = 0;
+    if (has_default && !fp3_params_has(l->params, f->name))
+        return FP3_OK;
+    const fp3_status status = fp3_values_at(
+        l->params, f->name, share, fp3_values_words(l->program->image), value, &is_spread, error);
+    *is_varied = (char)is_spread;
+    l->is_spread |= is_spread;
+    return status || !is_spread || !f->is_shared
+               ? status
+               : fp3_value_wrong(l->params, f->name, error,
+                                 "'%s' is spread, and the program has one for all objects",
+                                 f->name);
+}
+
+static double of_model(const load *l, const fp3_field *f) {
+    return f->kind == FP3_FIELD_PARAM   ? l->of.params[f->index]
+           : f->kind == FP3_FIELD_STATE ? l->of.initial[f->index]
+           : f->kind == FP3_FIELD_STEP  ? l->of.h
+                                        : l->of.steps;
+}
+
+/* The values of an object, as number i of the block. */
+static fp3_status take_object(load *l, size_t object, size_t i, fp3_error *error) {
+    const double share = share_of(l->to, object);
+    const int is_model = l->program->model != NULL;
+    fp3_status status = is_model ? fp3_object_values_at(&l->of, share, error) : FP3_OK;
+    l->is_spread |= is_model && l->of.is_spread;
+    for (uint32_t k = 0; !status && k < l->table.count; k++) {
+        const fp3_field *f = &l->table.list[k];
+        double *value = &l->columns[(size_t)k * BLOCK + i];
+        if (is_model) {
+            *value = of_model(l, f);
+            l->is_varied[k] = (char)(l->is_spread && !f->is_shared);
+        } else if (!object || l->is_varied[k])
+            status = take_of_image(l, f, share, value, &l->is_varied[k], error);
+    }
+    return status;
+}
+
+/* What objects share goes into each block again: other inputs of its objects are made of it. */
+static fp3_status put_block(load *l, fp3_fields *fields, size_t count, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    fp3_error why = {.text = ""};
+    for (uint32_t k = 0; !status && k < l->table.count; k++) {
+        const char *name = l->table.list[k].name;
+        const double *column = l->columns + (size_t)k * BLOCK;
+        status = l->is_varied[k]
+                     ? fp3_fields_write(fields, name, 0, count, (fp3_numbers){.wide = column}, &why)
+                     : fp3_fields_set(fields, name, column[0], &why);
+        status = place(l->params, name, status, &why, error);
+    }
+    if (status)
+        return status;
+    status = fp3_fields_settle(fields, &why);
+    return place(l->params, "", status, &why, error);
+}
+
+static fp3_status load_block(load *l, size_t first, size_t count, fp3_error *error) {
+    const fp3_fields_def def = {.engine = l->to->engine,
+                                .group = l->to->group,
+                                .first = l->to->first + first,
+                                .objects = count,
+                                .number = first,
+                                .image = l->program->image,
+                                .compiled = l->program->compiled,
+                                .h = l->of.h};
+    fp3_fields *fields = NULL;
+    fp3_status status = FP3_OK;
+    for (size_t i = first ? 0 : 1; !status && l->is_spread && i < count; i++)
+        status = take_object(l, first + i, i, error);
+    if (!status)
+        status = fp3_fields_open(&def, &fields, error);
+    if (!status)
+        status = put_block(l, fields, count, error);
+    fp3_fields_close(&fields);
+    return status;
+}
+
+/* One block, if all objects are alike. */
+static fp3_status load_all(load *l, fp3_error *error) {
+    const size_t objects = l->to->objects;
+    fp3_status status = take_object(l, 0, 0, error);
+    for (size_t first = 0, count; !status && first < objects; first += count) {
+        count = l->is_spread && objects - first > BLOCK ? BLOCK : objects - first;
+        status = load_block(l, first, count, error);
+    }
     return status;
 }
 
@@ -322,46 +358,6 @@ static fp3_status relate(const fp3_program *program, const fp3_params *params,
     return status ? status : fp3_relations_check(&r, how, error);
 }
 
-/* Columns of BLOCK values. What objects share is that of the first. */
-static fp3_status write_inputs(const fp3_compiled *c, const fp3_apply_to *to, size_t first,
-                               size_t count, const float *columns) {
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < c->input_count; i++, columns += BLOCK) {
-        const fp3_symbol *s = fp3_image_find(c->image, c->inputs[i].name, FP3_CLASSES_HOST);
-        assert(s); /* the compiler declares its inputs */
-        if (s->symbol_class != FP3_SYMBOL_SHARED)
-            status = fp3_engine_write(to->engine, to->first + first, count, s->index, columns);
-        else if (first == 0)
-            status = fp3_engine_write_shared_of(to->engine, to->group, s->index, 1, columns);
-    }
-    return status;
-}
-
-static fp3_status apply_model(const fp3_program *program, const fp3_params *params,
-                              const fp3_apply_to *to, fp3_error *error) {
-    const uint32_t inputs = program->compiled->input_count;
-    float *columns = calloc((size_t)(inputs + 1u) * BLOCK, sizeof *columns);
-    fp3_object_values of = {0};
-    fp3_status status =
-        columns ? fp3_object_values_open(program, params, &of, error) : fp3_no_memory(error);
-    for (size_t first = 0, count; !status && first < to->objects; first += count) {
-        count = block_of(to, first);
-        for (size_t i = 0; !status && i < count; i++) {
-            if (!of.is_begun || of.is_spread)
-                status = fp3_object_values_at(&of, share_of(to, first + i), error);
-            for (uint32_t k = 0; k < inputs; k++)
-                columns[k * BLOCK + i] = of.inputs[k];
-        }
-        if (!status)
-            status = write_inputs(program->compiled, to, first, count, columns);
-    }
-    if (!status)
-        status = relate(program, params, to, of.params, error);
-    fp3_object_values_free(&of);
-    free(columns);
-    return status;
-}
-
 /* Of one object alone, the first is meant. */
 static fp3_status check_columns(const fp3_params *params, const fp3_apply_to *to,
                                 fp3_error *error) {
@@ -379,10 +375,25 @@ fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const
     fp3_status status = check_columns(params, to, error);
     if (status)
         return status;
-    if (program->model)
-        return apply_model(program, params, to, error);
-    status = apply_image(program->image, params, to, error);
-    return status ? status : relate(program, params, to, NULL, error);
+    load l = {.program = program, .params = params, .to = to};
+    status = fp3_field_list(program->image, program->compiled, 0, &l.table, error);
+    l.columns = calloc((l.table.count + 1u) * (size_t)BLOCK, sizeof *l.columns);
+    l.is_varied = calloc(l.table.count + 1u, 1);
+    if (!status && !(l.columns && l.is_varied))
+        status = fp3_no_memory(error);
+    if (!status && program->model)
+        status = fp3_object_values_open(program, params, &l.of, error);
+    if (!status)
+        status = load_all(&l, error);
+    if (!status && !program->model)
+        status = check_image(program->image, params, to, error);
+    if (!status)
+        status = relate(program, params, to, l.of.params, error);
+    fp3_object_values_free(&l.of);
+    fp3_field_close(&l.table);
+    free(l.columns);
+    free(l.is_varied);
+    return status;
 }
 
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,

@@ -3,8 +3,6 @@
 #ifndef FP3_SCENE_APPLY_H
 #define FP3_SCENE_APPLY_H
 
-#include "compiler/start.h"
-
 #include <fp3/program.h>
 
 /* Objects of an engine that run the program: a group of it. */
@@ -20,14 +18,12 @@ unsigned fp3_program_words(const fp3_program *program);
 typedef struct {
     const fp3_program *program;
     const fp3_params *given;
-    fp3_start *start;
     char *is_varied; /* of each param, then of each state: other objects have another value */
     int is_begun;    /* an object was asked */
     /* Of the object that was asked last: */
-    double *params, *initial, h;
+    double *params, *initial, h, steps;
     double *values; /* of the model's expressions, then params as the program has them */
-    float *inputs;
-    int is_spread; /* some object has others */
+    int is_spread;  /* some object has others */
 } fp3_object_values;
 
 /* Both must outlive it. The caller frees *of, after a failure too. */
@@ -35,6 +31,8 @@ fp3_status fp3_object_values_open(const fp3_program *program, const fp3_params *
                                   fp3_object_values *of, fp3_error *error);
 /* Those of the object with this share, as of fp3_program_inputs. */
 fp3_status fp3_object_values_at(fp3_object_values *of, double share, fp3_error *error);
+/* Its inputs, as fp3_program_inputs. */
+fp3_status fp3_object_values_inputs(const fp3_object_values *of, float *inputs, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_object_values_free(fp3_object_values *of);
 

@@ -270,7 +270,7 @@ static fp3_status compute_block(fp3_derive *d, size_t first, size_t count, fp3_e
     fp3_status status =
         fp3_start_values(d->other.start, d->params_of, d->starts_of, h, count, d->block, &why);
     if (status && (count == 1 || status == FP3_E_SYSTEM))
-        return fp3_fail(error, status, "object %zu: %s", first, why.text);
+        return fp3_fail(error, status, "object %zu: %s", d->def.number + first, why.text);
     return status;
 }
 

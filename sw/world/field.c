@@ -192,6 +192,10 @@ const char *fp3_field_word(const fp3_field_table *table, const fp3_field *q, dou
         memcpy(word, &step, sizeof step);
         return NULL;
     }
-    const char *expected = fp3_number_written(value, word);
+    const int is_param = table->model && q->kind == FP3_FIELD_PARAM;
+    const char *expected =
+        is_param && !fp3_start_vanishes(value, table->model->params[q->index].value)
+            ? fp3_number_single(value, word)
+            : fp3_number_written(value, word);
     return !expected && table->needs_finite && !isfinite(*word) ? "a finite number" : expected;
 }

@@ -14,6 +14,7 @@
 typedef struct {
     fp3_engine *engine;           /* the program is loaded; it tells where its definition says */
     size_t group, first, objects; /* of the engine */
+    size_t number;                /* that messages give the first of them */
     const fp3_image *image;
     const fp3_compiled *compiled; /* whose image it is; NULL: no model's */
     double h;                     /* of a model */

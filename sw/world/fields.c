@@ -64,11 +64,11 @@ static fp3_status refuse(const fp3_field *of, size_t object, int is_all, double 
 }
 
 /* That an input has room in FP32 is seen where it is computed. */
-static fp3_status check_finite(const fp3_field *of, size_t first, size_t count, fp3_numbers values,
+static fp3_status check_finite(const fp3_field *of, size_t number, size_t count, fp3_numbers values,
                                fp3_error *error) {
     for (size_t i = 0; i < count; i++)
         if (!isfinite(number_at(values, i)))
-            return refuse(of, first + i, 0, number_at(values, i), "a finite number", error);
+            return refuse(of, number + i, 0, number_at(values, i), "a finite number", error);
     return FP3_OK;
 }
 
@@ -96,7 +96,7 @@ static fp3_status put(fp3_fields *q, const fp3_field *of, int reg, int part, siz
             if (part)
                 q->block[i] = part == 1 ? (float)fp3_known_low(value) : 0;
             if (expected)
-                status = refuse(of, first + done + i, 0, value, expected, error);
+                status = refuse(of, q->def.number + first + done + i, 0, value, expected, error);
         }
         if (!status)
             status = fp3_engine_write(q->def.engine, q->def.first + first + done, now,
@@ -243,7 +243,7 @@ static fp3_status check_objects(const fp3_fields *q, size_t first, size_t count,
 
 static fp3_status keep(fp3_fields *q, fp3_field *of, size_t first, size_t count, fp3_numbers values,
                        fp3_error *error) {
-    fp3_status status = check_finite(of, first, count, values, error);
+    fp3_status status = check_finite(of, q->def.number + first, count, values, error);
     if (status)
         return status;
     if (!of->column) {

@@ -21,6 +21,7 @@ static const char bytes[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXY
 typedef struct {
     const fp3_program *program;
     fp3_object_values of;
+    float *inputs;
     FILE *out;
     uint64_t params, states; /* that the rules so far name, a bit each */
     int has_h;
@@ -98,7 +99,7 @@ static void put_start(conditional *c) {
             put_condition(c, p->model->states[i].name, c->w->of.initial[i]);
     for (uint32_t i = 0; i < p->compiled->input_count; i++)
         if (is_steps(&p->compiled->inputs[i]))
-            put_condition(c, FP3_NAME_STEPS, (double)c->w->of.inputs[i]);
+            put_condition(c, FP3_NAME_STEPS, (double)c->w->inputs[i]);
 }
 
 /* With all that the value depends on. */
@@ -137,7 +138,7 @@ static void put_rules(writer *w) {
         }
         fprintf(w->out, "%s = ", input->name);
         if (is_number(w, input)) {
-            put_number(w, (double)w->of.inputs[i], 9);
+            put_number(w, (double)w->inputs[i], 9);
             fputs(";\n", w->out);
             continue;
         }
@@ -145,7 +146,7 @@ static void put_rules(writer *w) {
         if (input->rule)
             put_renamed(w, input->rule);
         else
-            put_conditional(w, input, w->of.inputs[i]);
+            put_conditional(w, input, w->inputs[i]);
         fputs("\";", w->out);
         if (!input->rule)
             fprintf(w->out, " # %s: for these values alone", input->formula);
@@ -226,12 +227,16 @@ fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params 
                                    char **text, fp3_error *error) {
     FP3_HOST;
     size_t size = 0;
-    writer w = {.program = program};
+    writer w = {.program = program,
+                .inputs = calloc(program->compiled->input_count + 1u, sizeof *w.inputs)};
     FILE *out = NULL;
-    fp3_status status = fp3_object_values_open(program, params, &w.of, error);
+    fp3_status status =
+        w.inputs ? fp3_object_values_open(program, params, &w.of, error) : fp3_no_memory(error);
     *text = NULL;
     if (!status)
         status = fp3_object_values_at(&w.of, 0, error);
+    if (!status)
+        status = fp3_object_values_inputs(&w.of, w.inputs, error);
     if (!status && !(out = open_memstream(text, &size)))
         status = fp3_no_memory(error);
     if (!status)
@@ -239,5 +244,6 @@ fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params 
     if (out && fclose(out) && !status)
         status = fp3_no_memory(error);
     fp3_object_values_free(&w.of);
+    free(w.inputs);
     return status;
 }

@@ -324,6 +324,9 @@ def test_the_ends_of_fp32(root, script):
     told = script(model, ["step 1", "double x 1 1e39", "double x 1 -1e-46", "read x", "double x 1 3e38", "read x"], "-n", 2, "-x")
     assert told[0].split(": expected")[0] == "error 1: object 1: 'x' is 1e+39"
     assert told[2] == "-0" and numbers(told[3:])[1] == [single(3e38)]
+    # A constant of nature does not silently become 0.
+    told = script("model m\nparam l = 1e-50\nstate x = 1\nstep 1\nspan 1\nx' = x*l\n", ["step 1"], "-n", 2, "-x")
+    assert len(told) == 1 and told[0].startswith("error 1: 'l' is 1e-50: expected 0 or a number above"), told
 
 
 STICK = "model m\nparam steer = 1\nparam m = 8e5\nstate x = 0\nstep 0.015625\nspan 1\nx' = steer*steer/m - {0}steer*x\n"

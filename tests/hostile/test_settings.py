@@ -137,10 +137,10 @@ SCENES = [
     (swing("spread = { h = [0.5, 1]; };"), r"x\.scene:5: 'h' is spread"),
     (swing("set = { k = 1e300; };"), r"x\.scene:4: -k \(line 5 of the model\) is -1e\+?\d+: expected a number below 3\.4028236e38"),
     (swing("set = { q = 1; };"), r"x\.scene:5: the program has no parameter 'q'"),
-    (setting("x = 1; h = 1; " "T = 1e39;"), r"x\.scene:5: parameter 'T' is 1e\+39: expected a number below 3\.4028236e38, the end of FP32"),
-    (setting("x = 1; h = 1; " "T = -1e39;"), r"x\.scene:5: parameter 'T' is -1e\+39: expected a number below"),
+    (setting("x = 1; h = 1; " "T = 1e39;"), r"x\.scene:5: 'T' is 1e\+39: expected a number below 3\.4028236e38, the end of FP32"),
+    (setting("x = 1; h = 1; " "T = -1e39;"), r"x\.scene:5: 'T' is -1e\+39: expected a number below"),
     (setting("T = 1e400;"), r"x\.scene:5: T: found '1e400', expected a number below 1\.8e308"),
-    (setting("x = 1; h = 1; " + "T = %s;" % ("1" + "0" * 60)), r"x\.scene:5: parameter 'T' is 1e\+60: expected a number below"),
+    (setting("x = 1; h = 1; " + "T = %s;" % ("1" + "0" * 60)), r"x\.scene:5: 'T' is 1e\+60: expected a number below"),
     (setting("T = 0x10000000000000000;"), r"x\.scene:5: T: found '0x10000000000000000', expected an integer below 2\^64"),
     (setting("T = 0.%s1;" % ("0" * 300)), r"x\.scene:5: T: found '0\.000.*, expected a number of fewer than 256 characters"),
     (setting("T = 1.5L;"), r"x\.scene:5: T: found '1\.5L', expected a number"),
@@ -163,9 +163,9 @@ def test_a_hostile_scene_is_refused(refused, text, message):
 
 GOOD = "x = 1; T = 2; h = 0.5;"
 VALUES = [
-    ("x = 1; T = 2;\nh = 0;", r"x\.cfg:2: parameter 'h' is 0: expected a time step from 1\.4e-45"),
-    ("x = 1; T = 2;\nh = -1;", r"x\.cfg:2: parameter 'h' is -1: expected a time step"),
-    ("x = 1;\n\nT = 3.5e38; h = 1;", r"x\.cfg:3: parameter 'T' is 3\.5e\+38: expected a number below"),
+    ("x = 1; T = 2;\nh = 0;", r"x\.cfg:2: 'h' is 0: expected a time step from 1\.4e-45"),
+    ("x = 1; T = 2;\nh = -1;", r"x\.cfg:2: 'h' is -1: expected a time step"),
+    ("x = 1;\n\nT = 3.5e38; h = 1;", r"x\.cfg:3: 'T' is 3\.5e\+38: expected a number below"),
     (GOOD + "\ny = 1;", r"x\.cfg:2: the program has no parameter 'y'"),
     (GOOD + "\nx = 1;", r"x\.cfg:2: duplicate setting name"),
     (GOOD + "\n@include \"x.cfg\"", r"x\.cfg:2: found '@'"),
@@ -188,15 +188,15 @@ def test_hostile_values_are_refused(refused, text, message, engine):
 SETS = [
     ("T=1e999", r"'T=1e999': '1e999' is no number: .*expected a number below 1\.8e308"),
     ("T=1e-999", r"'T=1e-999': '1e-999' is no number: .*expected 0 or a number above 4\.9e-324"),
-    ("T=1e39", r"parameter 'T' is 1e\+39: expected a number below 3\.4028236e38, the end of FP32"),
+    ("T=1e39", r"'T' is 1e\+39: expected a number below 3\.4028236e38, the end of FP32"),
     ("T=", r"'T=': '' is no number"),
     ("T= 1x", r"'T= 1x': ' 1x' is no number"),
-    ("h=0", r"parameter 'h' is 0: expected a time step"),
-    ("h=-0.5", r"parameter 'h' is -0\.5: expected a time step"),
-    ("h=nan", r"parameter 'h' is nan: expected a time step"),
-    ("h=inf", r"parameter 'h' is inf: expected a time step"),
-    ("h=1e-60", r"parameter 'h' is 1e-60: expected a time step"),
-    ("h=2^-200", r"parameter 'h' is 6\.\d+e-61: expected a time step"),
+    ("h=0", r"'h' is 0: expected a time step"),
+    ("h=-0.5", r"'h' is -0\.5: expected a time step"),
+    ("h=nan", r"'h' is nan: expected a time step"),
+    ("h=inf", r"'h' is inf: expected a time step"),
+    ("h=1e-60", r"'h' is 1e-60: expected a time step"),
+    ("h=2^-200", r"'h' is 6\.\d+e-61: expected a time step"),
 ]
 
 

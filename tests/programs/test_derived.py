@@ -90,7 +90,7 @@ def test_a_position_before_the_start_holds_for_its_values_alone(start, root, tmp
     ('a = "";', "x.cfg:1: parameter 'a' is : column 1: found end of"),
     ('a = "1/b"; b = 0;', "x.cfg:1: parameter 'a' is 1/b: column 1: found '1', expected a finite value"),
     ('a = "log(b)"; b = -1;', "x.cfg:1: parameter 'a' is log(b): column 1: found 'log', expected a finite value"),
-    ('a = "1e300*b"; b = 1e6;', "x.cfg:1: parameter 'a' is 1e+306: expected"),
+    ('a = "1e300*b"; b = 1e6;', "x.cfg:1: 'a' is 1e+306: expected"),
     ('a = "b"; b = 1; c = 2;', "x.cfg:1: the program has no parameter 'c'"),
     ('a = 1; b = "a";', "x.cfg:1: the program has no parameter 'b'"),
     ('a = "b; b"; b = 1;', "x.cfg:1: parameter 'a' is b; b: column 2: found"),

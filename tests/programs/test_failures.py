@@ -52,7 +52,7 @@ def test_every_configuration_tells_the_first_failure(run, config):
         if config in FINITE:
             for number in ("inf", "nan"):
                 done = run(GROWS, *which, *values(a=number, x=1, y=0), code=2)
-                assert f"parameter 'a' is {number}: expected a finite number" in done.stderr
+                assert f"'a' is {number}: expected a finite number" in done.stderr
             continue
         # 0 times infinity; a state that is infinite without any exception; one that is NaN from the start.
         assert told(run(GROWS, *which, "--steps", "9", *values(a="inf", x=0, y=0), code=3))[0] == "object 0 in step 1: invalid"

@@ -177,7 +177,7 @@ BAD = [
      r"x\.scene:3: parameter '\w+' has no value"),
     ("h = 0.5; config = \"array\"; groups = (\n%s);" % group("ship.s", 3, mass=1), r"x\.scene:2: the program has no parameter 'mass'"),
     ("config = \"array\"; groups = (\n{ program = \"ship.s\"; objects = 2; params = \"ship.cfg\"; spread = { h = [1, 2]; }; });",
-     r"x\.scene:2: parameter 'h' is spread, and the program has one for all objects"),
+     r"x\.scene:2: 'h' is spread, and the program has one for all objects"),
     ("\nh = 1.0; groups = ({ program = \"still.s\"; objects = 1; });", r"x\.scene:2: no program has an 'h'"),
     ("config = \"nonesuch\"; groups = ({ program = \"still.s\"; objects = 1; set = { x = 1; }; });", r"x\.scene:1: config: no configuration 'nonesuch'"),
     (file("shared", 3 * [GOOD]), r"x\.scene:2: found 3 groups, each with a program of its own: configuration 'shared' has 2 schedulers"),
@@ -264,3 +264,15 @@ def test_a_c_program_runs_a_scene(run, root, build):
         re.search(r"^cycles +(\d+)$", told, re.M)[1] + " cycles"]
     done = start("nonesuch.scene")
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "nonesuch.scene: cannot open: No such file or directory\n")
+
+
+def test_the_last_of_many_objects_has_what_all_share(fp3, tmp_path):
+    """Objects get their values in blocks; g*k is made of a shared param and of one that differs."""
+    (tmp_path / "many.ode").write_text("shared g = 1\nparam k = 1\nstate x = 0.1\nstate v = k\nstep 0.0078125\nx' = v\nv' = -g*k*x\n")
+
+    def last(*arguments):
+        subprocess.run([fp3, "run", "many.ode", "-c", "many_full", "-e", "fast", "-n", "3", "--set", "g=3", "--output", "o.csv", *arguments],
+                       cwd=tmp_path, check=True, capture_output=True)
+        return (tmp_path / "o.csv").read_text().splitlines()[-1].split(",")[-2:]
+
+    assert last("--objects", "5000", "--spread", "k=1:2") == last("--set", "k=2")

@@ -260,10 +260,7 @@ static fp3_status look(fp3_run_loss *l, size_t object, fp3_error *error) {
         return status;
     for (uint32_t s = 0; s < m->state_count; s++)
         l->states[s] = l->columns[s * l->seen + object];
-    double before = 0;
-    for (uint32_t i = 0; i < l->part.program->compiled->input_count; i++)
-        if (!strcmp(l->part.program->compiled->inputs[i].name, FP3_NAME_STEPS))
-            before = (double)l->values.inputs[i];
+    const double before = l->values.steps;
     l->span = l->is_adaptive ? l->states[fp3_model_adapted(m)]
                              : (double)l->part.steps * (double)(float)l->values.h;
     l->t = l->is_adaptive ? l->span : l->span + before * (double)(float)l->values.h;
