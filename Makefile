@@ -82,6 +82,8 @@ else
 # ---- what there is ------------------------------------------------------------------------------
 
 CONFIGS := $(shell sed -n 's/^name = "\(.*\)"/\1/p' isa/configs.toml)
+# Those to take, of which sim, install and packages have the simulated hardware.
+TAKEN   := $(shell awk -F'"' '/^name = / {name = $$2} /^take = / {print name}' isa/configs.toml)
 CORES   := $(addprefix fp3_,fp_add fp_mul fp_fma lns_add lns_mul lns_root)
 # The configurations that fp3 board simulates with their serial line.
 BOARDS  := single many world
@@ -157,7 +159,8 @@ MEASURE_LIB := $(BUILD)/obj/measure.a
 LIB_SO   := $(BUILD)/lib/libfp3.so.0
 RUNTIME  := $(BUILD)/obj/verilator/verilated.o $(BUILD)/obj/verilator/verilated_threads.o
 EXPORTS  := tools/exports.map
-HARDWARE := $(CONFIGS:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
+OTHERS   := $(patsubst %,$(BUILD)/lib/fp3/fp3_%.so,$(filter-out $(TAKEN),$(CONFIGS)))
+HARDWARE := $(TAKEN:%=$(BUILD)/lib/fp3/fp3_%.so) $(BOARDS:%=$(BUILD)/lib/fp3/fp3_board_%.so)
 HDF5     := $(BUILD)/lib/fp3/fp3_hdf5.so
 # Where there are an MPI and Scotch. MPICC: the compiler of one of several MPIs, as mpicc.mpich.
 MPICC    ?= mpicc
@@ -168,7 +171,7 @@ LNS      := $(BUILD)/obj/sim/lns_bench_shim.o $(BUILD)/verilated/lns_bench/hardw
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
 .PHONY: all sim
-sim: $(BUILD)/fp3 ## Run the ship on every configuration against golden and truth: build/results/sim.json; PROGRAM=, CONFIG=, STEPS=10000
+sim: $(BUILD)/fp3 $(BUILD)/lib/fp3/fp3_$(or $(CONFIG),crowd).so ## Run the ship on each configuration that is built against golden and truth: build/results/sim.json; PROGRAM=, CONFIG=, STEPS=10000
 	@mkdir -p $(BUILD)/results
 	@$(BUILD)/fp3 bench --json $(BUILD)/results/sim.json $(if $(PROGRAM)$(CONFIG),,--scenes) $(if $(PROGRAM),--program $(PROGRAM)) $(if $(CONFIG),--config $(CONFIG)) $(if $(STEPS),--steps $(STEPS))
 
@@ -185,7 +188,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(OTHERS) $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)

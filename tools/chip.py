@@ -36,7 +36,7 @@ ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *unit"     # modules that are synthesised once
 ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
 TRIES = 16                             # placements of it, of which the fastest is taken
-FIXED = ("name", "doc", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
+FIXED = ("name", "doc", "take", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
 PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
 
 

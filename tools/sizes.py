@@ -9,6 +9,7 @@ A figure that was not measured is "–".
 
 import pathlib
 import sys
+import tomllib
 
 from fp3fpga import flow
 import measured
@@ -19,20 +20,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 UNTIMED = "no registers around its multipliers"
 FIGURES = {"lut4": "LUT", "ff": "FF", "dsp": "DSP", "ebr": "block RAM"}
 
-# What somebody needs, the configuration for it, whether the time of one step counts there or the steps of all objects, and
-# the device if it is for one.
-NEEDS = [
-    ("one object: the shortest step, at a slow clock", "uncut", "step"),
-    ("one object: a short step, at nearly twice that clock", "single", "step"),
-    ("one object, on the smallest device", "small", "step", "iCE40UP5K"),
-    ("one object of a model with divisions, roots, functions or conditions", "single_full", "step"),
-    ("many objects that run one program; objects that sleep, and a status of each", "many", "all"),
-    ("many objects that run one program, of a model with divisions, roots, functions or conditions", "many_full", "all"),
-    ("the most steps of many objects that run one program of up to 16 registers; no sleep, no status", "lanes", "all"),
-    ("the most steps per LUT, of programs of sums and products alone; no sleep, no status", "dual", "all"),
-    ("many objects that run up to four programs at once; sleep, status", "array", "all"),
-    ("the machine of the paper, for comparison", "paper", "step"),
-]
+# The device of a configuration that is for one.
+FOR = {"small": "iCE40UP5K"}
+# For each need the configuration, and whether the time of one step counts there or the steps of all objects.
+NEEDS = [(row["take"], row["name"], "all" if "store_words" in row else "step", *FOR.get(row["name"], "").split())
+         for row in tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"] if "take" in row]
 
 
 def processors(rows):
@@ -119,7 +111,7 @@ def choose(rows):
         placed = {row["device"] for row in here if row["fmax_best"]}
         out = {row["device"]: f"{row['device']}: {obstacle(row)}" for row in here if obstacle(row)}
         fits = [row["device"] for row in here if row["device"] not in placed | out.keys()]
-        speed = None if first is None else first["fmax_best"] and (
+        speed = None if first is None or first["latency_ns"] is None else (
             f"{first['latency_ns']:,.0f} ns a step" if counts == "step" else f"{first['object_steps_per_second'] / 1e6:.1f} million object-steps/s")
         lines.append([need, f"`{config}`", *(number(first and first[figure]) for figure in FIGURES),
                       f"{speed} on {first['device']}, grade {first['grade']}" if speed else "–",

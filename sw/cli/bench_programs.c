@@ -6,6 +6,7 @@
 
 #include "bench_table.h"
 #include "cli.h"
+#include "engine/board/hardware.h"
 #include "files.h"
 #include "json.h"
 #include "machine/config.h"
@@ -152,7 +153,8 @@ static fp3_status bench_program(const fp3_bench_programs *o, const char *path, r
     for (uint32_t i = 0; i < fp3_config_count && !status; i++) {
         const fp3_config *config = &fp3_configs[i];
         int is_unfit = 0;
-        if (o->config && strcmp(o->config, config->name) != 0)
+        if (o->config ? strcmp(o->config, config->name) != 0
+                      : !config->take && !fp3_hardware_is_there(config->name))
             continue;
         status = bench_config(o, path, name, config, to, &is_unfit, error);
         if (is_unfit && !(o->config && o->program)) {

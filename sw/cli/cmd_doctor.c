@@ -82,13 +82,17 @@ static fp3_status check_cache(finding *f) {
     return status;
 }
 
-/* All configurations, or the reason of the first that does not load. */
+/* All configurations that are to be taken, and others that are there; or the reason of the first
+ * that does not load. */
 static fp3_status check_hardware(finding *f) {
-    unsigned loaded = 0;
+    unsigned loaded = 0, wanted = 0;
     fp3_status first = FP3_OK;
     for (uint32_t i = 0; i < fp3_config_count; i++) {
         fp3_hardware hardware;
         fp3_error error;
+        if (!fp3_configs[i].take && !fp3_hardware_is_there(fp3_configs[i].name))
+            continue;
+        wanted++;
         const fp3_status status = fp3_hardware_load(fp3_configs[i].name, &hardware, &error);
         if (status && !first)
             f->error = error;
@@ -96,7 +100,7 @@ static fp3_status check_hardware(finding *f) {
         loaded += !status;
         fp3_hardware_unload(&hardware);
     }
-    snprintf(f->text, sizeof f->text, "%u of %u configurations", loaded, fp3_config_count);
+    snprintf(f->text, sizeof f->text, "%u of %u configurations", loaded, wanted);
     return first;
 }
 

@@ -31,6 +31,7 @@ ROWS = [
 @pytest.fixture
 def tree(root, tmp_path):
     shutil.copytree(root / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(root / "isa", tmp_path / "isa")
     (tmp_path / "docs").mkdir()
     for name in ("integration.md", "chip.md"):
         shutil.copy(root / "docs" / name, tmp_path / "docs")

@@ -113,9 +113,9 @@ def check_configs(rows, known):
     done = []
     for said in rows:
         where = f"config '{said.get('name', '?')}'"
-        keys(said, FILE, where, {"name": str, "doc": str}, dict.fromkeys(known, int))
+        keys(said, FILE, where, {"name": str, "doc": str}, {"take": str} | dict.fromkeys(known, int))
         row = {name: said.get(name, known[name].get("default")) for name in given(known)}
-        row = {"name": said["name"], "doc": said["doc"]} | {name: v for name, v in row.items() if v is not None}
+        row = {"name": said["name"], "doc": said["doc"], "take": said.get("take", "")} | {name: v for name, v in row.items() if v is not None}
         for unit in ("add", "mul"):
             need(f"{unit}_cuts" in row, FILE, f"{where}: '{unit}_cuts' is missing, and has no default")
             least = row[f"{unit}_cuts"].bit_count() + 1
@@ -131,7 +131,7 @@ def check_configs(rows, known):
              f"{where}: for one object, fused with select, estimate or round needs mul_latency of at least 2")
         if row["interleave"]:
             check_interleaved(row, where, known["store_words"]["range"][1])
-        done.append({name: row[name] for name in ("name", "doc", *known)})
+        done.append({name: row[name] for name in ("name", "doc", "take", *known)})
     named(done, FILE, "config")
     return done
 
@@ -167,7 +167,7 @@ def check_interleaved(row, where, words):
 
 def keys_of(row):
     """The keys of a row that check_configs() gave, in the order of the tables."""
-    return [key for key in row if key not in ("name", "doc")]
+    return [key for key in row if key not in ("name", "doc", "take")]
 
 
 def config_value(key, value):

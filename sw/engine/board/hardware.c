@@ -21,11 +21,23 @@ static fp3_status check(const char *path, const char *config, const fp3_rtl_ops 
     return FP3_OK;
 }
 
+typedef struct {
+    char text[64];
+} file_name;
+
+static file_name file_of(const char *config) {
+    file_name name;
+    snprintf(name.text, sizeof name.text, "fp3_%s.so", config);
+    return name;
+}
+
+int fp3_hardware_is_there(const char *config) { return fp3_library_is_there(file_of(config).text); }
+
 fp3_status fp3_hardware_load(const char *config, fp3_hardware *hardware, fp3_error *error) {
-    char name[64], *path = NULL;
+    const file_name name = file_of(config);
+    char *path = NULL;
     *hardware = (fp3_hardware){0};
-    snprintf(name, sizeof name, "fp3_%s.so", config);
-    fp3_status status = fp3_library_load(name, "simulated hardware for the rtl engine",
+    fp3_status status = fp3_library_load(name.text, "simulated hardware for the rtl engine",
                                          &hardware->library, &path, error);
     if (!status) {
         hardware->ops = fp3_library_symbol(hardware->library, "fp3_rtl_table");

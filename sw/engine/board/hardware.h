@@ -27,6 +27,8 @@ typedef struct {
  * FP3_E_SYSTEM: there is none, it cannot be loaded, or it was built for another libfp3; then
  * *hardware is {0}. */
 fp3_status fp3_hardware_load(const char *config, fp3_hardware *hardware, fp3_error *error);
+/* Whether there is one to be tried. */
+int fp3_hardware_is_there(const char *config);
 /* Does nothing to {0}. Everything that ops opened must be closed before. */
 void fp3_hardware_unload(fp3_hardware *hardware);
 

@@ -69,24 +69,38 @@ static fp3_status not_found(const dirs *p, const char *name, const char *what, f
         strncat(dirs, p->dir[i], sizeof dirs - strlen(dirs) - 1);
     }
     return fp3_fail(error, FP3_E_SYSTEM,
-                    "no %s, %s (make install puts it in place, and Debian's package "
-                    "libfp3-plugins all but that for clusters; FP3_RTL_DIR names another "
+                    "no %s, %s (make install and Debian's package libfp3-plugins put in place "
+                    "what most need, make all builds every one; FP3_RTL_DIR names another "
                     "directory); looked in %s",
                     what, name, dirs);
+}
+
+/* The file in the first place that has it, or "". */
+static void find(const dirs *p, const char *name, char found[PATH_MAX + 64]) {
+    *found = '\0';
+    for (size_t i = 0; !*found && i < p->count; i++) {
+        snprintf(found, PATH_MAX + 64, "%s/%s", p->dir[i], name);
+        if (access(found, F_OK) != 0)
+            *found = '\0';
+    }
+}
+
+int fp3_library_is_there(const char *name) {
+    dirs p;
+    char found[PATH_MAX + 64];
+    list_dirs(&p);
+    find(&p, name, found);
+    return *found != '\0';
 }
 
 /* RTLD_NODELETE: Verilator's run time leaves destructors behind that run when a thread ends. */
 fp3_status fp3_library_load(const char *name, const char *what, void **library, char **path,
                             fp3_error *error) {
     dirs p;
-    char found[PATH_MAX + 64] = "";
+    char found[PATH_MAX + 64];
     *library = NULL;
     list_dirs(&p);
-    for (size_t i = 0; !*found && i < p.count; i++) {
-        snprintf(found, sizeof found, "%s/%s", p.dir[i], name);
-        if (access(found, F_OK) != 0)
-            *found = '\0';
-    }
+    find(&p, name, found);
     if (!*found)
         return not_found(&p, name, what, error);
     if (path && !(*path = strdup(found)))

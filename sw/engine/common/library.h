@@ -12,6 +12,8 @@
  * cannot be loaded. */
 fp3_status fp3_library_load(const char *name, const char *what, void **library, char **path,
                             fp3_error *error);
+/* Whether a library of this file name is in one of these places. */
+int fp3_library_is_there(const char *name);
 /* NULL: it has no such symbol. */
 const void *fp3_library_symbol(void *library, const char *symbol);
 /* NULL does no harm. */
