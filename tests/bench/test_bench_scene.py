@@ -37,6 +37,7 @@ def test_rows(bench, tmp_path, scene, objects):
         assert f"{row['engine']:<22}  {row['threads']:7}  {ns:14.4g}" in done.stdout
 
 
+@pytest.mark.long
 def test_more_objects_take_longer(bench, tmp_path, root):
     """What is timed is the scene: its steps are found, and four times the objects take between two and eight times as long."""
     shutil.copy(root / "programs/world/net.ode", tmp_path)

@@ -46,6 +46,7 @@ def test_another_arithmetic(stress, name):
     assert {row["section"] for row in rows} == {"stability", "steps", "drift", "stagnation", "subnormal", "failures", "chaos"} - hidden
 
 
+@pytest.mark.long
 def test_sums_of_logarithms_are_too_large_in_the_mean(stress):
     """By 0.015 last places, so that a planet's energy falls in each step by 4 times that; a last place is ln 2 2^-23 of a number."""
     row, = [row for row in stress("-i", "rk4", "--arithmetic", "log", "--only", "drift")]
