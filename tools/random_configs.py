@@ -85,6 +85,7 @@ def draw(rng):
     row |= {"fraction": fraction}
     if row.get("schedulers", 1) == 1 and kind > 0.8:
         row |= {"fused": 1, "chain": 0}
+    row |= {"counters": random.Random(repr(row) + "counters").choice([0, 1, 1])}
     halves = row | {"storage": random.Random(repr(row) + "storage").choice([0, 1, 2])}
     return halves if is_possible({"name": "halves", "doc": "Halves."} | halves) else row
 

@@ -184,6 +184,9 @@ end
 if (STATUS > 0 && FLAGS == 0) begin : g_status_needs_flags
     STATUS_needs_FLAGS u_error ();
 end
+if (COUNTERS < 0 || COUNTERS > 1) begin : g_counters_must_be_0_to_1
+    COUNTERS_must_be_0_to_1 u_error ();
+end
 if (SUBNORMAL < 0 || SUBNORMAL > 1) begin : g_subnormal_must_be_0_to_1
     SUBNORMAL_must_be_0_to_1 u_error ();
 end

@@ -84,7 +84,7 @@ localparam STATUS_STEP_HI             = 31;
 localparam STATUS_STEP_LO             = 5;
 
 // Counters: 64 bits in two words each.
-localparam COUNTERS                             = 14;
+localparam COUNTER_COUNT                        = 14;
 localparam COUNTER_W                            = 4;
 localparam [15:0] ADDR_COUNTERS                 = 16'h0080;
 localparam [15:0] ADDR_COUNTER_CYCLES           = 16'h0080;

@@ -45,7 +45,8 @@ module fp3_host_decode #(
 
     wire whole = addr_i[1:0] == 2'd0;
     wire registers_d = low && addr_i[15:0] < ADDR_COUNTERS;
-    wire counters_d  = low && addr_i[15:9] == ADDR_COUNTERS[15:9] && addr_i[8:7] != 2'd0 && {26'd0, counter} < COUNTERS;
+    wire counters_d  = COUNTERS != 0 && low && addr_i[15:9] == ADDR_COUNTERS[15:9] && addr_i[8:7] != 2'd0
+                    && {26'd0, counter} < COUNTER_COUNT;
     wire program_d   = low && addr_i[15] == ADDR_WINDOW_PROGRAM[15] && {19'd0, addr_i[14:2]} < PROGRAM_32;
     wire constants_d = low && addr_i[15:8] == ADDR_WINDOW_CONSTANTS[15:8] && {26'd0, index} < REGISTERS_32;
     wire awake_d     = low && addr_i[15:8] == ADDR_WINDOW_AWAKE[15:8] && HAS_STORE[index];

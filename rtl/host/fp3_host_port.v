@@ -294,9 +294,16 @@ module fp3_host_port #(
     assign program_addr_o   = address_q[PROGRAM_W-1:0];
     assign wdata_o          = memory_wdata_q;
 
-    fp3_counters #(.N(`FP3_EVENTS_W), .INDEX_W(COUNTER_W)) u_counters (
-        .clk_i(clk_i), .clear_i(rst_i || clear_q), .event_i(events_i),
-        .read_i(ours_q), .index_i(counter_q), .high_i(counters_high_q), .value_o(count));
+    generate
+        if (COUNTERS != 0) begin : g_counters
+            fp3_counters #(.N(`FP3_EVENTS_W), .INDEX_W(COUNTER_W)) u_counters (
+                .clk_i(clk_i), .clear_i(rst_i || clear_q), .event_i(events_i),
+                .read_i(ours_q), .index_i(counter_q), .high_i(counters_high_q), .value_o(count));
+        end else begin : g_no_counters
+            wire unused_events = &{clear_q, events_i, counter_q, counters_high_q};
+            assign count = 32'd0;
+        end
+    endgenerate
 
     assign irq_o       = (irq_enable_q && ended_q) || (irq_enable_failed_q && failed_q);
 

@@ -436,7 +436,9 @@ fp3_status fp3_bare_register(fp3_bare *fp3, uint32_t scheduler, uint32_t address
 /* The high word may count on between the two: it is read again. */
 fp3_status fp3_bare_counter(fp3_bare *fp3, uint32_t scheduler, uint32_t address, uint64_t *count) {
     uint32_t low = 0, high = 0, before;
-    if (!is_there(fp3, scheduler) || (scheduler == FP3_ALL && fp3->schedulers > 1))
+    /* The field says how many of one there is less. */
+    if (!is_there(fp3, scheduler) || (scheduler == FP3_ALL && fp3->schedulers > 1) ||
+        FIELD(fp3->features_more, FEATURES_MORE_COUNTERS))
         return FP3_E_ARGUMENT;
     fp3_status status = get(fp3, scheduler, address + 4, &high);
     do {

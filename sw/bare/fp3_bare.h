@@ -151,7 +151,8 @@ fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *
 
 /* A register by its address, FP3_ADDR_FLAGS or FP3_ADDR_FAULT; of FP3_ALL the OR. */
 fp3_status fp3_bare_register(fp3_bare *fp3, uint32_t scheduler, uint32_t address, uint32_t *word);
-/* A counter by its address, FP3_ADDR_COUNTER_CYCLES, of one scheduler; also while it runs. */
+/* A counter by its address, FP3_ADDR_COUNTER_CYCLES, of one scheduler; also while it runs.
+ * FP3_E_ARGUMENT: the configuration has no counters. */
 fp3_status fp3_bare_counter(fp3_bare *fp3, uint32_t scheduler, uint32_t address, uint64_t *count);
 
 /* The bits of a number, and the number of bits. */

@@ -210,9 +210,10 @@ static void print_line(const fp3_stats *stats, fp3_bus_use bus) {
 }
 
 /* What the cycles take on hardware with this clock, and what they took to simulate. */
-static void print_time(const fp3_stats *stats, int is_rtl, fp3_bus_use bus, double clock) {
+static void print_time(const fp3_stats *stats, int has_cycles, int is_rtl, fp3_bus_use bus,
+                       double clock) {
     const double cycles = (double)stats->counter[FP3_COUNTER_CYCLES];
-    if (clock > 0) {
+    if (has_cycles && clock > 0) {
         printf("%-16s %.6g s at %.6g MHz: %.0f cycles\n", "time", cycles / clock, clock / 1e6,
                cycles);
         if (bus.cycles)
@@ -227,7 +228,7 @@ static void print_time(const fp3_stats *stats, int is_rtl, fp3_bus_use bus, doub
         return;
     }
     printf("%-16s %.3g s", "simulator", stats->seconds);
-    if (stats->seconds > 0)
+    if (has_cycles && stats->seconds > 0)
         printf(", %.3g %s/second", cycles / stats->seconds, is_rtl ? "cycles" : "instructions");
     printf("; simulation time, not FPGA time\n");
 }
@@ -309,16 +310,20 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++)
         print_group(engine, of->scene, i, cost, checks ? checks[i] : NULL, all);
     const char *how = fp3_engine_how(engine);
-    print_cost(stats, !*how);
+    fp3_error why = {.text = ""};
+    const int has_counters = !fp3_engine_need_counters(engine, &why);
+    print_cost(stats, has_counters && !*how);
+    if (!has_counters)
+        printf("%-16s none: %s\n", "counters", why.text);
     if (*how)
         print_speed(stats, how);
     else
-        print_time(stats, is->is_simulated, fp3_engine_bus(engine), clock);
+        print_time(stats, has_counters, is->is_simulated, fp3_engine_bus(engine), clock);
     if (fp3_engine_is_divided(engine))
         fp3_run_ranks_print(engine);
-    if (is->is_hardware)
+    if (is->is_hardware && has_counters)
         print_occupancy(engine, cost);
-    if (is->is_hardware && of->scene && !fp3_engine_is_divided(engine))
+    if (is->is_hardware && has_counters && of->scene && !fp3_engine_is_divided(engine))
         print_balance(engine, cost);
     if (checks && of->program)
         fp3_run_check_print(checks[0]);

@@ -319,6 +319,8 @@ static fp3_status add_counters(fp3_recording *r, const fp3_stats *part) {
         uint64_t counter[FP3_COUNTER_COUNT];
         if (part->schedulers == 1) /* an adaptive part may be several runs */
             memcpy(counter, part->counter, sizeof counter);
+        else if (fp3_engine_need_counters(r->source.engine, NULL))
+            memset(counter, 0, sizeof counter);
         else
             status = fp3_engine_scheduler_counters(r->source.engine, s, counter);
         for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++)

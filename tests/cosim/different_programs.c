@@ -206,10 +206,11 @@ static void compare(bench *b, uint32_t u) {
     }
     /* Without sleep, lane 0 says what is issued. */
     const uint64_t rows = (one->objects + b->config->lanes - 1) / b->config->lanes;
-    const uint32_t paired = get(b, of_scheduler(u, FP3_ADDR_COUNTER_PAIRED));
-    if (fp3_engine_layout(isa)->groups[0].program.slept < 0)
+    if (b->config->counters && fp3_engine_layout(isa)->groups[0].program.slept < 0) {
+        const uint32_t paired = get(b, of_scheduler(u, FP3_ADDR_COUNTER_PAIRED));
         want(b, "counter retired", of_scheduler(u, FP3_ADDR_COUNTER_RETIRED),
              (uint32_t)(one->stats.counter[FP3_COUNTER_RETIRED] / one->objects * rows) - paired);
+    }
     fp3_engine_close(&one->isa);
 }
 

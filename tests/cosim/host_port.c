@@ -101,7 +101,8 @@ enum {
     AROUND_ONLY = 32,
     COPY_ONLY = 64,
     HALF_ONLY = 128,
-    WHOLE_ONLY = 256
+    WHOLE_ONLY = 256,
+    COUNTERS_ONLY = 512
 };
 
 static int access_to_register(const fp3_config *c, uint32_t address) {
@@ -136,7 +137,8 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_STEP, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_LAST, READ | WRITE | IDLE_WRITE},
                      {FP3_ADDR_SIZE, READ | WRITE | IDLE_WRITE},
-#define X(NAME, name, address) {address, READ}, {(address) + 4, READ},
+#define X(NAME, name, address)                                                                     \
+    {address, READ | COUNTERS_ONLY}, {(address) + 4, READ | COUNTERS_ONLY},
                      FP3_COUNTERS(X)
 #undef X
     };
@@ -146,6 +148,7 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                            (!(registers[i].access & AROUND_ONLY) || c->neighbours) &&
                            (!(registers[i].access & COPY_ONLY) || c->exchange) &&
                            (!(registers[i].access & HALF_ONLY) || c->storage) &&
+                           (!(registers[i].access & COUNTERS_ONLY) || c->counters) &&
                            (!(registers[i].access & WHOLE_ONLY) || (c->storage && c->sleep))
                        ? registers[i].access
                        : 0;
@@ -581,13 +584,13 @@ static void a_start_forgets_the_run_before(bench *b) {
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);
         want(b, "an illegal word: fault", FP3_ADDR_FAULT, step);
-        if (!get(b, FP3_ADDR_COUNTER_CYCLES))
+        if (b->config->counters && !get(b, FP3_ADDR_COUNTER_CYCLES))
             fail(b, "a run without cycles", FP3_ADDR_COUNTER_CYCLES, 0, 1);
         load(b, steps);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);
         want(b, "a legal run: fault", FP3_ADDR_FAULT, 0);
-        if (!get(b, FP3_ADDR_COUNTER_CYCLES) == (steps != 0))
+        if (b->config->counters && !get(b, FP3_ADDR_COUNTER_CYCLES) == (steps != 0))
             fail(b, "a run has cycles if it has steps", FP3_ADDR_COUNTER_CYCLES, steps, steps);
     }
 }
@@ -610,7 +613,7 @@ static void a_running_machine_guards_its_memories(bench *b) {
 }
 
 static void counters_are_0_before_the_first_run(bench *b) {
-    for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
+    for (uint32_t scheduler = 0; b->config->counters && scheduler < b->schedulers; scheduler++) {
 #define X(NAME, name, address)                                                                     \
     want(b, "counter " name, of_scheduler(scheduler, address), 0);                                 \
     want(b, "counter " name ", high word", of_scheduler(scheduler, (address) + 4), 0);
@@ -726,7 +729,7 @@ static void what_is_left_out_is_illegal(bench *b) {
 /* Who sleeps is found by its first load, and nothing is issued for those who all sleep. */
 static void sleepers_are_skipped(bench *b) {
     const uint32_t loads = fp3_word_encode(&(fp3_instruction){.op = FP3_OP_LDS, .d = 1});
-    for (uint32_t sleeps = 0; b->config->sleep && sleeps < 2; sleeps++) {
+    for (uint32_t sleeps = 0; b->config->sleep && b->config->counters && sleeps < 2; sleeps++) {
         load(b, 9);
         if (b->config->storage)
             must(b, "a whole word", FP3_ADDR_WHOLE, 1);
@@ -786,7 +789,7 @@ static void an_overfull_list_does_not_start(bench *b, uint32_t lane) {
             fail(b, "a start with a full list", rows + more, words[rows + more].is_refused, more);
         b->ops->clock(b->rtl, 1000000, 1000);
         want(b, "a full list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, rows + more);
-        if (!more)
+        if (!more && b->config->counters)
             want(b, "a load and a store of each", FP3_ADDR_COUNTER_ISSUED_MEMORY, 2 * rows);
     }
     must(b, "an empty list", FP3_ADDR_WINDOW_AWAKE + 4 * lane, 0);

@@ -592,7 +592,7 @@ int main(int argc, char **argv) {
         const fp3_config *config = &fp3_configs[i];
         for (uint64_t n = 0; n < rounds && fp3_config_schedulers(config) > 1 && !failed; n++) {
             check_bits(config, seed + n);
-            if (config->schedulers == 1 && !failed)
+            if (config->schedulers == 1 && config->counters && !failed)
                 check_cycles(config, &c, &worst);
         }
     }

@@ -1,5 +1,6 @@
 """The hardware under Verilator: its host port, against the isa engine, and what the engines promise."""
 
+import os
 import re
 import subprocess
 
@@ -81,6 +82,38 @@ def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):
     one_config.run("gcc", *sanitize, "-o", tree / "given", build / "obj/tests/cosim/given.o", tree / "own.o", build / "lib/libfp3.a", *one_config.LIBS)
     done = subprocess.run([tree / "given", "1", "some", "100"], env={"FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0 and done.stdout.endswith(", 0 failed\n"), done.stdout + done.stderr
+
+
+def test_a_configuration_without_counters(root, build, tmp_path, monkeypatch):
+    """Its bits are those of others; an access to a counter is refused; and the command says that it has none, not a wrong number."""
+    monkeypatch.syspath_prepend(root / "tools")
+    from fp3fpga import one_config
+    from fp3gen.read import load
+    row = next(row for row in load(root).configs if row["name"] == "many") | {"name": "some", "counters": 0}
+    tree = tmp_path / "some"
+    one_config.build(row, tree, build)
+    objects = {name: [build / f"obj/tests/cosim/{name}.o"] for name in ("random_stream", "host_port")}
+    objects["fp3"] = [build / "obj" / path.relative_to(root).with_suffix(".o") for path in (root / "sw/cli").glob("*.c")]
+    sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
+    for name, files in objects.items():
+        one_config.run("gcc", *sanitize, "-o", tree / name, *files, tree / "own.o", build / "obj/measure.a", build / "lib/libfp3_lab.a", build / "lib/libfp3.a",
+                       *one_config.LIBS, "-ljansson")
+
+    def said(*command):
+        done = subprocess.run([tree / command[0], *command[1:]], env={**os.environ, "FP3_RTL_DIR": str(tree)}, capture_output=True, text=True, timeout=300)
+        return done.returncode, done.stdout + done.stderr
+    code, out = said("random_stream", "--instructions", "20000")
+    assert code == 0 and "instructions in" in out, out
+    code, out = said("host_port")
+    assert code == 0 and ", 0 failed" in out, out
+    run = ["fp3", "run", root / "programs/oscillator.ode", "--config", "some", "--steps", "4", "--clock", "100MHz"]
+    code, out = said(*run, "--engine", "rtl")
+    assert code == 0 and "counters         none: configuration some has no counters" in out and "cycles" not in out.replace("transfers in", ""), out
+    code, out = said(*run[:-2], "--engine", "isa")
+    assert code == 0 and re.search(r"^cycles +[1-9]", out, re.M), out
+    code, out = said("fp3", "bench", root / "programs/oscillator.ode", "--quick", "--config", "some")
+    assert code == 2 and "configuration some has no counters" in out, out
+
 
 
 def test_comparisons_selections_and_estimates_have_their_bits(build, tmp_path, long):

@@ -91,7 +91,7 @@ def registers_verilog(regs):
         ("Fields of registers, but for those that show keys: gen/host_map.vh has these.",
          [("", name, value) for name, value in field_rows({**regs, "register": [row for row in regs["register"] if "shows" not in row]})]),
         ("Counters: 64 bits in two words each.",
-         [("", "COUNTERS", len(regs["counter"])), ("", "COUNTER_W", max(4, (len(regs["counter"]) - 1).bit_length())), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
+         [("", "COUNTER_COUNT", len(regs["counter"])), ("", "COUNTER_W", max(4, (len(regs["counter"]) - 1).bit_length())), ("[15:0] ", "ADDR_COUNTERS", at(regs["counters"]["at"]))]
          + [("[15:0] ", f"ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]),
         ("Windows onto the memories.", [("[15:0] ", f"ADDR_WINDOW_{row['name'].upper()}", at(row["at"]))
                                         for row in regs["window"]]),

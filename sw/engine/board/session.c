@@ -131,10 +131,11 @@ static fp3_status ask_scheduler(fp3_engine *engine, uint32_t scheduler, uint32_t
     fp3_status status = fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_STATUS), outcome);
     if (!status)
         status = fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_FAULT), fault);
-    if (!status)
+    if (!status && engine->config->counters) {
         status = read_counters(engine, scheduler, counter);
-    if (!status)
-        status = check_counters(engine, scheduler, counter, *outcome == BIT(STATUS_DONE));
+        if (!status)
+            status = check_counters(engine, scheduler, counter, *outcome == BIT(STATUS_DONE));
+    }
     if (!status && *outcome != BIT(STATUS_DONE) && *outcome != BIT(STATUS_ILLEGAL) &&
         *outcome != BIT(STATUS_STOPPED))
         status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
@@ -206,7 +207,10 @@ static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     const uint32_t at_once = fp3_store_lists_is_near(engine) || engine->exchange.end ? 1 : steps;
     uint64_t sums[FP3_COUNTER_COUNT] = {0};
     fp3_store_lists lists;
-    fp3_status status = fp3_store_lists_begin(engine, &lists);
+    fp3_status status = limit ? fp3_engine_need_counters(engine, engine->def.error) : FP3_OK;
+    if (status)
+        return status;
+    status = fp3_store_lists_begin(engine, &lists);
     for (uint32_t made = 0; !status && made < steps; made += at_once) {
         const uint64_t cycles = sums[FP3_COUNTER_CYCLES];
         status = fp3_engine_exchange(engine);

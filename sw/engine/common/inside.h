@@ -59,6 +59,10 @@ const fp3_engine_traits *fp3_engine_traits_of(const char *name, fp3_error *error
  * that see each other. */
 const char *fp3_engine_usual(int sees_others);
 
+/* FP3_E_ARGUMENT: the engine is hardware whose configuration has no counters, so that nobody knows
+ * the cycles of a run; all counters in its stats are 0. */
+fp3_status fp3_engine_need_counters(const fp3_engine *engine, fp3_error *error);
+
 /* Its objects are on several ranks: cycles are those of the slowest, and other counters sums over
  * all. */
 int fp3_engine_is_divided(const fp3_engine *engine);

@@ -283,10 +283,19 @@ fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats) 
     return status;
 }
 
+fp3_status fp3_engine_need_counters(const fp3_engine *engine, fp3_error *error) {
+    if (!engine->backend->is.is_hardware || engine->config->counters)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_ARGUMENT, "configuration %s has no counters",
+                    engine->config->name);
+}
+
 fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
                                          uint64_t counter[FP3_COUNTER_COUNT]) {
     const uint32_t schedulers = fp3_config_schedulers(engine->config);
     fp3_status status = fp3_engine_check_range(engine, "scheduler", scheduler, 1, schedulers);
+    if (!status)
+        status = fp3_engine_need_counters(engine, engine->def.error);
     if (!status)
         memcpy(counter, engine->counters[scheduler], sizeof engine->counters[scheduler]);
     return status;

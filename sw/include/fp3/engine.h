@@ -156,7 +156,7 @@ typedef struct {
 
 /* What a run cost. For each scheduler, cycles = the sum of issued_* and stall_*. An instruction
  * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls. All
- * counters of "fast" are 0. */
+ * counters of "fast" are 0, and those of hardware whose configuration has no counters. */
 typedef struct {
     uint64_t counter[FP3_COUNTER_COUNT]; /* sums over schedulers; cycles: the maximum */
     uint32_t schedulers;                 /* each has its own counters; isa: 1 */
@@ -295,7 +295,8 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * its programs load, unless they were written since: fp3_engine_failure may need them. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
-/* The counters of one scheduler in the last run. FP3_E_ARGUMENT: the run had no such scheduler. */
+/* The counters of one scheduler in the last run. FP3_E_ARGUMENT: the run had no such scheduler,
+ * or the hardware has no counters. */
 fp3_status fp3_engine_scheduler_counters(fp3_engine *engine, uint32_t scheduler,
                                          uint64_t counter[FP3_COUNTER_COUNT]);
 

@@ -2,6 +2,7 @@
 /* bench.c - see bench.h. */
 #include "bench.h"
 #include "base/bits.h"
+#include "engine/common/inside.h"
 
 #include "machine/format.h"
 
@@ -347,6 +348,10 @@ static fp3_status prepare(bench *b, int *is_unfit, fp3_error *error) {
     fp3_status status = copy_params(b, error);
     if (!status)
         status = open_engine(b, "rtl", room, &b->of_rtl, &b->rtl, error);
+    if (!status) {
+        status = fp3_engine_need_counters(b->rtl, error);
+        *is_unfit = status != FP3_OK;
+    }
     if (!status && !b->is_ship)
         status = open_engine(b, "isa", room, &b->of_isa, &b->isa, error);
     if (status)

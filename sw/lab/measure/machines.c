@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* machines.c - see machines.h. */
 #include "machines.h"
+#include "engine/common/inside.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +82,11 @@ fp3_status fp3_measure_machines_engine(fp3_measure_machines *machines, const cha
     def.is_interpreted = machines->is_interpreted;
     def.error = &machines->error;
     fp3_status status = fp3_engine_open(&def, &m->engine);
+    if (!status) {
+        status = fp3_engine_need_counters(m->engine, &machines->error);
+        if (status)
+            fp3_engine_close(&m->engine);
+    }
     if (status)
         return fp3_fail(error, status, "%s", machines->error.text);
     machines->count++;
