@@ -49,7 +49,8 @@ def test_a_second_run_changes_nothing(copy):
     assert generate(copy).stdout == ""
 
 
-@pytest.mark.parametrize("name", ["rtl/gen/isa.vh", "sw/gen/registers.h", "docs/isa.md", "rtl/gen/fp3.rdl", "python/fp3/_declarations.py"])
+@pytest.mark.parametrize("name", ["rtl/gen/isa.vh", *(pytest.param(name, marks=pytest.mark.long) for name in (
+    "sw/gen/registers.h", "docs/isa.md", "rtl/gen/fp3.rdl", "python/fp3/_declarations.py"))])
 def test_check_names_the_stale_file_and_mends_nothing(copy, name):
     path = copy / name
     spoiled = path.read_text() + "\n"

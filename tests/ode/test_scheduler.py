@@ -9,6 +9,8 @@ import pytest
 SOLO = ["paper", "walk_slot", "walk_bypass", "uncut", "single", "single_full", "single_fused"]
 CONTEXTS = ["many", "many_full", "sixteen", "lanes", "array"]
 COUNT = 150
+# Between `paper` and `single` each feature is there once more.
+ALL = [pytest.param(config, marks=[pytest.mark.long] * config.startswith("walk_")) for config in SOLO + CONTEXTS]
 SLOW = ("lanes", "array")                # to simulate
 
 
@@ -60,7 +62,7 @@ def test_schedulers_that_share_units_are_not_predicted(scheduler):
 
 # ---- bits ----------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("config", SOLO + CONTEXTS + ["shared"])
+@pytest.mark.parametrize("config", [*ALL, "shared"])
 def test_random_steps_keep_their_bits(scheduler, config, long):
     """Executed in C: as FP32 numbers, and as numbers that depend on all that went into them."""
     out = scheduler("steps", config, count=COUNT, rtl=every(config, long))
@@ -68,7 +70,7 @@ def test_random_steps_keep_their_bits(scheduler, config, long):
     assert config == "shared" or measured(out) >= 10, out
 
 
-@pytest.mark.parametrize("config", SOLO + CONTEXTS)
+@pytest.mark.parametrize("config", ALL)
 def test_steps_of_integrators_keep_their_bits(scheduler, config, long):
     scheduler("integrators", config, count=COUNT, rtl=every(config, long), seed=10000)
 
