@@ -174,8 +174,17 @@ class Batch(Owner):
             check(self._lib.fp3_batch_set(c, key, float(values)), self._error)
             self._show(name)
 
-    def write(self, name: str, values: Value, first: int = 0, count: Optional[int] = None) -> None:
-        """Writes one number for each of the objects from `first` on."""
+    def write(self, name: Union[str, List[str], Tuple[str, ...]], values: Value, first: int = 0, count: Optional[int] = None) -> None:
+        """Writes one number for each of the objects from `first` on; for several names, a row of numbers for each."""
+        if isinstance(name, (list, tuple)):
+            for one in name:
+                name_bytes("name", one)
+            table = as_values("values", values)
+            if table.ndim != 2 or table.shape[1] != len(name):
+                raise ArgumentError(f"values: found shape {table.shape}, expected (objects, {len(name)}): a number of each name")
+            for k, one in enumerate(name):
+                self.write(one, table[:, k], first, count)
+            return
         self._write(name, as_values(f"'{name}'", values), as_count("first", first, 0, 2**63),
                     None if count is None else as_count("count", count, 0, 2**63))
 
@@ -193,8 +202,14 @@ class Batch(Owner):
             check(call(c, key, first, len(array), array.ctypes.data), self._error)
             self._show(name)
 
-    def read(self, name: str, first: int = 0, count: Optional[int] = None, out: Optional["np.ndarray[Any, Any]"] = None) -> "np.ndarray[Any, Any]":
-        """A copy of a column: float32, or float64 in double-single. out: an array of this type that receives it."""
+    def read(self, name: Union[str, List[str], Tuple[str, ...]], first: int = 0, count: Optional[int] = None,
+             out: Optional["np.ndarray[Any, Any]"] = None) -> "np.ndarray[Any, Any]":
+        """A copy of a column: float32, or float64 in double-single. out: an array of this type that receives it.
+
+        Of several names, an array of shape (objects, names). Then out may be columns of a larger array.
+        """
+        if isinstance(name, (list, tuple)):
+            return self._read_table(name, first, count, out)
         key, first = name_bytes("name", name), as_count("first", first, 0, self._objects)
         count = self._objects - first if count is None else as_count("count", count, 0, self._objects - first)
         if out is None:
@@ -204,6 +219,25 @@ class Batch(Owner):
             raise ArgumentError(f"out: expected an array of float32 or float64 that can be written, of shape ({count},) and without strides")
         with self._c() as c:
             self._read(c, key, first, count, out)
+        return out
+
+    def _read_table(self, names: Union[List[str], Tuple[str, ...]], first: int, count: Optional[int], out: Optional["np.ndarray[Any, Any]"]) -> "np.ndarray[Any, Any]":
+        keys, first = [name_bytes("name", name) for name in names], as_count("first", first, 0, self._objects)
+        count = self._objects - first if count is None else as_count("count", count, 0, self._objects - first)
+        if out is None:
+            out = np.empty((count, len(keys)), self._dtype)
+        elif not isinstance(out, np.ndarray) or isinstance(out, np.ma.MaskedArray) or out.dtype not in (np.float32, np.float64) \
+                or out.shape != (count, len(keys)) or not out.flags.writeable or not out.dtype.isnative:
+            raise ArgumentError(f"out: expected an array of float32 or float64 that can be written, of shape ({count}, {len(keys)})")
+        stride, rest = divmod(out.strides[0], 4)
+        with self._c() as c:
+            if out.dtype == np.float32 and out.flags.aligned and (len(keys) < 2 or out.strides[1] == 4) and not rest and stride >= len(keys):
+                check(self._lib.fp3_batch_read_strided(c, (ctypes.c_char_p * len(keys))(*keys), len(keys), first, count, out.ctypes.data, stride), self._error)
+                return out
+            column = np.empty(count, out.dtype)
+            for k, key in enumerate(keys):
+                self._read(c, key, first, count, column)
+                out[:, k] = column
         return out
 
     def _read(self, c: Any, key: bytes, first: int, count: int, out: "np.ndarray[Any, Any]") -> None:

@@ -219,6 +219,67 @@ fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t 
     return status;
 }
 
+static fp3_status check_stride(const fp3_batch *b, size_t name_count, size_t stride) {
+    return stride < name_count ? fp3_fail(b->error, FP3_E_ARGUMENT,
+                                          "stride %zu: expected at least %zu, one for "
+                                          "each name",
+                                          stride, name_count)
+                               : FP3_OK;
+}
+
+/* A column on its way is as long as the objects that are read or written, so a refused one changes
+ * nothing. */
+static fp3_status read_one(fp3_batch *b, const char *name, size_t first, size_t count,
+                           float *values, size_t stride) {
+    float *column = malloc((count + 1) * sizeof *column);
+    fp3_status status = column
+                            ? fp3_fields_read(b->fields, name, first, count, column, NULL, b->error)
+                            : fp3_no_memory(b->error);
+    for (size_t i = 0; !status && i < count; i++)
+        values[i * stride] = column[i];
+    free(column);
+    return status;
+}
+
+static fp3_status write_one(fp3_batch *b, const char *name, size_t first, size_t count,
+                            const float *values, size_t stride) {
+    float *column = malloc((count + 1) * sizeof *column);
+    fp3_status status = column ? FP3_OK : fp3_no_memory(b->error);
+    for (size_t i = 0; !status && i < count; i++)
+        column[i] = values[i * stride];
+    if (!status)
+        status = fp3_fields_write(b->fields, name, first, count, (fp3_numbers){.single = column},
+                                  b->error);
+    free(column);
+    return status;
+}
+
+fp3_status fp3_batch_read_strided(fp3_batch *b, const char *const *names, size_t name_count,
+                                  size_t first, size_t count, float *values, size_t stride) {
+    FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
+    fp3_status status = check_stride(b, name_count, stride);
+    if (!status)
+        status = fp3_fields_check(b->fields, first, count, b->error);
+    for (size_t i = 0; !status && i < name_count; i++)
+        status = read_one(b, names[i], first, count, values + i, stride);
+    return status;
+}
+
+fp3_status fp3_batch_write_strided(fp3_batch *b, const char *const *names, size_t name_count,
+                                   size_t first, size_t count, const float *values, size_t stride) {
+    FP3_HOST;
+    if (!b)
+        return FP3_E_ARGUMENT;
+    fp3_status status = check_stride(b, name_count, stride);
+    if (!status)
+        status = fp3_fields_check(b->fields, first, count, b->error);
+    for (size_t i = 0; !status && i < name_count; i++)
+        status = write_one(b, names[i], first, count, values + i, stride);
+    return status;
+}
+
 fp3_status fp3_batch_column(fp3_batch *b, const char *name, const float **values) {
     FP3_HOST;
     if (!b)

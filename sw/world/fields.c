@@ -234,7 +234,7 @@ fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_err
     return FP3_OK;
 }
 
-static fp3_status check_objects(const fp3_fields *q, size_t first, size_t count, fp3_error *error) {
+fp3_status fp3_fields_check(const fp3_fields *q, size_t first, size_t count, fp3_error *error) {
     if (first <= q->def.objects && count <= q->def.objects - first)
         return FP3_OK;
     return fp3_fail(error, FP3_E_ARGUMENT, "object %zu, count %zu: there are %zu objects", first,
@@ -264,7 +264,7 @@ fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_
     fp3_field *of = fp3_field_find(&q->table, name, error);
     if (!of)
         return FP3_E_ARGUMENT;
-    fp3_status status = check_objects(q, first, count, error);
+    fp3_status status = fp3_fields_check(q, first, count, error);
     if (status || !count)
         return status;
     if (of->is_shared)
@@ -343,7 +343,7 @@ fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t
     const fp3_field *of = fp3_field_find(&q->table, name, error);
     if (!of)
         return FP3_E_ARGUMENT;
-    fp3_status status = check_objects(q, first, count, error);
+    fp3_status status = fp3_fields_check(q, first, count, error);
     if (status || !count)
         return status;
     if (is_on_its_way(q, of) && of->place < 0)

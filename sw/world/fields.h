@@ -28,6 +28,9 @@ fp3_status fp3_fields_open(const fp3_fields_def *def, fp3_fields **fields, fp3_e
 /* Sets *fields to NULL, which it may be already. */
 void fp3_fields_close(fp3_fields **fields);
 
+/* FP3_E_ARGUMENT: there are no such objects. */
+fp3_status fp3_fields_check(const fp3_fields *q, size_t first, size_t count, fp3_error *error);
+
 /* As of fp3_batch_set, fp3_batch_write and fp3_batch_read. */
 fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_error *error);
 fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_t count,

@@ -7,6 +7,7 @@
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
  *     step N                     restart                     use COUNT
  *     read NAME...               wide NAME... (in double); a line for each object
+ *     beside STRIDE NAME...      move STRIDE NAME... (each object gets the numbers of the next one)
  *     column NAME                (where it is; "none" where there is no such place)
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is
@@ -52,6 +53,23 @@ static void write_column(char **word, int count, int is_double) {
     const size_t first = strtoull(word[2], NULL, 10), numbers = (size_t)count - 3;
     say(is_double ? fp3_batch_write_double(batch, word[1], first, numbers, wide)
                   : fp3_batch_write(batch, word[1], first, numbers, single));
+}
+
+/* All objects; numbers between are -7. */
+static void beside(char **word, int count, int is_move) {
+    const size_t stride = strtoull(word[1], NULL, 10), n = def.objects;
+    const char *const *names = (const char *const *)(word + 2);
+    float *values = malloc((n + 1) * (stride + 1) * sizeof *values);
+    for (size_t i = 0; i < (n + 1) * (stride + 1); i++)
+        values[i] = -7;
+    say(fp3_batch_read_strided(batch, names, (size_t)count - 2, 0, n, values, stride));
+    if (is_move)
+        say(fp3_batch_write_strided(batch, names, (size_t)count - 2, 0, n - 1, values + stride,
+                                    stride));
+    for (size_t i = 0; !is_move && i < n; i++)
+        for (size_t k = 0; k < stride; k++)
+            printf("%.17g%c", (double)values[i * stride + k], k + 1 < stride ? ' ' : '\n');
+    free(values);
 }
 
 static void read_columns(char **word, int count, int is_double) {
@@ -115,6 +133,8 @@ static void obey(char *line) {
         say(fp3_batch_restart(batch));
     else if (!strcmp(word[0], "read") || !strcmp(word[0], "wide"))
         read_columns(word, count, word[0][0] == 'w');
+    else if (!strcmp(word[0], "beside") || !strcmp(word[0], "move"))
+        beside(word, count, word[0][0] == 'm');
     else if (!strcmp(word[0], "column"))
         look(word[1]);
     else if (!strcmp(word[0], "time"))

@@ -329,6 +329,19 @@ def test_the_ends_of_fp32(root, script):
     assert len(told) == 1 and told[0].startswith("error 1: 'l' is 1e-50: expected 0 or a number above"), told
 
 
+@pytest.mark.parametrize("engine", ["fast", "isa", "rtl"])
+def test_columns_lie_beside_each_other(script, root, engine):
+    """x y z of each object with two numbers between, which stay; both ways, for states and a param."""
+    model, names = root / "programs/lorenz.ode", "x y z rho"
+    lines = ["spread x 0.9 1.1", "spread rho 20 28", "step 5"]
+    plain = numbers(script(model, [*lines, f"read {names}"], "-n", 3, "-e", engine))
+    told = numbers(script(model, [*lines, f"beside 6 {names}", f"move 4 {names}", f"read {names}"], "-n", 3, "-e", engine))
+    assert told[:3] == [[*row, -7, -7] for row in plain] and plain[0] != plain[1]
+    assert told[3:] == [plain[1], plain[2], plain[2]]
+    assert script(model, ["beside 3 x y z rho"], "-n", 3, "-e", engine)[0] == "error 1: stride 3: expected at least 4, one for each name"
+    assert script(model, ["beside 2 x q"], "-n", 3, "-e", engine)[0].startswith("error 1: the model has no 'q'")
+
+
 STICK = "model m\nparam steer = 1\nparam m = 8e5\nstate x = 0\nstep 0.015625\nspan 1\nx' = steer*steer/m - {0}steer*x\n"
 
 

@@ -118,7 +118,7 @@ def test_what_else_solve_ivp_refuses(options, told):
         fp3.solve_ivp(TEXT, (0, 1), **options)
 
 
-@pytest.mark.parametrize("name", [None, 3, b"x", ["x"], ("x",), np.float32(1), ("x", 1)])
+@pytest.mark.parametrize("name", [None, 3, b"x", {"x": 1}, np.float32(1), ("x", 1), [None]])
 def test_names_are_strings(name):
     with fp3.Batch(TEXT, 4) as batch:
         for use in (lambda: batch[name], lambda: batch.__setitem__(name, 1), lambda: batch.read(name), lambda: batch.write(name, [1]),
@@ -126,6 +126,10 @@ def test_names_are_strings(name):
                     lambda: fp3.Batch(TEXT, engine=name), lambda: fp3.solve_ivp(TEXT, (0, 1), arithmetic=name or 0)):
             with pytest.raises(TypeError, match="expected a string"):
                 use()
+        for several in (["x"], ("x",)):  # read and write alone take them
+            for use in (lambda: batch[several], lambda: batch.__setitem__(several, 1), lambda: batch.link(several, [], [])):
+                with pytest.raises(TypeError, match="expected a string"):
+                    use()
         group = fp3.Scene(ROOT / "programs/mixed.scene", engine="fast").groups[0]
         with pytest.raises(TypeError, match="expected a string"):
             group[name]

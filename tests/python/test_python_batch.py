@@ -276,3 +276,28 @@ def test_a_column_of_a_step_that_failed():
         del x
         gc.collect()
         assert not batch._copies
+
+
+@pytest.mark.parametrize("options", [{"engine": "isa"}, {"arithmetic": "double-single", "method": "rk4"}, {"engine": "fast"}, {"engine": "rtl"}])
+def test_several_names_are_one_array(options):
+    """Also in part of a buffer of vertices, whose other numbers stay."""
+    with fp3.Batch(DECAY, 5, **options) as batch:
+        batch.write(("y", "k"), np.arange(10.0).reshape(5, 2))
+        batch.step(3)
+        names = ("x", "y", "k")
+        expected = np.stack([batch.read(name) for name in names], axis=1)
+        assert np.array_equal(batch.read(names), expected) and batch.read(names).dtype == expected.dtype and expected[1, 2] == 3
+        for kind in (np.float32, np.float64):
+            vertices = np.full((4, 8), -7, kind)
+            assert batch.read(names, 1, 4, vertices[:, 2:5]).base is vertices
+            assert np.array_equal(vertices[:, 2:5], expected[1:].astype(kind)) and (vertices[:, [0, 1, 5, 6, 7]] == -7).all()
+        flipped = np.empty((3, 5), np.float32)
+        batch.read(names, out=flipped.T)
+        assert np.array_equal(flipped.T, expected.astype(np.float32))
+        for wrong in (np.empty((5, 2), np.float32), np.empty((5, 3), np.int32), [0] * 15):
+            with pytest.raises(fp3.ArgumentError):
+                batch.read(names, out=wrong)
+        with pytest.raises(fp3.ArgumentError):
+            batch.write(names, np.zeros((5, 2)))
+        with pytest.raises(fp3.ArgumentError):
+            batch.read(("x", "nothing"))

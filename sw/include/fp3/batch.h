@@ -121,6 +121,15 @@ fp3_status fp3_batch_read(fp3_batch *batch, const char *const *names, size_t nam
 fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values);
 
+/* Several columns beside each other, as in a buffer of vertices: number k of the n-th of these
+ * objects is values[n * stride + k]. stride is in floats; numbers between stay as they are.
+ * FP3_E_ARGUMENT: also if stride is below name_count. After an error, columns of earlier names are
+ * written or read. */
+fp3_status fp3_batch_read_strided(fp3_batch *batch, const char *const *names, size_t name_count,
+                                  size_t first, size_t count, float *values, size_t stride);
+fp3_status fp3_batch_write_strided(fp3_batch *batch, const char *const *names, size_t name_count,
+                                   size_t first, size_t count, const float *values, size_t stride);
+
 /* Read-only pointer to the column of a state, or of a param of each object, as fp3_engine_column.
  * *values stays valid until the batch is closed, and changes with each step. It shows values that
  * were written before the first step from this call on, states that were written later at once, and
