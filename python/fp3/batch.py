@@ -221,7 +221,7 @@ class Batch(Owner):
             self._read(c, key, first, count, out)
         return out
 
-    def _read_table(self, names: Union[List[str], Tuple[str, ...]], first: int, count: Optional[int], out: Optional["np.ndarray[Any, Any]"]) -> "np.ndarray[Any, Any]":
+    def _read_table(self, names: Sequence[str], first: int, count: Optional[int], out: Optional["np.ndarray[Any, Any]"]) -> "np.ndarray[Any, Any]":
         keys, first = [name_bytes("name", name) for name in names], as_count("first", first, 0, self._objects)
         count = self._objects - first if count is None else as_count("count", count, 0, self._objects - first)
         if out is None:
