@@ -367,8 +367,8 @@ sessions: $(BUILD)/fp3 ## Record programs/*.session again, after a change of cyc
 
 # ---- tests --------------------------------------------------------------------------------------
 
-# Tests that call make are not part of this one. A worker more than processors: a tenth of the time a test waits for a clock or a pipe.
-PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(shell expr $(JOBS) + 1) --dist loadgroup
+# Tests that call make are not part of this one.
+PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS) --dist loadgroup
 
 .PHONY: test smoke quick
 test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length

@@ -56,6 +56,7 @@ static double number_at(fp3_numbers values, size_t i) {
 
 static fp3_status refuse(const fp3_field *of, size_t object, int is_all, double value,
                          const char *expected, fp3_error *error) {
+    value = isnan(value) ? (double)NAN : value; /* printf would show the sign */
     if (is_all)
         return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is %.9g: expected %s", of->name, value,
                         expected);
