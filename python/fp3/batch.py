@@ -175,15 +175,17 @@ class Batch(Owner):
             self._show(name)
 
     def write(self, name: Union[str, List[str], Tuple[str, ...]], values: Value, first: int = 0, count: Optional[int] = None) -> None:
-        """Writes one number for each of the objects from `first` on; for several names, a row of numbers for each."""
+        """Writes one number for each of the objects from `first` on; for several names, a row of numbers for each. After an error, columns
+        of earlier names are written."""
         if isinstance(name, (list, tuple)):
             for one in name:
                 name_bytes("name", one)
             table = as_values("values", values)
             if table.ndim != 2 or table.shape[1] != len(name):
                 raise ArgumentError(f"values: found shape {table.shape}, expected (objects, {len(name)}): a number of each name")
-            for k, one in enumerate(name):
-                self.write(one, table[:, k], first, count)
+            with self._c():  # no other thread's step between two columns
+                for k, one in enumerate(name):
+                    self.write(one, table[:, k], first, count)
             return
         self._write(name, as_values(f"'{name}'", values), as_count("first", first, 0, 2**63),
                     None if count is None else as_count("count", count, 0, 2**63))

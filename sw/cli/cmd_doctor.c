@@ -82,7 +82,7 @@ static fp3_status check_cache(finding *f) {
     return status;
 }
 
-/* All configurations that are to be taken, and others that are there; or the reason of the first
+/* The configurations that are installed, and others that are built; or the reason of the first
  * that does not load. */
 static fp3_status check_hardware(finding *f) {
     unsigned loaded = 0, wanted = 0;

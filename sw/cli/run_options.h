@@ -43,7 +43,7 @@ typedef struct {
  * judged or measured, or how fast the run goes. */
 enum { FP3_RUN_DECIDES = 1, FP3_RUN_BESIDE };
 const fp3_option *fp3_run_options_table(void);
-/* Whether a line means objects, by the letter of --objects until 0.1.0, and not a file. */
+/* Whether the value of -o is a number: -o was --objects before it was --output. */
 int fp3_run_options_is_number(const char *output);
 /* Makes the defaults, and what the command line says of them. Ends the command where it is wrong.
  * FP3_E_SYSTEM: out of memory. The caller frees *options, after a failure too. */

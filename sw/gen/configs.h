@@ -8,7 +8,7 @@
 
 typedef struct {
     const char *name, *doc;
-    const char *take; /* what somebody has who should take it; NULL: it is there to be compared */
+    const char *take; /* the need that it serves; NULL: it is there to be compared */
     uint32_t tiles;           /* schedulers or groups of schedulers with an arithmetic unit of their own */
     uint32_t schedulers;      /* schedulers of a tile, which share its arithmetic unit */
     uint32_t lanes;           /* register files and arithmetic units that one scheduler drives */

@@ -227,8 +227,7 @@ static fp3_status check_stride(const fp3_batch *b, size_t name_count, size_t str
                                : FP3_OK;
 }
 
-/* A column on its way is as long as the objects that are read or written, so a refused one changes
- * nothing. */
+/* Columns of a batch lie together, those of the caller apart. */
 static fp3_status read_one(fp3_batch *b, const char *name, size_t first, size_t count,
                            float *values, size_t stride) {
     float *column = malloc((count + 1) * sizeof *column);

@@ -232,6 +232,11 @@ def test_a_game_does_not_link_gsl(installed, root, flags, sanitize, tmp_path):
     succeeds(tmp_path / "lab")
 
 
+def test_a_contradiction_ends_a_program(installed):
+    """Asserts are in what is installed, too."""
+    assert "__assert_fail" in succeeds("nm", "-D", installed / "lib/libfp3.so.0")
+
+
 def test_nothing_tells_in_which_directory_it_was_compiled(installed, root):
     """So the same sources give the same bytes: tests/install/test_packages.py."""
     files = [path for path in installed.rglob("*") if path.is_file()]

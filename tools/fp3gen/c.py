@@ -145,7 +145,7 @@ def configs_c(known, configs):
     fields = [(f"    uint32_t {name}; ", f"/* {key['meaning']} */") for name, key in known.items()]
     return c_header("configs", "isa/configs.toml", [
         "#include <stdint.h>", "",
-        "typedef struct {", "    const char *name, *doc;", "    const char *take; /* what somebody has who should take it; NULL: it is there to be compared */", *columns(fields), "} fp3_config;", "",
+        "typedef struct {", "    const char *name, *doc;", "    const char *take; /* the need that it serves; NULL: it is there to be compared */", *columns(fields), "} fp3_config;", "",
         *enumeration("KEY", known), "#define FP3_KEY_NONE FP3_KEY_COUNT", "",
         "/* Of fp3_keys. */",
         *initialisers("FP3_KEY_ROWS", [

@@ -120,7 +120,7 @@ def configs_page(known, configs):
     body = ["Each named configuration is a module `fp3_<name>` (`make top CONFIG=<name>`) with no parameters left, and a name",
             "that `fp3 run --config` takes.", ""]
     body += ["These are the ones to take ([what they need and give](integration.md#choose-a-configuration)):", ""]
-    body += markdown(["you have", "take", "what it is"], [[row["take"], f"`{row['name']}`", row["doc"]] for row in configs if row["take"]])
+    body += markdown(["you have", "take", "what it is"], [[row["take"], f"`{row['name']}`", row["doc"]] for row in sorted(configs, key=lambda row: row["name"] == "paper") if row["take"]])
     body += ["", "The others are steps on the way from one of these to another, or compute in another arithmetic. Pages, the tuner and tests compare",
              "them. The engines `isa` and `fast` know all; `make all` builds their simulated hardware, `make install` leaves it out.", ""]
     body += markdown(["name", "what it is"], [[f"`{row['name']}`", row["doc"]] for row in configs if not row["take"]])
