@@ -314,7 +314,8 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
     const int has_counters = !fp3_engine_need_counters(engine, &why);
     print_cost(stats, has_counters && !*how);
     if (!has_counters)
-        printf("%-16s none: %s\n", "counters", why.text);
+        printf("%-16s none: %s%s\n", "counters", why.text,
+               clock > 0 ? ", so the time at this clock is not known" : "");
     if (*how)
         print_speed(stats, how);
     else

@@ -219,12 +219,12 @@ fp3_status fp3_batch_read_double(fp3_batch *b, const char *const *names, size_t 
     return status;
 }
 
-static fp3_status check_stride(const fp3_batch *b, size_t name_count, size_t stride) {
-    return stride < name_count ? fp3_fail(b->error, FP3_E_ARGUMENT,
-                                          "stride %zu: expected at least %zu, one for "
-                                          "each name",
-                                          stride, name_count)
-                               : FP3_OK;
+static fp3_status check_strided(const fp3_batch *b, size_t name_count, size_t first, size_t count,
+                                size_t stride) {
+    if (stride < name_count)
+        return fp3_fail(b->error, FP3_E_ARGUMENT,
+                        "stride %zu: expected at least %zu, one for each name", stride, name_count);
+    return fp3_fields_check(b->fields, first, count, b->error);
 }
 
 /* Columns of a batch lie together, those of the caller apart. */
@@ -258,9 +258,7 @@ fp3_status fp3_batch_read_strided(fp3_batch *b, const char *const *names, size_t
     FP3_HOST;
     if (!b)
         return FP3_E_ARGUMENT;
-    fp3_status status = check_stride(b, name_count, stride);
-    if (!status)
-        status = fp3_fields_check(b->fields, first, count, b->error);
+    fp3_status status = check_strided(b, name_count, first, count, stride);
     for (size_t i = 0; !status && i < name_count; i++)
         status = read_one(b, names[i], first, count, values + i, stride);
     return status;
@@ -271,9 +269,7 @@ fp3_status fp3_batch_write_strided(fp3_batch *b, const char *const *names, size_
     FP3_HOST;
     if (!b)
         return FP3_E_ARGUMENT;
-    fp3_status status = check_stride(b, name_count, stride);
-    if (!status)
-        status = fp3_fields_check(b->fields, first, count, b->error);
+    fp3_status status = check_strided(b, name_count, first, count, stride);
     for (size_t i = 0; !status && i < name_count; i++)
         status = write_one(b, names[i], first, count, values + i, stride);
     return status;
