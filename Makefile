@@ -188,7 +188,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(OTHERS) $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -235,7 +235,8 @@ $(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LAB)
 	@mkdir -p $(@D)
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
-$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(HDF5) $(MPI)
+# sim and waves do with the hardware of a few configurations; what measures, compares or tests may want any.
+$(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(if $(filter-out sim waves,$(or $(MAKECMDGOALS),all)),$(OTHERS)) $(HDF5) $(MPI)
 	@ln -sf bin/fp3 $@
 
 # What writes HDF5 and makes hashes, loaded when it is asked for. Debian names its serial build, others have one.
@@ -350,12 +351,12 @@ CONFIG_OR  = $(or $(CONFIG),single)
 PROGRAM_OR = $(or $(PROGRAM),ship)
 STEPS_OR   = $(or $(STEPS),20)
 WAVES      = $(BUILD)/waves/$(PROGRAM_OR).$(CONFIG_OR)
-waves: $(BUILD)/fp3 $(BUILD)/icarus/replay_$(CONFIG_OR).vvp | need-waves ## Record a run and replay it under Icarus into a wave file; PROGRAM=ship, CONFIG=single, STEPS=20
+waves: $(BUILD)/fp3 $(BUILD)/lib/fp3/fp3_$(CONFIG_OR).so $(BUILD)/icarus/replay_$(CONFIG_OR).vvp | need-waves ## Record a run and replay it under Icarus into a wave file; PROGRAM=ship, CONFIG=single, STEPS=20
 	@mkdir -p $(dir $(WAVES))
 	@$(BUILD)/fp3 asm programs/$(PROGRAM_OR).s -o $(WAVES).fp3
 	@$(BUILD)/fp3 run $(WAVES).fp3 -c $(CONFIG_OR) --steps $(STEPS_OR) --params programs/ship.cfg --bus-log $(WAVES).session >/dev/null
 	@vvp -n $(BUILD)/icarus/replay_$(CONFIG_OR).vvp -fst +session=$(WAVES).session +waves=$(WAVES).fst
-	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'STORE_WORDS *([1-9]' $(BUILD)/rtl/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
+	@echo "Look at it with: gtkwave $(WAVES).fst sim/$(if $(shell grep -l 'STORE_WORDS *.[1-9]' $(BUILD)/rtl/fp3_$(CONFIG_OR).v),many,fp3).gtkw"
 
 # Recorded sessions, NAME.CONFIG.session, are part of the project: no host software is needed to replay them.
 SESSIONS := $(wildcard programs/*.session)

@@ -116,3 +116,13 @@ def test_two_setups_do_not_run_at_once(root, goals, alone):
     done = subprocess.run(["make", "-pn", *goals], cwd=root, env=env, capture_output=True, text=True, timeout=60)
     database = done.stdout[done.stdout.rindex("# Make data base"):]
     assert (re.search(r"^\.NOTPARALLEL:", database, re.M) is not None) == alone
+
+
+@pytest.mark.parametrize("goal, wanted, count", [(["sim"], "crowd", 13), (["waves", "CONFIG=cell"], "cell", 13), (["install"], "fabric", 12), (["models"], "sixteen", 27)],
+                         ids=["sim", "waves of another", "install", "models"])
+def test_a_goal_builds_the_hardware_that_it_runs(root, goal, wanted, count):
+    """Those to take, and what is asked for; what measures and compares may want any."""
+    env = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    done = subprocess.run(["make", "-n", "-B", *goal], cwd=root, env=env, capture_output=True, text=True, timeout=120)
+    built = set(re.findall(r"RTL +fp3_(\w+)", done.stdout)) - {"board_top"}
+    assert done.returncode == 0 and wanted in built and len(built) == count, (built, done.stderr[-2000:])
