@@ -118,6 +118,8 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
     case FP3_EXPR_NEGATE:
     case FP3_EXPR_TOTAL:
         return *a;
+    case FP3_EXPR_LEAST:
+    case FP3_EXPR_MOST:
     case FP3_EXPR_ADD:
     case FP3_EXPR_SUB:
         return same(p, at, a, b);

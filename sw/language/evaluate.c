@@ -75,6 +75,8 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
     case FP3_EXPR_OTHER_PARAM:
     case FP3_EXPR_FIELD:
     case FP3_EXPR_TOTAL:
+    case FP3_EXPR_LEAST:
+    case FP3_EXPR_MOST:
     case FP3_EXPR_OP_COUNT:
         break;
     }

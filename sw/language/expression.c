@@ -73,10 +73,22 @@ static ode_value terms(ode_parser *p, fp3_token at, const ode_function *f) {
     return nothing;
 }
 
-static ode_value over_neighbours(ode_parser *p, fp3_token sum) {
+/* ", 0", behind the term of a least or a most. */
+static ode_value begins_with(ode_parser *p, fp3_token at) {
+    fp3_ode_expect(&p->in, ",", "an operator or ',' and the value that '%.*s' begins with",
+                   (int)at.length, at.text);
+    return expression(p);
+}
+
+/* What follows the '('. */
+static ode_value over_neighbours(ode_parser *p, fp3_token at) {
     ode_neighbours n;
-    return fp3_ode_neighbours_open(p, sum, &n) ? fp3_ode_neighbours_close(p, &n, expression(p))
-                                               : nothing;
+    if (!fp3_ode_neighbours_open(p, at, &n))
+        return nothing;
+    const ode_value term = n.has_term ? expression(p) : nothing;
+    fp3_ode_neighbours_behind(p, &n);
+    const int begins = n.fold == ODE_LEAST || n.fold == ODE_MOST;
+    return fp3_ode_neighbours_close(p, &n, term, begins ? begins_with(p, at) : nothing);
 }
 
 /* "o.x" */
@@ -116,12 +128,8 @@ static ode_value choice(ode_parser *p, fp3_token at, ode_value condition, uint32
 static ode_value arguments(ode_parser *p, fp3_token name, const ode_function *f) {
     ode_value argument[ODE_ARGUMENTS] = {{0}};
     assert(f->arguments <= ODE_ARGUMENTS);
-    if (fp3_ode_at_neighbours(p)) {
-        if (f->op == FP3_EXPR_ADD && f->rule == ODE_OF_TERMS)
-            return over_neighbours(p, name);
-        fp3_ode_lost_at(&p->in, name, "sum, which goes over neighbours");
-        return nothing;
-    }
+    if (fp3_ode_at_neighbours(p))
+        return over_neighbours(p, name);
     if (fp3_ode_has_terms(f) && fp3_ode_at_range(p))
         return terms(p, name, f);
     const uint32_t from = p->expr_count;
@@ -155,6 +163,18 @@ static void no_function(ode_parser *p, fp3_token name) {
     fp3_ode_give_up(&p->in, name);
 }
 
+/* `count` and `any`, which a model may also have as names of its own. */
+static ode_value counted(ode_parser *p, fp3_token name) {
+    fp3_ode_advance(&p->in);
+    if (!fp3_ode_at_neighbours(p)) {
+        fp3_ode_lost(&p->in, "neighbours, as in %.*s(o in touch)", (int)name.length, name.text);
+        return nothing;
+    }
+    const ode_value value = over_neighbours(p, name);
+    fp3_ode_expect(&p->in, ")", "an operator or ')'");
+    return value;
+}
+
 static ode_value named(ode_parser *p) {
     fp3_token name = p->in.next;
     if (fp3_ode_is_keyword(name) && !fp3_token_is(name, "t") && !fp3_token_is(name, "pi")) {
@@ -171,6 +191,8 @@ static ode_value named(ode_parser *p) {
         return fp3_ode_leaf(p, name, FP3_EXPR_NUMBER, 0, M_PI);
     unsigned start, size;
     if (fp3_ode_at(&p->in, "(") && !fp3_ode_find(p, name)) {
+        if (fp3_ode_fold_named(name) != ODE_NO_FOLD)
+            return counted(p, name);
         no_function(p, name);
         return nothing;
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* neighbour.c - a sum over neighbours is one expression, whose term is read once. */
+/* neighbour.c - a fold over neighbours is one expression, whose term is read once. */
 #include "neighbour.h"
 
 #include <string.h>
@@ -42,26 +42,35 @@ static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
                           fp3_ode_binary(p, at, FP3_EXPR_MUL, far, far));
 }
 
-/* What is added up of a neighbour that may be farther than the reach: the term, or -0, which
- * changes no sum. */
-static ode_value where_near(ode_parser *p, fp3_token at, const fp3_relation *r, ode_value term) {
-    const ode_value near = is_near(p, at, r);
-    ode_value none = {.size = term.size};
-    for (unsigned i = 0; i < term.size; i++)
-        none.expr[i] = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, -0.0).expr[0];
-    return fp3_ode_select(p, at, near, term, none);
+ode_fold fp3_ode_fold_named(fp3_token name) {
+    static const char *const names[] = {"sum", "min", "max", "count", "any"};
+    unsigned i = 0;
+    while (i < ODE_NO_FOLD && !fp3_token_is(name, names[i]))
+        i++;
+    return (ode_fold)i;
 }
 
-int fp3_ode_neighbours_open(ode_parser *p, fp3_token sum, ode_neighbours *n) {
+static ode_value number(ode_parser *p, fp3_token at, double value) {
+    return fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, value);
+}
+
+int fp3_ode_neighbours_open(ode_parser *p, fp3_token at, ode_neighbours *n) {
     const fp3_token name = p->in.next;
     fp3_ode_advance(&p->in);
     fp3_ode_expect(&p->in, "in", "in");
     const ode_symbol *s = relation_named(p, p->in.next);
-    *n = (ode_neighbours){.sum = sum, .relation = s ? s->first : 0, .symbol = FP3_NONE};
+    *n = (ode_neighbours){
+        .at = at, .fold = fp3_ode_fold_named(at), .relation = s ? s->first : 0, .symbol = FP3_NONE};
     fp3_ode_advance(&p->in);
-    fp3_ode_expect(&p->in, ":", "':' and what is added up for each neighbour");
+    n->has_term = (n->fold != ODE_COUNT && n->fold != ODE_ANY) || !fp3_ode_at(&p->in, ")");
+    if (n->has_term)
+        fp3_ode_expect(&p->in, ":", "':' and a term for each neighbour");
+    if (n->fold == ODE_NO_FOLD) {
+        fp3_ode_lost_at(&p->in, at, "sum, min, max, count or any, which go over neighbours");
+        return 0;
+    }
     if (p->is_in_sum || p->context != ODE_IN_EQUATION) {
-        fp3_ode_lost_at(&p->in, sum,
+        fp3_ode_lost_at(&p->in, at,
                         p->is_in_sum ? "a term without another sum over neighbours"
                                      : "a sum over neighbours in an equation only");
         return 0;
@@ -72,17 +81,44 @@ int fp3_ode_neighbours_open(ode_parser *p, fp3_token sum, ode_neighbours *n) {
     return 1;
 }
 
-ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term) {
-    static const ode_value nothing = {0};
-    const fp3_relation *r = &p->relations[n->relation];
+void fp3_ode_neighbours_behind(ode_parser *p, const ode_neighbours *n) {
     p->is_in_sum = 0;
     if (n->symbol != FP3_NONE)
         fp3_ode_undeclare(p, n->symbol);
+}
+
+/* A neighbour that may be farther than the reach gives what the fold begins with: -0 changes no sum
+ * that begins with -0, and no number changes the least or the most of itself and others. */
+ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term,
+                                   ode_value start) {
+    static const ode_value nothing = {0};
+    static const fp3_expr_op ops[] = {[ODE_SUM] = FP3_EXPR_TOTAL,
+                                      [ODE_LEAST] = FP3_EXPR_LEAST,
+                                      [ODE_MOST] = FP3_EXPR_MOST,
+                                      [ODE_COUNT] = FP3_EXPR_TOTAL,
+                                      [ODE_ANY] = FP3_EXPR_TOTAL};
+    const fp3_relation *r = &p->relations[n->relation];
+    const int is_counted = n->fold == ODE_COUNT || n->fold == ODE_ANY;
+    const ode_value none = number(p, n->at, -0.0);
+    if (!n->has_term)
+        term = number(p, n->at, 1);
     if (!term.size || p->in.is_lost || (r->kind == FP3_NEAR && r->reach == FP3_NONE))
         return nothing;
+    if (is_counted && n->has_term)
+        term = fp3_ode_select(p, n->at, term, number(p, n->at, 1), none);
+    if (ops[n->fold] == FP3_EXPR_TOTAL) {
+        start.size = term.size;
+        for (unsigned i = 0; i < term.size; i++)
+            start.expr[i] = none.expr[0];
+    }
     if (r->kind == FP3_NEAR)
-        term = where_near(p, n->sum, r, term);
-    return fp3_ode_total(p, n->sum, n->relation, term);
+        term = fp3_ode_select(p, n->at, is_near(p, n->at, r), term, start);
+    const ode_value all = fp3_ode_total(p, n->at, ops[n->fold], n->relation, term, start);
+    if (n->fold == ODE_ANY)
+        return fp3_ode_binary(p, n->at, FP3_EXPR_LESS, number(p, n->at, 0), all);
+    /* The sum of nothing is -0, and nobody counts to that. */
+    return n->fold == ODE_COUNT ? fp3_ode_binary(p, n->at, FP3_EXPR_ADD, all, number(p, n->at, 0))
+                                : all;
 }
 
 int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part) {

@@ -10,18 +10,29 @@
 const ode_quantity *fp3_ode_field(const ode_parser *p, const fp3_relation *relation,
                                   fp3_token name);
 
-/* A sum over neighbours. */
+/* What is made of a term over all neighbours: a sum, its least, its most, how many terms are not 0,
+ * whether any is. */
+typedef enum { ODE_SUM, ODE_LEAST, ODE_MOST, ODE_COUNT, ODE_ANY, ODE_NO_FOLD } ode_fold;
+
+/* Of a function's name; ODE_NO_FOLD: that function goes over no neighbours. */
+ode_fold fp3_ode_fold_named(fp3_token name);
+
 typedef struct {
-    fp3_token sum;
+    fp3_token at; /* the function's name */
+    ode_fold fold;
     uint32_t relation, symbol; /* symbol: FP3_NONE: its name cannot be one */
+    int has_term;              /* 0: `count(o in touch)`, of all neighbours */
 } ode_neighbours;
 
 /* Whether "o in springs" is next, with the name of a relation. */
 int fp3_ode_at_neighbours(ode_parser *p);
-/* Reads it, up to where the term begins; 0 after an error. sum: the token of the function. */
-int fp3_ode_neighbours_open(ode_parser *p, fp3_token sum, ode_neighbours *n);
-/* The sum of this term. */
-ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term);
+/* Reads it, up to where the term begins; 0 after an error. at: the function's name. */
+int fp3_ode_neighbours_open(ode_parser *p, fp3_token at, ode_neighbours *n);
+/* Behind the term: the neighbour's name ends. */
+void fp3_ode_neighbours_behind(ode_parser *p, const ode_neighbours *n);
+/* The fold of this term; a least and a most begin with start, a value of the object's own. */
+ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term,
+                                   ode_value start);
 
 /* Of "o.x", where o is a neighbour, the part x; 0 after an error. */
 int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part);

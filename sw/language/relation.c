@@ -137,16 +137,15 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
 
 /* ---- what has no neighbours ---- */
 
-static void check_events(ode_parser *p, const ode_event *events, uint32_t count,
-                         const char *has_sum, const char *what) {
-    for (uint32_t i = 0; i < count; i++) {
-        const ode_event *e = &events[i];
+static void check_events(ode_parser *p, const char *has_sum) {
+    for (uint32_t i = 0; i < p->event_count; i++) {
+        const ode_event *e = &p->events[i];
         int has = (e->condition != FP3_NONE && has_sum[e->condition]) ||
                   (e->armed != FP3_NONE && has_sum[e->armed]);
         for (uint32_t k = e->first; k < e->first + e->count; k++)
             has |= p->assignments[k].to.expr != FP3_NONE && has_sum[p->assignments[k].to.expr];
         if (has)
-            fp3_ode_wrong(&p->in, e->at, "%s without a sum over neighbours", what);
+            fp3_ode_wrong(&p->in, e->at, "an event without a sum over neighbours");
     }
 }
 
@@ -158,12 +157,11 @@ void fp3_ode_check_sums(ode_parser *p) {
         return;
     }
     for (uint32_t i = 0; i < p->expr_count; i++) {
-        has_sum[i] = p->exprs[i].op == FP3_EXPR_TOTAL;
+        has_sum[i] = (char)fp3_expr_is_fold(p->exprs[i].op);
         for (int k = 0; k < 3; k++)
             has_sum[i] |= p->exprs[i].operand[k] != FP3_NONE && has_sum[p->exprs[i].operand[k]];
     }
-    check_events(p, p->events, p->event_count, has_sum, "an event");
-    check_events(p, p->projections, p->projection_count, has_sum, "a projection");
+    check_events(p, has_sum);
     for (uint32_t i = 0; i < p->invariant_count; i++)
         if (has_sum[p->invariants[i].expr])
             fp3_ode_wrong(&p->in, p->expr_at[p->invariants[i].expr], invariant);

@@ -174,9 +174,13 @@ ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, 
     return nothing;
 }
 
-ode_value fp3_ode_total(ode_parser *p, fp3_token at, uint32_t relation, ode_value term) {
-    const ode_value operand[3] = {term};
-    const ode_value total = each(p, at, FP3_EXPR_TOTAL, operand, term.size);
+ode_value fp3_ode_total(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t relation,
+                        ode_value term, ode_value start) {
+    const ode_value operand[3] = {term, start};
+    const unsigned size = !start.size            ? 0
+                          : op == FP3_EXPR_TOTAL ? term.size
+                                                 : common_size(p, at, op, term, start);
+    const ode_value total = each(p, at, op, operand, size);
     for (unsigned i = 0; i < total.size; i++) {
         const uint32_t made = total.expr[i];
         p->exprs[made].index = relation;

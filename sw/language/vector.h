@@ -15,8 +15,10 @@ ode_value fp3_ode_cross(ode_parser *p, fp3_token at, ode_value a, ode_value b);
 /* The operation between all components, from the left. */
 ode_value fp3_ode_fold(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a);
 
-/* The sum over the neighbours of a relation, of each component. */
-ode_value fp3_ode_total(ode_parser *p, fp3_token at, uint32_t relation, ode_value term);
+/* FP3_EXPR_TOTAL, LEAST or MOST over the neighbours of a relation, of each component, from
+ * start on. */
+ode_value fp3_ode_total(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t relation,
+                        ode_value term, ode_value start);
 
 /* Whether the value is a number that is known while the text is read. */
 int fp3_ode_is_number(const ode_parser *p, ode_value value);

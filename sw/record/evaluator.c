@@ -103,7 +103,7 @@ static fp3_status need(fp3_evaluator *e, const fp3_program *program, fp3_error *
             status = need_state(e, program, e->model->exprs[i].index, error);
         if (!status && e->model->exprs[i].op == FP3_EXPR_TIME)
             status = need_time(e, program, error);
-        if (!status && e->model->exprs[i].op == FP3_EXPR_TOTAL)
+        if (!status && fp3_expr_is_fold(e->model->exprs[i].op))
             return fp3_fail(
                 error, FP3_E_ARGUMENT,
                 "'%s' is added up in line %u of the model, and a recording looks at each "

@@ -50,6 +50,8 @@ static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_erro
     for (uint32_t i = 0; i < model->state_count; i++)
         if (model->states[i].derivative != FP3_NONE)
             is_needed[model->states[i].derivative] = 1;
+    for (uint32_t i = 0; i < model->assignment_count; i++)
+        is_needed[model->assignments[i].expr] = 1;
     for (uint32_t i = model->expr_count; i-- > 0;) {
         const fp3_expr *e = &model->exprs[i];
         for (int k = 0; is_needed[i] && k < 3; k++)

@@ -32,7 +32,7 @@ static uint32_t from_outside(builder *b, uint32_t node) {
 static int is_here(const builder *b, uint32_t node) {
     const fp3_cut_plan *c = b->c;
     const uint32_t op = fp3_cut_node(c, node)->op;
-    if (fp3_dag_is_leaf(c->g, node) || op == NODE_TOTAL)
+    if (fp3_dag_is_leaf(c->g, node) || fp3_dag_is_fold(op))
         return 0;
     return b->s->relation != FP3_NONE ? c->is_body[node]
                                       : c->when[node] == b->s->phase * FP3_CUT_SLOTS + b->slot;
@@ -91,11 +91,11 @@ static fp3_status straight(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32
     }
     put_all(&b);
     for (uint32_t i = 0; i < c->g->count; i++) {
-        const int is_total = fp3_cut_node(c, i)->op == NODE_TOTAL;
+        const int is_total = fp3_dag_is_fold(fp3_cut_node(c, i)->op);
         if (!c->is_held[i])
             continue;
         if (is_total && c->when[i] == phase * FP3_CUT_SLOTS + slot + 1)
-            write(&b, c->holder[i], from_outside(&b, c->minus_zero));
+            write(&b, c->holder[i], put(&b, fp3_cut_node(c, i)->b));
         else if (!is_total && is_here(&b, i))
             write(&b, c->holder[i], put(&b, i));
         else if (fp3_cut_node(c, i)->op == NODE_VARIABLE && phase == 0 && slot == c->slots[0])
@@ -140,9 +140,9 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
     for (uint32_t i = c->g->count; !status && i-- > 0;) {
         uint32_t list[3];
         const dag_node *n = fp3_cut_node(c, i);
-        const int is_total = n->op == NODE_TOTAL;
+        const int is_total = fp3_dag_is_fold(n->op);
         if (is_total && c->is_needed[i] && c->when[i] == phase * FP3_CUT_SLOTS + slot &&
-            n->b == relation)
+            fp3_dag_relation(c->g, i) == relation)
             is_in[n->a] = 1;
         const unsigned count = is_in[i] && c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
         for (unsigned k = 0; k < count; k++)
@@ -154,13 +154,14 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
             b.made[i] = fp3_dag_variable(&b.s->values, loaded(&b, i));
         else if (is_in[i] && c->is_body[i])
             put(&b, i);
-        if (n->op != NODE_TOTAL || !c->is_needed[i] || c->when[i] != phase * FP3_CUT_SLOTS + slot ||
-            n->b != relation)
+        if (!fp3_dag_is_fold(n->op) || !c->is_needed[i] ||
+            c->when[i] != phase * FP3_CUT_SLOTS + slot || fp3_dag_relation(c->g, i) != relation)
             continue;
         const uint32_t sum = fp3_dag_variable(&b.s->values, c->holder[i]);
         const uint32_t term = put(&b, n->a);
         b.s->values.note = n->note;
-        write(&b, c->holder[i], fp3_dag_make(&b.s->values, FP3_OP_ADD, sum, term, FP3_NONE));
+        write(&b, c->holder[i],
+              fp3_dag_make(&b.s->values, fp3_cut_fold_op(c, i), sum, term, FP3_NONE));
     }
     free(is_in);
     free(b.made);
@@ -169,8 +170,8 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
 
 static int has_loop(const fp3_cut_plan *c, uint32_t when, uint32_t relation) {
     for (uint32_t i = 0; i < c->g->count; i++)
-        if (c->is_needed[i] && fp3_cut_node(c, i)->op == NODE_TOTAL && c->when[i] == when &&
-            fp3_cut_node(c, i)->b == relation)
+        if (c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) && c->when[i] == when &&
+            fp3_dag_relation(c->g, i) == relation)
             return 1;
     return 0;
 }
@@ -193,8 +194,8 @@ static void make_lists(fp3_cut_plan *c, fp3_cut *cut) {
         int is_used = 0;
         cut->list[r] = FP3_NONE;
         for (uint32_t i = 0; i < c->g->count; i++)
-            is_used |= c->is_needed[i] && fp3_cut_node(c, i)->op == NODE_TOTAL &&
-                       fp3_cut_node(c, i)->b == r;
+            is_used |= c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
+                       fp3_dag_relation(c->g, i) == r;
         if (is_used)
             cut->list[r] = fp3_cut_variable(c, ROLE_LIST, r);
     }

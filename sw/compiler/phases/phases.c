@@ -34,7 +34,7 @@ typedef struct {
 
 int fp3_phases_are_needed(const fp3_step *step) {
     for (uint32_t i = 0; i < step->values.count; i++)
-        if (step->values.nodes[i].op == NODE_TOTAL)
+        if (fp3_dag_is_fold(step->values.nodes[i].op))
             return 1;
     return 0;
 }

@@ -2,6 +2,7 @@
 /* plan.c - see plan.h. */
 #include "plan.h"
 
+#include <fp3/isa.h>
 #include <stdlib.h>
 
 uint32_t *fp3_cut_filled(size_t count) {
@@ -15,17 +16,19 @@ int fp3_cut_is_neighbours(uint32_t op) {
     return op == NODE_OTHER_STATE || op == NODE_OTHER_PARAM || op == NODE_FIELD;
 }
 
+uint32_t fp3_cut_fold_op(const fp3_cut_plan *c, uint32_t fold) {
+    static const uint32_t ops[] = {FP3_OP_ADD, FP3_OP_MIN, FP3_OP_MAX};
+    return ops[fp3_cut_node(c, fold)->op - NODE_TOTAL];
+}
+
 /* Operands that are nodes. */
 unsigned fp3_cut_operands(const fp3_cut_plan *c, uint32_t node, uint32_t list[3]) {
     const dag_node *n = fp3_cut_node(c, node);
     unsigned count = 0;
     if (fp3_dag_is_leaf(c->g, node) || fp3_cut_is_neighbours(n->op))
         return 0;
-    if (n->op == NODE_TOTAL) {
-        list[0] = n->a;
-        return 1;
-    }
-    for (int i = 0; i < 3; i++)
+    const int last = fp3_dag_is_fold(n->op) ? 1 : 2;
+    for (int i = 0; i <= last; i++)
         if (fp3_dag_operand(c->g, node, i) != FP3_NONE)
             list[count++] = fp3_dag_operand(c->g, node, i);
     return count;
@@ -37,7 +40,7 @@ static uint32_t phase_of(const fp3_cut_plan *c, uint32_t node) {
 
 /* The first slot in which straight code can read it. */
 static uint32_t ready(const fp3_cut_plan *c, uint32_t node) {
-    return c->when[node] + (fp3_cut_node(c, node)->op == NODE_TOTAL);
+    return c->when[node] + (uint32_t)fp3_dag_is_fold(fp3_cut_node(c, node)->op);
 }
 
 /* ---- when ---- */
@@ -81,17 +84,17 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
             c->when[i] = then > c->when[i] ? then : c->when[i];
             c->is_body[i] |= c->is_body[list[k]];
         }
-        if (fp3_cut_node(c, i)->op != NODE_TOTAL)
+        if (!fp3_dag_is_fold(fp3_cut_node(c, i)->op))
             continue;
         uint32_t phase = c->when[i] / FP3_CUT_SLOTS;
-        while (phase < FP3_CUT_PHASES && !fits(c, fp3_cut_node(c, i)->c, phase))
+        while (phase < FP3_CUT_PHASES && !fits(c, fp3_dag_place(c->g, i), phase))
             phase++;
         if (phase == FP3_CUT_PHASES || (c->when[i] | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3)
             return fp3_fail(
                 error, FP3_E_LIMIT,
                 "a step has more than %u phases, or sums of sums of neighbours deeper than %u",
                 FP3_CUT_PHASES, FP3_CUT_SLOTS / 2 - 1);
-        show(c, fp3_cut_node(c, i)->c, phase);
+        show(c, fp3_dag_place(c->g, i), phase);
         if (phase * FP3_CUT_SLOTS > c->when[i])
             c->when[i] = phase * FP3_CUT_SLOTS;
         c->when[i] |= 1;
@@ -114,8 +117,8 @@ static void find_needed(fp3_cut_plan *c) {
         for (unsigned k = 0; k < count; k++)
             need(c, list[k]);
         for (uint32_t k = 0;
-             count && fp3_cut_node(c, i)->op == NODE_TOTAL && k < c->step->sight.count; k++)
-            if (c->step->sight.list[k].place == fp3_cut_node(c, i)->c)
+             count && fp3_dag_is_fold(fp3_cut_node(c, i)->op) && k < c->step->sight.count; k++)
+            if (c->step->sight.list[k].place == fp3_dag_place(c->g, i))
                 need(c, c->step->sight.list[k].node); /* it comes before the sum */
     }
     c->phase_count = 1;
@@ -200,7 +203,7 @@ uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
  * to keep it. */
 static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
     const uint32_t op = fp3_cut_node(c, node)->op, phase = when / FP3_CUT_SLOTS;
-    const int is_here = op != NODE_VARIABLE && op != NODE_TOTAL && c->when[node] == when;
+    const int is_here = op != NODE_VARIABLE && !fp3_dag_is_fold(op) && c->when[node] == when;
     if (op == NODE_KNOWN || is_here || fp3_cut_holds(c, node, phase) != FP3_NONE)
         return;
     c->is_held[node] = 1;
@@ -245,8 +248,9 @@ static void find_uses(fp3_cut_plan *c) {
         uint32_t list[3];
         if (!c->is_needed[i] || c->is_body[i])
             continue;
-        if (fp3_cut_node(c, i)->op == NODE_TOTAL) {
-            c->is_held[i] = 1; /* its sum grows there */
+        if (fp3_dag_is_fold(fp3_cut_node(c, i)->op)) {
+            c->is_held[i] = 1; /* the fold grows there, from its start on */
+            use(c, fp3_cut_node(c, i)->b, c->when[i] - 1);
             if (c->when[i] > c->until[i])
                 c->until[i] = c->when[i];
             use_outside(c, i);
@@ -265,7 +269,7 @@ static void find_uses(fp3_cut_plan *c) {
 /* The section that writes the variable which keeps a node: a sum begins before its loop, and what a
  * variable held when the step began is copied at the end of the first phase. */
 static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
-    return fp3_cut_node(c, node)->op == NODE_TOTAL      ? c->when[node] - 1
+    return fp3_dag_is_fold(fp3_cut_node(c, node)->op)   ? c->when[node] - 1
            : fp3_cut_node(c, node)->op == NODE_VARIABLE ? end_of(c, 0)
                                                         : c->when[node];
 }
@@ -333,7 +337,6 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
 
 fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
     c->g = &c->step->values;
-    c->minus_zero = fp3_dag_number(&c->step->values, -0.0);
     const size_t nodes = c->g->count;
     c->states = c->step->model->state_count;
     c->own = c->step->variable_count;

@@ -28,7 +28,6 @@ typedef struct {
     uint32_t *held;   /* [phase * own + variable]: node whose value it has, from begin to end */
     uint32_t own;     /* variables that the step had before */
     uint32_t slots[FP3_CUT_PHASES];                /* the last slot of each phase, an even one */
-    uint32_t minus_zero;                           /* node of the step */
     uint32_t pool[2 * FP3_STATES_MAX], pool_count; /* the variables that keep nodes */
     int has_failed;
 } fp3_cut_plan;
@@ -38,6 +37,8 @@ typedef struct {
 fp3_status fp3_cut_plan_make(fp3_cut_plan *plan, fp3_error *error);
 void fp3_cut_plan_close(fp3_cut_plan *plan);
 
+/* The instruction of a fold's loop. */
+uint32_t fp3_cut_fold_op(const fp3_cut_plan *plan, uint32_t fold);
 /* Whether it is a leaf of a neighbour. */
 int fp3_cut_is_neighbours(uint32_t op);
 /* Operands that are nodes. */

@@ -275,7 +275,11 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_FIELD:
         return fp3_term(fp3_dag_neighbour(g, NODE_FIELD, e->index, FP3_NONE, FP3_NONE));
     case FP3_EXPR_TOTAL:
-        return fp3_term(fp3_dag_neighbour(g, NODE_TOTAL, value(l, o[0]), e->index, l->index));
+    case FP3_EXPR_LEAST:
+    case FP3_EXPR_MOST:
+        return fp3_term(fp3_dag_neighbour(g, NODE_TOTAL + (uint32_t)(e->op - FP3_EXPR_TOTAL),
+                                          value(l, o[0]), value(l, o[1]),
+                                          fp3_dag_seen(e->index, l->index)));
     case FP3_EXPR_NEGATE:
         return fp3_term_negated(at(l, o[0]));
     case FP3_EXPR_ADD:

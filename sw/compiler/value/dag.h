@@ -22,10 +22,13 @@ enum {
     NODE_FIRST,        /* the first word of a: what is made of it and of known values is a float */
     /* Of the neighbour that a sum is at. Leaves; b is the place (lowering) whose values it shows.
      */
-    NODE_OTHER_STATE,   /* a: of the model's states */
-    NODE_OTHER_PARAM,   /* a: of its params; b: FP3_NONE */
-    NODE_FIELD,         /* a: of its fields; b: FP3_NONE */
-    NODE_TOTAL,         /* the sum of node a over the neighbours of relation b, at place c */
+    NODE_OTHER_STATE, /* a: of the model's states */
+    NODE_OTHER_PARAM, /* a: of its params; b: FP3_NONE */
+    NODE_FIELD,       /* a: of its fields; b: FP3_NONE */
+    /* Over the neighbours of a relation at a place, which c tells (fp3_dag_seen): */
+    NODE_TOTAL,         /* b, and node a for each one added to it */
+    NODE_LEAST,         /* the least of b and of a for each one */
+    NODE_MOST,          /* the most */
     NODE_FUNCTION = 512 /* + FP3_EXPR_...: a function of a, or of a and b; of a power b is known */
 };
 
@@ -79,6 +82,20 @@ int fp3_dag_is_number(const dag *g, uint32_t node, double number);
 static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
     const uint32_t op = g->nodes[node].op;
     return op == NODE_KNOWN || op == NODE_VARIABLE;
+}
+
+/* Whether a value is made of all neighbours, in a loop over them. */
+static inline int fp3_dag_is_fold(uint32_t op) { return op >= NODE_TOTAL && op <= NODE_MOST; }
+
+/* Operand c of a fold: by which relation, and at which place, neighbours are seen. */
+static inline uint32_t fp3_dag_seen(uint32_t relation, uint32_t place) {
+    return place * FP3_RELATIONS_MAX + relation;
+}
+static inline uint32_t fp3_dag_relation(const dag *g, uint32_t fold) {
+    return g->nodes[fold].c % FP3_RELATIONS_MAX;
+}
+static inline uint32_t fp3_dag_place(const dag *g, uint32_t fold) {
+    return g->nodes[fold].c / FP3_RELATIONS_MAX;
 }
 
 /* Operand 0 .. 2 of a node. */

@@ -94,14 +94,18 @@ static void print_infix(printer *p, const fp3_expr *e, int around) {
     put(p, level < around ? ")" : "");
 }
 
-/* What belongs to a neighbour; a sum over neighbours, without their name. */
+/* What belongs to a neighbour; what is made of all neighbours, without their name. */
 static void print_neighbours(printer *p, const fp3_expr *e) {
     const fp3_model *m = p->model;
-    if (e->op == FP3_EXPR_TOTAL) {
-        put(p, "sum(");
+    if (fp3_expr_is_fold(e->op)) {
+        put(p, e->op == FP3_EXPR_TOTAL ? "sum(" : e->op == FP3_EXPR_LEAST ? "min(" : "max(");
         put(p, m->relations[e->index].name);
         put(p, ": ");
         print(p, e->operand[0], LOOSE);
+        if (e->op != FP3_EXPR_TOTAL) {
+            put(p, ", ");
+            print(p, e->operand[1], LOOSE);
+        }
         put(p, ")");
         return;
     }
@@ -112,7 +116,7 @@ static void print_neighbours(printer *p, const fp3_expr *e) {
 }
 
 static int is_of_neighbours(fp3_expr_op op) {
-    return op == FP3_EXPR_TOTAL || op == FP3_EXPR_OTHER_STATE || op == FP3_EXPR_OTHER_PARAM ||
+    return fp3_expr_is_fold(op) || op == FP3_EXPR_OTHER_STATE || op == FP3_EXPR_OTHER_PARAM ||
            op == FP3_EXPR_FIELD;
 }
 

@@ -303,12 +303,14 @@ static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
     return FP3_OK;
 }
 
-/* Something is added to register d, or subtracted from it, which does not depend on what a loop
+/* Register d is a sum, a least or a most: it takes something that does not depend on what a loop
  * keeps. */
-static int changes_a_sum(const fp3_instruction *in, uint64_t kept) {
+static int changes_a_fold(const fp3_instruction *in, uint64_t kept) {
     const uint64_t a = bit(in->a) & kept, b = bit(in->b) & kept, own = bit(in->d) & kept;
     switch (in->op) {
     case FP3_OP_ADD:
+    case FP3_OP_MIN:
+    case FP3_OP_MAX:
         return (a == own && !b) || (b == own && !a);
     case FP3_OP_SUB:
         return a == own && !b;
@@ -321,8 +323,8 @@ static int changes_a_sum(const fp3_instruction *in, uint64_t kept) {
 }
 
 /* Of what the loop keeps each register has been computed before it in this phase, so that it is no
- * NaN of the host's, and only sums change it. */
-static int are_sums(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint32_t phase) {
+ * NaN of the host's, and only folds change it. */
+static int are_folds(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint32_t phase) {
     uint64_t computed = 0;
     for (uint32_t pc = phase; pc < loop->first; pc++) {
         const fp3_instruction *in = &plan->code[pc].in;
@@ -333,18 +335,18 @@ static int are_sums(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint32
     }
     for (uint32_t pc = loop->first; pc < loop->end; pc++)
         if (fp3_fast_touched(&plan->code[pc]) & loop->kept &&
-            !changes_a_sum(&plan->code[pc].in, loop->kept))
+            !changes_a_fold(&plan->code[pc].in, loop->kept))
             return 0;
     return !(loop->kept & ~computed);
 }
 
-static void find_sums(fp3_fast_plan *plan) {
-    plan->are_sums = 1;
+static void find_folds(fp3_fast_plan *plan) {
+    plan->are_folds = 1;
     for (uint32_t i = 0; i < plan->loop_count; i++) {
         uint32_t phase = 0;
         while (plan->phase[phase + 1] <= plan->loops[i].first)
             phase++;
-        plan->are_sums &= are_sums(plan, &plan->loops[i], plan->phase[phase]);
+        plan->are_folds &= are_folds(plan, &plan->loops[i], plan->phase[phase]);
     }
 }
 
@@ -407,7 +409,7 @@ fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, ui
     }
     find_live(plan, states);
     if (around->is_any)
-        find_sums(plan);
+        find_folds(plan);
     mark(plan);
     return FP3_OK;
 }

@@ -75,7 +75,7 @@ typedef struct {
         around; /* with neighbours: of these parts only the step part has instructions */
     fp3_fast_loop *loops;
     uint32_t loop_count;
-    int are_sums;      /* what loops keep: native code has no other loops */
+    int are_folds;     /* what loops keep: native code has no other loops */
     uint32_t *phase;   /* where each phase begins, and where the last one ends */
     int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
     int has_lds;       /* objects whose word for sleep is not 0 make no visit */

@@ -4,7 +4,8 @@
  * Registers of the vector are r5_0, those of turn s of the turns that are side by side r5_(s + 1),
  * what arithmetic there is given by the neighbour given_(s + 1). What turn s gives for word 7 of
  * the program is n7_s. Where some objects have no neighbour, another pair stands in, which raises
- * nothing that it does not raise anyway, and sums take -0 (`takes_s`).
+ * nothing that it does not raise anyway, and sums take -0, a least and a most nothing
+ * (`takes_s`).
  */
 #include "write_around.h"
 
@@ -202,7 +203,7 @@ static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s
     t->taken |= kept;
     snprintf(mask, sizeof mask, "takes_%u", s);
     if (kept && of != PLAIN && of != ALL)
-        fp3_write_sum(w, p, s + 1, mask);
+        fp3_write_fold(w, p, s + 1, mask);
     else
         fp3_write_arithmetic(w, p, s + 1);
 }

@@ -72,8 +72,15 @@ void fp3_write_arithmetic(const writer *w, const fp3_fast_word *p, unsigned vect
         fp3_write_keep(w, p->in.d, vector);
 }
 
-void fp3_write_sum(const writer *w, const fp3_fast_word *p, unsigned vector, const char *mask) {
+void fp3_write_fold(const writer *w, const fp3_fast_word *p, unsigned vector, const char *mask) {
     const fp3_instruction *in = &p->in;
+    if (compares(in->op)) {
+        fprintf(w->to, "        r%" PRIu32 "_%u = fp3_choose(%s, %s", in->d, vector, mask,
+                p->is_one_nan ? "fp3_one_nan(" : "");
+        value(w, p, vector);
+        fprintf(w->to, "%s, r%" PRIu32 "_%u);\n", p->is_one_nan ? ")" : "", in->d, vector);
+        return;
+    }
     const int is_minus = in->op == FP3_OP_SUB || in->op == FP3_OP_MSUB;
     const int is_product = in->op == FP3_OP_MADD || in->op == FP3_OP_MSUB;
     const uint32_t added = !is_product && in->a == in->d ? in->b : in->a;

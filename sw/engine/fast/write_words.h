@@ -30,6 +30,6 @@ void fp3_write_keep(const fp3_writer *w, uint32_t reg, unsigned vector);
 void fp3_write_stored(const fp3_writer *w, uint32_t reg, unsigned vector);
 void fp3_write_arithmetic(const fp3_writer *w, const fp3_fast_word *p, unsigned vector);
 /* A word that adds to what a loop keeps, and adds -0 where the mask is 0. */
-void fp3_write_sum(const fp3_writer *w, const fp3_fast_word *p, unsigned vector, const char *mask);
+void fp3_write_fold(const fp3_writer *w, const fp3_fast_word *p, unsigned vector, const char *mask);
 
 #endif

@@ -69,7 +69,9 @@ FP3_API_BEGIN
     X(OTHER_STATE, 0, 0) /* of a neighbour; index: of states */                                    \
     X(OTHER_PARAM, 0, 0) /* likewise; index: of params */                                          \
     X(FIELD, 0, 0)       /* of the link to it; index: of fields */                                 \
-    X(TOTAL, 1, 0)       /* sum of a over all neighbours, from -0 on; index: of relations */
+    X(TOTAL, 2, 0)       /* b, and a for each neighbour added to it; index: of relations */        \
+    X(LEAST, 2, 0)       /* the least of b and of a for each neighbour, likewise */                \
+    X(MOST, 2, 0)        /* the most of these */
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
@@ -77,6 +79,11 @@ typedef enum {
 #undef X
         FP3_EXPR_OP_COUNT
 } fp3_expr_op;
+
+/* Whether a value is made of all neighbours of an object. */
+static inline int fp3_expr_is_fold(fp3_expr_op op) {
+    return op == FP3_EXPR_TOTAL || op == FP3_EXPR_LEAST || op == FP3_EXPR_MOST;
+}
 
 /* One operation. Its operands come before it in fp3_model.exprs; operands that it does not have are
  * FP3_NONE. A long sum is as deep as it is long (up to 4096), so walk the array instead of

@@ -168,12 +168,12 @@ static void mark_terms(fp3_others *o) {
         const fp3_expr *e = &m->exprs[i];
         varies[i] = e->op == FP3_EXPR_OTHER_STATE || e->op == FP3_EXPR_OTHER_PARAM ||
                     e->op == FP3_EXPR_FIELD;
-        for (unsigned k = 0; e->op != FP3_EXPR_TOTAL && k < fp3_ode_operands(e->op); k++)
+        for (unsigned k = 0; !fp3_expr_is_fold(e->op) && k < fp3_ode_operands(e->op); k++)
             varies[i] |= varies[e->operand[k]];
     }
     for (uint32_t i = m->expr_count; i-- > 0;) {
         const fp3_expr *e = &m->exprs[i];
-        const unsigned char of = e->op == FP3_EXPR_TOTAL ? 1u << e->index : o->terms[i];
+        const unsigned char of = fp3_expr_is_fold(e->op) ? 1u << e->index : o->terms[i];
         for (unsigned k = 0; k < fp3_ode_operands(e->op); k++)
             o->terms[e->operand[k]] |= varies[e->operand[k]] ? of : 0;
     }
@@ -275,15 +275,17 @@ static void store(const asked *by, uint32_t expr, double value) {
     by->values[expr] = by->had ? by->had(by->user, expr, value) : value;
 }
 
-static double total(const asked *by, const fp3_expr *sum) {
+static double folded(const asked *by, const fp3_expr *fold) {
     const fp3_others *o = by->o;
-    const sight *s = &o->sights[sum->index];
-    double all = -0.0;
+    const sight *s = &o->sights[fold->index];
+    const int sign = fold->op == FP3_EXPR_MOST ? -1 : 1;
+    double all = by->values[fold->operand[1]];
     for (size_t k = s->begin[by->object]; k < s->begin[by->object + 1]; k++) {
-        for (uint32_t i = 0; i <= sum->operand[0]; i++)
-            if (o->terms[i] >> sum->index & 1)
+        for (uint32_t i = 0; i <= fold->operand[0]; i++)
+            if (o->terms[i] >> fold->index & 1)
                 store(by, i, of_entry(o, s, k, &o->model->exprs[i], by->point, by->values));
-        all += by->values[sum->operand[0]];
+        const double term = by->values[fold->operand[0]];
+        all = fold->op == FP3_EXPR_TOTAL ? all + term : sign * fmin(sign * all, sign * term);
     }
     return all;
 }
@@ -295,6 +297,6 @@ void fp3_others_evaluate(const fp3_others *o, size_t object, const fp3_point *po
         const fp3_expr *e = &o->model->exprs[i];
         if (!o->terms[i])
             store(&by, i,
-                  e->op == FP3_EXPR_TOTAL ? total(&by, e) : fp3_ode_compute(e, point, values));
+                  fp3_expr_is_fold(e->op) ? folded(&by, e) : fp3_ode_compute(e, point, values));
     }
 }
