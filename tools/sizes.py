@@ -132,7 +132,7 @@ def page(rows):
         "- DSP is in multipliers of 18 by 18 bits, those of 9 by 9 as half a one, rounded up; on iCE40 16 by 16, on 7 series DSP48E1, on Cyclone V blocks.",
         "  A block RAM has 18 kbit on ECP5, Gowin and Nexus, 4 on iCE40, 36 on 7 series, 10 on Cyclone V.",
         "- Distributed RAM and shift registers are not among the LUTs. Multipliers and block RAMs are inferred from the portable modules; where `rtl/fpga/` has a",
-        "  family's own version of one, that takes its place (on ECP5 those with registers only where contexts take turns), equal to it by a test.",
+        "  family's own version of one, that takes its place (on ECP5 those with registers only if contexts are interleaved), equal to it by a test.",
         "  An iCE40 has no distributed RAM: registers of objects and constants become block RAM there. The rows of 7 series and Cyclone V were measured while",
         "  memories had contents at power-up, for which yosys made flip-flops on Cyclone V, and with the portable multiplier: today's netlists are smaller.",
         "- Each processor has registers around its ports, which are counted: 138 for one scheduler on ECP5, 7 series and Cyclone V. The others have three pins, into which",

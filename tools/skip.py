@@ -144,7 +144,7 @@ def page(data):
            f"{about['system']}; load at the end {about['load']:.1f}; {about['compiler']}.")
     yield ""
     yield f"- *fast, ns*: nanoseconds of the processor for a step of each object on the engine `fast`, one thread, {data['objects']:,} objects,"
-    yield f"  {data['steps']} steps: the shortest of {data['repeats']} runs. All sides of a case take turns. Loading and the first step are not part of it."
+    yield f"  {data['steps']} steps: the shortest of {data['repeats']} runs. The sides of a case alternate. Loading and the first step are not part of it."
     yield f"- *cycles*: clock cycles of the Verilated hardware for a step of each object, loads and stores included, in a run of {data['rtl_steps']} steps."
     yield "- *share*: of the first row of the same program. Cycles and instructions are exact; where other processes were busy, as the load tells,"
     yield "  nanoseconds are off by some percent."

@@ -40,7 +40,7 @@ typedef struct {
     uint32_t mul_latency;     /* cycles from operands to result, multiplier */
     uint32_t add_cuts;        /* where the adder is cut by registers, one bit per position */
     uint32_t mul_cuts;        /* where the multiplier is cut by registers, one bit per position */
-    uint32_t interleave;      /* 0: one object, busy flags, results as early as can be; 1: contexts take turns, all results equally late. 1 where there is a store */
+    uint32_t interleave;      /* 0: one object, busy flags, results as early as can be; 1: contexts are interleaved, all results equally late. 1 where there is a store */
     uint32_t scale;           /* 1: `addh`, `subh`, `addt`, `subt` exist */
     uint32_t exchange;        /* 1: neighbours may be in other lanes: between phases published words are copied from lane to lane */
 } fp3_config;

@@ -33,11 +33,11 @@ is too large for `isa`. The others are
 
 SPEED = """\
 `bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They give the bits of FP3, and so show
-what a scene could cost. All sides take turns, and the figure is the shortest turn. For one thread it is processor time. For several it is elapsed time,
-which says nothing if the load is above the number of processors.
+what a scene could cost. All sides alternate, and the figure is the shortest run: processor time for one thread, elapsed
+time for several, which says nothing if the load is above the number of processors.
 
-- *Springs.* A block of 16 objects goes through its lists together. If the neighbours of the block lie side by side, as on a grid, they are loaded as one
-  vector; at an edge some objects of the block do nothing.
+- *Springs.* A vector of 16 objects goes through its lists together. Neighbours that lie side by side, as on a grid, are loaded as one vector; at an edge some
+  objects do nothing.
 - *Contact.* Objects are in the order of the cells of a grid, and each has a record of 32 bytes. The records of 16 neighbours are loaded whole and
   transposed. Sums keep the order of the objects' numbers.
 - *All pairs.* Two vectors of 16 objects meet all others, one at a time.
