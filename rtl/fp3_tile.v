@@ -33,11 +33,11 @@ module fp3_tile #(
 );
     localparam N = LANES * STREAMS;        // sockets of a scheduler
 
-    wire [SCHEDULERS-1:0]                 running, adds, muls, last, grant;
+    wire [SCHEDULERS-1:0]                 running, adds, muls, sweep_end, grant;
     wire [`FP3_OPERANDS_W*SCHEDULERS*N-1:0]   operands;
     wire [`FP3_RESULT_W*SCHEDULERS*N-1:0]     results;
     fp3_tile_units #(.CONFIG(CONFIG)) u_units (.clk_i(clk_i), .rst_i(rst_i),
-        .running_i(running), .adds_i(adds), .muls_i(muls), .last_i(last), .grant_o(grant),
+        .running_i(running), .adds_i(adds), .muls_i(muls), .sweep_end_i(sweep_end), .grant_o(grant),
         .operands_i(operands), .result_o(results));
 
     genvar s;
@@ -48,7 +48,7 @@ module fp3_tile #(
                 .req_valid_i(req_valid_i[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
                 .answer_o(answer_o[`FP3_ANSWER_W*s +: `FP3_ANSWER_W]), .irq_o(irq_o[s]),
-                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .last_o(last[s]), .grant_i(grant[s]),
+                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .sweep_end_o(sweep_end[s]), .grant_i(grant[s]),
                 .operands_o(operands[`FP3_OPERANDS_W*N*s +: `FP3_OPERANDS_W*N]), .result_i(results[`FP3_RESULT_W*N*s +: `FP3_RESULT_W*N]),
                 .written_o(written_o[`FP3_WRITTEN_W*N*s +: `FP3_WRITTEN_W*N]),
                 .issued_o(issued_o[`FP3_ISSUED_W*STREAMS*s +: `FP3_ISSUED_W*STREAMS]));

@@ -36,7 +36,7 @@ module fp3_tile_scheduler #(
     output wire                running_o,
     output wire                adds_o,
     output wire                muls_o,
-    output wire                last_o,
+    output wire                sweep_end_o,
     input  wire                grant_i,
     // Arithmetic and trace, STREAMS parts for each lane
     output wire [`FP3_OPERANDS_W*STREAMS*LANES-1:0] operands_o,
@@ -75,19 +75,19 @@ module fp3_tile_scheduler #(
     wire [19:0] late_address;
     wire [31:0] late_wdata;
     generate
-        if (STORAGE != 0) begin : g_halved
-            wire [15:0] half_word;
+        if (STORAGE != 0) begin : g_narrowed
+            wire [15:0] narrow_word;
             wire [31:0] whole_word;
             wire        over;
-            fp3_halve #(.CONFIG(CONFIG)) u_halve (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0), .random_i(16'd0), .half_o(half_word), .over_o(over));
-            fp3_delay #(.W(1), .N(TIMING_HALVE)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access), .q_o(late_access));
-            fp3_delay #(.W(56), .N(TIMING_HALVE)) u_what (.clk_i(clk_i), .rst_i(1'b0), .d_i({host_write, space, address, host_wdata}),
+            fp3_narrow #(.CONFIG(CONFIG)) u_narrow (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0), .random_i(16'd0), .narrow_o(narrow_word), .over_o(over));
+            fp3_delay #(.W(1), .N(TIMING_NARROW)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access), .q_o(late_access));
+            fp3_delay #(.W(56), .N(TIMING_NARROW)) u_what (.clk_i(clk_i), .rst_i(1'b0), .d_i({host_write, space, address, host_wdata}),
                 .q_o({late_write, late_space, late_address, whole_word}));
             wire [5:0] of_record = late_address[5:0] & ~(6'h38 << setting_record);
             assign late_whole = WHOLE != 0 && late_space == HOST_OBJECT && {1'b0, of_record} == setting_whole;
-            assign late_wdata = late_space == HOST_OBJECT && !late_whole ? {16'd0, half_word} : whole_word;
+            assign late_wdata = late_space == HOST_OBJECT && !late_whole ? {16'd0, narrow_word} : whole_word;
             wire unused_over = over;
-        end else begin : g_not_halved
+        end else begin : g_not_narrowed
             assign {late_access, late_write, late_space, late_address, late_wdata} = {access, host_write, space, address, host_wdata};
             assign late_whole = 1'b0;
         end
@@ -135,7 +135,7 @@ module fp3_tile_scheduler #(
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc), .half_o(half),
         .copy_o(copy), .abort_o(abort), .copied_i(copied),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
-        .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
+        .adds_o(adds_o), .muls_o(muls_o), .sweep_end_o(sweep_end_o), .grant_i(grant_i),
         .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number), .draw_o(draws[0 +: DRAW_W]),
         .report_i(reports[`FP3_REPORT_W*GROUPS +: `FP3_REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
@@ -206,7 +206,7 @@ module fp3_tile_scheduler #(
             wire granted;
             `FP3_RETIRE_FIELDS
             assign `FP3_RETIRE = retires[0 +: `FP3_RETIRE_W];
-            wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load,
+            wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_in_last, retire_lds, retire_sleep, retire_load,
                                   retire_whole, retire_batch, retire_context, retire_register};
             fp3_delay #(.W(1), .N(AHEAD+TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)

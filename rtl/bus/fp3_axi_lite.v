@@ -75,13 +75,13 @@ module fp3_axi_lite #(
     wire whole         = &wstrb_q;
     wire write_streams = whole && |(awaddr_q & STREAM);
     wire read_streams  = |(araddr_q & STREAM);
-    wire write_turn    = aw_q && w_q && write_room && !(ar_q && read_room && write_q);   // both wish: not the one that was last
-    wire read_turn     = ar_q && read_room && !write_turn;
-    wire write_may     = write_turn && (idle_q || (write_streams && !alone_q));
-    wire read_may      = read_turn && (idle_q || (read_streams && !alone_q));
+    wire write_next    = aw_q && w_q && write_room && !(ar_q && read_room && write_q);   // both wish: not the one that was last
+    wire read_next     = ar_q && read_room && !write_next;
+    wire write_may     = write_next && (idle_q || (write_streams && !alone_q));
+    wire read_may      = read_next && (idle_q || (read_streams && !alone_q));
     assign req_valid_o = (write_may && whole) || read_may;
-    assign req_write_o = write_turn;
-    assign req_addr_o  = write_turn ? awaddr_q : araddr_q;
+    assign req_write_o = write_next;
+    assign req_addr_o  = write_next ? awaddr_q : araddr_q;
     assign req_wdata_o = wdata_q;
 
     wire skip       = write_may && !whole;                 // answered here

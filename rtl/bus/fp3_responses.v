@@ -32,7 +32,7 @@ module fp3_responses #(
 );
     localparam [DEPTH_W:0] ONE = 1;
 
-    // Places in turn: kept up to gone, filled up to filled, free again up to taken.
+    // Places in order: kept up to gone, filled up to filled, free again up to taken.
     reg  [DEPTH_W:0] gone_q, filled_q, taken_q;
     reg              room_q;
     reg  [W-1:0]     value_q [0:(1<<DEPTH_W)-1];

@@ -43,9 +43,9 @@ parameter integer ADD_SPARE = ADD_LATENCY -
 parameter integer MUL_SPARE = MUL_LATENCY -
     ({31'd0, MUL_CUTS[0]} + {31'd0, MUL_CUTS[1]} + {31'd0, MUL_CUTS[2]} + {31'd0, MUL_CUTS[3]}
      + {31'd0, MUL_CUTS[4]} + {31'd0, MUL_CUTS[5]} + {31'd0, MUL_CUTS[6]}),
-// With FUSED, from x and y to their exact product. Where contexts take turns, z comes then.
+// With FUSED, from x and y to their exact product. With INTERLEAVE, z comes then.
 parameter integer PRODUCT_LATENCY = MUL_LATENCY - (INTERLEAVE == 0 ? TIMING_SOLO_FUSED : 0),
-// Where contexts take turns, from operands to result; and as if all operands were read as soon as a
+// With INTERLEAVE, from operands to result; and as if all operands were read as soon as a
 // sum's scaled one.
 parameter integer UNIT_LATENCY = DUAL != 0 ? (MUL_LATENCY > ADD_LATENCY ? MUL_LATENCY : ADD_LATENCY)
                                : MUL_LATENCY + ADD_LATENCY + (SCHEDULERS > 1 ? TIMING_SHARE : 0),
@@ -56,19 +56,19 @@ parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
 parameter integer WIDENED   = STORAGE != 0 ? TIMING_WIDEN : 0,
 parameter integer ENDED     = DUAL != 0 ? TIMING_DUAL_END : TIMING_END + WIDENED,
 parameter integer TO_END    = TO_RESULT - ENDED,
-// Where records have 16 bits, from what the lanes are told of a store to the half that is stored;
+// Where records have 16 bits, from what the lanes are told of a store to the narrow word that is stored;
 // no instruction ends before.
-parameter integer ROUNDED   = 2 * TIMING_MIX + 1 + TIMING_HALVE,
+parameter integer ROUNDED   = 2 * TIMING_MIX + 1 + TIMING_NARROW,
 // How much earlier they are told what it reads of the store: a word of a neighbour is then there
 // beside the operands.
 parameter integer AHEAD     = NEIGHBOURS != 0 ? TIMING_REACH : 0,
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
 // registers wait, once for all lanes, instead of values in each. Not where something is made of z
-// and x, where schedulers share an adder that z may want at once, or where z is what is read for y.
+// and x, where schedulers share an adder that z may want at once, or where z is what is read for x.
 parameter integer Z_LATE  = INTERLEAVE != 0 && (CHAIN != 0 || FUSED != 0) && VALUES == 0 && SCHEDULERS == 1 ? MUL_LATENCY : 0,
 // And: from an issue to the next one of the same context, at least; and from the last issue
 // of a round to its last report, through the lanes and back.
 parameter integer GAP     = LATENCY + TIMING_GAP,
 parameter integer SETTLE  = LATENCY + AHEAD + LANES + TIMING_SETTLE,
 // From an access of the host port to the word.
-parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS + (STORAGE != 0 ? TIMING_HALVE + WIDENED : 0) : TIMING_SOLO_ACCESS
+parameter integer MEMORY_LATENCY = INTERLEAVE != 0 ? GROUPS + TIMING_ACCESS + (STORAGE != 0 ? TIMING_NARROW + WIDENED : 0) : TIMING_SOLO_ACCESS

@@ -34,9 +34,9 @@ module fp3_fp_fma_round #(
     wire [P-1:0] t = d_i[P+1:2] ^ {P{negative_i}};
     wire g = d_i[1], r = d_i[0];
     wire exact  = !g && !r && !more_i;
-    wire half   = g && !r && !more_i;
+    wire tie    = g && !r && !more_i;
     wire up     = NEAREST == 0 ? negative_i && exact
-                : negative_i ? !g || (half && t[0]) : g && (t[0] || !half);
+                : negative_i ? !g || (tie && t[0]) : g && (t[0] || !tie);
     wire ones   = &t[FRAC-1:0];
     wire hidden = t[P-1];
     wire zero   = !negative_i && exact && d_i[P+1:2] == 0;

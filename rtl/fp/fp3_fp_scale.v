@@ -6,14 +6,14 @@
 // Latency   0, or 1 with CUTS.
 // Options   SUBNORMAL = 0, NEAREST = 0 and FINITE = 1 as in fp_mul. SUM_LAST = 1: the same bits,
 //           the result comes out of an adder.
-// Promise   With neither twice_i nor half_i, z_o is d_i, bit by bit, and no flag rises: a subnormal
+// Promise   With neither twice_i nor halve_i, z_o is d_i, bit by bit, and no flag rises: a subnormal
 //           passes even with SUBNORMAL = 0, where the adder behind reads it as zero.
 //           A NaN passes unchanged: the adder behind makes it quiet, and raises invalid for a
 //           signalling one as a product would.
 //           Proved for every number and option: tests/formal/scale_cases.v.
-// Hazard    Never twice_i and half_i together (shared_arith checks it).
+// Hazard    Never twice_i and halve_i together (shared_arith checks it).
 //
-//     d_i 00800001, half_i 1  ->  z_o 00400000 (a tie, to even), flags_o underflow, inexact
+//     d_i 00800001, halve_i 1  ->  z_o 00400000 (a tie, to even), flags_o underflow, inexact
 `default_nettype none
 module fp3_fp_scale #(
     parameter EXP        = 8,
@@ -26,7 +26,7 @@ module fp3_fp_scale #(
 ) (
     input  wire              clk_i,
     input  wire              twice_i,  // times 2
-    input  wire              half_i,   // times 1/2; neither: as it is
+    input  wire              halve_i,   // times 1/2; neither: as it is
     input  wire [EXP+FRAC:0] d_i,
     output wire [EXP+FRAC:0] z_o,
     output wire [4:0]        flags_o   // {NV, DZ, OF, UF, NX}
@@ -39,15 +39,15 @@ module fp3_fp_scale #(
     wire           low     = e == {EXP{1'b0}};            // zero or subnormal
     wire           over    = twice_i && e == {{EXP-1{1'b1}}, FINITE != 0};
     wire           up      = twice_i && low;
-    wire           down    = half_i && (low || e == ONE); // is or becomes subnormal
+    wire           down    = halve_i && (low || e == ONE); // is or becomes subnormal
     wire [1:0]     kind    = over ? OVER : SUBNORMAL == 0 && (down || up) ? ZERO : down ? MOVED : SAME;
     wire [EXP-1:0] next;                                  // the exponent of a normal number moves by one
     generate
         if (SUM_LAST != 0) begin : g_one_sum
             wire unused_carry;
-            assign {next, unused_carry} = {e, 1'b1} + {{EXP{half_i}}, twice_i};
+            assign {next, unused_carry} = {e, 1'b1} + {{EXP{halve_i}}, twice_i};
         end else begin : g_two_sums
-            assign next = top ? e : twice_i ? e + 1'b1 : half_i ? e - 1'b1 : e;
+            assign next = top ? e : twice_i ? e + 1'b1 : halve_i ? e - 1'b1 : e;
         end
     endgenerate
 

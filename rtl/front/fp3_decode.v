@@ -51,9 +51,9 @@ module fp3_decode #(
     // Where it goes
     wire valued = choice != CHOICE_NONE;
     assign choice    = choice_of(op);
-    assign half      = SCALE != 0 && (op == OP_ADDH || op == OP_SUBH);
+    assign halve      = SCALE != 0 && (op == OP_ADDH || op == OP_SUBH);
     assign twice     = SCALE != 0 && (op == OP_ADDT || op == OP_SUBT);
-    wire plain_add   = op == OP_ADD || op == OP_SUB || half || twice || valued;
+    wire plain_add   = op == OP_ADD || op == OP_SUB || halve || twice || valued;
     assign to_add    = plain_add || (takes && !takes_mul);
     assign to_mul    = op == OP_MUL || takes_mul;
     assign to_chain  = (CHAIN != 0 && (op == OP_MADD || op == OP_MSUB)) || (FUSED != 0 && (op == OP_FMADD || op == OP_FMSUB));
@@ -70,7 +70,7 @@ module fp3_decode #(
     wire a_even = !field_a[6] && !field_a[0], a_odd = !field_a[6] && field_a[0];
     wire b_even = !field_b[6] && !field_b[0], b_odd = !field_b[6] && field_b[0];
     wire apart  = !(has_b(op) && ((a_even && b_even) || (a_odd && b_odd)))
-               && !((half || twice) && (a_odd || b_even));
+               && !((halve || twice) && (a_odd || b_even));
     wire banked = DUAL == 0 || to_memory || (apart && field_d[0] == to_mul);
 
     // An index fits if shifting out the bits that the register file has leaves nothing.

@@ -65,15 +65,15 @@ module fp3_fetch #(
     reg              none_q;            // none left
     reg              active_q;          // pc_q points to a word to be fetched
 
-    reg                begins_q, lasts_q;
+    reg                begins_q, in_last_q;
 
     reg  steps_over, ends;              // pc_q is at the end of the step part; of the program
     wire [31:0] fewer = steps_q - 1'b1;
     wire one        = steps_q == (pending_q ? 32'd3 : 32'd2);   // the next is the last
     wire again      = steps_over && !none_q && !skip_i;
     wire jump       = NEIGHBOURS != 0 && jump_i;
-    wire turns      = NEIGHBOURS == 0 && more_i;                // by itself
-    wire anew       = start_i || (advance_i && active_q && ends && !again && turns) || (jump && jump_begins_i);
+    wire wraps      = NEIGHBOURS == 0 && more_i;                // by itself
+    wire anew       = start_i || (advance_i && active_q && ends && !again && wraps) || (jump && jump_begins_i);
     wire [PROGRAM_W-1:0] from = NEIGHBOURS != 0 ? jump_pc_i : {PROGRAM_W{1'b0}};
     wire unused     = &{jump_on_i, jump_begins_i, jump_pc_i, more_i};
     assign again_o  = anew && !start_i;
@@ -102,16 +102,16 @@ module fp3_fetch #(
             pc_q     <= from;
             none_q   <= steps_i == 32'd1;
             begins_q <= 1'b1;
-            lasts_q  <= 1'b0;
+            in_last_q  <= 1'b0;
         end else if (jump) begin
             pc_q     <= from;
             begins_q <= 1'b0;
-            lasts_q  <= 1'b0;
+            in_last_q  <= 1'b0;
         end else if (advance_i && active_q) begin
             pc_q     <= again ? step : pc_q + 1'b1;
             none_q   <= none_q || (again && one);
             begins_q <= 1'b0;
-            lasts_q  <= lasts_q || (steps_over && !again);
+            in_last_q  <= in_last_q || (steps_over && !again);
         end
 
     // The word is registered behind the memory, whose own output is late in its cycle.
@@ -135,7 +135,7 @@ module fp3_fetch #(
             valid_1q <= 1'b0;
             valid_2q <= 1'b0;
         end else if (advance_i) begin
-            active_q <= active_q && (again || !ends || turns);
+            active_q <= active_q && (again || !ends || wraps);
             valid_1q <= active_q;
             valid_2q <= valid_1q;
         end
@@ -144,7 +144,7 @@ module fp3_fetch #(
         if (advance_i) begin
             pc_1q    <= pc_q;
             pc_2q    <= pc_1q;
-            marks_1q <= {begins_q, ends && !again, pc_q == step, lasts_q};       // as marks.vh has them
+            marks_1q <= {begins_q, ends && !again, pc_q == step, in_last_q};       // as marks.vh has them
             marks_2q <= marks_1q;
         end
 

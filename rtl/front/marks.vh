@@ -4,8 +4,8 @@
 //
 //     begins, ends                the first, the last of the visit
 //     newstep                     the first of a step
-//     lasts                       in the last part
-`define FP3_MARKS {begins, ends, newstep, lasts}
+//     in_last                     in the last part
+`define FP3_MARKS {begins, ends, newstep, in_last}
 `define FP3_MARKS_W 4
 `define FP3_MARKS_FIELDS \
-    wire begins, ends, newstep, lasts;
+    wire begins, ends, newstep, in_last;

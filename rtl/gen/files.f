@@ -35,7 +35,6 @@ rtl/host/fp3_host_port.v
 rtl/host/fp3_hub.v
 rtl/lane/fp3_dual_end.v
 rtl/lane/fp3_dual_operands.v
-rtl/lane/fp3_halve.v
 rtl/lane/fp3_lane.v
 rtl/lane/fp3_lane_end.v
 rtl/lane/fp3_lane_group.v
@@ -46,6 +45,7 @@ rtl/lane/fp3_lane_status.v
 rtl/lane/fp3_lane_store.v
 rtl/lane/fp3_lists.v
 rtl/lane/fp3_mix.v
+rtl/lane/fp3_narrow.v
 rtl/lane/fp3_visits.v
 rtl/lane/fp3_visits_in_order.v
 rtl/lane/fp3_widen.v
@@ -70,7 +70,7 @@ rtl/lns/fp3_lns_root.v
 rtl/sequence/fp3_batch.v
 rtl/sequence/fp3_draws.v
 rtl/sequence/fp3_dual_pace.v
-rtl/sequence/fp3_dual_turn.v
+rtl/sequence/fp3_dual_sweep.v
 rtl/sequence/fp3_exchange.v
 rtl/sequence/fp3_issue.v
 rtl/sequence/fp3_loops.v

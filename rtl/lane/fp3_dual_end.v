@@ -42,9 +42,9 @@ module fp3_dual_end #(
         else if (host_count_i) count_q <= host_data_i;
     assign count_o = count_q;
 
-    assign move_record    = issue_record;
+    assign move_record_shift = issue_record_shift;
     assign move_st        = issue_st;
-    assign move_lasts     = 1'b1;
+    assign move_in_last   = 1'b1;
     assign move_register  = issue_register;
     assign move_st_row    = issue_st_row;                    // two cycles later than the rest
     assign move_st_absent = {1'b0, issue_st_row} >= count_q;

@@ -32,7 +32,7 @@ module fp3_dual_operands #(
 `include "gen/choices.vh"
     `FP3_DUAL_ISSUE_FIELDS
     assign `FP3_DUAL_ISSUE = issue_i;
-    wire unused = &{issue_record, issue_register, issue_st_row, write_register_i[0], write_register_i[REG_W]};
+    wire unused = &{issue_record_shift, issue_register, issue_st_row, write_register_i[0], write_register_i[REG_W]};
 
     wire [BANK_W-1:0] sum_spot     = write_register_i[REG_W-1:1];
     wire [BANK_W-1:0] product_spot = write_register_i[2*REG_W-1:REG_W+1];
@@ -53,9 +53,9 @@ module fp3_dual_operands #(
         .write_addr_i(product_spot), .write_value_i(write_value_i[63:32]),
         .read_i(1'b1), .read_addr_i(issue_product_y), .read_value_o(product_y));
 
-    wire        twice_i1, half_i1, minus_x_i2, minus_y_i2, st_x_i2, st_y_i2;
+    wire        twice_i1, halve_i1, minus_x_i2, minus_y_i2, st_x_i2, st_y_i2;
     wire [31:0] scaled;                                // cycle 2
-    fp3_delay #(.W(2), .N(1)) u_scale_by (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_half}), .q_o({twice_i1, half_i1}));
+    fp3_delay #(.W(2), .N(1)) u_scale_by (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_halve}), .q_o({twice_i1, halve_i1}));
     fp3_delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({issue_minus_x, issue_minus_y, issue_st && !issue_st_y, issue_st && issue_st_y}),
         .q_o({minus_x_i2, minus_y_i2, st_x_i2, st_y_i2}));
@@ -64,13 +64,13 @@ module fp3_dual_operands #(
             wire [4:0] flags;
             wire       of, uf;
             fp3_fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .SUM_LAST(1), .CUTS(1'b1)) u_scale (.clk_i(clk_i),
-                .twice_i(twice_i1), .half_i(half_i1), .d_i(sum_y_q), .z_o(scaled), .flags_o(flags));
+                .twice_i(twice_i1), .halve_i(halve_i1), .d_i(sum_y_q), .z_o(scaled), .flags_o(flags));
             fp3_delay #(.W(2), .N(UNIT_LATENCY+1)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(flags[2:1]), .q_o({of, uf}));
             assign scale_flags_o = {2'b00, of, uf, of || uf};
             wire unused_flags = &flags;
         end else begin : g_no_scale
             assign scale_flags_o = 5'd0;
-            wire unused_scale = twice_i1 | half_i1;
+            wire unused_scale = twice_i1 | halve_i1;
             fp3_delay #(.W(32), .N(1)) u_plain (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_y_q), .q_o(scaled));
         end
     endgenerate
@@ -85,16 +85,16 @@ module fp3_dual_operands #(
     end
     assign stored_o = sum_x_q | sum_y_scaled_q;
 
-    // A sum is z +/- x, a product x * y.
+    // A sum is z +/- y, a product x * y.
     genvar p;
     generate
         for (p = 0; p < 2; p = p + 1) begin : g_stream
             `FP3_OPERANDS_FIELDS
-            assign {operands_choice, operands_twice, operands_half} = {CHOICE_NONE, 2'b00};
+            assign {operands_choice, operands_twice, operands_halve} = {CHOICE_NONE, 2'b00};
             assign operands_subtract = p == 0 && minus_q;
             assign operands_z        = p == 0 ? sum_x_q : 32'd0;
-            assign operands_x        = p == 0 ? sum_y_scaled_q : product_x_q;
-            assign operands_y        = p == 0 ? 32'd0 : product_y_q;
+            assign operands_x        = p == 0 ? 32'd0 : product_x_q;
+            assign operands_y        = p == 0 ? sum_y_scaled_q : product_y_q;
             assign operands_o[`FP3_OPERANDS_W*p +: `FP3_OPERANDS_W] = `FP3_OPERANDS;
         end
     endgenerate

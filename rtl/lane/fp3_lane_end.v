@@ -54,14 +54,14 @@ module fp3_lane_end #(
     assign `FP3_ISSUE  = issue_i;           // cycle 0
     assign `FP3_RETIRE = retire_i;          // cycle W - ENDED
     assign `FP3_ACCESS = access_i;
-    assign {move_record, move_st, move_lasts, move_register} = {issue_record, issue_st, issue_lasts, issue_register};
+    assign {move_record_shift, move_st, move_in_last, move_register} = {issue_record_shift, issue_st, issue_in_last, issue_register};
     assign {move_o, end_o} = {`FP3_MOVE, `FP3_END};
     wire unused_fields = &{`FP3_ISSUE, `FP3_ACCESS, data_i};
 
     // Of the instruction, later
     wire [REGISTER_W-1:0] register_w3, register_w0;
     wire [CONTEXT_W-1:0]  context_w4, context_w1, context_w0;
-    wire take_w4, valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
+    wire take_w4, valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
     fp3_delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
     fp3_delay #(.W(CONTEXT_W), .N(3+WIDENED)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
@@ -69,10 +69,10 @@ module fp3_lane_end #(
     fp3_delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_w3));
     fp3_delay #(.W(REGISTER_W), .N(3+WIDENED)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_w3), .q_o(register_w0));
     fp3_delay #(.W(9), .N(ENDED)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
-        .d_i({retire_valid, retire_begins, retire_ends, retire_lasts, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
-        .q_o({valid_w0, begins_w0, ends_w0, lasts_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
+        .d_i({retire_valid, retire_begins, retire_ends, retire_in_last, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
+        .q_o({valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
-    // Whose turn it is
+    // Which object executes it
     // -----------------------------------------------------------------------------
     wire executed, absent, sleeps;
     wire executes, missing, ended;              // as if there were no loops
@@ -86,7 +86,7 @@ module fp3_lane_end #(
                 .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
                 .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(own_row_w3), .row_late_o(end_row),
                 .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
-                .lasts_i(lasts_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
+                .in_last_i(in_last_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
                 .less_i(less_i), .executed_o(executes), .absent_o(missing), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep_o),
                 .st_context_i(issue_context), .st_row_o(move_st_row), .st_absent_o(move_st_absent), .st_asleep_o(move_st_asleep),
                 .host_clear_i(host_count), .host_wake_i(mine_i && access_write && access_space == HOST_WAKE),
@@ -99,7 +99,7 @@ module fp3_lane_end #(
                 .st_row_i(issue_row), .st_row_o(move_st_row), .st_absent_o(move_st_absent),
                 .host_count_i(host_count), .host_data_i(data_i[ROW_W:0]), .count_o(count_o));
             assign {sleeps, asleep_o, move_st_asleep} = 3'b000;
-            wire unused = &{issue_context, retire_round, take_w4, context_w4, context_w1, begins_w0, ends_w0, lasts_w0, less_i, word_i};
+            wire unused = &{issue_context, retire_round, take_w4, context_w4, context_w1, begins_w0, ends_w0, in_last_w0, less_i, word_i};
         end
     endgenerate
 

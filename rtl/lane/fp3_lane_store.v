@@ -5,8 +5,8 @@
 //           after its issue, a load reads in time for its result.
 //
 //           With STORAGE a word has 16 bits: it is rounded as it is stored, and widened as it is
-//           loaded. The host writes halves. One word of each record is kept whole if objects sleep:
-//           its upper half is in a memory of its own, by rows.
+//           loaded. The host writes narrow words. One word of each record is kept whole if objects
+//           sleep: its high 16 bits are in a memory of their own, by rows.
 //
 // Latency   Stored five cycles after the issue (cycle 5 has the new word), with STORAGE ROUNDED +
 //           2. Loaded: three cycles from the row to word_o, with STORAGE WIDENED more.
@@ -19,8 +19,8 @@
 //     store    st_i   row_i2_i, absent..   value_i3  written  there
 //     cycle    W-3    W-2   W-1   W
 //     load     row    read        word_o
-//     cycle    W-5    W-4   W-3   W-2        W-1     W
-//     STORAGE  row    read        read_word  half_q  word_o
+//     cycle    W-5    W-4   W-3   W-2        W-1       W
+//     STORAGE  row    read        read_word  narrow_q  word_o
 `default_nettype none
 `include "lane/move.vh"
 `include "lane/draw.vh"
@@ -45,13 +45,13 @@ module fp3_lane_store #(
 );
     `FP3_MOVE_FIELDS
     assign `FP3_MOVE = move_i;
-    wire                  st_i2, lasts_i2, upper_i2;
+    wire                  st_i2, in_last_i2, upper_i2;
     wire [REGISTER_W-1:0] register_i2;
-    fp3_delay #(.W(3+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_lasts, move_st_upper, move_register}),
-        .q_o({st_i2, lasts_i2, upper_i2, register_i2}));
+    fp3_delay #(.W(3+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_in_last, move_st_upper, move_register}),
+        .q_o({st_i2, in_last_i2, upper_i2, register_i2}));
 
-    wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record;
-    wire [STORE_W-1:0] ld_base = {move_load_row, 3'd0} << move_record;
+    wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record_shift;
+    wire [STORE_W-1:0] ld_base = {move_load_row, 3'd0} << move_record_shift;
     reg                st_q, write_q;                                  // cycle 3, 4
     reg  [STORE_W-1:0] st_address_q, write_address_q, read_address_q;  // cycle 3, 4; W-2
     reg  [STORED_W-1:0] write_word_q;
@@ -59,7 +59,7 @@ module fp3_lane_store #(
     wire [STORE_W-1:0]  stored_address;
     wire [STORED_W-1:0] stored_word, read_word;
     always @(posedge clk_i) begin
-        st_q            <= !rst_i && st_i2 && !move_st_absent && !(move_st_asleep && !lasts_i2);
+        st_q            <= !rst_i && st_i2 && !move_st_absent && !(move_st_asleep && !in_last_i2);
         st_address_q    <= st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2} | {upper_i2, {STORE_W-1{1'b0}}};
         write_q         <= !rst_i && (stored || host_write_i);
         write_address_q <= host_i ? host_address_i : stored_address;
@@ -72,8 +72,8 @@ module fp3_lane_store #(
         .read_i(1'b1), .read_addr_i(read_address_q), .read_value_o(read_word));
 
     generate
-        if (STORAGE != 0) begin : g_halves
-            localparam LATE = ROUNDED - TIMING_HALVE - 3;              // from the value in cycle 3 to its rounding
+        if (STORAGE != 0) begin : g_narrow
+            localparam LATE = ROUNDED - TIMING_NARROW - 3;             // from the value in cycle 3 to its rounding
             `FP3_DRAW_FIELDS
             assign `FP3_DRAW = draw_i;
             reg                draws_q;
@@ -89,50 +89,50 @@ module fp3_lane_store #(
 
             // Stored: rounded, or whole.
             wire [31:0]        value, value_late;
-            wire [15:0]        half;
+            wire [15:0]        narrow;
             wire [STORE_W-1:0] address;
             wire               st_whole_i3, whole, whole_late;
             fp3_delay #(.W(1), .N(3)) u_st_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_st_whole), .q_o(st_whole_i3));
             fp3_delay_ram #(.W(33+STORE_W), .N(LATE)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({st_whole_i3, value_i3_i, st_address_q}),
                 .q_o({whole, value, address}));
-            fp3_halve #(.CONFIG(CONFIG)) u_halve (.clk_i(clk_i), .word_i(value), .draws_i(draws), .random_i(random[15:0]), .half_o(half), .over_o(over));
-            fp3_delay #(.W(33+STORE_W), .N(TIMING_HALVE)) u_value (.clk_i(clk_i), .rst_i(1'b0), .d_i({whole, value, address}),
+            fp3_narrow #(.CONFIG(CONFIG)) u_narrow (.clk_i(clk_i), .word_i(value), .draws_i(draws), .random_i(random[15:0]), .narrow_o(narrow), .over_o(over));
+            fp3_delay #(.W(33+STORE_W), .N(TIMING_NARROW)) u_value (.clk_i(clk_i), .rst_i(1'b0), .d_i({whole, value, address}),
                 .q_o({whole_late, value_late, stored_address}));
             fp3_delay #(.W(1), .N(ROUNDED-3)) u_stored (.clk_i(clk_i), .rst_i(rst_i), .d_i(st_q), .q_o(stored));
             fp3_delay #(.W(1), .N(TO_RESULT-ROUNDED)) u_over (.clk_i(clk_i), .rst_i(rst_i), .d_i(stored && over && !whole_late), .q_o(over_o));
-            assign stored_word = whole_late ? value_late[15:0] : half;
+            assign stored_word = whole_late ? value_late[15:0] : narrow;
 
-            // Loaded: widened, or with the upper half.
+            // Loaded: widened, or with its high 16 bits.
             wire [31:0]        widened;
-            wire [15:0]        upper_word;
+            wire [15:0]        high_word;
             wire               loaded_whole;
-            reg  [15:0]        half_q, upper_q;                        // W-1
+            reg  [15:0]        narrow_q, high_q;                       // W-1
             reg                whole_q;
             reg  [31:0]        word_q;
-            fp3_widen #(.CONFIG(CONFIG)) u_widen (.half_i(half_q), .word_o(widened));
+            fp3_widen #(.CONFIG(CONFIG)) u_widen (.narrow_i(narrow_q), .word_o(widened));
             always @(posedge clk_i) begin
-                {half_q, upper_q, whole_q} <= {read_word, upper_word, loaded_whole};
-                word_q <= whole_q ? {upper_q, half_q} : widened;
+                {narrow_q, high_q, whole_q} <= {read_word, high_word, loaded_whole};
+                word_q <= whole_q ? {high_q, narrow_q} : widened;
             end
             assign word_o = word_q;
             if (WHOLE != 0) begin : g_whole
-                reg              write_upper_q;
-                reg  [15:0]      write_half_q;
+                reg              write_high_q;
+                reg  [15:0]      write_high_word_q;
                 reg  [ROW_W-1:0] write_row_q, read_row_q;
-                wire [STORE_W-1:0] row = ((host_i ? host_address_i : stored_address) >> 3) >> move_record;
+                wire [STORE_W-1:0] row = ((host_i ? host_address_i : stored_address) >> 3) >> move_record_shift;
                 always @(posedge clk_i) begin
-                    write_upper_q <= !rst_i && (host_i ? host_write_i && host_whole_i : stored && whole_late);
-                    write_half_q  <= host_i ? host_word_i[31:16] : value_late[31:16];
+                    write_high_q <= !rst_i && (host_i ? host_write_i && host_whole_i : stored && whole_late);
+                    write_high_word_q  <= host_i ? host_word_i[31:16] : value_late[31:16];
                     write_row_q   <= row[ROW_W-1:0];
                     read_row_q    <= host_i ? row[ROW_W-1:0] : move_load_row;
                 end
-                fp3_ram_registered #(.ADDR_W(ROW_W), .W(16)) u_upper (.clk_i(clk_i), .write_i(write_upper_q && !rst_i),
-                    .write_addr_i(write_row_q), .write_value_i(write_half_q),
-                    .read_i(1'b1), .read_addr_i(read_row_q), .read_value_o(upper_word));
+                fp3_ram_registered #(.ADDR_W(ROW_W), .W(16)) u_high (.clk_i(clk_i), .write_i(write_high_q && !rst_i),
+                    .write_addr_i(write_row_q), .write_value_i(write_high_word_q),
+                    .read_i(1'b1), .read_addr_i(read_row_q), .read_value_o(high_word));
                 fp3_delay #(.W(1), .N(3)) u_load_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(host_i ? host_whole_i : move_load_whole), .q_o(loaded_whole));
                 wire unused_row = &row;
-            end else begin : g_halves_alone
-                assign {loaded_whole, upper_word} = 17'd0;
+            end else begin : g_narrow_alone
+                assign {loaded_whole, high_word} = 17'd0;
                 wire unused_whole = &{host_whole_i, host_word_i[31:16], move_load_whole, value_late};
             end
             wire unused_random = &random[31:16];

@@ -36,7 +36,7 @@ module fp3_visits #(
     input  wire                 valid_i,
     input  wire                 begins_i,       // the first of a visit
     input  wire                 ends_i,         // the last
-    input  wire                 lasts_i,        // in the last part, which objects execute that fell asleep in this visit
+    input  wire                 in_last_i,        // in the last part, which objects execute that fell asleep in this visit
     input  wire                 lds_i,
     input  wire                 sleep_i,
     input  wire [CONTEXT_W-1:0] context_i,
@@ -134,7 +134,7 @@ module fp3_visits #(
     fp3_delay #(.W(1), .N(ENDED)) u_present (.clk_i(clk_i), .rst_i(1'b0), .d_i(present), .q_o(present_w0));
     wire absent   = begins_i ? !present_w0 : absent_q;
     wire asleep   = !begins_i && asleep_q;
-    wire executed = valid_i && !absent && !(asleep && !lasts_i);
+    wire executed = valid_i && !absent && !(asleep && !in_last_i);
     wire sleeps   = executed && sleep_i && less_i && !asleep;
 
     // Of a word that was just read only one bit is known in time, a cycle later.
@@ -181,8 +181,8 @@ module fp3_visits #(
         if (!rst_i && valid_i && age[context_i] != 4'd8) begin
             $display("%m: context %0d comes again after %0d cycles", context_i, age[context_i]); $stop;
         end
-        if (!rst_i && executed != (valid_i && there && (!slept || lasts_i))) begin
-            $display("%m: context %0d, there %b, asleep %b, in the last part %b: executed %b", context_i, there, slept, lasts_i, executed);
+        if (!rst_i && executed != (valid_i && there && (!slept || in_last_i))) begin
+            $display("%m: context %0d, there %b, asleep %b, in the last part %b: executed %b", context_i, there, slept, in_last_i, executed);
             $stop;
         end
         if (!rst_i && (host_clear_i || host_wake_i) && (take || put_q)) begin

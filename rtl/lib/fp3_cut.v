@@ -3,8 +3,8 @@
 //
 // Purpose   Every place where a floating-point core may be cut is one of these, so that a
 //           mask chooses the depth and the logic between the cuts is written once.
-// Latency   ON: 1 cycle. Not ON: 0, a wire. There is no reset and no enable: what flows through is
-//           data, and its valid bit travels beside it.
+// Latency   With ON 1 cycle, without 0: a wire. There is no reset and no enable: only data flows
+//           through, and its valid bit travels beside it.
 //
 //     cut #(.W(32), .ON(CUTS[3])) u_align (.clk_i(clk_i), .d_i(sum), .q_o(sum_c));
 `default_nettype none

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_delay: N registers in a row.
 //
-// Purpose   Keeps what travels beside a pipeline in step with it.
+// Purpose   Keeps signals beside a pipeline in step with the pipeline.
 // Latency   N cycles; 0 is a wire. rst_i clears every register: it is 0 for data, which needs no
 //           reset.
 //

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_delay_ram: what `delay` does, in a distributed memory.
+// fp3_delay_ram: `delay` in a distributed memory.
 //
-// Purpose   For wide words that wait long: a register takes a flip-flop for each bit and cycle,
-//           this one for each bit.
-// Latency   N cycles, 3 at least. In the first N cycles after a reset q_o is what was there.
+// Purpose   For wide words and long delays: `delay` takes a flip-flop for each bit and cycle, this
+//           module one for each bit, and a memory.
+// Latency   N cycles, 3 at least. In the first N cycles after a reset q_o is arbitrary.
 //
 //     delay_ram #(.W(32), .N(17)) u_word (.clk_i(clk_i), .rst_i(rst_i), .d_i(word), .q_o(word_17));
 `default_nettype none

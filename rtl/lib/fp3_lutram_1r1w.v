@@ -2,8 +2,8 @@
 // fp3_lutram_1r1w: an inferred distributed memory with one write port and one combinational read
 // port.
 //
-// Purpose   The memory for few words that must be fast: its reader registers the word, so that
-//           nothing but a flip-flop's delay is in front of what uses it.
+// Purpose   The memory for few words on a short path: the reader registers the word, so that only a
+//           flip-flop's delay is in front of the logic behind.
 // Latency   0. A read in the cycle of a write to the same word returns the old word.
 // Contents  Arbitrary at power-up; there is no reset. Zero with FP3_ZEROS, which is for simulation
 //           alone. Synthesis must not see the loop: not every device can load such a memory, and

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_mux4: one of four words.
 //
-// Purpose   A level of a shifter by two bits, or any choice by two bits that is on a long path.
+// Purpose   A level of a shifter by two bits, or any choice by two bits on a long path.
 // Latency   0. A function: no clock.
 // Device    rtl/fpga/ecp5/fp3_mux4.v takes its place on ECP5, where a slice has a multiplexer
 //           behind two LUTs of four inputs. The synthesis tools may find it by themselves, or make

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_shift_right_sticky: moves right and remembers whether a one fell out.
+// fp3_shift_right_sticky: shifts right and says whether a one fell out.
 //
-// Purpose   Aligns a significand without losing what rounding must know of it. sticky_o tells of
-//           this shift alone: an earlier step's is ORed with it.
+// Purpose   Aligns a significand and keeps the bit that rounding needs. sticky_o is about this
+//           shift alone: the user ORs the sticky bits of several shifts.
 // Latency   0.
 //
 //     d_i 0110_1000, n_i 2, UNIT 2  ->  q_o 0000_0110, sticky_o 1      (W = 8, N = 2)

@@ -2,8 +2,8 @@
 // fp3_lns_add: z = a + b or a - b of logarithmic words.
 //
 // Purpose   The larger operand's logarithm plus a function of the distance r of both logarithms:
-//           log2(1 + 2^-r) or log2(1 - 2^-r). docs/logarithmic.md says which bits it gives,
-//           sw/machine/lns.c gives the same ones.
+//           log2(1 + 2^-r) or log2(1 - 2^-r). docs/logarithmic.md defines the bits of the sum;
+//           sw/machine/lns.c computes the same bits.
 //
 //           r ──► lns_add_curve: sum, or difference without its pole ─────┐
 //           r < 4, difference ──► normalised ──► lns_curve: log2(r) ─────(+)──► (+) ──► z
@@ -11,8 +11,8 @@
 //
 // Latency   9; a new pair every cycle. There is no register at the ports, no reset and no valid
 //           bit.
-// Result    Of NaN or infinity - infinity the NaN 7FC00000; x - x is +0. OF and UF as a result
-//           leaves the range.
+// Result    NaN and infinity - infinity give the NaN 7FC00000; x - x is +0. OF and UF are raised
+//           if the result leaves the range.
 //
 //     sub_i 0, a_i 3F800000, b_i 3F800000  ->  z_o 40000000, flags_o 0, nine edges later
 `default_nettype none
@@ -25,9 +25,9 @@ module fp3_lns_add (
     output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
 );
 `include "gen/isa.vh"
-    localparam [7:0] TOP = 8'd255;     // of the logarithm's integer part: infinity, NaN
+    localparam [7:0] TOP = 8'd255;     // the logarithm's integer part of infinity and NaN
 
-    // The larger operand, and how far the other one is.
+    // The larger operand, and the distance of the smaller one.
     wire [31:0] a_less = {1'b0, a_i[30:0]} - {1'b0, b_i[30:0]};
     wire [30:0] b_less = b_i[30:0] - a_i[30:0];
     wire        b_sign = b_i[31] ^ sub_i;
@@ -45,7 +45,7 @@ module fp3_lns_add (
         zero_q     <= ~|a_i[30:0] || ~|b_i[30:0];
     end
 
-    // What is no sum of two numbers. none: the result is 0 or NaN; big: it is the larger operand.
+    // Results that are no sum of two numbers. none: 0 or NaN; big: the larger operand.
     wire equal   = ~|r_q;
     wire far     = |r_q[30:28];
     wire invalid = both_q && minus_q && !nan_q;
@@ -60,7 +60,7 @@ module fp3_lns_add (
     fp3_delay #(.W(38), .N(7)) u_word (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({minus_q && !near, nan, invalid, none, big, !exact, big_q}), .q_o({invert, kind, word}));
 
-    // Two steps to move the distance's highest bit to the top, 1: by multiples of 8, 2: up to 7.
+    // Two steps move the distance's highest bit to the top: first by multiples of 8, then by up to 7.
     wire        by16 = ~|r_q[24:9];
     wire        by8  = by16 ? ~|r_q[8:1] : ~|r_q[24:17];
     wire [24:0] moved;
@@ -82,7 +82,7 @@ module fp3_lns_add (
         .d3_i({moved_q[18:0], 6'd0}), .q_o(nearly));
     wire        unused_top = nearly[24];                  // 1 unless by1
     reg  [23:0] fraction_q;
-    reg  [5:0]  whole_q;                                  // log2(r) - 2 without the fraction's: -1 - places
+    reg  [5:0]  whole_q;                                  // integer part of log2(r) - 2: -1 - places moved
     always @(posedge clk_i)
         if (!near_q) begin
             fraction_q <= 24'd0;
@@ -102,7 +102,7 @@ module fp3_lns_add (
     reg [33:0] function_q;
     always @(posedge clk_i) function_q <= {{4{smooth[29]}}, smooth} + {4'd0, bend} + {whole, log};
 
-    // What is below the last place is dropped: the tables contain the half that rounds.
+    // The bits below the last place are dropped: the tables contain the half unit that rounds.
     reg  [32:0] total_q;
     reg  [31:0] word_q;
     reg         is_nan_q, is_invalid_q, is_none_q, is_big_q, is_inexact_q;

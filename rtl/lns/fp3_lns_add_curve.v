@@ -2,13 +2,13 @@
 // fp3_lns_add_curve: the functions behind a logarithmic sum, as quadratics: c0 - c1 * u + (c2 * u +
 // c3) * u.
 //
-// Purpose   log2(1 + 2^-r), and of a difference -log2(1 - 2^-r), or for r < 4 what is left of it
-//           without its pole. The result is line_o + bend_o. The bits of fp3_lns_of_distance in
-//           sw/machine/lns.c.
+// Purpose   log2(1 + 2^-r), and of a difference -log2(1 - 2^-r), or for r < 4 this function
+//           without its pole. The result is line_o + bend_o, with the bits of
+//           fp3_lns_of_distance in sw/machine/lns.c.
 // Latency   6; a new r every cycle.
 //
-//     minus_i 0, r_i 0000000  ->  line_o + bend_o 1000000E, which is 2^28 with 14 of the 16 that
-//     round, six edges later
+//     minus_i 0, r_i 0000000  ->  line_o + bend_o 1000000E, six edges later: 2^28 and 14 of the 16
+//     units that round
 `default_nettype none
 module fp3_lns_add_curve (
     input  wire        clk_i,
@@ -18,8 +18,8 @@ module fp3_lns_add_curve (
     output wire [29:0] bend_o
 );
 `include "gen/lns_sums.vh"
-    // Intervals of 1/32 below 8, 1/16 below 16, 1/8 above. Of u, what is beyond 18 bits makes no
-    // difference. Registers before and behind a product are its own.
+    // Intervals of 1/32 below 8, 1/16 below 16, 1/8 above. Bits of u beyond the 18 upper ones make
+    // no difference. The registers before and behind a product are inside the multiplier.
     wire [9:0]  at = {minus_i, r_i[27] ? {2'b11, r_i[26:20]} : r_i[26] ? {2'b10, r_i[25:19]} : {1'b0, r_i[25:18]}};
     wire [66:0] word;
     reg  [17:0] u0_q, u1_q, u2_q, u3_q;

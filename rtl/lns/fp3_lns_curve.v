@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_curve: a logarithm or a power of two of a fraction, from a table of quadratics.
 //
-// Purpose   log2(1 + x), or with POWER 2^x - 1, x in 0 .. 1: x itself and a small correction, which
-//           is tabulated. The bits of curve() in sw/machine/lns.c.
-// Latency   4: the table, a register behind it as block RAM is slow, products, their difference. A
-//           new x every cycle.
+// Purpose   log2(1 + x), or with POWER 2^x - 1, for x in 0 .. 1: x plus a small, tabulated
+//           correction. The bits are those of curve() in sw/machine/lns.c.
+// Latency   4: the table, a register behind the table as block RAM is slow, the products, their
+//           difference. A new x every cycle.
 //
 //     x_i 800000, POWER 0  ->  value_o 95C01A4, which is 0.58496 * 2^28, four edges later
 `default_nettype none
@@ -16,8 +16,8 @@ module fp3_lns_curve #(
     output wire [27:0] value_o         // in 2^-28
 );
 `include "gen/lns_curves.vh"
-    // c0 + c1 * v - c2 * v^2, v being what of x the table has not seen. Registers before and behind
-    // a product are its own.
+    // c0 + c1 * v - c2 * v^2, where v is the bits of x below the table's address. The registers
+    // before and behind a product are inside the multiplier.
     wire [52:0] word;
     reg [23:0]  read_x_q, x_q;
     reg [19:0]  rest_q;

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_inverse: 1 / a or 1 / sqrt(a) of a binary32 number, through its logarithm.
 //
-// Purpose   Normalises a, takes the logarithm of its significand, negates or negates and halves it,
-//           and takes the power of two. The bits and flags of fp3_lns_float_rcp and
-//           fp3_lns_float_rsqrt in sw/machine/lns.c, except that of a NaN z_o and flags_o are 0.
+// Purpose   Normalises a, takes the logarithm of its significand, negates the logarithm (and halves
+//           it for a root), and takes the power of two. Bits and flags are those of
+//           fp3_lns_float_rcp and fp3_lns_float_rsqrt in sw/machine/lns.c, but a NaN gives 0 on z_o
+//           and flags_o.
 //
 //           a ──► normalised ──► lns_curve: log2 ──► -log2 or -log2/2 ──► lns_curve: power of two ──► rounded
 //           edges          2                   5                       1                           5
 //
 // Latency   13; a new number every cycle. There is no register at the ports, no reset and no valid
 //           bit.
-// Result    Without on_i z_o and flags_o are 0.
+// Result    Without on_i, z_o and flags_o are 0.
 //
 //     on_i 1, root_i 0, a_i 40400000  ->  z_o 3EAAAAAB, flags_o 1, thirteen edges later      (1 / 3)
 `default_nettype none
@@ -23,8 +24,8 @@ module fp3_lns_inverse (
     output wire [4:0]  flags_o         // {NV, DZ, OF, UF, NX}
 );
 `include "gen/isa.vh"
-    // What is no positive number or no inverse: nothing (not asked for, NaN, inverse of infinity),
-    // NaN, infinity.
+    // Operands without a finite inverse: the result is 0 (not asked for, NaN, infinity), NaN or
+    // infinity.
     wire low = ~|a_i[30:23], top = &a_i[30:23], rest = |a_i[22:0];
     wire zero = low && !rest, nan = top && rest;
     wire asked = on_i && !nan;
@@ -33,7 +34,7 @@ module fp3_lns_inverse (
     wire number  = asked && !invalid && !zero && !top;
     wire minus   = asked && a_i[31] && !root_i;
 
-    // Two steps to move the leading 1 to the top, 1: by multiples of 8, 2: up to 7.
+    // Two steps move the leading 1 to the top: first by multiples of 8, then by up to 7.
     wire [23:0] significand = {!low, a_i[22:0]};
     wire        by16 = ~|significand[23:8];
     wire        by8  = ~|significand[23:16];
@@ -55,13 +56,13 @@ module fp3_lns_inverse (
         .d3_i({moved_q[17:0], 6'd0}), .q_o(nearly));
     wire        unused_top = nearly[23];                  // 1 unless by1
     reg  [22:0] fraction_q;
-    reg  [9:0]  whole_q;                                  // signed, 127 more than the logarithm's
+    reg  [9:0]  whole_q;                                  // signed: the logarithm's integer part, plus 127
     always @(posedge clk_i) begin
         fraction_q <= by1 ? {nearly[21:0], 1'b0} : nearly[22:0];
         whole_q    <= {2'd0, exponent_q} - {5'd0, upper_q, by4, by2, by1};
     end
 
-    // Exact: a power of two, or one of four.
+    // The result is exact for a power of two; the root, for a power of four.
     wire        is_root, is_exact;
     wire [9:0]  whole;
     wire [27:0] log;
@@ -71,7 +72,7 @@ module fp3_lns_inverse (
         .q_o({is_root, is_exact, whole}));
     always @(posedge clk_i) log_q <= log;
 
-    // 254 - log or (381 - log) / 2: the result's logarithm and 127, to the nearest 2^-24.
+    // 254 - log or (381 - log) / 2: the result's logarithm plus 127, to the nearest 2^-24.
     wire [37:0] less = {is_root ? 10'd381 : 10'd254, 23'd0, is_root ? 5'd17 : 5'd9} + ~{whole, log_q};
     reg  [33:0] power_of_q;                               // signed
     reg         is_exact_q;
@@ -89,7 +90,7 @@ module fp3_lns_inverse (
     fp3_delay #(.W(11), .N(5)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({is_exact_q, power_of_q[33:24]}), .q_o({exact, e}));
     always @(posedge clk_i) power_q <= power;
 
-    // Of subnormal results, those below 2^-127 have two zeros in front.
+    // Subnormal results below 2^-127 have two zeros in front.
     wire        is_invalid, is_by_zero, is_number, sign;
     fp3_delay #(.W(4), .N(13)) u_kind (.clk_i(clk_i), .rst_i(1'b0), .d_i({invalid, by_zero, number, minus}),
         .q_o({is_invalid, is_by_zero, is_number, sign}));

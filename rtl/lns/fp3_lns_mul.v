@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_lns_mul: z = a * b or a / b of logarithmic words, exact unless the result leaves the range.
 //
-// Purpose   Adds or subtracts two logarithms.
+// Purpose   The sum or the difference of two logarithms.
 // Latency   0, or 1 with CUT: a register behind the sum.
 // Result    0 * infinity, 0 / 0, infinity / infinity and NaN give the NaN 7FC00000; x / 0 an
 //           infinity and DZ.
@@ -23,7 +23,7 @@ module fp3_lns_mul #(
     wire a_infinite = a_top && !a_rest, b_infinite = b_top && !b_rest;
     wire a_zero = ~|a_i[30:0], b_zero = ~|b_i[30:0];
 
-    // Division by 0 is multiplication by infinity, and the reverse.
+    // Division by 0 is multiplication by infinity; division by infinity is multiplication by 0.
     wire b_large = divide_i ? b_zero : b_infinite, b_small = divide_i ? b_infinite : b_zero;
     wire nan     = (a_top && a_rest) || (b_top && b_rest);
     wire invalid = !nan && ((a_infinite && b_small) || (a_zero && b_large));

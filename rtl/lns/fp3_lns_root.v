@@ -2,9 +2,9 @@
 // fp3_lns_root: z = sqrt(a) or 1 / sqrt(a) of a logarithmic word, to the nearest word, ties to
 // even.
 //
-// Purpose   Halves a logarithm.
+// Purpose   Half of a logarithm.
 // Latency   0. A function: no clock.
-// Result    Of numbers below 0 the NaN 7FC00000 and NV; sqrt(-0) is -0, 1 / sqrt of either zero is
+// Result    Numbers below 0 give the NaN 7FC00000 and NV; sqrt(-0) is -0, 1 / sqrt of either zero is
 //           infinity and DZ.
 //
 //     inverse_i 1, a_i 40800000  ->  z_o 3F000000, flags_o 0      (1 / sqrt(4))
@@ -21,8 +21,8 @@ module fp3_lns_root (
     wire invalid = a_i[31] && !nan && !zero;
     wire is_number = !a_i[31] && !top && !zero;
 
-    // Half of a + 127 or of 381 - a: half of a or its inverse, half of the constant, and a carry,
-    // which is what rounds a tie.
+    // Half of a + 127 or of 381 - a: half of a or of its complement, half of the constant, and a
+    // carry, which rounds a tie.
     wire        tie   = a_i[0] && a_i[1];
     wire [30:0] moved = {1'b0, a_i[30:1]} ^ {31{inverse_i}};
     wire [30:0] half;

@@ -32,7 +32,7 @@ module fp3_batch #(
     // Decode
     input  wire                  take_i,      // an instruction is taken ...
     input  wire                  begins_i,    // ... the first of a visit
-    input  wire                  lasts_i,     // ... in the last part
+    input  wire                  in_last_i,     // ... in the last part
     output wire [CONTEXTS-1:0]   mask_o,
     output wire                  batch_o,     // two batches in a row differ in it
     // From the last lane
@@ -77,7 +77,7 @@ module fp3_batch #(
     end
     assign more_o  = more_q;
     assign skip_o  = skip_q && fetch_batch_q == batch_q;
-    assign mask_o  = begins_i ? next_q : lasts_i ? visit_q : awake_q;
+    assign mask_o  = begins_i ? next_q : in_last_i ? visit_q : awake_q;
     assign batch_o = batch_q;
 
 `ifdef FP3_CHECK

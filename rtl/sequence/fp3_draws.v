@@ -51,7 +51,7 @@ module fp3_draws #(
             if (first_i) batch_q <= object;
             next_q   <= object + {19'd0, setting_stride};
             object_q <= object;
-            if (first_i) step_q <= lasts ? end_i : (begins ? base_i : step_q) + {31'd0, newstep};
+            if (first_i) step_q <= in_last ? end_i : (begins ? base_i : step_q) + {31'd0, newstep};
             register_q <= register_i;
         end
     end

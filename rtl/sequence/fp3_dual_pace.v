@@ -37,14 +37,14 @@ module fp3_dual_pace #(
     input  wire                adder_i,     // free in the next cycle
     input  wire                multiplier_i
 );
-    localparam HALF = CONTEXTS / 2;
+    localparam MIDDLE = CONTEXTS / 2;
     localparam [31:0] GAP_32 = GAP;
     localparam [COUNT_W-1:0] GAP_C = GAP_32[COUNT_W-1:0], ZERO = {COUNT_W{1'b0}};
 
     // A mask has no hole, so it has one last context: its number and 1 is their count, which takes
     // no sum of bits.
-    wire [CONTEXTS-1:0] last = mask_i & ~(mask_i >> 1);
-    wire [CONTEXTS-1:0] low  = ~({CONTEXTS{1'b1}} << HALF);
+    wire [CONTEXTS-1:0] top  = mask_i & ~(mask_i >> 1);
+    wire [CONTEXTS-1:0] low  = ~({CONTEXTS{1'b1}} << MIDDLE);
     function [COUNT_W-1:0] count(input [CONTEXTS-1:0] one);
         integer           i;
         reg [COUNT_W-1:0] n;
@@ -65,8 +65,8 @@ module fp3_dual_pace #(
     reg                ready_q, adds_q, muls_q;
     always @(posedge clk_i) begin
         age_q    <= valid_i && !rst_i ? {age_q[4] || age_q[3], age_q[2:0], 1'b1} : 5'd0;
-        low_q    <= count(last & low);
-        high_q   <= count(last & ~low);
+        low_q    <= count(top & low);
+        high_q   <= count(top & ~low);
         count_q  <= low_q | high_q;
         since_q  <= start_i ? GAP_C : since;
         ready_q  <= valid_i && !rst_i && legal_i && (age_q[4] || age_q[3]) && since_q >= GAP_C - 1'b1;

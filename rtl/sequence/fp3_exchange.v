@@ -59,7 +59,7 @@ module fp3_exchange #(
     reg  [63:0]           left_q, low_q;       // published words that are still to be copied; the first of them
     reg                   any_q, copied_q;
     reg  [REGISTER_W-1:0] register_q;
-    reg  [INDEX_W-1:0]    index_q, last_q;
+    reg  [INDEX_W-1:0]    index_q, end_index_q;
     reg  [DRAIN_W-1:0]    drain_q;
     wire                  none = setting_copies[31:1] == 31'd0;
     wire                  over = state_q == DRAIN && drain_q == {DRAIN_W{1'b0}};
@@ -81,14 +81,14 @@ module fp3_exchange #(
                 IDLE:    if (copy_i) state_q <= LOW;
                 LOW:     state_q <= PICK;
                 PICK:    state_q <= any_q ? WALK : DRAIN;
-                WALK:    if (index_q == last_q) state_q <= LOW;
+                WALK:    if (index_q == end_index_q) state_q <= LOW;
                 default: if (over) state_q <= IDLE;
             endcase
         end
     always @(posedge clk_i) begin
         low_q  <= left_q & (~left_q + 64'd1);
         any_q  <= left_q != 64'd0 && !none;
-        last_q <= setting_copies[STORE_W-1:1] - 1'b1;
+        end_index_q <= setting_copies[STORE_W-1:1] - 1'b1;
         if (state_q == IDLE)      left_q <= {setting_published_more, setting_published};
         else if (state_q == PICK) left_q <= left_q & ~low_q;
         if (state_q == PICK)      register_q <= number(low_q);
@@ -138,12 +138,12 @@ module fp3_exchange #(
         .write_i(to_write), .write_addr_i(write_addr_i[STORE_W-1:1]), .write_value_i({write_value_i[COPIES_EVERY_LO], write_place}),
         .read_i(1'b1), .read_addr_i(to_index_q), .read_value_o({to_all, to_lane, to_row}));
     `FP3_ACCESS_FIELDS
-    wire [STORE_W-1:0] record = {to_row, 3'd0} << setting_record;
+    wire [STORE_W-1:0] base   = {to_row, 3'd0} << setting_record;
     assign access_valid   = to_valid;
     assign {access_write, access_whole} = {to_valid, 1'b0};
     assign access_space   = to_all ? HOST_EVERY : HOST_OBJECT;
     assign access_lane    = to_lane;
-    assign access_address = record | {{STORE_W-REGISTER_W{1'b0}}, to_register} | {half_i, {STORE_W-1{1'b0}}};
+    assign access_address = base | {{STORE_W-REGISTER_W{1'b0}}, to_register} | {half_i, {STORE_W-1{1'b0}}};
     assign access_o       = `FP3_ACCESS;
     wire unused = &{setting_copies, write_value_i};
 

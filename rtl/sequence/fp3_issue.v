@@ -4,8 +4,8 @@
 //
 // Purpose   Makes operand addresses (ISSUE) of the instruction and of the context that sweep shows,
 //           and some cycles later the fields of the instruction's end (RETIRE, and the number of
-//           its step). Operands: x is b or a neighbour's word, y is a or the word to store, z is c
-//           or a. With NEIGHBOURS the read of the store (REACH) comes first, and everything else
+//           its step). Operands: x is a or the word to store, y is b or a neighbour's word, z is c,
+//           or a of a sum. With NEIGHBOURS the read of the store (REACH) comes first, and everything else
 //           AHEAD cycles later than without. `each` reads its register before it finds an entry, so
 //           its REACH waits until the lane's lists have the register's word.
 //
@@ -71,8 +71,8 @@ module fp3_issue #(
     assign muls_o   = to_mul || to_chain;
     assign issued_o = {to_memory, to_sleep, to_chain, to_mul, to_add} & {5{issue_i && legal}};
 
-    reg                  valid_q, first_q, batch_q, begins_q, ends_q, newstep_q, lasts_q;
-    reg                  lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q, one_q, zero_q, twice_q, half_q;
+    reg                  valid_q, first_q, batch_q, begins_q, ends_q, newstep_q, in_last_q;
+    reg                  lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q, one_q, zero_q, twice_q, halve_q;
     reg                  each_q;
     reg [CHOICE_W-1:0]   choice_q;
     reg [CONTEXTS-1:0]   current_q;
@@ -83,15 +83,15 @@ module fp3_issue #(
         {lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q}
             <= {lds, to_sleep, to_memory && !st && !each && !next, arithmetic, st, subtract}
              & {6{issue_i && legal && !rst_i}};
-        {begins_q, ends_q, newstep_q, lasts_q} <= {begins, ends, newstep, lasts};
+        {begins_q, ends_q, newstep_q, in_last_q} <= {begins, ends, newstep, in_last};
         each_q   <= each && issue_i && legal && !rst_i;
         {batch_q, current_q, choice_q} <= {batch_i, current_i, choice};
-        {twice_q, half_q}  <= {twice, half};
-        one_q  <= to_add && !valued;        // a sum is z +/- x * 1
+        {twice_q, halve_q} <= {twice, halve};
+        one_q  <= to_add && !valued;        // a sum is z +/- 1 * y
         zero_q <= to_mul;                  // a product -0 + x * y
         d_q    <= d;
-        x_q    <= b;
-        y_q    <= st || each ? {1'b0, d} : a;
+        x_q    <= st || each ? {1'b0, d} : a;
+        y_q    <= b;
         z_q    <= to_chain || valued ? c : a;
     end
 
@@ -128,10 +128,10 @@ module fp3_issue #(
     assign issue_choice   = choice_q;
     assign issue_subtract = subtract_q;
     assign issue_twice    = twice_q;
-    assign issue_half     = half_q;
+    assign issue_halve    = halve_q;
     assign issue_one      = one_q;
     assign issue_st       = st_q;
-    assign issue_lasts    = lasts_q;
+    assign issue_in_last  = in_last_q;
     assign issue_each     = each_q;
     assign issue_first    = each_q && first_q;
     wire minus;
@@ -181,7 +181,7 @@ module fp3_issue #(
     endgenerate
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS      = settings_i;
-    assign issue_record   = setting_record;
+    assign issue_record_shift = setting_record;
     assign issue_register = d_q;
     wire   whole          = WHOLE != 0 && setting_whole == {{7-REGISTER_W{1'b0}}, d_q};
     assign issue_whole    = st_q && whole;
@@ -196,7 +196,7 @@ module fp3_issue #(
     assign retire_valid      = valid_q;
     assign retire_begins     = begins_q;
     assign retire_ends       = ends_q;
-    assign retire_lasts      = lasts_q;
+    assign retire_in_last    = in_last_q;
     assign retire_lds        = lds_q;
     assign retire_sleep      = sleep_q;
     assign retire_load       = load_q;
@@ -211,20 +211,20 @@ module fp3_issue #(
     assign context_o = context_now;
 
     // The number of the step changes with the first of a sweep.
-    wire       late, late_begins, late_newstep, late_lasts;
+    wire       late, late_begins, late_newstep, late_in_last;
     reg [31:0] step_q;
-    fp3_delay #(.W(4), .N(AHEAD+TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, lasts_q}),
-        .q_o({late, late_begins, late_newstep, late_lasts}));
+    fp3_delay #(.W(4), .N(AHEAD+TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, in_last_q}),
+        .q_o({late, late_begins, late_newstep, late_in_last}));
     always @(posedge clk_i)
         if (late)
-            step_q <= late_lasts ? end_i
+            step_q <= late_in_last ? end_i
                     : (late_begins ? base_i : step_q) + {31'd0, late_newstep};
     assign step_o = step_q;
 
 `ifdef FP3_CHECK
     // The number of the step, counted as instructions issue, and delayed.
     reg  [31:0]          now_q;
-    wire [31:0]          now = !(issue_i && first_i) ? now_q : lasts ? end_i
+    wire [31:0]          now = !(issue_i && first_i) ? now_q : in_last ? end_i
                              : (begins ? base_i : now_q) + {31'd0, newstep};
     wire                 valid_late;
     wire [31:0]          now_late;

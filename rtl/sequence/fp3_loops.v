@@ -48,8 +48,7 @@ module fp3_loops #(
     output wire                   drop_o,        // it does not issue
     output wire [AROUND_W-1:0]   around_o,
     output wire                   hold_o,        // no word may be taken
-    // What waits and issues
-    input  wire                   still_i,       // nothing
+    input  wire                   still_i,       // no instruction waits or issues
     input  wire [LENGTH_W-1:0]    longest_i,     // list of all that have issued `each`
     // Fetch
     output wire                   jump_o,
@@ -68,13 +67,13 @@ module fp3_loops #(
     assign `FP3_DECODED  = decoded_i;
     assign `FP3_SETTINGS = settings_i;
     assign around_o  = `FP3_AROUND;
-    wire unused = &{legal, to_add, to_mul, to_chain, to_sleep, subtract, lds, flips, twice, half, choice, a, b, c, `FP3_SETTINGS};
+    wire unused = &{legal, to_add, to_mul, to_chain, to_sleep, subtract, lds, flips, twice, halve, choice, a, b, c, `FP3_SETTINGS};
 
     reg                 inside_q, skips_q;             // in a loop; whose words are dropped
     reg                 waits_q, knows_q;              // its length is not yet known; was not, a cycle ago
     reg [WAIT_W-1:0]    wait_q;
     reg [LENGTH_W-1:0]  turn_q, turns_q;
-    reg                 last_q;                        // turn
+    reg                 final_q;                       // turn
     reg [STORE_W-1:0]   fields_q, load_q, end_q;       // of an entry: its fields begin, the next `ldl`, behind what has been read
     reg                 entry_q, field_q;              // an entry begins with, or a field is, what was taken a cycle ago ...
     reg [STORE_W-1:0]   offset_q;                      // ... from here
@@ -85,7 +84,7 @@ module fp3_loops #(
     wire [PROGRAM_W-1:0] behind = pc_i + 1'b1;
     wire begins = take_i && legal && each && !skips_q;
     wire turns  = take_i && legal && next && !skips_q;
-    wire back   = turns && !last_q;
+    wire back   = turns && !final_q;
     wire over   = take_i && ((legal && phase) || ends_i) && !back;
     wire field  = take_i && legal && ldl && !skips_q;
     wire known  = waits_q && still_i && wait_q == {WAIT_W{1'b0}};
@@ -120,7 +119,7 @@ module fp3_loops #(
         if (begins) loop_q <= behind;
         if (begins)    turn_q <= {LENGTH_W{1'b0}};
         else if (back) turn_q <= turn_q + 1'b1;
-        last_q   <= turn_q + 1'b1 == turns_q;
+        final_q  <= turn_q + 1'b1 == turns_q;
         // Words that are not dropped are taken in every second cycle at most, so there is time for
         // a register in between.
         {entry_q, field_q} <= {begins || back, field};
@@ -133,7 +132,7 @@ module fp3_loops #(
         if (start_i)          half_q <= setting_half;
         else if (round_end_i) half_q <= !half_q;
     end
-    assign drop_o = skips_q || (legal && (phase || (next && last_q)));
+    assign drop_o = skips_q || (legal && (phase || (next && final_q)));
     assign hold_o = waits_q || knows_q || jump_q;
     assign {jump_o, jump_on_o, jump_begins_o, jump_pc_o} = {jump_q, on_q, begins_q, target_q};
     assign {partial_o, half_o} = {partial_q, half_q};

@@ -42,13 +42,13 @@ module fp3_one_stream #(
     input  wire [CONTEXTS-1:0]   mask_i,        // for which contexts
     input  wire [AROUND_W-1:0]  around_i,
     input  wire                  batch_i,       // two batches in a row differ in it
-    output wire                  known_o,       // all that it waits for but others is known
+    output wire                  known_o,       // its mask is counted: it waits only for earlier sweeps
     output wire                  load_o,        // its sweep begins in the next cycle
     // The sweep
     output wire                  busy_o,
     output wire                  adds_o,        // this instruction needs the adder
     output wire                  muls_o,
-    output wire                  last_o,        // the last of its sweep
+    output wire                  sweep_end_o,   // the last of its sweep
     input  wire                  grant_i,
     output wire [4:0]            kinds_o,       // it issues: memory, sleep, chain, mul, add
     output wire                  issued_late_o, // it has issued in the cycle before
@@ -62,15 +62,15 @@ module fp3_one_stream #(
 );
     localparam COUNT_W = $clog2(GAP + CONTEXTS + 1);
 
-    wire                may, busy, last;
+    wire                may, busy, sweep_end;
     wire                issue = busy && grant_i;
     wire [CONTEXTS-1:0] current;
     wire [COUNT_W-1:0]  count;
     fp3_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(COUNT_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(open_i),
         .valid_i(valid_i), .mask_i(mask_i), .take_i(take_i), .known_o(known_o), .count_o(count), .may_o(may),
-        .busy_i(busy), .over_i(issue && last));
+        .busy_i(busy), .over_i(issue && sweep_end));
     fp3_sweep #(.CONTEXTS(CONTEXTS), .COUNT_W(COUNT_W)) u_sweep (.clk_i(clk_i), .rst_i(rst_i || abort_i), .load_i(load_o),
-        .mask_i(mask_i), .count_i(count), .next_i(issue), .busy_o(busy), .current_o(current), .last_o(last));
+        .mask_i(mask_i), .count_i(count), .next_i(issue), .busy_o(busy), .current_o(current), .sweep_end_o(sweep_end));
     assign load_o = may && goes_i;
     assign busy_o = busy;
 
@@ -109,7 +109,7 @@ module fp3_one_stream #(
             assign draw_o = 1'b0;
         end
     endgenerate
-    assign {adds_o, muls_o, last_o} = {busy && adds, busy && muls, last};
+    assign {adds_o, muls_o, sweep_end_o} = {busy && adds, busy && muls, sweep_end};
     assign issued_pc      = {{16-PROGRAM_W{1'b0}}, pc_late_q};
     assign issued_context = {{16-CONTEXT_W{1'b0}}, context_number};
     assign issued_word    = word_late_q;

@@ -44,7 +44,7 @@ module fp3_pace #(
     input  wire                busy_i,
     input  wire                over_i       // its last context issues in this cycle
 );
-    localparam HALF = CONTEXTS / 2;
+    localparam MIDDLE = CONTEXTS / 2;
     localparam [31:0] GAP_32 = GAP;
     localparam [COUNT_W-1:0] GAP_C = GAP_32[COUNT_W-1:0], ZERO = {COUNT_W{1'b0}};
 
@@ -68,8 +68,8 @@ module fp3_pace #(
     wire               enough = least_q >= GAP_C;
     always @(posedge clk_i) begin
         age_q      <= valid_i && !rst_i ? {age_q[4] || age_q[3], age_q[2:0], 1'b1} : 5'd0;
-        low_q      <= ones(mask_i & ~({CONTEXTS{1'b1}} << HALF));
-        high_q     <= ones(mask_i >> HALF);
+        low_q      <= ones(mask_i & ~({CONTEXTS{1'b1}} << MIDDLE));
+        high_q     <= ones(mask_i >> MIDDLE);
         count_q    <= low_q + high_q;
         least_q    <= count_q < before_q ? count_q : before_q;
         unpaused_q <= enough;

@@ -8,7 +8,7 @@
 //
 //           rounds ──► fetch ─► decode ──► the next instruction ──► one_stream, two_streams ──► lanes
 //                      batch: its contexts        ▲                                               │
-//                        ▲                        └ legal, for somebody?                          │
+//                        ▲                        └ legal, and for an object?                      │
 //                        └────────────────────────── reports ◄────────────────────────────────────┘
 //
 // Latency   See one_stream and two_streams. A sweep that has to wait for the one before is counted
@@ -47,7 +47,7 @@ module fp3_sequencer #(
     // Units shared with other schedulers
     output wire                 adds_o,         // this instruction needs the adder
     output wire                 muls_o,
-    output wire                 last_o,         // the last of a sweep
+    output wire                 sweep_end_o,    // the last of its sweep
     input  wire                 grant_i,
     // To the first lane, from the last
     output wire [`FP3_REACH_W-1:0]       reach_o,
@@ -124,16 +124,16 @@ module fp3_sequencer #(
     wire                batch;
     fp3_batch #(.CONFIG(CONFIG)) u_batch (.clk_i(clk_i), .rst_i(rst_i), .open_i(open), .count_i(report_count),
         .again_i(again), .more_o(more), .skip_o(skip),
-        .take_i(ready && fetched), .begins_i(begins), .lasts_i(lasts), .mask_o(mask), .batch_o(batch),
+        .take_i(ready && fetched), .begins_i(begins), .in_last_i(in_last), .mask_o(mask), .batch_o(batch),
         .valid_i(report_valid), .asleep_i(report_asleep), .reported_batch_i(report_batch), .reported_context_i(report_context));
 
     // The next instruction: it waits here until its sweep may begin
     // ----------------------------------
     reg                      valid_q, seen_q;           // valid for a cycle: what follows is known
-    reg                      goes_q, drops_q, traps_q;  // to its sweep, nowhere (nobody is awake), illegal
+    reg                      goes_q, drops_q, traps_q;  // to its sweep, nowhere (no object is awake), illegal
     reg [`FP3_DECODED_W-1:0]     decoded_q;
     reg [`FP3_MARKS_W-1:0]       marks_q;
-    reg                      lasts_q;                   // in the last part
+    reg                      in_last_q;                   // in the last part
     reg [PROGRAM_W-1:0]      pc_q;
     reg [31:0]               word_q;
     wire [AROUND_W-1:0]     around;
@@ -150,7 +150,7 @@ module fp3_sequencer #(
         if (rst_i || abort || take) valid_q <= 1'b0;
         else if (ready)             valid_q <= fetched && !drop;
         if (ready) begin
-            {decoded_q, marks_q, lasts_q} <= {decoded, marks, lasts};
+            {decoded_q, marks_q, in_last_q} <= {decoded, marks, in_last};
             {pc_q, word_q, mask_q}        <= {fetch_pc, fetch_word, mask};
             around_q                      <= around;
         end
@@ -199,14 +199,14 @@ module fp3_sequencer #(
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
             assign reach_o = {`FP3_REACH_W{1'b0}};
             assign draw_o  = 1'b0;
-            assign {adds_o, muls_o, last_o, step_o} = 35'd0;       // nobody shares, and nobody asks for the number of the step
+            assign {adds_o, muls_o, sweep_end_o, step_o} = 35'd0;       // no unit is shared, and no lane needs the number of the step
             wire unused_one = &{base, end_step, batch, marks_q, around_q};
         end else begin : g_one
             fp3_one_stream #(.CONFIG(CONFIG)) u_streams (.clk_i(clk_i), .rst_i(rst_i),
                 .open_i(open), .abort_i(abort), .settings_i(settings_i), .base_i(base), .end_i(end_step),
                 .valid_i(valid_q), .goes_i(goes_q), .take_i(take), .decoded_i(decoded_q), .marks_i(marks_q), .pc_i(pc_q), .word_i(word_q),
                 .mask_i(mask_q), .around_i(around_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
-                .adds_o(adds_o), .muls_o(muls_o), .last_o(last_o), .grant_i(grant_i),
+                .adds_o(adds_o), .muls_o(muls_o), .sweep_end_o(sweep_end_o), .grant_i(grant_i),
                 .kinds_o(kinds), .issued_late_o(issued_late),
                 .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .draw_o(draw_o), .issued_o(issued_o));
             assign paired = 1'b0;
@@ -214,10 +214,10 @@ module fp3_sequencer #(
         end
     endgenerate
     fp3_delay #(.W(1), .N(TIMING_TOLD + AHEAD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
-    reg under_lasts_q;                 // the last that was taken is in a last part
-    always @(posedge clk_i) if (load) under_lasts_q <= lasts_q;
+    reg under_in_last_q;                 // the last that was taken is in a last part
+    always @(posedge clk_i) if (load) under_in_last_q <= in_last_q;
     assign issuing = !fetch_empty || !decoded_empty || valid_q || busy || jump;
-    assign storing = (valid_q && lasts_q) || (busy && under_lasts_q);
+    assign storing = (valid_q && in_last_q) || (busy && under_in_last_q);
     wire unused = &{`FP3_DECODED, `FP3_MARKS, report_flags, report_answer};      // the streams'; the host's
 
     // Every running cycle is an issue or exactly one stall
@@ -243,7 +243,7 @@ module fp3_sequencer #(
     always @(posedge clk_i) begin
         if (ready) ends_q <= ends;
         if (load)  under_ends_q <= ends_q;
-        part_q <= !rst_i && !abort && (load ? lasts_q : part_q);
+        part_q <= !rst_i && !abort && (load ? in_last_q : part_q);
         if (!rst_i && (running_o ? causes == 6'd0 || |(causes & (causes - 1'b1)) : |causes)) begin
             $display("%m: issue and stalls %b in a cycle, running is %b", causes, running_o); $stop;
         end

@@ -5,10 +5,10 @@
 //           unit is free: a product is usually half a sweep ahead of the next sum. A load or a
 //           store takes both units.
 //
-//           the next instruction ──► dual_pace: not yet ──┬► dual_turn of sums ───────┬─► lanes
-//                                                         └► dual_turn of products ───┘
+//           the next instruction ──► dual_pace: not yet ──┬► dual_sweep of sums ───────┬─► lanes
+//                                                         └► dual_sweep of products ───┘
 //
-// Latency   Two cycles from a dual_turn to the lane for a sum's y, TIMING_EARLY more for everything
+// Latency   Two cycles from a dual_sweep to the lane for a sum's y, TIMING_EARLY more for everything
 //           else.
 // Hazard    Only dual_pace prevents hazards: between two issues of one context at least GAP cycles
 //           pass. The inputs of the next instruction stay while valid_i is high. take_i, which
@@ -36,7 +36,7 @@ module fp3_two_streams #(
     input  wire [31:0]               word_i,
     input  wire [CONTEXTS-1:0]       mask_i,       // for which contexts
     input  wire [ROW_W-1:0]          row_i,        // of context 0
-    output wire                      known_o,      // all that it waits for but others is known
+    output wire                      known_o,      // its mask is counted: it waits only for earlier sweeps
     output wire                      load_o,       // its sweep begins in the next cycle
     // The sweeps
     output wire                      busy_o,
@@ -54,11 +54,11 @@ module fp3_two_streams #(
     assign `FP3_DECODED = decoded_i;
 
     // Operands: x from the bank of sums, y from that of products; either may be a constant instead.
-    wire                turned = (!a[REGISTER_W] && a[0]) || (!b[REGISTER_W] && !b[0]);
-    wire [REGISTER_W:0] x = st ? {1'b0, d} : turned ? b : a;
-    wire [REGISTER_W:0] y = st ? {1'b0, d} : turned ? a : b;
+    wire                swapped = (!a[REGISTER_W] && a[0]) || (!b[REGISTER_W] && !b[0]);
+    wire [REGISTER_W:0] x = st ? {1'b0, d} : swapped ? b : a;
+    wire [REGISTER_W:0] y = st ? {1'b0, d} : swapped ? a : b;
 
-    // The turns
+    // The sweeps
     // ---------------------------------------------------------------------------------------
     localparam SUM_W = TRACE_W + 9 + REGISTER_W + 2 * (REGISTER_W + 1), PRODUCT_W = TRACE_W + 1 + REGISTER_W + 2 * (REGISTER_W + 1);
     reg                  memory_q;         // both units are taken
@@ -80,12 +80,12 @@ module fp3_two_streams #(
     wire                  sum_adds, sum_loads, sum_memory, product_loads;
     wire [REGISTER_W-1:0] sum_register, product_register;
     wire [REGISTER_W:0]   sum_x, sum_y, product_x, product_y;
-    fp3_dual_turn #(.CONFIG(CONFIG), .WHAT_W(SUM_W), .COUNT_W(COUNT_W)) u_sums (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+    fp3_dual_sweep #(.CONFIG(CONFIG), .WHAT_W(SUM_W), .COUNT_W(COUNT_W)) u_sums (.clk_i(clk_i), .rst_i(rst_i || abort_i),
         .load_i(load_o && !to_products), .count_i(count), .base_i(row_i),
-        .what_i({pc_i, word_i, to_memory, to_add, to_memory && !st, subtract && turned, subtract && !turned,
-                 twice, half, st, st && d[0], d, x, y}),
+        .what_i({pc_i, word_i, to_memory, to_add, to_memory && !st, subtract && swapped, subtract && !swapped,
+                 twice, halve, st, st && d[0], d, x, y}),
         .busy_o(sum_busy), .free_o(sum_free), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what), .row_o(sum_row));
-    fp3_dual_turn #(.CONFIG(CONFIG), .WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+    fp3_dual_sweep #(.CONFIG(CONFIG), .WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort_i),
         .load_i(load_o && to_products), .count_i(count), .base_i(row_i),
         .what_i({pc_i, word_i, to_memory, d, x, y}),
         .busy_o(product_busy), .free_o(product_free), .valid_o(product_valid), .context_o(product_context),
@@ -104,14 +104,14 @@ module fp3_two_streams #(
     assign {sum_trace, sum_memory, sum_adds, sum_loads, sum_kind, sum_register, sum_x, sum_y} = sum_what;
     fp3_delay #(.W(6+REGISTER_W+3*BANK_W), .N(TIMING_EARLY)) u_issue (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({sum_kind, sum_register, spot(sum_x, sum_context), spot(product_x, product_context), spot(product_y, product_context)}),
-        .q_o({issue_minus_x, issue_minus_y, issue_twice, issue_half, issue_st_now, issue_st_y, issue_register,
+        .q_o({issue_minus_x, issue_minus_y, issue_twice, issue_halve, issue_st_now, issue_st_y, issue_register,
               issue_sum_x, issue_product_x, issue_product_y}));
     fp3_delay #(.W(1), .N(TIMING_EARLY)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(sum_valid), .q_o(valid_late));
     fp3_delay #(.W(ROW_W), .N(1+TIMING_EARLY)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row), .q_o(issue_st_row));
     assign issue_st     = issue_st_now && valid_late;
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS    = settings_i;
-    assign issue_record = setting_record;
+    assign issue_record_shift = setting_record;
     assign issue_sum_y  = spot(sum_y, sum_context);
     assign issue_o      = `FP3_DUAL_ISSUE;
 

@@ -105,7 +105,7 @@ module fp3_solo_scheduler #(
 
     `FP3_DECODED_FIELDS
     assign `FP3_DECODED = decoded_q;
-    wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, half};      // for many objects
+    wire unused_fields = &{to_sleep, to_memory, st, lds, each, next, ldn, ldl, takes, flips, phase, twice, halve};      // for many objects
 
     // The result of fp_value reaches the adder in place of a product. With FUSED it has the latency
     // of a product, and a multiply-add that of a sum: then a sum alone is c + 1 * b, and c is also
@@ -170,9 +170,9 @@ module fp3_solo_scheduler #(
     end
 
     `FP3_OPERANDS_FIELDS
-    assign {operands_choice, operands_subtract, operands_twice, operands_half} = {choice_q, subtract_q, 2'b00};
-    assign operands_y = FUSED != 0 && &a_bypass_q ? BITS_ONE : a_bypass_q[1] ? product : a_bypass_q[0] ? sum : a_value;
-    assign operands_x = b_bypass_q[1] ? product : b_bypass_q[0] ? sum : b_value;
+    assign {operands_choice, operands_subtract, operands_twice, operands_halve} = {choice_q, subtract_q, 2'b00};
+    assign operands_x = FUSED != 0 && &a_bypass_q ? BITS_ONE : a_bypass_q[1] ? product : a_bypass_q[0] ? sum : a_value;
+    assign operands_y = b_bypass_q[1] ? product : b_bypass_q[0] ? sum : b_value;
     assign operands_z = c_bypass_q[1] ? product : c_bypass_q[0] ? sum : c_value;
     assign operands_o = `FP3_OPERANDS;
     assign chain_o = chain_q;

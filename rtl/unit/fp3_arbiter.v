@@ -15,7 +15,7 @@
 //           sweeps of at most S requests, no request is refused more than PATIENCE + 1 + (N - 1) *
 //           S times in a row: 152 times with N = 2 and 24 contexts. Proved for N = 2, 3 and 4:
 //           tests/formal/arbiter_spec.v.
-// Hazard    A request stays the same until it is granted, and its sweep goes on until last_i is
+// Hazard    A request stays the same until it is granted, and its sweep goes on until sweep_end_i is
 //           granted. Or it is dropped: then its scheduler asks for nothing in the next cycle, and
 //           the number of refusals has no bound.
 //
@@ -31,7 +31,7 @@ module fp3_arbiter #(
     input  wire         rst_i,
     input  wire [N-1:0] adds_i,
     input  wire [N-1:0] muls_i,
-    input  wire [N-1:0] last_i,       // the last of a sweep
+    input  wire [N-1:0] sweep_end_i,  // the last of its sweep
     output wire [N-1:0] grant_o
 );
     localparam [7:0] PATIENCE_8 = PATIENCE;
@@ -40,7 +40,7 @@ module fp3_arbiter #(
     reg  [8*N-1:0] waited_q;
     reg  [N-1:0]   grant_q;
     wire [N-1:0]   needs = adds_i | muls_i;
-    wire [N-1:0]   over  = grant_q & needs & last_i;
+    wire [N-1:0]   over  = grant_q & needs & sweep_end_i;
     wire [N-1:0]   stays = needs & ~over;
     reg  [N-1:0]   urgent, grant, ahead;
     reg            adder_free, multiplier_free;
@@ -89,14 +89,14 @@ module fp3_arbiter #(
     end
 
 `ifdef FP3_CHECK
-    reg [N-1:0] adds_q, muls_q, last_q, stays_q, granted_q;   // of the cycle before
+    reg [N-1:0] adds_q, muls_q, sweep_end_q, stays_q, granted_q;   // of the cycle before
     integer     c;
     always @(posedge clk_i) begin
-        {adds_q, muls_q, last_q, granted_q} <= {adds_i, muls_i, last_i, grant_q};
+        {adds_q, muls_q, sweep_end_q, granted_q} <= {adds_i, muls_i, sweep_end_i, grant_q};
         stays_q <= rst_i ? {N{1'b0}} : stays;
         for (c = 0; c < N; c = c + 1)
             if (!rst_i && stays_q[c] && needs[c] && ({adds_i[c], muls_i[c]} != {adds_q[c], muls_q[c]}
-                                                     || (!granted_q[c] && last_i[c] != last_q[c]))) begin
+                                                     || (!granted_q[c] && sweep_end_i[c] != sweep_end_q[c]))) begin
                 $display("%m: the request of scheduler %0d changes before it is granted", c);
                 $stop;
             end

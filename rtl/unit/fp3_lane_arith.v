@@ -26,7 +26,7 @@ module fp3_lane_arith #(
     `FP3_RESULT_FIELDS
     assign `FP3_OPERANDS = operands_i;
     assign result_o  = `FP3_RESULT;
-    wire unused = operands_twice | operands_half;          // y says so
+    wire unused = operands_twice | operands_halve;          // x says so
 
     wire        no_product;                // in the next cycle
     wire [31:0] product;
@@ -39,7 +39,7 @@ module fp3_lane_arith #(
     wire [31:0] z;
     fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
     fp3_fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
-        .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
+        .a_i(operands_z), .b_i(operands_y), .true_i(|operands_x[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
 
     wire [4:0]  sum_flags, earlier_flags;
     wire [31:0] sum;

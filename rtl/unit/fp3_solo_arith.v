@@ -32,7 +32,7 @@ module fp3_solo_arith #(
 `include "gen/isa.vh"
     `FP3_OPERANDS_FIELDS
     assign `FP3_OPERANDS = operands_i;
-    wire unused = operands_twice | operands_half;          // for many objects
+    wire unused = operands_twice | operands_halve;          // for many objects
 
     wire [31:0] sum, product;
     wire [4:0]  sum_flags, product_flags;
@@ -52,7 +52,7 @@ module fp3_solo_arith #(
             fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(operands_subtract), .q_o(chain_subtract));
             fp3_fp_value #(.CONFIG(CONFIG)) u_c (.clk_i(clk_i),
-                .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_x), .true_i(|operands_y[30:NONZERO_FROM]),
+                .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_y), .true_i(|operands_x[30:NONZERO_FROM]),
                 .z_o(chain_z_o), .no_product_o(no_product));
             fp3_delay #(.W(5), .N(ADD_LATENCY)) u_flags (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i(chained ? product_flags : 5'd0), .q_o(chain_flags));
@@ -66,7 +66,7 @@ module fp3_solo_arith #(
     fp3_adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : operands_subtract),
         .a_i(add_a_i), .b_i(add_b_i), .value_o(sum), .flags_o(sum_flags));
     fp3_multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product), .instead_i({5'd0, BITS_MINUS_ZERO}),
-        .a_i(operands_y), .b_i(operands_x), .value_o(product), .flags_o(product_flags));
+        .a_i(operands_x), .b_i(operands_y), .value_o(product), .flags_o(product_flags));
     assign sum_o     = {sum_flags | chain_flags, sum};
     assign product_o = {product_flags, product};
 endmodule

@@ -29,7 +29,7 @@ module fp3_solo_fused #(
 `include "gen/choices.vh"
     `FP3_OPERANDS_FIELDS
     assign `FP3_OPERANDS = operands_i;
-    wire unused = operands_twice | operands_half;          // for many objects
+    wire unused = operands_twice | operands_halve;          // for many objects
 
     fp3_fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(operands_subtract),
         .z_i(operands_z), .x_i(operands_x), .y_i(operands_y), .result_o(sum_o));
@@ -44,8 +44,8 @@ module fp3_solo_fused #(
             wire [31:0] made;
             wire        unused_no_product;
             fp3_delay #(.W(1), .N(MUL_LATENCY-1)) u_valued (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_choice != CHOICE_NONE), .q_o(valued));
-            fp3_fp_value #(.EARLY(1), .CONFIG(CONFIG)) u_value (.clk_i(clk_i), .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_x),
-                .true_i(|operands_y[30:NONZERO_FROM]), .z_o(made), .no_product_o(unused_no_product));
+            fp3_fp_value #(.EARLY(1), .CONFIG(CONFIG)) u_value (.clk_i(clk_i), .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_y),
+                .true_i(|operands_x[30:NONZERO_FROM]), .z_o(made), .no_product_o(unused_no_product));
             wire [31:0] kept  = made & KEPT;
             wire        nan   = &kept[30:23] && |kept[22:0];
             wire        flush = SUBNORMAL == 0 && kept[30:23] == 8'd0;

@@ -22,7 +22,7 @@ module fp3_tile_units #(
     input  wire [SCHEDULERS-1:0] running_i,
     input  wire [SCHEDULERS-1:0] adds_i,
     input  wire [SCHEDULERS-1:0] muls_i,
-    input  wire [SCHEDULERS-1:0] last_i,      // the last of a sweep
+    input  wire [SCHEDULERS-1:0] sweep_end_i, // the last of its sweep
     output wire [SCHEDULERS-1:0] grant_o,
     // Each lane of each scheduler, STREAMS parts
     input  wire [`FP3_OPERANDS_W*SCHEDULERS*LANES*STREAMS-1:0] operands_i,
@@ -35,14 +35,14 @@ module fp3_tile_units #(
             reg idle_q;                              // the order begins anew, so that a run's cycles do not
             always @(posedge clk_i) idle_q <= running_i == {SCHEDULERS{1'b0}};      // depend on runs before it
             fp3_arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i || idle_q),
-                .adds_i(adds_i), .muls_i(muls_i), .last_i(last_i), .grant_o(grant_o));
+                .adds_i(adds_i), .muls_i(muls_i), .sweep_end_i(sweep_end_i), .grant_o(grant_o));
             fp3_delay #(.W(2*SCHEDULERS), .N(TIMING_TOLD + TIMING_OPERANDS)) u_granted (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({adds_i & grant_o, muls_i & grant_o}), .q_o({adds_late, muls_late}));
             fp3_shared_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .adds_i(adds_late), .muls_i(muls_late),
                 .operands_i(operands_i), .result_o(result_o));
         end else begin : g_own
             assign grant_o = 1'b1;
-            wire unused = &{rst_i, running_i, adds_i, muls_i, last_i};
+            wire unused = &{rst_i, running_i, adds_i, muls_i, sweep_end_i};
             for (l = 0; l < LANES; l = l + 1) begin : g_lane
                 for (p = 0; p < STREAMS; p = p + 1) begin : g_stream
                     localparam S = STREAMS * l + p;

@@ -34,12 +34,12 @@ module fp3_unit #(
             fp3_lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
             assign `FP3_RESULT = result_o;
         end else if (STREAM == 0) begin : g_sum
-            wire unused = &{operands_choice, operands_twice, operands_half, operands_y};           // x is scaled already
+            wire unused = &{operands_choice, operands_twice, operands_halve, operands_x};           // y is scaled already
             fp3_adder #(.WAIT(UNIT_LATENCY - ADD_LATENCY), .CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(operands_subtract),
-                .a_i(operands_z), .b_i(operands_x), .value_o(result_value), .flags_o(result_flags));
+                .a_i(operands_z), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;
         end else begin : g_product
-            wire unused = &{operands_choice, operands_subtract, operands_twice, operands_half, operands_z};
+            wire unused = &{operands_choice, operands_subtract, operands_twice, operands_halve, operands_z};
             fp3_multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(37'd0),
                 .a_i(operands_x), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;

@@ -2,10 +2,10 @@
 // socket.vh: the bundles OPERANDS and RESULT: the socket of an arithmetic. front/decoded.vh shows
 // how a bundle is used.
 //
-//     OPERANDS    choice                  what fp_value makes of z, x and of whether y is 0: gen/choices.vh
+//     OPERANDS    choice                  what fp_value makes of z, y and whether x is 0: gen/choices.vh
 //                 subtract                z - x * y
-//                 twice, half             x * 2, x * 1/2, where y is not in the way
-//                 z, x, y                 x and y are the lowest bits
+//                 twice, halve            y * 2, y * 1/2, where x does not say so
+//                 z, x, y                 the lowest bits are x and y
 //     RESULT      flags, value            UNIT_LATENCY cycles later: {NV, DZ, OF, UF, NX}
 //
 // Operands are sampled every cycle; idle cycles carry garbage. There is no valid bit: the issuer
@@ -13,9 +13,9 @@
 `define FP3_OPERANDS_W (CHOICE_W + 3 + 96)
 `define FP3_OPERANDS_FIELDS \
     wire [CHOICE_W-1:0] operands_choice; \
-    wire operands_subtract, operands_twice, operands_half; \
+    wire operands_subtract, operands_twice, operands_halve; \
     wire [31:0] operands_z, operands_x, operands_y;
-`define FP3_OPERANDS {operands_choice, operands_subtract, operands_twice, operands_half, operands_z, operands_x, operands_y}
+`define FP3_OPERANDS {operands_choice, operands_subtract, operands_twice, operands_halve, operands_z, operands_x, operands_y}
 `define FP3_RESULT_W 37
 `define FP3_RESULT_FIELDS \
     wire [4:0] result_flags; \

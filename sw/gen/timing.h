@@ -10,15 +10,15 @@
 #define FP3_TIMING_REACH         4u  /* from the cycle in which a lane names what an instruction reads of the store to that of its registers, where objects see each other */
 #define FP3_TIMING_GRANT         1u  /* from a sweep's request for a shared unit to its grant */
 #define FP3_TIMING_OPERANDS      3u  /* from the cycle in which a lane names an instruction's registers to its operands */
-#define FP3_TIMING_TOLD          2u  /* from a context's turn to the lane that hears of it: the sequencer's register, and that of the lane's group */
+#define FP3_TIMING_TOLD          2u  /* from a context's issue to the lane that hears of it: the sequencer's register, and that of the lane's group */
 #define FP3_TIMING_END           6u  /* from the cycle in which a lane hears of an instruction's end to its result */
 #define FP3_TIMING_DUAL_END      4u  /* likewise where a sum and a product issue at once */
 #define FP3_TIMING_WRITE         1u  /* from a result to its write */
 #define FP3_TIMING_GAP           5u  /* from an issue to the next issue of the same context, beyond the latency */
 #define FP3_TIMING_ACCESS        5u  /* from the host's access of a lane's word to the word, beyond a cycle for each group of lanes */
 #define FP3_TIMING_MIX           4u  /* of the mixer of a draw */
-#define FP3_TIMING_HALVE         2u  /* from a word to the half that the store keeps of it; an access of the host takes as much longer */
-#define FP3_TIMING_WIDEN         2u  /* from a half of the store to the word that it is: the store is read this many cycles earlier, and an access of the host takes as many more */
+#define FP3_TIMING_NARROW        2u  /* from a word to the narrow word of 16 bits that the store keeps of it; an access of the host takes as much longer */
+#define FP3_TIMING_WIDEN         2u  /* from a narrow word of the store to the word of 32 bits: the store is read this many cycles earlier, and an access of the host takes as many more */
 #define FP3_TIMING_LIST          12u /* from the last issue of `each` to the length of the longest list, beyond a cycle for each lane and each group of lanes */
 #define FP3_TIMING_COPY          11u /* of the copies before a round, beyond those of its words and a cycle for each group of lanes */
 #define FP3_TIMING_SETTLE        14u /* from the last issue of a round to the last report, beyond the latency and a cycle for each lane */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* storage.c - see storage.h; rtl/lane/fp3_halve.v and sw/engine/fast/halves.h do the same. */
+/* storage.c - see storage.h; rtl/lane/fp3_narrow.v and sw/engine/fast/halves.h do the same. */
 #include "storage.h"
 #include "base/bits.h"
 

@@ -14,24 +14,24 @@ module arbiter_spec #(
     input wire         rst_i,
     input wire [N-1:0] adds_i,
     input wire [N-1:0] muls_i,
-    input wire [N-1:0] last_i
+    input wire [N-1:0] sweep_end_i
 );
     localparam BOUND = PATIENCE + 1 + (N - 1) * SWEEP;
     localparam P = $clog2(N + 1), W = $clog2(BOUND + 2), G = $clog2(SWEEP + 1);
 
     wire [N-1:0] grant;
     fp3_arbiter #(.N(N), .PATIENCE(PATIENCE)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i),
-        .adds_i(adds_i), .muls_i(muls_i), .last_i(last_i), .grant_o(grant));
+        .adds_i(adds_i), .muls_i(muls_i), .sweep_end_i(sweep_end_i), .grant_o(grant));
 
     wire [N-1:0] needs   = adds_i | muls_i;
     wire [N-1:0] granted = needs & grant;
-    wire [N-1:0] over    = granted & last_i;
+    wire [N-1:0] over    = granted & sweep_end_i;
     wire [N-1:0] stays   = needs & ~over;
     reg          started_q = 1'b0, reset_q;
-    reg  [N-1:0] adds_q, muls_q, last_q, stays_q, granted_q;
+    reg  [N-1:0] adds_q, muls_q, sweep_end_q, stays_q, granted_q;
     always @(posedge clk_i) begin
         {started_q, reset_q} <= {1'b1, rst_i};
-        {adds_q, muls_q, last_q, stays_q, granted_q} <= {adds_i, muls_i, last_i, stays, granted};
+        {adds_q, muls_q, sweep_end_q, stays_q, granted_q} <= {adds_i, muls_i, sweep_end_i, stays, granted};
     end
 
     // The queue, refusals in a row, and grants of the present sweep ------------------------------
@@ -70,9 +70,9 @@ module arbiter_spec #(
                 dropped[s] = !needs[s];
                 assume (dropped[s] ? DROPS != 0
                                    : {adds_i[s], muls_i[s]} == {adds_q[s], muls_q[s]}
-                                     && (granted_q[s] || last_i[s] == last_q[s]));
+                                     && (granted_q[s] || sweep_end_i[s] == sweep_end_q[s]));
             end
-            if (DROPS == 0 && done_q[G*s +: G] >= SWEEP - 1) assume (!needs[s] || last_i[s]);
+            if (DROPS == 0 && done_q[G*s +: G] >= SWEEP - 1) assume (!needs[s] || sweep_end_i[s]);
         end
     end
 

@@ -42,7 +42,7 @@ BUGS = [
     Bug("fma", "fused, the exponent of a subnormal factor", "fp3_fp_fma_product.v", "ey_0[0] || y_low", "ey_0[0]"),
     Bug("fma", "fused, a window one bit short", "fp3_fp_fma.v", "{1'b0, z_5[W-2:2], 1'b1}", "{1'b0, 1'b0, z_5[W-3:2], 1'b1}"),
     Bug("fma", "fused, shifted beyond the exponent", "fp3_fp_fma_normalize.v", "(!known_tight || limit != 2'd0)", "1'b1"),
-    Bug("fma", "fused, ties of a negative sum", "fp3_fp_fma_round.v", "(half && t[0])", "half"),
+    Bug("fma", "fused, ties of a negative sum", "fp3_fp_fma_round.v", "(tie && t[0])", "tie"),
     Bug("fma", "fused, tininess before rounding", "fp3_fp_fma_round.v", "negative_i ? !g && !(r && more_i) : g && r", "1'b0"),
     Bug("fma", "fused, inf - inf is valid", "fp3_fp_fma.v", "|| (z_nan && !fz[FRAC-1]) || clash;", "|| (z_nan && !fz[FRAC-1]);"),
     Bug("fma", "fused, a register left out on one path", "fp3_fp_fma.v", ".ON(CUTS[8])", ".ON(0)", 0x7ff),

@@ -10,7 +10,7 @@ CASES = Path(__file__).with_name("scale_cases.v")
 BUGS = [
     Bug("scale", "a tie goes up", "fp3_fp_scale.v", "&d_i[1:0]", "d_i[0]"),
     Bug("scale", "an exact half underflows", "fp3_fp_scale.v", "kind_1 == MOVED && f[0]", "kind_1 == MOVED"),
-    Bug("scale", "halved unless doubled", "fp3_fp_scale.v", "down    = half_i &&", "down    = !twice_i &&"),
+    Bug("scale", "halved unless doubled", "fp3_fp_scale.v", "down    = halve_i &&", "down    = !twice_i &&"),
     Bug("scale", "infinity is halved", "fp3_fp_scale.v", "top     = FINITE == 0 && &e;", "top     = &e && |d_i[FRAC-1:0];"),
     Bug("scale", "a NaN is counted up", "fp3_fp_scale.v", "ones ? {EXP{1'b1}} : low_1", "low_1"),
     Bug("scale", "a fraction's top bit lost", "fp3_fp_scale.v", "{y, x} + {{EXP{1'b0}}, more}", "{y, x + more}"),

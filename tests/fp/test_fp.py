@@ -136,7 +136,7 @@ BUGS = [
     Bug("fused moves a product of zero", "madd", 3, FMA, "px_zero || distance", "distance"),
     Bug("fused keeps a subnormal operand", "msub", 1, FMA, "z_i[FRAC-1:0] & {FRAC{SUBNORMAL != 0 || z_normal}}", "z_i[FRAC-1:0]"),
     Bug("fused shifts beyond the exponent", "madd", 3, NORMALIZE, "(!known_tight || limit != 2'd0)", "1'b1"),
-    Bug("fused ties of a negative sum", "msub", 3, FMA_ROUND, "(half && t[0])", "half"),
+    Bug("fused ties of a negative sum", "msub", 3, FMA_ROUND, "(tie && t[0])", "tie"),
     Bug("fused tiny before rounding", "madd", 3, FMA_ROUND, "&& !(NEAREST != 0 && SUBNORMAL", "&& !(1'b0 && SUBNORMAL"),
     Bug("fused zero keeps its sign", "msub", 3, FMA_ROUND, "!(zero_1 && minus_1 && usual_1)", "1'b1"),
     Bug("fused flushed without a flag", "madd", 0, FMA_ROUND, "!exact || flush}", "!exact}"),

@@ -17,7 +17,7 @@ KEYS = {"interleave": 0, "dual": 0, "chain": 0, "fused": 0, "scale": 0, "select"
         **json.loads(os.environ["FP3_KEYS"])}
 ROWS = {row["code"]: row for row in ISA["op"]}
 SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "takes", "flips",
-          "phase", "twice", "half")
+          "phase", "twice", "halve")
 MORE = 31                                                  # as op: the code is 128 and field c
 
 
@@ -58,7 +58,7 @@ def expected(word):
             "subtract": int(name in ("sub", "msub", "fmsub", "subh", "subt", "subn", "subl")), "st": int(name == "st"), "lds": int(name == "lds"),
             **{other: int(name == other) for other in ("each", "next", "phase")},
             "ldn": int(gives == "word"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
-            "twice": int(name in ("addt", "subt")), "half": int(name in ("addh", "subh")), "d": d,
+            "twice": int(name in ("addt", "subt")), "halve": int(name in ("addh", "subh")), "d": d,
             **({"a": a, "b": b, "c": c} if name == "sel" else {x: value for x, value in zip("abc", (a, b, c)) if x in row["operands"] and
                                                                 path[0] != "value"}), **({"c": a} if repeats else {})}
 

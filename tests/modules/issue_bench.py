@@ -26,7 +26,7 @@ def instruction(chance, registers, choices, marks):
         d["subtract"] = chance.randrange(2)
     if unit == "to_add":
         d["choice"] = chance.randrange(1, choices) if chance.random() < 0.5 else 0
-        d["twice"], d["half"] = chance.choice(((0, 0), (1, 0), (0, 1))) if not d["choice"] else (0, 0)
+        d["twice"], d["halve"] = chance.choice(((0, 0), (1, 0), (0, 1))) if not d["choice"] else (0, 0)
     return d, marks
 
 
@@ -78,17 +78,17 @@ class Bench:
             if marks["begins"]:
                 self.row = 0 if self.opened else self.row + self.contexts
                 self.opened = False
-            self.step = int(self.dut.end_i.value) if marks["lasts"] else (
+            self.step = int(self.dut.end_i.value) if marks["in_last"] else (
                 int(self.dut.base_i.value) if marks["begins"] else self.step) + marks["newstep"] & 0xffffffff
         row = (self.row + context) % (1 << int(self.dut.ROW_W.value))
         valued, load = get["choice"] != 0, get["to_memory"] and not get["st"]
         self.expected[1]["issue"] = {
-            "choice": get["choice"], "subtract": get["subtract"], "twice": get["twice"], "half": get["half"],
-            "one": int(get["to_add"] and not valued), "st": get["st"], "lasts": marks["lasts"], "record": self.record, "context": context,
-            "register": d["d"], "x": spot(d["b"]), "y": spot(d["d"] if get["st"] else d["a"]), "row": row}
+            "choice": get["choice"], "subtract": get["subtract"], "twice": get["twice"], "halve": get["halve"],
+            "one": int(get["to_add"] and not valued), "st": get["st"], "in_last": marks["in_last"], "record_shift": self.record, "context": context,
+            "register": d["d"], "x": spot(d["d"] if get["st"] else d["a"]), "y": spot(d["b"]), "row": row}
         self.expected[1 + self.z_late]["z"] = {"zero": get["to_mul"], "z": spot(d["c"] if get["to_chain"] or valued else d["a"])}
         self.expected[1 + self.end]["retire"] = {
-            "valid": 1, **{name: marks[name] for name in ("begins", "ends", "lasts")}, "lds": get["lds"], "sleep": get["to_sleep"],
+            "valid": 1, **{name: marks[name] for name in ("begins", "ends", "in_last")}, "lds": get["lds"], "sleep": get["to_sleep"],
             "load": int(load), "arithmetic": int(not get["to_memory"] and not get["to_sleep"]), "batch": batch, "context": context,
             "register": d["d"], "row": row}
         self.expected[1 + self.result]["step"] = self.step
@@ -126,8 +126,8 @@ class Bench:
         choices = 1 << int(self.dut.CHOICE_W.value)
         for batch in range(batches):
             alive = chance.sample(range(self.contexts), chance.randrange(1, self.contexts + 1))
-            for number, (_, newstep, lasts) in enumerate(places):
-                marks = {"begins": int(number == 0), "ends": int(number == len(places) - 1), "newstep": int(newstep), "lasts": int(lasts)}
+            for number, (_, newstep, in_last) in enumerate(places):
+                marks = {"begins": int(number == 0), "ends": int(number == len(places) - 1), "newstep": int(newstep), "in_last": int(in_last)}
                 what = instruction(chance, registers, choices, marks)
                 for n, context in enumerate(sorted(alive)):
                     await self.cycle(what, int(n == 0), batch & 1, context)

@@ -40,7 +40,7 @@ class Bench:
     async def cycle(self):
         dut, now = self.dut, self.drives.popleft()
         self.drives.append(collections.defaultdict(dict))
-        dut.issue_i.value = self.bundles["ISSUE"].pack(record=RECORD, **now["issue"])
+        dut.issue_i.value = self.bundles["ISSUE"].pack(record_shift=RECORD, **now["issue"])
         dut.retire_i.value = self.bundles["RETIRE"].pack(**now["retire"])
         dut.access_i.value = self.bundles["ACCESS"].pack(**now["access"])
         dut.result_i.value = self.bundles["RESULT"].pack(**(now["result"] or {"value": self.chance.getrandbits(32), "flags": 0b11111}))
@@ -114,24 +114,24 @@ class Bench:
         chance, executed = self.chance, row < self.count
         now, end, last = self.drives[0], self.drives[self.end], self.drives[self.result]
         why = f"{kind} of context {context}, row {row}, r{d}, step {step}"
-        issue = {"context": context, "register": d, "row": row, "lasts": marks.get("lasts", 0), "st": int(kind == "st")}
+        issue = {"context": context, "register": d, "row": row, "in_last": marks.get("in_last", 0), "st": int(kind == "st")}
         end["retire"].update(valid=1, context=context, register=d, row=row, load=int(kind == "ld"), arithmetic=int(kind == "arithmetic"), **marks)
         last["data"] = step
         operands, late, written = {}, {}, {"end": 3 if executed else 1, "valid": int(executed and kind != "st")}
         if kind == "st":
-            issue["y"] = context * self.registers + d
+            issue["x"] = context * self.registers + d
             if executed:
                 self.store[row << 3 + RECORD | d] = self.reg[context, d]
         elif kind == "ld":
             value, flags = self.store[row << 3 + RECORD | d], 0
         else:
             (issue["x"], x), (issue["y"], y), (z_at, z) = (self.operand(context) for _ in range(3))
-            issue["one"], issue["twice"], issue["half"] = chance.choice(((0, 0, 0), (0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 0, 1)))
+            issue["one"], issue["twice"], issue["halve"] = chance.choice(((0, 0, 0), (0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 0, 1)))
             zero = chance.randrange(2)
             issue["subtract"] = chance.randrange(2)
-            y = (TWO if issue["twice"] else HALF if issue["half"] else ONE) if issue["one"] else y
+            x = (TWO if issue["twice"] else HALF if issue["halve"] else ONE) if issue["one"] else x
             self.drives[self.z_late]["issue"].update(zero=zero, z=z_at)
-            operands = {"x": x, "y": y, "subtract": issue["subtract"], "twice": issue["twice"], "half": issue["half"]}
+            operands = {"x": x, "y": y, "subtract": issue["subtract"], "twice": issue["twice"], "halve": issue["halve"]}
             late = {"z": MINUS_ZERO if zero else z}
             value, flags = chance.getrandbits(32), chance.choice(self.flags)
             last["result"] = {"value": value, "flags": flags}
@@ -167,7 +167,7 @@ class Bench:
             for step in [step for step in steps for _ in range(instructions)]:
                 await self.sweep("arithmetic", contexts, base, self.chance.randrange(self.registers), step, batch=batch & 1)
             for number in range(self.registers):
-                await self.sweep("st", contexts, base, number, steps[-1], lasts=1, ends=int(number == self.registers - 1), batch=batch & 1)
+                await self.sweep("st", contexts, base, number, steps[-1], in_last=1, ends=int(number == self.registers - 1), batch=batch & 1)
 
 
 @cocotb.test()

@@ -36,7 +36,7 @@ def tile(test, **keys):
     return Part("tile", "tile", {"CONFIG": simulate.config_word(ROOT, config)}, {"TESTCASE": test, "FP3_RTL": ROOT / "rtl"})
 
 
-def halves(module, storage):
+def narrow(module, storage):
     return Part(module, module, {"CONFIG": simulate.config_word(ROOT, {"STORE_WORDS": 64, "STORAGE": storage})}, {"FP3_STORAGE": storage})
 
 
@@ -71,21 +71,21 @@ PARTS = {
     "fp_rint": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 0}),
     "fp_rint, cut": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 1}),
     "fp_rint, truncated": Part("fp_rint", "rint", {"NEAREST": 0, "CUT": 1}),
-    "halve, bfloat16": halves("halve", 1),
-    "halve, binary16": halves("halve", 2),
-    "widen, bfloat16": halves("widen", 1),
-    "widen, binary16": halves("widen", 2),
+    "narrow, bfloat16": narrow("narrow", 1),
+    "narrow, binary16": narrow("narrow", 2),
+    "widen, bfloat16": narrow("widen", 1),
+    "widen, binary16": narrow("widen", 2),
     "mix": Part("mix", "mix", {}),
     "uart_rx": Part("uart_rx", "uart_rx", {"DIVISOR": 8}),
     "slip_tx": Part("slip_tx", "slip_tx", {}),
 }
-SCALED = "!((half || twice) && (a_odd || b_even))"
+SCALED = "!((halve || twice) && (a_odd || b_even))"
 BUGS = {
     "decode, dual": [
         Bug("halves are not kept apart", "fp3_decode.v", SCALED, "!(twice && (a_odd || b_even))"),
-        Bug("doubles are not kept apart", "fp3_decode.v", SCALED, "!(half && (a_odd || b_even))"),
-        Bug("a scaled sum", "fp3_decode.v", SCALED, "!((half || twice) && a_odd)"),
-        Bug("a scaled operand and a product", "fp3_decode.v", SCALED, "!((half || twice) && b_even)"),
+        Bug("doubles are not kept apart", "fp3_decode.v", SCALED, "!(halve && (a_odd || b_even))"),
+        Bug("a scaled sum", "fp3_decode.v", SCALED, "!((halve || twice) && a_odd)"),
+        Bug("a scaled operand and a product", "fp3_decode.v", SCALED, "!((halve || twice) && b_even)"),
     ],
     "decode, multiply-add rounded once": [
         Bug("a difference is a sum", "fp3_decode.v", "op == OP_MSUB || op == OP_FMSUB || op == OP_SUBH", "op == OP_MSUB || op == OP_SUBH"),
@@ -98,7 +98,7 @@ BUGS = {
         Bug("the third batch has the rows of the second", "fp3_sequencer.v", "next_row_q <= next_row_q + CONTEXTS[ROW_W-1:0]", "next_row_q <= CONTEXTS[ROW_W-1:0]"),
         Bug("every batch has the first rows", "fp3_sequencer.v", "row_q      <= next_row_q;", "row_q      <= {ROW_W{1'b0}};"),
         Bug("rows go on from round to round", "fp3_sequencer.v", "if (open) next_row_q <= {ROW_W{1'b0}};\n        else if", "if"),
-        Bug("sums have one row for all", "fp3_dual_turn.v", "row_q      <= base_now_q + context_wide[ROW_W-1:0]", "row_q      <= base_now_q"),
+        Bug("sums have one row for all", "fp3_dual_sweep.v", "row_q      <= base_now_q + context_wide[ROW_W-1:0]", "row_q      <= base_now_q"),
         Bug("a store's row is that of the next context", "fp3_two_streams.v", ".N(1+TIMING_EARLY)) u_st_row", ".N(TIMING_EARLY)) u_st_row"),
         Bug("a product's load has the row of a sum", "fp3_two_streams.v", "retire_product_loads ? retire_product_row : retire_sum_row", "retire_sum_row"),
         Bug("a product's load reads the register of a sum", "fp3_two_streams.v",
@@ -116,8 +116,8 @@ BUGS = {
     ],
     "tile, stopped": [
         Bug("a stop between stores", "fp3_rounds.v", "stopping && !storing_i", "stopping"),
-        Bug("the next instruction stores nothing", "fp3_sequencer.v", "(valid_q && lasts_q) || (busy && under_lasts_q)", "(busy && under_lasts_q)"),
-        Bug("what is under way stores nothing", "fp3_sequencer.v", "(valid_q && lasts_q) || (busy && under_lasts_q)", "(valid_q && lasts_q)"),
+        Bug("the next instruction stores nothing", "fp3_sequencer.v", "(valid_q && in_last_q) || (busy && under_in_last_q)", "(busy && under_in_last_q)"),
+        Bug("what is under way stores nothing", "fp3_sequencer.v", "(valid_q && in_last_q) || (busy && under_in_last_q)", "(valid_q && in_last_q)"),
     ],
     "tile, record": [
         Bug("11 is 3", "fp3_host_port.v", "(req_wdata_i >> W) == 32'd0 && ", ""),
@@ -178,17 +178,17 @@ BUGS = {
         Bug("the sign of a zero is lost", "fp3_fp_rint.v", "assign z_o = {kept_c[31],", "assign z_o = {kept_c[31] && !small_c,"),
     ],
     "fp_rint, truncated": [Bug("rounds to nearest", "fp3_fp_rint.v", "NEAREST != 0 && guard", "guard")],
-    "halve, bfloat16": [
-        Bug("a NaN is an infinity", "fp3_halve.v", "half_q <= is_nan_q ? NAN :", "half_q <="),
-        Bug("an infinity has overflown", "fp3_halve.v", "over_q <= !is_out_q &&", "over_q <="),
-        Bug("ties upwards", "fp3_halve.v", "word_q[16] || more_q", "1'b1"),
-        Bug("a draw is of 15 bits", "fp3_halve.v", "draws_i ? random_i", "draws_i ? {1'b0, random_i[15:1]}"),
+    "narrow, bfloat16": [
+        Bug("a NaN is an infinity", "fp3_narrow.v", "narrow_q <= is_nan_q ? NAN :", "narrow_q <="),
+        Bug("an infinity has overflown", "fp3_narrow.v", "over_q <= !is_out_q &&", "over_q <="),
+        Bug("ties upwards", "fp3_narrow.v", "word_q[16] || more_q", "1'b1"),
+        Bug("a draw is of 15 bits", "fp3_narrow.v", "draws_i ? random_i", "draws_i ? {1'b0, random_i[15:1]}"),
     ],
-    "halve, binary16": [
-        Bug("65536 is a number", "fp3_halve.v", "word_i[30:23] >= ABOVE", "word_i[30:23] > ABOVE"),
-        Bug("the least numbers are 0", "fp3_halve.v", "|distance[7:5] ? 5'd31 : distance[4:0]", "|distance[7:4] ? 5'd31 : distance[4:0]"),
-        Bug("what is far below is not", "fp3_halve.v", "|distance[7:5] ? 5'd31 : distance[4:0]", "distance[4:0]"),
-        Bug("what lies beyond a tie does not count", "fp3_halve.v", "assign more = is_small && beyond", "assign more = is_small && beyond && 1'b0"),
+    "narrow, binary16": [
+        Bug("65536 is a number", "fp3_narrow.v", "word_i[30:23] >= ABOVE", "word_i[30:23] > ABOVE"),
+        Bug("the least numbers are 0", "fp3_narrow.v", "|distance[7:5] ? 5'd31 : distance[4:0]", "|distance[7:4] ? 5'd31 : distance[4:0]"),
+        Bug("what is far below is not", "fp3_narrow.v", "|distance[7:5] ? 5'd31 : distance[4:0]", "distance[4:0]"),
+        Bug("what lies beyond a tie does not count", "fp3_narrow.v", "assign more = is_small && beyond", "assign more = is_small && beyond && 1'b0"),
     ],
     "widen, binary16": [
         Bug("0 is 2^-25", "fp3_widen.v", "is_small && is_none ? 8'd0 :", ""),

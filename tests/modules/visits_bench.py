@@ -9,9 +9,9 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge
 
 APART = 8                                                  # cycles between two instructions of one context
-FIELDS = "context begins ends lasts lds sleep less nonzero"
+FIELDS = "context begins ends in_last lds sleep less nonzero"
 Instruction = collections.namedtuple("Instruction", FIELDS)
-INPUTS = ("rst_i", "round_i", "take_i", "take_w4_i", "context_w4_i", "context_w1_i", "valid_i", "begins_i", "ends_i", "lasts_i", "lds_i",
+INPUTS = ("rst_i", "round_i", "take_i", "take_w4_i", "context_w4_i", "context_w1_i", "valid_i", "begins_i", "ends_i", "in_last_i", "lds_i",
           "sleep_i", "context_i", "less_i", "nonzero_i", "st_context_i", "host_clear_i", "host_wake_i", "host_row_i")
 
 
@@ -19,9 +19,9 @@ def visit(chance, context, length, asleep):
     """The instructions of a visit: loads first, stores last, in between a sleep now and then."""
     first, last = 1 + chance.randrange(length), chance.randrange(length)
     for i in range(length):
-        lasts = i >= length - last and i > 0
-        lds = i < first and not lasts and chance.random() < 0.7
-        yield Instruction(context, i == 0, i == length - 1, lasts, lds, not lds and chance.random() < 0.6, chance.random() < asleep,
+        in_last = i >= length - last and i > 0
+        lds = i < first and not in_last and chance.random() < 0.7
+        yield Instruction(context, i == 0, i == length - 1, in_last, lds, not lds and chance.random() < 0.6, chance.random() < asleep,
                           chance.random() < asleep / 4)
 
 
@@ -46,7 +46,7 @@ class Model:
         if it.begins:
             self.row[c], self.absent[c], self.asleep[c] = row, row is None, False
         absent, before = self.absent[c], self.asleep[c]
-        executed = not absent and not (before and not it.lasts)
+        executed = not absent and not (before and not it.in_last)
         sleeps = executed and it.sleep and it.less and not before
         self.absent[c] = absent or (executed and it.lds and it.nonzero)
         self.asleep[c] = before or sleeps
@@ -86,7 +86,7 @@ class Bench:
             now["context_w1_i"] = w1[0].context
         if w0:
             now["valid_i"] = 1
-            for name in ("begins", "ends", "lasts", "lds", "sleep", "context", "less"):
+            for name in ("begins", "ends", "in_last", "lds", "sleep", "context", "less"):
                 now[f"{name}_i"] = int(getattr(w0[0], name))
         now["nonzero_i"] = int(late[0].nonzero) if late else self.chance.randrange(2)
         asked = self.chance.randrange(self.contexts)

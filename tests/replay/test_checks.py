@@ -10,9 +10,9 @@ from bugs import few
 
 BUGS = {
     # what is wrong: (file, right, wrong, what the check says)
-    "asleep in the last part": ("lane/fp3_visits.v", "!(asleep && !lasts_i)", "!asleep",
+    "asleep in the last part": ("lane/fp3_visits.v", "!(asleep && !in_last_i)", "!asleep",
                                 "u_visits: context 0, there 1, asleep 1, in the last part 1: executed 0"),
-    "executed though asleep": ("lane/fp3_visits.v", "&& !(asleep && !lasts_i)", "",
+    "executed though asleep": ("lane/fp3_visits.v", "&& !(asleep && !in_last_i)", "",
                                "u_visits: context 0, there 1, asleep 1, in the last part 0: executed 1"),
 }
 

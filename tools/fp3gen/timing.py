@@ -5,7 +5,7 @@ from .check import keys, need
 from .text import MARK, columns
 
 FILE = "timing.toml"
-NAMES = ("share", "early", "reach", "grant", "operands", "told", "end", "dual_end", "write", "gap", "access", "mix", "halve", "widen", "list", "copy", "settle", "round", "decoded", "run",
+NAMES = ("share", "early", "reach", "grant", "operands", "told", "end", "dual_end", "write", "gap", "access", "mix", "narrow", "widen", "list", "copy", "settle", "round", "decoded", "run",
          "reset", "bus", "solo_access", "solo_operands", "solo_read", "solo_fused", "solo_around")
 MOST = 255
 

@@ -8,8 +8,8 @@
 // Latency   As there.
 // Promise   The count that is shown is that of the cycle of read_i, also while a carry waits for
 //           its word: the adder adds it on the way out, too.
-// Hazard    read_i is high for at most one cycle in two: a read takes the turn of a word, which
-//           comes next. A word's turn comes sooner than its next carry as long as N is at most
+// Hazard    read_i is high for at most one cycle in two: a read takes the cycle of a word, which
+//           comes next. A word's cycle comes sooner than its next carry as long as N is at most
 //           2^INDEX_W and INDEX_W 6.
 //
 //     cycle         0        1
@@ -40,7 +40,7 @@ module fp3_counters #(
     wire [SPREAD-1:0]       freshs = {{SPREAD-N{1'b0}}, fresh_q};
     always @(posedge clk_i) event_q <= clear_i ? {N{1'b0}} : event_i;
 
-    reg  [INDEX_W-1:0] turn_q, at_q;                      // the next word to be read, the word read
+    reg  [INDEX_W-1:0] next_q, at_q;                      // the next word to be read, the word read
     reg                own_q, one_q, none_q;              // ours, not the host's; its carry; it stands for 0
     wire               write = own_q && one_q && !read_i && !clear_i;
 
@@ -69,13 +69,13 @@ module fp3_counters #(
     reg  [REST-1:0]    word_q;
     reg                high_q;
     reg  [LOW-1:0]     low_q;
-    wire [INDEX_W-1:0] at    = read_i ? index_i : turn_q;
+    wire [INDEX_W-1:0] at    = read_i ? index_i : next_q;
     wire [REST-1:0]    sum   = (word_q & {REST{!none_q}}) + {{REST-1{1'b0}}, one_q};
-    initial turn_q = {INDEX_W{1'b0}};                     // any turn does; a simulation needs one that is known
+    initial next_q = {INDEX_W{1'b0}};                     // any word does; a simulation needs one that is known
     always @(posedge clk_i) begin
         if (write) memory[at_q] <= sum;
         word_q <= memory[at];
-        turn_q <= read_i ? at_q : turn_q + 1'b1;
+        next_q <= read_i ? at_q : next_q + 1'b1;
         at_q   <= at;
         own_q  <= !read_i && !clear_i;
         one_q  <= waits[at];

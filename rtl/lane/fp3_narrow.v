@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_halve: rounds a binary32 number to the 16 bits of a word in the store.
+// fp3_narrow: rounds a binary32 number to the 16 bits of a word in the store.
 //
 // Purpose   STORAGE is 1: bfloat16, 2: binary16. Rounds to nearest, ties to even. With draws_i
 //           rounds up at random, with the fraction cut off as probability: the first 16 bits cut
@@ -8,12 +8,12 @@
 // Latency   2. random_i and draws_i come a cycle after word_i.
 // Hazard    None: it takes a word in each cycle.
 //
-//     binary16    word_i      half_o   over_o
+//     binary16    word_i      narrow_o over_o
 //                 3f800000    3c00     0         1
 //                 477ff000    7c00     1         65520: rounds to infinity
 //                 33000001    0001     0         a bit more than half of the least number
 `default_nettype none
-module fp3_halve #(
+module fp3_narrow #(
 `include "config/config.vh"
 ) (
     input  wire        clk_i,
@@ -22,7 +22,7 @@ module fp3_halve #(
     input  wire        draws_i,
     input  wire [15:0] random_i,
     // Two cycles later
-    output wire [15:0] half_o,
+    output wire [15:0] narrow_o,
     output wire        over_o          // a finite number became an infinity
 );
     wire        is_nan = word_i[30:0] > 31'h7f800000;
@@ -51,7 +51,7 @@ module fp3_halve #(
 
     reg         sign_q, is_nan_q, is_out_q, more_q;
     reg  [30:0] word_q;
-    reg  [15:0] half_q;
+    reg  [15:0] narrow_q;
     reg         over_q;
     localparam integer EXPONENT_W = STORAGE == 1 ? 8 : 5;
     localparam [15:0] NAN = STORAGE == 1 ? 16'h7fc0 : 16'h7e00;
@@ -60,9 +60,9 @@ module fp3_halve #(
     wire unused = &sum[15:0];
     always @(posedge clk_i) begin
         {sign_q, is_nan_q, is_out_q, more_q, word_q} <= {word_i[31], is_nan, is_out, more, kept, rest};
-        half_q <= is_nan_q ? NAN : {sign_q, sum[30:16]};
+        narrow_q <= is_nan_q ? NAN : {sign_q, sum[30:16]};
         over_q <= !is_out_q && &sum[30 -: EXPONENT_W];
     end
-    assign {half_o, over_o} = {half_q, over_q};
+    assign {narrow_o, over_o} = {narrow_q, over_q};
 endmodule
 `default_nettype wire

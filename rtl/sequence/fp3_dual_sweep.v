@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_dual_turn: the instruction that is under way to one unit, one context in each cycle.
+// fp3_dual_sweep: the instruction that is under way to one unit, one context in each cycle.
 //
 // Purpose   With DUAL, the sweep of sums or the sweep of products, and its orders to the lanes.
 //           Nothing stops a sweep.
@@ -13,7 +13,7 @@
 //     free_o    1     0      1        1        from the cycle of the last context on
 //     valid_o   0     0      1        1        context_o 0, 1; row_o 48 in cycle 3, 49 in cycle 4
 `default_nettype none
-module fp3_dual_turn #(
+module fp3_dual_sweep #(
     parameter WHAT_W  = 1,
     parameter COUNT_W = 6,
 `include "config/config.vh"

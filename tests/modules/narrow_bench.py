@@ -1,4 +1,4 @@
-"""halve against exact arithmetic: to nearest and by draws, in both formats; and what widen makes of the halves."""
+"""narrow against exact arithmetic: to nearest and by draws, in both formats."""
 
 import os
 import random
@@ -18,7 +18,7 @@ def number(word):
 
 
 def expected(word, draw):
-    """The half, and whether a number became infinite. draw: None to nearest."""
+    """The narrow word, and whether a number became infinite. draw: None to nearest."""
     sign, size = word >> 31 << 15, word & 0x7fffffff
     if size >= 0x7f800000:
         return (NAN if size > 0x7f800000 else sign | INFINITY), False
@@ -28,8 +28,8 @@ def expected(word, draw):
     rest = units - int(units)
     up = (rest > Fraction(1, 2) or (rest == Fraction(1, 2) and int(units) % 2)) if draw is None else int(rest * 65536) + draw > 65535
     count = int(units) + up
-    half = count if place == least else (place - least << BITS) + count      # a subnormal number's place is that of the least normal ones
-    return sign | min(half, INFINITY), half >= INFINITY
+    narrow = count if place == least else (place - least << BITS) + count      # a subnormal number's place is that of the least normal ones
+    return sign | min(narrow, INFINITY), narrow >= INFINITY
 
 
 def words(chance):
@@ -41,7 +41,7 @@ def words(chance):
 
 
 @cocotb.test()
-async def halve_rounds_as_exact_arithmetic(dut):
+async def narrow_rounds_as_exact_arithmetic(dut):
     chance = random.Random(1)
     cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
     given = [(word, draw) for word in words(chance) for draw in (None, 0, 0xffff, chance.getrandbits(16))] + 2 * [(0, None)]
@@ -52,6 +52,6 @@ async def halve_rounds_as_exact_arithmetic(dut):
         dut.draws_i.value = before is not None
         dut.random_i.value = before or 0
         if i > 1:
-            asked, half, over = given[i - 2], *expected(*given[i - 2])
-            assert (dut.half_o.value, dut.over_o.value) == (half, over), \
-                f"{asked[0]:#010x}, draw {asked[1]}: {dut.half_o.value.integer:#06x} {dut.over_o.value}, expected {half:#06x} {over}"
+            asked, narrow, over = given[i - 2], *expected(*given[i - 2])
+            assert (dut.narrow_o.value, dut.over_o.value) == (narrow, over), \
+                f"{asked[0]:#010x}, draw {asked[1]}: {dut.narrow_o.value.integer:#06x} {dut.over_o.value}, expected {narrow:#06x} {over}"
