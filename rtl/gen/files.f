@@ -80,10 +80,8 @@ rtl/sequence/fp3_rounds.v
 rtl/sequence/fp3_sequencer.v
 rtl/sequence/fp3_sweep.v
 rtl/sequence/fp3_two_streams.v
-rtl/solo/fp3_regfile.v
 rtl/solo/fp3_scoreboard.v
 rtl/solo/fp3_solo.v
-rtl/solo/fp3_solo_scheduler.v
 rtl/unit/fp3_adder.v
 rtl/unit/fp3_arbiter.v
 rtl/unit/fp3_fused_adder.v

@@ -11,7 +11,7 @@
 //
 // Latency   ADD_LATENCY, MUL_LATENCY; chained: their sum. New operands every cycle.
 // Hazard    chain_soon_o announces that a chained product takes the adder in the next cycle:
-//           no addition may issue then (solo_scheduler checks it), and the adder's operands are to
+//           no addition may issue then (solo checks it), and the adder's operands are to
 //           be chain_z_o and the product.
 `default_nettype none
 `include "unit/socket.vh"
