@@ -92,5 +92,4 @@ rtl/unit/fp3_multiplier.v
 rtl/unit/fp3_shared_arith.v
 rtl/unit/fp3_solo_arith.v
 rtl/unit/fp3_solo_fused.v
-rtl/unit/fp3_tile_units.v
 rtl/unit/fp3_unit.v

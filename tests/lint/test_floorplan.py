@@ -45,7 +45,7 @@ def netlist(lanes, multipliers=3, rams=4):
         group = f"u.g_group[{lane // 4}].u_group.g_lane[{lane % 4}].u_lane"
         names = [f"ram{i}" for i in range(rams - 1)] + ["u_store.m"]
         cells |= {f"{group}.{name}": {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}} for name in names}
-        cells |= {f"u.u_units.g_own.g_lane[{lane}].g_stream[0].u_unit.m{i}": {"type": "MULT18X18D", "attributes": {}, "connections": {}, "port_directions": {}}
+        cells |= {f"u.g_own.g_lane[{lane}].g_stream[0].u_unit.m{i}": {"type": "MULT18X18D", "attributes": {}, "connections": {}, "port_directions": {}}
                   for i in range(multipliers)}
     cells["u.u_program"] = {"type": "DP16KD", "attributes": {}, "connections": {}, "port_directions": {}}
     return {"modules": {"top": {"cells": cells}}}
