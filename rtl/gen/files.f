@@ -47,7 +47,6 @@ rtl/lane/fp3_lists.v
 rtl/lane/fp3_mix.v
 rtl/lane/fp3_narrow.v
 rtl/lane/fp3_visits.v
-rtl/lane/fp3_visits_in_order.v
 rtl/lane/fp3_widen.v
 rtl/lib/fp3_cut.v
 rtl/lib/fp3_delay.v

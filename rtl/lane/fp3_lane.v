@@ -11,12 +11,12 @@
 //                    named     read       to it
 //           retire             told ENDED before W; the store's word there in W (W-1)
 //
-//           A signal's suffix counts up from the issue (_i2 is in cycle 2) or down to the result
-//           (_w6 is in cycle W-6). Where objects see each other, what is read of the store is told
-//           AHEAD before cycle 0 (reach), and counts up from there (_r3); it is there TIMING_END
-//           later, beside the registers in cycle 2, and what is loaded waits from then on. Where a
-//           sum and a product issue at once, a sum's y is named TIMING_EARLY before cycle 0, which
-//           is that much later for all else.
+//           A signal's suffix counts up from the issue (_i2 is in cycle 2) or from the cycle of
+//           RETIRE (_e3), or down to the result (_w1 is in cycle W-1). Where objects see each other,
+//           the read of the store is named AHEAD before cycle 0 (REACH), and suffixes count up from
+//           there (_r3). Its word comes TIMING_END later, beside the registers in cycle 2; a loaded
+//           word waits from then on. Where a sum and a product issue at once, a sum's y is named
+//           TIMING_EARLY before cycle 0, which is that much later for all else.
 //
 // Latency   A register read GAP cycles after the issue of the instruction that writes it, or later,
 //           has the new value. All results have the same latency, so everything happens in the
@@ -31,14 +31,14 @@ module fp3_lane #(
     input  wire                           clk_i,
     input  wire                           rst_i,
     input  wire [LANE_W-1:0]              index_i,       // this lane's number; does not change
-    // What the sequencer and the host say
+    // From the sequencer and the host
     input  wire [`FP3_REACH_W-1:0]            reach_i,
     input  wire [`FP3_LANE_ISSUE_W-1:0]       issue_i,
     input  wire [`FP3_LANE_RETIRE_W-1:0]      retire_i,
     input  wire [`FP3_ACCESS_W-1:0]           access_i,
     input  wire [31:0]                    data_i,        // the number of the step; of an access: its word
     input  wire [DRAW_W-1:0]              draw_i,        // of a store
-    // What they hear, gathered from lane to lane
+    // To the sequencer and the host, gathered from lane to lane
     input  wire [`FP3_REPORT_W-1:0]           report_i,
     output wire [`FP3_REPORT_W-1:0]           report_o,
     // The arithmetic and the trace, a part for each stream
@@ -55,11 +55,11 @@ module fp3_lane #(
     assign `FP3_MOVE   = move;
     wire mine         = access_valid && access_lane == index_i;
     wire write        = mine && access_write;
-    wire reads        = access_valid && !(EXCHANGE != 0 && access_write);     // what is written then is what another lane said
+    wire reads        = access_valid && !(EXCHANGE != 0 && access_write);     // a word that is written then came from another lane
     wire to_store     = (write && access_space == HOST_OBJECT) || (EXCHANGE != 0 && access_valid && access_write && access_space == HOST_EVERY);
     wire to_constants = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
 
-    // What is in the lane: operands, and ends
+    // Operands and ends
     // ---------------------------------------------------------
     wire [S-1:0]         writes;                // W+1
     wire [REG_W*S-1:0]   registers;
@@ -169,10 +169,10 @@ module fp3_lane #(
         end
     endgenerate
 
-    // What the sequencer and the host hear
-    // ---------------------------------------------------------------
+    // Reports
+    // ----------------------------------------------------------------------------------
     wire [31:0]      status;
-    wire [ROW_W-1:0] row_w3;                    // with STORAGE, too
+    wire [ROW_W-1:0] row_w3;
     fp3_delay #(.W(ROW_W), .N(WIDENED)) u_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_load_row), .q_o(row_w3));
     fp3_lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
         .row_w3_i(row_w3), .raises_i(raises[0]), .flags_i(raised[4:0]), .step_i(data_i[26:0]), .status_o(status),

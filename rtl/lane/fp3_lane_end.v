@@ -6,12 +6,12 @@
 //           an object, is it awake, does it fall asleep. Says which words move between registers
 //           and store.
 //
-//           cycle    W-6       W-3                    W
+//           cycle    E         E+3                    W = E + ENDED
 //                    retire_i  row, store to be read  end_o; word_i is there
 //
-//           With STORAGE W-6, W-4 and W-3, w4 and w3 in names too, are WIDENED earlier. Where
-//           objects see each other, what is read of the store follows from reach_i, and is there as
-//           soon behind it (lists).
+//           A suffix counts up from E (_e3 is in cycle E+3) or down to W (_w1 is in W-1). Where
+//           objects see each other, the read of the store follows from reach_i instead, and its
+//           word comes as many cycles later (lists).
 //
 // Latency   As shown; of a store's row, two cycles after issue_i.
 // Hazard    One context does not come twice within GAP cycles. retire_i is about the instruction of
@@ -59,15 +59,15 @@ module fp3_lane_end #(
     wire unused_fields = &{`FP3_ISSUE, `FP3_ACCESS, data_i};
 
     // Of the instruction, later
-    wire [REGISTER_W-1:0] register_w3, register_w0;
-    wire [CONTEXT_W-1:0]  context_w4, context_w1, context_w0;
-    wire take_w4, valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
-    fp3_delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_w4 (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_w4, context_w4}));
-    fp3_delay #(.W(CONTEXT_W), .N(3+WIDENED)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w4), .q_o(context_w1));
+    wire [REGISTER_W-1:0] register_e3, register_w0;
+    wire [CONTEXT_W-1:0]  context_e2, context_w1, context_w0;
+    wire take_e2, valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
+    fp3_delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_e2 (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_e2, context_e2}));
+    fp3_delay #(.W(CONTEXT_W), .N(3+WIDENED)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_e2), .q_o(context_w1));
     fp3_delay #(.W(CONTEXT_W), .N(1)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w1), .q_o(context_w0));
-    fp3_delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_w3));
-    fp3_delay #(.W(REGISTER_W), .N(3+WIDENED)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_w3), .q_o(register_w0));
+    fp3_delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_e3));
+    fp3_delay #(.W(REGISTER_W), .N(3+WIDENED)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_e3), .q_o(register_w0));
     fp3_delay #(.W(9), .N(ENDED)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
         .d_i({retire_valid, retire_begins, retire_ends, retire_in_last, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
         .q_o({valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
@@ -76,7 +76,7 @@ module fp3_lane_end #(
     // -----------------------------------------------------------------------------
     wire executed, absent, sleeps;
     wire executes, missing, ended;              // as if there were no loops
-    wire [ROW_W-1:0] own_row_w3;
+    wire [ROW_W-1:0] own_row_e3;
     wire host_count = mine_i && access_write && access_space == HOST_AWAKE;
     generate
         if (SLEEP != 0) begin : g_sleep
@@ -84,7 +84,7 @@ module fp3_lane_end #(
             always @(posedge clk_i) nonzero_q <= |word_i;
             fp3_visits #(.CONFIG(CONFIG)) u_visits (
                 .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
-                .take_w4_i(take_w4), .context_w4_i(context_w4), .row_w3_o(own_row_w3), .row_late_o(end_row),
+                .take_e2_i(take_e2), .context_e2_i(context_e2), .row_e3_o(own_row_e3), .row_late_o(end_row),
                 .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
                 .in_last_i(in_last_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
                 .less_i(less_i), .executed_o(executes), .absent_o(missing), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep_o),
@@ -93,13 +93,21 @@ module fp3_lane_end #(
                 .host_row_i(data_i[ROW_W-1:0]), .count_o(count_o));
             wire unused = &{issue_row, retire_row};
         end else begin : g_order
-            fp3_visits_in_order #(.CONFIG(CONFIG)) u_visits (
-                .clk_i(clk_i), .rst_i(rst_i), .row_i(retire_row), .row_w3_o(own_row_w3), .row_late_o(end_row),
-                .valid_i(valid_w0), .executed_o(executes), .absent_o(missing),
-                .st_row_i(issue_row), .st_row_o(move_st_row), .st_absent_o(move_st_absent),
-                .host_count_i(host_count), .host_data_i(data_i[ROW_W:0]), .count_o(count_o));
+            // Rows 0, 1 .. in the order in which contexts issue: the sequencer knows them. The
+            // count changes only between runs.
+            reg [ROW_W:0] count_q;
+            always @(posedge clk_i)
+                if (rst_i)           count_q <= {ROW_W+1{1'b0}};
+                else if (host_count) count_q <= data_i[ROW_W:0];
+            assign count_o = count_q;
+            fp3_delay #(.W(ROW_W), .N(TIMING_END-3)) u_row_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_row), .q_o(own_row_e3));
+            fp3_delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(own_row_e3), .q_o(end_row));
+            fp3_delay #(.W(1), .N(ENDED)) u_absent (.clk_i(clk_i), .rst_i(1'b0), .d_i({1'b0, retire_row} >= count_q), .q_o(missing));
+            fp3_delay #(.W(ROW_W+1), .N(2)) u_st (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({{1'b0, issue_row} >= count_q, issue_row}), .q_o({move_st_absent, move_st_row}));
+            assign executes = valid_w0 && !missing;
             assign {sleeps, asleep_o, move_st_asleep} = 3'b000;
-            wire unused = &{issue_context, retire_round, take_w4, context_w4, context_w1, begins_w0, ends_w0, in_last_w0, less_i, word_i};
+            wire unused = &{issue_context, retire_round, take_e2, context_e2, context_w1, begins_w0, ends_w0, in_last_w0, less_i, word_i};
         end
     endgenerate
 
@@ -117,14 +125,14 @@ module fp3_lane_end #(
                 .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
             fp3_delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
             assign move_load_whole = 1'b0;
-            wire unused_lists = &{own_row_w3, register_w3, retire_whole};
+            wire unused_lists = &{own_row_e3, register_e3, retire_whole};
         end else begin : g_no_lists
-            fp3_delay #(.W(1), .N(TIMING_END-3)) u_load_w3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
-            fp3_delay #(.W(1), .N(TIMING_END-3)) u_whole_w3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_whole), .q_o(move_load_whole));
+            fp3_delay #(.W(1), .N(TIMING_END-3)) u_load_e3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
+            fp3_delay #(.W(1), .N(TIMING_END-3)) u_whole_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_whole), .q_o(move_load_whole));
             assign {ended, move_load_place, move_load_upper} = 3'd0;
             assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
-            assign move_load_row      = own_row_w3;
-            assign move_load_register = register_w3;
+            assign move_load_row      = own_row_e3;
+            assign move_load_register = register_e3;
             wire unused_lists = &{stored_i3_i, reach_i};
         end
     endgenerate

@@ -6,12 +6,11 @@
 //           end, puts it back at the tail, so sleeping objects cost nothing. Decides for every
 //           instruction whether the object in its context executes it.
 //
-//           cycle  W-6    W-4        W-3       W-1         W           W+1        W+2
-//           list:  taken  head read  row_w3_o  state read  executed_o  nonzero_i  state written,
-//           put back
+//           cycle  E      E+2        E+3       W-1         W           W+1        W+2
+//           list:  taken  head read  row_e3_o  state read  executed_o  nonzero_i  state written,
+//                                                                                 put back
 //
-// Latency   As shown; with STORAGE W-6 to W-3, w4 and w3 in names too, are WIDENED earlier. Of a
-//           store's row, two cycles after st_context_i.
+// Latency   As shown: W is E + ENDED. Of a store's row, two cycles after st_context_i.
 // Hazard    One context does not come twice within ENDED + 2 cycles. No run begins with an overfull
 //           list: host_port checks this. The list's head is not read in the cycle in which it is
 //           written. What is executed is executed for an object that is there and awake, or stored
@@ -22,13 +21,13 @@ module fp3_visits #(
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
-    // W-6: a round begins: it takes as many as there are now; an object is taken
+    // E: a round begins, which takes as many objects as there are now; an object is taken
     input  wire                 round_i,
     input  wire                 take_i,
-    // W-4
-    input  wire                 take_w4_i,
-    input  wire [CONTEXT_W-1:0] context_w4_i,
-    output wire [ROW_W-1:0]     row_w3_o,          // W-3
+    // E+2
+    input  wire                 take_e2_i,
+    input  wire [CONTEXT_W-1:0] context_e2_i,
+    output wire [ROW_W-1:0]     row_e3_o,       // E+3
     output wire [ROW_W-1:0]     row_late_o,     // W+1
     // W-1
     input  wire [CONTEXT_W-1:0] context_w1_i,
@@ -56,14 +55,14 @@ module fp3_visits #(
     input  wire                 host_clear_i,   // the list is empty
     input  wire                 host_wake_i,    // one more: this row
     input  wire [ROW_W-1:0]     host_row_i,
-    output wire [ROW_W:0]       count_o         // on it; one more than there is room for: the host wanted more
+    output wire [ROW_W:0]       count_o         // objects on the list; one beyond its room: the host wanted more
 );
     // The list -----------------------------------------------------------------------------------
-    reg  [ROW_W:0]   count_q, left_q;  // on it; of these not yet taken in this round
+    reg  [ROW_W:0]   count_q, left_q;  // objects on the list; of these not yet taken in this round
     reg  [ROW_W-1:0] head_q;
     wire             present = left_q != {ROW_W+1{1'b0}};
     wire             take    = take_i && present;
-    wire [ROW_W-1:0] next_row;         // W-4
+    wire [ROW_W-1:0] next_row;         // E+2
     wire             beyond  = count_q[ROW_W] && count_q[0];
     reg              put_q;            // W+2
     reg  [ROW_W-1:0] put_row_q;
@@ -98,21 +97,21 @@ module fp3_visits #(
     assign count_o = count_q;
 
     // The object in each context -----------------------------------------------------------------
-    wire [ROW_W-1:0] row_w4, st_row;
+    wire [ROW_W-1:0] row_e2, st_row;
     reg  [ROW_W-1:0] row_q, st_row_q;
     reg  [CONTEXT_W-1:0] st_context_q;
     fp3_lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(ROW_W)) u_row (.clk_i(clk_i),
-        .write_i(take_w4_i), .write_addr_i(context_w4_i), .write_value_i(next_row),
-        .read_addr_i(context_w4_i), .read_value_o(row_w4));
+        .write_i(take_e2_i), .write_addr_i(context_e2_i), .write_value_i(next_row),
+        .read_addr_i(context_e2_i), .read_value_o(row_e2));
     fp3_lutram_1r1w #(.ADDR_W(CONTEXT_W), .W(ROW_W)) u_st_row (.clk_i(clk_i),
-        .write_i(take_w4_i), .write_addr_i(context_w4_i), .write_value_i(next_row),
+        .write_i(take_e2_i), .write_addr_i(context_e2_i), .write_value_i(next_row),
         .read_addr_i(st_context_q), .read_value_o(st_row));
     always @(posedge clk_i) begin
-        row_q        <= take_w4_i ? next_row : row_w4;
+        row_q        <= take_e2_i ? next_row : row_e2;
         st_context_q <= st_context_i;
         st_row_q     <= st_row;
     end
-    assign row_w3_o    = row_q;
+    assign row_e3_o = row_q;
     assign st_row_o = st_row_q;
     fp3_delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
 
@@ -137,7 +136,7 @@ module fp3_visits #(
     wire executed = valid_i && !absent && !(asleep && !in_last_i);
     wire sleeps   = executed && sleep_i && less_i && !asleep;
 
-    // Of a word that was just read only one bit is known in time, a cycle later.
+    // Of a word that was just read, only whether it is zero is known in time, a cycle later.
     reg                  changes_q, ends_q, finds_q, new_absent_q, new_asleep_q;   // W+1
     reg  [CONTEXT_W-1:0] context_q;
     wire                 absent_d = new_absent_q || (finds_q && nonzero_i);
@@ -167,7 +166,7 @@ module fp3_visits #(
     assign {st_absent_o, st_asleep_o} = {st_absent_q, st_asleep_q};
 
 `ifdef FP3_CHECK
-    // Who is in a context, kept without the delays of the memory.
+    // The state of each context's object, kept without the delays of the memory.
     reg [(1<<CONTEXT_W)-1:0] there_q, slept_q;
     reg [3:0]                age [0:(1<<CONTEXT_W)-1];  // cycles since a context came
     wire there = begins_i ? present_w0 : there_q[context_i] && !(finds_q && nonzero_i && context_q == context_i);

@@ -50,8 +50,8 @@ BUGS = {
         Bug("an object is taken twice", "fp3_visits.v", "head_q  <= head_q + {{ROW_W-1{1'b0}}, take}", "head_q  <= head_q + {{ROW_W-1{1'b0}}, take && left_q[0]}"),
         Bug("a round goes on with those put back in it", "fp3_visits.v", "left_q <= left_q - 1'b1;", "left_q <= left_q - !put_q;"),
         Bug("the host wakes the row that was put back last", "fp3_visits.v", "write_value_i(put_q ? put_row_q : host_row_i)", "write_value_i(put_row_q)"),
-        Bug("the row of the context's last object", "fp3_visits.v", "row_q        <= take_w4_i ? next_row : row_w4;", "row_q        <= row_w4;"),
-        Bug("a store's row is not the object's", "fp3_visits.v", "st_row_q     <= st_row;", "st_row_q     <= row_w4;"),
+        Bug("the row of the context's last object", "fp3_visits.v", "row_q        <= take_e2_i ? next_row : row_e2;", "row_q        <= row_e2;"),
+        Bug("a store's row is not the object's", "fp3_visits.v", "st_row_q     <= st_row;", "st_row_q     <= row_e2;"),
         Bug("the list is not cleared", "fp3_visits.v", "if (rst_i || host_clear_i) begin", "if (rst_i) begin"),
     ],
     "visits_puts_back_nobody_who_is_absent": [
@@ -145,8 +145,8 @@ BUGS = {
         Bug("a constant of this lane alone", "fp3_lane.v", "to_constants = access_valid && access_write", "to_constants = write"),
         Bug("a half is a quarter", "fp3_lane_operands.v", "!twice_i2 && !halve_i2", "!twice_i2"),
         Bug("-0 is 0", "fp3_lane_operands.v", "z_q <= BITS_MINUS_ZERO", "z_q <= 32'd0"),
-        Bug("one row for all", "fp3_visits_in_order.v", ".d_i(row_i), .q_o(row_w3_o)", ".d_i({ROW_W{1'b0}}), .q_o(row_w3_o)"),
-        Bug("one object too many", "fp3_visits_in_order.v", "{1'b0, row_i} >= count_q", "{1'b0, row_i} > count_q"),
+        Bug("one row for all", "fp3_lane_end.v", ".d_i(retire_row), .q_o(own_row_e3)", ".d_i({ROW_W{1'b0}}), .q_o(own_row_e3)"),
+        Bug("one object too many", "fp3_lane_end.v", "{1'b0, retire_row} >= count_q", "{1'b0, retire_row} > count_q"),
     ],
     "lane_keeps_the_step_of_the_first_failure": [
         Bug("the last failure counts", "fp3_lane_status.v", "status_o[31:5] == 27'd0 && (flags_i[4] || flags_i[2])", "(flags_i[4] || flags_i[2])"),

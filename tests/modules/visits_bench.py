@@ -11,7 +11,7 @@ from cocotb.triggers import FallingEdge, RisingEdge
 APART = 8                                                  # cycles between two instructions of one context
 FIELDS = "context begins ends in_last lds sleep less nonzero"
 Instruction = collections.namedtuple("Instruction", FIELDS)
-INPUTS = ("rst_i", "round_i", "take_i", "take_w4_i", "context_w4_i", "context_w1_i", "valid_i", "begins_i", "ends_i", "in_last_i", "lds_i",
+INPUTS = ("rst_i", "round_i", "take_i", "take_e2_i", "context_e2_i", "context_w1_i", "valid_i", "begins_i", "ends_i", "in_last_i", "lds_i",
           "sleep_i", "context_i", "less_i", "nonzero_i", "st_context_i", "host_clear_i", "host_wake_i", "host_row_i")
 
 
@@ -77,11 +77,11 @@ class Bench:
         """One cycle in which `new` is in W-6."""
         dut, model, at = self.dut, self.model, self.pipe
         at.appendleft(new and [new, None, None])
-        w6, w4, w3, w1, w0, late, end = (at[i] for i in (0, 2, 3, 5, 6, 7, 8))
+        e0, e2, e3, w1, w0, late, end = (at[i] for i in (0, 2, 3, 5, 6, 7, 8))
         now = dict.fromkeys(INPUTS, 0)
-        now["take_i"] = int(w6 is not None and w6[0].begins)
-        if w4:
-            now["take_w4_i"], now["context_w4_i"] = int(w4[0].begins), w4[0].context
+        now["take_i"] = int(e0 is not None and e0[0].begins)
+        if e2:
+            now["take_e2_i"], now["context_e2_i"] = int(e2[0].begins), e2[0].context
         if w1:
             now["context_w1_i"] = w1[0].context
         if w0:
@@ -102,8 +102,8 @@ class Bench:
             await RisingEdge(dut.clk_i)
             return
         assert dut.count_o.value == len(model.list), f"{dut.count_o.value.integer} objects are on the list, expected {len(model.list)}"
-        if w3:
-            self.check_row(dut.row_w3_o, w3)
+        if e3:
+            self.check_row(dut.row_e3_o, e3)
         if w0:
             w0[2] = told = model.execute(w0[0], w0[1])
             self.seen.update(name for name, is_so in zip(("executed", "absent", "asleep"), told) if is_so)
@@ -119,8 +119,8 @@ class Bench:
                 self.seen["back"] += 1
         if (asked := self.probes[2]) is not None and model.absent[asked] is not None:
             self.check_store(asked)
-        if w6 and w6[0].begins:
-            w6[1] = model.take()
+        if e0 and e0[0].begins:
+            e0[1] = model.take()
         if now["round_i"]:
             model.left = len(model.list)
         if now["host_wake_i"]:
