@@ -23,9 +23,9 @@ int main(void) {
                  fp3_batch_write(cloth, "w", 0, N, w) || fp3_batch_write(cloth, "x_x", 0, N, x) ||
                  fp3_batch_write(cloth, "x_z", 0, N, z);
     for (int frame = 0; !failed && frame < 480; frame++) /* a game would draw x, y, z */
-        failed = fp3_batch_step(cloth, 16) ||
-                 fp3_batch_read(cloth, (const char *[]){"x_x", "x_y", "x_z"}, 3, 0, N,
-                                (float *[]){x, y, z});
+        failed =
+            fp3_batch_run(cloth, 16) || fp3_batch_read(cloth, (const char *[]){"x_x", "x_y", "x_z"},
+                                                       3, 0, N, (float *[]){x, y, z});
     fp3_batch_close(&cloth);
     printf("%g %g %g %s\n", x[N - 1], y[N - 1], z[N - 1], error.text);
     return failed;

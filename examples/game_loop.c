@@ -16,7 +16,7 @@ int main(void) {
         for (int i = 0; i < N; i++) /* a spring pulls each to its own place */
             fx[i] = (float)i - x[i], fy[i] = 100 - y[i];
         failed = fp3_batch_write(drones, "F_x", 0, N, fx) ||
-                 fp3_batch_write(drones, "F_y", 0, N, fy) || fp3_batch_step(drones, 1) ||
+                 fp3_batch_write(drones, "F_y", 0, N, fy) || fp3_batch_run(drones, 1) ||
                  fp3_batch_read(drones, (const char *[]){"x_x", "x_y"}, 2, 0, N, (float *[]){x, y});
     }
     fp3_batch_close(&drones);

@@ -5,7 +5,7 @@
 
 #include "hand.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 typedef struct {
     const hand_loop *loop; /* NULL: the engine */

@@ -79,13 +79,13 @@ def print_share(share: float) -> None:
 
 
 class Batch(Owner):
-    """Many objects of one model, for loops that write, step and read.
+    """Many objects of one model, for loops that write, run and read.
 
         with fp3.Batch("drone.ode", objects=10_000) as drones:
             x, y = drones["x_x"], drones["x_y"]         # columns, which follow the steps
             for frame in range(600):
                 drones["F_x"] = force_x                 # a number, or one for each object
-                drones.step()
+                drones.run()
                 draw(x, y)
 
     objects is the most that are ever used (see use). method, h, arithmetic, config, engine and threads are the words of
@@ -124,7 +124,7 @@ class Batch(Owner):
         definition.compiled = program.c.compiled
         definition.compile.config = program.c.config
         definition.objects, definition.threads, definition.skin = objects, threads, skin
-        definition.may_fail = 1  # step looks by itself: a run may have many parts
+        definition.may_fail = 1  # run looks by itself: a run may have many parts
         definition.may_compile = as_flag("may_compile", may_compile)
         definition.h = 0.0 if h is None else as_number("h", h)
         if h is not None and not definition.h > 0:
@@ -281,7 +281,7 @@ class Batch(Owner):
 
     # ---- steps ----
 
-    def step(self, steps: int = 1, *, check_failures: bool = True) -> None:
+    def run(self, steps: int = 1, *, check_failures: bool = True) -> None:
         """All used objects make this number of steps; with a tolerance, at most this number of attempts.
 
         FailedError: objects failed in these steps. The steps are made all the same, and values can be read. Who has made its
@@ -292,7 +292,7 @@ class Batch(Owner):
             while left > 0 or is_new:
                 now, begun = part_of(left, self._part), time.perf_counter()
                 try:
-                    self._advance(now, is_new)
+                    self._run_part(now, is_new)
                 finally:
                     self._show(*self._copies)
                 self._part = next_part(self._part, now, time.perf_counter() - begun)
@@ -306,13 +306,13 @@ class Batch(Owner):
                 more = "at least " if now < steps and not self._is_adaptive else ""  # later parts may have others
                 raise FailedError(f"{more}{found.failed} of {self._used} objects failed, first {found.text}")
 
-    def _advance(self, steps: int, is_new: bool) -> None:
+    def _run_part(self, steps: int, is_new: bool) -> None:
         """A part of a run. is_new: its first one. Who chooses its steps and has reached the end sleeps on in the others."""
         with self._c() as c:
             if is_new or not self._is_adaptive:
-                check(self._lib.fp3_batch_step(c, steps), self._error)
+                check(self._lib.fp3_batch_run(c, steps), self._error)
             else:
-                check(self._lib.fp3_engine_advance(self._lib.fp3_batch_engine(c), steps, None), self._error)
+                check(self._lib.fp3_adaptive_run(self._lib.fp3_batch_engine(c), steps, None), self._error)
 
     def _is_over(self) -> bool:
         """Whether nobody goes on who chooses its steps: who can sleep does so where it ends or is stuck."""

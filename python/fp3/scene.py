@@ -127,7 +127,7 @@ class Scene(Owner):
         while left > 0 and not (left < total and self._is_over()):
             now, begun = part_of(left, part), time.perf_counter()
             with self._c() as engine:
-                check(self._lib.fp3_engine_advance(engine, now, None), self._error)
+                check(self._lib.fp3_adaptive_run(engine, now, None), self._error)
                 if check_failures and (not self._is_adaptive() or left == now or self._is_over()):
                     first = first or self.failure()
             part, left = next_part(part, now, time.perf_counter() - begun), left - now

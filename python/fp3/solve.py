@@ -341,7 +341,7 @@ class Run:
         is_new = True
         while left > 0:
             steps, begun = part_of(left, self.batch._part), time.perf_counter()
-            self.batch._advance(steps, is_new)
+            self.batch._run_part(steps, is_new)
             seconds = time.perf_counter() - begun
             left, is_new = left - steps, False
             self.batch._part = next_part(self.batch._part, steps, seconds)

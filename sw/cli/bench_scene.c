@@ -8,7 +8,7 @@
 #include "json.h"
 #include "progress.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -56,7 +56,7 @@ static fp3_status open_side(const fp3_scene *scene, side *s, fp3_error *error) {
 static fp3_status go(const fp3_scene *scene, uint64_t steps, side *s, fp3_stats *stats,
                      fp3_error *error) {
     const fp3_status status = fp3_scene_load(scene, s->handle, error);
-    return status ? status : fp3_engine_advance(s->handle, steps, stats);
+    return status ? status : fp3_adaptive_run(s->handle, steps, stats);
 }
 
 static fp3_status turn(const fp3_scene *scene, uint64_t steps, side *s, fp3_error *error) {
@@ -126,7 +126,7 @@ static fp3_status beside_isa(const fp3_scene *scene, side *first, uint64_t of, u
         status = FP3_OK;
     }
     if (!status && *steps)
-        status = fp3_engine_advance(isa.handle, *steps, NULL);
+        status = fp3_adaptive_run(isa.handle, *steps, NULL);
     if (!status && *steps)
         status = go(scene, *steps, first, NULL, error);
     if (!status && *steps)

@@ -8,6 +8,7 @@
 #include "lab/bench/variants.h"
 #include "progress.h"
 
+#include <fp3/convergence.h>
 #include <fp3/engine.h>
 #include <fp3/truth.h>
 #include <inttypes.h>

@@ -168,7 +168,7 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         fp3_progress_say(o->progress, "running");
         status = fp3_run_record_is_asked(&o->record)
                      ? record(o, of, engine, &cost, error)
-                     : fp3_engine_advance(engine, o->steps, &cost.stats);
+                     : fp3_adaptive_run(engine, o->steps, &cost.stats);
         /* What a failed run left is read by all ranks together, and they may be elsewhere. */
         *has_run = !status || (!o->ranks && (status == FP3_E_LIMIT || status == FP3_E_PROGRAM));
         if (!status && o->check.is_asked)

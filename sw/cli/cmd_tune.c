@@ -12,6 +12,7 @@
 
 #include <fp3/model.h>
 #include <fp3/program.h>
+#include <fp3/scene.h>
 #include <fp3/tune.h>
 #include <math.h>
 #include <stdio.h>

@@ -211,7 +211,7 @@ static fp3_status run(const comparison *k, const fp3_model *model, const fp3_com
     if (!status)
         status = fp3_bench_start(engine, c, model, model->step, fp3_engine_objects(engine), error);
     if (!status)
-        status = fp3_engine_advance(engine, FP3_ADAPTIVE_ATTEMPTS, &stats);
+        status = fp3_adaptive_run(engine, FP3_ADAPTIVE_ATTEMPTS, &stats);
     if (!status && machine == SINGLE && which == ISA)
         status = take(k, engine, r);
     if (!status && which == (k->def->is_quick ? ISA : RTL))

@@ -7,6 +7,7 @@
 #include <argp.h>
 #include <fp3/engine.h>
 #include <fp3/program.h>
+#include <fp3/recording.h>
 
 /* What an option says; ends with 2 and a message where it cannot be. */
 void fp3_run_adaptive_tolerance(fp3_program_def *def, struct argp_state *state, const char *text);

@@ -11,6 +11,7 @@
 #include "run_values.h"
 
 #include <fp3/program.h>
+#include <fp3/recording.h>
 
 /* Of errors relative to the size of a state, where no other is given. */
 #define FP3_RUN_BOUND 1e-3

@@ -5,6 +5,8 @@
 
 #include "lab/check/run_check.h"
 
+#include <fp3/recording.h>
+
 /* What is run: a program, or a scene; the other is NULL. */
 typedef struct {
     const fp3_program *program;

@@ -6,7 +6,7 @@
 #include "files.h"
 
 #include <argp.h>
-#include <fp3/program.h>
+#include <fp3/recording.h>
 
 typedef struct {
     fp3_recording_def def; /* path and plot NULL: nothing is recorded */

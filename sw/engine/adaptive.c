@@ -227,7 +227,7 @@ static fp3_status end_fixed(fp3_engine *engine, uint64_t steps) {
     return status;
 }
 
-fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats) {
+fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t most, fp3_stats *stats) {
     FP3_HOST;
     fp3_stats sum = {0};
     fp3_status status = FP3_OK;

@@ -5,7 +5,7 @@
 
 #include "checkpoint.h"
 
-#include <fp3/program.h>
+#include <fp3/recording.h>
 
 typedef struct {
     int is_there;    /* hashes are needed: the state is open */

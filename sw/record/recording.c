@@ -2,6 +2,7 @@
 /* recording.c - a run in parts: after each, who failed in it is asked, and a snapshot or a
  * checkpoint is taken. */
 #include <fp3/program.h>
+#include <fp3/recording.h>
 
 #include "checkpoints.h"
 #include "expected.h"
@@ -394,7 +395,7 @@ static fp3_status run_adaptive_part(fp3_recording *r) {
     fp3_stats part = {0};
     fp3_status status = fp3_targets_set(&r->targets, &r->source, (size_t)r->next - 1);
     if (!status)
-        status = fp3_engine_advance(r->source.engine, r->attempts, &part);
+        status = fp3_adaptive_run(r->source.engine, r->attempts, &part);
     const fp3_status counted = add_counters(r, &part);
     return status ? status : counted;
 }

@@ -4,6 +4,7 @@
 #define FP3_SCENE_ADAPTIVE_H
 
 #include <fp3/program.h>
+#include <fp3/scene.h>
 
 #include "base/settings.h"
 

@@ -9,7 +9,7 @@
 #include "grid.h"
 #include "table.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 typedef struct {
     const config_setting_t *grid_at, *random_at, *points_at; /* NULL: it is not there */

@@ -376,7 +376,7 @@ static fp3_status tell_failures(fp3_batch *b) {
                     b->used, text);
 }
 
-fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
+fp3_status fp3_batch_run(fp3_batch *b, uint64_t steps) {
     FP3_HOST;
     if (!b)
         return FP3_E_ARGUMENT;
@@ -388,7 +388,7 @@ fp3_status fp3_batch_step(fp3_batch *b, uint64_t steps) {
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
         status = fp3_engine_wake(b->engine, 0, b->used);
     if (!status && b->used)
-        status = b->is_adaptive ? fp3_engine_advance(b->engine, steps, NULL)
+        status = b->is_adaptive ? fp3_adaptive_run(b->engine, steps, NULL)
                                 : fp3_engine_run(b->engine, steps, NULL);
     if (status || !steps)
         return status;

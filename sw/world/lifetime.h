@@ -5,7 +5,7 @@
 
 #include "base/settings.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 /* `born` and `gone` of a group: a step, or [FIRST, LAST]. What is not there is 0 and FP3_FOREVER.
  * Its objects are counted already. Wrong: an object that is not gone after its birth. */

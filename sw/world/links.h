@@ -7,7 +7,7 @@
 #include "base/settings.h"
 #include "grid.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 /* The setting `links` of a group whose number of objects is known. grid: NULL: it has none. */
 fp3_status fp3_links_read(const fp3_settings *s, const config_setting_t *from, const fp3_grid *grid,

@@ -5,7 +5,7 @@
 
 #include "base/settings.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 /* The setting `only` of a group, whose program, objects and other values are there. */
 fp3_status fp3_only_read(const fp3_settings *s, const config_setting_t *from,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* scene.c - a scene from its file to an engine. */
 #include <fp3/program.h>
+#include <fp3/scene.h>
 
 #include "adaptive.h"
 #include "apply.h"

@@ -3,7 +3,7 @@
 #ifndef FP3_SCENE_READ_H
 #define FP3_SCENE_READ_H
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 /* Fills what the file at scene->path says; config replaces the file's unless it is NULL. After a
  * failure the scene is half full, and may be closed. */

@@ -4,6 +4,7 @@
 #define FP3_SCENE_SPLIT_H
 
 #include <fp3/program.h>
+#include <fp3/scene.h>
 
 /* Each part executes the program's first and last part, which must only prepare and complete values
  * (docs/architecture.md). What the compiler makes is like that. why: what splits the run, for the

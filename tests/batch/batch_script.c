@@ -126,7 +126,7 @@ static void obey(char *line) {
     else if (!strcmp(word[0], "write") || !strcmp(word[0], "double"))
         write_column(word, count, word[0][0] == 'd');
     else if (!strcmp(word[0], "step"))
-        say(fp3_batch_step(batch, strtoull(word[1], NULL, 10)));
+        say(fp3_batch_run(batch, strtoull(word[1], NULL, 10)));
     else if (!strcmp(word[0], "use"))
         say(fp3_batch_use(batch, strtoull(word[1], NULL, 10)));
     else if (!strcmp(word[0], "restart"))

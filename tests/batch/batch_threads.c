@@ -33,7 +33,7 @@ static fp3_status play(player *p, int is_shared) {
             column[i] = 1 + (float)(i % 100) / 64 + (float)frame;
         status = fp3_batch_write(batch, p->param, 0, OBJECTS, column);
         if (!status)
-            status = fp3_batch_step(batch, 40);
+            status = fp3_batch_run(batch, 40);
         if (!status)
             status =
                 fp3_batch_read(batch, &p->state, 1, 0, OBJECTS, (float *[]){p->column[is_shared]});

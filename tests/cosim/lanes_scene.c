@@ -12,7 +12,7 @@
 #include "engine/common/partition.h"
 #include "foreseen.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 #include <inttypes.h>
 #include <machine/cycles.h>
 #include <stdio.h>

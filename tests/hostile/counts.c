@@ -5,6 +5,7 @@
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
+#include <fp3/recording.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -126,7 +127,7 @@ static fp3_status record(bench *b, size_t observed, size_t times) {
 }
 
 CALL(run, fp3_engine_run(b->engine, first, NULL))
-CALL(step_batch, fp3_batch_step(b->batch, first))
+CALL(step_batch, fp3_batch_run(b->batch, first))
 
 /* ---- the rows ---- */
 

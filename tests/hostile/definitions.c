@@ -7,6 +7,7 @@
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
+#include <fp3/recording.h>
 #include <fp3/tune.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -176,7 +177,7 @@ int main(void) {
     fp3_batch *batch = NULL; /* could not be opened */
     float x = 0;
     fp3_failure failure;
-    printf("NULL: %d %d %d %d %d %d %d %d %d %d %d, %zu %d %g\n", (int)fp3_batch_step(batch, 1),
+    printf("NULL: %d %d %d %d %d %d %d %d %d %d %d, %zu %d %g\n", (int)fp3_batch_run(batch, 1),
            (int)fp3_batch_set(batch, "x", 1), (int)fp3_batch_write(batch, "x", 0, 1, &x),
            (int)fp3_batch_write_double(batch, "x", 0, 1, &(double){0}),
            (int)fp3_batch_read(batch, (const char *[]){"x"}, 1, 0, 1, (float *[]){&x}),

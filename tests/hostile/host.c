@@ -99,7 +99,7 @@ static void use_batch(void) {
     def.error = &error;
     CHECK(fp3_batch_open(&def, &batch));
     CHECK(fp3_batch_write_double(batch, "k", 0, OBJECTS, k));
-    CHECK(fp3_batch_set(batch, "s", 0.7) || fp3_batch_step(batch, 10));
+    CHECK(fp3_batch_set(batch, "s", 0.7) || fp3_batch_run(batch, 10));
     CHECK(fp3_batch_read_double(batch, (const char *[]){"k"}, 1, 0, OBJECTS, (double *[]){v}));
     show("k", v, sizeof v);
     CHECK(fp3_batch_read_double(batch, (const char *[]){"v"}, 1, 0, OBJECTS, (double *[]){v}));

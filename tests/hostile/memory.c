@@ -9,6 +9,8 @@
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
+#include <fp3/recording.h>
+#include <fp3/scene.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -153,7 +155,7 @@ static fp3_status step_batch(void) {
     if (!status)
         status = fp3_batch_write(batch, "m", 0, 5, m);
     if (!status)
-        status = fp3_batch_step(batch, 3);
+        status = fp3_batch_run(batch, 3);
     if (!status)
         status = fp3_batch_read(batch, (const char *[]){"v"}, 1, 0, 5, (float *[]){m});
     fp3_batch_close(&batch);

@@ -239,7 +239,7 @@ def test_a_missing_file_is_named(copy):
 
 
 @pytest.mark.parametrize("old, new, told", [
-    ("fp3_status fp3_batch_step(", "fp3_statuz fp3_batch_step(", "fp3_statuz"),
+    ("fp3_status fp3_batch_run(", "fp3_statuz fp3_batch_run(", "fp3_statuz"),
     ("size_t objects; ", "size_t objects : 3; ", "objects : 3"),
     ("fp3_status fp3_batch_restart(fp3_batch *batch);", "fp3_batch_restart;", "expected a declaration in one of our forms")])
 def test_a_header_of_another_form_is_refused(copy, old, new, told):

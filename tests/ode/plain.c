@@ -8,7 +8,7 @@
  */
 #include "lab/bench/loop.h"
 
-#include <fp3/truth.h>
+#include <fp3/convergence.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

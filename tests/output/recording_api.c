@@ -1,9 +1,10 @@
-/* recording_api.c - fp3/program.h from a program: what it promises, what it refuses. Prints a line
- * for each promise that is broken.
+/* recording_api.c - fp3/recording.h from a program: what it promises, what it refuses. Prints a
+ * line for each promise that is broken.
  *
  *     build/tests/recording_api MODEL      writes api.csv
  */
 #include <fp3/program.h>
+#include <fp3/recording.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>

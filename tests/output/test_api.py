@@ -1,4 +1,4 @@
-"""fp3/program.h as a program uses it."""
+"""fp3/recording.h as a program uses it."""
 
 import subprocess
 

@@ -1,5 +1,5 @@
 /* Runs a scene: the first state of each group's first object, and what the run cost. */
-#include <fp3/program.h>
+#include <fp3/scene.h>
 #include <stdio.h>
 
 static fp3_status run(const fp3_scene *scene, fp3_error *error) {
@@ -11,7 +11,7 @@ static fp3_status run(const fp3_scene *scene, fp3_error *error) {
     if (!status)
         status = fp3_scene_load(scene, engine, error);
     if (!status)
-        status = fp3_engine_advance(engine, scene->steps, &stats);
+        status = fp3_adaptive_run(engine, scene->steps, &stats);
     for (size_t i = 0; !status && i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
         const char *name = group->program->image->symbols[0].name;

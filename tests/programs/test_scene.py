@@ -249,7 +249,7 @@ def test_models_in_a_scene_are_compiled_for_it(run, root):
 def test_a_c_program_runs_a_scene(run, root, build):
     """The example that the page names, by public headers alone: what the command prints, its errors."""
     source = (root / "tests/programs/scene_api.c").read_text()
-    assert set(re.findall("#include (.*)", source)) == {"<fp3/program.h>", "<stdio.h>"}
+    assert set(re.findall("#include (.*)", source)) == {"<fp3/scene.h>", "<stdio.h>"}
     assert "](../tests/programs/scene_api.c)" in (root / "docs/scenes.md").read_text()
 
     def start(path):

@@ -57,17 +57,17 @@ def test_what_solve_ivp_refuses(options, told):
     (lambda b: b.__setitem__("g", [1, 2, 3, 4]), "one number for all"), (lambda b: b.__setitem__("h", 0), "h"), (lambda b: b.write("x", [1], 4), "object 4"),
     (lambda b: b.write("x", [1, 2], 3), "object 3"), (lambda b: b.write("x", [1], -1), "first"), (lambda b: b.write("x", [1], 2**63), "4 objects"), (lambda b: b.read("x", 5), "first"),
     (lambda b: b.read("x", 0, 5), "count"), (lambda b: b.read("x", out=np.zeros(3)), "out"), (lambda b: b.read("x", out=[0] * 4), "out"), (lambda b: b.read("x", out=np.zeros(4, int)), "out"),
-    (lambda b: b.read("x", out=b["x"]), "out"), (lambda b: b.step(-1), "steps"), (lambda b: b.step(2**32), "steps"), (lambda b: b.step(1.5), "steps"),
+    (lambda b: b.read("x", out=b["x"]), "out"), (lambda b: b.run(-1), "steps"), (lambda b: b.run(2**32), "steps"), (lambda b: b.run(1.5), "steps"),
     (lambda b: b.use(5), "there are 4"), (lambda b: b.use(-1), "count"), (lambda b: b.link("near", [0], [1]), "near"), (lambda b: b.link("near", [0], [1, 2]), "one of each"),
     (lambda b: b.link("near", [0.5], [1]), "whole"), (lambda b: b.link("near", [-1], [1]), "-1"), (lambda b: b.link("near", [0], [1], f=[1, 2]), "shape")])
 def test_what_a_batch_refuses(misuse, told):
     with fp3.Batch(TEXT, 4) as batch:
-        batch.step()
+        batch.run()
         before = batch.read("x")
         with pytest.raises(fp3.Error, match=told):
             misuse(batch)
         assert np.array_equal(batch.read("x"), before)
-        batch.step()
+        batch.run()
 
 
 @pytest.mark.parametrize("options", [{"objects": 0}, {"objects": 2**33}, {"objects": 2**26}, {"h": -1}, {"h": NAN}, {"tolerance": -1}, {"tolerance": NAN}, {"engine": "x"},
@@ -81,7 +81,7 @@ CABLE = fp3.Model("param k = 1\nlinks rope(rest = 1)\nstate x[2] = (1, 0)\nstep 
 NUMBERS = {
     "set": lambda b, v: b.__setitem__("k", v), "write": lambda b, v: b.write("k", v), "write some": lambda b, v: b.write("k", [v]),
     "first": lambda b, v: b.write("k", [1.0], v),
-    "count": lambda b, v: b.read("k", 0, v), "from": lambda b, v: b.read("k", v), "use": lambda b, v: b.use(v), "step": lambda b, v: b.step(v),
+    "count": lambda b, v: b.read("k", 0, v), "from": lambda b, v: b.read("k", v), "use": lambda b, v: b.use(v), "run": lambda b, v: b.run(v),
     "link": lambda b, v: b.link("rope", [0], v), "link one": lambda b, v: b.link("rope", [0], [v]), "field": lambda b, v: b.link("rope", [0], [1], rest=v),
     "fields": lambda b, v: b.link("rope", [0], [1], rest=[v]),
     **{name: lambda b, v, name=name: fp3.Batch(TEXT, **{name: v}) for name in ("objects", "h", "skin", "threads", "until")},
@@ -202,7 +202,7 @@ class ClosesAsNumber:
 
 CLOSING = [lambda b, v: b.__setitem__("x", v), lambda b, v: b.write("x", v), lambda b, v: b.write("x", [1.0], v), lambda b, v: b.read("x", v),
            lambda b, v: b.read("x", 0, v),
-           lambda b, v: b.use(v), lambda b, v: b.step(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]),
+           lambda b, v: b.use(v), lambda b, v: b.run(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]),
            lambda b, v: b.link("near", v, v),
            lambda b, v: b.link("near", [0], [1], f=v), lambda b, v: b.link(v, [0], [1])]
 
@@ -227,7 +227,7 @@ def test_a_signal_handler_closes_the_batch():
             signal.setitimer(signal.ITIMER_REAL, 0.0003 + 0.0001 * turn)
             try:
                 while True:
-                    batch.step()
+                    batch.run()
                     batch["x"], batch["k"] = 0.5, x[:1].repeat(50)
                     batch.use(50)
             except fp3.ArgumentError as error:
@@ -252,7 +252,7 @@ batch, scene, stop = fp3.Batch({TEXT!r}, 20_000, threads=1), fp3.Scene({str(ROOT
 def work():
     while not stop:
         with batch._c(), scene._c(), fp3._library._lock:
-            batch.step(20)
+            batch.run(20)
 fp3.Batch({TEXT!r})
 thread = threading.Thread(target=work)
 thread.start()
@@ -262,7 +262,7 @@ for turn in range(3):
     if not child:
         signal.alarm(60)  # if it hangs
         refused = 0
-        for use in (batch.step, scene.run, lambda: batch["x"], lambda: batch.time):
+        for use in (batch.run, scene.run, lambda: batch["x"], lambda: batch.time):
             try:
                 use()
             except fp3.ArgumentError as error:
@@ -271,12 +271,12 @@ for turn in range(3):
         scene.close()
         fp3._library._loaded = None
         with fp3.Batch({TEXT!r}, 50) as own:
-            own.step()
+            own.run()
         os._exit(refused)
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 stop.append(1)
 thread.join()
-batch.step()
+batch.run()
 """)
     assert told.split() == ["4"] * 3
 
@@ -297,19 +297,19 @@ thread.start()
 begun.wait()
 child = os.fork()
 if not child:
-    fp3.Batch({TEXT!r}).step()
+    fp3.Batch({TEXT!r}).run()
     os._exit(len(done))
 with fp3._library.loading:
     inner = os.fork()  # one that this thread itself is in, as a signal handler may be, waits for nobody
     if not inner:
         os._exit(2)
 print([os.waitstatus_to_exitcode(os.waitpid(each, 0)[1]) for each in (child, inner)])
-fp3.Batch({TEXT!r}).step()
+fp3.Batch({TEXT!r}).run()
 """)
     assert told.split("\n")[0] == "[1, 2]"
 
 
-USES = [lambda b: b["x"], lambda b: b.step(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.use(1), lambda b: b.restart(), lambda b: b.time,
+USES = [lambda b: b["x"], lambda b: b.run(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.use(1), lambda b: b.restart(), lambda b: b.time,
         lambda b: b.how, lambda b: b.failure(), lambda b: b.status(), lambda b: b.link("near", [0], [1])]
 
 
@@ -330,7 +330,7 @@ def test_threads_follow_each_other():
 
     def work():
         for _ in range(40):
-            batch.step(1)
+            batch.run(1)
             now = batch.read("x")
             if not (now == now[0]).all():
                 wrong.append(1)
@@ -356,22 +356,22 @@ def test_a_fork(python):
     told = python(f"""
 import os, fp3
 batch = fp3.Batch({TEXT!r}, 50_000, threads=2)
-batch.step(50)
+batch.run(50)
 x = batch["x"]
 child = os.fork()
 if not child:
     try:
-        batch.step()
+        batch.run()
     except fp3.ArgumentError as error:
         assert "forked" in str(error)
         own = fp3.Batch({TEXT!r}, 50_000, threads=2)
-        own.step(50)
+        own.run(50)
         assert (own["x"] == x).all()
         del own, batch
         print("child", flush=True)
     os._exit(0)
 assert os.waitpid(child, 0)[1] == 0
-batch.step()
+batch.run()
 print("parent")
 """)
     assert told.split() == ["child", "parent"]
@@ -420,8 +420,8 @@ def begun(environment, tmp_path):
 
 
 @pytest.mark.parametrize("call", ["fp3.solve_ivp(M, (0, 1e6), objects=20_000)", "fp3.solve_ivp(M, (0, 1e6), objects=20_000, rtol=1e-6, max_step=1e-3)",
-                                  "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')", "fp3.Batch(M, 20_000).step(2**31)",
-                                  "fp3.Batch(M, 20_000, tolerance=1e-6, maxstep=1e-3, until=1e6).step(2**31)"])
+                                  "fp3.solve_ivp(M, (0, 1e5), h=2**-5, objects=200, engine='isa')", "fp3.Batch(M, 20_000).run(2**31)",
+                                  "fp3.Batch(M, 20_000, tolerance=1e-6, maxstep=1e-3, until=1e6).run(2**31)"])
 def test_a_keyboard_interrupt_ends_a_long_run(begun, call):
     """Soon, and the session goes on. Each of these runs would take minutes."""
     script = textwrap.dedent(f"""

@@ -19,7 +19,7 @@ def test_bits_are_those_of_the_command(kepler, ran):
     with fp3.Batch(kepler, 9) as batch:
         batch["v_y"] = np.linspace(1.6, 1.8, 9)
         for _ in range(10):
-            batch.step(7)
+            batch.run(7)
         expected = ran("kepler", "-e", "isa", "-c", "many_full", "-N", 9, "-n", 70, "--spread", "v_y=1.6:1.8")[-1]
         for name in kepler.states:
             assert batch[name].dtype == np.float32 and np.array_equal(batch[name], np.array(expected[name], np.float32)), name
@@ -31,7 +31,7 @@ def test_engines_and_arithmetics(options):
     with fp3.Batch(DECAY, 5, **options) as batch, fp3.Batch(DECAY, 5, arithmetic=options.get("arithmetic", "plain")) as fast:
         for of in (batch, fast):
             of["k"] = np.arange(1, 6) / 7
-            of.step(3)
+            of.run(3)
         assert np.array_equal(batch["x"], fast["x"]) and batch["x"].dtype == (np.float64 if "double-single" in options.values() else np.float32)
 
 
@@ -41,7 +41,7 @@ def test_a_column_is_the_engines_own_memory():
     address = x.ctypes.data
     assert isinstance(x, fp3.Column) and not x.flags.owndata and not x.flags.writeable and (x == 1).all()
     batch["k"] = np.linspace(0, 1, 1000)
-    batch.step(5)
+    batch.run(5)
     assert x[0] == 1 and x[-1] < 0.8 and batch["x"].ctypes.data == address and np.array_equal(x, batch.read("x"))
     batch["x"] = 3
     assert (batch["x"] == 3).all() and (x == 3).all()
@@ -54,7 +54,7 @@ def test_dlpack():
     batch = fp3.Batch(DECAY, 100)
     x = batch["x"]
     taken = np.from_dlpack(x)
-    batch.step(3)
+    batch.run(3)
     assert np.array_equal(taken, x) and taken[0] < 1 and taken.ctypes.data == x.ctypes.data and x.__dlpack_device__() == (1, 0)
     del x, batch
     gc.collect()
@@ -66,14 +66,14 @@ def test_dlpack():
 def test_a_column_outlives_its_batch():
     batch = fp3.Batch(DECAY, 100_000)
     x = batch["x"]
-    batch.step(1)
+    batch.run(1)
     expected = x.copy()
     batch.close()
     del batch
     gc.collect()
     other = [fp3.Batch(DECAY, 100_000) for _ in range(3)]
     for of in other:
-        of.step(7)
+        of.run(7)
     assert np.array_equal(x, expected)
 
 
@@ -89,7 +89,7 @@ def test_writing_takes_arrays_of_any_kind():
         out = np.empty(6)
         assert batch.read("x", out=out) is out and out[3] == 8
         batch["h"] = 0.125
-        batch.step()
+        batch.run()
         assert batch.time == 0.125
 
 
@@ -98,34 +98,34 @@ def test_float64_is_rounded_as_the_command_rounds(ran, tmp_path):
     expected = ran(tmp_path / "decay.ode", "-e", "fast", "-c", "many_full", "-N", 1, "-n", 9, "--set", "k=0.1234567890123")[-1]
     with fp3.Batch(DECAY) as batch:
         batch["k"] = np.array([0.1234567890123])
-        batch.step(9)
+        batch.run(9)
         assert batch["x"][0] == np.float32(expected["x"][0])
 
 
 def test_many_steps_at_once_are_the_same_steps(kepler, ran):
     """They are made in parts, the first of 64 steps."""
     with fp3.Batch(kepler, 3) as batch:
-        batch.step(5000)
+        batch.run(5000)
         expected = ran("kepler", "-e", "fast", "-c", "many_full", "-N", 3, "-n", 5000)[-1]
         assert batch.time == 5000 / 64 and np.array_equal(batch["r_x"], np.array(expected["r_x"], np.float32))
     with fp3.Batch(kepler, 3, tolerance=1e-6, until=125) as batch:
-        batch.step(10**6)
+        batch.run(10**6)
         assert (batch["t"] == 125).all() and (batch["accepted"] > 300).all()
     with fp3.Batch("param a = 1\nstate x = 1\nstep 0.125\nx' = a*x*x\n", 3, params={"a": [0.01, 0.02, 0.03]}) as batch, \
             pytest.raises(fp3.FailedError, match="at least [123] of 3 objects failed, first object 2 in step"):
-        batch.step(4000)
+        batch.run(4000)
 
 
 def test_use_and_restart():
     with fp3.Batch(DECAY, 4) as batch:
-        batch.step(2)
+        batch.run(2)
         batch.use(2)
         assert batch.used == 2 and len(batch) == 4
         before = batch.read("x")
-        batch.step(2)
+        batch.run(2)
         assert (batch["x"][:2] < before[:2]).all() and np.array_equal(batch["x"][2:], before[2:])
         batch.use(0)
-        batch.step(1)
+        batch.run(1)
         batch.use(4)
         batch.restart()
         assert (batch["x"] == 1).all() and batch.time == 0
@@ -137,10 +137,10 @@ def test_starts_follow_params():
         x = batch["x"]
         assert batch.read("x").tolist() == x.tolist() == [6, 6]
         batch["x0"], batch["y"] = [5, 6], 0.5
-        batch.step()
+        batch.run()
         assert x.tolist() == [10, 12] and batch["y"].tolist() == [1.125, 1.25]
         batch["x0"] = 7
-        batch.step()
+        batch.run()
         assert x.tolist() == [10, 12], "objects that have moved go on from where they are"
         batch.restart()
         assert batch.read("x").tolist() == [14, 14] and batch.read("y").tolist() == [0.5, 0.5]
@@ -150,15 +150,15 @@ def test_failures_are_told():
     with fp3.Batch("param a = 0\nstate x = 1\nstep 0.125\nx' = a*x*x\n", 3) as batch:
         batch["a"] = [0.0, 0.0, 1e30]
         with pytest.raises(fp3.FailedError, match="1 of 3 objects failed, first object 2 in step 1: overflow"):
-            batch.step(2)
+            batch.run(2)
         failure = batch.failure()
         assert (failure.failed, failure.object, failure.step) == (1, 2, 1) and batch.status()["failed"].tolist() == [0, 0, 1]
         assert batch["x"][:2].tolist() == [1, 1]
         batch["x"], batch["a"] = 1, 0
-        batch.step()
+        batch.run()
         assert batch.failure() is None
         batch["a"] = [0.0, 0.0, 1e30]
-        batch.step(check_failures=False)
+        batch.run(check_failures=False)
 
 
 def test_chosen_steps_to_each_frame(kepler, ran):
@@ -166,13 +166,13 @@ def test_chosen_steps_to_each_frame(kepler, ran):
         batch["v_y"] = np.linspace(1.6, 1.8, 5)
         for frame in (1.0, 2.0, 3.5):
             batch["until"] = frame
-            batch.step(1000)
+            batch.run(1000)
             assert (batch["t"] == frame).all()
         expected = ran("kepler", "-e", "fast", "-c", "many_full", "-N", 5, "--tolerance", "1e-5", "--spread", "v_y=1.6:1.8", "--times", "1,2,3.5")[-1]
         assert np.array_equal(batch["r_x"], np.array(expected["r_x"], np.float32))
         batch["until"] = 9
         while (batch["t"] < 9).any():
-            batch.step(2)  # who may go on has not failed
+            batch.run(2)  # who may go on has not failed
             assert batch.failure() is None
 
 
@@ -182,9 +182,9 @@ def test_links(root):
     with fp3.Batch(cloth, 4) as batch:
         batch["x_x"] = [0.0, 0.05, 0.1, 0.15]
         with pytest.raises(fp3.ArgumentError, match="links"):
-            batch.step()
+            batch.run()
         batch.link(relation, [0, 1, 2], [1, 2, 3], rest=0.05)
-        batch.step(3)
+        batch.run(3)
         moved = batch["x_x"]
         with pytest.raises(ValueError):
             moved[0] = 1
@@ -195,12 +195,12 @@ def test_links(root):
         with pytest.raises(fp3.ArgumentError):
             batch.link("no_such", [0], [1])
         moved = moved.copy()
-        batch.step()
+        batch.run()
         batch.link(relation, [], [])
-        batch.step()
+        batch.run()
     with fp3.Batch(cloth, 4, links={relation: ([0, 1, 2], [1, 2, 3], {"rest": 0.05})}) as again:
         again["x_x"] = [0.0, 0.05, 0.1, 0.15]
-        again.step(3)
+        again.run(3)
         assert np.array_equal(again["x_x"], moved)
 
 
@@ -209,7 +209,7 @@ def test_near(root):
         batch["x_x"] = np.linspace(0.1, 3, 500)
         batch["x_y"] = np.linspace(0.1, 3, 500) % 0.7
         before = batch.read("x_x")
-        batch.step(3, check_failures=False)
+        batch.run(3, check_failures=False)
         assert not np.array_equal(before, batch["x_x"])
 
 
@@ -218,11 +218,11 @@ def test_two_at_one_place_and_one_far_away():
     with fp3.Batch(CONTACT, 4, method="semi_implicit_euler") as batch:
         batch["x_x"] = [3.0, 3.0, 9.0, 12.0]
         with pytest.raises(fp3.FailedError, match="2 of 4 objects failed, first object 0 in step 1: invalid.* at the same place as object 1"):
-            batch.step()
+            batch.run()
         batch["x_x"], batch["v"] = [3.0, 6.0, 9.0, 12.0], [0, 0, 0, 3e38]
         batch["F"] = [0, 0, 0, 3e38]
         with pytest.raises(fp3.FailedError, match="1 of 4 objects failed, first object 3"):
-            batch.step(64)
+            batch.run(64)
         assert batch["x_x"].tolist()[:3] == [3, 6, 9] and batch.status()["failed"].tolist()[:3] == [0, 0, 0]
 
 
@@ -254,13 +254,13 @@ def test_columns_taken_before_the_loop(text, options):
             x, part, force = batch["x_x"], np.asarray(batch["x_x"])[1:], batch["F"]
             for frame in range(9):
                 batch["F"] = 1 - (x if is_hoisted else batch.read("x_x"))
-                batch.step(2)
+                batch.run(2)
                 assert np.array_equal(x, batch.read("x_x")) and np.array_equal(part, x[1:]) and np.array_equal(force, batch.read("F"))
             batch["x_x"] = 7
             assert (x == 7).all()
             batch.restart()
             assert np.array_equal(batch["x_x"], np.array([0, 0.75, 3], x.dtype)) and np.array_equal(x, batch.read("x_x"))
-            batch.step(3)
+            batch.run(3)
             ends.append(x.copy())
         assert np.array_equal(x, ends[-1]), "it outlives its batch"
     assert np.array_equal(*ends)
@@ -271,7 +271,7 @@ def test_a_column_of_a_step_that_failed():
     with fp3.Batch("param a = 1e30\nstate x = 1\nstep 0.125\nx' = a*x*x\n", 2, engine="isa") as batch:
         x = batch["x"]
         with pytest.raises(fp3.FailedError):
-            batch.step(2)
+            batch.run(2)
         assert np.array_equal(x, batch.read("x"), equal_nan=True) and x[0] != 1
         del x
         gc.collect()
@@ -283,7 +283,7 @@ def test_several_names_are_one_array(options):
     """Also in part of a buffer of vertices, whose other numbers stay."""
     with fp3.Batch(DECAY, 5, **options) as batch:
         batch.write(("y", "k"), np.arange(10.0).reshape(5, 2))
-        batch.step(3)
+        batch.run(3)
         names = ("x", "y", "k")
         expected = np.stack([batch.read(name) for name in names], axis=1)
         assert np.array_equal(batch.read(names), expected) and batch.read(names).dtype == expected.dtype and expected[1, 2] == 3

@@ -194,10 +194,10 @@ def test_a_loop_costs_little_more_than_its_steps(root):
     for _ in range(400):
         begin = time.perf_counter()
         drones["F_x"], drones["F_y"] = force, force
-        drones.step()
+        drones.run()
         drones["x_x"], drones["x_y"]
         between = time.perf_counter()
-        drones._lib.fp3_batch_step(drones._handle.pointer, 1)
+        drones._lib.fp3_batch_run(drones._handle.pointer, 1)
         frames.append(between - begin)
         steps.append(time.perf_counter() - between)
     assert sorted(frames)[100] - sorted(steps)[100] < 0.2e-3

@@ -8,7 +8,7 @@
  */
 #include "engine/common/inside.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>

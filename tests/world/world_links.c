@@ -84,19 +84,19 @@ static void run_chain(const char *engine) {
     def.error = &error;
     in_plain_c(&links, expected);
     CHECK(!fp3_batch_open(&def, &made));
-    CHECK(fp3_batch_step(made, 1) == FP3_E_ARGUMENT && strstr(error.text, "no links are given"));
+    CHECK(fp3_batch_run(made, 1) == FP3_E_ARGUMENT && strstr(error.text, "no links are given"));
     CHECK(strstr(error.text, "columns a,b,k"));
     CHECK(!fp3_batch_link(made, "springs", &links));
     CHECK(!fp3_batch_write(made, "u", 0, N, start));
-    CHECK(!fp3_batch_step(made, 20) && !fp3_batch_step(made, STEPS - 20));
+    CHECK(!fp3_batch_run(made, 20) && !fp3_batch_run(made, STEPS - 20));
     CHECK(!fp3_batch_read(made, (const char *[]){"u"}, 1, 0, N, (float *[]){u}));
     CHECK(memcmp(u, expected, sizeof u) == 0);
     k[3] = 1; /* the batch has its own copy, which a restart gives the engine again */
-    CHECK(!fp3_batch_restart(made) && !fp3_batch_step(made, STEPS));
+    CHECK(!fp3_batch_restart(made) && !fp3_batch_run(made, STEPS));
     CHECK(!fp3_batch_read(made, (const char *[]){"u"}, 1, 0, N, (float *[]){again}));
     CHECK(memcmp(again, expected, sizeof u) == 0);
     CHECK(!fp3_batch_link(made, "springs", &links)); /* others, from now on */
-    CHECK(!fp3_batch_restart(made) && !fp3_batch_step(made, STEPS));
+    CHECK(!fp3_batch_restart(made) && !fp3_batch_run(made, STEPS));
     CHECK(!fp3_batch_read(made, (const char *[]){"u"}, 1, 0, N, (float *[]){again}));
     in_plain_c(&links, expected);
     CHECK(memcmp(again, expected, sizeof u) == 0);
@@ -141,7 +141,7 @@ static void refuse(void) {
     CHECK(strstr(error.text, "link 7 has k = inf"));
     CHECK(fp3_batch_use(made, N - 1) == FP3_E_ARGUMENT && strstr(error.text, "see each other"));
     CHECK(!fp3_batch_use(made, N));
-    CHECK(!fp3_batch_step(made, 1)); /* with the first links */
+    CHECK(!fp3_batch_run(made, 1)); /* with the first links */
     fp3_batch_close(&made);
     made = opened(balls, "fast");
     links = line();
@@ -168,17 +168,16 @@ static void grow(const char *engine, double skin, float x[N]) {
     CHECK(!fp3_batch_set(made, "R", 0.01) && !fp3_batch_set(made, "g_y", 0));
     CHECK(!fp3_batch_set(made, "side", 100) && !fp3_batch_set(made, "x_y", 10));
     CHECK(!fp3_batch_set(made, "x_z", 10) && !fp3_batch_write(made, "x_x", 0, N, at));
-    CHECK(!fp3_batch_step(made, 10));
+    CHECK(!fp3_batch_run(made, 10));
     CHECK(!fp3_batch_read(made, (const char *[]){"v_x"}, 1, 0, N, (float *[]){x}));
     CHECK(memcmp(x, none, sizeof none) == 0);
     CHECK(!fp3_batch_set(made, "R", 0.05));
-    CHECK(!fp3_batch_step(made, 100));
+    CHECK(!fp3_batch_run(made, 100));
     CHECK(!fp3_batch_read(made, (const char *[]){"x_x"}, 1, 0, N, (float *[]){x}));
     CHECK(x[0] < 9.99f && x[N - 1] > 13.52f);
     CHECK(!fp3_batch_set(made, "R", -1)); /* what cannot be is refused by the next step */
-    CHECK(fp3_batch_step(made, 1) == FP3_E_ARGUMENT &&
-          strstr(error.text, "reach of 'touch' is -2"));
-    CHECK(!fp3_batch_set(made, "R", 0.05) && !fp3_batch_step(made, 1));
+    CHECK(fp3_batch_run(made, 1) == FP3_E_ARGUMENT && strstr(error.text, "reach of 'touch' is -2"));
+    CHECK(!fp3_batch_set(made, "R", 0.05) && !fp3_batch_run(made, 1));
     fp3_batch_close(&made);
 }
 

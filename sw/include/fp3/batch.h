@@ -9,7 +9,7 @@
  *     def.error = &error;
  *     fp3_batch *ships = NULL;
  *     if (fp3_batch_open(&def, &ships) || fp3_batch_set(ships, "m", 2) ||
- *         fp3_batch_write(ships, "T", 0, 10000, thrust) || fp3_batch_step(ships, 100) ||
+ *         fp3_batch_write(ships, "T", 0, 10000, thrust) || fp3_batch_run(ships, 100) ||
  *         fp3_batch_read(ships, (const char *[]){"s", "v"}, 2, 0, 10000, (float *[]){s, v}))
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_batch_close(&ships);
@@ -23,7 +23,7 @@
  * threads, even if they have the same compiled program.
  *
  * docs/batch.md is an introduction. For single registers, cycles, counters and groups with several
- * programs, use fp3/engine.h and fp3/program.h.
+ * programs, use fp3/engine.h and fp3/program.h; for files with scenes, fp3/scene.h.
  */
 #ifndef FP3_BATCH_H
 #define FP3_BATCH_H
@@ -76,7 +76,7 @@ typedef struct {
     /* For near objects: lists reach farther by this share of the reach, so they stay valid until an
      * object has moved by half of that distance. 0 (default): 0.3. It changes no bit. */
     double skin;
-    int may_fail; /* 1: fp3_batch_step returns FP3_OK though objects failed */
+    int may_fail; /* 1: fp3_batch_run returns FP3_OK though objects failed */
 } fp3_batch_def;
 
 /* For fp3_batch_default() only. size is that of fp3_batch_def in the calling program. */
@@ -135,7 +135,7 @@ fp3_status fp3_batch_write_strided(fp3_batch *batch, const char *const *names, s
  * were written before the first step from this call on, states that were written later at once, and
  * params after the next step at the latest. NULL: there is no such column; fp3_batch_read gives a
  * copy. FP3_E_ARGUMENT: there is no such name, or a value computed from written values is refused
- * as in fp3_batch_step. */
+ * as in fp3_batch_run. */
 fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **values);
 
 /* ---- links (docs/relations.md) ----
@@ -159,7 +159,7 @@ fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_link
  * were made and values can be read, but objects failed in them (fp3_batch_failure); see may_fail.
  * An object that has made its attempts, and can go on to `until` in the next call, has not failed.
  * Other errors are those of fp3_engine_run. */
-fp3_status fp3_batch_step(fp3_batch *batch, uint64_t steps);
+fp3_status fp3_batch_run(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all objects do. The other objects cost
  * nothing. They keep their values, may be written and read, and go on from there when they are used
  * again. Each object counts its own steps, so one that joins later is at its own t. FP3_E_ARGUMENT:
@@ -171,7 +171,7 @@ double fp3_batch_time(const fp3_batch *batch);
  * stay as they are. */
 fp3_status fp3_batch_restart(fp3_batch *batch);
 
-/* Which of the used objects failed in the last fp3_batch_step, as fp3_engine_failure. text (may be
+/* Which of the used objects failed in the last fp3_batch_run, as fp3_engine_failure. text (may be
  * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if something was written, or
  * another number of objects used, since. With adaptive steps: which are stuck (FP3_ADAPTIVE_STUCK),
  * or have a state that is not finite; step is the number of accepted steps, and the members behind

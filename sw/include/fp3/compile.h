@@ -192,7 +192,7 @@ fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *param
  *         fp3_compile(model, integrator, &how, &compiled, &error))
  *         fprintf(stderr, "%s\n", error.text);
  *     // Load compiled->image and write its inputs, which fp3_compiled_inputs computes, then:
- *     if (fp3_engine_advance(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
+ *     if (fp3_adaptive_run(engine, FP3_ADAPTIVE_ATTEMPTS, &stats) ||
  *         fp3_adaptive_report_make(engine, 0, fp3_engine_objects(engine), &report))
  *         fprintf(stderr, "%s\n", error.text);
  *     else

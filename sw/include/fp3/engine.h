@@ -479,7 +479,7 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
  * interleave: its object cannot sleep, so short runs are made in order not to go far beyond the
  * object's end, where steps change nothing. Errors as for fp3_engine_run. FP3_E_PROGRAM: also if
  * the configuration interleaves, and a program with adaptive steps has no sleep. */
-fp3_status fp3_engine_advance(fp3_engine *engine, uint64_t most, fp3_stats *stats);
+fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t most, fp3_stats *stats);
 
 typedef struct {
     uint32_t least, median, most;

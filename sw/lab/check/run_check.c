@@ -192,7 +192,7 @@ static fp3_status run_again(fp3_run_check *c, fp3_error *error) {
     for (uint64_t i = 0; !status && i < parts; i++) {
         const uint64_t steps =
             c->is_adaptive ? 10 * c->run.steps : all * (i + 1) / parts - all * i / parts;
-        status = fp3_engine_advance(c->engine, steps < UINT32_MAX ? steps : UINT32_MAX, NULL);
+        status = fp3_adaptive_run(c->engine, steps < UINT32_MAX ? steps : UINT32_MAX, NULL);
         if (!status)
             status = look(c, (double)(i + 1) / (double)parts, error);
     }

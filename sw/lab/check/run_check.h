@@ -8,7 +8,7 @@
 
 #include "run_loss.h"
 
-#include <fp3/program.h>
+#include <fp3/scene.h>
 
 typedef struct fp3_run_check fp3_run_check;
 

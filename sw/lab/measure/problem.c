@@ -4,6 +4,7 @@
 
 #include "lab/bench/variants.h"
 
+#include <fp3/convergence.h>
 #include <fp3/truth.h>
 #include <math.h>
 #include <stdlib.h>

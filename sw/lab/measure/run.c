@@ -157,7 +157,7 @@ fp3_status fp3_measure_run_solve(const fp3_measure_run *e, const fp3_measure_pro
     if (status)
         return status;
     const double begin = fp3_measure_now();
-    status = fp3_engine_advance(e->engine, pace->count, stats);
+    status = fp3_adaptive_run(e->engine, pace->count, stats);
     *seconds = fp3_measure_now() - begin;
     if (status)
         return said(e, status, error);

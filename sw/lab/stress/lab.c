@@ -214,12 +214,12 @@ fp3_status fp3_lab_start(fp3_lab *lab, fp3_error *error) {
     if (!status)
         status = fp3_batch_write_rows(lab->batch, 0, objects, lab->params, lab->initial);
     if (!status)
-        status = fp3_batch_step(lab->batch, 0); /* the engine has all */
+        status = fp3_batch_run(lab->batch, 0); /* the engine has all */
     return told(lab, status, error);
 }
 
 fp3_status fp3_lab_run(fp3_lab *lab, uint64_t steps, fp3_error *error) {
-    return told(lab, fp3_batch_step(lab->batch, steps), error);
+    return told(lab, fp3_batch_run(lab->batch, steps), error);
 }
 
 static uint32_t register_of(const fp3_lab *lab, const char *state) {

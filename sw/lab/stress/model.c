@@ -4,6 +4,7 @@
 #include "suite.h"
 
 #include <fp3/compile.h>
+#include <fp3/convergence.h>
 #include <fp3/truth.h>
 #include <inttypes.h>
 #include <math.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* convergence.c - error against time step. */
+#include <fp3/convergence.h>
 #include <fp3/truth.h>
 #include <fp3/tune.h>
 

@@ -206,7 +206,7 @@ static fp3_status look_at(const measurement *k, uint64_t made, double *worst) {
 /* *made: in all, per object. */
 static fp3_status advance(const measurement *k, uint64_t steps, double *made) {
     fp3_stats stats;
-    const fp3_status status = fp3_engine_advance(k->meter->engine, steps, &stats);
+    const fp3_status status = fp3_adaptive_run(k->meter->engine, steps, &stats);
     if (!status)
         *made += (double)stats.object_steps / (double)k->sample->count;
     return status;
