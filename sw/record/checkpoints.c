@@ -33,7 +33,7 @@ fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine
                            .every = def->checkpoint_every,
                            .steps = def->steps,
                            .hashed = NEVER};
-    c->is_recorded = def->path && fp3_format_of(def->path)->has_hashes;
+    c->is_recorded = def->path && fp3_format_of(def->path)->is_hdf5;
     fp3_status status = fp3_past_open(engine, &c->past, error);
     if (!status && (def->checkpoint || def->restart || def->expected))
         status = refuse_adaptive(engine, error);

@@ -5,9 +5,10 @@
 #include <string.h>
 #include <strings.h>
 
+#define COMMA ,
 static const fp3_format formats[] = {
-    {{".h5", ".hdf5"}, fp3_hdf5_open, .can_compress = 1, .has_hashes = 1},
-    {{NULL}, fp3_csv_open, .can_compress = 0},
+    {{FP3_HDF5_ENDINGS(COMMA)}, fp3_hdf5_open, .is_hdf5 = 1},
+    {{NULL}, fp3_csv_open, .is_hdf5 = 0},
 };
 
 const fp3_format *fp3_format_of(const char *path) {

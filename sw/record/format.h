@@ -8,11 +8,13 @@
 typedef struct {
     const char *endings[2]; /* in letters of any case; none: any name */
     fp3_sink_open *open;
-    int can_compress, has_hashes;
+    int is_hdf5; /* can be compressed, and has hashes */
 } fp3_format;
 
+/* The endings of HDF5, with a separator between them. */
+#define FP3_HDF5_ENDINGS(OR) ".h5" OR ".hdf5"
 /* The table of format.c as a sentence. */
-#define FP3_FORMATS "as HDF5 if its name ends in .h5 or .hdf5, else as CSV"
+#define FP3_FORMATS "as HDF5 if its name ends in " FP3_HDF5_ENDINGS(" or ") ", else as CSV"
 
 const fp3_format *fp3_format_of(const char *path);
 

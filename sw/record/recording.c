@@ -77,10 +77,11 @@ static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, 
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "snapshots are at times or after every N steps: "
                         "found both");
-    if (def->is_compressed && !(def->path && fp3_format_of(def->path)->can_compress))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s: only HDF5 (a name that ends in .h5 or .hdf5) is compressed",
-                        def->path ? def->path : def->plot);
+    if (def->is_compressed && !(def->path && fp3_format_of(def->path)->is_hdf5))
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "%s: only HDF5 (a name that ends in " FP3_HDF5_ENDINGS(" or ") ") is compressed",
+            def->path ? def->path : def->plot);
     return def->steps <= UINT32_MAX
                ? FP3_OK
                : fp3_fail(error, FP3_E_ARGUMENT, "%" PRIu64 " steps: a run has 4294967295 at most",

@@ -67,7 +67,7 @@ fp3_status fp3_view_open(const char *path, fp3_view_recording **r, fp3_error *er
     if (!made)
         return fp3_no_memory(error);
     made->path = path;
-    fp3_status status = fp3_format_of(path)->open == fp3_hdf5_open || is_hdf5(path)
+    fp3_status status = fp3_format_of(path)->is_hdf5 || is_hdf5(path)
                             ? fp3_view_hdf5_open(made, error)
                             : fp3_view_csv_open(made, error);
     if (!status && !fill_texts(made))
