@@ -28,6 +28,12 @@ void fp3_files_write(fp3_files *files, const char *what, const char *path) {
     add(files, what, path, 1);
 }
 
+void fp3_files_keep(fp3_files *files, const char *what, const char *path) {
+    add(files, what, path, 1);
+    if (path && !files->is_full)
+        files->list[files->count - 1].is_kept = 1;
+}
+
 static int stream_of(const fp3_files *files, size_t i) {
     return fp3_path_stream(files->list[i].path, files->list[i].is_output);
 }
@@ -49,6 +55,8 @@ static int is_on_the_way(const fp3_files *files, const fp3_path_id *id, size_t o
 }
 
 static int collide(const fp3_files *files, const fp3_path_id *id, size_t i, size_t j) {
+    if (files->list[j].is_kept && i + 1 == j)
+        return 0;
     return are_one(files, id, i, j) || is_on_the_way(files, id, i, j) ||
            is_on_the_way(files, id, j, i);
 }

@@ -18,6 +18,7 @@ typedef struct {
     struct {
         const char *what, *path;
         int is_output;
+        int is_kept; /* the output in front of this one keeps its old content here */
     } list[FP3_FILES_MOST];
     size_t count;
     int is_full;
@@ -26,6 +27,9 @@ typedef struct {
 /* what: the option, or the argument's name. A path of NULL is no file. */
 void fp3_files_read(fp3_files *files, const char *what, const char *path);
 void fp3_files_write(fp3_files *files, const char *what, const char *path);
+/* Where the output that was added last keeps what it replaces. The two are not compared: while
+ * another process publishes, and after it was killed, both may be links of one file. */
+void fp3_files_keep(fp3_files *files, const char *what, const char *path);
 
 /* FP3_E_ARGUMENT: an output cannot be written, or is a file that is read or written by another
  * name, whatever the links; or standard input is read twice. Standard output counts, too, if it

@@ -4,7 +4,6 @@
 
 #include "arguments.h"
 #include "base/file.h"
-#include "base/path.h"
 
 #include <fp3/model.h>
 #include <stdio.h>
@@ -102,21 +101,12 @@ fp3_status fp3_run_record_command(fp3_run_record *record, int argc, char **argv,
     return FP3_OK;
 }
 
-/* A run that was killed while it gave its files their names leaves one file with both. */
-static int are_linked(const char *checkpoint, const char *before) {
-    fp3_path_id one, other;
-    return !fp3_path_identify(checkpoint, 1, &one) && !fp3_path_identify(before, 1, &other) &&
-           fp3_path_same(&one, &other);
-}
-
 void fp3_run_record_files(fp3_run_record *record, fp3_files *files) {
     const fp3_recording_def *def = &record->def;
     if (def->checkpoint)
         record->before = fp3_output_before(def->checkpoint);
-    fp3_files_write(files, "--checkpoint, before",
-                    record->before && !are_linked(def->checkpoint, record->before) ? record->before
-                                                                                   : NULL);
     fp3_files_write(files, "--checkpoint", def->checkpoint);
+    fp3_files_keep(files, "--checkpoint, before", record->before);
     if (def->restart && (!record->before || (strcmp(def->restart, def->checkpoint) != 0 &&
                                              strcmp(def->restart, record->before) != 0)))
         fp3_files_read(files, "--restart", def->restart);

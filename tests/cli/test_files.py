@@ -6,6 +6,7 @@ import resource
 import signal
 import stat
 import subprocess
+import threading
 import time
 
 import pytest
@@ -295,6 +296,32 @@ def test_a_run_that_a_signal_ends(fp3, start, folder, number):
     assert left == ({".fp3-a.ck.tmp", ".fp3-out.h5.tmp"} if number == signal.SIGKILL else set())
     assert start("run m.ode -e isa -n 9 --output out.h5 --checkpoint a.ck").returncode == 0
     assert not list(folder.glob(".fp3-*"))
+
+
+def test_a_checkpoint_that_another_process_gives_its_names(start, folder):
+    """Between two renames FILE and FILE.1 are links of one file. A run says who has the names, whenever it looks."""
+    at = folder / ".fp3-a.ck.tmp"
+    at.mkdir()
+    has, is_over = os.open(at, os.O_RDONLY), threading.Event()
+    fcntl.flock(has, fcntl.LOCK_EX)
+
+    def publish():
+        while not is_over.is_set():
+            (at / "new").write_text("")
+            os.link(folder / "a.ck", at / "before")
+            (at / "before").rename(folder / "a.ck.1")
+            (at / "new").rename(folder / "a.ck")
+
+    (folder / "a.ck").write_text("")
+    other = threading.Thread(target=publish)
+    other.start()
+    try:
+        said = {start("run m.ode -e isa -n 9 --checkpoint a.ck").stderr for _ in range(100)}
+    finally:
+        is_over.set()
+        other.join()
+        os.close(has)
+    assert said == {b"fp3 run: a.ck: another process is writing it\n"}
 
 
 def test_an_ignored_signal_stays_ignored(fp3, folder):
