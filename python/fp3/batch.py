@@ -178,17 +178,28 @@ class Batch(Owner):
         """Writes one number for each of the objects from `first` on; for several names, a row of numbers for each. After an error, columns
         of earlier names are written."""
         if isinstance(name, (list, tuple)):
-            for one in name:
-                name_bytes("name", one)
-            table = as_values("values", values)
-            if table.ndim != 2 or table.shape[1] != len(name):
-                raise ArgumentError(f"values: found shape {table.shape}, expected (objects, {len(name)}): a number of each name")
-            with self._c():  # no other thread's step between two columns
-                for k, one in enumerate(name):
-                    self.write(one, table[:, k], first, count)
+            self._write_table(name, as_values("values", values), as_count("first", first, 0, 2**63), count)
             return
         self._write(name, as_values(f"'{name}'", values), as_count("first", first, 0, 2**63),
                     None if count is None else as_count("count", count, 0, 2**63))
+
+    def _write_table(self, names: Sequence[str], table: "np.ndarray[Any, Any]", first: int, count: Optional[int]) -> None:
+        keys = [name_bytes("name", name) for name in names]
+        if table.ndim != 2 or table.shape[1] != len(keys):
+            raise ArgumentError(f"values: found shape {table.shape}, expected (objects, {len(keys)}): a number of each name")
+        if count is not None and len(table) != as_count("count", count, 0, 2**63):
+            raise ArgumentError(f"values: found {len(table)} rows, expected one for each of {count} objects")
+        with self._c() as c:  # no other thread's steps between two columns
+            if table.dtype != np.float32:  # the strided call takes no doubles
+                for k, name in enumerate(names):
+                    self._write(name, table[:, k], first, None)
+                return
+            rows = np.require(table, np.float32, ["C", "A"])
+            try:
+                check(self._lib.fp3_batch_write_strided(c, (ctypes.c_char_p * len(keys))(*keys), len(keys), first, len(rows), rows.ctypes.data, len(keys)),
+                      self._error)
+            finally:
+                self._show(*names)
 
     def _write(self, name: str, array: "np.ndarray[Any, Any]", first: int, count: Optional[int]) -> None:
         key = name_bytes("name", name)

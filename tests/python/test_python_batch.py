@@ -297,6 +297,13 @@ def test_several_names_are_one_array(options):
         for wrong in (np.empty((5, 2), np.float32), np.empty((5, 3), np.int32), [0] * 15):
             with pytest.raises(fp3.ArgumentError):
                 batch.read(names, out=wrong)
+        x = batch["x"]
+        for kind in (np.float32, np.float64):  # columns of a larger array, and a part of the objects; what shows them, too
+            table = np.arange(40, dtype=kind).reshape(4, 10) + (kind == np.float32)
+            batch.write(names, table[:, 1:10:4], first=1)
+            assert np.array_equal(batch.read(names, 1), table[:, 1:10:4]) and np.array_equal(x[1:], table[:, 1])
+        with pytest.raises(fp3.ArgumentError, match=r"expected one for each of 3 objects"):
+            batch.write(names, np.zeros((2, 3), np.float32), 1, 3)
         with pytest.raises(fp3.ArgumentError):
             batch.write(names, np.zeros((5, 2)))
         with pytest.raises(fp3.ArgumentError):
