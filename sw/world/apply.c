@@ -78,8 +78,7 @@ static fp3_status take_quantity(fp3_object_values *of, const fp3_quantity *q, do
     fp3_status status = take(of, q->name, share, value, &is_spread, error);
     if (!status && q->is_shared && is_spread)
         status = fp3_value_wrong(of->given, q->name, error,
-                                 "parameter '%s' is spread, and the model has one for all objects",
-                                 q->name);
+                                 "'%s' is spread, and all objects have the same", q->name);
     *is_varied = (char)is_spread;
     of->is_spread |= is_spread;
     return status;

@@ -63,8 +63,8 @@ static fp3_status check_agreement(const asking *a, const fp3_value *v, double co
     if (!v->has_number || (float)given == (float)computed)
         return FP3_OK;
     return fp3_value_wrong(a->params, v->name, error,
-                           "parameter '%s' is %.9g, but it is %s, which is %.9g: leave it out",
-                           v->name, given, v->formula, computed);
+                           "'%s' is %.9g, but it is %s, which is %.9g: leave it out", v->name,
+                           given, v->formula, computed);
 }
 
 /* "h = 0.125, m = 2", if the formula is one of facts (language/formula.h) that do not hold now;
@@ -94,10 +94,10 @@ static char *facts_that_held(asking *a, const fp3_formula *formula) {
 static fp3_status refuse(asking *a, const fp3_value *v, const fp3_error *why, fp3_error *error) {
     char *held = facts_that_held(a, v->parsed);
     const fp3_status status =
-        held ? fp3_value_wrong(a->params, v->name, error,
-                               "parameter '%s' was computed for %s: compile again", v->name, held)
-             : fp3_value_wrong(a->params, v->name, error, "parameter '%s' is %s: %s", v->name,
-                               v->formula, why->text);
+        held ? fp3_value_wrong(a->params, v->name, error, "'%s' was computed for %s: compile again",
+                               v->name, held)
+             : fp3_value_wrong(a->params, v->name, error, "'%s' is %s: %s", v->name, v->formula,
+                               why->text);
     free(held);
     return status;
 }
@@ -106,7 +106,7 @@ static fp3_status compute(asking *a, const fp3_value *v, double *number, fp3_err
     fp3_error why;
     if (a->depth == FORMULA_DEPTH)
         return fp3_value_wrong(a->params, v->name, error,
-                               "parameter '%s' is made of itself, or of too many others", v->name);
+                               "'%s' is made of itself, or of too many others", v->name);
     a->depth++;
     fp3_formula *none;
     fp3_status status = v->parsed ? fp3_formula_value(v->parsed, value_of, a, number, &why)
@@ -122,7 +122,7 @@ static fp3_status compute(asking *a, const fp3_value *v, double *number, fp3_err
 static fp3_status ask(asking *a, const char *name, double *number, fp3_error *error) {
     const fp3_value *v = fp3_values_find(a->params, name);
     if (!v)
-        return fp3_value_wrong(a->params, name, error, "parameter '%s' has no value", name);
+        return fp3_value_wrong(a->params, name, error, "'%s' has no value", name);
     a->is_spread |= v->is_spread;
     if (v->formula)
         return compute(a, v, number, error);
@@ -189,8 +189,8 @@ fp3_status fp3_values_check(const fp3_params *params, fp3_values_has_fn *has, co
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < params->count; i++)
         if (!is_used[i])
-            status = fp3_value_wrong(params, params->list[i].name, error,
-                                     "the program has no parameter '%s'", params->list[i].name);
+            status = fp3_value_wrong(params, params->list[i].name, error, "the program has no '%s'",
+                                     params->list[i].name);
     free(is_used);
     return status;
 }

@@ -97,7 +97,7 @@ def test_some_values_are_set_and_others_spread(start):
 @pytest.mark.parametrize("text, message", [
     ("x", "'x' is not name=first:last"), ("x=1", "is not name=first:last"), ("x=1:", "'' is no number"),
     ("x=:1", "'' is no number"), ("x=1:2:3", "'2:3' is no number"), ("x=1:inf", "finite"), ("x=nan:1", "finite"),
-    ("h=0.1:0.2", "'h' is spread"), ("y=1:2", "no parameter 'y'"), ("1x=1:2", "'1x' is no name")])
+    ("h=0.1:0.2", "'h' is spread"), ("y=1:2", "no 'y'"), ("1x=1:2", "'1x' is no name")])
 def test_what_cannot_be_spread(start, text, message):
     done = start("run", "m.ode", "-e", "isa", "--spread", text)
     assert done.returncode == 2 and message in done.stderr, done.stderr

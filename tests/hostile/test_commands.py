@@ -109,7 +109,7 @@ LINES = {
     "run m.ode --set =1": "'' is no name",
     "run m.ode --set x=": "'x=': '' is no number",
     "run m.ode --set x=1;y=2": "is no number",
-    "run m.ode --set y=1": "no parameter 'y'",
+    "run m.ode --set y=1": "no 'y'",
     "run m.ode --set x=1e39": "'x' is 1e\\+39|too large|expected",
     "run m.ode --set h=0": "expected",
     "run m.ode --set h=-1": "expected",
@@ -119,7 +119,7 @@ LINES = {
     "run m.ode -o 16": "-o, --output: found '16', expected a file \\(./16\\); the number of objects is -N, --objects",
     "run m.ode --spread x=1": "is not name=first:last",
     "run m.ode --spread h=1:2": "'h' is spread",
-    "run p.fp3": "parameter 'x' has no value",
+    "run p.fp3": "'x' has no value",
     # names
     "run m.ode -c nope": "no configuration 'nope': there are",
     "compile m.ode -c nope": "no configuration 'nope': there are",

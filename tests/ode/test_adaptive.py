@@ -299,7 +299,7 @@ def test_compare_holds_every_word_against_the_equations(written, tmp_path):
     (["--tolerance", "1e-5", "--until", "0"], "--until: found '0', expected a number above 0"),
     (["--tolerance", "1e-5", "--set", "until=-1"], "'until' is -1: expected a finite time that does not come before t, 0"),
     (["--tolerance", "1e-5", "--set", "h_next=0"], "'h_next' is 0: expected a finite number above 0"),
-    (["--tolerance", "1e-5", "--set", "h=0.1"], "the program has no parameter 'h'"),
+    (["--tolerance", "1e-5", "--set", "h=0.1"], "the program has no 'h'"),
     (["--tolerance", "1e-5", "-i", "rk4"], "integrator 'rk4' has none"),
     (["--tolerance", "1e-5", "--output", "x.csv"], "--tolerance: objects have no step in common; expected --times"),
     (["--tolerance", "1e-5", "--output", "x.csv", "--times", "1,1"], "time 1 does not come after 1 in FP32"),

@@ -110,7 +110,7 @@ def test_steps_limit_attempts_where_all_groups_choose(scene):
 
 
 def test_a_c_program_runs_them(scene, tmp_path):
-    """fp3_engine_advance is what the command does."""
+    """fp3_adaptive_run is what the command does."""
     told = scene([CHOOSING, FIXED], settings='engine = "isa"; steps = 9;', config="shared_full").stdout
     done = subprocess.run([f"{BUILD}/tests/scene_api", tmp_path / "x.scene"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -133,7 +133,7 @@ def group(settings, program="planet.ode"):
     ([group("tolerance = 1e-8; until = 1.0;")], ":3: 'tolerance' is 1e-08: expected a number from 1.19e-07"),
     ([group("tolerance = 1e-3; until = 1e39;")], "x.scene:3: until is 1e+39: expected a number below 3.4028236e38"),
     ([group("tolerance = 1e-3; until = 1.0; spread = { until = [-1.0, 1.0]; };")], ":3: 'until' is -1: expected a finite time"),
-    ([group("tolerance = 1e-3; until = 1.0; set = {\nh = 0.5; };")], ":5: the program has no parameter 'h'"),
+    ([group("tolerance = 1e-3; until = 1.0; set = {\nh = 0.5; };")], ":5: the program has no 'h'"),
     ([group('tolerance = 1e-3; until = 1.0; integrator = "rk4";')], "x.scene:3: "),
     ([group("tolerance = 1e-3; until = 1.0;", "hold.s")], ":4: tolerance: only a model (*.ode) is compiled"),
     ([group("tolerance = 1e-3; until = 1.0;\nborn = 3;")], ":5: born, gone: are steps that a scene has in common"),

@@ -542,7 +542,7 @@ def test_a_configuration_that_cannot_reduce_angles_is_told_what_it_can_do():
     ([model("ship"), "-c", "none"], "no configuration 'none'"),
     ([model("ship"), "--with", "magic"], "expected a pass"),
     ([model("ship"), "--observe", "w"], "no state 'w'"),
-    ([model("ship"), "--params", "/dev/null", "--set", "w=1"], "no parameter 'w'"),
+    ([model("ship"), "--params", "/dev/null", "--set", "w=1"], "no 'w'"),
     ([model("ship"), "--params", "/dev/null", "--set", "m=0"], "finite"),
     ([model("ship"), "--params", "/dev/null", "--set", "m=x"], "m=x"),
     ([model("ship"), "-i", "stoermer_verlet"], ":17:15: error: integrator"),
@@ -573,7 +573,7 @@ def test_what_no_formula_gives_is_bound_to_what_it_depends_on(tmp_path, lines, i
     fp3(*compiling, "--params", params)
     kept = [final(image, params, 3, "single_full", setting) for setting in free]
     done = fp3("run", image, "-c", "single_full", "-e", "isa", "--params", params, "--set", given, check=False)
-    assert re.fullmatch(rf"fp3 run: {params}:\d+: parameter '{bound}\d*' was computed for {made}: compile again\n", done.stderr)
+    assert re.fullmatch(rf"fp3 run: {params}:\d+: '{bound}\d*' was computed for {made}: compile again\n", done.stderr)
     assert done.returncode == 2 and not done.stdout
     for setting, bits in zip(free, kept):
         fp3(*compiling, "--params", params, "--set", setting)

@@ -115,7 +115,7 @@ def test_an_image_for_other_words_is_refused(root, fp3_run, made, engine):
     for other, has in WORDS.items():
         for image in ("made.fp3", "again.fp3"):
             out = fp3_run("run", image, "-c", other, "-e", engine, "--steps", 1, status=2)
-            assert ("parameter 'v_x' has no value" if other == made else
+            assert ("'v_x' has no value" if other == made else
                     f"the program is made for {WORDS[made]}: words of configuration '{other}' are {has}") in out
 
 

@@ -164,7 +164,7 @@ def test_a_longest_step_of_any_model(run):
         _, done = run(text, "--tolerance", "1e-3", "--set", f"maxstep={bad}", status=2)
         assert "maxstep" in done.stderr
     _, done = run(text, "-n", "2", "--set", "maxstep=1", status=2)
-    assert "no parameter 'maxstep'" in done.stderr
+    assert "no 'maxstep'" in done.stderr
     _, done = run("param maxstep = 1\n" + text, "--tolerance", "1e-3", status=2)
     assert "adaptive steps add a 'maxstep' of their own" in done.stderr
 

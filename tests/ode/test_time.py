@@ -173,7 +173,7 @@ def test_stoermer_begins_at_0(written):
 
 def test_a_model_without_t_has_no_steps(written):
     refused = fp3("run", written("state y = 1\ny' = -y\nstep 1"), "--set", "steps=5", "-e", "isa", status=2)
-    assert "the program has no parameter 'steps'" in refused.stderr
+    assert "the program has no 'steps'" in refused.stderr
 
 
 def test_the_reference_counts_no_further(written):

@@ -69,9 +69,9 @@ def test_a_derived_value_that_does_not_agree_is_refused(start, root):
     start("compile", root / "programs/double_spring.ode", *FOLDED, "--image", "x.fp3", "--params", "x.cfg")
     run = ("run", "x.fp3", "-c", "single_full", "-e", "isa", "--params", "x.cfg")
     done = start(*run, "--set", "c7=0.25", code=2)
-    assert done.stderr == "fp3 run: parameter 'c7' is 0.25, but it is 0.5*h, which is 0.0009765625: leave it out\n"
+    assert done.stderr == "fp3 run: 'c7' is 0.25, but it is 0.5*h, which is 0.0009765625: leave it out\n"
     assert states(start(*run, "--set", "c7=0.0009765625").stdout) == states(start(*run).stdout)
-    assert "parameter 'c7' is 0.0009765625, but it is 0.5*h" in start(*run, "--set", "c7=0.0009765625", "--set", "h=0.5", code=2).stderr
+    assert "'c7' is 0.0009765625, but it is 0.5*h" in start(*run, "--set", "c7=0.0009765625", "--set", "h=0.5", code=2).stderr
 
 
 def test_a_position_before_the_start_holds_for_its_values_alone(start, root, tmp_path):
@@ -80,20 +80,20 @@ def test_a_position_before_the_start_holds_for_its_values_alone(start, root, tmp
     run = ("run", "x.fp3", "-c", "single_full", "-e", "isa", "-n", 5, "--params", "x.cfg")
     assert states(start(*run).stdout)[:4] == states(start("run", ode, "-i", "stoermer_verlet", "-e", "isa", "-n", 5).stdout)[:4]
     for other in ("h=0.01", "m=0.6", "x1=0.5", "v1=0.1"):
-        assert "parameter 'x1_before' was computed for h = 0.001953125" in start(*run, "--set", other, code=2).stderr
+        assert "'x1_before' was computed for h = 0.001953125" in start(*run, "--set", other, code=2).stderr
 
 
 @pytest.mark.parametrize("text,message", [
-    ('a = "b"; b = "a + 1";', "x.cfg:1: parameter 'a' is made of itself, or of too many others"),
-    ('a = "b*2"; ', "x.cfg:1: parameter 'a' is b*2: 'b' has no value"),
-    ('a = "2*";', "x.cfg:1: parameter 'a' is 2*: column 3: found end of"),
-    ('a = "";', "x.cfg:1: parameter 'a' is : column 1: found end of"),
-    ('a = "1/b"; b = 0;', "x.cfg:1: parameter 'a' is 1/b: column 1: found '1', expected a finite value"),
-    ('a = "log(b)"; b = -1;', "x.cfg:1: parameter 'a' is log(b): column 1: found 'log', expected a finite value"),
+    ('a = "b"; b = "a + 1";', "x.cfg:1: 'a' is made of itself, or of too many others"),
+    ('a = "b*2"; ', "x.cfg:1: 'a' is b*2: 'b' has no value"),
+    ('a = "2*";', "x.cfg:1: 'a' is 2*: column 3: found end of"),
+    ('a = "";', "x.cfg:1: 'a' is : column 1: found end of"),
+    ('a = "1/b"; b = 0;', "x.cfg:1: 'a' is 1/b: column 1: found '1', expected a finite value"),
+    ('a = "log(b)"; b = -1;', "x.cfg:1: 'a' is log(b): column 1: found 'log', expected a finite value"),
     ('a = "1e300*b"; b = 1e6;', "x.cfg:1: 'a' is 1e+306: expected"),
-    ('a = "b"; b = 1; c = 2;', "x.cfg:1: the program has no parameter 'c'"),
-    ('a = 1; b = "a";', "x.cfg:1: the program has no parameter 'b'"),
-    ('a = "b; b"; b = 1;', "x.cfg:1: parameter 'a' is b; b: column 2: found"),
+    ('a = "b"; b = 1; c = 2;', "x.cfg:1: the program has no 'c'"),
+    ('a = 1; b = "a";', "x.cfg:1: the program has no 'b'"),
+    ('a = "b; b"; b = 1;', "x.cfg:1: 'a' is b; b: column 2: found"),
 ])
 def test_wrong_formulas_are_refused(start, tmp_path, text, message):
     (tmp_path / "x.s").write_text(".state x\n.param a\nstep: add x, x, a\n")

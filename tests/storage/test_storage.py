@@ -66,7 +66,7 @@ def test_numbers_that_no_record_has_are_refused(run, engine):
 def test_a_parameter_that_would_lose_digits_is_refused(run):
     """A state may come near 0, and so may a parameter that a record has exactly."""
     said = run(SUM, "-e", "isa", "-N", 1, "--set", "x=1e-6", "--set", "v=1e-6", status=2)
-    assert "object 0, parameter 'v': 9.99999997e-07 is too small: configuration 'many_half' keeps records in binary16, where it would be 1.01327896e-06" in said
+    assert "object 0, param 'v': 9.99999997e-07 is too small: configuration 'many_half' keeps records in binary16, where it would be 1.01327896e-06" in said
     for v in ("0", "5.9604645e-8", "6.2e-5"):
         run(SUM, "-e", "isa", "-N", 1, "--set", "x=1e-6", "--set", f"v={v}")
 

@@ -173,7 +173,7 @@ WRONG = [
     (CHAIN, "grid = { count = 3; };\nonly = { objects = \"2..1\"; set = { w = 0.0; }; };", "4: objects: found '2..1', expected numbers of objects"),
     (CHAIN, "grid = { count = 3; };\nonly = { objects = 1; };", "4: expected set, a group of values"),
     (CHAIN, "grid = { count = 3; };\nonly = { objects = 1;\nset = { q = 0.0; }; };", "5: the model has no state or param 'q'"),
-    (CHAIN, "grid = { count = 3; };\nset = { w = \"2*3\"; };\nonly = { objects = 1;\nset = { w = 0.0; }; };\n" + LINKED, "6: parameter 'w' is 0, but it is 2*3, which is 6: leave it out"),
+    (CHAIN, "grid = { count = 3; };\nset = { w = \"2*3\"; };\nonly = { objects = 1;\nset = { w = 0.0; }; };\n" + LINKED, "6: 'w' is 0, but it is 2*3, which is 6: leave it out"),
     (CHAIN, "grid = { count = 3; };\nskin = 0.5;\n" + LINKED, "4: skin: the program has no relation `near`"),
     (BALLS, "objects = 3;\nskin = -1;", "4: skin: found '-1', expected a share of the reach, 0 to 1000"),
     (BALLS, "objects = 3;\nskin = 1001;", "4: skin: found '1001', expected a share of the reach, 0 to 1000"),
@@ -220,7 +220,7 @@ def test_columns_that_the_program_does_not_have(refused, start, folder):
     (folder / "links.csv").write_text("a,b\n0,1\n")
     (folder / "x.scene").write_text(CHAIN.format('points = "points.csv"; links = { relation = "springs"; file = "links.csv"; };'))
     done = start("--scene", "x.scene")
-    assert done.returncode == 2 and "points.csv:2: the program has no parameter 'speed'" in done.stderr
+    assert done.returncode == 2 and "points.csv:2: the program has no 'speed'" in done.stderr
     (folder / "links.csv").write_text("b,a\n0,1\n")
     assert "links.csv:1:1: error: expected a head of a,b and the names of fields" in refused((folder / "x.scene").read_text())
     (folder / "links.csv").write_text("a,b,stiff\n0,1,2\n")

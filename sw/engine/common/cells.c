@@ -91,12 +91,11 @@ static fp3_status check_small(fp3_engine *engine, fp3_cells cells, uint32_t word
     const char *name = off > bound ? param_of(engine, cells.first, cells.number) : NULL;
     if (!name)
         return FP3_OK;
-    return fp3_fail(
-        engine->def.error, FP3_E_ARGUMENT,
-        "object %zu, parameter '%s': %.9g is too small: configuration '%s' keeps records "
-        "in %s, where it would be %.9g (a shared constant has all bits)",
-        cells.first, name, (double)value, engine->config->name, fp3_storage_name(engine->config),
-        (double)kept);
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "object %zu, param '%s': %.9g is too small: configuration '%s' keeps records "
+                    "in %s, where it would be %.9g (a shared constant has all bits)",
+                    cells.first, name, (double)value, engine->config->name,
+                    fp3_storage_name(engine->config), (double)kept);
 }
 
 /* Whether word i of these cells is an integer and no number: the register of `sleep`, or what leads
@@ -324,7 +323,7 @@ fp3_status fp3_engine_read_shared(fp3_engine *engine, uint32_t first, size_t cou
 /* ---- by name ---- */
 
 static fp3_status no_name(fp3_engine *engine, const char *name) {
-    return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "the program has no parameter '%s'", name);
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT, "the program has no '%s'", name);
 }
 
 static fp3_status set_symbol(fp3_engine *engine, uint32_t number, const fp3_symbol *symbol,
