@@ -12,7 +12,7 @@ WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)
 WASM_OPERATIONS := $(WASM)/obj/tests/everywhere/operations.o
 WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/engine/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o words.o)
 WASM_EMULATED := SIGNAL GETPID
-WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -DNDEBUG -include sw/cli/wasm/posix.h -Isw/cli/wasm/include \
+WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -include sw/cli/wasm/posix.h -Isw/cli/wasm/include \
     $(WASM_EMULATED:%=-D_WASI_EMULATED_%) $(INCLUDES) -isystem $(WASM)/root/include
 WASM_LIBS := -L$(WASM)/root/lib -lconfig -lz -lwasi-emulated-signal -lwasi-emulated-getpid
 
