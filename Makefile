@@ -168,6 +168,21 @@ MPI      := $(if $(and $(shell command -v $(MPICC)),$(wildcard /usr/include/scot
 BULLET   := $(if $(wildcard /usr/include/bullet/btBulletDynamicsCommon.h),$(BUILD)/bench/bullet)
 BENCH    := $(BUILD)/obj/sim/fp_bench_shim.o $(BUILD)/verilated/fp_bench/hardware.a $(RUNTIME)
 LNS      := $(BUILD)/obj/sim/lns_bench_shim.o $(BUILD)/verilated/lns_bench/hardware.a $(RUNTIME)
+define archive
+	@echo "  AR   $@"
+	@mkdir -p $(@D)
+	@rm -f $@ && $(CROSS)ar rcs $@ $^
+endef
+define link_library
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@$(call link_shared,$(CC_FOR)) -Wl,-soname,$(@F) $(LIB_LIBS)
+endef
+define link_command
+	@echo "  LD   $@"
+	@mkdir -p $(@D)
+	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+endef
 link_shared = $(1) $(LDFLAGS) -shared -Wl,--version-script=$(EXPORTS) -Wl,--no-undefined -o $@ $(filter-out $(EXPORTS),$^)
 
 .PHONY: all sim
@@ -221,19 +236,13 @@ $(MEASURE_LIB): $(call obj,$(MEASURE_C))
 $(LIB): $(LIB_O)
 $(LAB): $(LIB_O) $(call obj,$(LAB_C))
 $(LIB) $(LAB) $(MEASURE_LIB):
-	@echo "  AR   $@"
-	@mkdir -p $(@D)
-	@rm -f $@ && $(CROSS)ar rcs $@ $^
+	$(archive)
 
 $(LIB_SO): $(LIB_O) $(EXPORTS)
-	@echo "  LD   $@"
-	@mkdir -p $(@D)
-	@$(call link_shared,$(CC_FOR)) -Wl,-soname,$(@F) $(LIB_LIBS)
+	$(link_library)
 
 $(BUILD)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(LAB)
-	@echo "  LD   $@"
-	@mkdir -p $(@D)
-	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(link_command)
 
 # sim and waves do with the hardware of a few configurations; what measures, compares or tests may want any.
 $(BUILD)/fp3: $(BUILD)/bin/fp3 | $(HARDWARE) $(if $(filter-out sim waves,$(or $(MAKECMDGOALS),all)),$(OTHERS)) $(HDF5) $(MPI)

@@ -24,10 +24,32 @@ $(foreach v,PREFIX LIBDIR,$(if $(filter /%,$(call NAMED,$($(v)))),,$(error $(v) 
 $(if $(DESTDIR),$(if $(call NAMED,$(DESTDIR)),,$(error DESTDIR is '$(DESTDIR)': expected a path without blanks, quotes and other signs of the shell)))
 endif
 
-# The one object that knows where the library lives.
-$(eval $(call NOTE,$(BUILD)/place,$(LIBDIR)/fp3))
-$(BUILD)/obj/sw/engine/common/install.o: $(BUILD)/place
-$(BUILD)/obj/sw/engine/common/install.o: CFLAGS += -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp3"'
+# One object knows where the library lives, below /usr/local. For another place that object, and what is linked with it, are made in a directory
+# of their own, so that an installation changes nothing that tests or other installations use.
+KNOWS := $(call obj,sw/engine/common/install.c)
+ifeq ($(LIBDIR),/usr/local/lib)
+AT := $(BUILD)
+else
+AT := $(BUILD)/at$(call NAMED,$(LIBDIR))
+AT_O := $(AT)/install.o $(filter-out $(KNOWS),$(LIB_O))
+
+$(AT)/install.o: sw/engine/common/install.c sw/engine/common/install.h $(BUILD)/flags | $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo "  CC   $< ($(LIBDIR))"
+	@$(CCACHE) $(CC_FOR) $(CFLAGS) -DFP3_INSTALL_RTL_DIR='"$(LIBDIR)/fp3"' $(INCLUDES) -c -o $@ $<
+
+$(AT)/lib/libfp3.a: $(AT_O)
+$(AT)/lib/libfp3_lab.a: $(AT_O) $(call obj,$(LAB_C))
+$(AT)/lib/libfp3.a $(AT)/lib/libfp3_lab.a:
+	$(archive)
+
+$(AT)/lib/$(notdir $(LIB_SO)): $(AT_O) $(EXPORTS)
+	$(link_library)
+
+$(AT)/bin/fp3: $(call obj,$(CLI_C)) $(MEASURE_LIB) $(AT)/lib/libfp3_lab.a
+	$(link_command)
+endif
+AT_LIB := $(patsubst $(BUILD)/%,$(AT)/%,$(LIB) $(LAB) $(LIB_SO))
 
 $(BUILD)/fp3.1: tools/manpage.py $(BUILD)/bin/fp3
 	@$(PYTHON) $^ >$@.new && mv $@.new $@
@@ -37,7 +59,7 @@ $(BUILD)/completion.%: tools/completion.py tools/manpage.py $(BUILD)/bin/fp3
 
 # What is installed is what the tests ran, asserts included: a contradiction within FP3 ends a program instead of
 # giving it a wrong number.
-INSTALLED := $(LIB) $(LAB) $(LIB_SO) $(BUILD)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
+INSTALLED := $(AT_LIB) $(AT)/bin/fp3 $(BUILD)/fp3.1 $(BUILD)/completion.bash $(BUILD)/completion.zsh
 
 # The loader looks below /usr/lib and /lib by itself. Elsewhere a program has to carry the place.
 RPATH = $(if $(filter /usr/lib% /lib%,$(LIBDIR)),, -Wl$(comma)-rpath$(comma)$${libdir})
@@ -77,16 +99,16 @@ install: export FP3_LAB_PC := $(FP3_LAB_PC)
 install: $(INSTALLED) $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, command with man page and completion, driver; PREFIX=/usr/local, DESTDIR=
 	@install -d $(INCDIR) $(RTL_DIR) $(DESTDIR)$(LIBDIR)/pkgconfig $(dir $(MAN)) $(dir $(BASH)) $(dir $(ZSH)) $(dir $(COMMAND)) $(BARE)/gen $(BARE)/fp3
 	@install -m 644 sw/include/fp3/*.h $(INCDIR)
-	@install -m 644 $(LIB) $(LAB) $(LIB_SO) $(DESTDIR)$(LIBDIR)
+	@install -m 644 $(AT_LIB) $(DESTDIR)$(LIBDIR)
 	@ln -sf $(notdir $(LIB_SO)) $(DESTDIR)$(LIBDIR)/libfp3.so
 	@install -m 644 $(HARDWARE) $(HDF5) $(MPI) $(RTL_DIR)
-	@echo "$$FP3_PC" >$(BUILD)/fp3.pc
-	@echo "$$FP3_LAB_PC" >$(BUILD)/fp3_lab.pc
-	@install -m 644 $(BUILD)/fp3.pc $(BUILD)/fp3_lab.pc $(DESTDIR)$(LIBDIR)/pkgconfig
+	@echo "$$FP3_PC" >$(AT)/fp3.pc
+	@echo "$$FP3_LAB_PC" >$(AT)/fp3_lab.pc
+	@install -m 644 $(AT)/fp3.pc $(AT)/fp3_lab.pc $(DESTDIR)$(LIBDIR)/pkgconfig
 	@install -m 644 $(BUILD)/fp3.1 $(MAN)
 	@install -m 644 $(BUILD)/completion.bash $(BASH)
 	@install -m 644 $(BUILD)/completion.zsh $(ZSH)
-	@install $(BUILD)/bin/fp3 $(COMMAND)
+	@install $(AT)/bin/fp3 $(COMMAND)
 	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
 	@install -m 644 sw/include/fp3/status.h sw/include/fp3/image.h sw/include/fp3/isa.h $(BARE)/fp3

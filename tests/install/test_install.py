@@ -27,11 +27,11 @@ def succeeds(*command, **options):
     return done.stdout
 
 
-def make(root, build, goal, where):
+def make(root, build, goal, where, *more):
     """Without the variables of the make that started the tests."""
     env = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     san = ["SAN=1"] if build.name.endswith("-san") else []
-    succeeds("make", "-C", root, *san, goal, f"DESTDIR={where}", env=env)
+    succeeds("make", "-C", root, *san, goal, f"DESTDIR={where}", *more, env=env)
 
 
 @pytest.fixture(scope="module")
@@ -303,6 +303,18 @@ def test_uninstall_leaves_no_file(root, build, tmp_path):
     make(root, build, "uninstall", tmp_path)
     assert [path for path in tmp_path.rglob("*") if not path.is_dir()] == []
     assert [path.name for path in tmp_path.rglob("*fp3*")] == []
+
+
+def test_an_installation_for_another_place_changes_nothing_beside_it(root, build, tmp_path):
+    """Tests and other installations use what build/ has. Only the installed library and command know the other place."""
+    def files():
+        return {path: (path.stat().st_ino, path.stat().st_mtime_ns) for path in (*build.glob("lib/libfp3*"), build / "bin/fp3", build / "obj/sw/engine/common/install.o")}
+    before = files()
+    make(root, build, "install", tmp_path, "PREFIX=/opt/x")
+    assert files() == before
+    for name in ("libfp3.a", "libfp3_lab.a", "libfp3.so.0", "../bin/fp3"):
+        assert b"/opt/x/lib/fp3\0" in (tmp_path / "opt/x/lib" / name).read_bytes(), name
+        assert b"/usr/local/lib/fp3\0" not in (tmp_path / "opt/x/lib" / name).read_bytes(), name
 
 
 @pytest.mark.parametrize("variable, value", [("PREFIX", "/tmp/a b"), ("PREFIX", "here"), ("PREFIX", ""), ("PREFIX", "/it's"),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* install.c - where `make install` puts what libfp3 loads; compiled again if that place changes. */
+/* install.c - where `make install` puts what libfp3 loads; compiled for each place. */
 #include "install.h"
 
 #ifndef FP3_INSTALL_RTL_DIR
