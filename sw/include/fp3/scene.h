@@ -11,7 +11,7 @@
  *     fp3_engine *engine = NULL;
  *     float x;
  *     if (fp3_engine_open(&def, &engine) || fp3_scene_load(scene, engine, &error) ||
- *         fp3_engine_advance(engine, scene->steps, NULL) || fp3_engine_get(engine, 0, "x", &x))
+ *         fp3_adaptive_run(engine, scene->steps, NULL) || fp3_engine_get(engine, 0, "x", &x))
  *         fprintf(stderr, "%s\n", error.text);
  *     fp3_engine_close(&engine);
  *     fp3_scene_close(&scene);
