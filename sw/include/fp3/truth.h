@@ -2,7 +2,8 @@
 /* fp3/truth.h - where an object really is, and where a program takes it, computed from the
  * equations.
  *
- *     double states[2];
+ *     double params[64], initial[64], states[64];
+ *     // Fill params and initial, in the order in which the model has its params and states.
  *     if (fp3_model_truth(model, params, initial, 1.5, states, &error))
  *         fprintf(stderr, "%s\n", error.text);
  *
