@@ -353,7 +353,7 @@ parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/
 $(BUILD)/icarus/replay_%.vvp: sim/replay.v $(BUILD)/rtl/fp3_%.v $(RTL) rtl/fp3.f
 	@mkdir -p $(@D)
 	@echo "  VVP  fp3_$*"
-	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DFP3_TOP=fp3_$* $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< $(BUILD)/rtl/fp3_$*.v
+	@iverilog -g2012 -Wall -Wno-timescale -DFP3_CHECK -DFP3_TOP=fp3_$* -DFP3_ADDRESS_W=$(call address_bits,$*) $(call parts,$*) -s replay -c rtl/fp3.f -o $@ $< $(BUILD)/rtl/fp3_$*.v
 
 .PHONY: waves
 CONFIG_OR  = $(or $(CONFIG),single)

@@ -84,9 +84,11 @@ module fp3 #(
     reg              irq_q;
     always @(posedge clk) reset_q <= bus_rst ? {RESET{1'b1}} : reset_q >> 1;
 
+    // All of the spaces above 0 streams; only the list of copies has the lower bit alone.
+    localparam integer    INSIDE = SPACE_BIT + ADDRESS_SPACE_BITS;       // bits of an address within a scheduler
+    localparam [31:0]     STREAM = {16'd0, ADDRESS_STREAM} | ((EXCHANGE != 0 ? 32'd3 : 32'd2) << SPACE_BIT);
     // Enough requests may be under way to fill the path to the lanes and back; with one object,
-    // few. Only the list of copies has this bit.
-    localparam [31:0] STREAM = {8'd0, ADDRESS_STREAM} & ~(EXCHANGE != 0 ? 32'd0 : 32'd1 << ADDRESS_SPACE_LO);
+    // few.
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
     localparam READS_W  = STORE_WORDS != 0 ? $clog2(MEMORY_LATENCY + TIMING_BUS) : 2;
     wire                 asks, taken, write;
@@ -109,7 +111,7 @@ module fp3 #(
         if (N == 1) begin : g_only
             assign scheduler = 8'd0;
         end else begin : g_which
-            assign scheduler = &address[ADDRESS_W-1:24] ? 8'hff : {{32-ADDRESS_W{1'b0}}, address[ADDRESS_W-1:24]};
+            assign scheduler = &address[ADDRESS_W-1:INSIDE] ? 8'hff : {{8+INSIDE-ADDRESS_W{1'b0}}, address[ADDRESS_W-1:INSIDE]};
         end
     endgenerate
     wire [N-1:0]           req_valid, ended;
@@ -124,7 +126,7 @@ module fp3 #(
     fp3_hub #(.N(N), .QUIET(QUIET), .STREAM(STREAM)) u_hub (
         .clk_i(clk), .rst_i(rst),
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
-        .req_addr_i({scheduler, address[23:0]}), .req_wdata_i(wdata),
+        .req_addr_i({scheduler, 24'd0} | {{32-INSIDE{1'b0}}, address[INSIDE-1:0]}), .req_wdata_i(wdata),
         .answer_o(`FP3_ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
         .answer_i(answers));
     always @(posedge clk) irq_q <= |ended && !rst;

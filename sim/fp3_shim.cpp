@@ -37,17 +37,17 @@ const unsigned ANSWER_CYCLES = 1000;
 /* How many parts the trace ports have: as many as this build has schedulers, and lanes in each; so
  * many times as instructions may issue at once in one. */
 struct shape {
-    unsigned schedulers, lanes, streams;
+    unsigned schedulers, lanes, streams, space_bit;
 };
 
 constexpr bool same(const char *a, const char *b) {
     return *a == *b && (!*a || same(a + 1, b + 1));
 }
 constexpr shape find_shape() {
-    shape found = {0, 0, 0};
-#define X(name, doc, schedulers, lanes, streams)                                                   \
+    shape found = {0, 0, 0, 0};
+#define X(name, doc, schedulers, lanes, streams, space_bit)                                        \
     if (same(#name, STRING(FP3_CONFIG)))                                                           \
-        found = {schedulers, lanes, streams};
+        found = {schedulers, lanes, streams, space_bit};
     FP3_CONFIGS(X)
 #undef X
     return found;
@@ -144,19 +144,15 @@ unsigned patience(fp3_rtl *rtl) {
 }
 
 constexpr unsigned address_bits() {
-    unsigned bits = FP3_ADDRESS_SCHEDULER_LO;
+    unsigned bits = SHAPE.space_bit + FP3_ADDRESS_SPACE_BITS;
     for (unsigned n = SHAPE.schedulers; SHAPE.schedulers > 1 && n; n >>= 1)
         bits++;
     return bits;
 }
 constexpr uint32_t WINDOW = static_cast<uint32_t>((uint64_t{1} << address_bits()) - 1);
 
-/* Whether the bus leads an address to the processor. The engine's name for all schedulers is longer
- * than the window. */
-bool is_in_window(uint32_t address) {
-    return address <= WINDOW ||
-           (SHAPE.schedulers > 1 && address >> FP3_ADDRESS_SCHEDULER_LO == FP3_ADDRESS_BROADCAST);
-}
+/* Whether the bus leads an address to the processor. */
+bool is_in_window(uint32_t address) { return address <= WINDOW; }
 
 const unsigned OKAY = 0;
 
@@ -208,12 +204,12 @@ struct master {
     void ask() {
         HARDWARE *top = rtl->top.get();
         top->s_axi_awvalid = aw.at < count && aw.is_up();
-        top->s_axi_awaddr = top->s_axi_awvalid ? words[aw.at].address & WINDOW : patience(rtl);
+        top->s_axi_awaddr = top->s_axi_awvalid ? words[aw.at].address : patience(rtl);
         top->s_axi_wvalid = w.at < count && w.is_up();
         top->s_axi_wdata = top->s_axi_wvalid ? words[w.at].data : ~top->s_axi_wdata;
         top->s_axi_wstrb = top->s_axi_wvalid ? 15 : 0;
         top->s_axi_arvalid = ar.at < count && ar.is_up();
-        top->s_axi_araddr = top->s_axi_arvalid ? words[ar.at].address & WINDOW : patience(rtl);
+        top->s_axi_araddr = top->s_axi_arvalid ? words[ar.at].address : patience(rtl);
     }
     /* Whether the responses are as they must be: each to a request that was made, and still. */
     bool listen() {

@@ -4,7 +4,8 @@
 // Purpose   The same requests that the C host sent to the processor under Verilator, sent to it
 //           under any other simulator, or to its netlist: one record, the same bits, the same cycles.
 // Use       iverilog -DTOP=fp3_array -DSCHEDULERS=4 -DLANES=4 ...: the schedulers of all tiles, and the
-//           lanes of all schedulers; 1 and 1 unless they are given. -DSTREAMS=2 with DUAL.
+//           lanes of all schedulers; 1 and 1 unless they are given. -DSTREAMS=2 with DUAL. -DADDRESS_W: the bits of
+//           s_axi_awaddr, 18 unless it is given.
 //           vvp replay.vvp +session=FILE [+waves=FILE.fst] [+limit=CYCLES] [+resets=N [+seed=S]]
 //           FILE, a line each, hexadecimal:
 //               w address data     write, answered without error
@@ -34,6 +35,9 @@
 `ifndef FP3_LANES
 `define FP3_LANES 1
 `endif
+`ifndef FP3_ADDRESS_W
+`define FP3_ADDRESS_W 18
+`endif
 `ifndef FP3_STREAMS
 `define FP3_STREAMS 1
 `endif
@@ -45,7 +49,7 @@ module replay;
 
     // The bus: without a transfer its payload is unknown.
     localparam SCHEDULERS = `FP3_SCHEDULERS, STREAMS = `FP3_STREAMS, ISSUES = SCHEDULERS * STREAMS, RETIRES = `FP3_LANES * STREAMS;
-    localparam ADDRESS_W = ADDRESS_SCHEDULER_LO + (SCHEDULERS > 1 ? $clog2(SCHEDULERS + 1) : 0);
+    localparam ADDRESS_W = `FP3_ADDRESS_W;
     reg                  awvalid = 1'b0, wvalid = 1'b0, arvalid = 1'b0, bready = 1'b0, rready = 1'b0;
     reg  [31:0]          awaddr, araddr, wdata;
     reg  [3:0]           wstrb;

@@ -36,7 +36,8 @@ parameter [6:0]   ADD_CUTS        = CONFIG[934:928],
 parameter [6:0]   MUL_CUTS        = CONFIG[966:960],
 parameter integer INTERLEAVE = (STORE_WORDS > 0) ? 1 : 0,
 parameter integer SCALE      = (DUAL > 0 || SCHEDULERS > 1) ? 1 : 0,
-parameter integer EXCHANGE   = (NEIGHBOURS > 0 && LANES > 1) ? 1 : 0
+parameter integer EXCHANGE   = (NEIGHBOURS > 0 && LANES > 1) ? 1 : 0,
+parameter integer SPACE_BIT  = 16 + $clog2(LANES * STORE_WORDS + 16383 >> 14)
 `else
 // Of fp3: set what you need by name, and leave CONFIG and what follows it alone.
 parameter [31:0] TILES           = 1,   // schedulers or groups of schedulers with an arithmetic unit of their own
@@ -83,7 +84,8 @@ parameter [991:0] CONFIG = {
 parameter integer INTERLEAVE = (STORE_WORDS > 0) ? 1 : 0,
 parameter integer SCALE      = (DUAL > 0 || SCHEDULERS > 1) ? 1 : 0,
 parameter integer EXCHANGE   = (NEIGHBOURS > 0 && LANES > 1) ? 1 : 0,
+parameter integer SPACE_BIT  = 16 + $clog2(LANES * STORE_WORDS + 16383 >> 14),
 // verilator lint_on UNUSEDPARAM
 // Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).
-parameter integer ADDRESS_W = 24 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)
+parameter integer ADDRESS_W = SPACE_BIT + 2 + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)
 `endif

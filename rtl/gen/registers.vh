@@ -108,19 +108,16 @@ localparam [15:0] ADDR_WINDOW_AWAKE     = 16'h3000;
 localparam [15:0] ADDR_WINDOW_WAKE      = 16'h3100;
 localparam [15:0] ADDR_WINDOW_PROGRAM   = 16'h8000;
 
-// The parts of an address, and what they say.
-localparam ADDRESS_SCHEDULER_HI = 31;
-localparam ADDRESS_SCHEDULER_LO = 24;
-localparam ADDRESS_SPACE_HI     = 23;
-localparam ADDRESS_SPACE_LO     = 22;
-localparam ADDRESS_WORD_HI      = 21;
-localparam ADDRESS_WORD_LO      = 2;
-localparam ADDRESS_BROADCAST    = 255;
-localparam SPACE_COPIES         = 1;
-localparam SPACE_OBJECTS        = 2;
-localparam SPACE_STATUS         = 3;
+// The parts of an address, and what they say: a space begins at SPACE_BIT.
+localparam ADDRESS_SCHEDULER_BITS = 8;
+localparam ADDRESS_SPACE_BITS     = 2;
+localparam ADDRESS_WORD_BITS      = 20;
+localparam ADDRESS_BROADCAST      = 255;
+localparam SPACE_COPIES           = 1;
+localparam SPACE_OBJECTS          = 2;
+localparam SPACE_STATUS           = 3;
 
-// An address streams if it has one of these bits: accesses there follow each other, any other one is alone.
-localparam [23:0] ADDRESS_STREAM = 24'hc09000;
+// In space 0 an address streams if it has one of these bits: accesses there follow each other, any other one is alone.
+localparam [15:0] ADDRESS_STREAM = 16'h9000;
 
 // verilator lint_on UNUSEDPARAM

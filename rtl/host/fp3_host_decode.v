@@ -35,12 +35,12 @@ module fp3_host_decode #(
     localparam [63:0]  HAS_STATUS = STATUS != 0 ? HAS_STORE : 64'd0;
     localparam [1:0]  COPIES = SPACE_COPIES, OBJECTS = SPACE_OBJECTS, STATUSES = SPACE_STATUS;
 
-    wire [1:0]  part  = addr_i[ADDRESS_SPACE_HI:ADDRESS_SPACE_LO];
-    wire [31:0] word  = {12'd0, addr_i[ADDRESS_WORD_HI:ADDRESS_WORD_LO]};
+    wire [1:0]  part  = addr_i[SPACE_BIT +: 2];
+    wire [31:0] word  = ({8'd0, addr_i} & ~(32'hffffffff << SPACE_BIT)) >> 2;
     wire [5:0]  index = addr_i[7:2];
     wire [31:0] piece = word >> PIECE_W;
     wire        near  = piece[31:6] == 26'd0;
-    wire        low   = part == 2'd0 && addr_i[21:16] == 6'd0;
+    wire        low   = part == 2'd0 && word[19:14] == 6'd0;         // 64 KB
     wire [5:0]  counter = {addr_i[8:7] - ADDR_COUNTERS[8:7], addr_i[6:3]};
 
     wire whole = addr_i[1:0] == 2'd0;

@@ -23,7 +23,7 @@ module fp3_hub #(
     input  wire                   req_valid_i,
     output wire                   req_ready_o,
     input  wire                   req_write_i,
-    input  wire [31:0]            req_addr_i,
+    input  wire [31:0]            req_addr_i,             // the scheduler in its top 8 bits
     input  wire [31:0]            req_wdata_i,
     output wire [`FP3_ANSWER_W-1:0]   answer_o,
     // The schedulers; address and data stand until the next request
@@ -43,7 +43,7 @@ module fp3_hub #(
     reg [23:0]  addr_q;
     reg [31:0]  wdata_q;
 
-    wire [7:0]           who = req_addr_i[ADDRESS_SCHEDULER_HI:ADDRESS_SCHEDULER_LO];
+    wire [7:0]           who = req_addr_i[31:24];
     wire [N-1:0]         whom;
     wire                 nobody = whom == {N{1'b0}};
     reg  [`FP3_ANSWER_W-1:0] answer, answer_q;

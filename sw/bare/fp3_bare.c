@@ -40,7 +40,7 @@ static uint32_t of(const fp3_bare *fp3, uint32_t scheduler, uint32_t address) {
         return address;
     while (all < fp3->schedulers)
         all = 2 * all + 1;
-    return (scheduler == FP3_ALL ? all : scheduler) << FP3_ADDRESS_SCHEDULER_LO | address;
+    return FP3_ADDRESS_OF(fp3->space_bit, scheduler == FP3_ALL ? all : scheduler, address);
 }
 
 static fp3_status answer(fp3_bare *fp3, int is_refused, uint32_t address) {
@@ -105,10 +105,6 @@ static int find(const fp3_bare *fp3, uint32_t scheduler, uint32_t object, place 
     return at->row < rows_of(fp3, at->scheduler);
 }
 
-static uint32_t in_space(uint32_t space, uint32_t word) {
-    return space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO;
-}
-
 /* ---- what stands there ---- */
 
 static fp3_status ask_shape(fp3_bare *fp3) {
@@ -129,6 +125,7 @@ static fp3_status ask_shape(fp3_bare *fp3) {
     fp3->contexts = FIELD(shape, SHAPE_CONTEXTS);
     fp3->schedulers = FIELD(array, ARRAY_TILES) * FIELD(array, ARRAY_SCHEDULERS);
     fp3->lanes = FIELD(array, ARRAY_LANES);
+    fp3->space_bit = FIELD(array, ARRAY_SPACE_BIT);
     return status;
 }
 
@@ -137,13 +134,15 @@ fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus) {
     fp3->bus = *bus;
     fp3->failed_at = 0;
     fp3->schedulers = FP3_BARE_SCHEDULERS; /* not known yet: what is asked is scheduler 0 */
+    fp3->space_bit = 0;
     fp3_status status = get(fp3, 0, FP3_ADDR_ID, &id);
     if (!status && FIELD(id, ID_LETTERS) != FP3_ID_LETTERS)
         return FP3_E_MISMATCH;
     if (!status)
         status = ask_shape(fp3);
     if (!status &&
-        (fp3->schedulers == 0 || fp3->schedulers > FP3_BARE_SCHEDULERS || fp3->lanes == 0))
+        (fp3->schedulers == 0 || fp3->schedulers > FP3_BARE_SCHEDULERS || fp3->lanes == 0 ||
+         fp3->space_bit == 0 || fp3->space_bit > FP3_ADDRESS_WORD_BITS + 2))
         return FP3_E_MISMATCH;
     fp3->revision = (uint8_t)id;
     for (uint32_t i = 0; !status && i < fp3->schedulers; i++) {
@@ -246,8 +245,8 @@ static int find_register(const fp3_bare *fp3, uint32_t scheduler, uint32_t objec
     if (!find(fp3, scheduler, object, at))
         return 0;
     const uint32_t record = fp3->record[at->scheduler];
-    *address = in_space(FP3_SPACE_OBJECTS,
-                        fp3->store ? at->lane * fp3->store + (at->row << record) + reg : reg);
+    *address = FP3_ADDRESS_IN(fp3->space_bit, FP3_SPACE_OBJECTS,
+                              fp3->store ? at->lane * fp3->store + (at->row << record) + reg : reg);
     return reg < fp3->registers && (fp3->store == 0 || reg >> record == 0);
 }
 
@@ -273,7 +272,7 @@ static int find_status(const fp3_bare *fp3, uint32_t scheduler, uint32_t object,
                        uint32_t *address) {
     if (!FIELD(fp3->features, FEATURES_STATUS) || !find(fp3, scheduler, object, at))
         return 0;
-    *address = in_space(FP3_SPACE_STATUS, at->lane * fp3->store + at->row);
+    *address = FP3_ADDRESS_IN(fp3->space_bit, FP3_SPACE_STATUS, at->lane * fp3->store + at->row);
     return 1;
 }
 

@@ -74,6 +74,7 @@ typedef struct {
     uint32_t registers, contexts; /* of each object; of each lane */
     uint32_t program_words,
         store;              /* store: words of each lane, 0: one object, which is its registers */
+    uint32_t space_bit;     /* of an address: the lowest that says the space */
     uint32_t features;      /* the register of this name */
     uint32_t features_more; /* likewise, 0 where the hardware has none */
     uint32_t failed_at;     /* the address of the last transfer that failed */
@@ -91,7 +92,7 @@ typedef enum {
 } fp3_bare_outcome;
 
 /* Finds out what stands behind the bus, and which schedulers run. Copies *bus.
- * FP3_E_MISMATCH: it is no FP3. */
+ * FP3_E_MISMATCH: it is no FP3, or one with an older map of addresses. */
 fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus);
 
 /* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the

@@ -99,6 +99,8 @@
 #define FP3_ARRAY_SCHEDULERS_LO          8
 #define FP3_ARRAY_LANES_HI               23
 #define FP3_ARRAY_LANES_LO               16
+#define FP3_ARRAY_SPACE_BIT_HI           31
+#define FP3_ARRAY_SPACE_BIT_LO           24
 #define FP3_FLAGS_INEXACT_HI             0
 #define FP3_FLAGS_INEXACT_LO             0
 #define FP3_FLAGS_UNDERFLOW_HI           1
@@ -164,7 +166,7 @@
     X(SHAPE,         ((config)->registers & 255) << 0 | ((config)->registers & 255) << 8 | ((config)->contexts & 65535) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                     \
     X(MEMORY,        (config)->program_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                      \
     X(FEATURES,      ((config)->chain & 1) << 0 | ((config)->bypass & 1) << 1 | ((config)->writeback_stall & 1) << 2 | ((config)->subnormal & 1) << 3 | ((config)->nearest & 1) << 4 | ((config)->dual & 1) << 5 | ((((config)->neighbours | (config)->exchange | (config)->finite | (config)->fused | (config)->logarithmic | (23u - (config)->fraction) | (config)->storage | (config)->mixed | (1u - (config)->counters)) != 0) & 1) << 7 | ((config)->add_latency & 255) << 8 | ((config)->mul_latency & 255) << 16 | ((config)->interleave & 1) << 24 | ((config)->sleep & 1) << 25 | ((config)->flags & 1) << 26 | ((config)->status & 1) << 27 | ((config)->scale & 1) << 28 | ((config)->select & 1) << 29 | ((config)->estimate & 1) << 30 | ((config)->round & 1) << 31) \
-    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                             \
+    X(ARRAY,         ((config)->tiles & 255) << 0 | ((config)->schedulers & 255) << 8 | ((config)->lanes & 255) << 16 | ((config)->space_bit & 255) << 24)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                         \
     X(STORE,         (config)->store_words)                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                                        \
     X(FEATURES_MORE, ((config)->neighbours & 1) << 0 | ((config)->exchange & 1) << 1 | ((config)->finite & 1) << 2 | ((config)->fused & 1) << 3 | ((config)->logarithmic & 1) << 4 | ((23u - (config)->fraction) & 31) << 5 | ((config)->storage & 3) << 10 | ((config)->mixed & 1) << 12 | ((1u - (config)->counters) & 1) << 13)
 #define FP3_ID_LETTERS 0x465033u
@@ -208,17 +210,16 @@
 #define FP3_ADDR_WINDOW_WAKE      0x3100u
 #define FP3_ADDR_WINDOW_PROGRAM   0x8000u
 
-/* The parts of an address, and what they say. */
-#define FP3_ADDRESS_SCHEDULER_HI 31
-#define FP3_ADDRESS_SCHEDULER_LO 24
-#define FP3_ADDRESS_SPACE_HI     23
-#define FP3_ADDRESS_SPACE_LO     22
-#define FP3_ADDRESS_WORD_HI      21
-#define FP3_ADDRESS_WORD_LO      2
-#define FP3_ADDRESS_BROADCAST    255
-#define FP3_SPACE_COPIES         1
-#define FP3_SPACE_OBJECTS        2
-#define FP3_SPACE_STATUS         3
+/* The parts of an address, and what they say. bit: where its space begins, key `space_bit` and the field of this name. */
+#define FP3_ADDRESS_SCHEDULER_BITS 8
+#define FP3_ADDRESS_SPACE_BITS     2
+#define FP3_ADDRESS_WORD_BITS      20
+#define FP3_ADDRESS_BROADCAST      255
+#define FP3_SPACE_COPIES           1
+#define FP3_SPACE_OBJECTS          2
+#define FP3_SPACE_STATUS           3
+#define FP3_ADDRESS_OF(bit, scheduler, address) ((uint32_t)(scheduler) << ((bit) + FP3_ADDRESS_SPACE_BITS) | (address))
+#define FP3_ADDRESS_IN(bit, space, word) ((uint32_t)(space) << (bit) | (uint32_t)(word) << 2)
 
 /* clang-format on */
 #endif

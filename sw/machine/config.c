@@ -52,6 +52,14 @@ uint32_t fp3_config_schedulers(const fp3_config *config) {
     return config->tiles * config->schedulers;
 }
 
+uint32_t fp3_config_broadcast(const fp3_config *config) {
+    const uint32_t schedulers = fp3_config_schedulers(config);
+    uint32_t all = 0;
+    while (schedulers > 1 && all < schedulers)
+        all = 2 * all + 1;
+    return all;
+}
+
 uint32_t fp3_config_value(const fp3_config *config, fp3_key key) {
     assert(key < FP3_KEY_COUNT);
     uint32_t value;

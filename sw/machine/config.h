@@ -19,6 +19,8 @@ fp3_status fp3_config_choose(const char *name, const fp3_config **config, fp3_er
 
 /* Schedulers in all: each has its own program and counters. */
 uint32_t fp3_config_schedulers(const fp3_config *config);
+/* What stands for all of them in an address; 0 if there is one. */
+uint32_t fp3_config_broadcast(const fp3_config *config);
 
 /* Whether both have the same arithmetic (docs/arithmetic.md): the same program then gives the same
  * bits on both. */

@@ -41,7 +41,7 @@ static int has_operations(const fp3_needs *needs, const fp3_config *config) {
 
 static uint32_t distance(const fp3_config *one, const fp3_config *other) {
     uint32_t changes = 0;
-    for (uint32_t key = 0; key < FP3_KEY_COUNT; key++)
+    for (uint32_t key = 0; key < FP3_KEYS_SET; key++)
         changes += fp3_config_value(one, (fp3_key)key) != fp3_config_value(other, (fp3_key)key);
     return changes;
 }

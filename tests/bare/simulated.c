@@ -85,7 +85,7 @@ static int is_interrupted(const fp3_bare *fp3, board *b) {
     const uint32_t both = 1u << FP3_INTERRUPT_ENDED_LO | 1u << FP3_INTERRUPT_ENABLE_LO;
     for (uint32_t i = 0; i < fp3->schedulers; i++) {
         uint32_t word = 0;
-        EXPECT(!read_word(b, i << FP3_ADDRESS_SCHEDULER_LO | FP3_ADDR_INTERRUPT, &word));
+        EXPECT(!read_word(b, FP3_ADDRESS_OF(fp3->space_bit, i, FP3_ADDR_INTERRUPT), &word));
         if ((word & both) == both)
             return 1;
     }
@@ -163,7 +163,7 @@ static void refuse_nonsense(fp3_bare *fp3, board *b) {
     EXPECT(!fp3_bare_write(fp3, FP3_ALL, room - 1, record - 1, 7));
     EXPECT(!fp3_bare_read(fp3, FP3_ALL, room - 1, record - 1, &word) && word == 7);
     EXPECT(fp3_bare_register(fp3, FP3_ALL, 0x7c, &word) == FP3_E_SYSTEM);
-    EXPECT((fp3->failed_at & 0xffffffu) == 0x7c);
+    EXPECT((fp3->failed_at & ((4u << fp3->space_bit) - 1)) == 0x7c);
 }
 
 /* The hardware says at which word it stopped. */
@@ -210,7 +210,9 @@ static void look_at_memory(void) {
     EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
     memory[FP3_ADDR_ID / 4] = 0x46503303;
     EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
-    memory[FP3_ADDR_ARRAY / 4] = 0x00010101;
+    memory[FP3_ADDR_ARRAY / 4] = 0x00010101; /* of an older map of addresses */
+    EXPECT(fp3_bare_open(&fp3, &bus) == FP3_E_MISMATCH);
+    memory[FP3_ADDR_ARRAY / 4] = 0x10010101;
     memory[FP3_ADDR_SHAPE / 4] = 0x00012020;
     memory[FP3_ADDR_FEATURES_MORE / 4] = 0x1234; /* earlier hardware refuses a read there */
     EXPECT(!fp3_bare_open(&fp3, &bus) && fp3.lanes == 1 && fp3.registers == 32 &&
@@ -255,7 +257,9 @@ static double stream(board *b, uint8_t is_write, uint32_t object) {
 }
 
 static void print_latency(board *b) {
-    const uint32_t object = (uint32_t)FP3_SPACE_OBJECTS << FP3_ADDRESS_SPACE_LO;
+    uint32_t array = 0;
+    EXPECT(!read_word(b, FP3_ADDR_ARRAY, &array));
+    const uint32_t object = FP3_ADDRESS_IN(array >> FP3_ARRAY_SPACE_BIT_LO, FP3_SPACE_OBJECTS, 0);
     cycles_of(b, 0, FP3_ADDR_STEPS); /* the first one waits until the reset has passed all lanes */
     const uint64_t first = cycles_of(b, 1, FP3_ADDR_STEPS),
                    second = cycles_of(b, 0, FP3_ADDR_STEPS);

@@ -21,9 +21,10 @@ SEED = int(os.environ["FP3_SEED"])
 MAP = tomllib.loads(Path(os.environ["FP3_MAP"]).read_text())
 AT = {row["name"]: row["at"] for row in MAP["register"] + MAP["window"]}
 RUN = json.loads(Path(os.environ["FP3_RUN"]).read_text())
-OBJECTS = next(row["at"] for row in MAP["space"] if row["name"] == "objects") << MAP["address"]["space"][1]
+SPACE = 1 << RUN["space_bit"]                              # bytes
+COPIES, OBJECTS, STATUS = (SPACE * next(row["at"] for row in MAP["space"] if row["name"] == name) for name in ("copies", "objects", "status"))
 REGISTERS, WORDS = RUN["registers"], RUN["memory"]
-NOWHERE = 0x200000                                         # from here on no lane has words, of objects or their status
+NOWHERE = SPACE // 2                                       # from here on no lane has words, of objects or their status
 HANG = 60_000                                              # ns; an access takes some 300, and a dozen may be before it
 
 
@@ -82,15 +83,15 @@ def of_an_object(chance):
 
 def never_read(chance):
     return chance.choice((AT["control"], AT["program"] + 4 * chance.randrange(WORDS), AT["constants"] + 4 * REGISTERS,
-                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(1 << 19),
-                          chance.choice([at for at in range(0x4c, 0x80, 4) if at != AT["version"]]), 0x400000 + 4 * chance.randrange(1 << 20)))
+                          OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(SPACE // 8),
+                          chance.choice([at for at in range(0x4c, 0x80, 4) if at != AT["version"]]), COPIES + 4 * chance.randrange(SPACE // 4)))
 
 
 def never_written(chance):
     return chance.choice((AT["id"], AT["shape"], AT["status"], AT["fault"], AT["flags"], AT["array"], AT["features_more"], AT["version"],
-                          0x80 + 4 * chance.randrange(26), AT["program"] + 4 * (WORDS + chance.randrange(99)), AT["size"] + 0x10000 * chance.randrange(1, 32),
-                          AT["constants"] + 4 * REGISTERS, 0xc00000 + NOWHERE + 4 * chance.randrange(1 << 19),
-                          *([] if RUN["store"] else [AT["wake"], AT["visit"], 0xc00000 + 4 * chance.randrange(1 << 20)])))
+                          0x80 + 4 * chance.randrange(26), AT["program"] + 4 * (WORDS + chance.randrange(99)), AT["size"] + COPIES,
+                          AT["constants"] + 4 * REGISTERS, STATUS + NOWHERE + 4 * chance.randrange(SPACE // 8),
+                          *([] if RUN["store"] else [AT["wake"], AT["visit"], STATUS + 4 * chance.randrange(SPACE // 4)])))
 
 
 async def together(transfers):

@@ -14,9 +14,9 @@ module accepted;
     wire awready, wready, arready;
     integer writes_n = 0, reads_n = 0, i;
     always #1 clk = !clk;
-    `FP3_TOP u_top (.s_axi_aclk(clk), .s_axi_aresetn(rst_n), .s_axi_awaddr(24'h800000), .s_axi_awprot(3'd0), .s_axi_awvalid(ask && !reads), .s_axi_awready(awready),
+    `FP3_TOP u_top (.s_axi_aclk(clk), .s_axi_aresetn(rst_n), .s_axi_awaddr(18'h20000), .s_axi_awprot(3'd0), .s_axi_awvalid(ask && !reads), .s_axi_awready(awready),
         .s_axi_wdata(32'd0), .s_axi_wstrb(4'hf), .s_axi_wvalid(ask && !reads), .s_axi_wready(wready), .s_axi_bready(1'b0),
-        .s_axi_araddr(24'h800000), .s_axi_arprot(3'd0), .s_axi_arvalid(ask && reads), .s_axi_arready(arready), .s_axi_rready(1'b0));
+        .s_axi_araddr(18'h20000), .s_axi_arprot(3'd0), .s_axi_arvalid(ask && reads), .s_axi_arready(arready), .s_axi_rready(1'b0));
     always @(posedge clk) begin
         if (ask && !reads && awready) writes_n <= writes_n + 1;
         if (ask && reads && arready) reads_n <= reads_n + 1;

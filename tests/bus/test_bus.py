@@ -23,11 +23,11 @@ def run_file(request, root, fp3, tmp_path_factory):
     rows = [line.split() for line in session.read_text().splitlines()]
     writes = [(int(at, 16), int(data, 16)) for kind, at, data in rows if kind == "w"]
     reads = {int(at, 16): int(data, 16) for kind, at, data in rows if kind == "r"}
-    registers, store, lanes = reads[0x04] & 0xff, reads[0x34], reads[0x30] >> 16
+    registers, store, lanes, space_bit = reads[0x04] & 0xff, reads[0x34], reads[0x30] >> 16 & 0xff, reads[0x30] >> 24
     assert writes[-1] == (0x10, 1)                         # the start
     (at / "run.json").write_text(json.dumps({
         "config": request.param, "registers": registers, "memory": reads[0x08], "store": store, "words": store * lanes or registers,
-        "setup": writes[:-1], "end": [(at, bits) for at, bits in reads.items() if at >= 0x800000]}))
+        "space_bit": space_bit, "setup": writes[:-1], "end": [(at, bits) for at, bits in reads.items() if at >> space_bit == 2]}))
     return at / "run.json"
 
 

@@ -71,26 +71,26 @@ static void want(bench *b, const char *what, uint32_t address, uint32_t expected
         fail(b, what, address, got, expected);
 }
 
-static uint32_t of_scheduler(uint32_t u, uint32_t address) {
-    return u << FP3_ADDRESS_SCHEDULER_LO | address;
+static uint32_t of_scheduler(const bench *b, uint32_t u, uint32_t address) {
+    return FP3_ADDRESS_OF(b->config->space_bit, u, address);
 }
 
 /* A scheduler's objects go round its own lanes. */
 static uint32_t row_of(const bench *b, uint32_t object) { return object / b->config->lanes; }
 static uint32_t lane_of(const bench *b, uint32_t object) { return object % b->config->lanes; }
 
-static uint32_t in_space(uint32_t u, uint32_t space, uint32_t word) {
-    return of_scheduler(u, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+static uint32_t in_space(const bench *b, uint32_t u, uint32_t space, uint32_t word) {
+    return of_scheduler(b, u, FP3_ADDRESS_IN(b->config->space_bit, space, word));
 }
 
 static uint32_t cell(const bench *b, uint32_t u, uint32_t object, uint32_t reg) {
-    return in_space(u, FP3_SPACE_OBJECTS,
+    return in_space(b, u, FP3_SPACE_OBJECTS,
                     lane_of(b, object) * b->config->store_words + (row_of(b, object) << b->log2) +
                         reg);
 }
 
 static uint32_t status_of(const bench *b, uint32_t u, uint32_t object) {
-    return in_space(u, FP3_SPACE_STATUS,
+    return in_space(b, u, FP3_SPACE_STATUS,
                     lane_of(b, object) * b->config->store_words + row_of(b, object));
 }
 
@@ -114,14 +114,14 @@ static void write_program(bench *b, uint32_t u) {
     fp3_engine *isa = b->schedulers[u].isa;
     const fp3_code *p = &fp3_engine_layout(isa)->groups[0].program;
     for (uint32_t i = 0; i < p->count; i++)
-        put(b, of_scheduler(u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
-    put(b, of_scheduler(u, FP3_ADDR_STEP), p->step);
-    put(b, of_scheduler(u, FP3_ADDR_LAST), p->last);
-    put(b, of_scheduler(u, FP3_ADDR_SIZE), p->count);
-    put(b, of_scheduler(u, FP3_ADDR_RECORD), b->log2);
-    put(b, of_scheduler(u, FP3_ADDR_STEPS), b->schedulers[u].steps);
-    put(b, of_scheduler(u, FP3_ADDR_VISIT), fp3_engine_definition(isa)->visit);
-    put(b, of_scheduler(u, FP3_ADDR_CLOCK), b->schedulers[u].clock);
+        put(b, of_scheduler(b, u, FP3_ADDR_WINDOW_PROGRAM + 4 * i), p->code[i]);
+    put(b, of_scheduler(b, u, FP3_ADDR_STEP), p->step);
+    put(b, of_scheduler(b, u, FP3_ADDR_LAST), p->last);
+    put(b, of_scheduler(b, u, FP3_ADDR_SIZE), p->count);
+    put(b, of_scheduler(b, u, FP3_ADDR_RECORD), b->log2);
+    put(b, of_scheduler(b, u, FP3_ADDR_STEPS), b->schedulers[u].steps);
+    put(b, of_scheduler(b, u, FP3_ADDR_VISIT), fp3_engine_definition(isa)->visit);
+    put(b, of_scheduler(b, u, FP3_ADDR_CLOCK), b->schedulers[u].clock);
 }
 
 static void write_values(bench *b, uint32_t u) {
@@ -130,7 +130,7 @@ static void write_values(bench *b, uint32_t u) {
     for (uint32_t i = 0; i < b->config->registers; i++) {
         const uint32_t bits = value(&b->c);
         told(b, fp3_engine_write_shared_words(isa, 0, i, 1, &bits));
-        put(b, of_scheduler(u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
+        put(b, of_scheduler(b, u, FP3_ADDR_WINDOW_CONSTANTS + 4 * i), bits);
     }
     for (uint32_t object = 0; object < one->objects; object++) {
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
@@ -149,10 +149,10 @@ static void write_lists(bench *b, uint32_t u) {
     const scheduler *one = &b->schedulers[u];
     const uint32_t lanes = b->config->lanes;
     for (uint32_t lane = 0; lane < lanes; lane++)
-        put(b, of_scheduler(u, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
+        put(b, of_scheduler(b, u, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
             b->config->sleep ? 0 : (one->objects + lanes - 1 - lane) / lanes);
     for (uint32_t i = one->objects; b->config->sleep && i-- > 0;)
-        put(b, of_scheduler(u, FP3_ADDR_WINDOW_WAKE + 4 * lane_of(b, i)), row_of(b, i));
+        put(b, of_scheduler(b, u, FP3_ADDR_WINDOW_WAKE + 4 * lane_of(b, i)), row_of(b, i));
 }
 
 static void prepare(bench *b, uint32_t u) {
@@ -173,12 +173,13 @@ static void prepare(bench *b, uint32_t u) {
 /* ---- what comes of it ---- */
 
 static void run(bench *b, uint32_t schedulers) {
-    const uint32_t all = of_scheduler(FP3_ADDRESS_BROADCAST, 0), start = 1u << FP3_CONTROL_START_LO;
+    const uint32_t all = of_scheduler(b, fp3_config_broadcast(b->config), 0);
+    const uint32_t start = 1u << FP3_CONTROL_START_LO;
     if (below(&b->c, 2))
         put(b, all | FP3_ADDR_CONTROL, start);
     else
         for (uint32_t u = 0; u < schedulers; u++) {
-            put(b, of_scheduler(u, FP3_ADDR_CONTROL), start);
+            put(b, of_scheduler(b, u, FP3_ADDR_CONTROL), start);
             b->ops->clock(b->rtl, below(&b->c, 100), 100);
         }
     for (int i = 0; i < 1000 && get(b, all | FP3_ADDR_STATUS) & 1u << FP3_STATUS_RUNNING_LO; i++)
@@ -190,8 +191,8 @@ static void compare(bench *b, uint32_t u) {
     fp3_engine *isa = one->isa;
     if (fp3_engine_run(isa, one->steps, &one->stats))
         fail(b, "the isa engine's end of scheduler", u, 1, 0);
-    want(b, "status", of_scheduler(u, FP3_ADDR_STATUS), 1u << FP3_STATUS_DONE_LO);
-    want(b, "flags", of_scheduler(u, FP3_ADDR_FLAGS), one->stats.flags);
+    want(b, "status", of_scheduler(b, u, FP3_ADDR_STATUS), 1u << FP3_STATUS_DONE_LO);
+    want(b, "flags", of_scheduler(b, u, FP3_ADDR_FLAGS), one->stats.flags);
     for (uint32_t object = 0; object < one->objects; object++) {
         fp3_object_status status;
         for (uint32_t reg = 0; reg < one->s.pool; reg++) {
@@ -207,8 +208,8 @@ static void compare(bench *b, uint32_t u) {
     /* Without sleep, lane 0 says what is issued. */
     const uint64_t rows = (one->objects + b->config->lanes - 1) / b->config->lanes;
     if (b->config->counters && fp3_engine_layout(isa)->groups[0].program.slept < 0) {
-        const uint32_t paired = get(b, of_scheduler(u, FP3_ADDR_COUNTER_PAIRED));
-        want(b, "counter retired", of_scheduler(u, FP3_ADDR_COUNTER_RETIRED),
+        const uint32_t paired = get(b, of_scheduler(b, u, FP3_ADDR_COUNTER_PAIRED));
+        want(b, "counter retired", of_scheduler(b, u, FP3_ADDR_COUNTER_RETIRED),
              (uint32_t)(one->stats.counter[FP3_COUNTER_RETIRED] / one->objects * rows) - paired);
     }
     fp3_engine_close(&one->isa);

@@ -66,18 +66,37 @@ static void must(bench *b, const char *what, uint32_t address, uint32_t data) {
         fail(b, what, address, answer, 0);
 }
 
-static uint32_t of_scheduler(uint32_t scheduler, uint32_t address) {
-    return scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
+static uint32_t of_scheduler(const bench *b, uint32_t scheduler, uint32_t address) {
+    return scheduler << (b->config->space_bit + 2) | address;
 }
 
-/* Of one scheduler the bus has no bits that could say all. */
+/* All ones, in as many bits as hold the number of schedulers. Of one the bus has no bits that could
+ * say all. */
+static uint32_t all_of(uint32_t schedulers) {
+    uint32_t all = 0;
+    while (schedulers > 1 && all < schedulers)
+        all = 2 * all + 1;
+    return all;
+}
+
 static uint32_t of_all(const bench *b, uint32_t address) {
-    return of_scheduler(b->schedulers > 1 ? FP3_ADDRESS_BROADCAST : 0, address);
+    return of_scheduler(b, all_of(b->schedulers), address);
 }
 
-static uint32_t in_space(uint32_t scheduler, uint32_t space, uint32_t word) {
-    return of_scheduler(scheduler, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+/* What an address says within a scheduler. */
+static uint32_t inside(const bench *b, uint32_t address) {
+    return address & ((4u << b->config->space_bit) - 1);
 }
+
+static uint32_t in_space(const bench *b, uint32_t scheduler, uint32_t space, uint32_t word) {
+    return of_scheduler(b, scheduler, space << b->config->space_bit | word << 2);
+}
+
+static uint32_t space_of(const bench *b, uint32_t address) {
+    return address >> b->config->space_bit & 3;
+}
+
+static uint32_t words_of_space(const bench *b) { return 1u << (b->config->space_bit - 2); }
 
 /* Words of the two large memories of a scheduler. */
 static uint32_t object_words(const fp3_config *c) {
@@ -171,20 +190,12 @@ static int access_to_window(const fp3_config *c, uint32_t address) {
     return 0;
 }
 
-/* All ones, in 8 bits or in the window's, which hold the number of schedulers. */
-static int is_all(uint32_t schedulers, uint32_t scheduler) {
-    return scheduler == FP3_ADDRESS_BROADCAST ||
-           (scheduler >= schedulers && (scheduler & (scheduler + 1)) == 0 &&
-            scheduler / 2 < schedulers);
-}
-
 static int access_to(const bench *b, uint32_t address) {
     const fp3_config *c = b->config;
-    const uint32_t scheduler = address >> FP3_ADDRESS_SCHEDULER_LO;
-    const uint32_t space = address >> FP3_ADDRESS_SPACE_LO & 3;
-    const uint32_t word = address >> FP3_ADDRESS_WORD_LO & 0xfffff;
-    if (address % 4 ||
-        (scheduler >= b->schedulers && (b->schedulers == 1 || !is_all(b->schedulers, scheduler))))
+    const uint32_t scheduler = address >> (b->config->space_bit + 2);
+    const uint32_t space = space_of(b, address);
+    const uint32_t word = address / 4 % words_of_space(b);
+    if (address % 4 || (scheduler >= b->schedulers && scheduler != all_of(b->schedulers)))
         return 0;
     if (space == FP3_SPACE_COPIES)
         return word < copy_words(c) ? WRITE | IDLE_ONLY : 0;
@@ -192,13 +203,12 @@ static int access_to(const bench *b, uint32_t address) {
         return word < object_words(c) ? READ | WRITE | IDLE_ONLY : 0;
     if (space == FP3_SPACE_STATUS)
         return word < status_words(c) ? READ | WRITE | IDLE_ONLY : 0;
-    const uint32_t in_unit = address & 0xffffff;
-    return access_to_register(c, in_unit) | access_to_window(c, in_unit);
+    return access_to_register(c, inside(b, address)) | access_to_window(c, inside(b, address));
 }
 
 /* A legal value for every register that can be written, and no command. */
-static uint32_t harmless(uint32_t address) {
-    switch (address & 0xffffff) {
+static uint32_t harmless(const bench *b, uint32_t address) {
+    switch (inside(b, address)) {
     case FP3_ADDR_RECORD:
         return 3;
     case FP3_ADDR_WHOLE:
@@ -214,7 +224,7 @@ static void probe(bench *b, uint32_t address, int is_running) {
         const int refused = !(access & (is_write ? WRITE : READ)) ||
                             (is_running && (access & IDLE_ONLY)) ||
                             (is_running && is_write && (access & IDLE_WRITE));
-        uint32_t data = harmless(address);
+        uint32_t data = harmless(b, address);
         const int answer = transfer(b, is_write, address, &data);
         if (answer != refused)
             fail(b, is_write ? "a write" : "a read", address, answer, refused);
@@ -227,7 +237,7 @@ static void probe(bench *b, uint32_t address, int is_running) {
  * chance finds. While scheduler 0 runs, only its own. */
 static void sweep(bench *b, int is_running) {
     const uint32_t ends[] = {object_words(b->config), status_words(b->config),
-                             copy_words(b->config), 1u << 20};
+                             copy_words(b->config), words_of_space(b)};
     for (uint32_t address = 0; address < 0x4000; address += address < 0x100 ? 1 : 4)
         probe(b, address, is_running);
     const uint32_t programs[] = {FP3_ADDR_WINDOW_PROGRAM,
@@ -238,28 +248,25 @@ static void sweep(bench *b, int is_running) {
     for (uint32_t space = 0; space < 4; space++)
         for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
             for (uint32_t word = ends[i] - 2; word != ends[i] + 2; word++)
-                probe(b, in_space(0, space, word & 0xfffff), is_running);
+                probe(b, in_space(b, 0, space, word % words_of_space(b)), is_running);
     for (int i = 0; i < 6000; i++)
-        probe(b, (uint32_t)next64(&b->c) & 0xffffff, is_running);
+        probe(b, inside(b, (uint32_t)next64(&b->c)), is_running);
     for (uint32_t scheduler = 1; scheduler < 256 && !is_running; scheduler++) {
-        probe(b, of_scheduler(scheduler, FP3_ADDR_ID), 0);
-        probe(b, of_scheduler(scheduler, FP3_ADDR_STEPS), 0);
-        probe(b, of_scheduler(scheduler, (uint32_t)next64(&b->c) & 0xffffff), 0);
+        probe(b, of_scheduler(b, scheduler, FP3_ADDR_ID), 0);
+        probe(b, of_scheduler(b, scheduler, FP3_ADDR_STEPS), 0);
+        probe(b, of_scheduler(b, scheduler, inside(b, (uint32_t)next64(&b->c))), 0);
     }
 }
 
 /* ---- memories ---- */
 
 /* Records have 8 words. */
-static int is_whole(const bench *b, uint32_t address) {
-    return (address >> FP3_ADDRESS_WORD_LO & 7) == b->whole;
-}
+static int is_whole(const bench *b, uint32_t address) { return address / 4 % 8 == b->whole; }
 
 /* What is read where this word was written: a record of 16 bits has it rounded to nearest. */
 static uint32_t kept(const bench *b, uint32_t address, uint32_t word) {
-    const uint32_t space = address >> FP3_ADDRESS_SPACE_LO & 3;
     uint32_t flags;
-    return space == FP3_SPACE_OBJECTS && !is_whole(b, address)
+    return space_of(b, address) == FP3_SPACE_OBJECTS && !is_whole(b, address)
                ? fp3_stored(b->config, word, NULL, &flags)
                : word;
 }
@@ -268,9 +275,8 @@ static uint32_t kept(const bench *b, uint32_t address, uint32_t word) {
  * tell apart. */
 static uint32_t mark(const bench *b, uint32_t address) {
     const uint32_t word = address * 0x9e3779b9u ^ 0x5a5a5a5au;
-    const int is_half = b->config->storage &&
-                        (address >> FP3_ADDRESS_SPACE_LO & 3) == FP3_SPACE_OBJECTS &&
-                        !is_whole(b, address);
+    const int is_half =
+        b->config->storage && space_of(b, address) == FP3_SPACE_OBJECTS && !is_whole(b, address);
     return is_half ? (word & 0x87ffffffu) | 0x38000000u : word;
 }
 
@@ -289,12 +295,12 @@ static void memories_keep_words_apart(bench *b) {
         for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
             for (uint32_t i = 0; i < c->registers; i++)
                 put_or_want(b, is_check,
-                            of_scheduler(scheduler, FP3_ADDR_WINDOW_CONSTANTS + 4 * i));
+                            of_scheduler(b, scheduler, FP3_ADDR_WINDOW_CONSTANTS + 4 * i));
             for (uint32_t word = 0; word < object_words(c); word += stride)
-                put_or_want(b, is_check, in_space(scheduler, FP3_SPACE_OBJECTS, word));
+                put_or_want(b, is_check, in_space(b, scheduler, FP3_SPACE_OBJECTS, word));
             for (uint32_t word = 0; word < status_words(c); word += stride)
                 if (word % c->store_words < c->store_words / 8)
-                    put_or_want(b, is_check, in_space(scheduler, FP3_SPACE_STATUS, word));
+                    put_or_want(b, is_check, in_space(b, scheduler, FP3_SPACE_STATUS, word));
         }
 }
 
@@ -304,7 +310,7 @@ static void one_word_is_whole(bench *b) {
         return;
     for (b->whole = 0; b->whole < 8; b->whole += 5) {
         for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++)
-            must(b, "a whole word", of_scheduler(scheduler, FP3_ADDR_WHOLE), b->whole);
+            must(b, "a whole word", of_scheduler(b, scheduler, FP3_ADDR_WHOLE), b->whole);
         memories_keep_words_apart(b);
     }
     b->whole -= 5;
@@ -334,19 +340,19 @@ static void choose_known(bench *b, known *k) {
         const uint32_t row = c->interleave ? below(&b->c, c->store_words / 8) : 0;
         switch (below(&b->c, 6)) {
         case 0:
-            know(k, of_scheduler(scheduler,
+            know(k, of_scheduler(b, scheduler,
                                  FP3_ADDR_WINDOW_CONSTANTS + 4 * below(&b->c, c->registers)));
             break;
         case 1:
-            know(k, of_scheduler(scheduler, FP3_ADDR_STEPS));
+            know(k, of_scheduler(b, scheduler, FP3_ADDR_STEPS));
             break;
         case 2:
             if (status_words(c))
-                know(k, in_space(scheduler, FP3_SPACE_STATUS,
+                know(k, in_space(b, scheduler, FP3_SPACE_STATUS,
                                  below(&b->c, c->lanes) * c->store_words + row));
             break;
         default: /* neighbours, too */
-            know(k, in_space(scheduler, FP3_SPACE_OBJECTS,
+            know(k, in_space(b, scheduler, FP3_SPACE_OBJECTS,
                              below(&b->c,
                                    below(&b->c, 2) && object_words(c) > 8 ? 8 : object_words(c))));
         }
@@ -373,8 +379,8 @@ static fp3_rtl_word one_of_many(bench *b, known *k, uint8_t *is_used) {
     } else
         do {
             word.address = below(&b->c, 4) ? (uint32_t)next64(&b->c)
-                                           : of_scheduler(0, 4 * below(&b->c, 0x1000));
-            word.address &= 0xff7fffffu | 0x800000u * below(&b->c, 2);
+                                           : of_scheduler(b, 0, 4 * below(&b->c, 0x1000));
+            word.address &= ~((below(&b->c, 2) ^ 1) << (b->config->space_bit + 1));
         } while (access_to(b, word.address) & (word.is_write ? WRITE : READ));
     if (!word.is_write)
         word.data = 0; /* what is read where the bus leads nowhere */
@@ -430,7 +436,7 @@ static void objects_stream(bench *b) {
     for (uint8_t is_write = 2; is_write-- > 0;) {
         for (uint32_t i = 0; i < count; i++) {
             const uint32_t address =
-                in_space(i % b->schedulers, FP3_SPACE_OBJECTS, i * 37 % object_words(b->config));
+                in_space(b, i % b->schedulers, FP3_SPACE_OBJECTS, i * 37 % object_words(b->config));
             words[i] = (fp3_rtl_word){address, mark(b, address), is_write, 0};
         }
         const uint64_t begin = b->ops->now(b->rtl);
@@ -449,14 +455,14 @@ static void objects_stream(bench *b) {
 static void all_units_are_one(bench *b) {
     uint32_t or = 0;
     for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++) {
-        must(b, "steps", of_scheduler(scheduler, FP3_ADDR_STEPS),
+        must(b, "steps", of_scheduler(b, scheduler, FP3_ADDR_STEPS),
              0x100u << scheduler % 8 | scheduler);
         or |= 0x100u << scheduler % 8 | scheduler;
     }
     want(b, "the OR of all schedulers", of_all(b, FP3_ADDR_STEPS), or);
     must(b, "steps", of_all(b, FP3_ADDR_STEPS), 77);
     for (uint32_t scheduler = 0; scheduler < b->schedulers; scheduler++)
-        want(b, "written to all schedulers", of_scheduler(scheduler, FP3_ADDR_STEPS), 77);
+        want(b, "written to all schedulers", of_scheduler(b, scheduler, FP3_ADDR_STEPS), 77);
 }
 
 /* No list is told of an object that has no row. What is refused leaves the list as it is. */
@@ -615,8 +621,8 @@ static void a_running_machine_guards_its_memories(bench *b) {
 static void counters_are_0_before_the_first_run(bench *b) {
     for (uint32_t scheduler = 0; b->config->counters && scheduler < b->schedulers; scheduler++) {
 #define X(NAME, name, address)                                                                     \
-    want(b, "counter " name, of_scheduler(scheduler, address), 0);                                 \
-    want(b, "counter " name ", high word", of_scheduler(scheduler, (address) + 4), 0);
+    want(b, "counter " name, of_scheduler(b, scheduler, address), 0);                              \
+    want(b, "counter " name ", high word", of_scheduler(b, scheduler, (address) + 4), 0);
         FP3_COUNTERS(X)
 #undef X
     }
@@ -655,7 +661,7 @@ static void a_run_has_one_outcome(bench *b) {
 static void an_end_is_kept_until_it_is_seen(bench *b) {
     const uint32_t enable = 1u << FP3_INTERRUPT_ENABLE_LO, ended = 1u << FP3_INTERRUPT_ENDED_LO;
     must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS, 0); /* nothing overflows */
-    must(b, "a register", in_space(0, FP3_SPACE_OBJECTS, 1), 0);
+    must(b, "a register", in_space(b, 0, FP3_SPACE_OBJECTS, 1), 0);
     for (uint32_t steps = 0; steps < 2; steps++) {
         load(b, steps);
         must(b, "enable", FP3_ADDR_INTERRUPT, ended | (steps ? enable : 0));
@@ -689,7 +695,7 @@ static void a_failure_is_kept_until_it_is_seen(bench *b) {
         const uint32_t enabled = i % 2 ? enable : 0, word = i < 2 ? large : 0;
         load(b, 1);
         must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS, word);
-        must(b, "a register", in_space(0, FP3_SPACE_OBJECTS, 1), word);
+        must(b, "a register", in_space(b, 0, FP3_SPACE_OBJECTS, 1), word);
         must(b, "enable", FP3_ADDR_INTERRUPT, ended | enabled);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);
@@ -734,7 +740,7 @@ static void sleepers_are_skipped(bench *b) {
         if (b->config->storage)
             must(b, "a whole word", FP3_ADDR_WHOLE, 1);
         must(b, "a load of who sleeps", FP3_ADDR_WINDOW_PROGRAM, loads);
-        must(b, "the step in which it fell asleep", in_space(0, FP3_SPACE_OBJECTS, 1), sleeps);
+        must(b, "the step in which it fell asleep", in_space(b, 0, FP3_SPACE_OBJECTS, 1), sleeps);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 100000, 100);
         const uint32_t sums = get(b, FP3_ADDR_COUNTER_ISSUED_ADD);
@@ -761,10 +767,10 @@ static void bits_below_the_fraction_are_0(bench *b) {
         must(b, "a choice", FP3_ADDR_WINDOW_PROGRAM + 4 * get(b, FP3_ADDR_STEP), choose);
         for (uint32_t i = 0; i < 2; i++)
             must(b, "a constant", FP3_ADDR_WINDOW_CONSTANTS + 4 * i, 0x3f800000u + (i << 23));
-        must(b, "what chooses", in_space(0, FP3_SPACE_OBJECTS, 1), is_one ? least : least - 1);
+        must(b, "what chooses", in_space(b, 0, FP3_SPACE_OBJECTS, 1), is_one ? least : least - 1);
         must(b, "a start", FP3_ADDR_CONTROL, start);
         b->ops->clock(b->rtl, 10000, 100);
-        want(b, "a choice by what is almost 0", in_space(0, FP3_SPACE_OBJECTS, 0),
+        want(b, "a choice by what is almost 0", in_space(b, 0, FP3_SPACE_OBJECTS, 0),
              is_one ? 0x3f800000u : 0x40000000u);
     }
 }

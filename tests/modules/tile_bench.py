@@ -12,7 +12,7 @@ from cocotb.triggers import FallingEdge, RisingEdge
 from bundles import Bundle, seen
 
 CONTROL, STATUS, RECORD, STEPS, STEP, LAST, SIZE, VISIT = 0x10, 0x14, 0x18, 0x20, 0x24, 0x28, 0x2c, 0x38
-CONSTANTS, AWAKE, PROGRAM, OBJECTS = 0x2000, 0x3000, 0x8000, 2 << 22
+CONSTANTS, AWAKE, PROGRAM, OBJECTS = 0x2000, 0x3000, 0x8000, 2 << 16
 START, STOP, RUNNING, DONE = 1, 2, 1, 2                    # bits of CONTROL, and of STATUS
 ADD, MUL, LD, ST = 1, 3, 7, 9
 K = 64                                                     # the first constant, as an operand

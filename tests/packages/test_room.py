@@ -60,7 +60,7 @@ def shown(said):
 SETTING = """
 [[register]]
 name = "margin"
-at = 0x0070
+at = 0x0078
 access = "rw"
 {more}range = [2, 9]
 reset = 5
@@ -77,7 +77,7 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
     store = config != "single"
     program = ["w 8000 38200000", "w 8004 48200000"] if store else ["w 8000 08200080"]                       # ld, st; add
     objects = ["w 3000 1"] if config in ("lanes", "dual") else ["w 3100 0"] if store else []
-    said = run(copy, config, ["s 70 0", "w 70 9", "s 70 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
+    said = run(copy, config, ["s 78 0", "w 78 9", "s 78 0", *program, *objects, "w 20 1", "w 24 0", "w 28 1", f"w 2c {len(program)}",
                               "w 10 1", "p 14 1", "s 14 0"])
     assert shown(said) == [5, 9, 2] and "margin 7" in said                 # a bundle has it less its least
     assert changed(root, copy) == {"isa/registers.toml", "rtl/front/fp3_fetch.v"}
@@ -87,12 +87,12 @@ def test_a_setting_is_a_row_and_the_module_that_uses_it(root, copy, config, more
 def test_a_setting_out_of_its_range_is_refused(copy, value):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more="")))
     with pytest.raises(AssertionError, match="FAIL"):
-        run(copy, "single", [f"w 70 {value:x}"])
+        run(copy, "single", [f"w 78 {value:x}"])
 
 
 def test_a_setting_that_needs_a_store_is_not_there_without(copy):
     replace(copy / "isa/registers.toml", ("\n# Counters of", SETTING.format(more='needs = ["store_words"]\n')))
-    assert shown(run(copy, "single", ["s 70 0"])) == ["error"]
+    assert shown(run(copy, "single", ["s 78 0"])) == ["error"]
 
 
 KEY = """[key.extra]
@@ -164,8 +164,8 @@ def test_an_arithmetic_is_a_key_a_module_and_its_line(root, copy):
             assign `FP3_RESULT = result_o;
         end else if (FUSED != 0) begin : g_fused"""))
     madd = 4 << 27 | 1 << 21 | 64 << 14 | 1 << 7 | 1                                                      # r1 = r1 + k0 * r1
-    said = run(copy, "many", ["w 2000 3", "w 800004 5", "w 3100 0", "w 8000 38200000", f"w 8004 {madd:x}", "w 8008 48200000", "w 20 1", "w 24 1",
-                              "w 28 2", "w 2c 3", "w 10 1", "p 14 1", "s 14 0", "s 800004 0"])
+    said = run(copy, "many", ["w 2000 3", "w 20004 5", "w 3100 0", "w 8000 38200000", f"w 8004 {madd:x}", "w 8008 48200000", "w 20 1", "w 24 1",
+                              "w 28 2", "w 2c 3", "w 10 1", "p 14 1", "s 14 0", "s 20004 0"])
     assert shown(said) == [2, 3 ^ 5]
     assert changed(root, copy) == {"isa/configs.toml", "rtl/unit/fp3_unit.v", "rtl/unit/fp3_own_arith.v"}
     parameters = [f"-Pfp3.{text}=1" for text in ("OWN", "SELECT")]
@@ -213,7 +213,7 @@ def test_an_instruction_may_have_its_code_in_field_c(root, copy, code):
     one = 0x3f800000
     word = 31 << 27 | 1 << 21 | 64 << 14 | 65 << 7 | code - 128                                           # r1 = k0 + k1
     session = [f"w 2000 {one:x}", f"w 2004 {one:x}", "w 20 1", "w 24 0", "w 28 1", "w 2c 1"]
-    start = ["w 10 1", "p 14 1", "s 14 0", "s 800004 0", "w 800004 0"]
+    start = ["w 10 1", "p 14 1", "s 14 0", "s 20004 0", "w 20004 0"]
     said = shown(run(copy, "single", [*session, f"w 8000 {word:x}", *start, f"w 8000 {word ^ 1:x}", *start,
                                       f"w 8000 {0x08000000 | word & 0x07ffff80:x}", *start]))
     assert said == [2, 0x40000000, 4, 0, 2, 0x40000000]                    # done; the next code is illegal; an add is what it was

@@ -148,7 +148,7 @@ def test_a_reset_of_one_cycle_ends_stores_and_flags(root, icarus, tmp_path):
     stores are on their way: what has not been written by then stays away, as after a long reset."""
     ld, add, st = 0x38000000, 0x08000000, 0x48000000                       # of r0
     program = [f"w {at:08x} {word:08x}" for at, word in [(0x8000, ld), (0x8004, add), (0x8008, st), (0x38, 0)]]
-    objects = [(0x800000 + 32 * n, 0x7f7ffff0 + n) for n in range(2)]
+    objects = [(0x20000 + 32 * n, 0x7f7ffff0 + n) for n in range(2)]
     start = [f"w {at:08x} {word:08x}" for at, word in [
         (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 1), (0x18, 3), (0x3000, 0), (0x3100, 0), (0x3100, 1), *objects, (0x10, 1)]]
     show = ["s 00000040 0", *(f"s {at:08x} 0" for at, _ in objects)]      # flags of the run, and the objects
@@ -169,12 +169,12 @@ def test_all_are_asked_while_one_runs(root, fp3, icarus, tmp_path):
     session = record(root, fp3, tmp_path, "ship_madd", "shared", 4)
     lines = session.read_text().splitlines()
     head = lines[:next(i for i, line in enumerate(lines) if line.startswith("p")) - 1]       # without the start
-    asked = ["s ff800000 0", "s ff800000 0", "s 01000000 0", "s 00000014 0"]
+    asked = ["s 000e0000 0", "s 000e0000 0", "s 00040000 0", "s 00000014 0"]
     session.write_text(ended([*head, "w 00000010 00000001", *asked]))
     done = replay(root, icarus("shared"), session, "+limit=20000")
     rows = done.stdout.splitlines()                     # the first says the limit
     assert done.returncode == 0, done.stdout
-    assert rows[1:3] == ["ff800000 error"] * 2 and rows[3].startswith("01000000 4650") and rows[4] == "00000014 00000001", rows
+    assert rows[1:3] == ["000e0000 error"] * 2 and rows[3].startswith("00040000 4650") and rows[4] == "00000014 00000001", rows
 
 
 @pytest.mark.parametrize("config", ["single", "lanes", "dual", "array"])
@@ -200,7 +200,7 @@ def hash_of_trace(cycles, order=lambda lanes: lanes):
 def trace(root, tmp_path_factory):
     """The bench around tests/replay/trace.v: a function that replays a text."""
     where = tmp_path_factory.mktemp("trace")
-    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DFP3_TOP=trace", "-DFP3_SCHEDULERS=2", "-DFP3_LANES=6",
+    done = start("iverilog", "-g2012", "-Wall", "-Wno-timescale", "-Irtl", "-DFP3_TOP=trace", "-DFP3_ADDRESS_W=26", "-DFP3_SCHEDULERS=2", "-DFP3_LANES=6",
                  "-s", "replay", "-o", where / "x.vvp", "sim/replay.v", "tests/replay/trace.v", cwd=root)
     assert (done.returncode, done.stdout + done.stderr) == (0, "")
 
@@ -288,15 +288,16 @@ def test_64_contexts_take_turns(root, tmp_path):
     assert found == 1
     wrapper.write_text(text)
     ld, add, st = 0x38000000, 0x08000000, 0x48000000                       # of r0
-    lines = [*(f"w ff{at:06x} {word:08x}" for at, word in [
+    every = 7 << 18
+    lines = [*(f"w {every | at:08x} {word:08x}" for at, word in [
         (0x8000, ld), (0x8004, add), (0x8008, st), (0x24, 1), (0x28, 2), (0x2c, 3), (0x20, 3), (0x18, 3)]),
-        "w ff003000 00000000", "r 00000004 00402020"]
+        f"w {every | 0x3000:08x} 00000000", "r 00000004 00402020"]
     for n in range(64):                                                    # object n of every scheduler at 8 * n
-        lines += [f"w ff{0x800000 + 32 * n:06x} {0x3f800000 + n:08x}", f"w ff003100 {n:08x}"]
-    lines += ["w ff000010 00000001", "p ff000014 00000001"]
+        lines += [f"w {every | 0x20000 + 32 * n:08x} {0x3f800000 + n:08x}", f"w {every | 0x3100:08x} {n:08x}"]
+    lines += [f"w {every | 0x10:08x} 00000001", f"p {every | 0x14:08x} 00000001"]
     for u in range(4):
-        lines += [f"r {u:02x}{0x800000 + 32 * n:06x} {0x41000000 + n:08x}" for n in range(64)]
-        lines += [f"r {u:02x}000014 00000002", f"r {u:02x}000088 {3 * 64:08x}", f"r {u:02x}0000a8 {2 * 64:08x}"]
+        lines += [f"r {u << 18 | 0x20000 + 32 * n:08x} {0x41000000 + n:08x}" for n in range(64)]
+        lines += [f"r {u << 18 | at:08x} {word:08x}" for at, word in ((0x14, 2), (0x88, 3 * 64), (0xa8, 2 * 64))]
     session.write_text(ended(lines))
     done = start("iverilog", "-g2012", *simulate.shape("array"), "-DFP3_TOP=fp3_largest", "-s", "replay", "-c", "rtl/fp3.f", "-o",
                  bench, "sim/replay.v", wrapper, cwd=root)

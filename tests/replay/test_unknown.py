@@ -59,8 +59,8 @@ def record(root, fp3, at, config, objects, steps):
     assert done.returncode == 0, done.stderr
     rows = session.read_text().splitlines()
     begin = next(i for i, row in enumerate(rows) if row.startswith("p")) - 1        # the start
-    # The status of an object counts from what the host wrote; the command takes it for the 0 of power-up.
-    clears = [f"w {row.split()[1]} 00000000" for row in rows if row.startswith("r 00c") or re.match("r 0[1-3]c", row)]
+    # The status of an object counts from what the host wrote; the command takes it for the 0 of power-up. Its space is 3, from bit 16 on.
+    clears = [f"w {row.split()[1]} 00000000" for row in rows if row[0] == "r" and int(row.split()[1], 16) >> 16 & 3 == 3]
     rows = [*rows[:begin], *clears, *rows[begin:-1]]
     session.write_text("\n".join([*rows, f"e {len(rows):x} 0"]) + "\n")
     return session

@@ -38,7 +38,7 @@ def hole():
     """FP3 gets two bits of the address less than its window has: a write to an object is one to a register."""
     def get_verilog(chip, *args, **options):
         verilog = sane_verilog(chip, *args, **options)
-        verilog.main_source = re.sub(r"(s_axi_a[wr]addr +\()(\w+)\[23:0\]", r"\1{2'd0, \2[21:0]}", verilog.main_source)
+        verilog.main_source = re.sub(r"(s_axi_a[wr]addr +\()(\w+)\[17:0\]", r"\1{2'd0, \2[15:0]}", verilog.main_source)
         return verilog
     sane_verilog, soc.SimPlatform.get_verilog = soc.SimPlatform.get_verilog, get_verilog
 

@@ -101,7 +101,7 @@ def test_the_soc_has_the_bits_of_a_run(root, fp3, python, tmp_path, config, bus)
 # What is broken, what is said, and by whom: the program, or the comparison.
 BROKEN = [("address", "error: open: there is no FP3 at this address, or it has another instruction set"),
           ("interrupt", "error: the run has ended, but no interrupt came"),
-          ("hole", "error: load: the bus answered with an error, at 00800000"),
+          ("hole", "error: load: the bus answered with an error, at 00020000"),
           ("program", "soc.py: the engine isa has other bits:"),
           ("silence", "no end within 2000000 cycles")]
 

@@ -48,7 +48,7 @@ class Facts:
         return name if len(found) == 1 else None
 
     def bits(self, table, name):
-        fields = self.registers["address"] if table == "address" else self.isa["field"] if table == "instruction" else self.rows[table]["fields"]
+        fields = self.isa["field"] if table == "instruction" else self.rows[table]["fields"]
         return bit_text(fields[name])
 
     def look_up(self, kind, name):

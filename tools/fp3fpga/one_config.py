@@ -79,7 +79,7 @@ def make_hardware(name, tree, made):
     top, rtl = f"fp3_{name}", tree / "rtl"
     rooms = [word for room in sorted({path.parent for path in (ROOT / "rtl").glob("*/*.v")} - {ROOT / "rtl/gen"})
              for word in ("-y", rtl / room.name)]
-    run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK", "-DFP3_ZEROS",
+    run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK", "-DFP3_ZEROS", "-DFP3_TRACE",
         "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
         "--top-module", top, "--Mdir", tree / "cc", "-CFLAGS", "-fPIC", tree / f"{top}.v")
     run("make", "-s", "-C", tree / "cc", "-f", f"V{top}.mk", "VM_PARALLEL_BUILDS=0", "OPT_FAST=-O1", f"V{top}__ALL.a")

@@ -1,7 +1,7 @@
 """Headers for the software."""
 
 from .check import Bad, NAME
-from .configs import config_value
+from .configs import config_value, given
 from .estimates import estimates
 from .isa import GIVES, MORE, UNITS, WRITES, counter_of
 from .logarithms import curves, sums
@@ -136,8 +136,10 @@ def registers_c(regs, revision):
                                   for row, a in counter_rows(regs)]), "",
         "/* Windows onto the memories. */",
         *defines([(f"FP3_ADDR_WINDOW_{row['name'].upper()}", at(row["at"])) for row in regs["window"]]), "",
-        "/* The parts of an address, and what they say. */",
+        "/* The parts of an address, and what they say. bit: where its space begins, key `space_bit` and the field of this name. */",
         *defines([("FP3_" + name, value) for name, value in address_rows(regs)]),
+        "#define FP3_ADDRESS_OF(bit, scheduler, address) ((uint32_t)(scheduler) << ((bit) + FP3_ADDRESS_SPACE_BITS) | (address))",
+        "#define FP3_ADDRESS_IN(bit, space, word) ((uint32_t)(space) << (bit) | (uint32_t)(word) << 2)",
     ])
 
 
@@ -146,14 +148,15 @@ def configs_c(known, configs):
     return c_header("configs", "isa/configs.toml", [
         "#include <stdint.h>", "",
         "typedef struct {", "    const char *name, *doc;", "    const char *take; /* the need that it serves; NULL: it is there to be compared */", *columns(fields), "} fp3_config;", "",
-        *enumeration("KEY", known), "#define FP3_KEY_NONE FP3_KEY_COUNT", "",
+        *enumeration("KEY", known), "#define FP3_KEY_NONE FP3_KEY_COUNT",
+        f"#define FP3_KEYS_SET {len(given(known))} /* the first ones; the others follow from them */", "",
         "/* Of fp3_keys. */",
         *initialisers("FP3_KEY_ROWS", [
             [("name", quote(name)), ("lack", quote(key["lack"]) if "lack" in key else "NULL"),
              ("offset", f"offsetof(fp3_config, {name})")] for name, key in known.items()]), "",
-        "/* X(name, doc, schedulers of all tiles, lanes of each, what may issue in each at once) */",
+        "/* X(name, doc, schedulers of all tiles, lanes of each, what may issue in each at once, space_bit) */",
         *x_macro("FP3_CONFIGS", [(row["name"], quote(row["doc"]), str(row["tiles"] * row["schedulers"]),
-                                  str(row["lanes"]), str(1 + row["dual"])) for row in configs]), "",
+                                  str(row["lanes"]), str(1 + row["dual"]), str(row["space_bit"])) for row in configs]), "",
         "/* Of fp3_configs. */",
         *initialisers("FP3_CONFIG_ROWS", [
             [("name", quote(row["name"])), ("doc", quote(row["doc"])), ("take", quote(row["take"]) if row.get("take") else "NULL")]

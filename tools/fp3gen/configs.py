@@ -29,9 +29,8 @@ def most_of(text, where, root, regs):
         for row in regs["window"]:
             if row["name"] == name:
                 return row["words"]
-    if what == "address" and isinstance(regs["address"].get(name), list):
-        hi, lo = regs["address"][name]
-        return 2 << hi - lo
+    if what == "address" and name in regs["address"]:
+        return 1 << regs["address"][name]
     if what == "cuts" and NAME.fullmatch(name):
         return (1 << cut_positions(root, name)) - 1
     raise Bad(f"isa/{FILE}: {where}: '{text}' is neither a window nor a field of an address nor the cuts of a core")
@@ -73,13 +72,18 @@ def given(known):
 
 def derive(row, known):
     """The row with the keys that follow from others."""
-    return row | {name: int(bool(eval(key["is"], {"__builtins__": {}}, row))) for name, key in known.items() if "is" in key}
+    row = dict(row)
+    for name, key in known.items():
+        if "is" in key:
+            row[name] = int(eval(key["is"], {"__builtins__": {}, "log2": lambda n: max(n - 1, 0).bit_length()}, row))
+    return row
 
 
 def verilog_of(key):
     """The value of a key that follows from others, in Verilog."""
-    words = {"and": "&&", "or": "||"}
-    return "(" + " ".join(words.get(word, word.upper()) for word in key["is"].split()) + ") ? 1 : 0"
+    words = {"and": "&&", "or": "||", "log2": "$clog2"}
+    value = re.sub(r"[a-z]\w*", lambda word: words.get(word[0], word[0].upper()), key["is"])
+    return f"({value}) ? 1 : 0" if re.search(r" (>|<|==) ", value) else value
 
 
 def plain(key):
@@ -125,8 +129,8 @@ def check_configs(rows, known):
         row = derive(row, known)
         for name in known.keys() - given(known):
             need(said.get(name, row[name]) == row[name], FILE, f"{where}: {name} = {said.get(name)}, but {known[name]['is']} says {row[name]}")
-        for key in known.values():
-            check_value(row, key, where)
+        for name in given(known):
+            check_value(row, known[name], where)
         need(row["interleave"] or not row["fused"] or row["mul_latency"] >= 2 or not any(row[key] for key in ("select", "estimate", "round")), FILE,
              f"{where}: for one object, fused with select, estimate or round needs mul_latency of at least 2")
         if row["interleave"]:

@@ -76,12 +76,12 @@ def bit_text(pair):
 
 def registers_page(regs):
     parts = regs["address"]
-    body = ["Byte addresses of 32-bit words on the bus, AXI4-Lite. An address has these parts:", "",
+    body = ["Byte addresses of 32-bit words on the bus, AXI4-Lite. An address has these parts, S being the key `space_bit` of the",
+            "[configuration](configurations.md), which register `array` shows: 16, or more if the store of all lanes has more than 64 KB.", "",
             *markdown(["bits", "part"], [
-                [bit_text(parts["scheduler"]), f"the scheduler, tile by tile; {parts['broadcast']}: all of them, where a write "
-                 "goes to all and a read gives the OR of all"],
-                [bit_text(parts["space"]), "the space: 0 for the registers and windows below"],
-                [bit_text(parts["word"]), "the word within objects and status; 0 above bit 15 in space 0"]]), "",
+                [f"S+{parts['space']} and above", "the scheduler, tile by tile; all ones: all of them, where a write goes to all and a read gives the OR of all"],
+                [f"S+{parts['space'] - 1} to S", "the space: 0 for the registers and windows below"],
+                ["S-1 to 2", "the word within objects and status; 0 above bit 15 in space 0"]]), "",
             "![The address map: an address names a scheduler, a space and a word; space 0 has the registers, counters and windows with their "
             "addresses, spaces 1 to 3 are copies, objects and status](drawings/address_map.svg)", "",
             "[Put FP3 into a design](integration.md#the-bus) says which accesses are refused, what a reset does, and how many address bits a port has.",

@@ -46,7 +46,7 @@ def parameters_verilog(known, regs):
             "// verilator lint_on WIDTHCONCAT",
             "// verilator lint_off UNUSEDPARAM", *derived(known), "// verilator lint_on UNUSEDPARAM",
             "// Of a byte address: its top says the scheduler, all ones: all of them (docs/registers.md).",
-            f"parameter integer ADDRESS_W = {regs['address']['scheduler'][1]} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)",
+            f"parameter integer ADDRESS_W = SPACE_BIT + {regs['address']['space']} + (TILES * SCHEDULERS > 1 ? $clog2(TILES * SCHEDULERS + 1) : 0)",
             "`endif"]
 
 

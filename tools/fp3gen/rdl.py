@@ -48,7 +48,7 @@ def block(head, lines, tail):
     return [head + " {", *["    " + line for line in lines], "} " + tail + ";"]
 
 
-def memory(row, shift):
+def memory(row, is_space):
     words = product(row["holds"])
     if "instead" in row:
         words = f"{words} > 0 ? {words} : {product(row['instead'])}"
@@ -59,7 +59,7 @@ def memory(row, shift):
         inner = block("reg", [field([f"sw = {SW[row['access']]};"], name, pair, None) for name, pair in row["fields"].items()],
                       f"word[{words}]")
     return block("external mem", [f"desc = {text(row['doc'])};", *present(row), f"mementries = {words};", "memwidth = 32;",
-                                  f"sw = {SW[row['access']]};", *inner], f"{row['name']} @ 0x{row['at'] << shift:06x}")
+                                  f"sw = {SW[row['access']]};", *inner], f"{row['name']} @ {row['at']} << SPACE_BIT" if is_space else f"{row['name']} @ 0x{row['at']:04x}")
 
 
 def scheduler(isa, regs, known, defaults):
@@ -71,9 +71,8 @@ def scheduler(isa, regs, known, defaults):
         registers += block("reg", [f"desc = {text(row['doc'])};", *present(row), *register_fields(row, regs, isa["revision"])],
                            f"{row['name']} @ 0x{row['at']:04x}")
     registers += [f"fp3_counter {row['name']} @ 0x{at:04x}; {row['name']}->desc = {text(row['doc'])};" for row, at in counter_rows(regs)]
-    space = regs["address"]["space"][1]
-    memories = [line for row in regs["window"] for line in memory(row, 0)]
-    memories += [line for row in regs["space"] for line in memory(row, space)]
+    memories = [line for row in regs["window"] for line in memory(row, False)]
+    memories += [line for row in regs["space"] for line in memory(row, True)]
     return ["// Counters have no value before the first run starts.", "regfile fp3_counter {",
             "    default sw = r; default hw = w;", "    reg { field {} value[31:0]; } low @ 0x0;",
             "    reg { field {} value[31:0]; } high @ 0x4;", "};", "",
@@ -82,9 +81,8 @@ def scheduler(isa, regs, known, defaults):
 
 
 def config_map(row, regs):
-    parts = regs["address"]
     count = row["tiles"] * row["schedulers"]
-    first = parts["scheduler"][1]
+    first = row["space_bit"] + regs["address"]["space"]
     values = ", ".join(f".{key.upper()}({value})" for key, value in row.items() if isinstance(value, int) and not key.endswith("_cuts"))
     kind = textwrap.wrap(f"fp3_scheduler #({values})", 110, subsequent_indent="    ")
 

@@ -49,10 +49,8 @@ def check_registers(regs, counted):
     keys(regs, file, "top level", {"address": dict, "register": list, "counter": list, "counters": dict,
                                    "window": list, "space": list})
     keys(regs["counters"], file, "[counters]", {"at": int})
-    keys(regs["address"], file, "[address]", {"scheduler": list, "broadcast": int, "space": list, "word": list})
-    parts = {name: pair for name, pair in regs["address"].items() if name != "broadcast"}
-    bit_ranges(parts, file, "[address]")
-    need(regs["address"]["broadcast"] == (2 << parts["scheduler"][0] - parts["scheduler"][1]) - 1, file,
+    keys(regs["address"], file, "[address]", dict.fromkeys(("scheduler", "broadcast", "space", "word"), int))
+    need(regs["address"]["broadcast"] == (1 << regs["address"]["scheduler"]) - 1, file,
          "[address]: broadcast must be the last scheduler that the address has room for")
     for row in regs["register"]:
         where = f"register '{row.get('name', '?')}'"
@@ -169,9 +167,10 @@ def shown_word(row, values):
 
 
 def stream_mask(regs):
-    """Address bits of which each address of a memory that streams has one, and no other address any."""
-    space = regs["address"]["space"][1]
-    memories = [(row["at"], row["words"], row) for row in regs["window"]] + [(row["at"] << space, 1, row) for row in regs["space"]]
+    """Address bits of which each address of a window that streams has one, and no other address of space 0 any. All of the
+    other spaces streams."""
+    memories = [(row["at"], row["words"], row) for row in regs["window"]]
+    need(all(row.get("stream") for row in regs["space"]), "registers.toml", "a space must stream: rtl/fp3.v tells it by the bits of the space alone")
     ends = regs["counters"]["at"] + 8 * len(regs["counter"])
     alone = [(at, words) for at, words, row in memories if not row.get("stream")] + [(0, ends // 4)]
     taken = 0
@@ -203,7 +202,6 @@ def field_rows(regs):
 
 
 def address_rows(regs):
-    parts = [(f"ADDRESS_{name.upper()}_{end}", pair[i]) for name, pair in regs["address"].items()
-             if name != "broadcast" for i, end in enumerate(("HI", "LO"))]
+    parts = [(f"ADDRESS_{name.upper()}_BITS", bits) for name, bits in regs["address"].items() if name != "broadcast"]
     return (parts + [("ADDRESS_BROADCAST", regs["address"]["broadcast"])]
             + [(f"SPACE_{row['name'].upper()}", row["at"]) for row in regs["space"]])

@@ -95,10 +95,10 @@ def registers_verilog(regs):
          + [("[15:0] ", f"ADDR_COUNTER_{row['name'].upper()}", at(a)) for row, a in counter_rows(regs)]),
         ("Windows onto the memories.", [("[15:0] ", f"ADDR_WINDOW_{row['name'].upper()}", at(row["at"]))
                                         for row in regs["window"]]),
-        ("The parts of an address, and what they say.",
+        ("The parts of an address, and what they say: a space begins at SPACE_BIT.",
          [("", name, value) for name, value in address_rows(regs)]),
-        ("An address streams if it has one of these bits: accesses there follow each other, any other one is alone.",
-         [(f"[{regs['address']['scheduler'][1] - 1}:0] ", "ADDRESS_STREAM", f"24'h{stream_mask(regs):06x}")]),
+        ("In space 0 an address streams if it has one of these bits: accesses there follow each other, any other one is alone.",
+         [("[15:0] ", "ADDRESS_STREAM", at(stream_mask(regs)))]),
     ])
 
 
@@ -111,7 +111,7 @@ def ports(row, regs):
     schedulers = row["tiles"] * row["schedulers"]
     issues = schedulers * (1 + row["dual"])
     lanes = issues * row["lanes"]
-    address = regs["address"]["scheduler"][1] + (schedulers.bit_length() if schedulers > 1 else 0)
+    address = row["space_bit"] + regs["address"]["space"] + (schedulers.bit_length() if schedulers > 1 else 0)
     return [("input", 1, "s_axi_aclk"), ("input", 1, "s_axi_aresetn"), None,
             ("input", address, "s_axi_awaddr"), ("input", 3, "s_axi_awprot"), ("input", 1, "s_axi_awvalid"),
             ("output", 1, "s_axi_awready"), ("input", 32, "s_axi_wdata"), ("input", 4, "s_axi_wstrb"),

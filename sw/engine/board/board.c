@@ -24,8 +24,7 @@ typedef struct {
     fp3_driver driver; /* first: the calls of driver.h find it there */
     fp3_link *link;
     fp3_read_ahead *ahead;
-    uint32_t window; /* the bits of an address that the hardware's port has */
-    int is_clear;    /* nothing of an earlier host is left in its memories */
+    int is_clear; /* nothing of an earlier host is left in its memories */
 } board_engine;
 
 /* ---- the bus ---- */
@@ -33,8 +32,7 @@ typedef struct {
 static fp3_status transfer_line(fp3_engine *engine, int is_write, uint32_t address, uint32_t *data,
                                 uint32_t count, uint32_t *refused) {
     const board_engine *self = engine->self;
-    fp3_status status =
-        fp3_link_transfer(self->link, is_write, address & self->window, data, count, refused);
+    fp3_status status = fp3_link_transfer(self->link, is_write, address, data, count, refused);
     engine->bus.repeats = fp3_link_repeats(self->link);
     engine->bus.bytes = fp3_link_bytes(self->link);
     engine->bus.requests++;
@@ -56,7 +54,7 @@ static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *add
     const uint32_t address = addresses[0];
     if (is_write)
         fp3_read_ahead_forget(self->ahead, address, count);
-    if (is_write || !fp3_read_ahead_has(address))
+    if (is_write || !fp3_read_ahead_has(engine->config->space_bit, address))
         return transfer_line(engine, is_write, address, data, count, refused);
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && !*refused && i < count; i++) {
@@ -122,25 +120,16 @@ static fp3_status stop_what_runs(fp3_engine *engine) {
     return status || !(word >> FP3_STATUS_RUNNING_LO & 1) ? status : fp3_session_stop(engine);
 }
 
-/* All ones in as many bits as an address of the configuration has: docs/registers.md. */
-static uint32_t window_of(const fp3_config *config) {
-    uint32_t window = (1u << FP3_ADDRESS_SCHEDULER_LO) - 1;
-    const uint32_t schedulers = fp3_config_schedulers(config);
-    for (uint32_t n = schedulers; schedulers > 1 && n; n >>= 1)
-        window = window << 1 | 1;
-    return window;
-}
-
 static fp3_status board_open(fp3_engine *engine) {
     const fp3_engine_def *def = &engine->def;
     board_engine *self = engine->self = calloc(1, sizeof *self);
     fp3_status status = check_def(def);
     if (status)
         return status;
-    if (!self || !(self->ahead = fp3_read_ahead_make(read_ahead, engine)))
+    if (!self ||
+        !(self->ahead = fp3_read_ahead_make(engine->config->space_bit, read_ahead, engine)))
         return fp3_no_memory(def->error);
     self->driver.bus = &bus;
-    self->window = window_of(engine->config);
     status = fp3_link_open(def->port, baud_of(def->baud), &self->link, def->error);
     if (!status)
         status = fp3_driver_open(engine);

@@ -10,13 +10,12 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-uint32_t fp3_driver_of(uint32_t scheduler, uint32_t address) {
-    return scheduler << FP3_ADDRESS_SCHEDULER_LO | address;
+uint32_t fp3_driver_of(const fp3_engine *engine, uint32_t scheduler, uint32_t address) {
+    return FP3_ADDRESS_OF(engine->config->space_bit, scheduler, address);
 }
 
 uint32_t fp3_driver_of_all(const fp3_engine *engine, uint32_t address) {
-    const int is_alone = fp3_config_schedulers(engine->config) == 1;
-    return fp3_driver_of(is_alone ? 0 : FP3_ADDRESS_BROADCAST, address);
+    return fp3_driver_of(engine, fp3_config_broadcast(engine->config), address);
 }
 
 static fp3_status transfer(fp3_engine *engine, int is_write, const uint32_t *addresses,
@@ -76,9 +75,9 @@ static void sort(uint32_t *where, uint32_t *what, uint32_t count) {
 
 /* Columns of objects come register by register, and a bus that moves neighbours at once wants them
  * object by object. Of words that are nothing but memory only the order at one address counts. */
-static void arrange(fp3_driver *self) {
+static void arrange(fp3_driver *self, uint32_t space_bit) {
     for (uint32_t i = 0, n; !self->bus->is_anywhere && i < self->queued; i += n + 1) {
-        for (n = 0; i + n < self->queued && fp3_read_ahead_has(self->where[i + n]);)
+        for (n = 0; i + n < self->queued && fp3_read_ahead_has(space_bit, self->where[i + n]);)
             n++;
         sort(&self->where[i], &self->what[i], n);
     }
@@ -87,7 +86,7 @@ static void arrange(fp3_driver *self) {
 fp3_status fp3_driver_flush(fp3_engine *engine) {
     fp3_driver *self = engine->self;
     const uint32_t count = self->queued;
-    arrange(self);
+    arrange(self, engine->config->space_bit);
     self->queued = 0;
     return transfer_all(engine, 1, self->where, self->what, count);
 }

@@ -65,7 +65,7 @@ fp3_status fp3_driver_peek(fp3_engine *engine, uint32_t address, uint32_t *data)
 
 /* Addresses: of one scheduler; of all of them, where a write goes to all and a read gives the OR.
  */
-uint32_t fp3_driver_of(uint32_t scheduler, uint32_t address);
+uint32_t fp3_driver_of(const fp3_engine *engine, uint32_t scheduler, uint32_t address);
 uint32_t fp3_driver_of_all(const fp3_engine *engine, uint32_t address);
 
 #endif

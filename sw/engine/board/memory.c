@@ -18,7 +18,7 @@ static fp3_status put_group(fp3_engine *engine, uint32_t number, uint32_t addres
     if (engine->layout.count == 1)
         return fp3_driver_put(engine, fp3_driver_of_all(engine, address), data);
     for (uint32_t i = 0; !status && i < group->scheduler_count; i++)
-        status = fp3_driver_put(engine, fp3_driver_of(group->schedulers[i], address), data);
+        status = fp3_driver_put(engine, fp3_driver_of(engine, group->schedulers[i], address), data);
     return status;
 }
 
@@ -52,7 +52,7 @@ static fp3_status number_objects(fp3_engine *engine, uint32_t number) {
     const uint32_t lanes = engine->config->lanes;
     fp3_status status = put_group(engine, number, FP3_ADDR_STRIDE, group->columns);
     for (uint32_t i = 0; !status && i < group->scheduler_count; i++)
-        status = fp3_driver_put(engine, fp3_driver_of(group->schedulers[i], FP3_ADDR_FIRST),
+        status = fp3_driver_put(engine, fp3_driver_of(engine, group->schedulers[i], FP3_ADDR_FIRST),
                                 group->first + i * lanes);
     return status;
 }
@@ -66,8 +66,9 @@ fp3_status fp3_memory_load(fp3_engine *engine) {
     return status;
 }
 
-static uint32_t in_space(uint32_t scheduler, uint32_t space, uint32_t word) {
-    return fp3_driver_of(scheduler, space << FP3_ADDRESS_SPACE_LO | word << FP3_ADDRESS_WORD_LO);
+static uint32_t in_space(const fp3_engine *engine, uint32_t scheduler, uint32_t space,
+                         uint32_t word) {
+    return fp3_driver_of(engine, scheduler, FP3_ADDRESS_IN(engine->config->space_bit, space, word));
 }
 
 static fp3_where where(const fp3_engine *engine, size_t object) {
@@ -80,13 +81,14 @@ static uint32_t cell_address(const fp3_engine *engine, size_t object, uint32_t r
     const fp3_where at = where(engine, object);
     const uint32_t record = at.row << group->log2, store = engine->config->store_words;
     const int is_upper = self->is_upper && fp3_layout_published(group) >> reg & 1;
-    return in_space(at.scheduler, FP3_SPACE_OBJECTS,
+    return in_space(engine, at.scheduler, FP3_SPACE_OBJECTS,
                     at.lane * store + record + reg + (is_upper ? store / 2 : 0));
 }
 
 static uint32_t status_address(const fp3_engine *engine, size_t object) {
     const fp3_where at = where(engine, object);
-    return in_space(at.scheduler, FP3_SPACE_STATUS, at.lane * engine->config->store_words + at.row);
+    return in_space(engine, at.scheduler, FP3_SPACE_STATUS,
+                    at.lane * engine->config->store_words + at.row);
 }
 
 /* Of cell i. */
@@ -107,7 +109,7 @@ fp3_status fp3_memory_read(fp3_engine *engine, fp3_cells cells, void *words) {
     for (size_t begin = 0; !status && begin < cells.count; begin += FP3_BUS_WORDS) {
         const size_t left = cells.count - begin, now = left < FP3_BUS_WORDS ? left : FP3_BUS_WORDS;
         for (size_t i = 0; i < now; i++)
-            addresses[i] = fp3_driver_of(scheduler, address_of(engine, cells, begin + i));
+            addresses[i] = fp3_driver_of(engine, scheduler, address_of(engine, cells, begin + i));
         status = fp3_driver_get_all(engine, addresses, bits, (uint32_t)now);
         if (!status)
             memcpy((char *)words + begin * sizeof *bits, bits, now * sizeof *bits);
@@ -152,22 +154,24 @@ fp3_status fp3_memory_list(fp3_engine *engine) {
     for (uint32_t scheduler = 0; scheduler < fp3_config_schedulers(config); scheduler++)
         for (uint32_t lane = 0; !status && lane < config->lanes; lane++)
             status = fp3_driver_put(
-                engine, fp3_driver_of(scheduler, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
+                engine, fp3_driver_of(engine, scheduler, FP3_ADDR_WINDOW_AWAKE + 4 * lane),
                 config->sleep ? 0 : fp3_layout_rows(layout, config, scheduler, lane));
     for (uint32_t i = 0; !status && config->sleep && i < engine->objects; i++) {
         const fp3_where at = where(engine, i);
         if (fp3_engine_is_awake(engine, i))
             status = fp3_driver_put(
-                engine, fp3_driver_of(at.scheduler, FP3_ADDR_WINDOW_WAKE + 4 * at.lane), at.row);
+                engine, fp3_driver_of(engine, at.scheduler, FP3_ADDR_WINDOW_WAKE + 4 * at.lane),
+                at.row);
     }
     return status;
 }
 
 fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t lane, uint32_t word, uint32_t data) {
     return fp3_driver_put(
-        engine, in_space(0, FP3_SPACE_OBJECTS, lane * engine->config->store_words + word), data);
+        engine, in_space(engine, 0, FP3_SPACE_OBJECTS, lane * engine->config->store_words + word),
+        data);
 }
 
 fp3_status fp3_memory_put_copy(fp3_engine *engine, uint32_t word, uint32_t data) {
-    return fp3_driver_put(engine, in_space(0, FP3_SPACE_COPIES, word), data);
+    return fp3_driver_put(engine, in_space(engine, 0, FP3_SPACE_COPIES, word), data);
 }

@@ -17,22 +17,24 @@ typedef struct {
 struct fp3_read_ahead {
     fp3_read_ahead_read_fn *read;
     void *user;
+    uint32_t space_bit;
     block blocks[BLOCKS];
 };
 
-fp3_read_ahead *fp3_read_ahead_make(fp3_read_ahead_read_fn *read, void *user) {
+fp3_read_ahead *fp3_read_ahead_make(uint32_t space_bit, fp3_read_ahead_read_fn *read, void *user) {
     fp3_read_ahead *ahead = calloc(1, sizeof *ahead);
     if (ahead) {
         ahead->read = read;
         ahead->user = user;
+        ahead->space_bit = space_bit;
     }
     return ahead;
 }
 
 void fp3_read_ahead_free(fp3_read_ahead *ahead) { free(ahead); }
 
-int fp3_read_ahead_has(uint32_t address) {
-    const uint32_t space = address >> FP3_ADDRESS_SPACE_LO & 3;
+int fp3_read_ahead_has(uint32_t space_bit, uint32_t address) {
+    const uint32_t space = address >> space_bit & 3;
     return space == FP3_SPACE_OBJECTS || space == FP3_SPACE_STATUS;
 }
 
@@ -60,7 +62,7 @@ fp3_status fp3_read_ahead_get(fp3_read_ahead *ahead, uint32_t address, uint32_t 
 
 void fp3_read_ahead_forget(fp3_read_ahead *ahead, uint32_t address, uint32_t count) {
     const uint32_t first = address - address % BLOCK_BYTES;
-    if (!fp3_read_ahead_has(address))
+    if (!fp3_read_ahead_has(ahead->space_bit, address))
         for (uint32_t i = 0; i < BLOCKS; i++)
             ahead->blocks[i].count = 0;
     else

@@ -16,12 +16,12 @@ typedef struct fp3_read_ahead fp3_read_ahead;
 typedef fp3_status fp3_read_ahead_read_fn(void *user, uint32_t address,
                                           uint32_t words[FP3_READ_AHEAD_WORDS], uint32_t *count);
 
-/* NULL: out of memory. */
-fp3_read_ahead *fp3_read_ahead_make(fp3_read_ahead_read_fn *read, void *user);
+/* space_bit: of the configuration. NULL: out of memory. */
+fp3_read_ahead *fp3_read_ahead_make(uint32_t space_bit, fp3_read_ahead_read_fn *read, void *user);
 void fp3_read_ahead_free(fp3_read_ahead *ahead);
 
 /* Whether words at this address change by writes and runs alone, so that they may be read ahead. */
-int fp3_read_ahead_has(uint32_t address);
+int fp3_read_ahead_has(uint32_t space_bit, uint32_t address);
 /* *is_there: 0: the bus refuses the address. */
 fp3_status fp3_read_ahead_get(fp3_read_ahead *ahead, uint32_t address, uint32_t *word,
                               int *is_there);

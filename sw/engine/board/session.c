@@ -98,7 +98,7 @@ static const uint32_t counter_addresses[] = {
 static fp3_status read_counters(fp3_engine *engine, uint32_t scheduler, uint64_t *counter) {
     uint32_t addresses[2 * FP3_COUNTER_COUNT], words[2 * FP3_COUNTER_COUNT];
     for (uint32_t i = 0; i < 2 * FP3_COUNTER_COUNT; i++)
-        addresses[i] = fp3_driver_of(scheduler, counter_addresses[i / 2] + 4 * (i % 2));
+        addresses[i] = fp3_driver_of(engine, scheduler, counter_addresses[i / 2] + 4 * (i % 2));
     fp3_status status = fp3_driver_get_all(engine, addresses, words, 2 * FP3_COUNTER_COUNT);
     for (int i = 0; !status && i < FP3_COUNTER_COUNT; i++)
         counter[i] = (uint64_t)words[2 * i + 1] << 32 | words[2 * i];
@@ -128,9 +128,10 @@ static fp3_status check_counters(fp3_engine *engine, uint32_t scheduler, const u
 static fp3_status ask_scheduler(fp3_engine *engine, uint32_t scheduler, uint32_t *outcome,
                                 uint32_t *fault) {
     uint64_t *counter = engine->counters[scheduler];
-    fp3_status status = fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_STATUS), outcome);
+    fp3_status status =
+        fp3_driver_get(engine, fp3_driver_of(engine, scheduler, FP3_ADDR_STATUS), outcome);
     if (!status)
-        status = fp3_driver_get(engine, fp3_driver_of(scheduler, FP3_ADDR_FAULT), fault);
+        status = fp3_driver_get(engine, fp3_driver_of(engine, scheduler, FP3_ADDR_FAULT), fault);
     if (!status && engine->config->counters) {
         status = read_counters(engine, scheduler, counter);
         if (!status)

@@ -124,7 +124,7 @@ static fp3_status put(const trimmed *t, const char *integrator, char **text, fp3
         return fp3_no_memory(error);
     fprintf(to, "[[config]]\nname = \"trimmed\"\ndoc  = \"What %s needs of %s.\"\n", integrator,
             t->from->name);
-    for (int key = 0; key < FP3_KEY_COUNT; key++)
+    for (int key = 0; key < FP3_KEYS_SET; key++)
         put_key(to, t, (fp3_key)key, value_of(t, (fp3_key)key));
     put_luts(to, t);
     if (!fclose(to))
