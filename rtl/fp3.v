@@ -128,7 +128,7 @@ module fp3 #(
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, 24'd0} | {{32-INSIDE{1'b0}}, address[INSIDE-1:0]}), .req_wdata_i(wdata),
         .answer_o(`FP3_ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
-        .answer_i(answers));
+        .answer_i(answers), .irq_i(ended));
     always @(posedge clk) irq_q <= |ended && !rst;
     assign irq = irq_q;
     wire unused = &{s_axi_awprot, s_axi_arprot};

@@ -4,7 +4,7 @@
 // verilator lint_off UNUSEDPARAM
 // By the number of a register, its address / 4: whether it can be read, and written.
 localparam integer REGISTER_COUNT = 32;
-localparam [31:0] READABLE = 32'h00873faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
+localparam [31:0] READABLE = 32'h30873faf | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
 localparam [31:0] WRITABLE = 32'h00020f10 | (STORE_WORDS != 0 ? 32'h0000c040 : 32'd0) | (NEIGHBOURS != 0 ? 32'h00380000 : 32'd0) | (EXCHANGE != 0 ? 32'h00400000 : 32'd0) | (STORAGE != 0 ? 32'h07000000 : 32'd0) | (STORAGE != 0 && SLEEP != 0 ? 32'h08000000 : 32'd0);
 // The settings of a run: how many bits each keeps (0: it is no setting), where they are in SETTINGS, what is
 // subtracted from the word, and what is kept after a reset.

@@ -32,6 +32,8 @@ localparam [15:0] ADDR_SEED           = 16'h0060;
 localparam [15:0] ADDR_FIRST          = 16'h0064;
 localparam [15:0] ADDR_STRIDE         = 16'h0068;
 localparam [15:0] ADDR_WHOLE          = 16'h006c;
+localparam [15:0] ADDR_PENDING        = 16'h0070;
+localparam [15:0] ADDR_PENDING_MORE   = 16'h0074;
 
 // Fields of registers, but for those that show keys: gen/host_map.vh has these.
 localparam CONTROL_START_HI           = 0;

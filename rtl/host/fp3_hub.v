@@ -5,6 +5,8 @@
 //           and a read gives the OR of their answers. A request that does not stream waits until
 //           QUIET cycles after the last write that does: by then the lanes have reported that write
 //           (fp3).
+//           The registers `pending` and `pending_more` are shown here, where all interrupts are:
+//           the schedulers answer 0 there.
 // Latency   One cycle on the way there, one back.
 // Promise   Every request is answered; one to a scheduler that there is not, with an error:
 //           scheduler 0 is asked, for an address that nothing has.
@@ -31,7 +33,8 @@ module fp3_hub #(
     output wire                   req_write_o,
     output wire [23:0]            req_addr_o,
     output wire [31:0]            req_wdata_o,
-    input  wire [`FP3_ANSWER_W*N-1:0] answer_i
+    input  wire [`FP3_ANSWER_W*N-1:0] answer_i,
+    input  wire [N-1:0]           irq_i
 );
 `include "gen/registers.vh"
     localparam [7:0]   ALL     = ADDRESS_BROADCAST;
@@ -42,6 +45,15 @@ module fp3_hub #(
     reg         write_q;
     reg [23:0]  addr_q;
     reg [31:0]  wdata_q;
+
+    // A register is alone: its address stands until it is answered.
+    reg         pending_q;
+    reg  [63:0] irqs;
+    wire [31:0] pending = addr_q[2] ? irqs[63:32] : irqs[31:0];
+    always @* begin
+        irqs        = 64'd0;
+        irqs[N-1:0] = irq_i;
+    end
 
     wire [7:0]           who = req_addr_i[31:24];
     wire [N-1:0]         whom;
@@ -73,13 +85,15 @@ module fp3_hub #(
         end
     endgenerate
     always @* begin
-        answer = {`FP3_ANSWER_W{1'b0}};
+        answer = {`FP3_ANSWER_W{1'b0}} | {{`FP3_ANSWER_W-32{1'b0}}, pending & {32{pending_q}}};
         for (k = 0; k < N; k = k + 1) answer = answer | answer_i[`FP3_ANSWER_W*k +: `FP3_ANSWER_W];
     end
 
     always @(posedge clk_i) begin
         ask_q    <= (nobody ? FIRST : whom) & {N{req_valid_i && !rst_i && takes}};
         answer_q <= answer;
+        if (rst_i) pending_q <= 1'b0;
+        else if (req_valid_i && takes) pending_q <= !nobody && req_addr_i[23:3] == {8'd0, ADDR_PENDING[15:3]};
         if (req_valid_i && takes) {write_q, addr_q, wdata_q} <= {req_write_i, nobody ? NOWHERE : req_addr_i[23:0], req_wdata_i};
     end
     assign req_ready_o = !rst_i && takes;

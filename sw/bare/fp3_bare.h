@@ -150,7 +150,8 @@ fp3_status fp3_bare_interrupt(fp3_bare *fp3, uint32_t scheduler, unsigned events
  * next start. */
 fp3_status fp3_bare_handle(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome);
 
-/* A register by its address, FP3_ADDR_FLAGS or FP3_ADDR_FAULT; of FP3_ALL the OR. */
+/* A register by its address, FP3_ADDR_FLAGS, FP3_ADDR_FAULT or FP3_ADDR_PENDING; of FP3_ALL the OR.
+ */
 fp3_status fp3_bare_register(fp3_bare *fp3, uint32_t scheduler, uint32_t address, uint32_t *word);
 /* A counter by its address, FP3_ADDR_COUNTER_CYCLES, of one scheduler; also while it runs.
  * FP3_E_ARGUMENT: the configuration has no counters. */

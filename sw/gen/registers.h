@@ -33,6 +33,8 @@
 #define FP3_ADDR_FIRST          0x0064u
 #define FP3_ADDR_STRIDE         0x0068u
 #define FP3_ADDR_WHOLE          0x006cu
+#define FP3_ADDR_PENDING        0x0070u
+#define FP3_ADDR_PENDING_MORE   0x0074u
 
 /* Fields of registers. */
 #define FP3_ID_REVISION_HI               7

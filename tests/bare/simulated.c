@@ -81,15 +81,18 @@ static void refuse_while_running(fp3_bare *fp3, board *b) {
     EXPECT(outcome == FP3_BARE_STOPPED);
 }
 
-static int is_interrupted(const fp3_bare *fp3, board *b) {
+static int is_interrupted(fp3_bare *fp3, board *b) {
     const uint32_t both = 1u << FP3_INTERRUPT_ENDED_LO | 1u << FP3_INTERRUPT_ENABLE_LO;
+    uint32_t raised = 0, before = 0, after = 0;
+    EXPECT(!fp3_bare_register(fp3, 0, FP3_ADDR_PENDING, &before));
     for (uint32_t i = 0; i < fp3->schedulers; i++) {
         uint32_t word = 0;
         EXPECT(!read_word(b, FP3_ADDRESS_OF(fp3->space_bit, i, FP3_ADDR_INTERRUPT), &word));
-        if ((word & both) == both)
-            return 1;
+        raised |= (uint32_t)((word & both) == both) << i;
     }
-    return 0;
+    EXPECT(!fp3_bare_register(fp3, fp3->schedulers - 1, FP3_ADDR_PENDING, &after));
+    EXPECT((before & ~raised) == 0 && (raised & ~after) == 0);
+    return raised != 0;
 }
 
 /* One ship: the schedulers without one end at once, and the end of the last is not missed. */

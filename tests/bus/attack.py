@@ -84,7 +84,7 @@ def of_an_object(chance):
 def never_read(chance):
     return chance.choice((AT["control"], AT["program"] + 4 * chance.randrange(WORDS), AT["constants"] + 4 * REGISTERS,
                           OBJECTS + 4 * RUN["words"], OBJECTS + NOWHERE + 4 * chance.randrange(SPACE // 8),
-                          chance.choice([at for at in range(0x4c, 0x80, 4) if at != AT["version"]]), COPIES + 4 * chance.randrange(SPACE // 4)))
+                          chance.choice([at for at in range(0x4c, 0x80, 4) if at not in (AT["version"], AT["pending"], AT["pending_more"])]), COPIES + 4 * chance.randrange(SPACE // 4)))
 
 
 def never_written(chance):

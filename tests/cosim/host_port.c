@@ -139,6 +139,8 @@ static int access_to_register(const fp3_config *c, uint32_t address) {
                      {FP3_ADDR_FAULT, READ},
                      {FP3_ADDR_FLAGS, READ},
                      {FP3_ADDR_INTERRUPT, READ | WRITE},
+                     {FP3_ADDR_PENDING, READ},
+                     {FP3_ADDR_PENDING_MORE, READ},
                      {FP3_ADDR_ARRAY, READ},
                      {FP3_ADDR_STORE, READ},
                      {FP3_ADDR_VISIT, READ | WRITE | IDLE_WRITE | STORE_ONLY},

@@ -131,6 +131,8 @@ BUGS = {
         Bug("a read is answered in reset", "fp3_hub.v", "answer_read && !rst_i,", "answer_read,"),
         Bug("schedulers are asked in reset", "fp3_hub.v", "req_valid_i && !rst_i &&", "req_valid_i &&"),
         Bug("nobody is somebody", "fp3_hub.v", "nobody ? NOWHERE : req_addr_i[23:0]", "req_addr_i[23:0]"),
+        Bug("nobody shows interrupts", "fp3_hub.v", "pending_q <= !nobody &&", "pending_q <="),
+        Bug("schedulers from 32 on are shown twice", "fp3_hub.v", "addr_q[2] ? irqs[63:32] : irqs[31:0]", "irqs[31:0]"),
     ],
     "hub, waits": [
         Bug("a start soon after a list's last number", "fp3_hub.v", "takes = quiet || streams", "takes = 1'b1"),
