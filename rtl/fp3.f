@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The design for Verilator (-f) and Icarus (-c), from the project's directory.
 // One module per file: a module's name is enough to find it.
-// Memories are zero at power-up. Synthesis does not define this: no memory needs it.
+// Memories are zero at power-up, and the top of a configuration has the ports of the trace. Synthesis
+// defines neither.
 +define+FP3_ZEROS
++define+FP3_TRACE
 +incdir+rtl
 +incdir+rtl/gen
 -y rtl

@@ -8,8 +8,9 @@
 //                                 └────► tile, tile ...           many, STORE_WORDS > 0
 //
 // Latency   See solo, or sequencer and lane; axi_lite, hub and host_port for an access of the host.
-// Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design. They
-//           have a part for each scheduler, or for each lane of each, the first in the low bits.
+// Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design, as a
+//           top does without FP3_TRACE. They have a part for each scheduler, or for each lane of
+//           each, the first in the low bits.
 // Use       A named configuration (`make top CONFIG=name`), or set parameters by name.
 //           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none

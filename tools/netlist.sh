@@ -36,7 +36,7 @@ units) top=units source=tests/fpga/units.v rooms="fp lib"
 esac
 # yosys may see nothing outside of this directory.
 netlist=$(realpath --relative-to=. "$stem").v
-"$yosys" -q -p "read_verilog -Irtl -Irtl/gen $(for room in $rooms; do echo rtl/$room/*.v; done | xargs) $source;
+"$yosys" -q -p "read_verilog -DFP3_TRACE -Irtl -Irtl/gen $(for room in $rooms; do echo rtl/$room/*.v; done | xargs) $source;
     hierarchy -top $top; $synth -top $top; rename $top ${top}_netlist; write_verilog -noattr $netlist" >"$stem.log" 2>&1 ||
     { tail -5 "$stem.log" >&2 && exit 1; }
 # A block RAM that begins with zeros needs no contents; the model has no others.

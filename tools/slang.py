@@ -6,7 +6,7 @@
 slang refuses what other tools let pass, such as the use of a name above its declaration. Every warning is an error. These are not asked for:
 
   shift-count-overflow      a shift by the whole width gives 0, and widths follow from the configuration
-  unconnected-output-port   a board leaves the trace open, as every design does
+  unconnected-output-port   a top leaves the trace open, unless it is asked for
 """
 
 import pathlib

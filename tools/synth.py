@@ -24,8 +24,7 @@ others. The pages of docs/ come from docs/synth.json (tools/measured.py). Netlis
   carry         carry cells of the netlist
   comb          cells that nextpnr places for logic; on ECP5: logic, two for each carry cell, distributed RAM
   ff, dsp, ebr  flip-flops, multipliers, block RAMs: which cells, families.py says. ff includes the registers put around
-                the top: operands and result of a core, host port of a processor. The trace ports of a
-                processor are left open, as in a design.
+                the top: operands and result of a core, host port of a processor
   over          of each figure that a device has less of: per cent of what it has; empty for what fits
   untimed       whether place and route would not see how slow its multipliers are; then it is not placed
   tools         yosys and the placer, with versions
@@ -231,7 +230,7 @@ def lanes(row, n):
 
 
 def processor(row, around):
-    ports = [p for p in verilog.ports(row, load(ROOT).registers) if p and p[2] != "s_axi_aclk" and not p[2].startswith(("issue_", "retire_"))]
+    ports = [p for p in verilog.ports(row, load(ROOT).registers) if p and p[2] != "s_axi_aclk"]
     inputs = [(name, width) for direction, width, name in ports if direction == "input"]
     outputs = [(name, width) for direction, width, name in ports if direction == "output"]
     made = tops.write(row, load(ROOT), ROOT / WORK).relative_to(ROOT)

@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-from litex.gen import LiteXModule, Open
+from litex.gen import LiteXModule
 from migen import ClockSignal, Instance, ResetSignal, Signal
 from litex.soc.integration.soc import SoCRegion
 from litex.soc.interconnect import axi
@@ -47,7 +47,6 @@ class FP3(LiteXModule):
         self.errors = CSRStatus(32)
         refused = [channel.valid & channel.ready & (channel.resp != axi.RESP_OKAY) for channel in (bus.b, bus.r)]
         self.sync += self.errors.status.eq(self.errors.status + refused[0] + refused[1])
-        trace = {f"o_{name}": Open() for name in re.findall(r"output wire .*\b((?:issue|retire)_\w+)", text)}
         self.specials += Instance(
             f"fp3_{config}",
             i_s_axi_aclk=ClockSignal("sys"), i_s_axi_aresetn=~ResetSignal("sys"),
@@ -56,7 +55,7 @@ class FP3(LiteXModule):
             o_s_axi_bresp=bus.b.resp, o_s_axi_bvalid=bus.b.valid, i_s_axi_bready=bus.b.ready,
             i_s_axi_araddr=bus.ar.addr[:width], i_s_axi_arprot=0, i_s_axi_arvalid=bus.ar.valid, o_s_axi_arready=bus.ar.ready,
             o_s_axi_rdata=bus.r.data, o_s_axi_rresp=bus.r.resp, o_s_axi_rvalid=bus.r.valid, i_s_axi_rready=bus.r.ready,
-            o_irq=self.ev.irq, **trace)
+            o_irq=self.ev.irq)
         platform.add_verilog_include_path(str(RTL))
         for line in (RTL / "gen/files.f").read_text().splitlines():
             if line.startswith("rtl/"):

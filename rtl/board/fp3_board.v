@@ -16,7 +16,7 @@
 `endif
 module fp3_board #(
     parameter DIVISOR   = 104,         // clock cycles in a bit of the line, >= 4: 12 MHz and 115,200 baud
-    parameter ADDRESS_W = 24
+    parameter ADDRESS_W = 18
 ) (
     input  wire clk_i,
     input  wire rst_i,
@@ -38,7 +38,7 @@ module fp3_board #(
         .m_axi_araddr(araddr), .m_axi_arprot(arprot), .m_axi_arvalid(arvalid), .m_axi_arready(arready),
         .m_axi_rdata(rdata), .m_axi_rresp(rresp), .m_axi_rvalid(rvalid), .m_axi_rready(rready));
 
-    // The trace is for simulation: it stays open here.
+    // With FP3_TRACE, its ports stay open.
     // verilator lint_off PINMISSING
     `FP3_TOP u_fp3 (
         .s_axi_aclk(clk_i), .s_axi_aresetn(!rst_i),

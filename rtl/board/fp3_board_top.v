@@ -16,7 +16,7 @@ module fp3_board_top #(
     parameter CLOCK_HZ  = 12000000,    // what the processor gets
     parameter BAUD      = 115200,
     parameter LIGHT_LOW = 0,           // 1: the light is on when its pin is low
-    parameter ADDRESS_W = 24           // see fp3_board
+    parameter ADDRESS_W = 18           // see fp3_board
 ) (
     input  wire clk_pin,
     input  wire uart_rxd,

@@ -25,8 +25,7 @@ module axi_drawn;
         .s_axi_bresp(bresp), .s_axi_bvalid(bvalid), .s_axi_bready(bready),
         .s_axi_araddr(araddr), .s_axi_arprot(3'b000), .s_axi_arvalid(arvalid), .s_axi_arready(arready),
         .s_axi_rdata(rdata), .s_axi_rresp(rresp), .s_axi_rvalid(rvalid), .s_axi_rready(rready),
-        .irq(irq), .issue_valid_o(), .issue_pc_o(), .issue_context_o(), .issue_word_o(), .retire_valid_o(), .retire_context_o(),
-        .retire_object_o(), .retire_register_o(), .retire_value_o(), .retire_flags_o());
+        .irq(irq));
 
     always @(posedge clk)
         if (part != "")

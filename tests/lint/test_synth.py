@@ -139,7 +139,7 @@ def test_a_processors_latency_is_the_cheapest_program_of_the_bench(tree):
     assert rows["fp3", "single", 6]["object_steps_per_second"] == 1000000
 
 
-def test_the_trace_ports_stay_open(tree):
+def test_a_processor_has_no_trace(tree):
     synth(tree, "--top", "fp3", "--config", "single", "--grades", "6", "--seeds", "1")
     wrapper = (tree / "build/synth/fp3-single.v").read_text()
     assert ".s_axi_awaddr(s_axi_awaddr_q)" in wrapper and "retire_" not in wrapper and "issue_" not in wrapper

@@ -39,6 +39,7 @@ def core_file(root, version, configs):
             "      - sim/replay.v: {file_type: verilogSource}", f"      - programs/{SESSION}: {{file_type: user, copyto: {SESSION}}}"]
     out += ["", "parameters:", "  session: {datatype: str, paramtype: plusarg, description: a recorded session}",
             "  FP3_CHECK: {datatype: bool, paramtype: vlogdefine, description: the RTL's own checks}",
+            "  FP3_TRACE: {datatype: bool, paramtype: vlogdefine, description: a top has the ports of the trace (for simulation alone)}",
             "  FP3_ZEROS: {datatype: bool, paramtype: vlogdefine, description: memories are zero at power-up (for simulation alone)}", "",
             "generators:", "  top: {interpreter: python3, command: tools/tops.py, description: the top module of a configuration}", "generate:",
             *[f"  {name}: {{generator: top, parameters: {{config: {name}}}}}" for name in names], "", "targets:", "  default:", "    filesets: [rtl]", "    toplevel: fp3"]
@@ -47,7 +48,7 @@ def core_file(root, version, configs):
     if SAMPLE in names:
         out += ["  lint:", "    filesets: [rtl]", f"    generate: [{SAMPLE}]", f"    toplevel: fp3_{SAMPLE}", "    parameters: [FP3_CHECK=true]",
                 "    flow: lint", "    flow_options: {tool: verilator, verilator_options: [-Wall]}",
-                "  replay:", "    filesets: [rtl, replay]", f"    generate: [{SAMPLE}]", "    toplevel: replay", f"    parameters: [FP3_CHECK=true, FP3_ZEROS=true, session={SESSION}]",
+                "  replay:", "    filesets: [rtl, replay]", f"    generate: [{SAMPLE}]", "    toplevel: replay", f"    parameters: [FP3_CHECK=true, FP3_TRACE=true, FP3_ZEROS=true, session={SESSION}]",
                 "    flow: sim", "    flow_options: {tool: icarus, iverilog_options: [-g2012]}",
                 "  ecp5:", "    filesets: [rtl]", f"    generate: [{SAMPLE}]", f"    toplevel: fp3_{SAMPLE}",
                 "    flow: generic", "    flow_options: {tool: yosys, arch: ecp5, output_format: json}"]

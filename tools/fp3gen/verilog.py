@@ -103,14 +103,8 @@ def registers_verilog(regs):
 
 
 def ports(row, regs):
-    """The bus and the trace of a configuration: direction, width, name; None is a blank line.
-
-    The trace has one part for each scheduler (issue) and for each lane (retire), the first in the low bits; with
-    `dual` two, that of sums and that of products.
-    """
+    """The bus of a configuration: direction, width, name; None is a blank line."""
     schedulers = row["tiles"] * row["schedulers"]
-    issues = schedulers * (1 + row["dual"])
-    lanes = issues * row["lanes"]
     address = row["space_bit"] + regs["address"]["space"] + (schedulers.bit_length() if schedulers > 1 else 0)
     return [("input", 1, "s_axi_aclk"), ("input", 1, "s_axi_aresetn"), None,
             ("input", address, "s_axi_awaddr"), ("input", 3, "s_axi_awprot"), ("input", 1, "s_axi_awvalid"),
@@ -120,8 +114,15 @@ def ports(row, regs):
             ("input", address, "s_axi_araddr"), ("input", 3, "s_axi_arprot"), ("input", 1, "s_axi_arvalid"),
             ("output", 1, "s_axi_arready"), ("output", 32, "s_axi_rdata"), ("output", 2, "s_axi_rresp"),
             ("output", 1, "s_axi_rvalid"), ("input", 1, "s_axi_rready"), None,
-            ("output", 1, "irq"), None,
-            ("output", issues, "issue_valid_o"), ("output", 16 * issues, "issue_pc_o"),
+            ("output", 1, "irq")]
+
+
+def trace(row):
+    """The ports that a top has with FP3_TRACE, likewise: one part for each scheduler (issue) and for each lane (retire), the first in
+    the low bits; with `dual` two, that of sums and that of products."""
+    issues = row["tiles"] * row["schedulers"] * (1 + row["dual"])
+    lanes = issues * row["lanes"]
+    return [("output", issues, "issue_valid_o"), ("output", 16 * issues, "issue_pc_o"),
             ("output", 16 * issues, "issue_context_o"), ("output", 32 * issues, "issue_word_o"), None,
             ("output", 2 * lanes, "retire_end_o"), ("output", lanes, "retire_valid_o"), ("output", 16 * lanes, "retire_context_o"),
             ("output", 32 * lanes, "retire_object_o"), ("output", 6 * lanes, "retire_register_o"),
@@ -163,9 +164,9 @@ def config_verilog(row, machine, root):
     before = attributes(root)
 
     def list_of(line):
-        rows = ports(row, machine.registers)
-        return ["" if port is None else line(*port) + ("," if i < len(rows) - 1 else "")
-                for i, port in enumerate(rows)]
+        def listed(rows):
+            return ["" if port is None else line(*port) + ("," if i < len(rows) - 1 else "") for i, port in enumerate(rows)]
+        return [*listed(ports(row, machine.registers)), "`ifdef FP3_TRACE", "    ,", *listed(trace(row)), "`endif"]
 
     def declare(direction, width, name):
         size = f"[{width - 1}:0]" if width > 1 else ""
@@ -178,7 +179,7 @@ def config_verilog(row, machine, root):
     return [f"// fp3_{row['name']}: {row['doc']}", "//", f"// {MARK.format(source='isa/configs.toml')}",
             "`default_nettype none",
             f"module fp3_{row['name']} (", *list_of(declare), ");",
-            "    fp3 #(",
+            "    // verilator lint_off PINMISSING", "    fp3 #(",
             ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in given(machine.keys)),
             "    ) u_fp3 (", *list_of(lambda d, w, name: f"        .{name:<17} ({name})"),
-            "    );", "endmodule", "`default_nettype wire"]
+            "    );", "    // verilator lint_on PINMISSING", "endmodule", "`default_nettype wire"]
