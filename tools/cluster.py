@@ -34,7 +34,7 @@ SCENES = (
     ("cloth", "links", ("isa", "fast", "rtl"), 40),
     ("balls", "near", ("isa", "fast", "rtl"), 40),
     ("stars", "all others", ("isa", "fast", "rtl"), 40),
-    ("dam", "near, two phases", ("isa", "fast"), 40),
+    ("dam", "near, two phases", ("isa", "fast", "rtl"), 40),
     ("sleep", "nobody; a ship sleeps when it has arrived", ("isa", "fast", "rtl"), 200),
     ("mixed", "nobody; two groups", ("isa", "fast", "rtl"), 64),
 )

@@ -291,6 +291,8 @@ int main(int argc, char **argv) {
     check_subject(&c, gravity, "leapfrog");
     check_subject(&c, gravity, "rk4");
     check_subject(&c, balls, "euler");
+    check_subject(&c, balls, "leapfrog");
+    check_subject(&c, balls, "rk4");
     check_by_hand(&c);
     check_last_row(&c);
     check_places(&c);

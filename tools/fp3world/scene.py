@@ -16,7 +16,7 @@ STATE = re.compile(r"^(\S+) +\S+ +0x([0-9a-f]{8})   object (\d+)$", re.M)
 
 
 # What an engine cannot do, and says so: no error of the scene.
-LIMITS = ("room for", "no room", "a step of one phase")
+LIMITS = ("room for", "no room")
 
 
 class Failed(Exception):

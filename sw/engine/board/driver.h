@@ -37,6 +37,7 @@ typedef struct {
     fp3_output *output; /* NULL unless there is a bus log ... */
     FILE *log;          /* ... and its stream */
     uint32_t lines;     /* that it has */
+    uint32_t first;     /* the program's word that the hardware has as its first: of a phase */
     int is_upper;       /* the upper half of the store has the published words: only within a run */
     uint32_t queued;    /* writes that the hardware has not got yet: where, and what */
     uint32_t where[FP3_QUEUE_WORDS], what[FP3_QUEUE_WORDS];

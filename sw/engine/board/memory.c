@@ -22,18 +22,30 @@ static fp3_status put_group(fp3_engine *engine, uint32_t number, uint32_t addres
     return status;
 }
 
+static fp3_status put_program(fp3_engine *engine, uint32_t number, const uint32_t *code,
+                              uint32_t step, uint32_t last, uint32_t size) {
+    const request shape[] = {{FP3_ADDR_STEP, step}, {FP3_ADDR_LAST, last}, {FP3_ADDR_SIZE, size}};
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < size; i++)
+        status = put_group(engine, number, FP3_ADDR_WINDOW_PROGRAM + 4 * i, code[i]);
+    for (size_t i = 0; !status && i < sizeof shape / sizeof *shape; i++)
+        status = put_group(engine, number, shape[i].address, shape[i].data);
+    return status;
+}
+
+fp3_status fp3_memory_load_phase(fp3_engine *engine, uint32_t first, uint32_t end) {
+    fp3_driver *self = engine->self;
+    const fp3_code *p = &engine->layout.groups[0].program;
+    self->first = first;
+    return put_program(engine, 0, p->code + first, 0, end - first, end - first);
+}
+
 static fp3_status load_group(fp3_engine *engine, uint32_t number) {
     const fp3_members *group = &engine->layout.groups[number];
     const fp3_code *p = &group->program;
-    const request shape[] = {{FP3_ADDR_STEP, p->step},
-                             {FP3_ADDR_LAST, p->last},
-                             {FP3_ADDR_SIZE, p->count},
-                             {FP3_ADDR_RECORD, group->log2}};
-    fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < p->count; i++)
-        status = put_group(engine, number, FP3_ADDR_WINDOW_PROGRAM + 4 * i, p->code[i]);
-    for (size_t i = 0; !status && i < (engine->config->interleave ? 4 : 3); i++)
-        status = put_group(engine, number, shape[i].address, shape[i].data);
+    fp3_status status = put_program(engine, number, p->code, p->step, p->last, p->count);
+    if (!status && engine->config->interleave)
+        status = put_group(engine, number, FP3_ADDR_RECORD, group->log2);
     /* Also that there are none: with them a run has one step in each visit, or does not start. */
     const uint64_t published = fp3_layout_published(group);
     if (!status && engine->config->neighbours)
@@ -58,7 +70,9 @@ static fp3_status number_objects(fp3_engine *engine, uint32_t number) {
 }
 
 fp3_status fp3_memory_load(fp3_engine *engine) {
+    fp3_driver *self = engine->self;
     fp3_status status = FP3_OK;
+    self->first = 0;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         status = load_group(engine, i);
     for (uint32_t i = 0; !status && engine->config->storage && i < engine->layout.count; i++)

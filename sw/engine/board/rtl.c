@@ -110,6 +110,7 @@ static void note_end(void *user, const fp3_rtl_end *end) {
     fp3_traced traced;
     if (self->in_flight && fp3_in_flight_end(self->in_flight, end, &traced)) {
         traced.object = r.object;
+        traced.pc += self->driver.first;
         engine->def.trace(engine->def.trace_user, &traced);
     }
     if (!end->has_result)

@@ -3,6 +3,7 @@
 #include "session.h"
 
 #include "driver.h"
+#include "memory.h"
 #include "store_lists.h"
 
 #include "gen/registers.h"
@@ -189,6 +190,7 @@ static fp3_status run_part(fp3_engine *engine, const part *p, fp3_stats *stats) 
     if (illegal == fp3_config_schedulers(engine->config))
         return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
     const uint32_t group = engine->layout.duty[illegal].group;
+    word += ((const fp3_driver *)engine->self)->first;
     if (word < engine->layout.groups[group].program.count)
         return fp3_engine_illegal(engine, group, word);
     return fp3_fail(engine->def.error, FP3_E_SYSTEM,
@@ -201,35 +203,58 @@ static void add_counters(fp3_engine *engine, uint64_t *sums) {
         engine->counters[0][i] = sums[i] += engine->counters[0][i];
 }
 
-/* Objects that see each other: a visit is a step, and lists that follow the objects do so after
- * each. */
+/* Of objects that see each other: steps at once, or a phase of one. */
+static fp3_status run_phases(fp3_engine *engine, fp3_store_lists *lists, uint32_t steps,
+                             uint32_t clock, uint64_t *sums, fp3_stats *stats) {
+    const uint64_t limit = engine->def.cycle_limit, cycles = sums[FP3_COUNTER_CYCLES];
+    fp3_status status = fp3_engine_exchange(engine);
+    if (!status)
+        status = fp3_store_lists_follow(engine, lists);
+    if (!status && limit && cycles >= limit)
+        status = fp3_engine_limit(engine);
+    if (status)
+        return status;
+    status = run_part(engine, &(part){steps, 1, clock, limit ? limit - cycles : 0, 1}, stats);
+    add_counters(engine, sums);
+    const fp3_status looked = fp3_store_lists_look(engine);
+    return status ? status : looked;
+}
+
+/* A phase at a time. The hardware runs its program from the first word on, so each phase of several
+ * is a program of its own. */
+static fp3_status run_step(fp3_engine *engine, fp3_store_lists *lists, uint32_t clock,
+                           uint64_t *sums, fp3_stats *stats) {
+    const int is_one = engine->layout.groups[0].lists.shape.phases == 1;
+    fp3_status status = FP3_OK;
+    for (uint32_t phase = 0, first, end;
+         !status && fp3_store_lists_phase(engine, phase, &first, &end); phase++) {
+        if (!is_one)
+            status = fp3_memory_load_phase(engine, first, end);
+        if (!status)
+            status = run_phases(engine, lists, 1, clock, sums, stats);
+    }
+    return status;
+}
+
+/* Objects that see each other: a visit is a step. */
 static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    const uint64_t limit = engine->def.cycle_limit;
-    const uint32_t at_once = fp3_store_lists_is_near(engine) || engine->exchange.end ? 1 : steps;
+    const int is_by_phase = fp3_store_lists_is_by_phase(engine);
     uint64_t sums[FP3_COUNTER_COUNT] = {0};
     fp3_store_lists lists;
-    fp3_status status = limit ? fp3_engine_need_counters(engine, engine->def.error) : FP3_OK;
+    fp3_status status =
+        engine->def.cycle_limit ? fp3_engine_need_counters(engine, engine->def.error) : FP3_OK;
     if (status)
         return status;
     status = fp3_store_lists_begin(engine, &lists);
-    for (uint32_t made = 0; !status && made < steps; made += at_once) {
-        const uint64_t cycles = sums[FP3_COUNTER_CYCLES];
-        status = fp3_engine_exchange(engine);
-        if (!status)
-            status = fp3_store_lists_follow(engine, &lists);
-        if (!status && limit && cycles >= limit)
-            status = fp3_engine_limit(engine);
-        if (status)
-            break;
-        status = run_part(engine,
-                          &(part){at_once, 1, engine->clock + made, limit ? limit - cycles : 0, 1},
-                          stats);
-        add_counters(engine, sums);
-        const fp3_status looked = fp3_store_lists_look(engine);
-        status = status ? status : looked;
-    }
+    for (uint32_t made = 0; !status && is_by_phase && made < steps; made++)
+        status = run_step(engine, &lists, engine->clock + made, sums, stats);
+    if (!status && !is_by_phase)
+        status = run_phases(engine, &lists, steps, engine->clock, sums, stats);
+    const int is_divided = is_by_phase && engine->layout.groups[0].lists.shape.phases > 1;
     const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};
-    const fp3_status ended = fp3_store_lists_end(engine, &lists);
+    fp3_status ended = fp3_store_lists_end(engine, &lists);
+    if (!ended && is_divided)
+        ended = fp3_memory_load(engine);
     if (status && engine->def.error)
         *engine->def.error = why;
     return status ? status : ended;

@@ -22,11 +22,30 @@ static fp3_cells cells_of(const fp3_members *group, uint32_t reg) {
     return (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->rows};
 }
 
-int fp3_store_lists_is_near(const fp3_engine *engine) {
+static int is_near(const fp3_engine *engine) {
     const fp3_lists *lists = &group_of(engine)->lists;
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         if (lists->lists[i].is_near)
             return 1;
+    return 0;
+}
+
+int fp3_store_lists_is_by_phase(const fp3_engine *engine) {
+    return is_near(engine) || engine->exchange.end;
+}
+
+int fp3_store_lists_phase(const fp3_engine *engine, uint32_t phase, uint32_t *first,
+                          uint32_t *end) {
+    const fp3_code *program = &group_of(engine)->program;
+    *first = 0;
+    for (*end = 0; *end <= program->count; (*end)++) {
+        const fp3_decoded *word = &program->decoded[*end];
+        if (*end < program->count && (!word->of || word->in.op != FP3_OP_PHASE))
+            continue;
+        if (!phase--)
+            return *first < *end;
+        *first = *end + 1;
+    }
     return 0;
 }
 
@@ -240,14 +259,6 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
     const uint32_t count = group->lists.shape.list_count;
     fp3_status status = FP3_OK;
     *lists = (fp3_store_lists){0};
-    if (group->lists.shape.phases > 1 && fp3_store_lists_is_near(engine))
-        return refuse(engine, "lists of near objects need a step of one phase: with several, "
-                              "lists would have to change in the middle of a step");
-    if (engine->exchange.end && group->lists.shape.phases > 1)
-        return refuse(
-            engine,
-            "objects of several ranks need a step of one phase: with several, words of other "
-            "ranks would come in the middle of a step");
     lists->words = malloc(group->rows * sizeof *lists->words);
     lists->saved = malloc(((size_t)count * group->rows + 1) * sizeof *lists->saved);
     if (!lists->words || !lists->saved) {
@@ -326,7 +337,7 @@ static int is_placed(const fp3_engine *engine) {
 
 fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists) {
     int is_new = 0;
-    fp3_status status = fp3_store_lists_is_near(engine) ? follow(engine, &is_new) : FP3_OK;
+    fp3_status status = is_near(engine) ? follow(engine, &is_new) : FP3_OK;
     if (!status && !lists->is_written && !is_placed(engine))
         status = place(engine);
     if (!status && (is_new || !lists->is_written))

@@ -20,12 +20,14 @@ typedef struct {
 /* See fp3_backend.check. FP3_E_PROGRAM: the hardware cannot run such a program. */
 fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group);
 
-/* Whether runs stop after each step, because lists follow the objects. */
-int fp3_store_lists_is_near(const fp3_engine *engine);
+/* Whether the host comes between phases: lists follow the objects, or words come from other ranks.
+ * Each phase is then a run of its own. */
+int fp3_store_lists_is_by_phase(const fp3_engine *engine);
 
-/* Before a run. Whatever becomes of it, the caller ends it with fp3_store_lists_end. FP3_E_PROGRAM:
- * lists of those that are near, in a program of several phases. */
+/* Before a run. Whatever becomes of it, the caller ends it with fp3_store_lists_end. */
 fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists);
+/* The words of a phase, without those that end phases; 0: there is no such phase. */
+int fp3_store_lists_phase(const fp3_engine *engine, uint32_t phase, uint32_t *first, uint32_t *end);
 /* Before a part of a run: lists that are not in the store, or stale, are written. FP3_E_PROGRAM:
  * there is no room for them, or an object has too many neighbours. Else as fp3_lists_follow. */
 fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists);
