@@ -347,7 +347,7 @@ $(BUILD)/obj/verilator/%.o: $(BUILD)/flags | $(BUILD)/ready
 	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
 # How many parts a configuration's trace has: schedulers, and lanes of them all.
-parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.DUAL/ {d=$$2} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d}' $(BUILD)/rtl/fp3_$(1).v)
+parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.MULTIPLY_ADD/ {d=$$2==3} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d}' $(BUILD)/rtl/fp3_$(1).v)
 
 # The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
 $(BUILD)/icarus/replay_%.vvp: sim/replay.v $(BUILD)/rtl/fp3_%.v $(RTL) rtl/fp3.f
@@ -600,7 +600,7 @@ synth: | $(call need_tools,synth) ## Area and clock on ECP5; TOP=, CONFIG=, GRAD
 
 CHIP = $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES)) $(foreach key,$(SET),--set $(key))
 .PHONY: chip chip-run
-chip: | $(call need_tools,synth) ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, SET="flags=0", GRADE=6, SEEDS=1, MHZ=, TOOLS=
+chip: | $(call need_tools,synth) ## An LFE5U-85F full of lanes, placed and routed: half an hour and more; CONFIG=lanes (dual), LANES=36, SET="exceptions=none", GRADE=6, SEEDS=1, MHZ=, TOOLS=
 	@$(PYTHON) tools/chip.py $(WITH) $(CHIP) $(if $(GRADE),--grade $(GRADE)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(MHZ),--mhz $(MHZ))
 
 chip-run: all ## The same array in simulation, against the engine isa; CONFIG=lanes (dual), LANES=36, SET=

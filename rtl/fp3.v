@@ -72,7 +72,7 @@ module fp3 #(
 );
 `include "gen/registers.vh"
     localparam N = TILES * SCHEDULERS;
-    fp3_config_rules #(.CONFIG(CONFIG)) u_rules ();
+    fp3_config_rules #(.CONFIG(CONFIG), .FOLLOW(FOLLOW)) u_rules ();
 
     // Reset is registered, and passes from group to group of the lanes. It lasts until it has
     // passed the last group, whose reports would still be old; until then the bus accepts nothing.

@@ -35,9 +35,9 @@ def key(config, name):
 
 def shape(config):
     """What sim/replay.v must be told of a configuration."""
-    tiles, schedulers, lanes, dual = (key(config, name) for name in ("TILES", "SCHEDULERS", "LANES", "DUAL"))
+    tiles, schedulers, lanes, multiply_add = (key(config, name) for name in ("TILES", "SCHEDULERS", "LANES", "MULTIPLY_ADD"))
     bits = int(re.search(r"\[(\d+):0\] +s_axi_awaddr", top(config).read_text())[1]) + 1
-    return [f"-DFP3_TOP=fp3_{config}", f"-DFP3_ADDRESS_W={bits}", f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}", f"-DFP3_STREAMS={1 + dual}"]
+    return [f"-DFP3_TOP=fp3_{config}", f"-DFP3_ADDRESS_W={bits}", f"-DFP3_SCHEDULERS={tiles * schedulers}", f"-DFP3_LANES={tiles * schedulers * lanes}", f"-DFP3_STREAMS={1 + (multiply_add == 3)}"]
 
 
 def config_word(tree, values):

@@ -153,7 +153,7 @@ def recording(data):
 
 
 # What a message says of one program, and what remains of it for many.
-KINDS = [(r".*needs `(\w+)`, which configuration '(\w+)' does not have.*", r"configuration '\2' has no `\1`"),
+KINDS = [(r".*needs `([^`]+)`, which configuration '(\w+)' does not have.*", r"configuration '\2' has no `\1`"),
          (r"the program needs \d+ words of instruction memory, configuration '(\w+)' has (\d+).*", r"more than the \2 words of program that '\1' has"),
          (r"the program needs \d+ (object registers|shared constants), configuration '(\w+)' has (\d+).*", r"more than the \3 \1 that '\2' has"),
          (r"[\d:]+ error: (.*)", r"\1")]

@@ -4,7 +4,7 @@
     tools/chip.py --lanes 36 --grade 6 --seeds 1       synthesis, floorplan, place and route, timing
     tools/chip.py --lanes 36 --run                     its cycles and its answers, against the engine isa
     tools/chip.py --config dual ...                    lanes that add and multiply at once
-    tools/chip.py --set flags=0 --set subnormal=0 ...  without what these keys of isa/configs.toml stand for
+    tools/chip.py --set sleep=0 --set arithmetic=flushed ...  without what these keys of isa/configs.toml stand for
 
 The design is configuration `lanes` or `dual` with another number of lanes, and perhaps other keys. A group of lanes and their arithmetic are each synthesised once;
 each lane's multipliers and block RAMs are pinned (tools/fp3gen/floorplan.py). Place and route takes half an hour and more.
@@ -28,7 +28,7 @@ import synth
 from fp3fpga.families import FAMILIES
 from fp3gen import floorplan, fusesoc, verilog
 from fp3gen.check import Bad
-from fp3gen.configs import check_configs
+from fp3gen.configs import check_configs, settable
 from fp3gen.read import load
 from fp3fpga.one_config import LIBS, Failed, build, run
 
@@ -36,7 +36,7 @@ ROOT, WORK, DEVICE = synth.ROOT, synth.WORK, "LFE5U-85F"
 ONCE = "*lane_group* *unit"     # modules that are synthesised once
 ALONE = 1.25                           # the clock wanted of the scheduler alone: routed among lanes it will be slower
 TRIES = 16                             # placements of it, of which the fastest is taken
-FIXED = ("name", "doc", "take", "tiles", "schedulers", "lanes", "dual")  # what --set may not change
+FIXED = ("name", "doc", "take", "tiles", "schedulers", "lanes", "multiply_add")  # what --set may not change
 PROGRAMS = {"lanes": "ship_madd", "dual": "ship_dual"}
 
 
@@ -45,9 +45,8 @@ def array(args):
     machine = load(ROOT)
     base = next(row for row in machine.configs if row["name"] == args.config)
     given = dict(sorted(args.set))
-    name = f"{args.config}{args.lanes}" + "".join(f"_{key}{value}" for key, value in given.items())
-    base = {key: value for key, value in base.items() if "is" not in machine.keys.get(key, ())}
-    row = {**base, "lanes": args.lanes, **given, "name": name, "doc": f"{args.lanes} lanes under one scheduler."}
+    name = f"{args.config}{args.lanes}" + "".join(f"_{key}_{value}" for key, value in given.items())
+    row = {**settable(base, machine.keys), "lanes": args.lanes, **given, "name": name, "doc": f"{args.lanes} lanes under one scheduler."}
     return check_configs([row], machine.keys)[0]
 
 
@@ -161,10 +160,9 @@ def keep(ran):
 def setting(text):
     """KEY=VALUE"""
     key, _, value = text.partition("=")
-    try:
-        return key, int(value, 0)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not KEY=VALUE") from None
+    if not (key and value):
+        raise argparse.ArgumentTypeError(f"'{text}' is not KEY=VALUE")
+    return key, int(value, 0) if value[0].isdigit() else value
 
 
 def arguments():

@@ -57,7 +57,7 @@ def outputs(root):
         "sw/gen/timing.h": timing.timing_c(cycles),
         "sw/gen/integrators.h": c.integrators_c(root),
         "sw/gen/families.h": families.families_c(root),
-        "docs/isa.md": pages.isa_page(isa),
+        "docs/isa.md": pages.isa_page(isa, known),
         "docs/registers.md": pages.registers_page(regs),
         "docs/configurations.md": pages.configs_page(known, configs),
     }

@@ -69,6 +69,24 @@ def one_object(rng):
 
 
 def draw(rng):
+    return said(drawn(rng))
+
+
+def said(row):
+    """What was drawn, in the keys of isa/configs.toml."""
+    row = dict(row)
+    chain, fused, both, gradual, nearest, flags, status, estimate, bypass, stall = (
+        row.pop(name, 0) for name in ("chain", "fused", "dual", "subnormal", "nearest", "flags", "status", "estimate", "bypass", "writeback_stall"))
+    row["multiply_add"] = "dual" if both else "fused" if fused else "chain" if chain else "none"
+    row["arithmetic"] = {(1, 1): "ieee", (1, 0): "truncated", (0, 1): "flushed", (0, 0): "truncated_flushed"}[gradual, nearest]
+    row["exceptions"] = "object" if status else "run" if flags else "none"
+    row["reciprocal"] = "estimate" if estimate else "none"
+    if "store_words" not in row:
+        row["writeback"] = "stall" if stall else "bypass" if bypass else "slot"
+    return row
+
+
+def drawn(rng):
     row = interleaved(rng) if rng.random() < 0.85 else one_object(rng)
     row |= latencies(rng)
     row |= {key: rng.choice([0, 1, 1, 1]) for key in ("chain", "subnormal", "nearest")}
@@ -87,7 +105,7 @@ def draw(rng):
         row |= {"fused": 1, "chain": 0}
     row |= {"counters": random.Random(repr(row) + "counters").choice([0, 1, 1])}
     halves = row | {"storage": random.Random(repr(row) + "storage").choice([0, 1, 2])}
-    return halves if is_possible({"name": "halves", "doc": "Halves."} | halves) else row
+    return halves if is_possible({"name": "halves", "doc": "Halves."} | said(halves)) else row
 
 
 def dual(row):

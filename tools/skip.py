@@ -60,7 +60,7 @@ perfect machine would have the share of the awake. The first row is the full cos
     "lifetimes": """\
 The same with objects that are not born yet ([scenes.md](scenes.md#lifetimes)), in programs that have no `sleep`.""",
     "flags": """\
-The exceptions of each object and its first failing step, which the configuration keeps or does not (`status`). The hardware keeps them beside
+The exceptions of each object and its first failing step, which the configuration keeps or does not (`exceptions`). The hardware keeps them beside
 its arithmetic and without a cycle.""",
 }
 ORDER = list(TEXT)

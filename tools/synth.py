@@ -55,7 +55,7 @@ import tops
 from fp3fpga.families import DEVICES, FAMILIES
 from fp3gen import fusesoc, parameters, verilog
 from fp3gen.check import Bad
-from fp3gen.configs import derive
+from fp3gen.configs import by_number, derive
 from fp3gen.read import load
 from fp3gen.text import columns
 
@@ -76,13 +76,13 @@ SIZES = ("small", "uncut", "single", "many", "paper", "single_full", "many_full"
 TRIMS = {
     "many": {
         "base": {},
-        "no chained multiply-add": {"chain": 0},
+        "no chained multiply-add": {"multiply_add": "none"},
         "no sleep": {"sleep": 0},
-        "no status of objects": {"status": 0},
-        "no flags at all": {"flags": 0, "status": 0},
-        "no gradual underflow": {"subnormal": 0},
-        "truncation": {"nearest": 0},
-        "all of these": {"chain": 0, "sleep": 0, "status": 0, "flags": 0, "subnormal": 0, "nearest": 0},
+        "no status of objects": {"exceptions": "run"},
+        "no flags at all": {"exceptions": "none"},
+        "no gradual underflow": {"arithmetic": "flushed"},
+        "truncation": {"arithmetic": "truncated"},
+        "all of these": {"multiply_add": "none", "sleep": 0, "exceptions": "none", "arithmetic": "truncated_flushed"},
         "16 registers": {"registers": 16},
         "16 contexts": {"contexts": 16},
         "64 contexts": {"contexts": 64},
@@ -94,8 +94,8 @@ TRIMS = {
     "many_full": {
         "every instruction, 64 registers, 2,048 words of program": {},
         "no selection": {"select": 0},
-        "no estimates": {"estimate": 0},
-        "neither": {"select": 0, "estimate": 0},
+        "no estimates": {"reciprocal": "none"},
+        "neither": {"select": 0, "reciprocal": "none"},
     },
 }
 
@@ -345,7 +345,8 @@ def trimmed(configs, designs):
     for config, changes in TRIMS.items():
         base = next(row for row in configs if row["name"] == config)
         for what, change in changes.items():
-            row = derive({**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}, load(ROOT).keys)
+            known = load(ROOT).keys
+            row = derive(by_number({**base, "store_words": 1024, **change, "name": f"trim{len(trims)}"}, known, what), known)
             source = "\n".join(verilog.config_verilog(row, load(ROOT), ROOT)) + "\n" + processor(row, registered)[1]
             designs[source, "ecp5", True] = (f"trim-{len(trims)}", [])
             trims.append((what, next(iter(changes)), f"trim-{len(trims)}"))

@@ -11,6 +11,7 @@
 //     // error: unknown module REGISTERS_must_be_2_to_64_and_a_power_of_two
 `default_nettype none
 module fp3_config_rules #(
+    parameter integer FOLLOW = -1,     // of fp3: its parameters that follow from others; -1: not told
 `include "config/config.vh"
 ) ();
     generate
@@ -28,16 +29,16 @@ module fp3_config_rules #(
             SCHEDULERS_must_be_at_most_64_in_all_and_1_with_LANES u_error ();
         end
         if (DUAL != 0 && (SCHEDULERS != 1 || REGISTERS < 4 || LATENCY < 2)) begin : g_dual_shape
-            DUAL_needs_one_SCHEDULER_4_REGISTERS_and_a_latency_of_2 u_error ();
+            MULTIPLY_ADD_DUAL_needs_one_SCHEDULER_4_REGISTERS_and_a_latency_of_2 u_error ();
         end
         if (INTERLEAVE != 0 && ADD_LATENCY + MUL_LATENCY < 3) begin : g_latency
-            INTERLEAVE_needs_latencies_of_3_in_all u_error ();
+            STORE_WORDS_needs_latencies_of_3_in_all u_error ();
         end
         if (LOGARITHMIC != 0 && (SCHEDULERS != 1 || MUL_LATENCY < 2 || ADD_LATENCY < 10)) begin : g_logarithmic
-            LOGARITHMIC_needs_one_SCHEDULER_and_latencies_of_2_and_10 u_error ();
+            ARITHMETIC_LOGARITHMIC_needs_one_SCHEDULER_and_latencies_of_2_and_10 u_error ();
         end
         if (MIXED != 0 && (SCHEDULERS != 1 || ADD_LATENCY + MUL_LATENCY < 14)) begin : g_mixed
-            MIXED_needs_one_SCHEDULER_and_latencies_of_14_in_all u_error ();
+            RECIPROCAL_MIXED_needs_one_SCHEDULER_and_latencies_of_14_in_all u_error ();
         end
         if (STORAGE != 0 && ADD_LATENCY + MUL_LATENCY < 8) begin : g_storage_latency
             STORAGE_needs_latencies_of_8_in_all u_error ();
@@ -46,10 +47,10 @@ module fp3_config_rules #(
             NEIGHBOURS_needs_one_SCHEDULER u_error ();
         end
         if (FUSED != 0 && SCHEDULERS != 1) begin : g_fused_shape
-            FUSED_needs_one_SCHEDULER u_error ();
+            MULTIPLY_ADD_FUSED_needs_one_SCHEDULER u_error ();
         end
         if (FUSED != 0 && INTERLEAVE == 0 && VALUES != 0 && MUL_LATENCY < 2) begin : g_fused_value
-            FUSED_for_one_object_with_SELECT_ESTIMATE_or_ROUND_needs_MUL_LATENCY_of_2 u_error ();
+            MULTIPLY_ADD_FUSED_for_one_object_with_SELECT_RECIPROCAL_or_ROUND_needs_MUL_LATENCY_of_2 u_error ();
         end
         if (ADD_SPARE < 1) begin : g_add_latency
             ADD_LATENCY_must_be_more_than_the_cuts u_error ();

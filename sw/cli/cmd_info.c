@@ -43,12 +43,12 @@ static int needs(const fp3_image *image, fp3_key key) {
            (key == FP3_KEY_MIXED && image->words == FP3_WORDS_MIXED);
 }
 
-/* "needs       chain scale": keys of a configuration. */
+/* "needs       select, multiply_add = chain": keys of a configuration. */
 static void print_needs(const fp3_image *image) {
     int said = 0;
     for (fp3_key key = 0; key < FP3_KEY_COUNT; key++)
         if (needs(image, key)) {
-            printf(said ? " %s" : "%-11s %s", said ? fp3_key_name(key) : "needs",
+            printf(said ? ", %s" : "%-11s %s", said ? fp3_key_name(key) : "needs",
                    fp3_key_name(key));
             said = 1;
         }

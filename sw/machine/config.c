@@ -9,6 +9,7 @@ const uint32_t fp3_config_count = sizeof fp3_configs / sizeof *fp3_configs;
 
 static const struct {
     const char *name, *lack;
+    const char *choices[6];
     size_t offset;
 } keys[] = {FP3_KEY_ROWS};
 
@@ -70,6 +71,11 @@ uint32_t fp3_config_value(const fp3_config *config, fp3_key key) {
 const char *fp3_key_name(fp3_key key) {
     assert(key < FP3_KEY_COUNT);
     return keys[key].name;
+}
+
+const char *fp3_key_choice(fp3_key key, uint32_t value) {
+    assert(key < FP3_KEY_COUNT);
+    return value < sizeof keys->choices / sizeof *keys->choices ? keys[key].choices[value] : NULL;
 }
 
 const char *fp3_key_lack(fp3_key key) {

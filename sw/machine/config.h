@@ -29,10 +29,12 @@ int fp3_config_computes_as(const fp3_config *config, const fp3_config *other);
  * fused. */
 uint32_t fp3_config_words(const fp3_config *config);
 
-/* What a configuration has for a key, the key's name, and what messages call an instruction that
- * needs it: NULL if none does. */
+/* What a configuration has for a key; the key's name, of one that follows from others what these
+ * must be; what a number stands for, NULL: for itself; and what messages call an instruction that
+ * needs the key, NULL if none does. */
 uint32_t fp3_config_value(const fp3_config *config, fp3_key key);
 const char *fp3_key_name(fp3_key key);
+const char *fp3_key_choice(fp3_key key, uint32_t value);
 const char *fp3_key_lack(fp3_key key);
 
 #endif

@@ -69,7 +69,7 @@ def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, lo
 
 
 @pytest.mark.parametrize("keys", [pytest.param({"mul_latency": 1, "add_latency": 2, "mul_cuts": 0, "add_cuts": 2}, id="the least latency"),
-                                  pytest.param({"select": 0, "estimate": 0, "round": 0}, id="z comes late", marks=pytest.mark.long)])
+                                  pytest.param({"select": 0, "reciprocal": "none", "round": 0}, id="z comes late", marks=pytest.mark.long)])
 def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):
     """With the store as early before the registers, and results sooner; without fp_value z is read behind x, and so is its sign."""
     monkeypatch.syspath_prepend(root / "tools")

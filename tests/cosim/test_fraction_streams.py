@@ -5,8 +5,8 @@ import subprocess
 
 import pytest
 
-ROWS = {"odd": ("many_full", {"fraction": 18, "nearest": 0, "subnormal": 0, "lanes": 3, "store_words": 2048}), "fused": ("many_full", {"fraction": 11, "fused": 1, "chain": 0}),
-        "alone": ("single_fused", {"fraction": 18, "nearest": 0, "subnormal": 0})}
+ROWS = {"odd": ("many_full", {"fraction": 18, "arithmetic": "truncated_flushed", "lanes": 3, "store_words": 2048}), "fused": ("many_full", {"fraction": 11, "multiply_add": "fused"}),
+        "alone": ("single_fused", {"fraction": 18, "arithmetic": "truncated_flushed"})}
 
 
 pytestmark = pytest.mark.xdist_group("fraction_streams")    # each configuration is built once
@@ -21,7 +21,9 @@ def tree(request, root, build, tmp_path_factory):
         patch.syspath_prepend(root / "tools")
         import random_configs
         from fp3gen.read import load
-        row = next(row for row in load(root).configs if row["name"] == name)
+        from fp3gen.configs import settable
+        machine = load(root)
+        row = settable(next(row for row in machine.configs if row["name"] == name), machine.keys)
         row |= {"name": request.param, "mul_cuts": 0, "add_cuts": 0, "mul_latency": 2, "add_latency": 2} | keys
         random_configs.build(row, tree, build)
     return tree

@@ -30,9 +30,9 @@ def test_draws_are_repeated_by_their_seed(root, monkeypatch):
     rows = [random_configs.random_config(1, number) for number in range(200)]
     assert rows == [random_configs.random_config(1, number) for number in range(200)]
     assert rows[0] != random_configs.random_config(2, 0) | {"doc": rows[0]["doc"]}
-    for key, values in {"chain": {0, 1}, "sleep": {0, 1}, "flags": {0, 1}, "status": {0, 1},
-                        "subnormal": {0, 1}, "nearest": {0, 1}, "bypass": {0, 1}, "select": {0, 1}, "estimate": {0, 1}}.items():
+    for key, values in {"multiply_add": {"none", "chain", "fused", "dual"}, "sleep": {0, 1}, "exceptions": {"none", "run", "object"},
+                        "arithmetic": {"ieee", "truncated", "flushed", "truncated_flushed"}, "writeback": {"bypass", "slot", "stall"},
+                        "select": {0, 1}, "reciprocal": {"none", "estimate"}}.items():
         assert {row[key] for row in rows if key in row} == values, key
-    assert {row.get("dual", 0) for row in rows} == {row.get("fused", 0) for row in rows} == {0, 1}
     assert {1, 64} <= {row.get("contexts", 1) for row in rows}
     assert max(row.get("lanes", 1) for row in rows) > 4 and max(row.get("schedulers", 1) for row in rows) > 3

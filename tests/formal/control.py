@@ -1,6 +1,6 @@
 """The promises of the control modules, each stated in a specification beside this file, proved by induction."""
 
-import tomllib
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,8 +8,12 @@ from induction import Machine, Refuted
 from mutants import Bug
 
 HERE = Path(__file__).parent
-CONFIGS = HERE.parents[1] / "isa/configs.toml"
-TIMING = tomllib.loads((HERE.parents[1] / "isa/timing.toml").read_text())
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tools"))
+
+from fp3gen.read import load
+
+TIMING = load(ROOT).timing
 CYCLES = 24                              # a seeded bug must show within so many of reset
 
 
@@ -52,10 +56,7 @@ class Subject(NamedTuple):
 
 def configurations(**wanted):
     """The rows of isa/configs.toml with these values."""
-    table = tomllib.loads(CONFIGS.read_text())
-    defaults = {name: key["default"] for name, key in table["key"].items() if "default" in key}
-    rows = [{**defaults, **row, "interleave": int("store_words" in row)} for row in table["config"]]
-    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+    return [row for row in load(ROOT).configs if all(row[key] == value for key, value in wanted.items())]
 
 
 # ---- the scoreboard -----------------------------------------------------------------------------

@@ -14,7 +14,6 @@ import re
 import shutil
 import sys
 import time
-import tomllib
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import partial
 from pathlib import Path
@@ -63,21 +62,17 @@ def masks(text):
 
 def configured_cuts(parser, args):
     """Fill in the masks that the named configurations use, each with its format: (mask, format) pairs."""
-    path = ROOT / "isa/configs.toml"
-    table = tomllib.loads(path.read_text()) if path.exists() else {}
-    configs = [{"subnormal": 1, "nearest": 1, "finite": 0, "fraction": 23, **table.get("default", {}), **c} for c in table.get("config", [])]
+    configs = control.configurations()
     for core in ("add", "mul"):
         if (given := getattr(args, f"cuts_{core}")) is not None:
             used = {(mask, format_of(args)) for mask in given}
         else:
             used = {(c[f"{core}_cuts"], Format(args.exp, min(args.frac, c["fraction"]), *(bool(c[key]) for key in ("nearest", "subnormal", "finite"))))
-                    for c in configs if f"{core}_cuts" in c}
-        if not used:
-            parser.error(f"{path} names no {core}_cuts: give --cuts-{core}")
+                    for c in configs}
         setattr(args, f"cuts_{core}", sorted(used))
     if args.cuts_fma is None:
-        fused = [(int("store_words" in c), c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
-                 for c in configs if c.get("fused")]
+        fused = [(c["interleave"], c["add_cuts"] << 4 | c["mul_cuts"] & 15, Format(args.exp, args.frac, bool(c["nearest"]), bool(c["subnormal"])))
+                 for c in configs if c["fused"]]
         args.cuts_fma, args.cuts_fma_early = (sorted({(mask, used) for own, mask, used in fused if own == late}) for late in (1, 0))
     else:
         args.cuts_fma = args.cuts_fma_early = sorted((mask, format_of(args)) for mask in args.cuts_fma)

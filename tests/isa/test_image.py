@@ -263,7 +263,7 @@ def test_info_of_the_programs(run, root):
     assert "step part 23: 3 add, 1 sub, 8 mul, 6 madd, 4 msub, 1 sleep" in said["ship_sleep"]
     assert "state v s" in said["ship"] and "param T C rm" in said["ship"] and "shared h" in said["ship"]
     assert "for paper" in said["ship"]
-    assert not [line for line in said["ship"] if line.startswith("needs")] and "needs chain sleep" in said["ship_sleep"]
+    assert not [line for line in said["ship"] if line.startswith("needs")] and "needs sleep, multiply_add = chain" in said["ship_sleep"]
     assert "not for paper: word 0 is a chained multiply-add, which configuration 'paper' does not have" in said["ship_madd"]
 
 
@@ -284,7 +284,7 @@ def test_info_says_what_a_program_needs(run, tmp_path):
                                   "rsqrt r2, r2\nabs r2, r2\nsel r0, r1, r2, r2\nlt r1, r0, r2\n")
     assert run("asm", "x.s", "-o", "x.fp3").returncode == 0
     said = run("info", "x.fp3").stdout
-    assert re.search(r"^needs +chain select estimate scale$", said, re.M), said
+    assert re.search(r"^needs +select, multiply_add = chain, reciprocal = estimate or mixed, multiply_add = dual or schedulers > 1$", said, re.M), said
     assert re.findall(r"^for +(\w+)$", said, re.M) == ["shared_full"]
     assert "not for single_full: word 2 is an addition of half or twice" in " ".join(said.split())
     (tmp_path / "x.s").write_text("step: abs r0, r1\nrcp r2, r0\n")

@@ -280,13 +280,14 @@ def test_the_best_placement_of_a_scheduler_is_taken(tree):
 
 
 @pytest.mark.parametrize("given, code, words", [
-    ("flags=0 flags=1", 2, "--set has 'flags' twice"),
-    ("flag=0", 1, "config 'dual36_flag0': unknown key 'flag' (known: name, doc, "),
-    ("flags=2", 1, "flags = 2 is not in 0 .. 1"),
-    ("status=1", 1, "dual = 1 needs status = 0"),
+    ("sleep=0 sleep=1", 2, "--set has 'sleep' twice"),
+    ("flag=0", 1, "config 'dual36_flag_0': unknown key 'flag' (known: name, doc, "),
+    ("sleep=2", 1, "sleep = 2 is not in 0 .. 1"),
+    ("exceptions=object", 1, "multiply_add = dual excludes exceptions = object"),
+    ("exceptions=some", 1, "exceptions = 'some' is not one of none, run, object"),
     ("lanes=3", 2, "--set does not change 'lanes': --config and --lanes say what the chip is full of"),
-    ("flags", 2, "argument --set: 'flags' is not KEY=VALUE"),
-    ("flags=no", 2, "argument --set: 'flags=no' is not KEY=VALUE")])
+    ("sleep", 2, "argument --set: 'sleep' is not KEY=VALUE"),
+    ("sleep=no", 1, "'sleep' must be of type int")])
 def test_a_chip_has_no_keys_that_do_not_exist(tree, given, code, words):
     done = subprocess.run([sys.executable, "tools/chip.py", "--config", "dual",
                            *(word for key in given.split() for word in ("--set", key))], cwd=tree, capture_output=True, text=True)
@@ -295,10 +296,10 @@ def test_a_chip_has_no_keys_that_do_not_exist(tree, given, code, words):
 
 def test_a_chip_has_the_keys_that_it_is_given(tree):
     """In its netlist, and under a name of its own."""
-    subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--lanes", "2", "--set", "subnormal=0", "--set", "flags=0",
+    subprocess.run([sys.executable, "tools/chip.py", "--config", "dual", "--lanes", "2", "--set", "exceptions=none", "--set", "arithmetic=flushed",
                     "--tools", tree / "bin"], cwd=tree, capture_output=True, text=True)
-    made = (tree / "build/synth/chip-dual2_flags0_subnormal0.v").read_text()
-    assert all(re.search(rf"\b{key} *\({value}\)", made) for key, value in (("FLAGS", 0), ("SUBNORMAL", 0), ("LANES", 2)))
+    made = (tree / "build/synth/chip-dual2_arithmetic_flushed_exceptions_none.v").read_text()
+    assert all(re.search(rf"\b{key} *\({value}\)", made) for key, value in (("EXCEPTIONS", 0), ("ARITHMETIC", 3), ("LANES", 2)))
 
 
 def test_one_netlist_serves_all_devices_of_a_family_and_is_not_made_again(tree):

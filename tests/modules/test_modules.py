@@ -11,9 +11,9 @@ BENCHES = {
     "rounds": {**TILE, "LANES": 2},
     "visits": {**TILE, "SLEEP": 1},
     "lane_report": {**TILE, "LANES": 3},
-    "issue": {**TILE, "CHAIN": 1},
+    "issue": {**TILE, "MULTIPLY_ADD": 1},
     "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1},
-    "lane": {**TILE, "CHAIN": 1, "LANES": 2, "FLAGS": 1, "STATUS": 1, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
+    "lane": {**TILE, "MULTIPLY_ADD": 1, "LANES": 2, "EXCEPTIONS": 2, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
 }
 # By the promise that must be seen to be broken.
 BUGS = {

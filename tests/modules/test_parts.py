@@ -31,7 +31,7 @@ def decode(keys, words):
 
 def tile(test, **keys):
     """A small one, seen by its host."""
-    config = {"CONTEXTS": 2, "STORE_WORDS": 128, "REGISTERS": 8, "PROGRAM_WORDS": 16, "CHAIN": 0,
+    config = {"CONTEXTS": 2, "STORE_WORDS": 128, "REGISTERS": 8, "PROGRAM_WORDS": 16, "MULTIPLY_ADD": 0,
               "ADD_LATENCY": 2, "MUL_LATENCY": 2, **keys}
     return Part("tile", "tile", {"CONFIG": simulate.config_word(ROOT, config)}, {"TESTCASE": test, "FP3_RTL": ROOT / "rtl"})
 
@@ -52,10 +52,10 @@ PARTS = {
     "decode, multiply-add rounded once for one object": decode({**PLAIN, "fused": 1, "select": 1, "estimate": 1, "round": 1}, 2000),
     "decode, neighbours": decode({"registers": 32, "interleave": 1, "neighbours": 1}, 3000),
     "tile, batches": tile("tile_steps_each_object_of_each_batch", LANES=2),
-    "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, DUAL=1),
-    "tile, sums and products at once": tile("tile_steps_each_object_of_each_batch", DUAL=1, CONTEXTS=9, ADD_LATENCY=1, MUL_LATENCY=1, STORE_WORDS=256),
+    "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, MULTIPLY_ADD=3),
+    "tile, sums and products at once": tile("tile_steps_each_object_of_each_batch", MULTIPLY_ADD=3, CONTEXTS=9, ADD_LATENCY=1, MUL_LATENCY=1, STORE_WORDS=256),
     "tile, stopped": tile("tile_is_stopped_between_visits"),
-    "tile, sums and products stopped": tile("tile_is_stopped_between_visits", DUAL=1),
+    "tile, sums and products stopped": tile("tile_is_stopped_between_visits", MULTIPLY_ADD=3),
     "tile, record": tile("tile_refuses_a_record_out_of_range"),
     "hub": Part("hub", "hub", {"N": 3}),
     "hub, waits": Part("hub", "hub", {"N": 2, "QUIET": 3, "STREAM": 0xc00000}),

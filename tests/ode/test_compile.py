@@ -395,7 +395,7 @@ def test_words_are_counted_with_loads_and_stores(tmp_path):
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("name, config, unit", [
-    ("kepler", "single", "estimate"), ("ship_drag", "many", "select"), ("projectile", "lanes", "estimate"),
+    ("kepler", "single", "reciprocal = estimate or mixed"), ("ship_drag", "many", "select"), ("projectile", "lanes", "reciprocal = estimate or mixed"),
     ("pendulum", "single", "round")])
 def test_a_configuration_without_the_unit_is_refused(name, config, unit):
     done = fp3("compile", model(name), "-c", config, check=False)

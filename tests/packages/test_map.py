@@ -42,6 +42,7 @@ def config_of(configs, name):
     """Every key of a configuration."""
     row = next(row for row in configs["config"] if row["name"] == name)
     full = {key: row.get(key, known.get("default", 0)) for key, known in configs["key"].items()}
+    full |= {key: known["choices"].index(full[key]) for key, known in configs["key"].items() if "choices" in known}
     log2 = {"log2": lambda n: math.ceil(math.log2(n)) if n else 0}
     full |= {key: int(eval(known["is"], log2, full)) for key, known in configs["key"].items() if "is" in known}  # our own table
     for unit in ("add", "mul"):

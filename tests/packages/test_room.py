@@ -188,7 +188,7 @@ def test_there_may_be_more_than_sixteen_counters(copy, config):
     replace(copy / "isa/registers.toml", ('[[counter]]\nname = "cycles"\n', COUNTERS + '[[counter]]\nname = "cycles"\n'))
     for name in ("solo/fp3_solo.v",):
         spare = ", ".join(f"event_spare_{i}" for i in range(20))
-        replace(copy / "rtl" / name, ("    assign event_cycles  = running;\n", f"    assign event_cycles  = running;\n    assign {{{spare}}} = 20'd0;\n"))
+        replace(copy / "rtl" / name, ("    assign event_cycles           = running_q;\n", f"    assign event_cycles           = running_q;\n    assign {{{spare}}} = 20'd0;\n"))
     said = shown(run(copy, config, [*session[:-3], *(f"s {at:x} 0" for at in range(0x80, 0x80 + 8 * 34 + 16, 4))]))
     assert said[0:40] == [0] * 40 and said[40] == cycles and said[42] == adds and said[52] == retired
     assert "error" not in said[:68] and said[68:] == ["error"] * 4

@@ -306,19 +306,20 @@ def test_64_contexts_take_turns(root, tmp_path):
     assert done.returncode == 0 and "PASS" in done.stdout, done.stdout
 
 
-MANY = ["BYPASS=0", "STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY=2"]
+MANY = ["STORE_WORDS=64", "CONTEXTS=4", "ADD_LATENCY=2"]
 
 
 @pytest.mark.parametrize("parameters, rule", [
     (["REGISTERS=24"], "REGISTERS_must_be"), (["PROGRAM_WORDS=16384"], "PROGRAM_WORDS_must_be"),
-    (["SELECT=1", "CHAIN=0"], "SELECT_needs_CHAIN"), (["FUSED=1", "CHAIN=0", "ROUND=1"], "FUSED_for_one_object_with"), (["FUSED=1"], "FUSED_excludes_CHAIN"),
+    (["SELECT=1", "MULTIPLY_ADD=0"], "SELECT_needs_MULTIPLY_ADD_CHAIN_or_MULTIPLY_ADD_FUSED"), (["MULTIPLY_ADD=2", "ROUND=1"], "MULTIPLY_ADD_FUSED_for_one_object_with"),
+    (["CHAIN=0"], "FP3_has_a_parameter_set_that_follows_from_others"), ([*MANY, "SPACE_BIT=22"], "FP3_has_a_parameter_set_that_follows_from_others"),
     ([*MANY, "CONTEXTS=65"], "CONTEXTS_must_be"), (["ADD_LATENCY=0"], "ADD_LATENCY_must_be"),
     (["MUL_LATENCY=0"], "MUL_LATENCY_must_be"), ([*MANY, "ADD_LATENCY=0", "MUL_LATENCY=3"], "ADD_LATENCY_must_be"),
     ([*MANY, "MUL_LATENCY=0", "ADD_LATENCY=3"], "MUL_LATENCY_must_be"), (["CONTEXTS=2"], "needs_STORE_WORDS"),
-    (["LANES=2"], "needs_STORE_WORDS"), (["SLEEP=1"], "needs_STORE_WORDS"), ([*MANY, "BYPASS=1"], "BYPASS_excludes_STORE_WORDS"),
+    (["LANES=2"], "needs_STORE_WORDS"), (["SLEEP=1"], "needs_STORE_WORDS"), ([*MANY, "WRITEBACK=1"], "WRITEBACK_excludes_STORE_WORDS"),
     ([*MANY, "STORE_WORDS=48"], "STORE_WORDS_must_be"), ([*MANY, "STORE_WORDS=16"], "STORE_WORDS_must_be"),
     ([*MANY, "SCHEDULERS=2", "LANES=2"], "SCHEDULERS_must_be"), ([*MANY, "LANES=65"], "LANES_must_be_1_to_64"),
-    ([*MANY, "STATUS=1", "FLAGS=0"], "STATUS_needs_FLAGS"), ([*MANY, "DUAL=1"], "DUAL_excludes_CHAIN"), (["NEAREST=2"], "NEAREST_must_be"), ([*MANY, "ADD_LATENCY=1"], "needs_latencies_of_3")])
+    (["EXCEPTIONS=2"], "EXCEPTIONS_OBJECT_needs_STORE_WORDS"), ([*MANY, "MULTIPLY_ADD=3", "ROUND=1"], "MULTIPLY_ADD_DUAL_excludes_ROUND"), (["ARITHMETIC=6"], "ARITHMETIC_must_be"), ([*MANY, "ADD_LATENCY=1"], "needs_latencies_of_3")])
 def test_parameters_that_cannot_be_built_stop_elaboration(root, parameters, rule):
     done = start("iverilog", "-g2005", "-t", "null", "-c", "rtl/fp3.f", "-s", "fp3",
                  *[f"-Pfp3.{parameter}" for parameter in parameters], "rtl/fp3.v", cwd=root)

@@ -52,7 +52,7 @@ def record(root, fp3, at, config, objects, steps):
     """A run of objects that fall asleep, where there is sleep; of sums and products kept apart, where they have to be."""
     image, session = at / "x.fp3", at / f"{config}.session"
     program, *more = ("ship_sleep", "--set", "eps=1e9") if simulate.key(config, "SLEEP") else \
-                     ("ship_dual", ) if simulate.key(config, "DUAL") else ("ship_madd", )
+                     ("ship_dual", ) if simulate.key(config, "MULTIPLY_ADD") == 3 else ("ship_madd", )
     assert start(fp3, "asm", root / f"programs/{program}.s", "-o", image).returncode == 0
     done = start(fp3, "run", image, "-c", config, "-N", objects, "--steps", steps, "--params", root / "programs/ship.cfg", *more,
                  "--bus-log", session)

@@ -135,10 +135,10 @@ def test_what_no_half_can_hold_is_refused(root, monkeypatch):
     from fp3gen.read import load
     known = load(root)
     row = next(row for row in known.configs if row["name"] == "many_half")
-    for change, why in (({"sleep": 0, "status": 0, "neighbours": 1}, "storage = 2 needs neighbours = 0: a record then holds numbers, and one integer for `sleep`"),
+    for change, why in (({"sleep": 0, "exceptions": "run", "neighbours": 1}, "storage = 2 needs neighbours = 0: a record then holds numbers, and one integer for `sleep`"),
                         ({"add_latency": 3, "add_cuts": 0, "mul_latency": 4, "mul_cuts": 0}, "add_latency + mul_latency must be at least 8")):
         with pytest.raises(Bad, match=re.escape(why)):
-            configs.check_configs([{**row, **change}], known.keys)
+            configs.check_configs([{**configs.settable(row, known.keys), **change}], known.keys)
 
 
 SLEEPS = ".state x v slept\n.param k\n.shared dt\n.temp k_dt\nstep:\nmul k_dt, k, dt\nmsub v, k_dt, x, v\nmadd x, v, dt, x\nsleep slept, v, 0.02\n"

@@ -57,8 +57,8 @@ def test_every_arithmetic_of_a_named_configuration_is_tried(stress, root):
     """One row of sw/lab/stress/lab.c for each."""
     found = {row["arithmetic"] for row in stress("--only", "failures")}
     said = tomllib.loads((root / "isa/configs.toml").read_text(encoding="utf-8"))
-    defaults = {key: said["key"][key].get("default", 0) for key in ("subnormal", "nearest", "finite", "logarithmic", "fused", "fraction")}
-    of = {config["name"]: tuple(config.get(key, default) for key, default in defaults.items()) for config in said["config"]}
+    defaults = {key: said["key"][key]["default"] for key in ("arithmetic", "fraction")}
+    of = {config["name"]: (config.get("multiply_add") == "fused", *(config.get(key, default) for key, default in defaults.items())) for config in said["config"]}
     assert {of[name] for name in found & of.keys()} | {of["many_full"]} == set(of.values())
     assert found - of.keys() == {"plain", "compensated", "double_single"}
 

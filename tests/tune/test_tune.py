@@ -203,7 +203,7 @@ def test_an_adaptive_choice_runs_as_a_scene(burnt, fp3, tune, tmp_path):
     assert sum(states(out, "accepted") + states(out, "rejected")) / 144 == pytest.approx(row["attempts"], rel=0.05)
     assert cycles(fp3, tmp_path, "--scene", "f.scene") / 144 == pytest.approx(row["cycles"], rel=0.15)
     trimmed = tomllib.loads(done.stdout[done.stdout.index("[[config]]"):])["config"][0]
-    assert (trimmed["sleep"], trimmed["select"], trimmed["estimate"]) == (1, 1, 1)
+    assert (trimmed["sleep"], trimmed["select"], trimmed["reciprocal"]) == (1, 1, "estimate")
     assert tune("f.scene", "--tolerance", "1e-2")[1] == row  # a scene with a tolerance has steps of its own, and can be tuned again
 
 
@@ -237,7 +237,7 @@ def test_the_trimmed_configuration_is_one_and_has_what_it_needs(tune, root):
     done = tune("m.ode", "--tolerance", "1e-3", "--spread", "k=0.5:2", "--hardware")[0]
     text = done.stdout[done.stdout.index("[[config]]"):]
     found = tomllib.loads(text)["config"][0]
-    assert (found["select"], found["estimate"], found["round"], found["sleep"]) == (0, 0, 0, 0)
+    assert (found["select"], found["reciprocal"], found["round"], found["sleep"]) == (0, "none", 0, 0)
     assert found["registers"] < 64 and found["program_words"] < 2048 and found["store_words"] < 16384
     sys.path.insert(0, str(root / "tools"))
     from fp3gen import read

@@ -1,7 +1,7 @@
 """Headers for the software."""
 
 from .check import Bad, NAME
-from .configs import config_value, given
+from .configs import condition, config_value, given
 from .estimates import estimates
 from .isa import GIVES, MORE, UNITS, WRITES, counter_of
 from .logarithms import curves, sums
@@ -152,8 +152,8 @@ def configs_c(known, configs):
         f"#define FP3_KEYS_SET {len(given(known))} /* the first ones; the others follow from them */", "",
         "/* Of fp3_keys. */",
         *initialisers("FP3_KEY_ROWS", [
-            [("name", quote(name)), ("lack", quote(key["lack"]) if "lack" in key else "NULL"),
-             ("offset", f"offsetof(fp3_config, {name})")] for name, key in known.items()]), "",
+            [("name", quote(condition(name, known))), ("lack", quote(key["lack"]) if "lack" in key else "NULL"),
+             ("choices", f'{{{", ".join(map(quote, key["choices"]))}}}' if "choices" in key else "{0}"), ("offset", f"offsetof(fp3_config, {name})")] for name, key in known.items()]), "",
         "/* X(name, doc, schedulers of all tiles, lanes of each, what may issue in each at once, space_bit) */",
         *x_macro("FP3_CONFIGS", [(row["name"], quote(row["doc"]), str(row["tiles"] * row["schedulers"]),
                                   str(row["lanes"]), str(1 + row["dual"]), str(row["space_bit"])) for row in configs]), "",

@@ -1,6 +1,6 @@
 """Reference pages: docs/isa.md, registers.md and configurations.md."""
 
-from .configs import config_value
+from .configs import condition, given, spoken
 from .isa import MORE, word
 from .registers import ACCESS, counter_rows
 from .text import markdown, page
@@ -27,7 +27,7 @@ def example(isa, op):
     return text, code
 
 
-def isa_page(isa):
+def isa_page(isa, known):
     fields, banks = isa["field"], isa["bank"]
     unit = {"store": "object store"}
     noted = [op for op in isa["op"] if "note" in op]
@@ -38,7 +38,7 @@ def isa_page(isa):
     def row(op):
         text, code = example(isa, op)
         return [f"[`{op['name']}`](#{op['name']})" if op in noted else f"`{op['name']}`", op["code"], f"`{op['meaning']}`", path(op),
-                f"`{op['needs']}`" if "needs" in op else "", f"`{' '.join(filter(None, (op['name'], text)))}`", f"`0x{code:08x}`"]
+                f"`{condition(op['needs'], known)}`" if "needs" in op else "", f"`{' '.join(filter(None, (op['name'], text)))}`", f"`0x{code:08x}`"]
 
     body = [
         f"Revision {isa['revision']}. Every instruction is one 32-bit word. Values are IEEE 754 binary32 numbers.",
@@ -57,8 +57,8 @@ def isa_page(isa):
                    for name, b in banks.items()]), "",
         "A configuration may have fewer registers, and leave out instructions: [configurations](configurations.md).", "",
         "## Instructions", "",
-        "The table's columns are the instruction's name, its code, what it does, the functional units that its operands go through, the key of a",
-        "configuration that must be 1, and an example with its word. Operands are written in the order d, a, b, c. `record[d]` is word d of the",
+        "The table's columns are the instruction's name, its code, what it does, the functional units that its operands go through, what the",
+        "configuration must say, and an example with its word. Operands are written in the order d, a, b, c. `record[d]` is word d of the",
         "object's record. The unit *value* compares, selects, estimates and rounds; *sequence* is the scheduler's control of loops and phases.",
         "Names with a link have a note below.", "",
         *markdown(["name", "code", "meaning", "unit", "needs", "example", "word"], [row(op) for op in isa["op"]]),
@@ -121,6 +121,8 @@ def configs_page(known, configs):
              "them. The engines `isa` and `fast` know all; `make all` builds their simulated hardware, `make install` leaves it out.", ""]
     body += markdown(["name", "what it is"], [[f"`{row['name']}`", row["doc"]] for row in configs if not row["take"]])
     body += [""] + markdown(["", *[f"`{row['name']}`" for row in configs], "meaning"],
-                            [[f"`{key}`", *[config_value(key, row[key]) for row in configs],
-                              known[key]["meaning"]] for key in known])
+                            [[f"`{key}`", *[spoken(known[key], row[key]) for row in configs],
+                              known[key]["meaning"]] for key in given(known)])
+    body += ["", "These names follow from them; [registers.md](registers.md), the parameters of modules and `fp3_config` have them:", ""]
+    body += markdown(["", "is 1 where", "meaning"], [[f"`{key}`", condition(key, known), known[key]["meaning"]] for key in known if key not in given(known)])
     return page("Configurations", "isa/configs.toml", body)

@@ -22,9 +22,14 @@ static const struct {
     {FP3_KEY_CHAIN, -54}, {FP3_KEY_SLEEP, -188}, {FP3_KEY_SELECT, -83}, {FP3_KEY_ESTIMATE, -48}};
 #define KNOWN(list) (sizeof(list) / sizeof *(list))
 
-/* Instructions that a program can do without. */
-static const fp3_key optional[] = {FP3_KEY_CHAIN, FP3_KEY_SELECT, FP3_KEY_ESTIMATE,
-                                   FP3_KEY_MIXED, FP3_KEY_ROUND,  FP3_KEY_SLEEP};
+/* Keys of instructions that a program can do without, and what instructions then do not need. */
+static const struct {
+    fp3_key key, needed;
+} optional[] = {{FP3_KEY_MULTIPLY_ADD, FP3_KEY_CHAIN},
+                {FP3_KEY_SELECT, FP3_KEY_SELECT},
+                {FP3_KEY_RECIPROCAL, FP3_KEY_ESTIMATE},
+                {FP3_KEY_ROUND, FP3_KEY_ROUND},
+                {FP3_KEY_SLEEP, FP3_KEY_SLEEP}};
 
 typedef struct {
     const fp3_config *from;
@@ -98,18 +103,29 @@ static void put_luts(FILE *to, const trimmed *t) {
         fprintf(to, "# ... what `round` and `mixed` save is not known, and not in it\n");
 }
 
+static void put_value(FILE *to, fp3_key key, uint32_t value) {
+    const char *choice = fp3_key_choice(key, value);
+    if (choice)
+        fprintf(to, "\"%s\"", choice);
+    else
+        fprintf(to, "%" PRIu32, value);
+}
+
 static void put_key(FILE *to, const trimmed *t, fp3_key key, uint32_t value) {
     const uint32_t had = fp3_config_value(t->from, key);
-    if (value == had)
-        fprintf(to, "%s = %" PRIu32 "\n", fp3_key_name(key), value);
-    else
-        fprintf(to, "%s = %" PRIu32 " # %" PRIu32 " of '%s'\n", fp3_key_name(key), value, had,
-                t->from->name);
+    fprintf(to, "%s = ", fp3_key_name(key));
+    put_value(to, key, value);
+    if (value != had) {
+        fprintf(to, " # ");
+        put_value(to, key, had);
+        fprintf(to, " of '%s'", t->from->name);
+    }
+    fprintf(to, "\n");
 }
 
 static uint32_t value_of(const trimmed *t, fp3_key key) {
     for (size_t i = 0; i < KNOWN(optional); i++)
-        if (optional[i] == key && is_off(t, key))
+        if (optional[i].key == key && is_off(t, optional[i].needed))
             return 0;
     return key == FP3_KEY_REGISTERS       ? t->registers
            : key == FP3_KEY_PROGRAM_WORDS ? t->words
