@@ -403,9 +403,11 @@ fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
     if (count > b->objects)
         return fp3_fail(b->error, FP3_E_ARGUMENT, "%zu objects: there are %zu", count, b->objects);
     if (count < b->objects && fp3_relations_are(&b->relations))
-        return fp3_fail(b->error, FP3_E_ARGUMENT,
-                        "%zu of %zu objects: objects that see each other all make steps", count,
-                        b->objects);
+        return fp3_fail(
+            b->error, FP3_E_ARGUMENT,
+            "%zu of %zu objects: objects that see each other all make steps, because what "
+            "neighbours read is kept twice, and the copies take turns in each phase",
+            count, b->objects);
     b->used = count;
     b->is_suspect = 1;
     fp3_engine_use(b->engine, 0, count);
