@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-void fp3_report_vexpected(fp3_report *r, fp3_token found, const char *format, va_list arguments) {
+void fp3_report_expected(fp3_report *r, fp3_token found, const char *format, ...) {
+    va_list arguments;
     if (fp3_report_full(r))
         return;
     assert(found.text >= r->source && found.text <= r->source + r->size);
@@ -20,15 +21,10 @@ void fp3_report_vexpected(fp3_report *r, fp3_token found, const char *format, va
     const size_t room = sizeof r->entry[r->count].text;
     const size_t used =
         (size_t)snprintf(text, room, "found %s, expected ", fp3_token_shown(found, shown));
-    vsnprintf(text + used, room - used, format, arguments);
-    r->count++;
-}
-
-void fp3_report_expected(fp3_report *r, fp3_token found, const char *format, ...) {
-    va_list arguments;
     va_start(arguments, format);
-    fp3_report_vexpected(r, found, format, arguments);
+    vsnprintf(text + used, room - used, format, arguments);
     va_end(arguments);
+    r->count++;
 }
 
 int fp3_report_full(const fp3_report *r) { return r->count == FP3_REPORT_LIMIT; }

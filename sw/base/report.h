@@ -24,8 +24,6 @@ typedef struct {
 /* "found 'token', expected ...". A full report takes no more. */
 __attribute__((format(printf, 3, 4))) void fp3_report_expected(fp3_report *report, fp3_token found,
                                                                const char *format, ...);
-__attribute__((format(printf, 3, 0))) void
-fp3_report_vexpected(fp3_report *report, fp3_token found, const char *format, va_list arguments);
 int fp3_report_full(const fp3_report *report);
 /* The whole report in the order of the source, malloc'ed, and its first error. FP3_E_PROGRAM, or
  * FP3_E_SYSTEM when out of memory: *text is NULL then. */

@@ -181,6 +181,26 @@ typedef struct {
     void *options;
 } taker;
 
+/* In Hz, of a number above 0 and a unit, as 130MHz; ends with 2 and a message if it is none. */
+static double frequency(struct argp_state *state, const char *option, const char *text) {
+    static const struct {
+        const char *name;
+        double hertz;
+    } units[] = {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}};
+    char *unit;
+    const double number = strtod(text, &unit);
+    const int is_decimal = strspn(text, "0123456789.eE+-") >= (size_t)(unit - text);
+    while (*unit == ' ')
+        unit++;
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (!strcmp(unit, units[i].name) && is_decimal && number > 0 &&
+            isnormal(number * units[i].hertz))
+            return number * units[i].hertz;
+    argp_error(state, "%s: '%s' is no frequency: expected a number above 0 and Hz, kHz, MHz or GHz",
+               option, text);
+    return 0;
+}
+
 static void take(const taker *t, const fp3_option *o, char *text, struct argp_state *state) {
     char *const to = (char *)t->options + o->at;
     char name[64];
@@ -214,7 +234,7 @@ static void take(const taker *t, const fp3_option *o, char *text, struct argp_st
         *(double *)(void *)to = fp3_arguments_above_zero(state, name, text);
         break;
     case FP3_OPTION_FREQUENCY:
-        *(double *)(void *)to = fp3_arguments_frequency(state, name, text);
+        *(double *)(void *)to = frequency(state, name, text);
         break;
     }
 }
@@ -299,25 +319,6 @@ double fp3_arguments_above_zero(struct argp_state *state, const char *option, co
 void fp3_arguments_model(struct argp_state *state, const char *path, int is_model) {
     if (path && !is_model && fp3_program_is_named(path) && !fp3_program_is_model(path))
         argp_error(state, "found '%s', expected a model (*.ode, or --model)", path);
-}
-
-double fp3_arguments_frequency(struct argp_state *state, const char *option, const char *text) {
-    static const struct {
-        const char *name;
-        double hertz;
-    } units[] = {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}};
-    char *unit;
-    const double number = strtod(text, &unit);
-    const int is_decimal = strspn(text, "0123456789.eE+-") >= (size_t)(unit - text);
-    while (*unit == ' ')
-        unit++;
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (!strcmp(unit, units[i].name) && is_decimal && number > 0 &&
-            isnormal(number * units[i].hertz))
-            return number * units[i].hertz;
-    argp_error(state, "%s: '%s' is no frequency: expected a number above 0 and Hz, kHz, MHz or GHz",
-               option, text);
-    return 0;
 }
 
 /* ---- arithmetic ---- */

@@ -102,7 +102,4 @@ void fp3_arguments_arithmetic(struct argp_state *state, fp3_compile_def *def,
 /* Of --arithmetic; ends with 2 and a message that names all if there is none of this name. */
 fp3_arithmetic fp3_arguments_arithmetic_named(struct argp_state *state, const char *name);
 
-/* In Hz, of a number above 0 and a unit, as 130MHz; ends with 2 and a message if it is none. */
-double fp3_arguments_frequency(struct argp_state *state, const char *option, const char *text);
-
 #endif

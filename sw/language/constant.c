@@ -65,14 +65,12 @@ static int has_param(const ode_parser *p, uint32_t from) {
 
 /* The expressions of a constant are forgotten once it is computed; but a start follows params that
  * a run gives. */
-static int read(ode_parser *p, ode_context context, unsigned size, int may_have_unit,
-                ode_constant *constant) {
+int fp3_ode_measured(ode_parser *p, ode_context context, unsigned size, ode_constant *constant) {
     fp3_token at = p->in.next;
     const uint32_t from = p->expr_count;
     *constant = (ode_constant){.dimension = {.kind = ODE_DIMENSION_ANY}};
     const ode_value value = fp3_ode_expression(p, context);
-    if (may_have_unit)
-        fp3_ode_dimension_read(p, &constant->dimension, constant->dimension_text);
+    fp3_ode_dimension_read(p, &constant->dimension, constant->dimension_text);
     int is_good = 0;
     if (value.size && !p->in.is_lost) {
         compute(p, from);
@@ -85,12 +83,4 @@ static int read(ode_parser *p, ode_context context, unsigned size, int may_have_
     if (!is_kept)
         fp3_ode_forget(p, from);
     return is_good;
-}
-
-int fp3_ode_constant(ode_parser *p, ode_context context, unsigned size, ode_constant *constant) {
-    return read(p, context, size, 0, constant);
-}
-
-int fp3_ode_measured(ode_parser *p, ode_context context, unsigned size, ode_constant *constant) {
-    return read(p, context, size, 1, constant);
 }

@@ -17,9 +17,8 @@ typedef struct {
  * (loss.h). */
 const char *fp3_ode_constant_expected(double value, int is_lost);
 
-/* Reads a number, or a vector of this size. 0 after an error. */
-int fp3_ode_constant(ode_parser *p, ode_context context, unsigned size, ode_constant *constant);
-/* Reads one with its unit in brackets, if that is there. */
+/* Reads a number, or a vector of this size, with its unit in brackets, if that is there. 0 after an
+ * error. */
 int fp3_ode_measured(ode_parser *p, ode_context context, unsigned size, ode_constant *constant);
 
 #endif

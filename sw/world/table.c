@@ -121,8 +121,8 @@ void fp3_table_close(fp3_table *t) {
     *t = (fp3_table){0};
 }
 
-fp3_status fp3_table_wrong(const fp3_table *t, size_t row, size_t column, fp3_error *error,
-                           const char *format, ...) {
+__attribute__((format(printf, 5, 6))) static fp3_status
+wrong(const fp3_table *t, size_t row, size_t column, fp3_error *error, const char *format, ...) {
     char text[400];
     va_list arguments;
     va_start(arguments, format);
@@ -139,9 +139,8 @@ static fp3_status take_object(const fp3_table *t, size_t row, size_t column, siz
     const double number = t->number[column * t->rows + row];
     const double end = most ? (double)most - 1 : UINT32_MAX - 1.0;
     if (!(number >= 0 && number <= end && floor(number) == number))
-        return fp3_table_wrong(t, row, column, error,
-                               "found object %.17g, expected a whole number from 0 to %.0f", number,
-                               end);
+        return wrong(t, row, column, error,
+                     "found object %.17g, expected a whole number from 0 to %.0f", number, end);
     made->ends[column * t->rows + row] = (uint32_t)number;
     if ((size_t)number >= made->objects)
         made->objects = (size_t)number + 1;
@@ -154,15 +153,14 @@ static fp3_status take_row(const fp3_table *t, size_t row, size_t most, fp3_tabl
     if (!status)
         status = take_object(t, row, 1, most, made, error);
     if (!status && made->ends[row] == made->ends[t->rows + row])
-        return fp3_table_wrong(t, row, 1, error,
-                               "found object %" PRIu32 " again, expected another one",
-                               made->ends[row]);
+        return wrong(t, row, 1, error, "found object %" PRIu32 " again, expected another one",
+                     made->ends[row]);
     for (size_t i = 2; !status && i < t->columns; i++) {
         const double number = t->number[i * t->rows + row];
         const char *expected = fp3_number_written(number, &made->words[(i - 2) * t->rows + row]);
         if (expected)
-            return fp3_table_wrong(t, row, i, error, "%s is %.9g, expected %s", t->names[i], number,
-                                   expected);
+            return wrong(t, row, i, error, "%s is %.9g, expected %s", t->names[i], number,
+                         expected);
     }
     return status;
 }

@@ -28,11 +28,6 @@ typedef struct {
 fp3_status fp3_table_read(const char *path, fp3_table *table, fp3_error *error);
 void fp3_table_close(fp3_table *table);
 
-/* FP3_E_ARGUMENT at a value of the table. */
-__attribute__((format(printf, 5, 6))) fp3_status fp3_table_wrong(const fp3_table *table, size_t row,
-                                                                 size_t column, fp3_error *error,
-                                                                 const char *format, ...);
-
 /* A table of links, with the columns a, b and fields; its memory besides the table's. */
 typedef struct {
     fp3_links links;

@@ -84,6 +84,26 @@ def test_an_engine_is_opaque(root, build):
     assert outside == []
 
 
+LOADED = {"fp3_hdf5_calls", "fp3_mpi_calls"}  # by name
+
+
+def test_each_global_name_has_a_user(root, build):
+    """What no other file uses is static, or gone. Programs use what the public headers declare."""
+    public = set(re.findall(r"\bfp3_\w+", "".join(path.read_text(encoding="utf-8") for path in (root / "sw/include/fp3").glob("*.h"))))
+    objects = [path for path in (build / "obj").rglob("*.o")
+               if (root / str(path.relative_to(build / "obj")).removeprefix("soft/")).with_suffix(".c").exists()]
+    used, defined = set(), {}
+    for line in subprocess.run(["nm", "-A", *objects], capture_output=True, text=True, check=True).stdout.splitlines():
+        path, _, rest = line.partition(":")
+        kind, symbol = rest[17:].split(" ", 1)
+        if kind == "U":
+            used.add(symbol)
+        elif kind.isupper() and symbol.startswith("fp3_") and "/obj/sw/" in path:
+            defined[symbol] = path.partition("/obj/")[2]
+    assert len(defined) > 500
+    assert {symbol: path for symbol, path in defined.items() if symbol not in used | public | LOADED} == {}
+
+
 def instances(root, files):
     """Module names are file names; rtl/fpga has versions of modules that have their home elsewhere."""
     modules = {path.stem: stem(root, path) for path in files if path.suffix == ".v" and "fpga" not in path.parts}

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* In the registers of variables, while no variable is there. */
+typedef enum { LEAVE_VARIABLES, BORROW_VARIABLES } to_borrow;
+
 /* Gaps begin .. end; in a circle of so many gaps end may go around, below begin + gaps. */
 typedef struct {
     uint32_t begin, end;
@@ -115,11 +118,11 @@ static uint32_t bank_of(const work *w, uint32_t node) {
 }
 
 static uint32_t best_fit(const work *w, const arc *a, uint32_t bank, uint32_t used,
-                         fp3_borrow borrow) {
+                         to_borrow borrow) {
     uint32_t best = used, least = UINT32_MAX;
     if (a->end - a->begin >= w->gaps)
         return FP3_NONE_INDEX;
-    for (uint32_t reg = borrow == FP3_BORROW_VARIABLES ? bank : w->lowest[bank]; reg < used;
+    for (uint32_t reg = borrow == BORROW_VARIABLES ? bank : w->lowest[bank]; reg < used;
          reg += w->banks)
         if (is_free(w, reg, a->begin, a->end)) {
             const uint32_t idle = idle_before(w, reg, a->begin);
@@ -169,7 +172,7 @@ static fp3_status place_fixed(const work *w, fp3_places *places, fp3_error *erro
     return FP3_OK;
 }
 
-static fp3_status place_rest(const work *w, fp3_borrow borrow, fp3_places *places,
+static fp3_status place_rest(const work *w, to_borrow borrow, fp3_places *places,
                              fp3_error *error) {
     const fp3_block *block = w->block;
     uint32_t used[2] = {w->lowest[0], w->lowest[1]}; /* of each bank: the first that is not */
@@ -230,8 +233,8 @@ static void close_work(work *w) {
     free(w->reads);
 }
 
-fp3_status fp3_allocate(const fp3_block *block, const uint32_t *order, fp3_borrow borrow,
-                        fp3_places *places, fp3_error *error) {
+static fp3_status allocate(const fp3_block *block, const uint32_t *order, to_borrow borrow,
+                           fp3_places *places, fp3_error *error) {
     work w;
     *places = (fp3_places){.reg = calloc(block->count + 1, sizeof *places->reg)};
     fp3_status status = open_work(&w, block, order, error);
@@ -240,7 +243,7 @@ fp3_status fp3_allocate(const fp3_block *block, const uint32_t *order, fp3_borro
         status = fp3_no_memory(error);
     if (!status && w.gaps) {
         find_arcs(&w);
-        if (block->is_cyclic && !block->config->interleave && borrow == FP3_LEAVE_VARIABLES)
+        if (block->is_cyclic && !block->config->interleave && borrow == LEAVE_VARIABLES)
             keep_unread(&w);
         status = place_fixed(&w, places, error);
     }
@@ -286,11 +289,11 @@ fp3_status fp3_allocate_least(const fp3_block *block, const uint32_t *order, uin
 
 fp3_status fp3_allocate_within(const fp3_block *block, const uint32_t *order, fp3_places *places,
                                fp3_error *error) {
-    fp3_status status = fp3_allocate(block, order, FP3_LEAVE_VARIABLES, places, error);
+    fp3_status status = allocate(block, order, LEAVE_VARIABLES, places, error);
     if (status || places->registers <= block->config->registers)
         return status;
     fp3_places_free(places);
-    return fp3_allocate(block, order, FP3_BORROW_VARIABLES, places, error);
+    return allocate(block, order, BORROW_VARIABLES, places, error);
 }
 
 fp3_status fp3_allocate_refuse(const fp3_block *block, uint32_t needed, fp3_error *error) {

@@ -11,9 +11,6 @@
 #include "block.h"
 #include "lines.h"
 
-/* In the registers of variables, while no variable is there. */
-typedef enum { FP3_LEAVE_VARIABLES, FP3_BORROW_VARIABLES } fp3_borrow;
-
 typedef struct {
     uint32_t *reg;      /* of the value of each node */
     uint32_t registers; /* highest in use + 1, variables and params included */
@@ -24,15 +21,12 @@ typedef struct {
 #define FP3_REGISTERS_CEILING (2 * 64)
 
 /* order[p] is the node at position p; nodes[].is_ahead says which belong to the next step. Values
- * with a fixed register stay to the end. FP3_E_MISMATCH: the order keeps no values. */
-fp3_status fp3_allocate(const fp3_block *block, const uint32_t *order, fp3_borrow borrow,
-                        fp3_places *places, fp3_error *error);
-void fp3_places_free(fp3_places *places);
-
-/* Borrows registers of variables only if it must: a name stands for its value where it can. What
- * does not fit into the configuration says so by places->registers. */
+ * with a fixed register stay to the end. Borrows registers of variables only if it must: a name
+ * stands for its value where it can. What does not fit into the configuration says so by
+ * places->registers. FP3_E_MISMATCH: the order keeps no values. */
 fp3_status fp3_allocate_within(const fp3_block *block, const uint32_t *order, fp3_places *places,
                                fp3_error *error);
+void fp3_places_free(fp3_places *places);
 
 /* FP3_E_LIMIT, in words: so many registers are needed, more than there are. */
 fp3_status fp3_allocate_refuse(const fp3_block *block, uint32_t needed, fp3_error *error);

@@ -13,7 +13,8 @@ static uint32_t slot_of(const fp3_block *block, uint32_t node) {
     return writes == FP3_NONE_INDEX ? node : block->count + writes;
 }
 
-void fp3_time_nodes(const fp3_block *block, const uint32_t *order, fp3_timed *timed) {
+/* Nodes as the busy flags see them, in order; timed has room for block->count. */
+static void time_nodes(const fp3_block *block, const uint32_t *order, fp3_timed *timed) {
     for (uint32_t p = 0; p < block->count; p++) {
         const fp3_node *node = &block->nodes[order[p]];
         timed[p] = (fp3_timed){.latency = node->latency, .d = slot_of(block, order[p])};
@@ -51,7 +52,7 @@ fp3_status fp3_time_order(const fp3_block *block, const uint32_t *order, double 
     fp3_timed *timed = calloc(2 * (size_t)block->count + 1, sizeof *timed);
     if (!timed)
         return fp3_no_memory(error);
-    fp3_time_nodes(block, order, timed);
+    time_nodes(block, order, timed);
     uint32_t ahead = 0; /* what the first part executes */
     for (uint32_t p = 0; p < block->count; p++)
         if (block->nodes[order[p]].is_ahead)

@@ -7,9 +7,6 @@
 #include "lines.h"
 #include "machine/cycles.h"
 
-/* Nodes as the busy flags see them, in order; timed has room for block->count. */
-void fp3_time_nodes(const fp3_block *block, const uint32_t *order, fp3_timed *timed);
-
 /* Cycles per step in the long run, of the step part in this order; is_ahead of the nodes counts. */
 fp3_status fp3_time_order(const fp3_block *block, const uint32_t *order, double *cycles,
                           fp3_error *error);

@@ -23,21 +23,22 @@ static const struct {
 };
 enum { SPEEDS = sizeof speeds / sizeof *speeds };
 
-void fp3_port_bauds(char text[FP3_PORT_BAUDS_SIZE]) {
+#define BAUDS_SIZE 160
+static void list_bauds(char text[BAUDS_SIZE]) {
     size_t size = 0;
     for (int i = 0; i < SPEEDS; i++)
-        size += (size_t)snprintf(text + size, FP3_PORT_BAUDS_SIZE - size, "%s%u", i ? ", " : "",
+        size += (size_t)snprintf(text + size, BAUDS_SIZE - size, "%s%u", i ? ", " : "",
                                  (unsigned)speeds[i].baud);
 }
 
 static fp3_status find_speed(uint32_t baud, speed_t *code, fp3_error *error) {
-    char list[FP3_PORT_BAUDS_SIZE];
+    char list[BAUDS_SIZE];
     for (int i = 0; i < SPEEDS; i++)
         if (speeds[i].baud == baud) {
             *code = speeds[i].code;
             return FP3_OK;
         }
-    fp3_port_bauds(list);
+    list_bauds(list);
     return fp3_fail(error, FP3_E_ARGUMENT, "no baud rate %u: there are %s", (unsigned)baud, list);
 }
 

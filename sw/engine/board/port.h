@@ -14,9 +14,6 @@ typedef struct {
 } fp3_port;
 
 #define FP3_PORT_BAUD 115200u
-/* The rates that a port can have, as text: "9600, 19200, ...". */
-#define FP3_PORT_BAUDS_SIZE 160
-void fp3_port_bauds(char text[FP3_PORT_BAUDS_SIZE]);
 
 /* name must outlive the port. FP3_E_ARGUMENT: no such rate. FP3_E_SYSTEM: there is no such port, or
  * it cannot be used. Bytes that came before are dropped. */

@@ -13,7 +13,10 @@
 #define NEUTRAL                                                                                    \
     1e-9 /* eigenvalues of matrices are on the unit circle to within the root of a rounding */
 
-unsigned fp3_theory_polynomial(const fp3_integrator *rk, double coefficients[FP3_STAGES_MAX + 1]) {
+/* R(w) = sum of coefficients[j] w^j, what a step of a Runge-Kutta method multiplies x' = w x with
+ * (Hairer and Wanner, Solving Ordinary Differential Equations II, chapter IV.2). Returns the
+ * degree. */
+static unsigned polynomial(const fp3_integrator *rk, double coefficients[FP3_STAGES_MAX + 1]) {
     double power[FP3_STAGES_MAX]; /* A^(j-1) times the vector of ones */
     unsigned degree = 0;
     coefficients[0] = 1;
@@ -100,7 +103,7 @@ double fp3_theory_growth(const fp3_integrator *integrator, double z, double angl
         return radius(m);
     }
     if (integrator->is_position_late && angle > 0) {
-        const unsigned degree = fp3_theory_polynomial(integrator, coefficients);
+        const unsigned degree = polynomial(integrator, coefficients);
         return growth_of_late(coefficients, degree, k, c);
     }
     const double complex w = angle < M_PI_2 ? -z * cexp(I * angle) : -I * z;

@@ -9,11 +9,6 @@
 
 #include <fp3/model.h>
 
-/* R(w) = sum of coefficients[j] w^j, what a step of a Runge-Kutta method multiplies x' = w x with
- * (Hairer and Wanner, Solving Ordinary Differential Equations II, chapter IV.2). Returns the
- * degree. */
-unsigned fp3_theory_polynomial(const fp3_integrator *rk, double coefficients[FP3_STAGES_MAX + 1]);
-
 /* The magnitude of the largest eigenvalue of a step: |R| of a Runge-Kutta or Chebyshev method, for
  * others that of the matrix of its substeps. */
 double fp3_theory_growth(const fp3_integrator *integrator, double z, double angle);
