@@ -137,18 +137,6 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
 
 /* ---- what has no neighbours ---- */
 
-static void check_events(ode_parser *p, const char *has_sum) {
-    for (uint32_t i = 0; i < p->event_count; i++) {
-        const ode_event *e = &p->events[i];
-        int has = (e->condition != FP3_NONE && has_sum[e->condition]) ||
-                  (e->armed != FP3_NONE && has_sum[e->armed]);
-        for (uint32_t k = e->first; k < e->first + e->count; k++)
-            has |= p->assignments[k].to.expr != FP3_NONE && has_sum[p->assignments[k].to.expr];
-        if (has)
-            fp3_ode_wrong(&p->in, e->at, "an event without a sum over neighbours");
-    }
-}
-
 void fp3_ode_check_sums(ode_parser *p) {
     static const char invariant[] = "an invariant without a sum over neighbours";
     char *has_sum = calloc(p->expr_count + 1u, 1);
@@ -161,7 +149,6 @@ void fp3_ode_check_sums(ode_parser *p) {
         for (int k = 0; k < 3; k++)
             has_sum[i] |= p->exprs[i].operand[k] != FP3_NONE && has_sum[p->exprs[i].operand[k]];
     }
-    check_events(p, has_sum);
     for (uint32_t i = 0; i < p->invariant_count; i++)
         if (has_sum[p->invariants[i].expr])
             fp3_ode_wrong(&p->in, p->expr_at[p->invariants[i].expr], invariant);

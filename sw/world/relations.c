@@ -52,6 +52,11 @@ static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_erro
             is_needed[model->states[i].derivative] = 1;
     for (uint32_t i = 0; i < model->assignment_count; i++)
         is_needed[model->assignments[i].expr] = 1;
+    for (uint32_t i = 0; i < model->event_count; i++) {
+        is_needed[model->events[i].condition] = 1;
+        if (model->events[i].armed != FP3_NONE)
+            is_needed[model->events[i].armed] = 1;
+    }
     for (uint32_t i = model->expr_count; i-- > 0;) {
         const fp3_expr *e = &model->exprs[i];
         for (int k = 0; is_needed[i] && k < 3; k++)

@@ -66,8 +66,6 @@ fp3_status fp3_project(fp3_advance *a, fp3_error *error) {
         if (!fp3_fit_has_event(a->fit, model, &model->projections[i]))
             continue;
         status = fp3_advance_event(a, &model->projections[i], 1, &l, error);
-        l.index = a->place_count + i; /* neighbours see what the projections before left */
-        l.sight = &a->step->sight;
         if (!status)
             project(a, &model->projections[i], &l);
         fp3_lower_close(&l);

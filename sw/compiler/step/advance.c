@@ -142,12 +142,24 @@ static term state_before(lowering *l, uint32_t state) {
     return fp3_advance_held(a, l->g, ROLE_STATE, state);
 }
 
+/* Neighbours see at each event, and at each projection, what those before it left of all objects;
+ * before the step they see another state again. */
+static uint32_t place_of(const fp3_advance *a, const fp3_event *event, int is_after) {
+    const fp3_model *model = a->step->model;
+    const int is_projection = event->condition == FP3_NONE;
+    const size_t number = is_projection ? (size_t)(event - model->projections)
+                                        : (size_t)(event - model->events) + model->projection_count;
+    return a->place_count + (is_after ? 1 + (uint32_t)number : 0);
+}
+
 fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
                              lowering *l, fp3_error *error) {
     const fp3_status status = fp3_lower_open(l, a->step->model, &a->step->values, error);
     l->state = is_after ? state_after : state_before;
     l->user = (void *)a;
     l->notes = &a->step->notes;
+    l->index = place_of(a, event, is_after);
+    l->sight = &a->step->sight;
     snprintf(l->place, sizeof l->place, "line %" PRIu32, event->line);
     if (!status && a->fit->has_time)
         l->time = fp3_advance_time(a, l->g, is_after);
