@@ -15,7 +15,7 @@
 //           Below fp3 only CONFIG is handed on, all of them in one: rtl/config/config.vh.
 `default_nettype none
 `include "host/answer.vh"
-`include "lane/written.vh"
+`include "lane/bundles.vh"
 `include "sequence/issued.vh"
 module fp3 #(
 `include "gen/parameters.vh"

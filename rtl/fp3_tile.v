@@ -14,9 +14,8 @@
 // Hazard    In each cycle at most one scheduler has the adder, and one the multiplier (checked).
 `default_nettype none
 `include "host/answer.vh"
-`include "lane/written.vh"
+`include "lane/bundles.vh"
 `include "sequence/issued.vh"
-`include "unit/socket.vh"
 module fp3_tile #(
 `include "config/config.vh"
 ) (

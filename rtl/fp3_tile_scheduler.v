@@ -195,8 +195,7 @@ module fp3_tile_scheduler #(
 
     // The last group has no next one; sequencer hears the rest of its report.
     wire unused = &{resets[GROUPS], reaches[REACHES_W*GROUPS +: REACHES_W], issues[ISSUES_W*GROUPS +: ISSUES_W], retires[RETIRES_W*GROUPS +: RETIRES_W],
-                    accesses[`FP3_ACCESS_W*GROUPS +: `FP3_ACCESS_W], data[32*GROUPS +: 32], draws[DRAW_W*GROUPS +: DRAW_W], late_address, spot,
-                    report_count, report_longest, report_valid, report_asleep, report_batch, report_context};
+                    accesses[`FP3_ACCESS_W*GROUPS +: `FP3_ACCESS_W], data[32*GROUPS +: 32], draws[DRAW_W*GROUPS +: DRAW_W], late_address, spot};
 
 `ifdef FP3_CHECK
     // An instruction granted AHEAD + TO_END + 1 cycles ago ends in the first lane, ENDED cycles
@@ -206,8 +205,6 @@ module fp3_tile_scheduler #(
             wire granted;
             `FP3_RETIRE_FIELDS
             assign `FP3_RETIRE = retires[0 +: `FP3_RETIRE_W];
-            wire unused_check = &{retire_row, retire_round, retire_begins, retire_ends, retire_in_last, retire_lds, retire_sleep, retire_load,
-                                  retire_whole, retire_batch, retire_context, retire_register};
             fp3_delay #(.W(1), .N(AHEAD+TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin

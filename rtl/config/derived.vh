@@ -18,14 +18,14 @@ parameter integer REG_W      = CONTEXT_W + REGISTER_W,
 parameter integer BANK_W     = REG_W - 1,
 // Of the length of a list of neighbours.
 parameter integer LENGTH_W   = 12,
-// Of the bundle AROUND (lane/around.vh).
+// Of the bundle AROUND (lane/bundles.vh).
 parameter integer AROUND_W   = NEIGHBOURS != 0 ? 6 + LENGTH_W + STORE_W : 1,
 // Bits of a word below the fraction, which arithmetic reads as 0; the others; which bits of a
 // number, from this one up, say whether it is 0.
 parameter integer BELOW        = 23 - FRACTION,
 parameter [31:0] KEPT         = 32'hffffffff << BELOW,
 parameter integer NONZERO_FROM = FINITE != 0 ? 23 : BELOW,
-// Of a word of the store; of the bundle DRAW (lane/draw.vh).
+// Of a word of the store; of the bundle DRAW.
 parameter integer STORED_W   = STORAGE != 0 ? 16 : 32,
 parameter integer DRAW_W     = STORAGE != 0 ? 78 : 1,
 // One word of a record is kept whole: that of `sleep`.

@@ -9,9 +9,9 @@
 //     by1, by2                    it is one or two short of that
 //     gone                        the result is flushed to zero, whatever the product
 `define FP3_PLACE_W (EXP + 5)
-`define FP3_PLACE_FIELDS \
+`define FP3_PLACE_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire [EXP-1:0] place_field; \
-    wire place_low, place_over, place_by1, place_by2, place_gone;
+    wire place_low, place_over, place_by1, place_by2, place_gone; /* verilator lint_on UNUSEDSIGNAL */
 `define FP3_PLACE {place_field, place_low, place_over, place_by1, place_by2, place_gone}
 // The bit of low, for who needs nothing else.
 `define FP3_PLACE_LOW 4

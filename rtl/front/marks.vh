@@ -7,5 +7,5 @@
 //     in_last                     in the last part
 `define FP3_MARKS {begins, ends, newstep, in_last}
 `define FP3_MARKS_W 4
-`define FP3_MARKS_FIELDS \
-    wire begins, ends, newstep, in_last;
+`define FP3_MARKS_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
+    wire begins, ends, newstep, in_last; /* verilator lint_on UNUSEDSIGNAL */

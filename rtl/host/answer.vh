@@ -5,7 +5,7 @@
 //     wrote, write_error          a write is answered
 //     read, read_error, rdata     a read is answered
 `define FP3_ANSWER_W 36
-`define FP3_ANSWER_FIELDS \
+`define FP3_ANSWER_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire answer_wrote, answer_write_error, answer_read, answer_read_error; \
-    wire [31:0] answer_rdata;
+    wire [31:0] answer_rdata; /* verilator lint_on UNUSEDSIGNAL */
 `define FP3_ANSWER {answer_wrote, answer_write_error, answer_read, answer_read_error, answer_rdata}

@@ -33,7 +33,6 @@ module fp3_dual_end #(
     `FP3_MOVE_FIELDS
     assign `FP3_DUAL_ISSUE  = issue_i;      // cycle 0
     assign `FP3_DUAL_RETIRE = retire_i;     // cycle W-4
-    wire unused = &`FP3_DUAL_ISSUE;
 
     // The number of objects, which are in the rows below
     reg [ROW_W:0] count_q;

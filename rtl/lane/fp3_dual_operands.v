@@ -14,8 +14,7 @@
 //     cycle      -2             0                  1        2                    3
 //                issue_sum_y    issue_sum_x ..     waits    read, y is scaled    operands_o, stored_o
 `default_nettype none
-`include "lane/dual_issue.vh"
-`include "unit/socket.vh"
+`include "lane/bundles.vh"
 module fp3_dual_operands #(
 `include "config/config.vh"
 ) (
@@ -32,7 +31,7 @@ module fp3_dual_operands #(
 `include "gen/choices.vh"
     `FP3_DUAL_ISSUE_FIELDS
     assign `FP3_DUAL_ISSUE = issue_i;
-    wire unused = &{issue_record_shift, issue_register, issue_st_row, write_register_i[0], write_register_i[REG_W]};
+    wire unused = &{write_register_i[0], write_register_i[REG_W]};
 
     wire [BANK_W-1:0] sum_spot     = write_register_i[REG_W-1:1];
     wire [BANK_W-1:0] product_spot = write_register_i[2*REG_W-1:REG_W+1];

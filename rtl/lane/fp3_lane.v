@@ -130,7 +130,6 @@ module fp3_lane #(
                 .constant_i(constant), .constant_register_i(constant_register),
                 .write_o(writes[p]), .register_o(registers[REG_W*p +: REG_W]), .value_o(values[32*p +: 32]),
                 .flags_o(flags[5*p +: 5]), .written_o(written_o[`FP3_WRITTEN_W*p +: `FP3_WRITTEN_W]));
-            wire unused = &`FP3_END;
         end
     endgenerate
 
@@ -163,7 +162,6 @@ module fp3_lane #(
             fp3_delay #(.W(1+LANE_W), .N(TIMING_END-1)) u_copy (.clk_i(clk_i), .rst_i(rst_i), .d_i({reach_copy, around_turn[LANE_W-1:0]}), .q_o({copy_w1, lane_w1}));
             always @(posedge clk_i) copied_q <= !rst_i && copy_w1 && lane_w1 == index_i;
             assign copied = copied_q;
-            wire unused_copied = &{`FP3_REACH, `FP3_AROUND};
         end else begin : g_not_copied
             assign copied = 1'b0;
         end
@@ -182,7 +180,6 @@ module fp3_lane #(
         .count_i(count), .longest_i(longest), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .asleep_i(asleep),
         .valid_i(sleeps), .batch_i(batch), .context_i(context_number),
         .mine_i(EXCHANGE != 0 ? mine && reads : mine), .space_i(access_space), .copied_i(copied), .stored_i(word), .status_i(status), .report_o(report_o));
-    wire unused = &`FP3_MOVE;
 endmodule
 `default_nettype wire
 `include "config/undefine.vh"

@@ -56,7 +56,7 @@ module fp3_lane_end #(
     assign `FP3_ACCESS = access_i;
     assign {move_record_shift, move_st, move_in_last, move_register} = {issue_record_shift, issue_st, issue_in_last, issue_register};
     assign {move_o, end_o} = {`FP3_MOVE, `FP3_END};
-    wire unused_fields = &{`FP3_ISSUE, `FP3_ACCESS, data_i};
+    wire unused_data = &data_i;
 
     // Of the instruction, later
     wire [REGISTER_W-1:0] register_e3, register_w0;
@@ -91,7 +91,6 @@ module fp3_lane_end #(
                 .st_context_i(issue_context), .st_row_o(move_st_row), .st_absent_o(move_st_absent), .st_asleep_o(move_st_asleep),
                 .host_clear_i(host_count), .host_wake_i(mine_i && access_write && access_space == HOST_WAKE),
                 .host_row_i(data_i[ROW_W-1:0]), .count_o(count_o));
-            wire unused = &{issue_row, retire_row};
         end else begin : g_order
             // Rows 0, 1 .. in the order in which contexts issue: the sequencer knows them. The
             // count changes only between runs.
@@ -107,7 +106,7 @@ module fp3_lane_end #(
                 .d_i({{1'b0, issue_row} >= count_q, issue_row}), .q_o({move_st_absent, move_st_row}));
             assign executes = valid_w0 && !missing;
             assign {sleeps, asleep_o, move_st_asleep} = 3'b000;
-            wire unused = &{issue_context, retire_round, take_e2, context_e2, context_w1, begins_w0, ends_w0, in_last_w0, less_i, word_i};
+            wire unused = &{take_e2, context_e2, context_w1, begins_w0, ends_w0, in_last_w0, less_i, word_i};
         end
     endgenerate
 
@@ -117,7 +116,6 @@ module fp3_lane_end #(
         if (NEIGHBOURS != 0) begin : g_lists
             `FP3_REACH_FIELDS
             assign `FP3_REACH = reach_i;
-            wire unused_reach = reach_copy;
             fp3_lists #(.CONFIG(CONFIG)) u_lists (.clk_i(clk_i), .rst_i(rst_i),
                 .each_i(issue_each), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent), .word_i3(stored_i3_i),
                 .longest_o(longest_o), .valid_i(reach_valid), .reach_context_i(reach_context), .own_i(reach_row), .around_i(reach_around),
@@ -125,7 +123,7 @@ module fp3_lane_end #(
                 .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
             fp3_delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
             assign move_load_whole = 1'b0;
-            wire unused_lists = &{own_row_e3, register_e3, retire_whole};
+            wire unused_lists = &{own_row_e3, register_e3};
         end else begin : g_no_lists
             fp3_delay #(.W(1), .N(TIMING_END-3)) u_load_e3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
             fp3_delay #(.W(1), .N(TIMING_END-3)) u_whole_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_whole), .q_o(move_load_whole));

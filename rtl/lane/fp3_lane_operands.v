@@ -14,8 +14,7 @@
 //                  issue_y        memories     operands_y = 40000000     less_o: |x| < y
 //                  issue_one                   operands_x = 3f800000
 `default_nettype none
-`include "lane/issue.vh"
-`include "unit/socket.vh"
+`include "lane/bundles.vh"
 module fp3_lane_operands #(
 `include "config/config.vh"
 ) (
@@ -34,7 +33,6 @@ module fp3_lane_operands #(
     `FP3_OPERANDS_FIELDS
     assign `FP3_ISSUE     = issue_i;
     assign operands_o = `FP3_OPERANDS;
-    wire unused = &{issue_st, issue_in_last, issue_each, issue_first, issue_upper, issue_whole, issue_record_shift, issue_context, issue_register, issue_row};
 
     wire [31:0] x_i2, y_i2, z_i2;
     fp3_ram_registered #(.ADDR_W(REG_W)) u_x (.clk_i(clk_i), .write_i(write_i),
@@ -50,7 +48,6 @@ module fp3_lane_operands #(
                 .read_i(1'b1), .read_addr_i(issue_z), .read_value_o(z_i2));
         end else begin : g_no_z
             // No instruction has both: z is where x is.
-            wire unused_z = |issue_z;
             assign z_i2 = x_i2;
         end
     endgenerate
@@ -64,7 +61,7 @@ module fp3_lane_operands #(
             assign y_or_word_i2 = given_i2 ? word_i2_i : y_i2;
             assign signed_z_i2  = {z_i2[31] ^ minus_i2, z_i2[30:0]};
         end else begin : g_not_given
-            wire unused_given = &{word_i2_i, issue_given, issue_minus};
+            wire unused_given = &word_i2_i;
             assign {y_or_word_i2, signed_z_i2} = {y_i2, z_i2};
         end
     endgenerate

@@ -11,7 +11,7 @@
 //
 //     counts of three lanes 5, 7, 6:     report_count of the last is 7
 `default_nettype none
-`include "lane/report.vh"
+`include "lane/bundles.vh"
 module fp3_lane_report #(
 `include "config/config.vh"
 ) (
@@ -52,10 +52,9 @@ module fp3_lane_report #(
     wire [31:0] answer = copied_i || space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status : {{31-ROW_W{1'b0}}, count_i};
     assign report_o = `FP3_REPORT_OF(count_q, longest_q, report_flags | flags_i, report_answer | (answer & {32{mine || copied_i}}),
                                  valid, report_asleep && asleep_i, batch, context_number);
-    // The lanes are in step: what this lane says of an instruction, those before have said.
-    wire unused = &{report_valid, report_batch, report_context};
 
 `ifdef FP3_CHECK
+    // The lanes are in step: the lanes before have reported the same instruction.
     always @(posedge clk_i)
         if (!rst_i && report_valid && !(valid && {batch, context_number} == {report_batch, report_context})) begin
             $display("%m: not in step with the lane before, which reported context %0d", report_context); $stop;

@@ -9,8 +9,7 @@
 //     cycle    W                  W+1
 //              end_i, value_i     write_o, value_o, written_o
 `default_nettype none
-`include "lane/end.vh"
-`include "lane/written.vh"
+`include "lane/bundles.vh"
 module fp3_lane_result #(
 `include "config/config.vh"
 ) (
@@ -32,7 +31,6 @@ module fp3_lane_result #(
 );
     `FP3_END_FIELDS
     assign `FP3_END = end_i;
-    wire unused = end_arithmetic;
 
     reg             write_q, retired_q, raises_q;
     reg [1:0]       end_q;

@@ -22,8 +22,7 @@
 //     cycle    W-5    W-4   W-3   W-2        W-1       W
 //     STORAGE  row    read        read_word  narrow_q  word_o
 `default_nettype none
-`include "lane/move.vh"
-`include "lane/draw.vh"
+`include "lane/bundles.vh"
 module fp3_lane_store #(
 `include "config/config.vh"
 ) (
@@ -133,7 +132,7 @@ module fp3_lane_store #(
                 wire unused_row = &row;
             end else begin : g_narrow_alone
                 assign {loaded_whole, high_word} = 17'd0;
-                wire unused_whole = &{host_whole_i, host_word_i[31:16], move_load_whole, value_late};
+                wire unused_whole = &{host_whole_i, host_word_i[31:16], value_late};
             end
             wire unused_random = &random[31:16];
 
@@ -148,12 +147,11 @@ module fp3_lane_store #(
                 fp3_delay #(.W(32), .N(TIMING_MIX-3)) u_object (.clk_i(clk_i), .rst_i(1'b0), .d_i(late_q), .q_o(object));
             end else begin : g_order
                 assign object = {{32-LANE_W{1'b0}}, index_i};
-                wire unused_draw = &{draw_first, draw_stride};
             end
         end else begin : g_words
             assign {stored, stored_address, stored_word} = {st_q, st_address_q, value_i3_i};
             assign {word_o, over_o} = {read_word, 1'b0};
-            wire unused_draw = &{index_i, draw_i, host_whole_i, move_st_whole, move_load_whole};
+            wire unused_draw = &{index_i, draw_i, host_whole_i};
         end
     endgenerate
 
@@ -165,8 +163,6 @@ module fp3_lane_store #(
             $display("%m: word %0d is loaded in the cycle in which it is stored", read_address_q); $stop;
         end
     end
-`else
-    wire unused = move_load;
 `endif
 endmodule
 `default_nettype wire

@@ -15,7 +15,7 @@
 // Hazard    One context does not come twice within GAP cycles. R+1 of an `each` comes after its
 //           place is noted (issue).
 `default_nettype none
-`include "lane/around.vh"
+`include "lane/bundles.vh"
 module fp3_lists #(
 `include "config/config.vh"
 ) (
@@ -82,7 +82,7 @@ module fp3_lists #(
     fp3_delay #(.W(CONTEXT_W), .N(1)) u_context_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_r1), .q_o(context_r2));
     fp3_delay #(.W(1), .N(1)) u_other_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(around_ldn), .q_o(other_r2));
     fp3_delay #(.W(ROW_W), .N(2)) u_own_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(own_i), .q_o(own_r2));
-    wire unused = &{around_each, word_i, word_i3};
+    wire unused = &{word_i, word_i3};
 
     wire [ROW_W-1:0]   row_r2;
     wire               there_r2;

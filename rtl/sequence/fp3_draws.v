@@ -17,7 +17,7 @@
 `default_nettype none
 `include "gen/settings.vh"
 `include "front/marks.vh"
-`include "lane/draw.vh"
+`include "lane/bundles.vh"
 module fp3_draws #(
 `include "config/config.vh"
 ) (
@@ -38,7 +38,6 @@ module fp3_draws #(
     assign `FP3_SETTINGS = settings_i;
     assign `FP3_MARKS    = marks_i;
     assign draw_o    = `FP3_DRAW;
-    wire unused = &`FP3_MARKS;
 
     reg         opened_q;              // the first batch of a round is still to come
     reg  [31:0] step_q;

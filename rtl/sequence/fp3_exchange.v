@@ -19,9 +19,7 @@
 //                                          to     ..      0 1 2 - - 0 1 2     then copied_o
 `default_nettype none
 `include "gen/settings.vh"
-`include "lane/around.vh"
-`include "lane/reach.vh"
-`include "lane/access.vh"
+`include "lane/bundles.vh"
 module fp3_exchange #(
 `include "config/config.vh"
 ) (
@@ -145,7 +143,7 @@ module fp3_exchange #(
     assign access_lane    = to_lane;
     assign access_address = base | {{STORE_W-REGISTER_W{1'b0}}, to_register} | {half_i, {STORE_W-1{1'b0}}};
     assign access_o       = `FP3_ACCESS;
-    wire unused = &{setting_copies, write_value_i};
+    wire unused = &write_value_i;
 
 `ifdef FP3_CHECK
     always @(posedge clk_i)

@@ -22,10 +22,7 @@
 `include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "front/marks.vh"
-`include "lane/around.vh"
-`include "lane/reach.vh"
-`include "lane/issue.vh"
-`include "lane/retire.vh"
+`include "lane/bundles.vh"
 module fp3_issue #(
 `include "config/config.vh"
 ) (
@@ -64,7 +61,6 @@ module fp3_issue #(
     `FP3_RETIRE_FIELDS
     assign `FP3_DECODED = decoded_i;
     assign `FP3_MARKS   = marks_i;
-    wire unused_decoded = &{ldn, ldl, phase, takes, flips};
     wire valued     = choice != CHOICE_NONE;
     wire arithmetic = to_add || to_mul || to_chain;
     assign adds_o   = to_add || to_chain;
@@ -166,7 +162,6 @@ module fp3_issue #(
             assign reach_row     = row;
             assign reach_around  = finds ? FIRST : around_q;
             assign reach_o       = `FP3_REACH;
-            wire unused_around = &`FP3_AROUND;
 `ifdef FP3_CHECK
             always @(posedge clk_i)
                 if (!rst_i && finds && valid_q && !each_q) begin

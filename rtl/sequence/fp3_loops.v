@@ -28,7 +28,7 @@
 `default_nettype none
 `include "front/decoded.vh"
 `include "gen/settings.vh"
-`include "lane/around.vh"
+`include "lane/bundles.vh"
 module fp3_loops #(
 `include "config/config.vh"
 ) (
@@ -67,7 +67,6 @@ module fp3_loops #(
     assign `FP3_DECODED  = decoded_i;
     assign `FP3_SETTINGS = settings_i;
     assign around_o  = `FP3_AROUND;
-    wire unused = &{legal, to_add, to_mul, to_chain, to_sleep, subtract, lds, flips, twice, halve, choice, a, b, c, `FP3_SETTINGS};
 
     reg                 inside_q, skips_q;             // in a loop; whose words are dropped
     reg                 waits_q, knows_q;              // its length is not yet known; was not, a cycle ago

@@ -16,10 +16,7 @@
 `include "front/decoded.vh"
 `include "front/marks.vh"
 `include "sequence/issued.vh"
-`include "lane/around.vh"
-`include "lane/reach.vh"
-`include "lane/issue.vh"
-`include "lane/retire.vh"
+`include "lane/bundles.vh"
 module fp3_one_stream #(
 `include "config/config.vh"
 ) (
@@ -104,7 +101,6 @@ module fp3_one_stream #(
             assign `FP3_DECODED = decoded_q;
             fp3_draws #(.CONFIG(CONFIG)) u_draws (.clk_i(clk_i), .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
                 .issue_i(issue), .first_i(first_q), .marks_i(marks_q), .register_i(d), .draw_o(draw_o));
-            wire unused = &`FP3_DECODED;
         end else begin : g_no_draws
             assign draw_o = 1'b0;
         end

@@ -54,7 +54,7 @@ module fp3_sequencer #(
     output wire [`FP3_LANE_ISSUE_W-1:0]  issue_o,
     output wire [`FP3_LANE_RETIRE_W-1:0] retire_o,
     output wire [31:0]               step_o,    // the number of the step
-    output wire [DRAW_W-1:0]         draw_o,    // lane/draw.vh
+    output wire [DRAW_W-1:0]         draw_o,    // DRAW
     input  wire [`FP3_REPORT_W-1:0]      report_i,
     // What happens in this cycle
     output wire [`FP3_EVENTS_W-1:0]         events_o,
@@ -181,7 +181,7 @@ module fp3_sequencer #(
             assign {hold, drop, jump, jump_on, jump_begins, partial, half_o} = 7'd0;
             assign jump_pc = {PROGRAM_W{1'b0}};
             assign around  = {AROUND_W{1'b0}};
-            wire unused_loops = &{closed, report_longest};
+            wire unused_loops = closed;
         end
     endgenerate
 
@@ -218,7 +218,6 @@ module fp3_sequencer #(
     always @(posedge clk_i) if (load) under_in_last_q <= in_last_q;
     assign issuing = !fetch_empty || !decoded_empty || valid_q || busy || jump;
     assign storing = (valid_q && in_last_q) || (busy && under_in_last_q);
-    wire unused = &{`FP3_DECODED, `FP3_MARKS, report_flags, report_answer};      // the streams'; the host's
 
     // Every running cycle is an issue or exactly one stall
     // -----------------------------------------

@@ -17,8 +17,7 @@
 `include "gen/settings.vh"
 `include "front/decoded.vh"
 `include "sequence/issued.vh"
-`include "lane/dual_issue.vh"
-`include "lane/dual_retire.vh"
+`include "lane/bundles.vh"
 module fp3_two_streams #(
 `include "config/config.vh"
 ) (
@@ -152,7 +151,7 @@ module fp3_two_streams #(
             assign issued_o[`FP3_ISSUED_W*p +: `FP3_ISSUED_W] = `FP3_ISSUED;
         end
     endgenerate
-    wire unused = &{to_chain, to_sleep, lds, each, next, ldn, ldl, takes, flips, phase, choice, c, sum_memory};
+    wire unused = sum_memory;
 
 `ifdef FP3_CHECK
     reg  [15:0]         age [0:CONTEXTS-1];    // cycles since a context issued

@@ -6,8 +6,8 @@
 //     pc, word                    from where in the program
 //     context                     for which context
 `define FP3_ISSUED_W 65
-`define FP3_ISSUED_FIELDS \
+`define FP3_ISSUED_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire issued_valid; \
     wire [15:0] issued_pc, issued_context; \
-    wire [31:0] issued_word;
+    wire [31:0] issued_word; /* verilator lint_on UNUSEDSIGNAL */
 `define FP3_ISSUED {issued_valid, issued_pc, issued_context, issued_word}

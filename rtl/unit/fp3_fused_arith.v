@@ -20,7 +20,6 @@ module fp3_fused_arith #(
 );
     `FP3_OPERANDS_FIELDS
     assign `FP3_OPERANDS = operands_i;
-    wire unused = operands_twice | operands_halve;          // x says so
 
     wire        no_product;                // in the next cycle
     wire        subtract;

@@ -26,7 +26,6 @@ module fp3_lane_arith #(
     `FP3_RESULT_FIELDS
     assign `FP3_OPERANDS = operands_i;
     assign result_o  = `FP3_RESULT;
-    wire unused = operands_twice | operands_halve;          // x says so
 
     wire        no_product;                // in the next cycle
     wire [31:0] product;

@@ -26,7 +26,6 @@ module fp3_log_arith #(
     `FP3_RESULT_FIELDS
     assign `FP3_OPERANDS = operands_i;
     assign result_o  = `FP3_RESULT;
-    wire unused = operands_twice | operands_halve;          // x says so
 
     // A reciprocal takes the place of the product; fp_value gives -0, to which it is added.
     wire        root    = ESTIMATE != 0 && operands_choice == CHOICE_RSQRT;

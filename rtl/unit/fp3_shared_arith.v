@@ -48,7 +48,6 @@ module fp3_shared_arith #(
         {subtract_q, chain_q, twice_q, halve_q} <= {operands_subtract, |(adds_i & muls_i), operands_twice, operands_halve};
         {true_q, choice_q} <= {|operands_x[30:NONZERO_FROM], operands_choice};
     end
-    wire unused = operands_x[31];
 
     // Beside the multiplier: y, twice or half of it, rounded as a product would be
     wire [31:0] scaled, y_late, z_late;

@@ -32,7 +32,6 @@ module fp3_solo_arith #(
 `include "gen/isa.vh"
     `FP3_OPERANDS_FIELDS
     assign `FP3_OPERANDS = operands_i;
-    wire unused = operands_twice | operands_halve;          // for many objects
 
     wire [31:0] sum, product;
     wire [4:0]  sum_flags, product_flags;
@@ -58,7 +57,7 @@ module fp3_solo_arith #(
                 .d_i(chained ? product_flags : 5'd0), .q_o(chain_flags));
             assign chain_soon_o = soon;
         end else begin : g_no_chain
-            wire unused_chain = |{chain_i, operands_choice, operands_z, rst_i};
+            wire unused_chain = |{chain_i, rst_i};
             assign {chain_soon_o, chained, chain_subtract, chain_z_o, chain_flags, no_product} = 41'd0;
         end
     endgenerate

@@ -29,7 +29,6 @@ module fp3_solo_fused #(
 `include "gen/choices.vh"
     `FP3_OPERANDS_FIELDS
     assign `FP3_OPERANDS = operands_i;
-    wire unused = operands_twice | operands_halve;          // for many objects
 
     fp3_fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(1'b0), .subtract_i(operands_subtract),
         .z_i(operands_z), .x_i(operands_x), .y_i(operands_y), .result_o(sum_o));
@@ -51,7 +50,6 @@ module fp3_solo_fused #(
             wire        flush = SUBNORMAL == 0 && kept[30:23] == 8'd0;
             assign value = {nan && !kept[22], 4'd0, nan ? BITS_NAN : {kept[31], kept[30:0] & {31{!flush}}}};
         end else begin : g_none
-            wire unused_choice = &operands_choice;
             assign {valued, value} = 38'd0;
         end
     endgenerate

@@ -18,28 +18,21 @@ module fp3_unit #(
     output wire [`FP3_RESULT_W-1:0]   result_o
 );
     `FP3_OPERANDS_FIELDS
-    `FP3_RESULT_FIELDS
     assign `FP3_OPERANDS = operands_i;
     generate
         if (FUSED != 0) begin : g_fused
-            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
             fp3_fused_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
-            assign `FP3_RESULT = result_o;
         end else if (LOGARITHMIC != 0) begin : g_logarithmic
-            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
             fp3_log_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
-            assign `FP3_RESULT = result_o;
         end else if (DUAL == 0) begin : g_single
-            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
             fp3_lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
-            assign `FP3_RESULT = result_o;
-        end else if (STREAM == 0) begin : g_sum
-            wire unused = &{operands_choice, operands_twice, operands_halve, operands_x};           // y is scaled already
+        end else if (STREAM == 0) begin : g_sum                  // y is scaled already
+            `FP3_RESULT_FIELDS
             fp3_adder #(.WAIT(UNIT_LATENCY - ADD_LATENCY), .CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(operands_subtract),
                 .a_i(operands_z), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;
         end else begin : g_product
-            wire unused = &{operands_choice, operands_subtract, operands_twice, operands_halve, operands_z};
+            `FP3_RESULT_FIELDS
             fp3_multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(37'd0),
                 .a_i(operands_x), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;

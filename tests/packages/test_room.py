@@ -159,9 +159,7 @@ def test_an_arithmetic_is_a_key_a_module_and_its_line(root, copy):
     (copy / "rtl/unit/fp3_own_arith.v").write_text(UNIT)
     replace(copy / "isa/configs.toml", ("[key.add_latency]", OWN), ('name = "many"\n', 'name = "many"\nown = 1\n'))
     replace(copy / "rtl/unit/fp3_unit.v", ("        if (FUSED != 0) begin : g_fused", """        if (OWN != 0) begin : g_own
-            wire unused = &{`FP3_OPERANDS, `FP3_RESULT};
             fp3_own_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
-            assign `FP3_RESULT = result_o;
         end else if (FUSED != 0) begin : g_fused"""))
     madd = 4 << 27 | 1 << 21 | 64 << 14 | 1 << 7 | 1                                                      # r1 = r1 + k0 * r1
     said = run(copy, "many", ["w 2000 3", "w 20004 5", "w 3100 0", "w 8000 38200000", f"w 8004 {madd:x}", "w 8008 48200000", "w 20 1", "w 24 1",

@@ -1,7 +1,7 @@
 """What drawings say of the project: `@{...}` in a source becomes a number or a name of isa/*.toml, of the tree, or of the glossary.
 
     @{config.many.contexts}  a key of a configuration          @{module.fetch}  fetch, if rtl/ has the module
-    @{timing.list}           cycles                            @{bundle.issue}  issue.vh, if rtl/ has the bundle
+    @{timing.list}           cycles                            @{bundle.issue}  ISSUE, if rtl/ has the bundle
     @{register.status}       an address on the bus             @{room.lab}      lab, if sw/ has the room
     @{window.program}        likewise                          @{path.isa}      isa, if there is such a path
     @{top.program}           the last byte of a window         @{word.visit}    visit, if the glossary explains it
@@ -47,6 +47,11 @@ class Facts:
         found = [path for path in self.root.glob(pattern) if "fpga" not in path.parts]
         return name if len(found) == 1 else None
 
+    def macro(self, name):
+        """The name, if exactly one header defines a bundle that is called so."""
+        found = [path for path in self.root.glob("rtl/**/*.vh") if f"`define FP3_{name}_FIELDS" in path.read_text(encoding="utf-8")]
+        return name if len(found) == 1 else None
+
     def bits(self, table, name):
         fields = self.isa["field"] if table == "instruction" else self.rows[table]["fields"]
         return bit_text(fields[name])
@@ -67,7 +72,7 @@ class Facts:
             "code": lambda: ops[name],
             "op": lambda: name if name in ops else None,
             "module": lambda: self.only(f"rtl/**/fp3_{name}.v", name),
-            "bundle": lambda: self.only(f"rtl/**/{name}.vh", name + ".vh"),
+            "bundle": lambda: self.macro(name.upper()),
             "room": lambda: self.only(f"sw/{name}/", name),
             "path": lambda: self.only(name, name),
             "word": lambda: name if re.search(rf"^\| [^|]*\b{re.escape(name)}\b[^|]*\|", self.words, re.M) else None,
