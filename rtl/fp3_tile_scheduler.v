@@ -79,7 +79,7 @@ module fp3_tile_scheduler #(
             wire [15:0] narrow_word;
             wire [31:0] whole_word;
             wire        over;
-            fp3_narrow #(.CONFIG(CONFIG)) u_narrow (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0), .random_i(16'd0), .narrow_o(narrow_word), .over_o(over));
+            fp3_narrow #(.STORAGE(STORAGE)) u_narrow (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0), .random_i(16'd0), .narrow_o(narrow_word), .over_o(over));
             fp3_delay #(.W(1), .N(TIMING_NARROW)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access), .q_o(late_access));
             fp3_delay #(.W(56), .N(TIMING_NARROW)) u_what (.clk_i(clk_i), .rst_i(1'b0), .d_i({host_write, space, address, host_wdata}),
                 .q_o({late_write, late_space, late_address, whole_word}));

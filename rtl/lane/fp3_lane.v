@@ -172,7 +172,7 @@ module fp3_lane #(
     wire [31:0]      status;
     wire [ROW_W-1:0] row_w3;
     fp3_delay #(.W(ROW_W), .N(WIDENED)) u_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_load_row), .q_o(row_w3));
-    fp3_lane_status #(.CONFIG(CONFIG)) u_status (.clk_i(clk_i), .rst_i(rst_i),
+    fp3_lane_status #(.STATUS(STATUS), .ROW_W(ROW_W)) u_status (.clk_i(clk_i), .rst_i(rst_i),
         .row_w3_i(row_w3), .raises_i(raises[0]), .flags_i(raised[4:0]), .step_i(data_i[26:0]), .status_o(status),
         .host_i(access_valid), .host_write_i(write && access_space == HOST_STATUS),
         .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_i));

@@ -82,7 +82,7 @@ module fp3_lane_end #(
         if (SLEEP != 0) begin : g_sleep
             reg nonzero_q;                      // W+1
             always @(posedge clk_i) nonzero_q <= |word_i;
-            fp3_visits #(.CONFIG(CONFIG)) u_visits (
+            fp3_visits #(.CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W), .ENDED(ENDED)) u_visits (
                 .clk_i(clk_i), .rst_i(rst_i), .round_i(retire_round), .take_i(retire_valid && retire_begins),
                 .take_e2_i(take_e2), .context_e2_i(context_e2), .row_e3_o(own_row_e3), .row_late_o(end_row),
                 .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),

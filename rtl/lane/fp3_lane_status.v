@@ -13,7 +13,8 @@
 //              row_w3_i   read         status_o, raises_i, flags_i     written   there
 `default_nettype none
 module fp3_lane_status #(
-`include "config/config.vh"
+    parameter STATUS = 1,
+    parameter ROW_W  = 7               // bits of a row's number
 ) (
     input  wire             clk_i,
     input  wire             rst_i,

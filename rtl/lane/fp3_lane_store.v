@@ -94,7 +94,7 @@ module fp3_lane_store #(
             fp3_delay #(.W(1), .N(3)) u_st_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_st_whole), .q_o(st_whole_i3));
             fp3_delay_ram #(.W(33+STORE_W), .N(LATE)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({st_whole_i3, value_i3_i, st_address_q}),
                 .q_o({whole, value, address}));
-            fp3_narrow #(.CONFIG(CONFIG)) u_narrow (.clk_i(clk_i), .word_i(value), .draws_i(draws), .random_i(random[15:0]), .narrow_o(narrow), .over_o(over));
+            fp3_narrow #(.STORAGE(STORAGE)) u_narrow (.clk_i(clk_i), .word_i(value), .draws_i(draws), .random_i(random[15:0]), .narrow_o(narrow), .over_o(over));
             fp3_delay #(.W(33+STORE_W), .N(TIMING_NARROW)) u_value (.clk_i(clk_i), .rst_i(1'b0), .d_i({whole, value, address}),
                 .q_o({whole_late, value_late, stored_address}));
             fp3_delay #(.W(1), .N(ROUNDED-3)) u_stored (.clk_i(clk_i), .rst_i(rst_i), .d_i(st_q), .q_o(stored));
@@ -108,7 +108,7 @@ module fp3_lane_store #(
             reg  [15:0]        narrow_q, high_q;                       // W-1
             reg                whole_q;
             reg  [31:0]        word_q;
-            fp3_widen #(.CONFIG(CONFIG)) u_widen (.narrow_i(narrow_q), .word_o(widened));
+            fp3_widen #(.STORAGE(STORAGE)) u_widen (.narrow_i(narrow_q), .word_o(widened));
             always @(posedge clk_i) begin
                 {narrow_q, high_q, whole_q} <= {read_word, high_word, loaded_whole};
                 word_q <= whole_q ? {high_q, narrow_q} : widened;

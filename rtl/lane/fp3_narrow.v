@@ -14,7 +14,7 @@
 //                 33000001    0001     0         a bit more than half of the least number
 `default_nettype none
 module fp3_narrow #(
-`include "config/config.vh"
+    parameter STORAGE = 1
 ) (
     input  wire        clk_i,
     input  wire [31:0] word_i,

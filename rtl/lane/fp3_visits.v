@@ -17,7 +17,10 @@
 //           in the last part of the visit in which it fell asleep.
 `default_nettype none
 module fp3_visits #(
-`include "config/config.vh"
+    parameter CONTEXTS  = 24,
+    parameter CONTEXT_W = 5,           // bits of a context's number, and of a row's
+    parameter ROW_W     = 7,
+    parameter ENDED     = 6            // cycles from E to W
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,
@@ -113,7 +116,7 @@ module fp3_visits #(
     end
     assign row_e3_o = row_q;
     assign st_row_o = st_row_q;
-    fp3_delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
+    fp3_delay #(.W(ROW_W), .N(ENDED-2)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(row_q), .q_o(row_late_o));
 
     // Whether there is one, and whether it sleeps -----------------------------------------------
     reg                  state_write_q, state_absent_q, state_asleep_q;   // W+2

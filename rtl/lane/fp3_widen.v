@@ -7,7 +7,7 @@
 //     binary16    narrow_i = 0001     word_o = 33800000    2^-24
 `default_nettype none
 module fp3_widen #(
-`include "config/config.vh"
+    parameter STORAGE = 1
 ) (
     input  wire [15:0] narrow_i,
     output wire [31:0] word_o

@@ -19,7 +19,9 @@
 //                   the second batch:                0011           0011
 `default_nettype none
 module fp3_batch #(
-`include "config/config.vh"
+    parameter CONTEXTS  = 24,
+    parameter CONTEXT_W = 5,           // bits of a context's number, and of a row's
+    parameter ROW_W     = 7
 ) (
     input  wire                  clk_i,
     input  wire                  rst_i,

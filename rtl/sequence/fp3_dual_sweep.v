@@ -14,9 +14,10 @@
 //     valid_o   0     0      1        1        context_o 0, 1; row_o 48 in cycle 3, 49 in cycle 4
 `default_nettype none
 module fp3_dual_sweep #(
-    parameter WHAT_W  = 1,
-    parameter COUNT_W = 6,
-`include "config/config.vh"
+    parameter WHAT_W    = 1,
+    parameter COUNT_W   = 6,
+    parameter CONTEXT_W = 5,           // bits of a context's number, and of a row's
+    parameter ROW_W     = 7
 ) (
     input  wire                 clk_i,
     input  wire                 rst_i,

@@ -122,7 +122,7 @@ module fp3_sequencer #(
 
     wire [CONTEXTS-1:0] mask;
     wire                batch;
-    fp3_batch #(.CONFIG(CONFIG)) u_batch (.clk_i(clk_i), .rst_i(rst_i), .open_i(open), .count_i(report_count),
+    fp3_batch #(.CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_batch (.clk_i(clk_i), .rst_i(rst_i), .open_i(open), .count_i(report_count),
         .again_i(again), .more_o(more), .skip_o(skip),
         .take_i(ready && fetched), .begins_i(begins), .in_last_i(in_last), .mask_o(mask), .batch_o(batch),
         .valid_i(report_valid), .asleep_i(report_asleep), .reported_batch_i(report_batch), .reported_context_i(report_context));

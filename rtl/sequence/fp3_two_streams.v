@@ -79,12 +79,12 @@ module fp3_two_streams #(
     wire                  sum_adds, sum_loads, sum_memory, product_loads;
     wire [REGISTER_W-1:0] sum_register, product_register;
     wire [REGISTER_W:0]   sum_x, sum_y, product_x, product_y;
-    fp3_dual_sweep #(.CONFIG(CONFIG), .WHAT_W(SUM_W), .COUNT_W(COUNT_W)) u_sums (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+    fp3_dual_sweep #(.WHAT_W(SUM_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_sums (.clk_i(clk_i), .rst_i(rst_i || abort_i),
         .load_i(load_o && !to_products), .count_i(count), .base_i(row_i),
         .what_i({pc_i, word_i, to_memory, to_add, to_memory && !st, subtract && swapped, subtract && !swapped,
                  twice, halve, st, st && d[0], d, x, y}),
         .busy_o(sum_busy), .free_o(sum_free), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what), .row_o(sum_row));
-    fp3_dual_sweep #(.CONFIG(CONFIG), .WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+    fp3_dual_sweep #(.WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort_i),
         .load_i(load_o && to_products), .count_i(count), .base_i(row_i),
         .what_i({pc_i, word_i, to_memory, d, x, y}),
         .busy_o(product_busy), .free_o(product_free), .valid_o(product_valid), .context_o(product_context),

@@ -9,12 +9,13 @@ TILE = {"CONTEXTS": 4, "STORE_WORDS": 128, "REGISTERS": 16, "ADD_LATENCY": 2, "M
 # The parameters with which each is tested.
 BENCHES = {
     "rounds": {**TILE, "LANES": 2},
-    "visits": {**TILE, "SLEEP": 1},
     "lane_report": {**TILE, "LANES": 3},
     "issue": {**TILE, "MULTIPLY_ADD": 1},
     "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1},
     "lane": {**TILE, "MULTIPLY_ADD": 1, "LANES": 2, "EXCEPTIONS": 2, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
 }
+# ... and those that have parameters of their own.
+OWN = {"visits": {"CONTEXTS": 4, "CONTEXT_W": 3, "ROW_W": 4, "ENDED": 6}}
 # By the promise that must be seen to be broken.
 BUGS = {
     "rounds_divides_the_steps_into_visits": [
@@ -158,11 +159,13 @@ BUGS = {
 
 
 def bench(root, folder, name, tree, *options, **environment):
-    vvp = simulate.compiled(tree, folder, f"fp3_{name}", source(tree, f"fp3_{name}.v"), f"-Pfp3_{name}.CONFIG={simulate.config_word(tree, BENCHES[name])}", *options)
+    parameters = OWN[name] if name in OWN else {"CONFIG": simulate.config_word(tree, BENCHES[name])}
+    chosen = [f"-Pfp3_{name}.{key}={value}" for key, value in parameters.items()]
+    vvp = simulate.compiled(tree, folder, f"fp3_{name}", source(tree, f"fp3_{name}.v"), *chosen, *options)
     return simulate.cocotb(root, folder, vvp, root / f"tests/modules/{name}_bench.py", FP3_RTL=tree / "rtl", **environment)
 
 
-@pytest.mark.parametrize("name", BENCHES)
+@pytest.mark.parametrize("name", [*BENCHES, *OWN])
 def test_a_module_keeps_its_promises(root, tmp_path, name):
     """... and the bench keeps the module's conditions: its own checks are silent."""
     done = bench(root, tmp_path, name, root, "-DFP3_CHECK")
@@ -170,7 +173,7 @@ def test_a_module_keeps_its_promises(root, tmp_path, name):
 
 
 def bench_of(promise):
-    return max((name for name in BENCHES if promise.startswith(name)), key=len)
+    return max((name for name in (*BENCHES, *OWN) if promise.startswith(name)), key=len)
 
 
 @pytest.mark.parametrize("promise, bug", few(((f"{promise}: {bug.name}", promise, bug) for promise in BUGS for bug in BUGS[promise]),

@@ -36,8 +36,8 @@ def tile(test, **keys):
     return Part("tile", "tile", {"CONFIG": simulate.config_word(ROOT, config)}, {"TESTCASE": test, "FP3_RTL": ROOT / "rtl"})
 
 
-def narrow(module, storage):
-    return Part(module, module, {"CONFIG": simulate.config_word(ROOT, {"STORE_WORDS": 64, "STORAGE": storage})}, {"FP3_STORAGE": storage})
+def storage(module, form):
+    return Part(module, module, {"STORAGE": form}, {"FP3_STORAGE": form})
 
 
 def memory(module, latency, forward, enable, **parameters):
@@ -71,10 +71,10 @@ PARTS = {
     "fp_rint": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 0}),
     "fp_rint, cut": Part("fp_rint", "rint", {"NEAREST": 1, "CUT": 1}),
     "fp_rint, truncated": Part("fp_rint", "rint", {"NEAREST": 0, "CUT": 1}),
-    "narrow, bfloat16": narrow("narrow", 1),
-    "narrow, binary16": narrow("narrow", 2),
-    "widen, bfloat16": narrow("widen", 1),
-    "widen, binary16": narrow("widen", 2),
+    "narrow, bfloat16": storage("narrow", 1),
+    "narrow, binary16": storage("narrow", 2),
+    "widen, bfloat16": storage("widen", 1),
+    "widen, binary16": storage("widen", 2),
     "mix": Part("mix", "mix", {}),
     "uart_rx": Part("uart_rx", "uart_rx", {"DIVISOR": 8}),
     "slip_tx": Part("slip_tx", "slip_tx", {}),
