@@ -93,8 +93,8 @@ module fp3_tile_scheduler #(
         end
     endgenerate
 
-    // Constants are in all lanes, and only there for reading; this copy is the host's. Who asks for
-    // one asks for nothing else until it is there.
+    // Constants are in all lanes, and only there for reading; this copy is the host's. A host that
+    // reads a constant makes no other request until it has the constant.
     wire [31:0] constant, lanes_answer;
     reg  [31:0] word_q;
     fp3_ram_registered #(.ADDR_W(REGISTER_W)) u_constants (.clk_i(clk_i),
@@ -114,7 +114,7 @@ module fp3_tile_scheduler #(
     assign access_lane    = by_lane ? late_address[LANE_W-1:0] : LANES > 1 ? spot[STORE_W +: LANE_W] : {LANE_W{1'b0}};
     assign access_address = late_address[STORE_W-1:0];
 
-    // The sequencer and its lanes, in groups: what group g hears is at g, what it says at g + 1
+    // The sequencer and its lanes, in groups: group g has its inputs at g, its outputs at g + 1
     // ------------
     localparam ISSUES_W = `FP3_LANE_ISSUE_W, RETIRES_W = `FP3_LANE_RETIRE_W, REACHES_W = `FP3_REACH_W;
     wire [GROUPS:0]                 resets;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_crc32: one byte more in a CRC-32 (IEEE 802.3, clause 3.2.9, bits reflected: zlib's crc32).
 //
-// Purpose   The check of a packet. A CRC begins with all ones; what is sent is its complement, low
+// Purpose   The check of a packet. A CRC begins with all ones; its complement is sent, low
 //           byte first.
 // Latency   0
 // Promise   Over a message and its CRC, the result is 32'hdebb20e3 if both are whole.

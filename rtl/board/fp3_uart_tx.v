@@ -23,7 +23,7 @@ module fp3_uart_tx #(
 
     reg [3:0]   bits_q;                // bits still to go, the one on the line included
     reg [W-1:0] left_q;                // cycles that it still has
-    reg [8:0]   line_q;                // what is on the line, and what comes after it
+    reg [8:0]   line_q;                // the bit on the line, and the bits after it
     initial line_q = 9'h1ff;
 
     wire over = left_q == {W{1'b0}};

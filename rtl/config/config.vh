@@ -8,8 +8,8 @@
 //     ) ( ...
 //     lane #(.CONFIG(CONFIG)) u_lane ( ...
 //
-// The other names follow from CONFIG (derived.vh) and are not to be set. A module uses those that
-// it needs.
+// The other names follow from CONFIG (derived.vh) and are not to be set. A module uses the
+// names that it needs.
 // verilator lint_off UNUSEDPARAM
 `define FP3_OF_CONFIG
 `include "gen/parameters.vh"

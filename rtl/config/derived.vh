@@ -56,11 +56,9 @@ parameter integer TO_RESULT = TIMING_OPERANDS + LATENCY,
 parameter integer WIDENED   = STORAGE != 0 ? TIMING_WIDEN : 0,
 parameter integer ENDED     = DUAL != 0 ? TIMING_DUAL_END : TIMING_END + WIDENED,
 parameter integer TO_END    = TO_RESULT - ENDED,
-// Where records have 16 bits, from what the lanes are told of a store to the narrow word that is stored;
-// no instruction ends before.
+// With STORAGE, from the ISSUE of a store to its narrow word; no instruction ends before.
 parameter integer ROUNDED   = 2 * TIMING_MIX + 1 + TIMING_NARROW,
-// How much earlier they are told what it reads of the store: a word of a neighbour is then there
-// beside the operands.
+// Cycles from REACH to ISSUE: the word of a neighbour is then there beside the operands.
 parameter integer AHEAD     = NEIGHBOURS != 0 ? TIMING_REACH : 0,
 // There, too: how much later z is read than x and y. It is wanted behind the multiplier: numbers of
 // registers wait, once for all lanes, instead of values in each. Not where something is made of z

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_config_rules: ends elaboration where a configuration cannot be built.
 //
-// Purpose   The rules that tools/generate.py checks for the named configurations, for those that
+// Purpose   The rules that tools/generate.py checks for the named configurations, for designs that
 //           set fp3's parameters themselves. What one key says alone, needs or excludes comes from
 //           its table in isa/configs.toml. A broken rule names a module that does not exist. A tool
 //           that takes unknown modules for black boxes does not end; it shows the name.

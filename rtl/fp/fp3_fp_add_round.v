@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_add_round: the end of fp_add: normalises by 0, 1 or 2 places, rounds, and packs.
 //
-// Purpose   Chooses between those places and the near path in one four-way choice, so that
+// Purpose   Chooses between these places and the near path in one four-way choice, so that
 //           no leading zeros are counted between the addition and the rounding.
 // Latency   As many cycles as CUTS has ones. The near path enters one cut later than the sum, at
 //           the choice.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_fp_exponent: a power of two from its exponent, or an exponent from its number.
 //
-// Purpose   exp2: 2^n for a's integral part n; what is above 2^127 is infinity, from 2^-127 to
+// Purpose   exp2: 2^n for a's integral part n; results above 2^127 are infinity, from 2^-127 to
 //           2^-149 subnormal, below 0. logb: the exponent of |a|; a zero or subnormal number has
 //           -infinity, infinity has infinity. No flag: the adder behind fp_value flushes what has
 //           to be. Without infinities 2^128 is a number, the largest number stands for infinity,

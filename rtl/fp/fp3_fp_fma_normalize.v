@@ -26,11 +26,11 @@ module fp3_fp_fma_normalize #(
     output wire [K-1:0]     d_o,
     output wire             more_o,    // the OR of all bits below
     output wire             negative_o,
-    output wire [PLACE-1:0] limit_o,   // what is left of limit_i without the fours and ones
+    output wire [PLACE-1:0] limit_o,   // limit_i without the fours and ones
     output wire [3:0]       n_o        // these
 );
     localparam A = K + 15, B = K + 3;  // bits kept of the sixteens, the fours
-    localparam N = (W - 1) / 16;       // so many sixteens at most
+    localparam N = (W - 1) / 16;       // sixteens at most
     localparam V = 16 * N + A;
 
     // Of each four of bits, whether it has no significant one. A block of sixteen is passed if its

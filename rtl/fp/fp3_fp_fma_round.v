@@ -18,7 +18,7 @@ module fp3_fp_fma_round #(
 ) (
     input  wire              clk_i,
     input  wire [FRAC+2:0]   d_i,      // hidden bit, fraction, two bits more
-    input  wire              more_i,   // the OR of what is below
+    input  wire              more_i,   // the OR of the bits below
     input  wire              negative_i,
     input  wire [PLACE-1:0]  e_i,      // e_i + 1 - n_i is the exponent
     input  wire [3:0]        n_i,

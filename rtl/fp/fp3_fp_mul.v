@@ -110,7 +110,7 @@ module fp3_fp_mul #(
         .d0_i(sixteens[0 +: W4]), .d1_i(sixteens[4 +: W4]), .d2_i(sixteens[8 +: W4]), .d3_i(sixteens[12 +: W4]));
     // Four bits are lost if the shift goes beyond them; computed beside the shift, not after it.
     localparam FOURS = (2*FRAC + 6) / 4;
-    localparam LOST  = (FOURS + 3) / 4;                  // fours of those
+    localparam LOST  = (FOURS + 3) / 4;                  // fours of these
     wire [4*LOST-1:0] gone;
     wire [LOST-1:0] lost, losts_4;
     genvar i;

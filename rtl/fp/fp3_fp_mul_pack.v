@@ -13,7 +13,7 @@
 (* keep_hierarchy *)
 module fp3_fp_mul_pack #(
     parameter         W      = 34,     // bits
-    parameter [W-1:0] INVERT = 0       // those that are hi_i's or lo_i's inverted
+    parameter [W-1:0] INVERT = 0       // bits that are inverted bits of hi_i or lo_i
 ) (
     input  wire [2*W-1:0] which_i,
     input  wire [W-1:0]   hi_i,

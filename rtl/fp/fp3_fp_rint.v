@@ -4,7 +4,7 @@
 // Purpose   IEEE 754's roundToIntegral: to nearest, ties to even, or (NEAREST = 0) toward zero. The
 //           sign stays, also of a zero. No flag: the adder behind fp_value raises the flag of a
 //           NaN.
-// Latency   1, or 2 with CUT: a register behind what is known of the exponent, and one behind
+// Latency   1, or 2 with CUT: a register behind the comparisons of the exponent, and one behind
 //           whether to round up.
 // Hazard    An infinity and a NaN pass as they are.
 //

@@ -38,7 +38,7 @@ module fp3_fp_value #(
             assign no_product_o = 1'b0;
             fp3_delay #(.W(32), .N(DEPTH - Z_LATE)) u_delay (.clk_i(clk_i), .rst_i(1'b0), .d_i(a_i), .q_o(z_o));
         end else begin : g_value
-            wire [31:0] a = a_i & KEPT, b = b_i & KEPT;      // arithmetic reads what is below as 0
+            wire [31:0] a = a_i & KEPT, b = b_i & KEPT;      // arithmetic reads the bits below the fraction as 0
             wire plain = choice_i == CHOICE_NONE;
             wire minimum = choice_i == CHOICE_MIN, maximum = choice_i == CHOICE_MAX, sel = choice_i == CHOICE_SEL;
             wire lt = choice_i == CHOICE_LT, le = choice_i == CHOICE_LE;

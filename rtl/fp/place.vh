@@ -13,5 +13,5 @@
     wire [EXP-1:0] place_field; \
     wire place_low, place_over, place_by1, place_by2, place_gone; /* verilator lint_on UNUSEDSIGNAL */
 `define FP3_PLACE {place_field, place_low, place_over, place_by1, place_by2, place_gone}
-// The bit of low, for who needs nothing else.
+// The bit of low, for modules that need no other.
 `define FP3_PLACE_LOW 4

@@ -9,8 +9,9 @@
 // to_add .. to_memory        exactly one of these five, but for phase: its counter, and where it goes. to_chain: to
 //                            the multiplier, and on to the adder
 // subtract                   the sum is a difference
-// st .. ldl                  which of those to memory: each and next find a neighbour there
-// ldn, ldl                   also of arithmetic with what they would load: takes. flips: of this, what it adds to has the other sign
+// st .. ldl                  which instruction to memory: each and next find a neighbour there
+// ldn, ldl                   also arithmetic with the word that they would load: takes. flips: the sum's other operand
+//                            has the other sign
 // phase                      it goes nowhere
 // twice, halve               what b is multiplied with, in an addition
 // choice                     what fp_value makes of c, in an addition: gen/choices.vh

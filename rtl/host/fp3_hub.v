@@ -8,7 +8,7 @@
 //           The registers `pending` and `pending_more` are shown here, where all interrupts are:
 //           the schedulers answer 0 there.
 // Latency   One cycle on the way there, one back.
-// Promise   Every request is answered; one to a scheduler that there is not, with an error:
+// Promise   Every request is answered; one to a nonexistent scheduler, with an error:
 //           scheduler 0 is asked, for an address that nothing has.
 // Hazard    Schedulers with the same request answer in the same cycle; a scheduler without a
 //           request answers 0.
@@ -105,7 +105,7 @@ module fp3_hub #(
     assign answer_o = {answer_wrote && !rst_i, answer_write_error, answer_read && !rst_i, answer_read_error, answer_rdata};
 
 `ifdef FP3_CHECK
-    reg  [2*N-1:0] writes_q;           // of whom a write was asked, in the last two cycles
+    reg  [2*N-1:0] writes_q;           // the schedulers that a write was for, in the last two cycles
     wire [N-1:0]   wrote;
     generate
         for (n = 0; n < N; n = n + 1) begin : g_wrote

@@ -25,7 +25,7 @@ module fp3_dual_end #(
     input  wire [ROW_W:0]            host_data_i,
     output wire [`FP3_MOVE_W-1:0]        move_o,
     output wire [2*`FP3_END_W-1:0]       ends_o,         // of the product, of the sum
-    output wire                      load_o,         // W-1: what is not arithmetic is a loaded word
+    output wire                      load_o,         // W-1: a value that is not the arithmetic's is a loaded word
     output wire [ROW_W:0]            count_o         // objects that are visited
 );
     `FP3_DUAL_ISSUE_FIELDS

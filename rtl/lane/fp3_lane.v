@@ -66,12 +66,12 @@ module fp3_lane #(
     wire [32*S-1:0]      values;
     wire [`FP3_END_W*S-1:0]  ends;                  // W
     wire [31:0]          st_value_i3, word;     // of a store; read of the store
-    wire [31:0]          loaded;                // W: what was read for this instruction
-    wire [31:0]          other;                 // W: what is written where there is no result
+    wire [31:0]          loaded;                // W: the word that was read for this instruction
+    wire [31:0]          other;                 // W: the word that is written without a result
     wire                 constant;              // W: the host writes a register
     wire [REG_W-1:0]     constant_register;
     wire                 over;                  // W: a store made a number infinite
-    wire [4:0]           scale_flags;           // W: of what a sum's operand was scaled with
+    wire [4:0]           scale_flags;           // W: of the scaling of a sum's operand
     wire [ROW_W:0]       count;
     wire [LENGTH_W-1:0]  longest;
     wire                 sleeps, batch, asleep, loads;

@@ -30,20 +30,20 @@ module fp3_lane_end #(
     input  wire [`FP3_ACCESS_W-1:0] access_i,
     input  wire                 mine_i,         // the access is of this lane
     input  wire [31:0]          data_i,
-    // W: what sleep compares, what lds loads
+    // W: the comparison of sleep, the word of lds
     input  wire                 less_i,
     input  wire [31:0]          word_i,
     input  wire [31:0]          stored_i3_i,    // cycle 3: the register that `each` names
     output wire [`FP3_MOVE_W-1:0]   move_o,
     output wire [`FP3_END_W-1:0]    end_o,
-    output wire                 load_o,         // W: what is not arithmetic is a loaded word
+    output wire                 load_o,         // W: a value that is not the arithmetic's is a loaded word
     // Report
     output wire [ROW_W:0]       count_o,        // objects that are visited
     output wire [LENGTH_W-1:0]  longest_o,      // list of neighbours
-    output wire                 sleeps_o,       // W: whether an object sleeps is news ...
+    output wire                 sleeps_o,       // W: this instruction may change whether its object sleeps ...
     output wire                 batch_o,
     output wire [CONTEXT_W-1:0] context_o,
-    output wire                 asleep_o        // ... two cycles later
+    output wire                 asleep_o        // ... two cycles later: it does
 );
 `include "host/lane_host.vh"
     `FP3_ISSUE_FIELDS
@@ -73,9 +73,9 @@ module fp3_lane_end #(
         .q_o({valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
     // Which object executes it
-    // -----------------------------------------------------------------------------
+    // --------------------------------------------------------------------------
     wire executed, absent, sleeps;
-    wire executes, missing, ended;              // as if there were no loops
+    wire executes, missing, ended;              // the first two as if there were no loops
     wire [ROW_W-1:0] own_row_e3;
     wire host_count = mine_i && access_write && access_space == HOST_AWAKE;
     generate
@@ -110,8 +110,8 @@ module fp3_lane_end #(
         end
     endgenerate
 
-    // What it does with neighbours: what is loaded, and for whom nothing is executed
-    // -----------------
+    // Neighbours: the words that are loaded, and the contexts whose list has ended
+    // --------------------------------------------
     generate
         if (NEIGHBOURS != 0) begin : g_lists
             `FP3_REACH_FIELDS

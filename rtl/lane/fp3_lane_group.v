@@ -62,7 +62,7 @@ module fp3_lane_group #(
     assign draw_o  = draw_q;
     assign {rst_o, issue_o, retire_o, access_o, data_o} = {rst_q, issue_q, retire_q, access_q, data_q};
 
-    wire [`FP3_REPORT_W*(N+1)-1:0] reports;        // lane l adds to what is at l
+    wire [`FP3_REPORT_W*(N+1)-1:0] reports;        // before lane l at l, behind it at l + 1
     assign reports[0 +: `FP3_REPORT_W] = report_i;
     genvar l;
     generate

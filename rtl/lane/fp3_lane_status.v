@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// fp3_lane_status: what happened to each object: the step of its first failure, and its exceptions.
+// fp3_lane_status: of each object the step of its first failure, and its exceptions.
 //
 // Purpose   A word for each row: {step of the first NV or OF (27 bits), exceptions}. Each result of
 //           the arithmetic adds its exceptions. Without STATUS there are no words, and status_o is
@@ -25,7 +25,7 @@ module fp3_lane_status #(
     input  wire [26:0]      step_i,         // ... in this step
     output wire [31:0]      status_o,
     // The host
-    input  wire             host_i,         // host_row_i is what is read
+    input  wire             host_i,         // host_row_i is read
     input  wire             host_write_i,
     input  wire [ROW_W-1:0] host_row_i,
     input  wire [31:0]      host_word_i

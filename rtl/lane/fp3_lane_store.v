@@ -35,8 +35,8 @@ module fp3_lane_store #(
     output wire [31:0]           word_o,         // of a load
     output wire                  over_o,         // W: a store made a finite number infinite
     // The host
-    input  wire                  host_i,         // host_address_i is what is written
-    input  wire                  host_read_i,    // ... and read
+    input  wire                  host_i,         // the write port has host_address_i
+    input  wire                  host_read_i,    // ... and the read port
     input  wire                  host_write_i,
     input  wire [STORE_W-1:0]    host_address_i,
     input  wire                  host_whole_i,   // all 32 bits of the word
@@ -54,7 +54,7 @@ module fp3_lane_store #(
     reg                st_q, write_q;                                  // cycle 3, 4
     reg  [STORE_W-1:0] st_address_q, write_address_q, read_address_q;  // cycle 3, 4; W-2
     reg  [STORED_W-1:0] write_word_q;
-    wire                stored;                                        // what is written a cycle later
+    wire                stored;                                        // the word that is written a cycle later
     wire [STORE_W-1:0]  stored_address;
     wire [STORED_W-1:0] stored_word, read_word;
     always @(posedge clk_i) begin

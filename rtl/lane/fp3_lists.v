@@ -33,14 +33,14 @@ module fp3_lists #(
     input  wire [CONTEXT_W-1:0] reach_context_i,
     input  wire [ROW_W-1:0]     own_i,          // the row of its object
     input  wire [AROUND_W-1:0]  around_i,
-    // R+3: what is read
+    // R+3: the word that is read
     output wire                 of_list_o,      // a word of the list, at ...
     output wire [STORE_W-1:0]   place_o,
     output wire [ROW_W-1:0]     row_o,          // ... or a word of the neighbour or of the object itself: the row, the word's number
     output wire [REGISTER_W-1:0] number_o,
     output wire                 half_o,
     input  wire [31:0]          word_i,         // R+6
-    output wire                 ended_o         // W: not for this context: its list has ended
+    output wire                 ended_o         // W: this context's list has ended: it does not execute
 );
 `include "gen/registers.vh"
     localparam LIST_W = LENGTH_W + STORE_W;

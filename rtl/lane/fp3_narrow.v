@@ -28,8 +28,8 @@ module fp3_narrow #(
     wire        is_nan = word_i[30:0] > 31'h7f800000;
     wire        is_out = word_i[30:23] == 8'hff;
     wire [14:0] kept;                  // of the magnitude, before it is rounded
-    wire [15:0] rest;                  // what is cut off: its first bits, ...
-    wire        more;                  // ... and whether it has others
+    wire [15:0] rest;                  // the first bits that are cut off ...
+    wire        more;                  // ... and the OR of the others
     generate
         if (STORAGE == 1) begin : g_bfloat16
             assign {kept, rest, more} = {word_i[30:0], 1'b0};

@@ -34,7 +34,7 @@ module fp3_visits #(
     output wire [ROW_W-1:0]     row_late_o,     // W+1
     // W-1
     input  wire [CONTEXT_W-1:0] context_w1_i,
-    // W: an instruction, and what it found
+    // W: an instruction, and its comparison
     input  wire                 valid_i,
     input  wire                 begins_i,       // the first of a visit
     input  wire                 ends_i,         // the last

@@ -7,7 +7,7 @@
 //
 //           the first of a visit    all that get an object        the next batch is this one from then on
 //           in the last part        all that have one             an object that fell asleep is stored, too
-//           any other               those awake
+//           any other               all that are awake
 //
 // Latency   mask_o is that of the instruction that decode takes; a report changes it two cycles
 //           later. A report comes some cycles after an object fell asleep. Until then instructions
@@ -28,9 +28,9 @@ module fp3_batch #(
     input  wire                  open_i,      // a round begins ...
     input  wire [ROW_W:0]        count_i,     // ... objects in the fullest lane
     // Fetch
-    input  wire                  again_i,     // it begins the next batch
-    output wire                  more_o,      // there is one
-    output wire                  skip_o,      // of the batch that it is in, nobody is awake
+    input  wire                  again_i,     // fetch begins the next batch
+    output wire                  more_o,      // there is a next batch
+    output wire                  skip_o,      // no object of fetch's batch is awake
     // Decode
     input  wire                  take_i,      // an instruction is taken ...
     input  wire                  begins_i,    // ... the first of a visit
@@ -62,7 +62,7 @@ module fp3_batch #(
     // Decode's
     reg                 batch_q;
     reg [ROW_W:0]       left_q;        // objects not yet in a batch that decode has begun
-    reg [CONTEXTS-1:0]  next_q, visit_q, awake_q;     // of the next batch; of this one; those awake
+    reg [CONTEXTS-1:0]  next_q, visit_q, awake_q;     // contexts with an object in the next batch; in this batch; with an object awake
     wire                begins = take_i && begins_i;
     wire                sleeps = valid_i && asleep_i && reported_batch_i == batch_q;
     wire [CONTEXTS-1:0] reported = {{CONTEXTS-1{1'b0}}, 1'b1} << reported_context_i;

@@ -68,14 +68,14 @@ module fp3_loops #(
     assign `FP3_SETTINGS = settings_i;
     assign around_o  = `FP3_AROUND;
 
-    reg                 inside_q, skips_q;             // in a loop; whose words are dropped
-    reg                 waits_q, knows_q;              // its length is not yet known; was not, a cycle ago
+    reg                 inside_q, skips_q;             // in a loop; in a loop whose words are dropped
+    reg                 waits_q, knows_q;              // its length is not yet known; was not known a cycle ago
     reg [WAIT_W-1:0]    wait_q;
     reg [LENGTH_W-1:0]  turn_q, turns_q;
-    reg                 final_q;                       // turn
-    reg [STORE_W-1:0]   fields_q, load_q, end_q;       // of an entry: its fields begin, the next `ldl`, behind what has been read
-    reg                 entry_q, field_q;              // an entry begins with, or a field is, what was taken a cycle ago ...
-    reg [STORE_W-1:0]   offset_q;                      // ... from here
+    reg                 final_q;                       // this turn is the last one
+    reg [STORE_W-1:0]   fields_q, load_q, end_q;       // of an entry: its first field, the next `ldl`, behind the last field read
+    reg                 entry_q, field_q;              // the word taken a cycle ago begins an entry; reads a field ...
+    reg [STORE_W-1:0]   offset_q;                      // ... at this offset
     reg [PROGRAM_W-1:0] loop_q, phase_q;               // where they begin
     reg                 jump_q, on_q, begins_q, partial_q, half_q;
     reg [PROGRAM_W-1:0] target_q;

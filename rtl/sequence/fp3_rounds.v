@@ -32,21 +32,21 @@ module fp3_rounds #(
     input  wire           illegal_i,   // an instruction that this build does not have: the run ends
     input  wire [`FP3_SETTINGS_W-1:0] settings_i,
     output wire           running_o,
-    // What is going on
+    // The state of the run
     input  wire [ROW_W:0] count_i,     // objects to be visited
     input  wire           issuing_i,   // something is left to issue
     input  wire           storing_i,   // a last part has begun
     input  wire           partial_i,   // the step has phases left: the next round goes on with it
     input  wire           copied_i,    // lanes have the copies that they need
     // Rounds
-    output wire           copy_o,      // one is about to begin: lanes need copies
-    output wire           open_o,      // one begins
-    output wire           begin_o,     // likewise, and is not aborted: fetch begins
-    output wire           round_o,    // one has begun
-    output wire           closed_o,    // it has come to its end
+    output wire           copy_o,      // a round is about to begin: lanes need copies
+    output wire           open_o,      // a round begins
+    output wire           begin_o,     // a round begins and is not aborted: fetch begins
+    output wire           round_o,     // a round has begun
+    output wire           closed_o,    // the round has come to its end
     output wire           abort_o,     // drop everything
     output wire [31:0]    steps_o,     // of this round
-    output wire [31:0]    base_o,      // the number of the last step before it
+    output wire [31:0]    base_o,      // the number of the last step before the round
     output wire [31:0]    end_o        // the number of its last step
 );
     `FP3_SETTINGS_FIELDS

@@ -40,8 +40,8 @@ module fp3_two_streams #(
     // The sweeps
     output wire                      busy_o,
     output wire [4:0]                kinds_o,      // what issues: memory, sleep, chain, mul, add
-    output wire                      paired_o,     // two instructions
-    output wire                      issued_late_o,// one has issued in the cycle before
+    output wire                      paired_o,     // two instructions issue
+    output wire                      issued_late_o,// an instruction has issued in the cycle before
     // Lanes and trace: of sums and loads and stores, of products in the high bits
     output wire [`FP3_DUAL_ISSUE_W-1:0]  issue_o,
     output wire [`FP3_DUAL_RETIRE_W-1:0] retire_o,
@@ -91,8 +91,8 @@ module fp3_two_streams #(
         .what_o(product_what), .row_o(product_row));
     assign {product_trace, product_loads, product_register, product_x, product_y} = product_what;
 
-    // What the lanes are told
-    // ---------------------------------------------------------------------------
+    // To the lanes
+    // ----------------------------------------------------------------------------------------
     function [BANK_W-1:0] spot(input [REGISTER_W:0] of, input [CONTEXT_W-1:0] context_number);
         spot = of[REGISTER_W] ? {{CONTEXT_W-1{1'b1}}, of[REGISTER_W-1:0]} : {context_number, of[REGISTER_W-1:1]};
     endfunction
@@ -127,8 +127,8 @@ module fp3_two_streams #(
     assign retire_load_register = retire_product_loads ? retire_product_register : retire_sum_register;
     assign retire_o = `FP3_DUAL_RETIRE;
 
-    // What happens
-    // ----------------------------------------------------------------------------------------
+    // Counters and trace
+    // ----------------------------------------------------------------------------------
     reg [4:0] sum_kind_q, product_kind_q;
     always @(posedge clk_i) if (load_o) begin
         if (to_products) product_kind_q <= {to_memory, 2'b00, to_mul, 1'b0};

@@ -106,7 +106,7 @@ module fp3_solo #(
     end
 
     `FP3_DECODED_FIELDS
-    assign `FP3_DECODED = decoded_q;                      // without what is for many objects
+    assign `FP3_DECODED = decoded_q;                      // some fields are for many objects
 
     // The result of fp_value reaches the adder in place of a product. With FUSED it has the latency
     // of a product, and a multiply-add that of a sum: then a sum alone is c + 1 * b, and c is also

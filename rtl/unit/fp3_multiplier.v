@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fp3_multiplier: fp_mul with the cuts of a configuration, and the registers behind it.
 //
-// Purpose   a * b, rounded, or instead_i in its place: before an adder that is -0, to which the
-//           adder adds the result of fp_value.
+// Purpose   a * b, rounded, or instead_i in its place: in front of an adder -0, to which the adder
+//           adds the result of fp_value.
 // Latency   MUL_LATENCY + WAIT; new operands every cycle. no_product_i and instead_i come a cycle
 //           before the result that they replace.
 //
@@ -24,7 +24,7 @@ module fp3_multiplier #(
 );
     wire [31:BELOW] product, product_late;
     wire [4:0]      flags, flags_late;
-    wire            unused = &{a_i, b_i, instead_i};              // what is below the fraction
+    wire            unused = &{a_i, b_i, instead_i};              // bits below the fraction
     fp3_fp_mul #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
         .a_i(a_i[31:BELOW]), .b_i(b_i[31:BELOW]), .z_o(product), .flags_o(flags));
     fp3_delay #(.W(37 - BELOW), .N(MUL_SPARE - 1 + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0),

@@ -10,7 +10,7 @@
 //           behind their registers.
 // Contents  Zero at power-up, which is what a DP16KD has by default; there is no reset.
 // Hazard    A read of the word that is written in the same cycle gives anything (ram_registered of
-//           rtl/lib checks that nobody uses it).
+//           rtl/lib checks that no module uses it).
 //
 //     ram_registered #(.ADDR_W(9), .W(32)) u (...);     // one block
 `default_nettype none
