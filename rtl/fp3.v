@@ -96,7 +96,8 @@ module fp3 #(
     wire [ADDRESS_W-1:0] address;
     wire [31:0]          wdata;
     `FP3_ANSWER_FIELDS
-    fp3_axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(STREAM[ADDRESS_W-1:0]), .WRITES_W(WRITES_W), .READS_W(READS_W)) u_axi (
+    fp3_axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(STREAM[ADDRESS_W-1:0]), .WRITES_W(WRITES_W),
+        .READS_W(READS_W)) u_axi (
         .clk_i(clk), .rst_i(bus_rst),
         .s_axi_awvalid(s_axi_awvalid), .s_axi_awready(s_axi_awready), .s_axi_awaddr(s_axi_awaddr),
         .s_axi_wvalid(s_axi_wvalid), .s_axi_wready(s_axi_wready), .s_axi_wdata(s_axi_wdata), .s_axi_wstrb(s_axi_wstrb),
@@ -128,8 +129,8 @@ module fp3 #(
         .clk_i(clk), .rst_i(rst),
         .req_valid_i(asks), .req_ready_o(taken), .req_write_i(write),
         .req_addr_i({scheduler, 24'd0} | {{32-INSIDE{1'b0}}, address[INSIDE-1:0]}), .req_wdata_i(wdata),
-        .answer_o(`FP3_ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr), .req_wdata_o(req_wdata),
-        .answer_i(answers), .irq_i(ended));
+        .answer_o(`FP3_ANSWER), .req_valid_o(req_valid), .req_write_o(req_write), .req_addr_o(req_addr),
+        .req_wdata_o(req_wdata), .answer_i(answers), .irq_i(ended));
     always @(posedge clk) irq_q <= |ended && !rst;
     assign irq = irq_q;
     wire unused = &{s_axi_awprot, s_axi_arprot};
@@ -155,7 +156,8 @@ module fp3 #(
             for (t = 0; t < TILES; t = t + 1) begin : g_tile
                 fp3_tile #(.CONFIG(CONFIG)) u_tile (
                     .clk_i(clk), .rst_i(rst),
-                    .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr), .req_wdata_i(req_wdata),
+                    .req_valid_i(req_valid[S*t +: S]), .req_write_i(req_write), .req_addr_i(req_addr),
+                    .req_wdata_i(req_wdata),
                     .answer_o(answers[`FP3_ANSWER_W*S*t +: `FP3_ANSWER_W*S]), .irq_o(ended[S*t +: S]),
                     .issued_o(issued[`FP3_ISSUED_W*I*t +: `FP3_ISSUED_W*I]),
                     .written_o(written[`FP3_WRITTEN_W*L*t +: `FP3_WRITTEN_W*L]));

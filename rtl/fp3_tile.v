@@ -46,15 +46,17 @@ module fp3_tile #(
                 .req_valid_i(req_valid_i[s]), .req_write_i(req_write_i),
                 .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
                 .answer_o(answer_o[`FP3_ANSWER_W*s +: `FP3_ANSWER_W]), .irq_o(irq_o[s]),
-                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .sweep_end_o(sweep_end[s]), .grant_i(grant[s]),
-                .operands_o(operands[`FP3_OPERANDS_W*N*s +: `FP3_OPERANDS_W*N]), .result_i(results[`FP3_RESULT_W*N*s +: `FP3_RESULT_W*N]),
+                .running_o(running[s]), .adds_o(adds[s]), .muls_o(muls[s]), .sweep_end_o(sweep_end[s]),
+                .grant_i(grant[s]),
+                .operands_o(operands[`FP3_OPERANDS_W*N*s +: `FP3_OPERANDS_W*N]),
+                .result_i(results[`FP3_RESULT_W*N*s +: `FP3_RESULT_W*N]),
                 .written_o(written_o[`FP3_WRITTEN_W*N*s +: `FP3_WRITTEN_W*N]),
                 .issued_o(issued_o[`FP3_ISSUED_W*STREAMS*s +: `FP3_ISSUED_W*STREAMS]));
         end
 
         if (SCHEDULERS > 1) begin : g_shared
             wire [SCHEDULERS-1:0] adds_late, muls_late;
-            reg                   idle_q;            // the order begins anew: a run's cycles do not depend on runs before
+            reg                   idle_q;            // the order begins anew, so that runs take the same cycles
             always @(posedge clk_i) idle_q <= running == {SCHEDULERS{1'b0}};
             fp3_arbiter #(.N(SCHEDULERS)) u_arbiter (.clk_i(clk_i), .rst_i(rst_i || idle_q),
                 .adds_i(adds), .muls_i(muls), .sweep_end_i(sweep_end), .grant_o(grant));
@@ -69,7 +71,8 @@ module fp3_tile #(
                 for (p = 0; p < STREAMS; p = p + 1) begin : g_stream
                     localparam S = STREAMS * l + p;
                     fp3_unit #(.STREAM(p), .CONFIG(CONFIG)) u_unit (.clk_i(clk_i),
-                        .operands_i(operands[`FP3_OPERANDS_W*S +: `FP3_OPERANDS_W]), .result_o(results[`FP3_RESULT_W*S +: `FP3_RESULT_W]));
+                        .operands_i(operands[`FP3_OPERANDS_W*S +: `FP3_OPERANDS_W]),
+                        .result_o(results[`FP3_RESULT_W*S +: `FP3_RESULT_W]));
                 end
             end
         end

@@ -61,7 +61,8 @@ module fp3_tile_scheduler #(
         .req_addr_i(req_addr_i), .req_wdata_i(req_wdata_i),
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
-        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull), .flags_i(flags), .events_i(events),
+        .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull),
+        .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
@@ -79,9 +80,12 @@ module fp3_tile_scheduler #(
             wire [15:0] narrow_word;
             wire [31:0] whole_word;
             wire        over;
-            fp3_narrow #(.STORAGE(STORAGE)) u_narrow (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0), .random_i(16'd0), .narrow_o(narrow_word), .over_o(over));
-            fp3_delay #(.W(1), .N(TIMING_NARROW)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access), .q_o(late_access));
-            fp3_delay #(.W(56), .N(TIMING_NARROW)) u_what (.clk_i(clk_i), .rst_i(1'b0), .d_i({host_write, space, address, host_wdata}),
+            fp3_narrow #(.STORAGE(STORAGE)) u_narrow (.clk_i(clk_i), .word_i(host_wdata), .draws_i(1'b0),
+                .random_i(16'd0), .narrow_o(narrow_word), .over_o(over));
+            fp3_delay #(.W(1), .N(TIMING_NARROW)) u_access (.clk_i(clk_i), .rst_i(rst_i), .d_i(access),
+                .q_o(late_access));
+            fp3_delay #(.W(56), .N(TIMING_NARROW)) u_what (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({host_write, space, address, host_wdata}),
                 .q_o({late_write, late_space, late_address, whole_word}));
             wire [5:0] of_record = late_address[5:0] & ~(6'h38 << setting_record);
             assign late_whole = WHOLE != 0 && late_space == HOST_OBJECT && {1'b0, of_record} == setting_whole;
@@ -136,7 +140,8 @@ module fp3_tile_scheduler #(
         .copy_o(copy), .abort_o(abort), .copied_i(copied),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .sweep_end_o(sweep_end_o), .grant_i(grant_i),
-        .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number), .draw_o(draws[0 +: DRAW_W]),
+        .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
+        .draw_o(draws[0 +: DRAW_W]),
         .report_i(reports[`FP3_REPORT_W*GROUPS +: `FP3_REPORT_W]), .events_o(events), .issued_o(issued_o));
     assign resets[0]                = rst_i;
 
@@ -148,7 +153,8 @@ module fp3_tile_scheduler #(
             wire [REACHES_W-1:0] copy_reach;
             wire [`FP3_ACCESS_W-1:0] copy_access;
             fp3_exchange #(.CONFIG(CONFIG)) u_exchange (.clk_i(clk_i), .rst_i(rst_i),
-                .write_i(access && host_write && space == HOST_COPIES), .write_addr_i(address[STORE_W-1:0]), .write_value_i(host_wdata),
+                .write_i(access && host_write && space == HOST_COPIES), .write_addr_i(address[STORE_W-1:0]),
+                .write_value_i(host_wdata),
                 .settings_i(settings), .half_i(half), .copy_i(copy), .abort_i(abort), .copied_o(copied),
                 .busy_o(copying), .reach_o(copy_reach), .access_o(copy_access));
             assign reaches[0 +: REACHES_W]  = copying ? copy_reach : reach;
@@ -183,10 +189,12 @@ module fp3_tile_scheduler #(
                 .reach_i(reaches[REACHES_W*g +: REACHES_W]), .reach_o(reaches[REACHES_W*(g+1) +: REACHES_W]),
                 .issue_i(issues[ISSUES_W*g +: ISSUES_W]), .issue_o(issues[ISSUES_W*(g+1) +: ISSUES_W]),
                 .retire_i(retires[RETIRES_W*g +: RETIRES_W]), .retire_o(retires[RETIRES_W*(g+1) +: RETIRES_W]),
-                .access_i(accesses[`FP3_ACCESS_W*g +: `FP3_ACCESS_W]), .access_o(accesses[`FP3_ACCESS_W*(g+1) +: `FP3_ACCESS_W]),
+                .access_i(accesses[`FP3_ACCESS_W*g +: `FP3_ACCESS_W]),
+                .access_o(accesses[`FP3_ACCESS_W*(g+1) +: `FP3_ACCESS_W]),
                 .data_i(data[32*g +: 32]), .data_o(data[32*(g+1) +: 32]),
                 .draw_i(draws[DRAW_W*g +: DRAW_W]), .draw_o(draws[DRAW_W*(g+1) +: DRAW_W]),
-                .report_i(reports[`FP3_REPORT_W*g +: `FP3_REPORT_W]), .report_o(reports[`FP3_REPORT_W*(g+1) +: `FP3_REPORT_W]),
+                .report_i(reports[`FP3_REPORT_W*g +: `FP3_REPORT_W]),
+                .report_o(reports[`FP3_REPORT_W*(g+1) +: `FP3_REPORT_W]),
                 .operands_o(operands_o[`FP3_OPERANDS_W*STREAMS*F +: `FP3_OPERANDS_W*STREAMS*N]),
                 .result_i(result_i[`FP3_RESULT_W*STREAMS*F +: `FP3_RESULT_W*STREAMS*N]),
                 .written_o(written[`FP3_WRITTEN_W*STREAMS*F +: `FP3_WRITTEN_W*STREAMS*N]));
@@ -205,7 +213,8 @@ module fp3_tile_scheduler #(
             wire granted;
             `FP3_RETIRE_FIELDS
             assign `FP3_RETIRE = retires[0 +: `FP3_RETIRE_W];
-            fp3_delay #(.W(1), .N(AHEAD+TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i), .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
+            fp3_delay #(.W(1), .N(AHEAD+TO_END+1)) u_granted (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i((adds_o || muls_o) && grant_i), .q_o(granted));
             always @(posedge clk_i)
                 if (!rst_i && granted != (retire_valid && retire_arithmetic)) begin
                     $display("%m: arithmetic that was not granted a unit %0d cycles ago, or the reverse", AHEAD + TO_END + 1); $stop;

@@ -78,14 +78,17 @@ module fp3_uart_bridge #(
 
     fp3_transact #(.ADDRESS_W(ADDRESS_W)) u_transact (
         .clk_i(clk_i), .rst_i(rst_i),
-        .idle_o(idle), .request_i(request), .sequence_i(sequence_in), .write_i(write), .last_i(last), .address_i(address),
+        .idle_o(idle), .request_i(request), .sequence_i(sequence_in), .write_i(write), .last_i(last),
+        .address_i(address),
         .store_i(store), .store_at_i(store_at), .store_word_i(store_word),
         .answer_o(answer), .done_i(done), .sequence_o(sequence_out), .status_o(status), .words_o(words),
         .word_at_i(word_at), .word_o(word),
-        .m_axi_awaddr(m_axi_awaddr), .m_axi_awprot(m_axi_awprot), .m_axi_awvalid(m_axi_awvalid), .m_axi_awready(m_axi_awready),
+        .m_axi_awaddr(m_axi_awaddr), .m_axi_awprot(m_axi_awprot), .m_axi_awvalid(m_axi_awvalid),
+        .m_axi_awready(m_axi_awready),
         .m_axi_wdata(m_axi_wdata), .m_axi_wstrb(m_axi_wstrb), .m_axi_wvalid(m_axi_wvalid), .m_axi_wready(m_axi_wready),
         .m_axi_bresp(m_axi_bresp), .m_axi_bvalid(m_axi_bvalid), .m_axi_bready(m_axi_bready),
-        .m_axi_araddr(m_axi_araddr), .m_axi_arprot(m_axi_arprot), .m_axi_arvalid(m_axi_arvalid), .m_axi_arready(m_axi_arready),
+        .m_axi_araddr(m_axi_araddr), .m_axi_arprot(m_axi_arprot), .m_axi_arvalid(m_axi_arvalid),
+        .m_axi_arready(m_axi_arready),
         .m_axi_rdata(m_axi_rdata), .m_axi_rresp(m_axi_rresp), .m_axi_rvalid(m_axi_rvalid), .m_axi_rready(m_axi_rready));
 endmodule
 `default_nettype wire

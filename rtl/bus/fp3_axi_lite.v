@@ -75,7 +75,7 @@ module fp3_axi_lite #(
     wire whole         = &wstrb_q;
     wire write_streams = whole && |(awaddr_q & STREAM);
     wire read_streams  = |(araddr_q & STREAM);
-    wire write_next    = aw_q && w_q && write_room && !(ar_q && read_room && write_q);   // both wish: not the one that was last
+    wire write_next    = aw_q && w_q && write_room && !(ar_q && read_room && write_q);   // of two the kind that was not last
     wire read_next     = ar_q && read_room && !write_next;
     wire write_may     = write_next && (idle_q || (write_streams && !alone_q));
     wire read_may      = read_next && (idle_q || (read_streams && !alone_q));
@@ -106,10 +106,12 @@ module fp3_axi_lite #(
     assign s_axi_arready = !ar_q || read_goes;
 
     wire berror, rerror;
-    fp3_responses #(.W(1), .DEPTH_W(WRITES_W)) u_writes (.clk_i(clk_i), .rst_i(rst_i), .room_o(write_room), .idle_o(write_idle),
+    fp3_responses #(.W(1), .DEPTH_W(WRITES_W)) u_writes (.clk_i(clk_i), .rst_i(rst_i), .room_o(write_room),
+        .idle_o(write_idle),
         .go_i(write_goes), .answered_i(skip || wrote_i), .value_i(skip ? |wstrb_q : write_error_i),
         .valid_o(s_axi_bvalid), .ready_i(s_axi_bready), .value_o(berror));
-    fp3_responses #(.W(33), .DEPTH_W(READS_W)) u_reads (.clk_i(clk_i), .rst_i(rst_i), .room_o(read_room), .idle_o(read_idle),
+    fp3_responses #(.W(33), .DEPTH_W(READS_W)) u_reads (.clk_i(clk_i), .rst_i(rst_i), .room_o(read_room),
+        .idle_o(read_idle),
         .go_i(read_goes), .answered_i(read_i), .value_i({read_error_i, rdata_i}),
         .valid_o(s_axi_rvalid), .ready_i(s_axi_rready), .value_o({rerror, s_axi_rdata}));
     localparam [1:0] OKAY = 2'b00, SLVERR = 2'b10;

@@ -63,8 +63,10 @@ module fp3_fp_fma #(
     wire [PLACE-1:0] place, place_3, distance_early;
     wire [PLACE-1:0] e_z = {{PLACE-EXP{1'b0}}, z_i[FRAC +: EXP]};
     wire [4:0]       kind, kind_3;
-    fp3_fp_fma_product #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .PLACE(PLACE), .AHEAD(Z_EARLY), .CUTS(CUTS[3:0])) u_product (.clk_i(clk_i),
-        .x_i(x_i), .y_i(y_i), .e_z_i(e_z), .p_o(p), .place_o(place), .distance_o(distance_early), .sign_o(kind[4]), .zero_o(kind[3]), .inf_o(kind[2]),
+    fp3_fp_fma_product #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .PLACE(PLACE), .AHEAD(Z_EARLY),
+        .CUTS(CUTS[3:0])) u_product (.clk_i(clk_i),
+        .x_i(x_i), .y_i(y_i), .e_z_i(e_z), .p_o(p), .place_o(place), .distance_o(distance_early), .sign_o(kind[4]),
+        .zero_o(kind[3]), .inf_o(kind[2]),
         .nan_o(kind[1]), .invalid_o(kind[0]));
     localparam [4:0] MINUS_ZERO = 5'b11000;
     generate
@@ -128,13 +130,15 @@ module fp3_fp_fma #(
     localparam BESIDE = Z_EARLY == 0 ? 0 : WAIT + {31'd0, CUTS[0]} + {31'd0, CUTS[1]} + {31'd0, CUTS[2]} + {31'd0, CUTS[3]};
     wire [PLACE-1:0] e_late;
     wire [5:0]       what_late;
-    fp3_delay #(.W(PLACE+6), .N(BESIDE)) u_beside (.clk_i(clk_i), .rst_i(1'b0), .d_i({e_4, what_4}), .q_o({e_late, what_late}));
+    fp3_delay #(.W(PLACE+6), .N(BESIDE)) u_beside (.clk_i(clk_i), .rst_i(1'b0), .d_i({e_4, what_4}),
+        .q_o({e_late, what_late}));
 
     wire [W-2:0]     z_5;
     wire [2*P-1:0]   p_5;
     wire [PLACE-1:0] e_5;
     wire             lost_5, lost_6, lost_7, lost_8, lost_9;
-    fp3_fp_fma_align #(.P(P), .W(W-1), .WAIT(BESIDE), .CUTS(CUTS[5])) u_align (.clk_i(clk_i), .z_i(sig_4), .n_i(n_4), .d_o(z_5), .lost_o(lost_5));
+    fp3_fp_fma_align #(.P(P), .W(W-1), .WAIT(BESIDE), .CUTS(CUTS[5])) u_align (.clk_i(clk_i), .z_i(sig_4),
+        .n_i(n_4), .d_o(z_5), .lost_o(lost_5));
     fp3_cut #(.W(2*P+PLACE+6), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
         .d_i({p_4 ^ {2*P{what_late[5]}}, e_late, what_late}), .q_o({p_5, e_5, what_5}));
 
@@ -152,16 +156,20 @@ module fp3_fp_fma #(
     wire             more_9, negative_9;
     wire [PLACE-1:0] e_9;
     wire [3:0]       n_9;
-    fp3_fp_fma_normalize #(.W(W), .K(P+2), .PLACE(PLACE), .LATE(Z_EARLY), .CUTS(CUTS[9:7])) u_normalize (.clk_i(clk_i), .s_i(s_6),
-        .negative_i(what_6[5] && s_6[W-1]), .limit_i(e_6), .d_o(d_9), .more_o(more_9), .negative_o(negative_9), .limit_o(e_9), .n_o(n_9));
+    fp3_fp_fma_normalize #(.W(W), .K(P+2), .PLACE(PLACE), .LATE(Z_EARLY), .CUTS(CUTS[9:7])) u_normalize (
+        .clk_i(clk_i), .s_i(s_6),
+        .negative_i(what_6[5] && s_6[W-1]), .limit_i(e_6), .d_o(d_9), .more_o(more_9), .negative_o(negative_9),
+        .limit_o(e_9), .n_o(n_9));
     fp3_cut #(.W(7), .ON(CUTS[7])) u_7 (.clk_i(clk_i), .d_i({lost_6, what_6}), .q_o({lost_7, what_7}));
     fp3_cut #(.W(7), .ON(CUTS[8])) u_8 (.clk_i(clk_i), .d_i({lost_7, what_7}), .q_o({lost_8, what_8}));
     fp3_cut #(.W(7), .ON(CUTS[9])) u_9 (.clk_i(clk_i), .d_i({lost_8, what_8}), .q_o({lost_9, what_9}));
 
     wire minus_9, z_sign_9, inf_sign_9, inf_9, nan_9, invalid_9;
     assign {minus_9, z_sign_9, inf_sign_9, inf_9, nan_9, invalid_9} = what_9;
-    fp3_fp_fma_round #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .PLACE(PLACE), .CUTS(CUTS[10])) u_round (
-        .clk_i(clk_i), .d_i(d_9), .more_i(more_9 || lost_9), .negative_i(negative_9), .e_i(e_9), .n_i(n_9), .minus_i(minus_9),
+    fp3_fp_fma_round #(.EXP(EXP), .FRAC(FRAC), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .PLACE(PLACE),
+        .CUTS(CUTS[10])) u_round (
+        .clk_i(clk_i), .d_i(d_9), .more_i(more_9 || lost_9), .negative_i(negative_9), .e_i(e_9), .n_i(n_9),
+        .minus_i(minus_9),
         .sign_i(inf_9 ? inf_sign_9 : z_sign_9 ^ negative_9), .inf_i(inf_9), .nan_i(nan_9), .invalid_i(invalid_9),
         .z_o(z_o), .flags_o(flags_o));
 endmodule

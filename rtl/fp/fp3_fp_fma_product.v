@@ -71,7 +71,8 @@ module fp3_fp_fma_product #(
 
     wire [PLACE-1:0] place_2;
     wire [4:0]       kind_2;
-    fp3_cut #(.W(PLACE+5), .ON(BESIDE[2])) u_2 (.clk_i(clk_i), .d_i({sum_1 + SHIFT[PLACE-1:0], kind_1}), .q_o({place_2, kind_2}));
+    fp3_cut #(.W(PLACE+5), .ON(BESIDE[2])) u_2 (.clk_i(clk_i), .d_i({sum_1 + SHIFT[PLACE-1:0], kind_1}),
+        .q_o({place_2, kind_2}));
     fp3_cut #(.W(PLACE+5), .ON(BESIDE[3])) u_3 (.clk_i(clk_i), .d_i({place_2, kind_2}),
         .q_o({place_o, sign_o, zero_o, inf_o, nan_o, invalid_o}));
 endmodule

@@ -140,7 +140,8 @@ module fp3_fp_mul #(
     localparam [0:0] ONE = CUTS[5];
     wire            lower, st;
     fp3_cut #(.W(W1+2+`FP3_PLACE_W+5), .ON(CUTS[5])) u_5 (.clk_i(clk_i),
-        .d_i({fine, stick, ONE && !fine[FRAC+2] && !place_4[`FP3_PLACE_LOW], place_4, class_4}), .q_o({t, st, lower, place_5, class_5}));
+        .d_i({fine, stick, ONE && !fine[FRAC+2] && !place_4[`FP3_PLACE_LOW], place_4, class_4}),
+        .q_o({t, st, lower, place_5, class_5}));
     `FP3_PLACE_FIELDS
     assign `FP3_PLACE = place_5;
     wire            nv_5, nan_5, inf_5, zero_5, sign_5;

@@ -46,7 +46,8 @@ module fp3_fp_rint #(
     wire [22:0] first_c;
     wire        up_c, small_c;
     assign kept = {a_q[31], small_q ? 8'd0 : a_q[30:23], a_q[22:0] & ~behind_q};
-    fp3_cut #(.W(57), .ON(CUT)) u_cut (.clk_i(clk_i), .d_i({kept, first, up, small_q}), .q_o({kept_c, first_c, up_c, small_c}));
+    fp3_cut #(.W(57), .ON(CUT)) u_cut (.clk_i(clk_i), .d_i({kept, first, up, small_q}),
+        .q_o({kept_c, first_c, up_c, small_c}));
 
     // A carry out of the fraction is one of the exponent, as it must be; 1 follows 0 at once.
     wire [30:0] larger = kept_c[30:0] + (up_c ? {7'd0, first_c, 1'b0} : 31'd0);

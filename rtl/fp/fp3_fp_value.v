@@ -45,7 +45,8 @@ module fp3_fp_value #(
             wire root = choice_i == CHOICE_RSQRT, estimated = root || choice_i == CHOICE_RCP;
             wire rint = ROUND != 0 && choice_i == CHOICE_RINT;
             wire logb = choice_i == CHOICE_LOGB, exponent = ROUND != 0 && (logb || choice_i == CHOICE_EXP2);
-            fp3_delay #(.W(1), .N(DEPTH-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain), .q_o(no_product_o));
+            fp3_delay #(.W(1), .N(DEPTH-1)) u_no_product (.clk_i(clk_i), .rst_i(1'b0), .d_i(!plain),
+                .q_o(no_product_o));
 
             // Magnitudes are ordered as integers; without infinities, subnormal numbers are read as
             // zeros. What is known of the operands, and then what follows.
@@ -80,7 +81,8 @@ module fp3_fp_value #(
 
             wire [31:13] estimate;
             if (ESTIMATE != 0 && LOGARITHMIC == 0 && MIXED == 0) begin : g_estimate
-                fp3_fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root), .a_i(a[31:13]), .z_o(estimate));
+                fp3_fp_estimate #(.CUT(STAGES == 3), .FINITE(FINITE)) u_estimate (.clk_i(clk_i), .root_i(root),
+                    .a_i(a[31:13]), .z_o(estimate));
             end else begin : g_no_estimate
                 wire unused = root;
                 assign estimate = {LOGARITHMIC != 0, 18'd0};               // log_arith adds the reciprocal to -0, lane_arith puts it in place of +0
@@ -88,7 +90,8 @@ module fp3_fp_value #(
             wire [31:0] rounded, scaled;
             if (ROUND != 0) begin : g_rint
                 fp3_fp_rint #(.CUT(STAGES == 3), .NEAREST(NEAREST)) u_rint (.clk_i(clk_i), .a_i(a), .z_o(rounded));
-                fp3_fp_exponent #(.CUT(STAGES == 3), .FINITE(FINITE)) u_exponent (.clk_i(clk_i), .log_i(logb), .a_i(a[31:16]), .z_o(scaled));
+                fp3_fp_exponent #(.CUT(STAGES == 3), .FINITE(FINITE)) u_exponent (.clk_i(clk_i), .log_i(logb),
+                    .a_i(a[31:16]), .z_o(scaled));
             end else begin : g_no_rint
                 wire unused = logb;
                 assign rounded = 32'd0;

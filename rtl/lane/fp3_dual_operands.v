@@ -54,7 +54,8 @@ module fp3_dual_operands #(
 
     wire        twice_i1, halve_i1, minus_x_i2, minus_y_i2, st_x_i2, st_y_i2;
     wire [31:0] scaled;                                // cycle 2
-    fp3_delay #(.W(2), .N(1)) u_scale_by (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_halve}), .q_o({twice_i1, halve_i1}));
+    fp3_delay #(.W(2), .N(1)) u_scale_by (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_halve}),
+        .q_o({twice_i1, halve_i1}));
     fp3_delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({issue_minus_x, issue_minus_y, issue_st && !issue_st_y, issue_st && issue_st_y}),
         .q_o({minus_x_i2, minus_y_i2, st_x_i2, st_y_i2}));
@@ -62,9 +63,11 @@ module fp3_dual_operands #(
         if (SCALE != 0) begin : g_scale
             wire [4:0] flags;
             wire       of, uf;
-            fp3_fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .SUM_LAST(1), .CUTS(1'b1)) u_scale (.clk_i(clk_i),
+            fp3_fp_scale #(.SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .SUM_LAST(1),
+                .CUTS(1'b1)) u_scale (.clk_i(clk_i),
                 .twice_i(twice_i1), .halve_i(halve_i1), .d_i(sum_y_q), .z_o(scaled), .flags_o(flags));
-            fp3_delay #(.W(2), .N(UNIT_LATENCY+1)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(flags[2:1]), .q_o({of, uf}));
+            fp3_delay #(.W(2), .N(UNIT_LATENCY+1)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(flags[2:1]),
+                .q_o({of, uf}));
             assign scale_flags_o = {2'b00, of, uf, of || uf};
             wire unused_flags = &flags;
         end else begin : g_no_scale

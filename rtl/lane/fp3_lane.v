@@ -55,8 +55,9 @@ module fp3_lane #(
     assign `FP3_MOVE   = move;
     wire mine         = access_valid && access_lane == index_i;
     wire write        = mine && access_write;
-    wire reads        = access_valid && !(EXCHANGE != 0 && access_write);     // a word that is written then came from another lane
-    wire to_store     = (write && access_space == HOST_OBJECT) || (EXCHANGE != 0 && access_valid && access_write && access_space == HOST_EVERY);
+    wire reads        = access_valid && !(EXCHANGE != 0 && access_write);     // then another lane's word is written
+    wire to_store     = (write && access_space == HOST_OBJECT)
+                     || (EXCHANGE != 0 && access_valid && access_write && access_space == HOST_EVERY);
     wire to_constants = access_valid && access_write && access_space == HOST_CONSTANT;     // of all lanes
 
     // Operands and ends
@@ -104,10 +105,13 @@ module fp3_lane #(
             fp3_lane_operands #(.CONFIG(CONFIG)) u_operands (.clk_i(clk_i),
                 .write_i(writes), .write_register_i(registers), .write_value_i(values),
                 .issue_i(issue_i), .word_i2_i(word), .operands_o(operands_o), .stored_o(st_value_i3), .less_o(less));
-            fp3_lane_end #(.CONFIG(CONFIG)) u_end (.clk_i(clk_i), .rst_i(rst_i), .reach_i(reach_i), .issue_i(issue_i), .retire_i(retire_i),
-                .access_i(access_i), .mine_i(mine), .data_i(data_i), .less_i(less), .word_i(word), .stored_i3_i(st_value_i3),
+            fp3_lane_end #(.CONFIG(CONFIG)) u_end (.clk_i(clk_i), .rst_i(rst_i), .reach_i(reach_i),
+                .issue_i(issue_i), .retire_i(retire_i),
+                .access_i(access_i), .mine_i(mine), .data_i(data_i), .less_i(less), .word_i(word),
+                .stored_i3_i(st_value_i3),
                 .move_o(move), .end_o(ends), .load_o(loads),
-                .count_o(count), .longest_o(longest), .sleeps_o(sleeps), .batch_o(batch), .context_o(context_number), .asleep_o(asleep));
+                .count_o(count), .longest_o(longest), .sleeps_o(sleeps), .batch_o(batch),
+                .context_o(context_number), .asleep_o(asleep));
         end
     endgenerate
 
@@ -133,7 +137,8 @@ module fp3_lane #(
         end
     endgenerate
 
-    fp3_lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .index_i(index_i), .move_i(move), .value_i3_i(st_value_i3),
+    fp3_lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .index_i(index_i), .move_i(move),
+        .value_i3_i(st_value_i3),
         .draw_i(draw_i), .word_o(word), .over_o(over),
         .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_whole_i(access_whole), .host_word_i(data_i));
@@ -159,7 +164,8 @@ module fp3_lane #(
             wire              copy_w1;
             wire [LANE_W-1:0] lane_w1;
             reg               copied_q;
-            fp3_delay #(.W(1+LANE_W), .N(TIMING_END-1)) u_copy (.clk_i(clk_i), .rst_i(rst_i), .d_i({reach_copy, around_turn[LANE_W-1:0]}), .q_o({copy_w1, lane_w1}));
+            fp3_delay #(.W(1+LANE_W), .N(TIMING_END-1)) u_copy (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i({reach_copy, around_turn[LANE_W-1:0]}), .q_o({copy_w1, lane_w1}));
             always @(posedge clk_i) copied_q <= !rst_i && copy_w1 && lane_w1 == index_i;
             assign copied = copied_q;
         end else begin : g_not_copied
@@ -179,7 +185,8 @@ module fp3_lane #(
     fp3_lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
         .count_i(count), .longest_i(longest), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .asleep_i(asleep),
         .valid_i(sleeps), .batch_i(batch), .context_i(context_number),
-        .mine_i(EXCHANGE != 0 ? mine && reads : mine), .space_i(access_space), .copied_i(copied), .stored_i(word), .status_i(status), .report_o(report_o));
+        .mine_i(EXCHANGE != 0 ? mine && reads : mine), .space_i(access_space), .copied_i(copied), .stored_i(word),
+        .status_i(status), .report_o(report_o));
 endmodule
 `default_nettype wire
 `include "config/undefine.vh"

@@ -54,7 +54,8 @@ module fp3_lane_end #(
     assign `FP3_ISSUE  = issue_i;           // cycle 0
     assign `FP3_RETIRE = retire_i;          // cycle W - ENDED
     assign `FP3_ACCESS = access_i;
-    assign {move_record_shift, move_st, move_in_last, move_register} = {issue_record_shift, issue_st, issue_in_last, issue_register};
+    assign {move_record_shift, move_st, move_in_last, move_register}
+        = {issue_record_shift, issue_st, issue_in_last, issue_register};
     assign {move_o, end_o} = {`FP3_MOVE, `FP3_END};
     wire unused_data = &data_i;
 
@@ -64,12 +65,16 @@ module fp3_lane_end #(
     wire take_e2, valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0;
     fp3_delay #(.W(1+CONTEXT_W), .N(TIMING_END-4)) u_e2 (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({retire_valid && retire_begins, retire_context}), .q_o({take_e2, context_e2}));
-    fp3_delay #(.W(CONTEXT_W), .N(3+WIDENED)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_e2), .q_o(context_w1));
+    fp3_delay #(.W(CONTEXT_W), .N(3+WIDENED)) u_context_w1 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_e2),
+        .q_o(context_w1));
     fp3_delay #(.W(CONTEXT_W), .N(1)) u_context_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_w1), .q_o(context_w0));
-    fp3_delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register), .q_o(register_e3));
-    fp3_delay #(.W(REGISTER_W), .N(3+WIDENED)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_e3), .q_o(register_w0));
+    fp3_delay #(.W(REGISTER_W), .N(TIMING_END-3)) u_register_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_register),
+        .q_o(register_e3));
+    fp3_delay #(.W(REGISTER_W), .N(3+WIDENED)) u_register_w0 (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_e3),
+        .q_o(register_w0));
     fp3_delay #(.W(9), .N(ENDED)) u_w0 (.clk_i(clk_i), .rst_i(rst_i),
-        .d_i({retire_valid, retire_begins, retire_ends, retire_in_last, retire_lds, retire_sleep, retire_load, retire_arithmetic, retire_batch}),
+        .d_i({retire_valid, retire_begins, retire_ends, retire_in_last, retire_lds, retire_sleep,
+              retire_load, retire_arithmetic, retire_batch}),
         .q_o({valid_w0, begins_w0, ends_w0, in_last_w0, lds_w0, sleep_w0, load_w0, arithmetic_w0, batch_w0}));
 
     // Which object executes it
@@ -87,8 +92,10 @@ module fp3_lane_end #(
                 .take_e2_i(take_e2), .context_e2_i(context_e2), .row_e3_o(own_row_e3), .row_late_o(end_row),
                 .context_w1_i(context_w1), .valid_i(valid_w0), .begins_i(begins_w0), .ends_i(ends_w0),
                 .in_last_i(in_last_w0), .lds_i(lds_w0), .sleep_i(sleep_w0), .context_i(context_w0),
-                .less_i(less_i), .executed_o(executes), .absent_o(missing), .sleeps_o(sleeps), .nonzero_i(nonzero_q), .asleep_o(asleep_o),
-                .st_context_i(issue_context), .st_row_o(move_st_row), .st_absent_o(move_st_absent), .st_asleep_o(move_st_asleep),
+                .less_i(less_i), .executed_o(executes), .absent_o(missing), .sleeps_o(sleeps),
+                .nonzero_i(nonzero_q), .asleep_o(asleep_o),
+                .st_context_i(issue_context), .st_row_o(move_st_row), .st_absent_o(move_st_absent),
+                .st_asleep_o(move_st_asleep),
                 .host_clear_i(host_count), .host_wake_i(mine_i && access_write && access_space == HOST_WAKE),
                 .host_row_i(data_i[ROW_W-1:0]), .count_o(count_o));
         end else begin : g_order
@@ -99,9 +106,12 @@ module fp3_lane_end #(
                 if (rst_i)           count_q <= {ROW_W+1{1'b0}};
                 else if (host_count) count_q <= data_i[ROW_W:0];
             assign count_o = count_q;
-            fp3_delay #(.W(ROW_W), .N(TIMING_END-3)) u_row_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_row), .q_o(own_row_e3));
-            fp3_delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(own_row_e3), .q_o(end_row));
-            fp3_delay #(.W(1), .N(ENDED)) u_absent (.clk_i(clk_i), .rst_i(1'b0), .d_i({1'b0, retire_row} >= count_q), .q_o(missing));
+            fp3_delay #(.W(ROW_W), .N(TIMING_END-3)) u_row_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_row),
+                .q_o(own_row_e3));
+            fp3_delay #(.W(ROW_W), .N(4+WIDENED)) u_row_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(own_row_e3),
+                .q_o(end_row));
+            fp3_delay #(.W(1), .N(ENDED)) u_absent (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({1'b0, retire_row} >= count_q), .q_o(missing));
             fp3_delay #(.W(ROW_W+1), .N(2)) u_st (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({{1'b0, issue_row} >= count_q, issue_row}), .q_o({move_st_absent, move_st_row}));
             assign executes = valid_w0 && !missing;
@@ -117,16 +127,20 @@ module fp3_lane_end #(
             `FP3_REACH_FIELDS
             assign `FP3_REACH = reach_i;
             fp3_lists #(.CONFIG(CONFIG)) u_lists (.clk_i(clk_i), .rst_i(rst_i),
-                .each_i(issue_each), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent), .word_i3(stored_i3_i),
-                .longest_o(longest_o), .valid_i(reach_valid), .reach_context_i(reach_context), .own_i(reach_row), .around_i(reach_around),
+                .each_i(issue_each), .first_i(issue_first), .context_i(issue_context), .absent_i2(move_st_absent),
+                .word_i3(stored_i3_i),
+                .longest_o(longest_o), .valid_i(reach_valid), .reach_context_i(reach_context), .own_i(reach_row),
+                .around_i(reach_around),
                 .of_list_o(move_load_place), .place_o(move_place), .row_o(move_load_row), .number_o(move_load_register),
                 .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
             fp3_delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
             assign move_load_whole = 1'b0;
             wire unused_lists = &{own_row_e3, register_e3};
         end else begin : g_no_lists
-            fp3_delay #(.W(1), .N(TIMING_END-3)) u_load_e3 (.clk_i(clk_i), .rst_i(rst_i), .d_i(retire_valid && retire_load), .q_o(move_load));
-            fp3_delay #(.W(1), .N(TIMING_END-3)) u_whole_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_whole), .q_o(move_load_whole));
+            fp3_delay #(.W(1), .N(TIMING_END-3)) u_load_e3 (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i(retire_valid && retire_load), .q_o(move_load));
+            fp3_delay #(.W(1), .N(TIMING_END-3)) u_whole_e3 (.clk_i(clk_i), .rst_i(1'b0), .d_i(retire_whole),
+                .q_o(move_load_whole));
             assign {ended, move_load_place, move_load_upper} = 3'd0;
             assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
             assign move_load_row      = own_row_e3;
@@ -153,7 +167,8 @@ module fp3_lane_end #(
     reg  [15:0]      since_q;                   // since an access
     reg  [ENDED+1:0] valid_q;                   // W - ENDED + 1 .. W + 2
     integer          k;
-    fp3_delay #(.W(REG_W), .N(TO_END)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}), .q_o(named));
+    fp3_delay #(.W(REG_W), .N(TO_END)) u_named (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_context, issue_register}),
+        .q_o(named));
     always @(posedge clk_i) begin
         valid_q <= {valid_q[ENDED:0], retire_valid} & {ENDED+2{!rst_i}};
         since_q <= rst_i ? 16'hffff : access_valid ? 16'd1 : since_q == 16'hffff ? since_q : since_q + 1'b1;

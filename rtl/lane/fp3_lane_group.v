@@ -71,9 +71,12 @@ module fp3_lane_group #(
             localparam [LANE_W-1:0] L = l;
             fp3_lane #(.CONFIG(CONFIG)) u_lane (
                 .clk_i(clk_i), .rst_i(rst_q), .index_i(first_i + L),
-                .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q), .draw_i(draw_q),
-                .report_i(reports[`FP3_REPORT_W*l +: `FP3_REPORT_W]), .report_o(reports[`FP3_REPORT_W*(l+1) +: `FP3_REPORT_W]),
-                .operands_o(operands_o[`FP3_OPERANDS_W*S*l +: `FP3_OPERANDS_W*S]), .result_i(result_i[`FP3_RESULT_W*S*l +: `FP3_RESULT_W*S]),
+                .reach_i(reach_q), .issue_i(issue_q), .retire_i(retire_q), .access_i(access_q), .data_i(data_q),
+                .draw_i(draw_q),
+                .report_i(reports[`FP3_REPORT_W*l +: `FP3_REPORT_W]),
+                .report_o(reports[`FP3_REPORT_W*(l+1) +: `FP3_REPORT_W]),
+                .operands_o(operands_o[`FP3_OPERANDS_W*S*l +: `FP3_OPERANDS_W*S]),
+                .result_i(result_i[`FP3_RESULT_W*S*l +: `FP3_RESULT_W*S]),
                 .written_o(written_o[`FP3_WRITTEN_W*S*l +: `FP3_WRITTEN_W*S]));
         end
     endgenerate

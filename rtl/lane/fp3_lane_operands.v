@@ -57,7 +57,8 @@ module fp3_lane_operands #(
     generate
         if (NEIGHBOURS != 0) begin : g_given
             wire given_i2, minus_i2;
-            fp3_delay #(.W(2), .N(2)) u_given (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_given, issue_minus}), .q_o({given_i2, minus_i2}));
+            fp3_delay #(.W(2), .N(2)) u_given (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_given, issue_minus}),
+                .q_o({given_i2, minus_i2}));
             assign y_or_word_i2 = given_i2 ? word_i2_i : y_i2;
             assign signed_z_i2  = {z_i2[31] ^ minus_i2, z_i2[30:0]};
         end else begin : g_not_given
@@ -70,7 +71,8 @@ module fp3_lane_operands #(
     reg [31:0] x_q, y_q, z_q;           // cycle 3
     fp3_delay #(.W(4), .N(2)) u_force (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({issue_twice, issue_halve, issue_one, issue_zero}), .q_o({twice_i2, halve_i2, one_i2, zero_i2}));
-    fp3_delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_i2, halve_i2}), .q_o({operands_twice, operands_halve}));
+    fp3_delay #(.W(2), .N(1)) u_scale (.clk_i(clk_i), .rst_i(1'b0), .d_i({twice_i2, halve_i2}),
+        .q_o({operands_twice, operands_halve}));
     fp3_delay #(.W(CHOICE_W+1), .N(TIMING_OPERANDS)) u_choice (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({issue_choice, issue_subtract}), .q_o({operands_choice, operands_subtract}));
     always @(posedge clk_i) begin

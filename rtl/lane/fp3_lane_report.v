@@ -41,7 +41,8 @@ module fp3_lane_report #(
     wire [CONTEXT_W-1:0] context_number;
     reg  [ROW_W:0]       count_q;
     reg  [LENGTH_W-1:0]  longest_q;
-    fp3_delay #(.W(4), .N(3+WIDENED)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}), .q_o({mine, space}));
+    fp3_delay #(.W(4), .N(3+WIDENED)) u_host (.clk_i(clk_i), .rst_i(1'b0), .d_i({mine_i, space_i}),
+        .q_o({mine, space}));
     fp3_delay #(.W(1), .N(2)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid));
     fp3_delay #(.W(1+CONTEXT_W), .N(2)) u_context (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({batch_i, context_i}), .q_o({batch, context_number}));

@@ -46,7 +46,8 @@ module fp3_lane_store #(
     assign `FP3_MOVE = move_i;
     wire                  st_i2, in_last_i2, upper_i2;
     wire [REGISTER_W-1:0] register_i2;
-    fp3_delay #(.W(3+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i), .d_i({move_st, move_in_last, move_st_upper, move_register}),
+    fp3_delay #(.W(3+REGISTER_W), .N(2)) u_st (.clk_i(clk_i), .rst_i(rst_i),
+        .d_i({move_st, move_in_last, move_st_upper, move_register}),
         .q_o({st_i2, in_last_i2, upper_i2, register_i2}));
 
     wire [STORE_W-1:0] st_base = {move_st_row, 3'd0} << move_record_shift;
@@ -92,13 +93,17 @@ module fp3_lane_store #(
             wire [STORE_W-1:0] address;
             wire               st_whole_i3, whole, whole_late;
             fp3_delay #(.W(1), .N(3)) u_st_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(move_st_whole), .q_o(st_whole_i3));
-            fp3_delay_ram #(.W(33+STORE_W), .N(LATE)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({st_whole_i3, value_i3_i, st_address_q}),
+            fp3_delay_ram #(.W(33+STORE_W), .N(LATE)) u_late (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i({st_whole_i3, value_i3_i, st_address_q}),
                 .q_o({whole, value, address}));
-            fp3_narrow #(.STORAGE(STORAGE)) u_narrow (.clk_i(clk_i), .word_i(value), .draws_i(draws), .random_i(random[15:0]), .narrow_o(narrow), .over_o(over));
-            fp3_delay #(.W(33+STORE_W), .N(TIMING_NARROW)) u_value (.clk_i(clk_i), .rst_i(1'b0), .d_i({whole, value, address}),
+            fp3_narrow #(.STORAGE(STORAGE)) u_narrow (.clk_i(clk_i), .word_i(value), .draws_i(draws),
+                .random_i(random[15:0]), .narrow_o(narrow), .over_o(over));
+            fp3_delay #(.W(33+STORE_W), .N(TIMING_NARROW)) u_value (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i({whole, value, address}),
                 .q_o({whole_late, value_late, stored_address}));
             fp3_delay #(.W(1), .N(ROUNDED-3)) u_stored (.clk_i(clk_i), .rst_i(rst_i), .d_i(st_q), .q_o(stored));
-            fp3_delay #(.W(1), .N(TO_RESULT-ROUNDED)) u_over (.clk_i(clk_i), .rst_i(rst_i), .d_i(stored && over && !whole_late), .q_o(over_o));
+            fp3_delay #(.W(1), .N(TO_RESULT-ROUNDED)) u_over (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i(stored && over && !whole_late), .q_o(over_o));
             assign stored_word = whole_late ? value_late[15:0] : narrow;
 
             // Loaded: widened, or with its high 16 bits.
@@ -128,7 +133,8 @@ module fp3_lane_store #(
                 fp3_ram_registered #(.ADDR_W(ROW_W), .W(16)) u_high (.clk_i(clk_i), .write_i(write_high_q && !rst_i),
                     .write_addr_i(write_row_q), .write_value_i(write_high_word_q),
                     .read_i(1'b1), .read_addr_i(read_row_q), .read_value_o(high_word));
-                fp3_delay #(.W(1), .N(3)) u_load_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i(host_i ? host_whole_i : move_load_whole), .q_o(loaded_whole));
+                fp3_delay #(.W(1), .N(3)) u_load_whole (.clk_i(clk_i), .rst_i(1'b0),
+                    .d_i(host_i ? host_whole_i : move_load_whole), .q_o(loaded_whole));
                 wire unused_row = &row;
             end else begin : g_narrow_alone
                 assign {loaded_whole, high_word} = 17'd0;
@@ -144,7 +150,8 @@ module fp3_lane_store #(
                     product_q <= {{32-ROW_W{1'b0}}, move_st_row} * {19'd0, draw_stride};
                     late_q    <= product_q + own_q;
                 end
-                fp3_delay #(.W(32), .N(TIMING_MIX-3)) u_object (.clk_i(clk_i), .rst_i(1'b0), .d_i(late_q), .q_o(object));
+                fp3_delay #(.W(32), .N(TIMING_MIX-3)) u_object (.clk_i(clk_i), .rst_i(1'b0), .d_i(late_q),
+                    .q_o(object));
             end else begin : g_order
                 assign object = {{32-LANE_W{1'b0}}, index_i};
             end

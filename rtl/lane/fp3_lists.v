@@ -52,8 +52,10 @@ module fp3_lists #(
     reg                  absent_q;
     reg  [LENGTH_W-1:0]  length_q, longest_q;           // 4; 5
     reg  [STORE_W-1:0]   place_q;
-    fp3_delay #(.W(2), .N(3)) u_each (.clk_i(clk_i), .rst_i(rst_i), .d_i({each_i, each_i && first_i}), .q_o({each_i3, first_i3}));
-    fp3_delay #(.W(2), .N(1)) u_each_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({each_i3, first_i3}), .q_o({each_i4, first_i4}));
+    fp3_delay #(.W(2), .N(3)) u_each (.clk_i(clk_i), .rst_i(rst_i), .d_i({each_i, each_i && first_i}),
+        .q_o({each_i3, first_i3}));
+    fp3_delay #(.W(2), .N(1)) u_each_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({each_i3, first_i3}),
+        .q_o({each_i4, first_i4}));
     fp3_delay #(.W(CONTEXT_W), .N(3)) u_context (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_i), .q_o(context_i3));
     always @(posedge clk_i) begin
         absent_q  <= absent_i2;
@@ -77,7 +79,8 @@ module fp3_lists #(
     wire [ROW_W-1:0]    own_r2;
     `FP3_AROUND_FIELDS
     assign `FP3_AROUND = around_r1;
-    fp3_delay #(.W(AROUND_W+CONTEXT_W), .N(1)) u_r1 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_i, reach_context_i}), .q_o({around_r1, context_r1}));
+    fp3_delay #(.W(AROUND_W+CONTEXT_W), .N(1)) u_r1 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_i, reach_context_i}),
+        .q_o({around_r1, context_r1}));
     fp3_delay #(.W(1), .N(1)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(valid_i), .q_o(valid_r1));
     fp3_delay #(.W(CONTEXT_W), .N(1)) u_context_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_r1), .q_o(context_r2));
     fp3_delay #(.W(1), .N(1)) u_other_r2 (.clk_i(clk_i), .rst_i(1'b0), .d_i(around_ldn), .q_o(other_r2));
@@ -98,11 +101,14 @@ module fp3_lists #(
         row_q   <= other_r2 ? row_r2 : own_r2;
     end
     wire inside_r3;
-    fp3_delay #(.W(3), .N(2)) u_r3 (.clk_i(clk_i), .rst_i(1'b0), .d_i({around_entry || around_ldl, around_half, around_inside}),
+    fp3_delay #(.W(3), .N(2)) u_r3 (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({around_entry || around_ldl, around_half, around_inside}),
         .q_o({of_list_o, half_o, inside_r3}));
-    fp3_delay #(.W(REGISTER_W), .N(1)) u_number (.clk_i(clk_i), .rst_i(1'b0), .d_i(offset_q[REGISTER_W-1:0]), .q_o(number_o));
+    fp3_delay #(.W(REGISTER_W), .N(1)) u_number (.clk_i(clk_i), .rst_i(1'b0), .d_i(offset_q[REGISTER_W-1:0]),
+        .q_o(number_o));
     assign {place_o, row_o} = {sum_q, row_q};
-    fp3_delay #(.W(1), .N(AHEAD+TO_RESULT-3)) u_ended (.clk_i(clk_i), .rst_i(1'b0), .d_i(inside_r3 && !there_q), .q_o(ended_o));
+    fp3_delay #(.W(1), .N(AHEAD+TO_RESULT-3)) u_ended (.clk_i(clk_i), .rst_i(1'b0), .d_i(inside_r3 && !there_q),
+        .q_o(ended_o));
 
     // R+7: the neighbour
     wire                 entry_r6, turns_r6;

@@ -42,7 +42,8 @@ module fp3_narrow #(
             wire [4:0]  exponent = {!word_i[27], word_i[26:23]};         // less 112
             wire [26:0] moved;
             wire        beyond;
-            fp3_shift_right_sticky #(.W(27), .N(5)) u_moved (.d_i({1'b1, word_i[22:0], 3'b000}), .n_i(shift), .q_o(moved), .sticky_o(beyond));
+            fp3_shift_right_sticky #(.W(27), .N(5)) u_moved (.d_i({1'b1, word_i[22:0], 3'b000}), .n_i(shift),
+                .q_o(moved), .sticky_o(beyond));
             assign {kept, rest} = word_i[30:23] >= ABOVE ? {15'h7c00, 16'd0}
                                 : is_small ? {4'd0, moved} : {exponent, word_i[22:0], 3'b000};
             assign more = is_small && beyond;

@@ -38,7 +38,7 @@ module fp3_visits #(
     input  wire                 valid_i,
     input  wire                 begins_i,       // the first of a visit
     input  wire                 ends_i,         // the last
-    input  wire                 in_last_i,        // in the last part, which objects execute that fell asleep in this visit
+    input  wire                 in_last_i,      // in the last part, which objects that fell asleep execute
     input  wire                 lds_i,
     input  wire                 sleep_i,
     input  wire [CONTEXT_W-1:0] context_i,

@@ -64,7 +64,8 @@ module fp3_lns_add (
     wire        by16 = ~|r_q[24:9];
     wire        by8  = by16 ? ~|r_q[8:1] : ~|r_q[24:17];
     wire [24:0] moved;
-    fp3_mux4 #(.W(25)) u_coarse (.n_i({by16, by8}), .d0_i(r_q[24:0]), .d1_i({r_q[16:0], 8'd0}), .d2_i({r_q[8:0], 16'd0}),
+    fp3_mux4 #(.W(25)) u_coarse (.n_i({by16, by8}), .d0_i(r_q[24:0]), .d1_i({r_q[16:0], 8'd0}),
+        .d2_i({r_q[8:0], 16'd0}),
         .d3_i({r_q[0], 24'd0}), .q_o(moved));
     reg  [24:0] moved_q;
     reg  [1:0]  upper_q;
@@ -78,7 +79,8 @@ module fp3_lns_add (
     wire        by2 = by4 ? ~|moved_q[20:19] : ~|moved_q[24:23];
     wire        by1 = by4 ? (by2 ? !moved_q[18] : !moved_q[20]) : (by2 ? !moved_q[22] : !moved_q[24]);
     wire [24:0] nearly;
-    fp3_mux4 #(.W(25)) u_fine (.n_i({by4, by2}), .d0_i(moved_q), .d1_i({moved_q[22:0], 2'd0}), .d2_i({moved_q[20:0], 4'd0}),
+    fp3_mux4 #(.W(25)) u_fine (.n_i({by4, by2}), .d0_i(moved_q), .d1_i({moved_q[22:0], 2'd0}),
+        .d2_i({moved_q[20:0], 4'd0}),
         .d3_i({moved_q[18:0], 6'd0}), .q_o(nearly));
     wire        unused_top = nearly[24];                  // 1 unless by1
     reg  [23:0] fraction_q;

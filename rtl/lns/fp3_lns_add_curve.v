@@ -27,10 +27,12 @@ module fp3_lns_add_curve (
     reg  [6:0]  c3_q, late_c3_q;
     wire [35:0] fall, curve, bend;
     wire        unused = &{fall[13:0], curve[35:30], curve[11:0], bend[20:0]};
-    fp3_rom_registered #(.ADDR_W(10), .W(67), .WORDS({DIFFERENCES, SUMS})) u_words (.clk_i(clk_i), .at_i(at), .word_o(word));
+    fp3_rom_registered #(.ADDR_W(10), .W(67), .WORDS({DIFFERENCES, SUMS})) u_words (.clk_i(clk_i), .at_i(at),
+        .word_o(word));
     fp3_multiply #(.CUTS(2'b11)) u_fall (.clk_i(clk_i), .a_i(word[36:19]), .b_i(u1_q), .p_o(fall));
     fp3_multiply #(.CUTS(2'b11)) u_curve (.clk_i(clk_i), .a_i({6'd0, word[18:7]}), .b_i(u1_q), .p_o(curve));
-    fp3_multiply #(.CUTS(2'b11)) u_bend (.clk_i(clk_i), .a_i(curve[29:12] + {11'd0, late_c3_q}), .b_i(u3_q), .p_o(bend));
+    fp3_multiply #(.CUTS(2'b11)) u_bend (.clk_i(clk_i), .a_i(curve[29:12] + {11'd0, late_c3_q}), .b_i(u3_q),
+        .p_o(bend));
     always @(posedge clk_i) begin
         u0_q        <= r_i[27] ? r_i[19:2] : r_i[26] ? r_i[18:1] : r_i[17:0];
         {u1_q, u2_q, u3_q} <= {u0_q, u1_q, u2_q};

@@ -24,10 +24,14 @@ module fp3_lns_curve #(
     reg [27:0]  base_q, late_base_q;
     wire [35:0] square, line, bend;
     wire        unused = &{square[35:30], square[12:0], line[35:34], line[13:0], bend[35:27], bend[16:0]};
-    fp3_rom_registered #(.ADDR_W(9), .W(53), .WORDS(POWER != 0 ? POWERS : LOGS)) u_words (.clk_i(clk_i), .at_i(x_i[23:15]), .word_o(word));
-    fp3_multiply #(.CUTS(2'b11)) u_square (.clk_i(clk_i), .a_i({3'd0, x_i[14:0]}), .b_i({3'd0, x_i[14:0]}), .p_o(square));
-    fp3_multiply #(.SIGNED(1), .CUTS(2'b10)) u_line (.clk_i(clk_i), .a_i(word[27:10]), .b_i({3'd0, x_q[14:0]}), .p_o(line));
-    fp3_multiply #(.CUTS(2'b10)) u_bend (.clk_i(clk_i), .a_i({8'd0, word[9:0]}), .b_i({1'b0, square[29:13]}), .p_o(bend));
+    fp3_rom_registered #(.ADDR_W(9), .W(53), .WORDS(POWER != 0 ? POWERS : LOGS)) u_words (.clk_i(clk_i),
+        .at_i(x_i[23:15]), .word_o(word));
+    fp3_multiply #(.CUTS(2'b11)) u_square (.clk_i(clk_i), .a_i({3'd0, x_i[14:0]}), .b_i({3'd0, x_i[14:0]}),
+        .p_o(square));
+    fp3_multiply #(.SIGNED(1), .CUTS(2'b10)) u_line (.clk_i(clk_i), .a_i(word[27:10]), .b_i({3'd0, x_q[14:0]}),
+        .p_o(line));
+    fp3_multiply #(.CUTS(2'b10)) u_bend (.clk_i(clk_i), .a_i({8'd0, word[9:0]}), .b_i({1'b0, square[29:13]}),
+        .p_o(bend));
     always @(posedge clk_i) begin
         read_x_q    <= x_i;
         x_q         <= read_x_q;

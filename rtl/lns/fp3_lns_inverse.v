@@ -52,7 +52,8 @@ module fp3_lns_inverse (
     wire        by2 = by4 ? ~|moved_q[19:18] : ~|moved_q[23:22];
     wire        by1 = by4 ? (by2 ? !moved_q[17] : !moved_q[19]) : (by2 ? !moved_q[21] : !moved_q[23]);
     wire [23:0] nearly;
-    fp3_mux4 #(.W(24)) u_fine (.n_i({by4, by2}), .d0_i(moved_q), .d1_i({moved_q[21:0], 2'd0}), .d2_i({moved_q[19:0], 4'd0}),
+    fp3_mux4 #(.W(24)) u_fine (.n_i({by4, by2}), .d0_i(moved_q), .d1_i({moved_q[21:0], 2'd0}),
+        .d2_i({moved_q[19:0], 4'd0}),
         .d3_i({moved_q[17:0], 6'd0}), .q_o(nearly));
     wire        unused_top = nearly[23];                  // 1 unless by1
     reg  [22:0] fraction_q;
@@ -68,7 +69,8 @@ module fp3_lns_inverse (
     wire [27:0] log;
     reg  [27:0] log_q;
     fp3_lns_curve u_log (.clk_i(clk_i), .x_i({fraction_q, 1'b0}), .value_o(log));
-    fp3_delay #(.W(12), .N(5)) u_whole (.clk_i(clk_i), .rst_i(1'b0), .d_i({root, ~|fraction_q && !(root && !whole_q[0]), whole_q}),
+    fp3_delay #(.W(12), .N(5)) u_whole (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({root, ~|fraction_q && !(root && !whole_q[0]), whole_q}),
         .q_o({is_root, is_exact, whole}));
     always @(posedge clk_i) log_q <= log;
 
@@ -87,7 +89,8 @@ module fp3_lns_inverse (
     wire        exact;
     wire [9:0]  e;
     fp3_lns_curve #(.POWER(1)) u_power (.clk_i(clk_i), .x_i(power_of_q[23:0]), .value_o(power));
-    fp3_delay #(.W(11), .N(5)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({is_exact_q, power_of_q[33:24]}), .q_o({exact, e}));
+    fp3_delay #(.W(11), .N(5)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({is_exact_q, power_of_q[33:24]}),
+        .q_o({exact, e}));
     always @(posedge clk_i) power_q <= power;
 
     // Subnormal results below 2^-127 have two zeros in front.

@@ -62,7 +62,7 @@ module fp3_batch #(
     // Decode's
     reg                 batch_q;
     reg [ROW_W:0]       left_q;        // objects not yet in a batch that decode has begun
-    reg [CONTEXTS-1:0]  next_q, visit_q, awake_q;     // contexts with an object in the next batch; in this batch; with an object awake
+    reg [CONTEXTS-1:0]  next_q, visit_q, awake_q;     // with an object in the next batch; in this; awake
     wire                begins = take_i && begins_i;
     wire                sleeps = valid_i && asleep_i && reported_batch_i == batch_q;
     wire [CONTEXTS-1:0] reported = {{CONTEXTS-1{1'b0}}, 1'b1} << reported_context_i;

@@ -59,7 +59,8 @@ module fp3_draws #(
     wire [31:0] mixed, object_late;
     reg         draws_q;
     reg  [31:0] number_q;
-    fp3_mix u_mix (.clk_i(clk_i), .number_i(setting_seed ^ step_q ^ ({{32-REGISTER_W{1'b0}}, register_q} << 26)), .mixed_o(mixed));
+    fp3_mix u_mix (.clk_i(clk_i), .number_i(setting_seed ^ step_q ^ ({{32-REGISTER_W{1'b0}}, register_q} << 26)),
+        .mixed_o(mixed));
     fp3_delay #(.W(32), .N(TIMING_MIX)) u_object (.clk_i(clk_i), .rst_i(1'b0), .d_i(object_q), .q_o(object_late));
     always @(posedge clk_i) begin
         draws_q  <= |setting_seed;

@@ -106,7 +106,8 @@ module fp3_exchange #(
     wire [LANE_W-1:0]     to_lane;
     wire [ROW_W-1:0]      to_row;
     fp3_delay #(.W(1), .N(2)) u_from (.clk_i(clk_i), .rst_i(rst_i || abort_i), .d_i(walks), .q_o(from_valid));
-    fp3_delay #(.W(REGISTER_W), .N(2)) u_from_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_q), .q_o(from_register));
+    fp3_delay #(.W(REGISTER_W), .N(2)) u_from_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(register_q),
+        .q_o(from_register));
     wire from_write = write_i && !write_addr_i[0], to_write = write_i && write_addr_i[0];
     wire [FROM_W-1:0] write_place = {write_value_i[COPIES_LANE_LO +: LANE_W], write_value_i[COPIES_ROW_LO +: ROW_W]};
     fp3_ram_registered #(.ADDR_W(INDEX_W), .W(FROM_W)) u_froms (.clk_i(clk_i),
@@ -130,10 +131,12 @@ module fp3_exchange #(
     reg [INDEX_W-1:0] to_index_q;
     fp3_delay #(.W(1), .N(WAY)) u_to_reads (.clk_i(clk_i), .rst_i(rst_i || abort_i), .d_i(walks), .q_o(to_reads));
     fp3_delay #(.W(1), .N(2)) u_to (.clk_i(clk_i), .rst_i(rst_i || abort_i), .d_i(to_reads), .q_o(to_valid));
-    fp3_delay #(.W(REGISTER_W), .N(WAY)) u_to_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(from_register), .q_o(to_register));
+    fp3_delay #(.W(REGISTER_W), .N(WAY)) u_to_register (.clk_i(clk_i), .rst_i(1'b0), .d_i(from_register),
+        .q_o(to_register));
     always @(posedge clk_i) to_index_q <= to_reads ? to_index_q + 1'b1 : {INDEX_W{1'b0}};
     fp3_ram_registered #(.ADDR_W(INDEX_W), .W(1+FROM_W)) u_tos (.clk_i(clk_i),
-        .write_i(to_write), .write_addr_i(write_addr_i[STORE_W-1:1]), .write_value_i({write_value_i[COPIES_EVERY_LO], write_place}),
+        .write_i(to_write), .write_addr_i(write_addr_i[STORE_W-1:1]),
+        .write_value_i({write_value_i[COPIES_EVERY_LO], write_place}),
         .read_i(1'b1), .read_addr_i(to_index_q), .read_value_o({to_all, to_lane, to_row}));
     `FP3_ACCESS_FIELDS
     wire [STORE_W-1:0] base   = {to_row, 3'd0} << setting_record;

@@ -150,7 +150,8 @@ module fp3_issue #(
             wire                 finds;
             wire [CONTEXT_W-1:0] context_late;
             fp3_delay #(.W(1), .N(LATE)) u_finds (.clk_i(clk_i), .rst_i(rst_i), .d_i(each_q), .q_o(finds));
-            fp3_delay #(.W(CONTEXT_W), .N(LATE)) u_context_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_now), .q_o(context_late));
+            fp3_delay #(.W(CONTEXT_W), .N(LATE)) u_context_late (.clk_i(clk_i), .rst_i(1'b0), .d_i(context_now),
+                .q_o(context_late));
             // Its entry is the first: all of AROUND is 0 but that it is an entry, and that of
             // `each`.
             localparam [AROUND_W-1:0] FIRST = {2'b11, {AROUND_W-2{1'b0}}};
@@ -184,7 +185,8 @@ module fp3_issue #(
     assign issue_x        = {x_q[REGISTER_W] ? SHARED : issue_context, x_q[REGISTER_W-1:0]};
     assign issue_y        = {y_q[REGISTER_W] ? SHARED : issue_context, y_q[REGISTER_W-1:0]};
     fp3_delay #(.W(2+REG_W), .N(Z_LATE)) u_z (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({minus, zero_q, z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]}), .q_o({issue_minus, issue_zero, issue_z}));
+        .d_i({minus, zero_q, z_q[REGISTER_W] ? SHARED : issue_context, z_q[REGISTER_W-1:0]}),
+        .q_o({issue_minus, issue_zero, issue_z}));
     fp3_delay #(.W(`FP3_ISSUE_W), .N(AHEAD)) u_issue (.clk_i(clk_i), .rst_i(rst_i), .d_i(`FP3_ISSUE), .q_o(issue_o));
 
     assign retire_round      = open_i;
@@ -201,14 +203,16 @@ module fp3_issue #(
     assign retire_context    = issue_context;
     assign retire_register   = d_q;
     assign retire_row        = row;
-    fp3_delay #(.W(`FP3_RETIRE_W), .N(AHEAD+TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`FP3_RETIRE), .q_o(retire_o));
+    fp3_delay #(.W(`FP3_RETIRE_W), .N(AHEAD+TO_END)) u_retire (.clk_i(clk_i), .rst_i(rst_i), .d_i(`FP3_RETIRE),
+        .q_o(retire_o));
     assign valid_o   = valid_q;
     assign context_o = context_now;
 
     // The number of the step changes with the first of a sweep.
     wire       late, late_begins, late_newstep, late_in_last;
     reg [31:0] step_q;
-    fp3_delay #(.W(4), .N(AHEAD+TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i), .d_i({first_q, begins_q, newstep_q, in_last_q}),
+    fp3_delay #(.W(4), .N(AHEAD+TO_RESULT-1)) u_late (.clk_i(clk_i), .rst_i(rst_i),
+        .d_i({first_q, begins_q, newstep_q, in_last_q}),
         .q_o({late, late_begins, late_newstep, late_in_last}));
     always @(posedge clk_i)
         if (late)
@@ -223,7 +227,8 @@ module fp3_issue #(
                              : (begins ? base_i : now_q) + {31'd0, newstep};
     wire                 valid_late;
     wire [31:0]          now_late;
-    fp3_delay #(.W(33), .N(AHEAD+TO_RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}), .q_o({valid_late, now_late}));
+    fp3_delay #(.W(33), .N(AHEAD+TO_RESULT+1)) u_now (.clk_i(clk_i), .rst_i(rst_i), .d_i({issue_i, now}),
+        .q_o({valid_late, now_late}));
     reg                  swept_q;              // an instruction has issued: instruction_q for batch_q
     reg  [`FP3_DECODED_W+`FP3_MARKS_W:0] instruction_q;
     always @(posedge clk_i) begin

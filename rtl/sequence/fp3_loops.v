@@ -73,7 +73,7 @@ module fp3_loops #(
     reg [WAIT_W-1:0]    wait_q;
     reg [LENGTH_W-1:0]  turn_q, turns_q;
     reg                 final_q;                       // this turn is the last one
-    reg [STORE_W-1:0]   fields_q, load_q, end_q;       // of an entry: its first field, the next `ldl`, behind the last field read
+    reg [STORE_W-1:0]   fields_q, load_q, end_q;       // an entry's first field, next `ldl`, end
     reg                 entry_q, field_q;              // the word taken a cycle ago begins an entry; reads a field ...
     reg [STORE_W-1:0]   offset_q;                      // ... at this offset
     reg [PROGRAM_W-1:0] loop_q, phase_q;               // where they begin

@@ -63,10 +63,12 @@ module fp3_one_stream #(
     wire                issue = busy && grant_i;
     wire [CONTEXTS-1:0] current;
     wire [COUNT_W-1:0]  count;
-    fp3_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(COUNT_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(open_i),
+    fp3_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(COUNT_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i),
+        .start_i(open_i),
         .valid_i(valid_i), .mask_i(mask_i), .take_i(take_i), .known_o(known_o), .count_o(count), .may_o(may),
         .busy_i(busy), .over_i(issue && sweep_end));
-    fp3_sweep #(.CONTEXTS(CONTEXTS), .COUNT_W(COUNT_W)) u_sweep (.clk_i(clk_i), .rst_i(rst_i || abort_i), .load_i(load_o),
+    fp3_sweep #(.CONTEXTS(CONTEXTS), .COUNT_W(COUNT_W)) u_sweep (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+        .load_i(load_o),
         .mask_i(mask_i), .count_i(count), .next_i(issue), .busy_o(busy), .current_o(current), .sweep_end_o(sweep_end));
     assign load_o = may && goes_i;
     assign busy_o = busy;
@@ -93,13 +95,15 @@ module fp3_one_stream #(
         .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
         .issue_i(issue), .first_i(first_q), .batch_i(batch_q), .current_i(current),
         .decoded_i(decoded_q), .marks_i(marks_q), .around_i(around_q),
-        .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o),
+        .adds_o(adds), .muls_o(muls), .issued_o(kinds_o), .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o),
+        .step_o(step_o),
         .valid_o(issued_valid), .context_o(context_number));
     generate
         if (STORAGE != 0) begin : g_draws
             `FP3_DECODED_FIELDS
             assign `FP3_DECODED = decoded_q;
-            fp3_draws #(.CONFIG(CONFIG)) u_draws (.clk_i(clk_i), .settings_i(settings_i), .open_i(open_i), .base_i(base_i), .end_i(end_i),
+            fp3_draws #(.CONFIG(CONFIG)) u_draws (.clk_i(clk_i), .settings_i(settings_i), .open_i(open_i),
+                .base_i(base_i), .end_i(end_i),
                 .issue_i(issue), .first_i(first_q), .marks_i(marks_q), .register_i(d), .draw_o(draw_o));
         end else begin : g_no_draws
             assign draw_o = 1'b0;

@@ -70,7 +70,8 @@ module fp3_sequencer #(
         .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .settings_i(settings_i),
         .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing), .partial_i(partial),
         .copied_i(copied_i), .copy_o(copy_o), .closed_o(closed),
-        .open_o(open), .begin_o(starts), .round_o(in_round), .abort_o(abort), .steps_o(steps), .base_o(base), .end_o(end_step));
+        .open_o(open), .begin_o(starts), .round_o(in_round), .abort_o(abort), .steps_o(steps), .base_o(base),
+        .end_o(end_step));
 
     assign abort_o = abort;
 
@@ -108,7 +109,8 @@ module fp3_sequencer #(
             always @(posedge clk_i) begin
                 if (rst_i || abort || jump) valid_q <= 1'b0;
                 else if (advance)           valid_q <= delivered;
-                if (advance) {pc_q, word_q, marks_q, decoded_q} <= {delivered_pc, delivered_word, delivered_marks, delivered_decoded};
+                if (advance)
+                    {pc_q, word_q, marks_q, decoded_q} <= {delivered_pc, delivered_word, delivered_marks, delivered_decoded};
             end
             assign advance       = (ready || !valid_q) && !jump;
             assign decoded_empty = !valid_q;
@@ -116,16 +118,19 @@ module fp3_sequencer #(
         end else begin : g_not_decoded
             assign advance       = ready;
             assign decoded_empty = 1'b1;
-            assign {fetched, fetch_pc, fetch_word, marks, decoded} = {delivered, delivered_pc, delivered_word, delivered_marks, delivered_decoded};
+            assign {fetched, fetch_pc, fetch_word, marks, decoded}
+                = {delivered, delivered_pc, delivered_word, delivered_marks, delivered_decoded};
         end
     endgenerate
 
     wire [CONTEXTS-1:0] mask;
     wire                batch;
-    fp3_batch #(.CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_batch (.clk_i(clk_i), .rst_i(rst_i), .open_i(open), .count_i(report_count),
+    fp3_batch #(.CONTEXTS(CONTEXTS), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_batch (.clk_i(clk_i), .rst_i(rst_i),
+        .open_i(open), .count_i(report_count),
         .again_i(again), .more_o(more), .skip_o(skip),
         .take_i(ready && fetched), .begins_i(begins), .in_last_i(in_last), .mask_o(mask), .batch_o(batch),
-        .valid_i(report_valid), .asleep_i(report_asleep), .reported_batch_i(report_batch), .reported_context_i(report_context));
+        .valid_i(report_valid), .asleep_i(report_asleep), .reported_batch_i(report_batch),
+        .reported_context_i(report_context));
 
     // The next instruction: it waits here until its sweep may begin
     // ----------------------------------
@@ -174,7 +179,8 @@ module fp3_sequencer #(
             fp3_loops #(.CONFIG(CONFIG)) u_loops (.clk_i(clk_i), .rst_i(rst_i),
                 .start_i(start_i), .abort_i(abort), .settings_i(settings_i), .round_end_i(closed),
                 .take_i(ready && fetched), .decoded_i(decoded), .pc_i(fetch_pc), .ends_i(ends), .more_i(more),
-                .drop_o(drop), .around_o(around), .hold_o(hold), .still_i(!valid_q && !busy), .longest_i(report_longest),
+                .drop_o(drop), .around_o(around), .hold_o(hold), .still_i(!valid_q && !busy),
+                .longest_i(report_longest),
                 .jump_o(jump), .jump_on_o(jump_on), .jump_begins_o(jump_begins), .jump_pc_o(jump_pc),
                 .partial_o(partial), .half_o(half_o));
         end else begin : g_no_loops
@@ -199,21 +205,24 @@ module fp3_sequencer #(
                 .issue_o(issue_o), .retire_o(retire_o), .issued_o(issued_o));
             assign reach_o = {`FP3_REACH_W{1'b0}};
             assign draw_o  = 1'b0;
-            assign {adds_o, muls_o, sweep_end_o, step_o} = 35'd0;       // no unit is shared, and no lane needs the number of the step
+            assign {adds_o, muls_o, sweep_end_o, step_o} = 35'd0;       // no unit is shared, no lane needs the step
             wire unused_one = &{base, end_step, batch, marks_q, around_q};
         end else begin : g_one
             fp3_one_stream #(.CONFIG(CONFIG)) u_streams (.clk_i(clk_i), .rst_i(rst_i),
                 .open_i(open), .abort_i(abort), .settings_i(settings_i), .base_i(base), .end_i(end_step),
-                .valid_i(valid_q), .goes_i(goes_q), .take_i(take), .decoded_i(decoded_q), .marks_i(marks_q), .pc_i(pc_q), .word_i(word_q),
+                .valid_i(valid_q), .goes_i(goes_q), .take_i(take), .decoded_i(decoded_q), .marks_i(marks_q),
+                .pc_i(pc_q), .word_i(word_q),
                 .mask_i(mask_q), .around_i(around_q), .batch_i(batch), .known_o(known), .load_o(load), .busy_o(busy),
                 .adds_o(adds_o), .muls_o(muls_o), .sweep_end_o(sweep_end_o), .grant_i(grant_i),
                 .kinds_o(kinds), .issued_late_o(issued_late),
-                .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .draw_o(draw_o), .issued_o(issued_o));
+                .reach_o(reach_o), .issue_o(issue_o), .retire_o(retire_o), .step_o(step_o), .draw_o(draw_o),
+                .issued_o(issued_o));
             assign paired = 1'b0;
             wire unused_two = &row_q;
         end
     endgenerate
-    fp3_delay #(.W(1), .N(TIMING_TOLD + AHEAD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i), .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
+    fp3_delay #(.W(1), .N(TIMING_TOLD + AHEAD + TO_RESULT + TIMING_WRITE - 1)) u_retired (.clk_i(clk_i),
+        .rst_i(rst_i), .d_i(issued_late), .q_o(retired));
     reg under_in_last_q;                 // the last that was taken is in a last part
     always @(posedge clk_i) if (load) under_in_last_q <= in_last_q;
     assign issuing = !fetch_empty || !decoded_empty || valid_q || busy || jump;

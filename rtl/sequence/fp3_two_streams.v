@@ -66,8 +66,10 @@ module fp3_two_streams #(
     wire [COUNT_W-1:0]   count;
     wire [CONTEXT_W-1:0] sum_context, product_context;
     wire [ROW_W-1:0]     sum_row, product_row;
-    fp3_dual_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(COUNT_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i), .start_i(open_i),
-        .valid_i(valid_i), .mask_i(mask_i), .adds_i(to_add || to_memory || memory_q), .muls_i(to_mul || to_memory || memory_q),
+    fp3_dual_pace #(.CONTEXTS(CONTEXTS), .GAP(GAP), .COUNT_W(COUNT_W)) u_pace (.clk_i(clk_i), .rst_i(rst_i),
+        .start_i(open_i),
+        .valid_i(valid_i), .mask_i(mask_i), .adds_i(to_add || to_memory || memory_q),
+        .muls_i(to_mul || to_memory || memory_q),
         .legal_i(legal), .take_i(take_i), .known_o(known_o), .count_o(count), .may_o(load_o),
         .adder_i(sum_free), .multiplier_i(product_free));
     always @(posedge clk_i) if (load_o) memory_q <= to_memory; else if (open_i) memory_q <= 1'b0;
@@ -79,12 +81,15 @@ module fp3_two_streams #(
     wire                  sum_adds, sum_loads, sum_memory, product_loads;
     wire [REGISTER_W-1:0] sum_register, product_register;
     wire [REGISTER_W:0]   sum_x, sum_y, product_x, product_y;
-    fp3_dual_sweep #(.WHAT_W(SUM_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_sums (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+    fp3_dual_sweep #(.WHAT_W(SUM_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_sums (.clk_i(clk_i),
+        .rst_i(rst_i || abort_i),
         .load_i(load_o && !to_products), .count_i(count), .base_i(row_i),
         .what_i({pc_i, word_i, to_memory, to_add, to_memory && !st, subtract && swapped, subtract && !swapped,
                  twice, halve, st, st && d[0], d, x, y}),
-        .busy_o(sum_busy), .free_o(sum_free), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what), .row_o(sum_row));
-    fp3_dual_sweep #(.WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_products (.clk_i(clk_i), .rst_i(rst_i || abort_i),
+        .busy_o(sum_busy), .free_o(sum_free), .valid_o(sum_valid), .context_o(sum_context), .what_o(sum_what),
+        .row_o(sum_row));
+    fp3_dual_sweep #(.WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_products (
+        .clk_i(clk_i), .rst_i(rst_i || abort_i),
         .load_i(load_o && to_products), .count_i(count), .base_i(row_i),
         .what_i({pc_i, word_i, to_memory, d, x, y}),
         .busy_o(product_busy), .free_o(product_free), .valid_o(product_valid), .context_o(product_context),
@@ -106,7 +111,8 @@ module fp3_two_streams #(
         .q_o({issue_minus_x, issue_minus_y, issue_twice, issue_halve, issue_st_now, issue_st_y, issue_register,
               issue_sum_x, issue_product_x, issue_product_y}));
     fp3_delay #(.W(1), .N(TIMING_EARLY)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(sum_valid), .q_o(valid_late));
-    fp3_delay #(.W(ROW_W), .N(1+TIMING_EARLY)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row), .q_o(issue_st_row));
+    fp3_delay #(.W(ROW_W), .N(1+TIMING_EARLY)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row),
+        .q_o(issue_st_row));
     assign issue_st     = issue_st_now && valid_late;
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS    = settings_i;

@@ -153,11 +153,14 @@ module fp3_solo #(
     wire             writes      = write || host_write;
     wire [REG_W-1:0] write_addr  = write ? write_d : host_addr;
     wire [31:0]      write_value = write ? result : host_wdata;
-    fp3_ram_forward #(.ADDR_W(REG_W)) u_a (.clk_i(clk_i), .write_i(writes), .write_addr_i(write_addr), .write_value_i(write_value),
+    fp3_ram_forward #(.ADDR_W(REG_W)) u_a (.clk_i(clk_i), .write_i(writes), .write_addr_i(write_addr),
+        .write_value_i(write_value),
         .read_addr_i(running_q ? a : host_addr), .read_value_o(a_value));
-    fp3_ram_forward #(.ADDR_W(REG_W)) u_b (.clk_i(clk_i), .write_i(writes), .write_addr_i(write_addr), .write_value_i(write_value),
+    fp3_ram_forward #(.ADDR_W(REG_W)) u_b (.clk_i(clk_i), .write_i(writes), .write_addr_i(write_addr),
+        .write_value_i(write_value),
         .read_addr_i(b), .read_value_o(b_value));
-    fp3_ram_forward #(.ADDR_W(REG_W)) u_c (.clk_i(clk_i), .write_i(writes), .write_addr_i(write_addr), .write_value_i(write_value),
+    fp3_ram_forward #(.ADDR_W(REG_W)) u_c (.clk_i(clk_i), .write_i(writes), .write_addr_i(write_addr),
+        .write_value_i(write_value),
         .read_addr_i(c), .read_value_o(c_value));
     assign host_rdata = a_value;
 

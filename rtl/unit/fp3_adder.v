@@ -22,9 +22,11 @@ module fp3_adder #(
     wire [31:BELOW] sum, late;
     wire [4:0]      flags;
     wire            unused = &{a_i, b_i};              // bits below the fraction
-    fp3_fp_add #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD_CUTS)) u_add (.clk_i(clk_i),
+    fp3_fp_add #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(ADD_CUTS)) u_add (
+        .clk_i(clk_i),
         .sub_i(subtract_i), .a_i(a_i[31:BELOW]), .b_i(b_i[31:BELOW]), .z_o(sum), .flags_o(flags));
-    fp3_delay #(.W(37 - BELOW), .N(ADD_SPARE + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, sum}), .q_o({flags_o, late}));
+    fp3_delay #(.W(37 - BELOW), .N(ADD_SPARE + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, sum}),
+        .q_o({flags_o, late}));
     assign value_o = {late, {BELOW{1'b0}}};
 endmodule
 `default_nettype wire

@@ -29,11 +29,14 @@ module fp3_fused_adder #(
 
     wire [31:BELOW] value, value_late;
     wire [4:0]      flags, flags_late;
-    fp3_fp_fma #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS({ADD_CUTS[6:0], MUL_CUTS[3:0]}), .WAIT(WAIT),
+    fp3_fp_fma #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .CUTS({ADD_CUTS[6:0], MUL_CUTS[3:0]}),
+        .WAIT(WAIT),
         .Z_EARLY(INTERLEAVE == 0)) u_fma (.clk_i(clk_i),
-        .x_i(x_i[31:BELOW]), .y_i(y_i[31:BELOW]), .no_product_i(no_product_i), .subtract_i(subtract_i), .z_i(z_i[31:BELOW]),
+        .x_i(x_i[31:BELOW]), .y_i(y_i[31:BELOW]), .no_product_i(no_product_i), .subtract_i(subtract_i),
+        .z_i(z_i[31:BELOW]),
         .z_o(value), .flags_o(flags));
-    fp3_delay #(.W(37 - BELOW), .N(ADD_SPARE)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, value}), .q_o({flags_late, value_late}));
+    fp3_delay #(.W(37 - BELOW), .N(ADD_SPARE)) u_late (.clk_i(clk_i), .rst_i(1'b0), .d_i({flags, value}),
+        .q_o({flags_late, value_late}));
     assign result_o = {flags_late, value_late, {BELOW{1'b0}}};
 endmodule
 `default_nettype wire

@@ -24,7 +24,8 @@ module fp3_fused_arith #(
     wire        no_product;                // in the next cycle
     wire        subtract;
     wire [31:0] z;
-    fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
+    fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract),
+        .q_o(subtract));
     fp3_fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
         .a_i(operands_z), .b_i(operands_y), .true_i(|operands_x[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
     fp3_fused_adder #(.CONFIG(CONFIG)) u_fma (.clk_i(clk_i), .no_product_i(no_product), .subtract_i(subtract),

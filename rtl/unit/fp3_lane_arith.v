@@ -30,13 +30,15 @@ module fp3_lane_arith #(
     wire        no_product;                // in the next cycle
     wire [31:0] product;
     wire [4:0]  product_flags;
-    fp3_multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product), .instead_i({5'd0, BITS_MINUS_ZERO}),
+    fp3_multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
+        .instead_i({5'd0, BITS_MINUS_ZERO}),
         .a_i(operands_x), .b_i(operands_y), .value_o(product), .flags_o(product_flags));
 
     // The adder's other operand waits for the product.
     wire        subtract;
     wire [31:0] z;
-    fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
+    fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract),
+        .q_o(subtract));
     fp3_fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
         .a_i(operands_z), .b_i(operands_y), .true_i(|operands_x[30:NONZERO_FROM]), .z_o(z), .no_product_o(no_product));
 
@@ -53,7 +55,8 @@ module fp3_lane_arith #(
             wire        root = operands_choice == CHOICE_RSQRT;
             wire [31:0] inverse, inverse_late;
             wire [4:0]  flags, flags_late;
-            fp3_lns_inverse u_inverse (.clk_i(clk_i), .on_i(root || operands_choice == CHOICE_RCP), .root_i(root), .a_i(operands_z),
+            fp3_lns_inverse u_inverse (.clk_i(clk_i), .on_i(root || operands_choice == CHOICE_RCP), .root_i(root),
+                .a_i(operands_z),
                 .z_o(inverse), .flags_o(flags));
             fp3_delay #(.W(37), .N(MUL_LATENCY + ADD_LATENCY - INVERSE)) u_late (.clk_i(clk_i), .rst_i(1'b0),
                 .d_i({flags, inverse}), .q_o({flags_late, inverse_late}));

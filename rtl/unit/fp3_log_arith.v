@@ -46,7 +46,8 @@ module fp3_log_arith #(
         .q_o({is_root, rooted_flags_q, rooted_q}));
 
     wire        no_product, reciprocal;                    // in the next cycle
-    fp3_delay #(.W(1), .N(MUL_LATENCY - 1)) u_reciprocal (.clk_i(clk_i), .rst_i(1'b0), .d_i(root || inverse), .q_o(reciprocal));
+    fp3_delay #(.W(1), .N(MUL_LATENCY - 1)) u_reciprocal (.clk_i(clk_i), .rst_i(1'b0), .d_i(root || inverse),
+        .q_o(reciprocal));
     wire [31:0] product_late;
     wire [4:0]  flags_late;
     fp3_delay #(.W(37), .N(MUL_LATENCY - MUL_CORE - 1)) u_late (.clk_i(clk_i), .rst_i(1'b0),
@@ -57,7 +58,8 @@ module fp3_log_arith #(
 
     wire        subtract;
     wire [31:0] z;
-    fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract), .q_o(subtract));
+    fp3_delay #(.W(1), .N(MUL_LATENCY)) u_subtract (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_subtract),
+        .q_o(subtract));
     fp3_fp_value #(.CONFIG(CONFIG)) u_z (.clk_i(clk_i), .choice_i(operands_choice),
         .a_i(operands_z), .b_i(operands_y), .true_i(|operands_x[30:0]), .z_o(z), .no_product_o(no_product));
 
@@ -65,7 +67,8 @@ module fp3_log_arith #(
     wire [4:0]  sum_flags, earlier_flags;
     fp3_lns_add u_add (.clk_i(clk_i), .sub_i(subtract), .a_i(z), .b_i(product_q), .z_o(sum), .flags_o(sum_flags));
     fp3_delay #(.W(5), .N(ADD_CORE)) u_flags (.clk_i(clk_i), .rst_i(1'b0), .d_i(flags_q), .q_o(earlier_flags));
-    fp3_delay #(.W(37), .N(ADD_LATENCY - ADD_CORE)) u_result (.clk_i(clk_i), .rst_i(1'b0), .d_i({sum_flags | earlier_flags, sum}),
+    fp3_delay #(.W(37), .N(ADD_LATENCY - ADD_CORE)) u_result (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({sum_flags | earlier_flags, sum}),
         .q_o(`FP3_RESULT));
 endmodule
 `default_nettype wire

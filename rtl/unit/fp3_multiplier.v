@@ -25,7 +25,8 @@ module fp3_multiplier #(
     wire [31:BELOW] product, product_late;
     wire [4:0]      flags, flags_late;
     wire            unused = &{a_i, b_i, instead_i};              // bits below the fraction
-    fp3_fp_mul #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL_CUTS)) u_mul (.clk_i(clk_i),
+    fp3_fp_mul #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE), .CUTS(MUL_CUTS)) u_mul (
+        .clk_i(clk_i),
         .a_i(a_i[31:BELOW]), .b_i(b_i[31:BELOW]), .z_o(product), .flags_o(flags));
     fp3_delay #(.W(37 - BELOW), .N(MUL_SPARE - 1 + WAIT)) u_late (.clk_i(clk_i), .rst_i(1'b0),
         .d_i({flags, product}), .q_o({flags_late, product_late}));

@@ -59,7 +59,8 @@ module fp3_shared_arith #(
         if (SCALE != 0) begin : g_scale
             wire [31:BELOW] moved;
             assign scaled = {moved, {BELOW{1'b0}}};
-            fp3_fp_scale #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (.clk_i(clk_i), .twice_i(twice_q), .halve_i(halve_q),
+            fp3_fp_scale #(.FRAC(FRACTION), .SUBNORMAL(SUBNORMAL), .NEAREST(NEAREST), .FINITE(FINITE)) u_scale (
+                .clk_i(clk_i), .twice_i(twice_q), .halve_i(halve_q),
                 .d_i(y_q[31:BELOW]), .z_o(moved), .flags_o(scale_flags));
         end else begin : g_no_scale
             wire unused_scale = twice_q | halve_q;

@@ -64,7 +64,8 @@ module fp3_solo_arith #(
 
     fp3_adder #(.CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(chained ? chain_subtract : operands_subtract),
         .a_i(add_a_i), .b_i(add_b_i), .value_o(sum), .flags_o(sum_flags));
-    fp3_multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product), .instead_i({5'd0, BITS_MINUS_ZERO}),
+    fp3_multiplier #(.CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(no_product),
+        .instead_i({5'd0, BITS_MINUS_ZERO}),
         .a_i(operands_x), .b_i(operands_y), .value_o(product), .flags_o(product_flags));
     assign sum_o     = {sum_flags | chain_flags, sum};
     assign product_o = {product_flags, product};

@@ -42,8 +42,10 @@ module fp3_solo_fused #(
         if (VALUES != 0) begin : g_value
             wire [31:0] made;
             wire        unused_no_product;
-            fp3_delay #(.W(1), .N(MUL_LATENCY-1)) u_valued (.clk_i(clk_i), .rst_i(1'b0), .d_i(operands_choice != CHOICE_NONE), .q_o(valued));
-            fp3_fp_value #(.EARLY(1), .CONFIG(CONFIG)) u_value (.clk_i(clk_i), .choice_i(operands_choice), .a_i(operands_z), .b_i(operands_y),
+            fp3_delay #(.W(1), .N(MUL_LATENCY-1)) u_valued (.clk_i(clk_i), .rst_i(1'b0),
+                .d_i(operands_choice != CHOICE_NONE), .q_o(valued));
+            fp3_fp_value #(.EARLY(1), .CONFIG(CONFIG)) u_value (.clk_i(clk_i), .choice_i(operands_choice),
+                .a_i(operands_z), .b_i(operands_y),
                 .true_i(|operands_x[30:NONZERO_FROM]), .z_o(made), .no_product_o(unused_no_product));
             wire [31:0] kept  = made & KEPT;
             wire        nan   = &kept[30:23] && |kept[22:0];

@@ -28,12 +28,14 @@ module fp3_unit #(
             fp3_lane_arith #(.CONFIG(CONFIG)) u_arith (.clk_i(clk_i), .operands_i(operands_i), .result_o(result_o));
         end else if (STREAM == 0) begin : g_sum                  // y is scaled already
             `FP3_RESULT_FIELDS
-            fp3_adder #(.WAIT(UNIT_LATENCY - ADD_LATENCY), .CONFIG(CONFIG)) u_add (.clk_i(clk_i), .subtract_i(operands_subtract),
+            fp3_adder #(.WAIT(UNIT_LATENCY - ADD_LATENCY), .CONFIG(CONFIG)) u_add (.clk_i(clk_i),
+                .subtract_i(operands_subtract),
                 .a_i(operands_z), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;
         end else begin : g_product
             `FP3_RESULT_FIELDS
-            fp3_multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i), .no_product_i(1'b0), .instead_i(37'd0),
+            fp3_multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i),
+                .no_product_i(1'b0), .instead_i(37'd0),
                 .a_i(operands_x), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;
         end

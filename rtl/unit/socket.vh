@@ -15,7 +15,8 @@
     wire [CHOICE_W-1:0] operands_choice; \
     wire operands_subtract, operands_twice, operands_halve; \
     wire [31:0] operands_z, operands_x, operands_y; /* verilator lint_on UNUSEDSIGNAL */
-`define FP3_OPERANDS {operands_choice, operands_subtract, operands_twice, operands_halve, operands_z, operands_x, operands_y}
+`define FP3_OPERANDS {operands_choice, operands_subtract, operands_twice, operands_halve, \
+    operands_z, operands_x, operands_y}
 `define FP3_RESULT_W 37
 `define FP3_RESULT_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire [4:0] result_flags; \

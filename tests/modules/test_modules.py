@@ -146,7 +146,7 @@ BUGS = {
         Bug("a constant of this lane alone", "fp3_lane.v", "to_constants = access_valid && access_write", "to_constants = write"),
         Bug("a half is a quarter", "fp3_lane_operands.v", "!twice_i2 && !halve_i2", "!twice_i2"),
         Bug("-0 is 0", "fp3_lane_operands.v", "z_q <= BITS_MINUS_ZERO", "z_q <= 32'd0"),
-        Bug("one row for all", "fp3_lane_end.v", ".d_i(retire_row), .q_o(own_row_e3)", ".d_i({ROW_W{1'b0}}), .q_o(own_row_e3)"),
+        Bug("one row for all", "fp3_lane_end.v", ".d_i(retire_row)", ".d_i({ROW_W{1'b0}})"),
         Bug("one object too many", "fp3_lane_end.v", "{1'b0, retire_row} >= count_q", "{1'b0, retire_row} > count_q"),
     ],
     "lane_keeps_the_step_of_the_first_failure": [

@@ -43,7 +43,8 @@ module fp3_board_clock #(
             ) u_pll (
                 .CLKI(clk_pin), .CLKFB(clkop), .CLKOP(clkop), .LOCK(good_o),
                 .RST(1'b0), .STDBY(1'b0), .PLLWAKESYNC(1'b0), .PHASESEL1(1'b0), .PHASESEL0(1'b0), .PHASEDIR(1'b0),
-                .PHASESTEP(1'b0), .PHASELOADREG(1'b0), .ENCLKOP(1'b0), .ENCLKOS(1'b0), .ENCLKOS2(1'b0), .ENCLKOS3(1'b0));
+                .PHASESTEP(1'b0), .PHASELOADREG(1'b0), .ENCLKOP(1'b0), .ENCLKOS(1'b0), .ENCLKOS2(1'b0),
+                .ENCLKOS3(1'b0));
             assign clk_o = clkop;
         end
     endgenerate

@@ -35,7 +35,8 @@ module fp3_fp_mul_product #(
         if (FRAC < 18) begin : g_one
             wire [35:0] product;
             wire        unused = &product;                 // bits above the product
-            fp3_multiply #(.CUTS(CUTS[1:0])) u (.clk_i(clk_i), .a_i({{17-FRAC{1'b0}}, a_i}), .b_i({{17-FRAC{1'b0}}, b_i}), .p_o(product));
+            fp3_multiply #(.CUTS(CUTS[1:0])) u (.clk_i(clk_i), .a_i({{17-FRAC{1'b0}}, a_i}),
+                .b_i({{17-FRAC{1'b0}}, b_i}), .p_o(product));
             fp3_cut #(.W(2*FRAC+2), .ON(CUTS[2])) u_sum (.clk_i(clk_i), .d_i(product[2*FRAC+1:0]), .q_o(p));
         end else begin : g_tiles
             localparam L = 18;             // low part, the width of a multiplier

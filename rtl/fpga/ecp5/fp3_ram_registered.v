@@ -33,10 +33,12 @@ module fp3_ram_registered #(
             reg  [1:0]   upper_q;
             always @(posedge clk_i) if (read_i) upper_q <= {upper_q[0], read_addr_i[ADDR_W-1]};
             fp3_ram_registered #(.ADDR_W(ADDR_W-1), .W(W)) u_low (.clk_i(clk_i),
-                .write_i(write_i && !write_addr_i[ADDR_W-1]), .write_addr_i(write_addr_i[ADDR_W-2:0]), .write_value_i(write_value_i),
+                .write_i(write_i && !write_addr_i[ADDR_W-1]), .write_addr_i(write_addr_i[ADDR_W-2:0]),
+                .write_value_i(write_value_i),
                 .read_i(read_i), .read_addr_i(read_addr_i[ADDR_W-2:0]), .read_value_o(low));
             fp3_ram_registered #(.ADDR_W(ADDR_W-1), .W(W)) u_high (.clk_i(clk_i),
-                .write_i(write_i && write_addr_i[ADDR_W-1]), .write_addr_i(write_addr_i[ADDR_W-2:0]), .write_value_i(write_value_i),
+                .write_i(write_i && write_addr_i[ADDR_W-1]), .write_addr_i(write_addr_i[ADDR_W-2:0]),
+                .write_value_i(write_value_i),
                 .read_i(read_i), .read_addr_i(read_addr_i[ADDR_W-2:0]), .read_value_o(high));
             assign read_value_o = upper_q[1] ? high : low;
         end else begin : g_blocks
