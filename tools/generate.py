@@ -9,7 +9,7 @@ rtl/gen/ and sw/gen/ belong to this program: a file in them that it does not wri
 (with --check: reported), and so is one in sw/include/fp3/ or docs/ that says it is generated.
 Python's standard library (3.11) is all it needs.
 
-fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, families, rdl, pages,
+fp3gen/ does the work: it reads and checks (isa, registers, configs, timing), then writes (verilog, host, parameters, decode, timing, c, rdl, pages,
 fusesoc, python).
 """
 
@@ -27,6 +27,7 @@ from fp3gen.text import MARK, licensed
 
 def outputs(root):
     isa, regs, known, configs, cycles = load(root)
+    families.families(root)  # of pictures: only checked
     files = {
         "rtl/gen/isa.vh": verilog.isa_verilog(isa),
         "rtl/gen/mnemonic.vh": verilog.mnemonic_verilog(isa),
@@ -56,7 +57,6 @@ def outputs(root):
         "sw/gen/configs.h": c.configs_c(known, configs),
         "sw/gen/timing.h": timing.timing_c(cycles),
         "sw/gen/integrators.h": c.integrators_c(root),
-        "sw/gen/families.h": families.families_c(root),
         "docs/isa.md": pages.isa_page(isa, known),
         "docs/registers.md": pages.registers_page(regs),
         "docs/configurations.md": pages.configs_page(known, configs),

@@ -41,17 +41,7 @@ static int compare(const void *a, const void *b) {
                   : (x->error_median > y->error_median) - (x->error_median < y->error_median);
 }
 
-/* For the pictures and the page. */
-static void keep(json_t *shown, const fp3_measure_point *p, const char *who, const char *how,
-                 const char *step) {
-    json_array_append_new(
-        shown, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:f, s:f, s:o}", "model",
-                         p->problem->model->name, "engine", p->engine, "curve", who, "how", how,
-                         "step", step, "unit", p->repeats ? "ns" : "cycles", "cost", cost_of(p),
-                         "error", p->error_median, "worst", fp3_json_number(p->error_worst)));
-}
-
-static void print_point(const fp3_measure_point *p, json_t *shown) {
+static void print_point(const fp3_measure_point *p) {
     char who[64], how[64], step[32];
     if (p->config)
         snprintf(who, sizeof who, "%s %s", p->engine, p->config);
@@ -62,7 +52,6 @@ static void print_point(const fp3_measure_point *p, json_t *shown) {
              p->method && p->integrator ? ", " : "", p->integrator ? p->integrator : "",
              p->arithmetic ? ", " : "", p->arithmetic ? p->arithmetic : "");
     snprintf(step, sizeof step, "%s %.3g", p->h > 0 ? "h" : "tol", p->h > 0 ? p->h : p->tolerance);
-    keep(shown, p, who, how, step);
     printf("%-20s %-34s %-12s %10.2e %10.2e", who, how, step, p->error_median, p->error_worst);
     if (p->repeats)
         printf(" %12.4g\n", cost_of(p));
@@ -72,7 +61,7 @@ static void print_point(const fp3_measure_point *p, json_t *shown) {
 
 /* The points that are like the first that is not done, the fastest first. Returns how many are
  * done. */
-static size_t print_front(const fp3_measure_point **list, size_t count, json_t *shown) {
+static size_t print_front(const fp3_measure_point **list, size_t count) {
     size_t like = 1;
     double best = INFINITY;
     for (size_t i = 1; i < count; i++)
@@ -85,12 +74,12 @@ static size_t print_front(const fp3_measure_point **list, size_t count, json_t *
     for (size_t i = 0; i < like; i++)
         if (list[i]->error_median < best) {
             best = list[i]->error_median;
-            print_point(list[i], shown);
+            print_point(list[i]);
         }
     return like;
 }
 
-static fp3_status print_table(const fp3_measure *m, json_t *shown, fp3_error *error) {
+static fp3_status print_table(const fp3_measure *m, fp3_error *error) {
     const fp3_measure_problem *p = &m->problem;
     const fp3_measure_point **list = calloc(m->points.count + 1, sizeof *list);
     if (!list)
@@ -105,7 +94,7 @@ static fp3_status print_table(const fp3_measure *m, json_t *shown, fp3_error *er
            p->model->name, p->end, p->variants, "engine", "how", "step", "error", "worst", "ns",
            "cycles");
     for (size_t i = 0; i < m->points.count;)
-        i += print_front(list + i, m->points.count - i, shown);
+        i += print_front(list + i, m->points.count - i);
     puts("");
     fflush(stdout);
     free(list);
@@ -128,7 +117,7 @@ static void join(json_t *all, const json_t *one) {
 }
 
 static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_progress *progress,
-                          json_t *all, json_t *shown, char **report, fp3_error *error) {
+                          json_t *all, char **report, fp3_error *error) {
     char path[PATH_SIZE];
     fp3_measure_options with = fp3_measure_default("fast", what->is_quick);
     with.integrators = what->integrator_count ? what->integrators : NULL;
@@ -150,7 +139,7 @@ static fp3_status measure(const fp3_bench_models *what, const char *name, fp3_pr
         status = fp3_measure_model(model, &with, &m, error);
     fp3_progress_pause(progress);
     if (!status)
-        status = print_table(&m, shown, error);
+        status = print_table(&m, error);
     json_t *one = status ? NULL : fp3_measure_json(&m);
     join(all, one);
     json_decref(one);
@@ -168,9 +157,7 @@ static fp3_status check_files(const fp3_bench_models *what, fp3_error *error) {
     }
     fp3_files_write(&files, "--json", what->json);
     fp3_files_write(&files, "--csv", what->csv);
-    fp3_files_write(&files, "--plot", what->plot);
-    const fp3_status status = what->plot ? fp3_gnuplot_check_picture(what->plot, error) : FP3_OK;
-    return status ? status : fp3_files_check(&files, error);
+    return fp3_files_check(&files, error);
 }
 
 fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3_error *error) {
@@ -178,19 +165,15 @@ fp3_status fp3_bench_models_run(const fp3_bench_models *what, char **report, fp3
     if (status)
         return status;
     json_t *all = json_pack("{s:[], s:[], s:[]}", "problems", "points", "left_out");
-    json_t *shown = json_array();
     fp3_progress *progress = fp3_progress_begin("bench", NULL);
     fp3_progress_pause(progress); /* tables are printed in between */
     for (unsigned i = 0; !status && i < what->model_count; i++)
-        status = measure(what, what->models[i], progress, all, shown, report, error);
+        status = measure(what, what->models[i], progress, all, report, error);
     fp3_progress_end(&progress);
     if (!status && what->json)
         status = fp3_json_write(what->json, json_incref(all), 9, error);
     if (!status && what->csv)
         status = fp3_bench_csv(what->csv, json_object_get(all, "points"), error);
-    if (!status && what->plot)
-        status = fp3_bench_plot(what->plot, shown, error);
-    json_decref(shown);
     json_decref(all);
     return status;
 }

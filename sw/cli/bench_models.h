@@ -12,7 +12,7 @@ typedef struct {
     unsigned model_count;
     const char *integrators[FP3_BENCH_NAMES_MOST + 1]; /* none: all that are built in */
     unsigned integrator_count;
-    const char *json, *csv, *plot; /* or NULL */
+    const char *json, *csv; /* or NULL */
     const char *config; /* of engine and hardware, alone; NULL: those that were placed, and peers */
     int is_quick, has_no_times;
 } fp3_bench_models;

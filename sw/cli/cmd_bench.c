@@ -56,7 +56,7 @@ static void check_form(struct argp_state *state, const options *o) {
     if (model && o->not_for[1])
         argp_error(state,
                    "found --%s and '%s': with MODEL there are --config, --integrator, --quick, "
-                   "--no-times, --json, --csv and --plot",
+                   "--no-times, --json and --csv",
                    o->not_for[1], model);
     if (model && o->models.has_no_times && !o->models.config)
         argp_error(state, "found --no-times, expected --config with it");
@@ -150,9 +150,6 @@ static const fp3_option table[] = {
      FP3_CALL(take_integrator), .is_repeated = 1, .forms = OF_MODELS},
     {"csv", 0, "FILE", "With MODEL: also write all points as CSV, a row for each",
      FP3_TEXT(options, models.csv), .forms = OF_MODELS},
-    {"plot", 0, "FILE",
-     "With MODEL: also draw the printed table into FILE (.svg or .png). Needs gnuplot",
-     FP3_TEXT(options, models.plot), .forms = OF_MODELS},
     {"quick", 0, NULL,
      "With MODEL: measure fewer tolerances and objects, three times each; with SCENE: once",
      FP3_CALL(take_quick), .forms = OF_MODELS | OF_SCENE},

@@ -7,7 +7,6 @@
 #include "progress.h"
 #include "run_values.h"
 #include "tune_machines.h"
-#include "tune_plot.h"
 #include "tune_print.h"
 
 #include <fp3/model.h>
@@ -23,10 +22,9 @@
 #include "base/file.h"
 #include "lab/tune/trim.h"
 #include "machine/config.h"
-#include "record/gnuplot.h"
 
 typedef struct {
-    const char *input, *config, *plot;
+    const char *input, *config;
     int is_model, is_scene, has_hardware;
     const char *arithmetics[FP3_TUNE_MACHINES_MOST];
     unsigned arithmetic_count;
@@ -121,9 +119,6 @@ static const fp3_option table[] = {
      FP3_TEXT(options, out.scene)},
     {"json", 0, "FILE", "Also write the choice and all candidates as JSON",
      FP3_TEXT(options, out.json)},
-    {"plot", 0, "FILE",
-     "Also draw error against cost of all candidates into FILE (.svg or .png). Needs gnuplot",
-     FP3_TEXT(options, plot)},
     {"hardware", 0, NULL,
      "Also print the configuration reduced to what the program needs, and its LUTs if known",
      FP3_FLAG(options, has_hardware)},
@@ -167,8 +162,6 @@ static fp3_status tell(options *o, const fp3_tune_machines *machines, fp3_error 
     free(hardware);
     if (!status)
         status = fp3_tune_print_files(&o->out, &o->def, tuning, o->objects, error);
-    if (!status && o->plot)
-        status = fp3_tune_plot(o->plot, &o->def, tuning, error);
     return status ? status : fp3_tune_print_judge(&o->def, tuning, error);
 }
 
@@ -244,7 +237,6 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
     fp3_files_read(&files, "params", group->params_file);
     fp3_files_write(&files, "--output", o->out.scene);
     fp3_files_write(&files, "--json", o->out.json);
-    fp3_files_write(&files, "--plot", o->plot);
     return fp3_files_check(&files, error);
 }
 
@@ -330,10 +322,7 @@ int fp3_cmd_tune(int argc, char **argv) {
     fp3_files_read(&o.files, "INPUT", o.input);
     fp3_files_write(&o.files, "--output", o.out.scene);
     fp3_files_write(&o.files, "--json", o.out.json);
-    fp3_files_write(&o.files, "--plot", o.plot);
-    status = o.plot ? fp3_gnuplot_check_picture(o.plot, &error) : FP3_OK;
-    if (!status)
-        status = fp3_files_check(&o.files, &error);
+    status = fp3_files_check(&o.files, &error);
     if (!status) {
         o.progress = fp3_progress_begin("tune", o.input);
         status = o.is_scene ? tune_scene(&o, &error) : tune_model(&o, &report, &error);

@@ -134,14 +134,6 @@ void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height, do
             right + 0.01);
 }
 
-void fp3_gnuplot_logarithmic(FILE *script) {
-    fputs("set logscale xy\nset format '10^{%T}'\nset mxtics 10\nset mytics 10\n", script);
-}
-
-void fp3_gnuplot_heading(FILE *script, const char *text) {
-    fprintf(script, ", keyentry with labels nopoint title '%s'", text);
-}
-
 static fp3_status cannot_write(fp3_error *error) {
     return fp3_fail(error, FP3_E_SYSTEM, "cannot write a temporary file: %s", strerror(errno));
 }
@@ -161,17 +153,5 @@ fp3_status fp3_gnuplot_write(fp3_gnuplot_script_fn *script, const void *user, FI
         fclose(file);
     if (said)
         fclose(said);
-    return status;
-}
-
-fp3_status fp3_gnuplot_save(fp3_gnuplot_script_fn *script, const void *user, const char *path,
-                            fp3_error *error) {
-    fp3_output *output = NULL;
-    fp3_status status = fp3_output_open(path, &output, error);
-    if (!status)
-        status = fp3_gnuplot_write(script, user, fp3_output_stream(output), error);
-    if (!status)
-        status = fp3_output_publish(output, error);
-    fp3_output_close(&output);
     return status;
 }

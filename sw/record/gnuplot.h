@@ -3,8 +3,6 @@
 #ifndef FP3_OUTPUT_GNUPLOT_H
 #define FP3_OUTPUT_GNUPLOT_H
 
-#include "base/file.h"
-
 #include <fp3/status.h>
 #include <stdio.h>
 
@@ -24,19 +22,9 @@ typedef void fp3_gnuplot_script_fn(const void *user, FILE *script);
  * and the legend to the right of `right`, a share of the width. */
 void fp3_gnuplot_begin(FILE *script, const char *path, int width, int height, double right);
 
-/* Both axes logarithmic, and each power of ten as 10 with an exponent. */
-void fp3_gnuplot_logarithmic(FILE *script);
-
-/* A heading in the legend; " ": a gap. */
-void fp3_gnuplot_heading(FILE *script, const char *text);
-
 /* Draws what the script says into a stream. FP3_E_SYSTEM: gnuplot does not start or fails, and
  * error has what it said; what cannot be written, the stream remembers. */
 fp3_status fp3_gnuplot_write(fp3_gnuplot_script_fn *script, const void *user, FILE *to,
                              fp3_error *error);
-
-/* The same as a file. FP3_E_SYSTEM: likewise, or it cannot be written. */
-fp3_status fp3_gnuplot_save(fp3_gnuplot_script_fn *script, const void *user, const char *path,
-                            fp3_error *error);
 
 #endif

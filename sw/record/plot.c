@@ -2,6 +2,7 @@
 /* plot.c - see plot.h. */
 #include "plot.h"
 
+#include "base/file.h"
 #include "figure.h"
 #include "gnuplot.h"
 

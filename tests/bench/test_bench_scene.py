@@ -83,7 +83,7 @@ def test_a_scene_that_is_too_large_for_isa_is_not_compared(bench, root, scene):
 
 
 @pytest.mark.parametrize("arguments, words", [
-    (["programs/mixed.scene", "--plot", "x.svg"], "found --plot and 'programs/mixed.scene'"),
+    (["programs/mixed.scene", "--csv", "x.csv"], "found --csv and 'programs/mixed.scene'"),
     (["programs/mixed.scene", "kepler"], "expected one scene, or models"),
     (["programs/mixed.scene", "programs/mixed.scene"], "expected one scene"),
     (["nonesuch.scene"], "nonesuch.scene: cannot open"),

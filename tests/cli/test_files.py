@@ -69,7 +69,7 @@ COLLISIONS = {
     "bench -p ./m.ode --json link": "--json link would overwrite",
     "bench -p ./m.ode -P x.cfg --json x.cfg": "would overwrite",
     "bench ./m.ode --quick --csv m.ode": "--csv m.ode would overwrite MODEL",
-    "bench ./m.ode --quick --csv a.svg --plot a.svg": "are one file",
+    "bench ./m.ode --quick --csv a.csv --json a.csv": "are one file",
     "asm p.s -o p.s": "would overwrite SOURCE p.s",
     "asm p.s --hex a --listing a": "are one file",
     "dis p.fp3 -o p.fp3": "would overwrite IMAGE p.fp3",

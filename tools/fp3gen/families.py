@@ -1,9 +1,8 @@
-"""programs/integrators/families.toml: which methods belong together, and the colour of each family, for the command and for tools/."""
+"""programs/integrators/families.toml: which methods belong together, and the colour of each family in the pictures of tools/."""
 
 import re
 import tomllib
 
-from .c import c_header, quote, x_macro
 from .check import Bad
 
 FILE = "programs/integrators/families.toml"
@@ -46,14 +45,3 @@ def families(root):
             need(not known - set(seen), f"{', '.join(sorted(known - set(seen)))}: in no family")
             need(not set(seen) - known, f"{', '.join(sorted(set(seen) - known))}: no such integrator")
     return found
-
-
-def families_c(root):
-    found = families(root)
-    lines = []
-    for kind in KINDS:
-        lines += [f"/* X(name, colour): families of {kind}, from number 0 */",
-                  *x_macro(f"FP3_FAMILIES_OF_{kind.upper()}", [(quote(of["name"]), quote(of["colour"])) for of in found[kind]]), "",
-                  f"/* X(name, number of its family): {kind} */",
-                  *x_macro(f"FP3_{kind.upper()}_IN_FAMILIES", [(quote(member), str(i)) for i, of in enumerate(found[kind]) for member in of["members"]]), ""]
-    return c_header("families", FILE, lines[:-1])
