@@ -124,5 +124,5 @@ def configs_page(known, configs):
                             [[f"`{key}`", *[spoken(known[key], row[key]) for row in configs],
                               known[key]["meaning"]] for key in given(known)])
     body += ["", "These names follow from them; [registers.md](registers.md), the parameters of modules and `fp3_config` have them:", ""]
-    body += markdown(["", "is 1 where", "meaning"], [[f"`{key}`", condition(key, known), known[key]["meaning"]] for key in known if key not in given(known)])
+    body += markdown(["", "is, or is 1 where", "meaning"], [[f"`{key}`", condition(key, known), known[key]["meaning"]] for key in known if key not in given(known)])
     return page("Configurations", "isa/configs.toml", body)
