@@ -19,8 +19,8 @@
  * objects whose values have changed. They are computed in double and rounded to FP32 once, so all
  * bits are those of `fp3 run --set name=value`.
  *
- * Threads: only one thread at a time may use a batch. Different batches may be used in different
- * threads, even if they have the same compiled program.
+ * Threads: only one thread at a time may use an fp3_batch. Different threads may use different
+ * ones, even with the same compiled program.
  *
  * docs/batch.md is an introduction. For single registers, cycles, counters and groups with several
  * programs, use fp3/engine.h and fp3/program.h; for files with scenes, fp3/scene.h.
@@ -38,12 +38,12 @@ FP3_API_BEGIN
 
 typedef struct fp3_batch fp3_batch;
 
-/* What to open. Always start from fp3_batch_default(). The caller owns everything that it points
- * to. `compiled`, `native`, `error` and whatever the two `user` pointers point to must outlive the
- * batch; the rest need only last until fp3_batch_open returns. */
+/* What to open. Always start from fp3_batch_default(). The caller owns everything that the
+ * definition points to. `compiled`, `native`, `error` and whatever the two `user` pointers point to
+ * must outlive the fp3_batch; the rest need only last until fp3_batch_open returns. */
 typedef struct {
     uint32_t cookie;  /* as in fp3_engine_def */
-    fp3_error *error; /* receives the message when a call of this batch fails; or NULL */
+    fp3_error *error; /* receives the message when a call of this fp3_batch fails; or NULL */
     /* Exactly one of three: the name of a file, which is a model (.ode), assembly (.s) or else an
      * image; the text of a model; or a program that was compiled for compile.config. */
     const char *model;
@@ -52,9 +52,9 @@ typedef struct {
     const fp3_compiled *compiled;
     size_t objects; /* 1 (default) to 2^25: the most that are ever used, see fp3_batch_use */
 
-    /* The next three apply to a model that is not compiled yet. integrator: a built-in table or a
-     * file; NULL (default): rk4, or cash_karp if adaptive. compile: its config is NULL by
-     * default: "many_full", or "world" if objects see each other. */
+    /* The next three members apply to a model that is not compiled yet. integrator: a built-in
+     * table or a file; NULL (default): rk4, or cash_karp if adaptive. The config of compile is NULL
+     * by default: "many_full", or "world" if objects see each other. */
     const char *integrator;
     const fp3_adaptive_def *adaptive; /* each object chooses its steps; NULL (default): all are h */
     fp3_compile_def compile;          /* arithmetic, passes, observed states */
@@ -74,7 +74,7 @@ typedef struct {
     void *tasks_user;
     fp3_allocator allocator;
     /* For near objects: lists reach farther by this share of the reach, so they stay valid until an
-     * object has moved by half of that distance. 0 (default): 0.3. It changes no bit. */
+     * object has moved by half of that distance. 0 (default): 0.3. The skin changes no bit. */
     double skin;
     int may_fail; /* 1: fp3_batch_run returns FP3_OK though objects failed */
 } fp3_batch_def;
@@ -87,10 +87,10 @@ static inline fp3_batch_def fp3_batch_default(void) {
     return def;
 }
 
-/* Opens a batch. All objects have the model's defaults and are at time 0. The caller closes *batch,
- * which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and fp3_engine_open.
- * A call with a batch that is NULL, because it could not be opened, does nothing: it returns
- * FP3_E_ARGUMENT, 0 or NULL. */
+/* Opens an fp3_batch. All objects have the model's defaults and are at time 0. The caller closes
+ * *batch, which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and
+ * fp3_engine_open. A call with NULL, after a failed open, does nothing and returns FP3_E_ARGUMENT,
+ * 0 or NULL. */
 fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch);
 /* Closes *batch and sets it to NULL. *batch may be NULL already. */
 void fp3_batch_close(fp3_batch **batch);
@@ -106,7 +106,7 @@ void fp3_batch_close(fp3_batch **batch);
  * (stoermer) refuses new states and another h; another h is also refused if the equations contain
  * t. */
 
-/* Sets a value of all objects, or one that they share. */
+/* Sets a value of all objects, or a shared value. */
 fp3_status fp3_batch_set(fp3_batch *batch, const char *name, double value);
 /* Write a column for objects first .. first+count-1, one number each. */
 fp3_status fp3_batch_write(fp3_batch *batch, const char *name, size_t first, size_t count,
@@ -121,7 +121,7 @@ fp3_status fp3_batch_read(fp3_batch *batch, const char *const *names, size_t nam
 fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values);
 
-/* Several columns beside each other, as in a buffer of vertices: number k of the n-th of these
+/* Several columns side by side, as in a buffer of vertices: number k of the n-th of these
  * objects is values[n * stride + k]. stride is in floats; numbers between stay as they are.
  * FP3_E_ARGUMENT: also if stride is below name_count. After an error, columns of earlier names are
  * written or read. */
@@ -131,24 +131,23 @@ fp3_status fp3_batch_write_strided(fp3_batch *batch, const char *const *names, s
                                    size_t first, size_t count, const float *values, size_t stride);
 
 /* Read-only pointer to the column of a state, or of a param of each object, as fp3_engine_column.
- * *values stays valid until the batch is closed, and changes with each step. It shows values that
- * were written before the first step from this call on, states that were written later at once, and
- * params after the next step at the latest. NULL: there is no such column; fp3_batch_read gives a
- * copy. FP3_E_ARGUMENT: there is no such name, or a value computed from written values is refused
+ * *values stays valid until the fp3_batch is closed, and changes with each step. The column shows
+ * values that were written before the first step from this call on, states that were written later
+ * at once, and params after the next step at the latest. NULL: no such column; fp3_batch_read gives
+ * a copy. FP3_E_ARGUMENT: no such name, or a value computed from written values is refused
  * as in fp3_batch_run. */
 fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **values);
 
 /* ---- links (docs/relations.md) ----
  *
- * Relations `all` and `near` need no call. The reach of `near` follows the shared params that it is
- * made of.
+ * Relations `all` and `near` need no call. The reach of `near` follows its shared params.
  */
 
-/* Sets the links of a relation, which are copied and replace earlier ones; before the first step,
- * and at any time later. For an image, `relation` is the name of a list's register, and near
- * objects are also given so. FP3_E_ARGUMENT: no such relation or field; a link does not join two
- * objects, or joins the same two as another link; or a field is not finite. After an error the
- * links are unchanged. */
+/* Sets the links of a relation, before the first step and at any time later. The links are copied
+ * and replace earlier links. For an image, `relation` is the name of a list's register, also for
+ * near objects. FP3_E_ARGUMENT: no such relation or field; a link does not join two objects, or
+ * joins the same two as another link; or a field is not finite. After an error the links are
+ * unchanged. */
 fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
 
 /* ---- steps ---- */
@@ -162,10 +161,10 @@ fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_link
 fp3_status fp3_batch_run(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all objects do. The other objects cost
  * nothing. They keep their values, may be written and read, and go on from there when they are used
- * again. Each object counts its own steps, so one that joins later is at its own t. FP3_E_ARGUMENT:
- * count is above the number of objects; or objects see each other and count is below it: words that
- * neighbours read are kept twice, the copies take turns in each phase, and an object without steps
- * would have its values in one copy alone. */
+ * again. Each object counts its own steps, so an object that joins later is at its own t.
+ * FP3_E_ARGUMENT: count is above the number of objects; or objects see each other and count is below
+ * that number: words that neighbours read are kept twice, the copies take turns in each phase, and
+ * an object without steps would have its values in one copy alone. */
 fp3_status fp3_batch_use(fp3_batch *batch, size_t count);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);
@@ -174,19 +173,20 @@ double fp3_batch_time(const fp3_batch *batch);
 fp3_status fp3_batch_restart(fp3_batch *batch);
 
 /* Which of the used objects failed in the last fp3_batch_run, as fp3_engine_failure. text (may be
- * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if something was written, or
+ * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if a value was written, or
  * another number of objects used, since. With adaptive steps: which are stuck (FP3_ADAPTIVE_STUCK),
- * or have a state that is not finite; step is the number of accepted steps, and the members behind
- * it are 0. */
+ * or have a state that is not finite; step is the number of accepted steps, and later members are
+ * 0. */
 fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]);
 
-/* ---- its parts, which belong to the batch ---- */
+/* ---- its parts, which belong to the fp3_batch ---- */
 
 size_t fp3_batch_objects(const fp3_batch *batch);
-/* For counters, status and sleep. The batch does not notice what you write or load through it. */
+/* For counters, status and sleep. The fp3_batch does not notice writes or loads through the
+ * engine. */
 fp3_engine *fp3_batch_engine(fp3_batch *batch);
-/* NULL if the batch runs an image. */
+/* NULL if the fp3_batch runs an image. */
 const fp3_compiled *fp3_batch_compiled(const fp3_batch *batch);
 
 FP3_API_END

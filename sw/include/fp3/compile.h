@@ -31,13 +31,13 @@ FP3_API_BEGIN
 #define FP3_PASSES(X)                                                                              \
     X(COMMON, "common", 0, "a value that is computed twice is computed once")                      \
     X(IDENTITY, "identity", 0, "x + -0, x - 0 and x * 1 cost nothing")                             \
-    X(DEAD, "dead", 0, "what no observed state needs is left out")                                 \
-    X(CARRY, "carry", 0, "what the step before has computed already is kept")                      \
-    X(SCALE, "scale", 0, "half and twice ride on an addition, where the configuration can")        \
+    X(DEAD, "dead", 0, "values that no observed state needs are left out")                         \
+    X(CARRY, "carry", 0, "values that the previous step has computed are kept")                    \
+    X(SCALE, "scale", 0, "half and twice are part of an addition, if the configuration can")       \
     X(CHAIN, "chain", 0, "a product goes straight into the addition that needs it")                \
     X(FUSE, "fuse", 0, "the error of a product takes one fused multiply-add")                      \
-    X(AHEAD, "ahead", 0, "operations of the next step fill the gaps of this one")                  \
-    X(SHARE, "share", 0, "what all objects share is a constant, no register of each object")       \
+    X(AHEAD, "ahead", 0, "operations of the next step fill gaps of this step")                     \
+    X(SHARE, "share", 0, "values that all objects share are constants, not registers")             \
     X(ZERO, "zero", 0, "a coefficient 0 of an integrator's table has no term")                     \
     X(FOLD_STEP, "fold-step", 1, "h times a coefficient is one number: y + (h a_ij) f")            \
     X(FOLD_PRODUCT, "fold-product", 1, "known factors of a product are one number: x (h/m)")       \
@@ -58,7 +58,7 @@ const char *fp3_pass_doc(fp3_pass pass);
 int fp3_pass_changes_bits(fp3_pass pass);
 /* The pass of this name, or FP3_PASS_COUNT if there is none. */
 fp3_pass fp3_pass_find(const char *name);
-/* The set of all passes that change bits (1), or of all that keep them (0). */
+/* The set of all passes that change bits (1), or of all passes that keep the bits (0). */
 unsigned fp3_passes_that(int change_bits);
 
 /* ---- a program ---- */
@@ -66,7 +66,7 @@ unsigned fp3_passes_that(int change_bits);
 /* How the values of a step are computed. */
 typedef enum {
     FP3_PLAIN,
-    FP3_COMPENSATED, /* what rounding loses in an update is added to the next one (Kahan) */
+    FP3_COMPENSATED, /* the rounding error of an update is added to the next update (Kahan) */
     FP3_FOLDED,      /* h times a coefficient, or the known factors of a product, are one number */
     FP3_DOUBLE_SINGLE, /* states and all arithmetic are sums of two floats */
     FP3_ARITHMETICS
@@ -75,7 +75,7 @@ typedef enum {
 typedef struct {
     const char *name; /* in results and scenes, and after --arithmetic */
     const char *text; /* in a sentence, and as an option */
-    unsigned passes;  /* set of the passes that it implies */
+    unsigned passes;  /* set of the passes that this arithmetic implies */
 } fp3_arithmetic_facts;
 
 const fp3_arithmetic_facts *fp3_arithmetic_of(fp3_arithmetic arithmetic);
@@ -92,7 +92,7 @@ typedef struct {
      * headers of another version. */
     uint32_t cookie;
     const char *config; /* the configuration to schedule for */
-    unsigned passes;    /* a set of FP3_PASS(...), besides those that arithmetic implies */
+    unsigned passes;    /* a set of FP3_PASS(...), besides the passes that arithmetic implies */
     fp3_arithmetic arithmetic;
     const char *const *observed; /* names of the states that will be read; NULL: all */
     size_t observed_count;
@@ -117,10 +117,10 @@ typedef struct {
     char name[FP3_NAME_SIZE];
     int is_shared;   /* 1: a .shared; 0: a .state or .param of each object */
     uint32_t state;  /* the input is the start of this state of the model; else FP3_NONE */
-    uint32_t low_of; /* double-single: it is the second word of this state's start; else FP3_NONE */
+    uint32_t low_of; /* double-single: the second word of this state's start; else FP3_NONE */
     char *formula;   /* for readers, as "1/m"; truncated if long */
     /* The same for fp3_formula_read, in h, params of the model and numbers. NULL: the input is a
-     * state's start, or no such formula gives it, or only a very long one. */
+     * state's start, or its formula is missing or very long. */
     char *rule;
     /* What the value depends on: params of the model, one bit each, from bit 0; h; the states'
      * starts and the starting time (`steps`). */
@@ -130,8 +130,8 @@ typedef struct {
 
 typedef struct {
     char *assembly;
-    /* One line that begins with a line number of the model, if the integrator loses order on it: a
-     * splitting is only of first order if a derivative that it kicks depends on more than
+    /* One line that begins with a line number of the model, if the integrator loses order on the
+     * model: a splitting is only of first order if a kicked derivative depends on more than
      * positions. Or a line on wrong results of a configuration that flushes subnormal numbers. Else
      * NULL. */
     char *warning;
@@ -143,14 +143,13 @@ typedef struct {
     uint32_t instructions;
     uint32_t registers, constants;
     uint32_t ahead, copies;
-    uint32_t
-        spills;    /* loads and stores within the step, of values for which there is no register */
-    double cycles; /* per object-step, predicted; 0: cannot be predicted */
+    uint32_t spills; /* loads and stores within the step, of values without a register */
+    double cycles;   /* per object-step, predicted; 0: cannot be predicted */
     double bound, bound_issue, bound_path;
     /* What each pass saves, if def->finds_savings is set: operations; `chain` saves instructions,
      * `scale` products, `ahead` cycles, `share` registers. */
     uint32_t saved[FP3_PASS_COUNT];
-    unsigned passes; /* those that were on and that the configuration can use */
+    unsigned passes; /* the passes that were on and that the configuration can use */
     unsigned order;  /* theoretical, of the worst observed state: docs/integrators.md */
     fp3_arithmetic arithmetic;
     void *self;
@@ -177,8 +176,8 @@ uint64_t fp3_compiled_cycles(const fp3_compiled *compiled, uint64_t steps);
 /* Sets values[i] to the value of inputs[i], for an object with these params and this start
  * (model->param_count and state_count numbers) at time 0, and time step h. `steps`, if it is an
  * input, is 0. Values are computed in double and rounded once. FP3_E_ARGUMENT: h is not above 0, a
- * value is not finite or rounds to an infinity, or a value that is made of others rounds to 0
- * though none of these is below 2^-50 and below 2^-20 of its default. */
+ * value is not finite or rounds to an infinity, or a value that is computed from other values
+ * rounds to 0 although none of those is below 2^-50 and below 2^-20 of its default. */
 fp3_status fp3_compiled_inputs(const fp3_compiled *compiled, const double *params,
                                const double *initial, double h, float *values, fp3_error *error);
 
@@ -215,7 +214,7 @@ typedef struct {
      * no root: at least tolerance * until, or step / 64 without a tolerance. */
     double locate;
     /* The longest step; 0: no limit. A model whose conditions change with t at unknown times needs
-     * one (docs/adaptive.md). */
+     * a limit (docs/adaptive.md). */
     double maxstep;
 } fp3_adaptive_def;
 
@@ -234,10 +233,10 @@ static inline fp3_adaptive_def fp3_adaptive_default(void) {
 /* Adds to the model what adaptive steps need: after its own states, in this order, t, h_next (the
  * next step to try, at first the model's step), accepted, rejected, smallest and largest, and h_cut
  * if there are events; the param until of each object; and the shared params tolerance, absolute,
- * locate if there are events, and maxstep if one is given or needed. Without a tolerance smallest,
- * largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to an event.
- * Events that have to be looked for also need h_before and h_behind, and roots root_before and
- * root_behind with a tolerance (docs/adaptive.md). fp3_compile then makes a program with adaptive
+ * locate if there are events, and maxstep if a limit is given or needed. Without a tolerance
+ * smallest, largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to
+ * an event. Events that are located also need h_before and h_behind, and roots with a tolerance
+ * root_before and root_behind (docs/adaptive.md). fp3_compile then makes a program with adaptive
  * steps. FP3_E_PROGRAM: the model already has one of these names, or is too large. FP3_E_ARGUMENT:
  * a definition from another version of the library. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
@@ -245,7 +244,7 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
 /* The index of state t, or FP3_NONE if the model is not adapted. The other added states follow
  * t. */
 uint32_t fp3_model_adapted(const fp3_model *model);
-/* Whether it is adapted with a tolerance. */
+/* Whether the model is adapted with a tolerance. */
 int fp3_model_chooses_steps(const fp3_model *model);
 
 FP3_API_END

@@ -10,7 +10,7 @@
  *         printf("order %.2f, error %.1e at best\n", found.order, found.floor);
  *     fp3_ladder_close(&ladder);
  *
- * Of the library libfp3_lab, which needs GSL.
+ * This header belongs to the library libfp3_lab, which needs GSL.
  *
  * Threads: a call works in the calling thread. Calls in different threads do not affect each other.
  * Experimental.
@@ -30,8 +30,8 @@ FP3_API_BEGIN
 /* A run is compared with the truth at this number of times, evenly spaced, the last at its end. */
 #define FP3_LOOKS 8
 
-/* Runs ("rungs") of one model over the same span, each with about 1.4 times the steps of the one
- * before, and the true states for each. Read it, never change it. */
+/* Runs ("rungs") of one model over the same span, each with about 1.4 times the steps of the
+ * previous rung, and the true states for each. Never change a ladder. */
 typedef struct {
     const fp3_model *model;   /* the caller's; it must outlive the ladder */
     double *params, *initial; /* the model's defaults, as FP32 has them */
@@ -54,13 +54,13 @@ void fp3_ladder_close(fp3_ladder **ladder);
 
 typedef struct {
     /* For each rung, relative to the scale: root mean square over states and looks. NaN or infinite
-     * if the run went wrong; NaN also beyond the rung from which only noise is left. */
+     * if the run failed; NaN also beyond the rung from which only noise is left. */
     double error[FP3_RUNGS_MOST];   /* of the steps in FP32 */
     double method[FP3_RUNGS_MOST];  /* of the same steps in double: the integrator's own error */
     double noise[FP3_RUNGS_MOST];   /* difference between the two */
-    double largest[FP3_RUNGS_MOST]; /* the error of the steps in FP32 as fp3_tune has it: above */
+    double largest[FP3_RUNGS_MOST]; /* the error of the steps in FP32 as in fp3_tune */
     /* Slopes of error and method over rungs from .. to, where the noise is small compared with the
-     * method's error; NaN: there are no such rungs. */
+     * method's error; NaN: no such rungs. */
     double order, method_order;
     unsigned from, to;
     double finest_order;   /* slope of method, as far down as double resolves it; NaN likewise */

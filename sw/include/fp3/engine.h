@@ -115,7 +115,7 @@ typedef struct {
     uint32_t objects;
     /* Steps per visit. 0 (default): all steps of a run. Only of configurations that interleave. */
     uint32_t visit;
-    uint32_t seed; /* with `storage`: stores round at random, by draws from it; 0: to nearest */
+    uint32_t seed; /* with `storage`: stores round at random from this seed; 0: to nearest */
     /* isa and rtl: called for every retirement, or NULL. Must not call the engine. */
     fp3_retire_fn *retire;
     void *retire_user;
@@ -135,13 +135,13 @@ typedef struct {
     /* fast only: 1: never start a compiler; a program that is neither in the cache nor in `native`
      * is interpreted. */
     int is_without_compiler;
-    /* fast only: a file made by fp3_engine_write_native, or NULL. It is read when a program is
-     * loaded, and the load fails unless the file has the program's code, made by this version for a
-     * processor like this one. The code is trusted: anyone who can write the file can execute code
-     * here. */
+    /* fast only: a file made by fp3_engine_write_native, or NULL. The engine reads the file when a
+     * program is loaded. The load fails unless the file has the program's code, made by this
+     * version for a processor like this one. The code is trusted: anyone who can write the file can
+     * execute code here. */
     const char *native;
-    /* board only: the name of its serial port, and its baud rate; 0 (default): 115200.
-     * fp3_engine_find tells which configuration the board has. */
+    /* board only: the name of the serial port, and the baud rate; 0 (default): 115200.
+     * fp3_engine_find finds the configuration of the board. */
     const char *port;
     uint32_t baud;
     /* rtl and board: file that receives every transfer on the bus, for sim/replay.v, or NULL. The
@@ -149,8 +149,8 @@ typedef struct {
      * w ADDRESS DATA; r ADDRESS DATA; p ADDRESS MASK, read until the masked bits are 0;
      * h HIGH LOW, rtl only, after each run: FNV-1a hash of all retirements so far, over lane
      * (counted over all schedulers), row within the lane, register, bits, flags;
-     * e LINES 0, written when the engine is closed: the number of lines before it. A log without
-     * this line was cut off. */
+     * e LINES 0, written when the engine is closed: the number of lines before this line. A log
+     * without this line was cut off. */
     const char *bus_log;
 } fp3_engine_def;
 
@@ -160,8 +160,8 @@ typedef struct {
 typedef struct {
     uint64_t counter[FP3_COUNTER_COUNT]; /* sums over schedulers; cycles: the maximum */
     uint32_t schedulers;                 /* each has its own counters; isa: 1 */
-    /* Steps made by all objects together. An object that fell asleep counts its steps until then. 0
-     * unless the run came to its end. */
+    /* Steps made by all objects together; an object that fell asleep counts until then. 0 unless
+     * the run came to its end. */
     uint64_t object_steps;
     uint32_t flags; /* exceptions raised by any instruction, as in fp3_retirement */
     double seconds; /* wall clock of the run */
@@ -169,7 +169,7 @@ typedef struct {
 
 /* "cycles", "issued_add" and so on; counter < FP3_COUNTER_COUNT. */
 const char *fp3_counter_name(fp3_counter counter);
-/* Whether its name begins with "stall_". */
+/* Whether the counter's name begins with "stall_". */
 int fp3_counter_is_stall(fp3_counter counter);
 
 /* For fp3_engine_default() only. size is that of fp3_engine_def in the calling program. */
@@ -201,8 +201,8 @@ size_t fp3_engine_objects(const fp3_engine *engine);
 /* Use of the hardware's bus since the engine was opened: transfers is the number of words written
  * and read; cycles is the sum of cycles from a transfer's first handshake to its response, which no
  * run counts (board: 0). With board, requests is the number of requests sent over the line, repeats
- * how many of them were sent again because an answer was lost or late, and bytes what the line
- * carried both ways. All are 0 for engines without a bus. */
+ * the number sent again because an answer was lost or late, and bytes the bytes on the line both
+ * ways. All members are 0 for engines without a bus. */
 typedef struct {
     uint64_t transfers, cycles;
     uint64_t requests, repeats, bytes;
@@ -216,7 +216,7 @@ size_t fp3_engine_room(const char *engine, const char *config);
 const char *fp3_engine_how(const fp3_engine *engine);
 
 /* Writes the native code of the loaded program to a file, for `native` of an engine on a machine
- * without a compiler. It is compiled for this kind of processor, or for a lesser one that FP3_FAST
+ * without a compiler. The code is for this kind of processor, or for a lesser kind that FP3_FAST
  * names. FP3_E_ARGUMENT: the engine is not "fast", or does not have exactly one group with a
  * program. FP3_E_SYSTEM: the compiler failed, or the file cannot be written. */
 fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path);
@@ -224,9 +224,8 @@ fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path);
 /* Loads the code and the constants that have values; everything else keeps its contents. The image
  * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has
  * too few registers, constants or words, lacks an operation, or its store has no room for that many
- * objects of this program; the engine is unchanged. A word that is not an instruction is not
- * refused here: the run ends at it. Only "fast" refuses it here; it also refuses an lds that
- * follows anything but loads. */
+ * objects of this program; the engine is unchanged. A word that is not an instruction ends the run
+ * later; only "fast" refuses such a word here, and an lds that follows anything but loads. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
 /* Objects that share a program. */
@@ -237,14 +236,14 @@ typedef struct {
 
 /* The same with one program per group. Objects are numbered group by group; the groups together
  * must have the engine's number of objects. A scheduler runs one program. Each group gets at least
- * one scheduler; the others are distributed so that all groups end as early as possible if no
- * object sleeps. The objects of a group are dealt in turn to the lanes of its schedulers. An object
- * that moves to another place keeps its registers and its status. Registers beyond its new record
- * are lost; registers beyond its old record are 0. Constants belong to a group; those of a new
- * group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer than
- * the engine. FP3_E_PROGRAM: as above, or there are more groups than schedulers. */
+ * one scheduler; the other schedulers are distributed so that all groups end as early as possible
+ * if no object sleeps. The objects of a group are dealt one by one to the lanes of its schedulers.
+ * An object that moves to another place keeps its registers and its status. Registers beyond its
+ * new record are lost; registers beyond its old record are 0. Constants belong to a group; those of
+ * a new group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer
+ * objects than the engine. FP3_E_PROGRAM: as above, or more groups than schedulers. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
-/* How many groups there are: 1 before the first load. */
+/* The number of groups: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
 
 /* Write or read register reg of objects first .. first+count-1. values has count floats; their bits
@@ -281,8 +280,8 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
 
 /* Every object that is awake makes this number of steps, from 0 to 2^32 - 1. Each visit executes
  * the first part once, the step part once per step, and the last part once. 0 steps execute
- * nothing. An object that falls asleep still executes the last part of that visit, and nothing
- * after it.
+ * nothing. An object that falls asleep still executes the last part of that visit, and then
+ * nothing.
  * FP3_E_ARGUMENT: too many steps; or an object's `steps` would pass FP3_STEPS_LIMIT, or what its
  * words can count; or there is a cycle limit, and an object is born or gone during the run. Nothing
  * was executed.
@@ -306,7 +305,7 @@ uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group);
 typedef struct {
     size_t group, objects; /* the group whose program it runs; how many of its objects it has */
 } fp3_scheduler_share;
-/* The group and objects of a scheduler since the last load; for "isa", those it would have.
+/* The group and objects of a scheduler since the last load; for "isa", those of the hardware.
  * FP3_E_ARGUMENT: no such scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
                                       fp3_scheduler_share *share);
@@ -317,7 +316,7 @@ typedef struct {
     uint32_t flags; /* raised since open or the last clear; as in fp3_retirement */
     /* The step in which the first invalid or overflow was raised (its low 27 bits); 0: none. */
     uint32_t failed;
-    uint32_t slept; /* the step in which it fell asleep; 0: awake; or FP3_REMOVED */
+    uint32_t slept; /* the step in which the object fell asleep; 0: awake; or FP3_REMOVED */
 } fp3_object_status;
 
 /* The status of objects first .. first+count-1. flags and failed are 0 if the configuration does
@@ -333,16 +332,16 @@ fp3_status fp3_engine_clear_status(fp3_engine *engine, size_t first, size_t coun
  * before that. An instruction of the first part counts for the step that follows. */
 typedef struct {
     size_t failed; /* how many objects failed; if 0, all other members are 0 */
-    size_t object; /* the lowest number of those that failed in the earliest step */
+    size_t object; /* of the objects that failed in the earliest step, the lowest number */
     uint32_t step; /* counted from the load, as `sleep` does */
     int is_before; /* 1: a state was not finite before the first step of the run */
     /* The flags of the first instruction that raised invalid or overflow, as in fp3_retirement. If
-     * 0, none did: then `state` is the register of a state that is not finite after that step, and
-     * `value` is that state. Else both are 0. */
+     * flags is 0, no instruction did: then `state` is the register of a state that is not finite
+     * after that step, and `value` is that state. Else both are 0. */
     uint32_t flags;
     uint32_t state;
     float value;
-    uint32_t partner; /* 1 + the number of a near object at the same place that led to it; or 0 */
+    uint32_t partner; /* 1 + the number of a near object at the same place, the cause; or 0 */
 } fp3_failure;
 
 /* How objects first .. first+count-1 failed in the last run, whatever earlier runs raised. Reads
@@ -358,7 +357,7 @@ void fp3_engine_failure_text(const fp3_engine *engine, const fp3_failure *failur
                              char text[FP3_FAILURE_TEXT_SIZE]);
 
 /* From the next run on, the objects make steps again (wake), or make none and cost no cycles
- * (remove). FP3_E_PROGRAM: the program of one of them has no sleep; nothing is changed. */
+ * (remove). FP3_E_PROGRAM: the program of an object has no sleep; nothing is changed. */
 fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
 
@@ -383,7 +382,7 @@ fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object);
  *
  * A program with neighbours goes through lists of other objects. Its step has phases: in a phase an
  * object reads its neighbours' values as they were when the phase began. All objects of a group end
- * a phase before one of them begins the next phase.
+ * a phase before any object begins the next phase.
  */
 
 /* One list of each object of a group. */
@@ -393,7 +392,7 @@ typedef struct {
      * numbers. */
     const uint32_t *begin;
     const uint32_t *other; /* of each entry: the neighbour, counted in the group */
-    const float *fields;   /* of each entry, entry by entry; as many as the list has. NULL: none */
+    const float *fields;   /* of each entry, entry by entry; NULL: the list has none */
 } fp3_neighbours;
 
 /* Sets the list whose register has this name, and copies it. The list stays until the next load; a
@@ -421,10 +420,10 @@ typedef struct {
 /* Near objects: all others whose distance is below reach when a phase begins. */
 typedef struct {
     const char *position[3]; /* states, the components of the position */
-    uint32_t dimensions;     /* how many of them */
+    uint32_t dimensions;     /* the number of components */
     double reach;            /* 2^-50 to 2^63 */
     /* Lists reach farther by this distance, so they stay valid until an object has moved by half of
-     * it. 0: lists are made in each phase. At most 2^63. It changes no bit. */
+     * the skin. 0: lists are made in each phase. At most 2^63. The skin changes no bit. */
     double skin;
 } fp3_near;
 
@@ -443,7 +442,7 @@ typedef enum {
     FP3_ADAPTIVE_STOPPED, /* at an event, likewise; step is -0 */
     FP3_ADAPTIVE_STUCK,   /* the tolerance needs a step too short even for the two words of t */
     FP3_ADAPTIVE_LIMITED, /* no attempts were left before the end */
-    FP3_ADAPTIVE_LOST     /* it has ended or stopped, and a state is not finite */
+    FP3_ADAPTIVE_LOST     /* ended or stopped, and a state is not finite */
 } fp3_adaptive_end;
 /* Whether all is well. */
 static inline int fp3_adaptive_is_over(fp3_adaptive_end end) {
@@ -459,7 +458,7 @@ typedef struct {
     float t, step, until; /* step: the next one to try */
     uint32_t accepted, rejected;
     float smallest, largest;
-    char state[FP3_NAME_SIZE]; /* the first one that is not finite, or "" */
+    char state[FP3_NAME_SIZE]; /* the first state that is not finite, or "" */
     float t_low;               /* the time is t + t_low */
 } fp3_adaptive_object;
 
@@ -475,9 +474,9 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
 /* Runs the loaded programs, with fixed or adaptive steps. With fixed steps each object makes `most`
  * steps. With adaptive steps each object goes on until it has ended or made `most` attempts; next
  * to groups with fixed steps the limit is at least FP3_ADAPTIVE_ATTEMPTS. stats (may be NULL) gets
- * the sum of all runs that this takes. That is one run, except in a configuration that does not
- * interleave: its object cannot sleep, so short runs are made in order not to go far beyond the
- * object's end, where steps change nothing. Errors as for fp3_engine_run. FP3_E_PROGRAM: also if
+ * the sum of all runs: one run, or, in a configuration that does not interleave, several short
+ * runs. (Its object cannot sleep, so short runs keep the attempts after the object's end, which
+ * change nothing, few.) Errors as for fp3_engine_run. FP3_E_PROGRAM: also if
  * the configuration interleaves, and a program with adaptive steps has no sleep. */
 fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t most, fp3_stats *stats);
 
@@ -488,12 +487,12 @@ typedef struct {
 /* A summary of several objects. */
 typedef struct {
     fp3_adaptive_counts accepted, rejected;
-    /* Of the accepted steps; 0: there were none. A step that the end cut short counts with its
-     * length before the cut. */
+    /* Of the accepted steps; 0: no steps. A step that the end cut short counts with its length
+     * before the cut. */
     float smallest, largest;
     size_t stopped;          /* how many stopped at events, and did not fail */
-    size_t failed, first;    /* how many did not end, and the first of them */
-    fp3_adaptive_object why; /* details of the first */
+    size_t failed, first;    /* how many did not end, and the first such object */
+    fp3_adaptive_object why; /* details of the first such object */
 } fp3_adaptive_report;
 
 /* Summarises objects first .. first+count-1. FP3_E_ARGUMENT as for fp3_adaptive_look. FP3_E_SYSTEM:

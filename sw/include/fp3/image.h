@@ -59,16 +59,16 @@ typedef enum {
 #define FP3_CLASSES_ALL (FP3_CLASS(FP3_SYMBOL_CLASSES) - 1)
 
 /* Two names have the same meaning in every program. `h` is the time step of all objects: if the
- * host writes it, it must be a .shared. `steps` is the number of steps that an object has made, as
- * an FP32 number: if the host writes it, it must be a .state. A program that has `steps` adds 1 to
- * it in each step, and an engine refuses to run it beyond FP3_STEPS_LIMIT. */
+ * host writes `h`, it must be a .shared. `steps` is the number of steps that an object has made, as
+ * an FP32 number: if the host writes `steps`, it must be a .state. A program with `steps` adds 1 in
+ * each step, and an engine refuses to run the program beyond FP3_STEPS_LIMIT. */
 #define FP3_NAME_STEP "h"
 #define FP3_NAME_STEPS "steps"
 #define FP3_STEPS_LIMIT 16777216 /* 2^24: FP32 cannot represent 2^24 + 1 */
 
 typedef struct {
     fp3_symbol_class symbol_class;
-    uint32_t index; /* 0..63 within its bank, or a code word's index */
+    uint32_t index; /* 0..63 of a register or constant, or a code word's index */
     char name[FP3_NAME_SIZE];
 } fp3_symbol;
 
@@ -78,8 +78,8 @@ typedef struct {
 } fp3_constant;
 
 /* The arithmetic that a program is made for, by the configuration's keys: any; binary32;
- * logarithms; no subnormal numbers; that of Cell's SPU; truncated; truncated without subnormal
- * numbers; binary32 whose rcp and rsqrt are no estimates. */
+ * logarithms; no subnormal numbers; Cell's SPU; truncated; truncated without subnormal numbers;
+ * binary32 with exact rcp and rsqrt. */
 typedef enum {
     FP3_WORDS_ANY,
     FP3_WORDS_FLOATS,
@@ -101,7 +101,7 @@ enum { FP3_WORDS_NAME_SIZE = 64 };
 typedef struct {
     uint32_t code_count, step, last;
     uint32_t constant_count, symbol_count;
-    uint32_t words;     /* that the program is made for */
+    uint32_t words;     /* the arithmetic that the program is made for */
     uint32_t registers; /* object registers used by code or names: the highest index + 1 */
     uint32_t shared;    /* shared constants used by code, names or values: likewise */
     const uint32_t *code;
@@ -123,8 +123,7 @@ fp3_status fp3_word_decode(uint32_t word, fp3_instruction *instruction, fp3_erro
 /* The inverse. Checks nothing: a value too large for its field is truncated. */
 uint32_t fp3_word_encode(const fp3_instruction *instruction);
 
-/* "floats 7", "logarithms", as the directive .words has them. Returns text; NULL if there are no
- * such words. */
+/* "floats 7", "logarithms", as in the directive .words. Returns text, or NULL for unknown words. */
 const char *fp3_image_words_name(uint32_t words, char text[FP3_WORDS_NAME_SIZE]);
 /* The same for a message: "floats of 7 fraction bits". */
 const char *fp3_image_words_said(uint32_t words, char text[FP3_WORDS_NAME_SIZE]);
@@ -132,11 +131,11 @@ const char *fp3_image_words_said(uint32_t words, char text[FP3_WORDS_NAME_SIZE])
 /* Makes a checked copy of the draft, which the caller keeps. The caller frees *image with
  * fp3_image_free. The copy's registers, shared and decoded are computed (the draft's are ignored),
  * and its constants and symbols are sorted. FP3_E_PROGRAM: step < last <= code_count <=
- * FP3_IMAGE_CODE_LIMIT does not hold; there are no such words; an index is outside its bank; a name
- * is malformed or used twice; a register has two names or two values; a .const has no value or a
- * .shared has one; `h` or `steps` has a class other than above; sleep and lds have different
- * destinations, or one that is a .param or .temp. Illegal code words are not refused here: engines
- * refuse them. */
+ * FP3_IMAGE_CODE_LIMIT does not hold; unknown words; an index is out of range; a name is malformed
+ * or used twice; a register has two names or two values; a .const has no value or a .shared has a
+ * value; `h` or `steps` has a class other than above; sleep and lds have different destinations, or
+ * a destination that is a .param or .temp. Illegal code words are not refused here, but by the
+ * engines. */
 fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *error);
 /* Frees *image and sets it to NULL. *image may be NULL already. */
 void fp3_image_free(fp3_image **image);
@@ -155,9 +154,9 @@ fp3_status fp3_image_encode(const fp3_image *image, uint32_t **words, size_t *co
 fp3_status fp3_image_load(const char *path, fp3_image **image, fp3_error *error);
 fp3_status fp3_image_save(const fp3_image *image, const char *path, fp3_error *error);
 
-/* What follows takes an image made by the library, not a draft. The next three return pointers that
- * belong to the image.
- * The symbol of this name if it is of one of these classes, else NULL. Names are unique. */
+/* The next functions take an image made by the library, not a draft. The first three return
+ * pointers that belong to the image.
+ * The symbol of this name if its class is in classes, else NULL. Names are unique. */
 const fp3_symbol *fp3_image_find(const fp3_image *image, const char *name, unsigned classes);
 /* The name of a register or constant, numbered as in a word, or NULL. */
 const char *fp3_image_name(const fp3_image *image, uint32_t operand);
@@ -167,7 +166,7 @@ const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
 int fp3_image_slept(const fp3_image *image);
 /* The object register that counts the object's steps, FP3_NAME_STEPS, or -1. */
 int fp3_image_steps(const fp3_image *image);
-/* "state" and so on; "?" if it is not a class. */
+/* "state" and so on; "?" for an unknown class. */
 const char *fp3_class_name(fp3_symbol_class symbol_class);
 /* Whether the class names object registers. */
 int fp3_class_is_object(fp3_symbol_class symbol_class);
@@ -198,8 +197,9 @@ typedef struct {
 } fp3_assembly;
 
 /* source has size bytes, needs no NUL and may hold any bytes. name appears in the report. The
- * caller frees *result, which frees everything it holds. FP3_E_PROGRAM: the source has errors;
- * *result holds the report, and error its first line. After any other failure *result is NULL. */
+ * caller frees *result and all its members with fp3_assembly_free. FP3_E_PROGRAM: the source has
+ * errors; *result holds the report, and error its first line. After any other failure *result is
+ * NULL. */
 fp3_status fp3_assemble(const char *source, size_t size, const char *name, fp3_assembly **result,
                         fp3_error *error);
 /* Frees *result and sets it to NULL. *result may be NULL already. */

@@ -9,8 +9,8 @@
  *     fp3_model_free(&model);
  *
  * docs/models.md describes the language. A model that the library returns has passed every check
- * described there and never changes (except by fp3_model_adapt). It has only scalars: a vector r of
- * two components has become r_x and r_y, one of five r_1 to r_5.
+ * described there and never changes (except by fp3_model_adapt). A model has only scalars: a vector
+ * r of two components has become r_x and r_y, a vector of five r_1 to r_5.
  *
  * Threads: any number of threads may read a model or an integrator at the same time.
  */
@@ -85,16 +85,16 @@ static inline int fp3_expr_is_fold(fp3_expr_op op) {
     return op == FP3_EXPR_TOTAL || op == FP3_EXPR_LEAST || op == FP3_EXPR_MOST;
 }
 
-/* One operation. Its operands come before it in fp3_model.exprs; operands that it does not have are
- * FP3_NONE. A long sum is as deep as it is long (up to 4096), so walk the array instead of
- * recursing into the operands. */
+/* One operation. Its operands come earlier in fp3_model.exprs; unused operands are FP3_NONE. A long
+ * sum is as deep as it is long (up to 4096), so walk the array instead of recursing into the
+ * operands. */
 typedef struct {
     fp3_expr_op op;
     uint32_t operand[3];
     uint32_t index;        /* of STATE, PARAM and INITIAL */
     double number;         /* of NUMBER */
     uint32_t line, column; /* its place in the text, from 1 */
-    int is_known; /* it depends only on params and numbers, which the host knows before a run */
+    int is_known; /* depends only on params and numbers, which the host knows before a run */
 } fp3_expr;
 
 typedef struct {
@@ -106,7 +106,7 @@ typedef struct {
     uint32_t derivative; /* state: expression of its derivative */
     uint32_t velocity;   /* state: the other state that is its derivative, or FP3_NONE */
     uint32_t exact;      /* state: its closed form in t, or FP3_NONE */
-    uint32_t start; /* state: expression of params that its start is computed from, or FP3_NONE */
+    uint32_t start;      /* state: expression of params that gives its start, or FP3_NONE */
     uint32_t line;
 } fp3_quantity;
 
@@ -115,7 +115,7 @@ typedef struct {
 /* An intermediate definition, or an invariant, in the order of the text. */
 typedef struct {
     char name[FP3_NAME_SIZE];
-    char unit[FP3_UNIT_SIZE]; /* in base units, truncated if long; "" if it has none */
+    char unit[FP3_UNIT_SIZE]; /* in base units, truncated if long; "": no unit */
     uint32_t expr;
     uint32_t line;
 } fp3_definition;
@@ -126,24 +126,24 @@ typedef struct {
 } fp3_assignment;
 
 /* At the end of a step, if the condition is not 0, each state is set to the value that its
- * expression had before any of them changed. Events are handled in the order of the text, and each
- * sees the results of those before it. An event assigns no state twice. */
+ * expression had before any state changed. Events are handled in the order of the text, and each
+ * sees the results of earlier events. An event assigns no state twice. */
 typedef struct {
     uint32_t condition;    /* expression; of a projection FP3_NONE */
     uint32_t first, count; /* its part of fp3_model.assignments */
     uint32_t line;
-    /* Expression, and the event happens only if it was not 0 at the beginning of the step;
-     * FP3_NONE: it happens whenever its condition is not 0. Of a root or a time both are
-     * comparisons of the same two numbers, the other way round. */
+    /* The event happens only if this expression was not 0 at the beginning of the step; FP3_NONE:
+     * whenever its condition is not 0. Of a root or a time, `condition` and `armed` compare the
+     * same two numbers, the other way round. */
     uint32_t armed;
-    int stops; /* 1: from then on the object keeps its states and its time. It may set none */
+    int stops; /* 1: from then on the object keeps its states and its time; it may set no state */
 } fp3_event;
 
 #define FP3_RELATIONS_MAX 8
 
 /* Which other objects an object sees. */
 typedef enum {
-    FP3_LINKS, /* objects that it is linked with */
+    FP3_LINKS, /* linked objects */
     FP3_NEAR,  /* objects nearer than `reach` */
     FP3_ALL    /* all others */
 } fp3_relation_kind;
@@ -152,8 +152,8 @@ typedef struct {
     char name[FP3_NAME_SIZE];
     fp3_relation_kind kind;
     uint32_t first_field, field_count; /* links: of fp3_model.fields */
-    /* near: the first state of the position, how many components it has, and an expression of
-     * shared params. */
+    /* near: the first state of the position, its number of components, and the reach, an expression
+     * of shared params. */
     uint32_t position, dimensions, reach;
     uint32_t line;
 } fp3_relation;
@@ -162,8 +162,7 @@ typedef struct {
     char name[FP3_NAME_SIZE];
     char *doc;
     char time_unit[FP3_UNIT_SIZE]; /* of `step`, likewise */
-    /* The default time step, and how long benchmarks integrate (1000 steps if the text does not
-     * say). */
+    /* The default time step, and how long benchmarks integrate (default: 1000 steps). */
     double step, span;
     uint32_t state_count, param_count, definition_count, invariant_count, expr_count;
     uint32_t event_count, projection_count, assignment_count;
@@ -201,13 +200,13 @@ typedef struct {
     double t;
 } fp3_point;
 /* Sets values[i] to the value of expression i, for all expr_count expressions. If initial is NULL,
- * expressions that need it are NaN. */
+ * expressions that need the start are NaN. */
 void fp3_model_evaluate(const fp3_model *model, const fp3_point *point, double *values);
 
 /* Finds a state that stands still: in plain FP32 arithmetic a step of h is too small to change it.
  * Returns 1 for the first such state at this point that would change by more than `share` of its
  * size during `span`, if its derivative still has the same sign then (at an equilibrium nothing is
- * lost); text says what a step adds. Returns 0 and text "" if there is none. room: 2 expr_count +
+ * lost); text says what a step adds. Otherwise returns 0 and text "". room: 2 expr_count +
  * state_count numbers. */
 #define FP3_STANDSTILL_TEXT_SIZE 192
 int fp3_model_standstill(const fp3_model *model, const fp3_point *point, double h, double span,
@@ -222,7 +221,7 @@ int fp3_model_standstill(const fp3_model *model, const fp3_point *point, double 
 int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double *params, double t,
                    double *states, double *values);
 
-/* FP3_E_PROGRAM: objects of this model see others, so an object cannot be computed alone: in
+/* FP3_E_PROGRAM: objects of this model see each other, so an object cannot be computed alone: in
  * fp3_model_evaluate expressions of neighbours are NaN. The message names the relation and its
  * line. */
 fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
@@ -296,8 +295,8 @@ typedef struct {
     char *source; /* of the table: author, year */
     fp3_integrator_kind kind;
     unsigned order;  /* its order conditions have been checked */
-    unsigned stages; /* splitting: the number of substeps; Chebyshev: one more than its recurrence
-                        has, for the slope at the new state */
+    unsigned stages; /* splitting: the number of substeps; Chebyshev: one more than those of its
+                        recurrence, for the slope at the new state */
     /* Chebyshev: a, b, c are equivalent to the recurrence. */
     double a[FP3_STAGES_MAX][FP3_STAGES_MAX], b[FP3_STAGES_MAX], c[FP3_STAGES_MAX];
     double gamma[FP3_STAGES_MAX][FP3_STAGES_MAX]; /* Rosenbrock: all diagonal elements are equal */
@@ -316,13 +315,13 @@ typedef struct {
 } fp3_integrator;
 
 /* text is a table in libconfig's syntax; name appears in messages ("name:line: found ..., expected
- * ..."). FP3_E_PROGRAM: the table is malformed or not explicit; or an order condition fails for the
- * order that it claims (the message says which, and by how much); or its error estimate is 0 on
- * y' = a y or y' = f(t), whatever the step. */
+ * ..."). FP3_E_PROGRAM: the table is malformed or not explicit; or a condition of the claimed order
+ * fails (the message says which, and by how much); or the error estimate is 0 on y' = a y or
+ * y' = f(t), whatever the step. */
 fp3_status fp3_integrator_read(const char *text, const char *name, fp3_integrator **integrator,
                                fp3_error *error);
 /* The built-in table of this name; or, if name contains a '/' or ends in ".cfg", the table in that
- * file. FP3_E_ARGUMENT: there is none; the message lists the existing ones. */
+ * file. FP3_E_ARGUMENT: no such table; the message lists the built-in tables. */
 fp3_status fp3_integrator_find(const char *name, fp3_integrator **integrator, fp3_error *error);
 /* Frees *integrator and sets it to NULL. *integrator may be NULL already. */
 void fp3_integrator_free(fp3_integrator **integrator);

@@ -33,7 +33,7 @@ FP3_API_BEGIN
  *     fp3_params_free(&params);
  *
  * A file is in libconfig's syntax, name = value. A value is a number, or a formula of numbers and
- * other names, such as "0.5*h". A later value replaces an earlier one, but a number does not
+ * other names, such as "0.5*h". A later value replaces an earlier value, but a number does not
  * replace a formula: reading the value then fails, unless both are the same FP32 number.
  */
 typedef struct fp3_params fp3_params;
@@ -68,8 +68,8 @@ fp3_status fp3_params_link_file(fp3_params *params, const char *text, size_t mos
 
 size_t fp3_params_count(const fp3_params *params);
 int fp3_params_has(const fp3_params *params, const char *name);
-/* Gets a value; that of the first object if it is spread. FP3_E_ARGUMENT: there is no such value,
- * or its formula has none; *value is unchanged. */
+/* Gets a value; of a spread value that of the first object. FP3_E_ARGUMENT: no such value, or its
+ * formula cannot be computed; *value is unchanged. */
 fp3_status fp3_params_get(const fp3_params *params, const char *name, double *value,
                           fp3_error *error);
 
@@ -97,14 +97,14 @@ static inline fp3_program_def fp3_program_default(void) {
     return def;
 }
 
-/* Read it, never change it. Everything that it points to belongs to it. */
+/* Never change a program. Everything that it points to belongs to the program. */
 typedef struct {
     fp3_image *image;
     fp3_compiled *compiled; /* this and the next two: NULL unless the program is a model */
     fp3_model *model;
     fp3_integrator *integrator;
-    /* The configuration that a model was compiled for; the string of the definition, if that names
-     * one, must outlive the program. For another program: "world" if its objects see each other,
+    /* The configuration that a model was compiled for; if the definition names a configuration, its
+     * string must outlive the program. For another program: "world" if its objects see each other,
      * else NULL (unknown). */
     const char *config;
     int sees_others; /* its objects see each other (docs/relations.md) */
@@ -112,7 +112,7 @@ typedef struct {
 
 /* Whether the name ends in .ode, in upper or lower case. */
 int fp3_program_is_model(const char *path);
-/* Whether it ends in .ode, .s or .fp3, likewise. */
+/* Whether the name ends in .ode, .s or .fp3, likewise. */
 int fp3_program_is_named(const char *path);
 
 /* Opens a program. The end of its name says what it is, in upper or lower case: .ode a model, .s
@@ -130,14 +130,14 @@ fp3_status fp3_program_read(const char *text, size_t size, const char *name,
 void fp3_program_close(fp3_program **program);
 
 /* Loads the program into the engine, and gives all objects their values. params names states,
- * params and shared constants of the program. For a model it names the model's states, its params
- * and h, which all have defaults. So do the register that `sleep` writes (awake) and `steps`, if
- * the program counts them (0). An object starts at time steps * h. Relations `all` and `near` need
- * nothing. Links must be given for each relation of links, and for each list of an image:
- * fp3_params_link. FP3_E_ARGUMENT: a value or links are missing, out of range, or for something
- * that the program does not have. After a failure the program may be loaded, and some of the values
- * written. If the engine refuses something, error has the message as well as the error of the
- * engine's definition. params may not be NULL. */
+ * params and shared constants of the program. For a model params names the model's states, its
+ * params and h, which all have defaults. The register that `sleep` writes (awake) and `steps` (0)
+ * have defaults, too. An object starts at time steps * h. Relations `all` and `near` need no
+ * values. Each relation of links, and each list of an image, needs links: fp3_params_link.
+ * FP3_E_ARGUMENT: a value or links are missing, out of range, or for a name that the program does
+ * not have. After a failure the program may be loaded, and some of the values written. If the
+ * engine refuses a call, error has the message as well as the error of the engine's definition.
+ * params may not be NULL. */
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error);
 
@@ -147,7 +147,7 @@ fp3_status fp3_program_inputs(const fp3_program *program, const fp3_params *para
                               float *values, int *is_spread, fp3_error *error);
 
 /* For a model: the text of a file for fp3_params_load, with the values that the compiled program
- * needs. Values that are computed from others (h, params) are written as formulas. The caller frees
+ * needs. Values that are computed from h and params are written as formulas. The caller frees
  * *text. */
 fp3_status fp3_program_values_text(const fp3_program *program, const fp3_params *params,
                                    char **text, fp3_error *error);

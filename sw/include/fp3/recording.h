@@ -31,8 +31,8 @@ FP3_API_BEGIN
 
 typedef struct fp3_recording fp3_recording;
 
-/* What to record. Always start from fp3_recording_default(). The caller owns what it points to,
- * which must last until fp3_recording_open returns. */
+/* What to record. Always start from fp3_recording_default(). The caller owns everything that the
+ * definition points to, until fp3_recording_open returns. */
 typedef struct {
     uint32_t cookie; /* as in fp3_compile_def */
     /* A file, a picture, or both; NULL: none. The name of a file says its form
@@ -44,7 +44,7 @@ typedef struct {
     const char *const *observed;
     size_t observed_count;
     uint64_t steps; /* of the run, as for fp3_engine_run; default 1 */
-    /* Without times: a snapshot before the run, one after each `every` steps, and one at the end. 0
+    /* Without times: a snapshot before the run, after each `every` steps, and at the end. 0
      * (default): only the first and the last; some 1000 for a picture. */
     uint64_t every;
     /* Snapshots only at these times, ascending, from the start of the run, in the unit of h; or
@@ -57,15 +57,15 @@ typedef struct {
     int is_silent;     /* writes nothing, because another process of a cluster writes the file */
     /* Checkpoints (docs/checkpoints.md), in a recording or alone. Without path and plot there may
      * be several groups, and then the program is NULL. The file gets the whole state after each
-     * `checkpoint_every` steps (0: none of these) and at the end; the checkpoint before stays as
+     * `checkpoint_every` steps (0: never) and at the end; the previous checkpoint stays as
      * checkpoint.1. NULL (default): no checkpoints. Not with adaptive steps. */
     const char *checkpoint;
     uint64_t checkpoint_every;
-    /* A checkpoint of the same run, from which it goes on; NULL (default): from the start. */
+    /* The run goes on from this checkpoint of the same run; NULL (default): from the start. */
     const char *restart;
     /* A text that checkpoints keep: the arguments of fp3 run, one a line; or NULL. */
     const char *command;
-    struct fp3_expected *expected; /* NULL; fp3 verify has some */
+    struct fp3_expected *expected; /* NULL, except for fp3 verify */
 } fp3_recording_def;
 
 /* For fp3_recording_default() only. size is that of fp3_recording_def in the calling program. */
@@ -77,7 +77,8 @@ static inline fp3_recording_def fp3_recording_default(void) {
 }
 
 /* The number of steps of a run to the last of these times. Times must be whole multiples of h, to
- * within rounding of h and of the time. FP3_E_ARGUMENT: one is not; error names the nearest two. */
+ * within rounding of h and of the time. FP3_E_ARGUMENT: a time is not; error names the nearest
+ * two. */
 fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *params,
                                const double *times, size_t count, uint64_t *steps,
                                fp3_error *error);
@@ -108,9 +109,10 @@ typedef struct {
  * must have one group unless only checkpoints are written. Program, params and engine must outlive
  * the recording. The file is written under another name next to its place. The caller closes
  * *recording, which is NULL on failure. FP3_E_ARGUMENT: a definition from another version of the
- * library; no such name; times that are not steps; too much for a picture; a file that cannot be
- * written; or there are snapshots during the run, and the program's first or last part does more
- * than prepare and complete values, so that a run in parts would differ from the whole run. */
+ * library; no such name; times that are not steps; too many points for a picture; a file that
+ * cannot be written; or there are snapshots during the run, and the program's first or last part
+ * does more than prepare and complete values, so that a run in parts would differ from the whole
+ * run. */
 fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *program,
                               const fp3_params *params, fp3_engine *engine,
                               fp3_recording **recording, fp3_error *error);

@@ -32,8 +32,8 @@
 
 FP3_API_BEGIN
 
-/* The steps of a group's first and last object. Those of the others lie evenly between, rounded
- * down. */
+/* The steps of a group's first and last object. The steps of the other objects lie evenly between,
+ * rounded down. */
 typedef struct {
     uint64_t first, last;
 } fp3_scene_steps;
@@ -52,7 +52,7 @@ typedef struct {
     int line; /* of the scene file */
 } fp3_scene_group;
 
-/* Read it, never change it, except for params. Everything that it points to belongs to it. */
+/* Never change a scene, except for params. Everything that it points to belongs to the scene. */
 typedef struct {
     char *path, *config, *engine;
     uint64_t steps;
@@ -87,7 +87,7 @@ static inline fp3_engine_def fp3_scene_engine(const fp3_scene *scene) {
 }
 
 /* Loads programs, values and lifetimes into an engine that has as many objects as the scene. If the
- * engine refuses something, error has the message as well as the error of the engine's definition;
+ * engine refuses a call, error has the message as well as the error of the engine's definition;
  * the message begins with the path and the line of `groups`. FP3_E_ARGUMENT: also if the run has to
  * be split (objects have lifetimes, or only some groups have adaptive steps), and the first or last
  * part of a program does more than prepare and complete values. */

@@ -5,21 +5,21 @@
  *     if (fp3_image_load("ship.fp3", &image, &error))
  *         fprintf(stderr, "%s\n", error.text);
  *
- * A call returns a status. On failure it also writes one line into the caller's fp3_error, unless
- * that is NULL. Whatever a failed call would have made is NULL or unchanged, unless the comment of
- * the call says otherwise. No pointer may be NULL unless a comment says so.
+ * A call returns a status. On failure the call also writes one line into the caller's fp3_error,
+ * unless that pointer is NULL. Whatever a failed call would have made is NULL or unchanged, unless
+ * the comment of the call says otherwise. No pointer may be NULL unless a comment says so.
  *
- * Threads: the library has no global state. Two threads may call it at the same time with different
- * objects (engines, images, scenes ...), and may read what neither changes. Only one thread at a
- * time may use an object. The other headers say where they differ. After a fork the child may go on
- * with what its parent made, but for two engines: "fast" once it has started threads, which the
- * child does not have, and "board", whose port both would share. The child opens its own.
+ * Threads: the library has no global state. Two threads may call the library at the same time with
+ * different objects (engines, images, scenes ...), and may read objects that neither changes. Only
+ * one thread at a time may use an object. The other headers name exceptions. After a fork the child
+ * may use the parent's objects, except two engines: "fast" once it has started threads, which the
+ * child does not have, and "board", whose port both would share. The child opens its own engines.
  *
  * Locale and arithmetic: a call that computes, reads or writes numbers does so in the locale "C",
- * rounds to nearest and keeps subnormal numbers, and gives the calling thread back what it had. A
- * decimal comma, fesetround or -ffast-math in the host changes no bit and no text. A callback comes
+ * rounds to nearest and keeps subnormal numbers, and restores the settings of the calling thread. A
+ * decimal comma, fesetround or -ffast-math in the host changes no bit and no text. A callback runs
  * with the library's locale and arithmetic. fp3_model_evaluate and fp3_model_fire, which are called
- * often, compute with the caller's.
+ * often, compute with the caller's arithmetic.
  *
  * Experimental: a header marked so may change in any version. While the first number of the version
  * is 0, all other headers change only with the second number.
@@ -31,8 +31,8 @@
 
 #define FP3_VERSION "0.1.0"
 
-/* Every header begins and ends with these. They give C linkage in C++, and mark the names that the
- * shared library exports. It exports nothing else. */
+/* Every header begins and ends with these macros. They give C linkage in C++, and mark the names
+ * that the shared library exports. The library exports nothing else. */
 #ifdef __cplusplus
 #define FP3_API_BEGIN                                                                              \
     extern "C" {                                                                                   \
@@ -58,11 +58,11 @@ typedef enum {
                      * a command had no truth to measure errors against, or a check failed */
 } fp3_status;
 
-/* What went wrong, and where, if that is known. The text then begins with the place: "path: ...",
+/* The failure, and its place, if known. The text then begins with the place: "path: ...",
  * "path:line: ...", "path:line:column: error: ..." or "line:column: error: ...". The numbers repeat
  * the place for editors. */
 typedef struct {
-    char text[512];        /* one line without a newline; of a longer one the middle is left out */
+    char text[512];        /* one line without a newline; a longer line loses its middle */
     unsigned line, column; /* from 1; 0: unknown */
     unsigned path_size;    /* bytes of the path at the start of the text; 0: no path */
     unsigned message;      /* offset in the text at which the message begins, after the place */
@@ -85,8 +85,8 @@ __attribute__((format(printf, 6, 7))) fp3_status fp3_fail_at(fp3_error *error, f
                                                              ...);
 
 /* The version of the library that the program is linked with, as "0.1.0". FP3_VERSION is the
- * version of the headers that it was compiled with. *number (number may be NULL) is 10000 times the
- * first number, plus 100 times the second, plus the third. */
+ * version of the headers that the program was compiled with. *number (number may be NULL) is 10000
+ * times the first number, plus 100 times the second, plus the third. */
 const char *fp3_version(uint32_t *number);
 
 /* The exit code of a command that ends with this status: 0 success, 1 failure, 2 bad input or

@@ -27,7 +27,7 @@ FP3_API_BEGIN
 
 typedef struct fp3_kanata fp3_kanata;
 
-/* At most this number of instructions is recorded; beyond it fp3_kanata_close fails. */
+/* The most instructions that are recorded; with more, fp3_kanata_close fails. */
 #define FP3_KANATA_LIMIT 2000000u
 
 /* Begins a log. config is a configuration's name; path and image are copied. The file is begun
@@ -37,7 +37,7 @@ fp3_status fp3_kanata_open(const char *path, const char *config, const fp3_image
                            fp3_kanata **kanata, fp3_error *error);
 
 /* An fp3_trace_fn; the user pointer is the fp3_kanata. Lanes other than 0 are ignored.
- * fp3_kanata_close reports what goes wrong here. */
+ * fp3_kanata_close reports failures of this function. */
 void fp3_kanata_trace(void *kanata, const fp3_traced *traced);
 
 /* Writes the log to path. Always frees *kanata and sets it to NULL; if it is NULL already, nothing
@@ -49,9 +49,10 @@ fp3_status fp3_kanata_close(fp3_kanata **kanata, fp3_error *error);
 /* Frees *kanata, sets it to NULL and writes nothing. *kanata may be NULL already. */
 void fp3_kanata_free(fp3_kanata **kanata);
 
-/* Prints the counters of one scheduler as a table: the cycles by what was issued, or by why nothing
- * was, as percentages that add up to 100.0, each with a bar; then how busy its adder and multiplier
- * were. counter has FP3_COUNTER_COUNT numbers, as in fp3_stats. Rows with 0 cycles are left out. */
+/* Prints the counters of one scheduler as a table: the cycles by instruction or by cause of a
+ * stall, as percentages that add up to 100.0, each with a bar; then the use of its adder and
+ * multiplier. counter has FP3_COUNTER_COUNT numbers, as in fp3_stats. Rows with 0 cycles are left
+ * out. */
 void fp3_occupancy_print(FILE *out, uint32_t scheduler, const uint64_t *counter);
 
 FP3_API_END

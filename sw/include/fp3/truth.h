@@ -7,7 +7,7 @@
  *     if (fp3_model_truth(model, params, initial, 1.5, states, &error))
  *         fprintf(stderr, "%s\n", error.text);
  *
- * Of the library libfp3_lab, which needs GSL.
+ * This header belongs to the library libfp3_lab, which needs GSL.
  *
  * Threads: a call works in the calling thread. Calls in different threads do not affect each other.
  * Experimental.
@@ -24,15 +24,15 @@
 FP3_API_BEGIN
 
 /* The states at time t, which may be negative: by GSL's rk8pd at a tight tolerance (by bsimp if the
- * model is stiff), and by the model's closed forms if it has them, or another method.
+ * model is stiff), and by the model's closed forms, or by another method if there are none.
  * FP3_E_MISMATCH: the two do not agree. FP3_E_ARGUMENT: also if a method does not reach t. states
  * has model->state_count numbers. */
 fp3_status fp3_model_truth(const fp3_model *model, const double *params, const double *initial,
                            double t, double *states, fp3_error *error);
 /* The states at count times, all above 0 and ascending: states has a row of model->state_count
  * numbers for each. sizes (may be NULL) gets the largest magnitude of each state up to the last
- * time; if it is given, two truths are compared at each time. FP3_E_ARGUMENT: also if times are not
- * as above. */
+ * time; with sizes, two truths are compared at each time. FP3_E_ARGUMENT: also if times are not as
+ * above. */
 fp3_status fp3_model_truths(const fp3_model *model, const double *params, const double *initial,
                             const double *times, size_t count, double *states, double *sizes,
                             fp3_error *error);
@@ -42,13 +42,13 @@ fp3_status fp3_model_truths(const fp3_model *model, const double *params, const 
 /* The reference, in FP32 and without any of the passes that keep the bits. Every engine must give
  * the same bits. params, initial and h are as for fp3_compiled_inputs. states has count rows of
  * model->state_count floats. Row i gets the states after steps[i] steps; steps must not decrease.
- * Only states that are observed, or needed by an observed one, are written; a NaN is 7FC00000. */
+ * Only observed states, and states that these need, are written; a NaN is 7FC00000. */
 fp3_status fp3_compiled_reference(const fp3_compiled *compiled, const double *params,
                                   const double *initial, double h, const uint64_t *steps,
                                   size_t count, float *states, fp3_error *error);
 
 /* The same with the second words of double-single, which are 0 in any other arithmetic. low has as
- * many floats as states; a state is the sum of the two. */
+ * many floats as states; a state is the sum of both words. */
 fp3_status fp3_compiled_reference_pairs(const fp3_compiled *compiled, const double *params,
                                         const double *initial, double h, const uint64_t *steps,
                                         size_t count, float *states, float *low, fp3_error *error);
@@ -60,9 +60,9 @@ fp3_status fp3_compiled_exact(const fp3_compiled *compiled, const double *params
                               double *states, fp3_error *error);
 
 /* The same steps in double, but the numbers that the host gives the program (h, params,
- * coefficients and what is computed from them) are rounded as the program has them. This shows what
- * FP32 does to the method before the first step. The start is not rounded, and in double-single
- * nothing is. */
+ * coefficients and values computed from these) are rounded as in the program. This shows the effect
+ * of FP32 on the method before the first step. The start is not rounded; in double-single nothing
+ * is rounded. */
 fp3_status fp3_compiled_exact_given(const fp3_compiled *compiled, const double *params,
                                     const double *initial, double h, const uint64_t *steps,
                                     size_t count, double *states, fp3_error *error);

@@ -12,9 +12,9 @@
  *         printf("%s\n", found->rows[found->best].integrator);
  *     fp3_tuning_free(&found);
  *
- * docs/tuner.md describes how it searches, and how safe the choice is.
+ * docs/tuner.md describes the search, and how safe the choice is.
  *
- * Of the library libfp3_lab, which needs GSL.
+ * This header belongs to the library libfp3_lab, which needs GSL.
  *
  * Threads: a call works in the calling thread. Calls in different threads do not affect each other.
  * Experimental.
@@ -33,13 +33,13 @@ FP3_API_BEGIN
 
 /* An error is the largest distance of any state, after any step, from the truth at that time,
  * relative to the largest magnitude of that state along the object's truth. The error of several
- * objects is that of the worst. An infinite error means that a run went wrong. Of n steps or
- * attempts, where n is above FP3_TUNE_LOOKS, every one in n / FP3_TUNE_LOOKS (rounded down) counts,
- * and the last one does. After the last step the truth is that of the end of the span. Around an
- * event the object may be on the other side of it: docs/tuner.md. */
+ * objects is that of the worst. An infinite error means that a run failed. Of n steps or attempts,
+ * where n is above FP3_TUNE_LOOKS, one in n / FP3_TUNE_LOOKS (rounded down) counts, and the last.
+ * After the last step the truth is that of the end of the span. Around an event the object may be
+ * on the other side of the event: docs/tuner.md. */
 #define FP3_TUNE_LOOKS 1024
 #define FP3_TUNE_LEAST                                                                             \
-    1e-7 /* the smallest tolerance: FP32 rounds by 6e-8. With fewer bits it is larger */
+    1e-7 /* the smallest tolerance: FP32 rounds by 6e-8. Fewer bits need a larger tolerance */
 
 typedef void fp3_tune_say_fn(void *user, const char *what);
 
@@ -80,9 +80,9 @@ typedef struct {
 typedef struct {
     char integrator[FP3_NAME_SIZE];
     fp3_arithmetic arithmetic;
-    int is_adaptive; /* it has a tolerance (fp3/compile.h) and no number of steps */
+    int is_adaptive; /* with a tolerance (fp3/compile.h) and no number of steps */
     int is_cut;      /* fixed steps that end at events and exactly with the span */
-    uint64_t steps;  /* the fewest that met the target, else those of the last look; 0: none */
+    uint64_t steps;  /* the fewest that met the target, else of the last look; 0: none */
     float h;
     /* With adaptive steps, likewise: tolerance and absolute of a step; and, also of steps that are
      * cut, the mean number of attempts that an object of the sample makes; 0: none. */
@@ -96,7 +96,7 @@ typedef struct {
     char why[160]; /* how it ended */
 } fp3_tune_row;
 
-/* Read it, never change it. */
+/* Never change the result. */
 typedef struct {
     fp3_tune_row *rows;
     size_t row_count, best; /* best: row_count if no row met the target */
@@ -115,10 +115,10 @@ typedef struct {
 } fp3_tuning;
 
 /* Searches. The caller frees *tuning, which is NULL on failure. It is not an error if no integrator
- * meets the tolerance: see is_met. FP3_E_PROGRAM: the tolerance is below what words of fewer bits
- * can keep. FP3_E_ARGUMENT: it is below FP3_TUNE_LEAST, or not below 1; the span is not above 0, or
- * shorter than the model's step; the cycles of the configuration cannot be predicted; the program
- * is not a model, or has adaptive steps; a definition from another version of the library.
+ * meets the tolerance: see is_met. FP3_E_PROGRAM: words of fewer bits cannot keep the tolerance.
+ * FP3_E_ARGUMENT: the tolerance is below FP3_TUNE_LEAST, or not below 1; the span is not above 0,
+ * or shorter than the model's step; the cycles of the configuration cannot be predicted; the
+ * program is not a model, or has adaptive steps; a definition from another version of the library.
  * FP3_E_FAILED: an object of the sample has no truth; the message says why. */
 fp3_status fp3_tune(const fp3_tune_def *def, fp3_tuning **tuning, fp3_error *error);
 /* Frees *tuning and sets it to NULL. *tuning may be NULL already. */
