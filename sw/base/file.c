@@ -118,8 +118,8 @@ static fp3_status open_temporary(fp3_output *o, fp3_error *error) {
         return cannot_write(o, error);
     fp3_status status = FP3_OK;
     if (fp3_temporary_open(folder, &o->temporary))
-        status = errno == EBUSY
-                     ? fp3_fail(error, FP3_E_ARGUMENT, "%s: another process is writing it", o->path)
+        status = errno == EBUSY ? fp3_fail(error, FP3_E_ARGUMENT,
+                                           "%s: another process is writing this file", o->path)
                  : errno == EEXIST
                      ? fp3_fail(error, FP3_E_ARGUMENT,
                                 "%s: cannot write: %s is in the way: remove it, if no other "

@@ -171,7 +171,7 @@ static void print_table(const fp3_scene *scene, uint64_t steps, const side *side
     if (isa->steps)
         printf("\nengine isa: %zu words differ after %" PRIu64 " steps\n", isa->differ, isa->steps);
     else
-        printf("\nengine isa: not compared, the scene is too large for it\n");
+        printf("\nengine isa: not compared, the scene is too large for isa\n");
 }
 
 static fp3_status write_json(const char *path, const fp3_scene *scene, uint64_t steps,
@@ -252,8 +252,8 @@ static fp3_status check(const fp3_bench_scene *what, const fp3_scene *scene, fp3
             return status;
         if (fp3_adaptive_is(group->program->image))
             return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)group->line, 0,
-                               "adaptive steps: expected a scene of fixed ones, as objects that "
-                               "choose their steps do not make the same number; fp3 bench MODEL "
+                               "adaptive steps: expected a scene of fixed steps, because adaptive "
+                               "objects make different numbers of steps; fp3 bench MODEL "
                                "measures both");
     }
     return FP3_OK;

@@ -126,7 +126,7 @@ static void end(void *user, struct argp_state *state) {
 static const fp3_option table[] = {
     {"config", 'c', "NAME",
      "Run on this configuration (default: on all; with SCENE: the scene's). With MODEL: measure "
-     "nothing but this",
+     "this configuration alone",
      FP3_CALL(take_config), .forms = OF_PROGRAMS | OF_MODELS | OF_SCENE},
     {"program", 'p', "NAME",
      "A program of programs/ by its name, or a path (default: " FP3_BENCH_SHIPS ")",
@@ -135,18 +135,16 @@ static const fp3_option table[] = {
      FP3_FLAG(options, programs.is_model), .forms = OF_PROGRAMS},
     {"steps", 'n', "N",
      "Run N steps after the first, of one object or in total (default: 10000); with SCENE: the "
-     "first N (default: as many as "
-     "take a fifth of a second, or all)",
+     "first N (default: those of a fifth of a second, or all)",
      FP3_CALL(take_steps), .forms = OF_PROGRAMS | OF_SCENE},
     {"params", 'P', "FILE",
-     "Read values from FILE (default: " FP3_BENCH_SHIP_PARAMS
-     " for a ship, else those of the model)",
+     "Read values from FILE (default: " FP3_BENCH_SHIP_PARAMS " for a ship, else the model's)",
      FP3_TEXT(options, programs.params), .forms = OF_PROGRAMS},
     {"scenes", 0, "N", "Also run scenes of N objects (default: 10000)", FP3_CALL(take_scenes),
      .is_optional = 1, .forms = OF_PROGRAMS},
     {"json", 'j', "FILE", "Also write the figures as JSON", FP3_CALL(take_json)},
     {"integrator", 'i', "NAME",
-     "With MODEL: measure this integrator; may be repeated (default: all that are built in)",
+     "With MODEL: measure this integrator; may be repeated (default: all built-in tables)",
      FP3_CALL(take_integrator), .is_repeated = 1, .forms = OF_MODELS},
     {"csv", 0, "FILE", "With MODEL: also write all points as CSV, a row for each",
      FP3_TEXT(options, models.csv), .forms = OF_MODELS},
@@ -171,8 +169,8 @@ int fp3_cmd_bench(int argc, char **argv) {
             "run time: for each integrator, arithmetic and time step (or tolerance), the "
             "nanoseconds of engine fast with one thread and with all threads, and the cycles of "
             "the hardware. A plain C loop and the solvers of GSL run beside it. The printed "
-            "table has the best points; --json and --csv have all. It takes one or two minutes for "
-            "each model, needs a C compiler, and wants an idle machine.\v"
+            "table has the best points; --json and --csv have all. A model takes one or two "
+            "minutes, a C compiler and an idle machine.\v"
             "With SCENE (a path that ends in .scene), measures what a step of an object takes by "
             "engine fast, with one "
             "thread and with all. The states must be the same bits, also by engine isa.\n\n"

@@ -139,7 +139,7 @@ static fp3_status load(const char *config, void **library, const fp3_board_ops *
         fp3_library_load(name, "simulated board of this configuration", library, &path, error);
     *ops = status ? NULL : fp3_library_symbol(*library, "fp3_board_table");
     if (!status && (!*ops || (*ops)->version != FP3_BOARD_VERSION || (*ops)->size != sizeof **ops))
-        status = fp3_fail(error, FP3_E_SYSTEM, "%s: no board of this version's", path);
+        status = fp3_fail(error, FP3_E_SYSTEM, "%s: not a board of this version", path);
     free(path);
     return status;
 }

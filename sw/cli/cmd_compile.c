@@ -127,7 +127,7 @@ static void end(void *user, struct argp_state *state) {
     if (o->is_native && !o->assembly)
         argp_error(state, "--native: expected --output FILE");
     if (fp3_params_count(o->params) && !o->values)
-        argp_error(state, "--set: values are of the host's, and go to --params FILE");
+        argp_error(state, "--set: the host writes values: expected --params FILE, too");
 }
 
 static const fp3_option table[] = {
@@ -139,7 +139,8 @@ static const fp3_option table[] = {
     {"tolerance", 0, "TOL", "Each object chooses its own steps, each with an error of about TOL",
      FP3_CALL(take_tolerance)},
     {"until", 0, "TIME",
-     "Where objects end (default: the model's span). Without --tolerance: fixed steps, cut at "
+     "The time at which objects end (default: the model's span). Without --tolerance: fixed steps, "
+     "cut at "
      "events",
      FP3_CALL(take_until)},
     {"config", 'c', "NAME",
@@ -151,10 +152,10 @@ static const fp3_option table[] = {
      FP3_CALL(take_double_single)},
     {"observe", 0, "STATE", "Keep this state; may be repeated (default: all)",
      FP3_CALL(take_observe), .is_repeated = 1},
-    {"with", 0, "PASS", "Also a pass that changes bits; may be repeated", FP3_CALL(take_with),
-     .is_repeated = 1},
-    {"without", 0, "PASS", "Not this pass; `all`: none; may be repeated", FP3_CALL(take_without),
-     .is_repeated = 1},
+    {"with", 0, "PASS", "Turn this pass on, which changes bits; may be repeated",
+     FP3_CALL(take_with), .is_repeated = 1},
+    {"without", 0, "PASS", "Turn this pass off (all: all passes); may be repeated",
+     FP3_CALL(take_without), .is_repeated = 1},
     {"output", 'o', "FILE", "Write the assembly (default: standard output)",
      FP3_TEXT(options, assembly)},
     {"native", 0, NULL,

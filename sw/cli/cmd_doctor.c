@@ -128,11 +128,11 @@ static const struct {
     {"C compiler", "native code, and the loops in C of fp3 bench",
      "; Debian's package gcc, or FP3_CC=COMPILER", check_compiler},
     {"cache", "native code that is compiled once, not by each process",
-     "; FP3_CACHE_DIR=DIRECTORY names one that only you can write to", check_cache},
+     "; FP3_CACHE_DIR=DIRECTORY names a cache that only you can write to", check_cache},
     {"engine rtl", "the simulated hardware", "", check_hardware},
     {"HDF5", "--output FILE.h5, and fp3 view of such a file", "", check_hdf5},
     {"MPI", "mpirun -n 2 fp3 run",
-     "; it is compiled where an MPI and Scotch are: make setup-cluster all", check_mpi},
+     "; make setup-cluster all installs an MPI and Scotch, and compiles the library", check_mpi},
     {"gnuplot", "--plot", "", check_gnuplot},
     {"ffmpeg", "fp3 view --film FILE.mp4", "", check_ffmpeg},
 };

@@ -138,8 +138,8 @@ static void end(void *user, struct argp_state *state) {
 static const fp3_option table[] = {
     {"model", 0, NULL, "MODEL is a model, whatever its name", FP3_FLAG(options, is_model)},
     {"integrator", 'i', "NAME",
-     "A built-in table, or a file; may be repeated (default: of models rk4, else all that are "
-     "built in)",
+     "A built-in table, or a file; may be repeated (default: rk4 for models, else all built-in "
+     "tables)",
      FP3_LIST(options, integrators, integrator_count, INTEGRATORS_MAX), .is_repeated = 1},
     {"json", 0, "FILE", "Also write results and curves as JSON", FP3_TEXT(options, json)},
     {"quick", 0, NULL, "Fewer steps and angles and, without a MODEL, three integrators",
@@ -170,7 +170,7 @@ int fp3_cmd_stress(int argc, char **argv) {
         .end = end,
         .forms = "[MODEL...]",
         .doc = "Measures what FP32 does to integrators and models, and compares each figure with "
-               "the one that theory or a publication gives. With MODEL (*.ode), measures its "
+               "theory or a publication. With MODEL (*.ode), measures its "
                "invariants, its error at each step size, whether it returns when time runs "
                "backwards, and where it fails when parameters are spread over decades. Without "
                "MODEL, runs the suite of docs/stress.md. Prints each figure that does not hold, "

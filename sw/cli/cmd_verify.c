@@ -45,7 +45,8 @@ static const fp3_option table[] = {
     {"threads", 0, "N", "Of engine fast (default: one for each processor)",
      FP3_NUMBER(options, threads, 1, 1024)},
     {"restart", 0, "CHECKPOINT",
-     "Begin there, at A or before (default: at the start of the run; for a checkpoint at FILE.1, "
+     "Begin at this checkpoint, at A or before (default: at the start of the run; for a checkpoint "
+     "at FILE.1, "
      "if that is whole and not "
      "before A)",
      FP3_TEXT(options, restart)},

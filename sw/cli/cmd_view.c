@@ -29,7 +29,7 @@ static fp3_status check_own(const fp3_view_options *o, fp3_error *error) {
     fclose(file);
     return strstr(begin, MARK) ? FP3_OK
                                : fp3_fail(error, FP3_E_ARGUMENT,
-                                          "%s is there, and no page of fp3 view: name the page "
+                                          "%s exists, and is no page of fp3 view: name the page "
                                           "with --output",
                                           o->own_output);
 }

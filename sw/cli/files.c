@@ -103,7 +103,7 @@ static fp3_status give_up_standard_output(fp3_error *error) {
     stdout = stderr; /* a variable: printf follows it, file descriptor 1 stays */
     return FP3_OK;
 #else
-    return fp3_fail(error, FP3_E_ARGUMENT, "-: this system cannot print beside it: name a file");
+    return fp3_fail(error, FP3_E_ARGUMENT, "-: this system cannot print beside data: name a file");
 #endif
 }
 

@@ -14,8 +14,7 @@ static void check(fp3_run_options *o, struct argp_state *state) {
     if (!o->program && !o->scene)
         argp_error(state, "expected a program, or --scene FILE");
     if (o->program && o->scene)
-        argp_error(state, "--scene: found '%s', but the scene names its programs itself",
-                   o->program);
+        argp_error(state, "--scene: found '%s', but the scene names its programs", o->program);
     fp3_run_adaptive_check(&o->how, o->is_model, state);
     if (o->is_model && !o->program)
         argp_error(state, "--model: a scene's programs are known by their names");
@@ -155,9 +154,8 @@ static void end(void *user, struct argp_state *state) {
 
 static const fp3_option table[] = {
     {"config", 'c', "NAME",
-     "Configuration (default: single, for a model single_full, world where objects see each other; "
-     "with --port that "
-     "of the board)",
+     "Configuration (default: single, for a model single_full, world if objects see each other; "
+     "with --port that of the board)",
      FP3_TEXT(fp3_run_options, config), .forms = FP3_RUN_DECIDES},
     {"model", 0, NULL, "PROGRAM is a model, whatever its name", FP3_FLAG(fp3_run_options, is_model),
      .forms = FP3_RUN_DECIDES},
@@ -169,7 +167,8 @@ static const fp3_option table[] = {
      "Of a model: each object chooses its own steps, each with an error of about TOL",
      FP3_CALL(take_tolerance), .forms = FP3_RUN_DECIDES},
     {"until", 0, "TIME",
-     "Of a model: where objects end (default: its span). Without --tolerance: fixed steps, cut at "
+     "Of a model: the time at which objects end (default: its span). Without --tolerance: fixed "
+     "steps, cut at "
      "events",
      FP3_CALL(take_until), .forms = FP3_RUN_DECIDES},
     {"compensated", 'k', NULL,
@@ -181,14 +180,13 @@ static const fp3_option table[] = {
      FP3_CALL(take_double_single), .forms = FP3_RUN_DECIDES},
     {"engine", 'e', "ENGINE",
      "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, "
-     "fast, native code for many objects, which counts no cycles (default where objects see each "
+     "fast, native code for many objects, which counts no cycles (default if objects see each "
      "other), or board, "
      "hardware behind --port",
      FP3_TEXT(fp3_run_options, on.engine), .forms = FP3_RUN_DECIDES},
     {"port", 0, "DEV",
-     "With --engine board: its serial port, as /dev/ttyUSB0, or what fp3 board prints; with "
-     "several "
-     "ranks the ports of all, with commas between them",
+     "With --engine board: its serial port, as /dev/ttyUSB0, or the name that fp3 board prints; "
+     "with several ranks all ports, with commas between them",
      FP3_TEXT(fp3_run_options, on.port), .forms = FP3_RUN_BESIDE},
     {"baud", 0, "N", "With --engine board: the rate of the port, 9600 to 3000000 (default: 115200)",
      FP3_NUMBER(fp3_run_options, on.baud, 1, UINT32_MAX), .forms = FP3_RUN_BESIDE},
@@ -201,7 +199,7 @@ static const fp3_option table[] = {
      "attempts at most)",
      FP3_CALL(take_steps), .forms = FP3_RUN_DECIDES},
     {"objects", 'N', "N",
-     "Number of objects (default: one for each context; with --links as many as are linked)",
+     "Number of objects (default: one for each context; with --links the number of linked objects)",
      FP3_NUMBER(fp3_run_options, objects, 1, UINT32_MAX), .forms = FP3_RUN_DECIDES},
     {"visit", 0, "N", "Steps per visit of an object (default: all)",
      FP3_NUMBER(fp3_run_options, on.visit, 1, UINT32_MAX), .forms = FP3_RUN_DECIDES},
@@ -213,7 +211,7 @@ static const fp3_option table[] = {
      FP3_FLAG(fp3_run_options, all), .forms = FP3_RUN_BESIDE},
     {"params", 0, "FILE", "Values of states, parameters and shared constants; may be repeated",
      FP3_CALL(take_params), .is_repeated = 1, .forms = FP3_RUN_DECIDES},
-    {"set", 's', "NAME=VALUE", "One value; replaces earlier ones; may be repeated",
+    {"set", 's', "NAME=VALUE", "One value; replaces earlier values; may be repeated",
      FP3_CALL(take_set), .is_repeated = 1, .forms = FP3_RUN_DECIDES},
     {"spread", 0, "NAME=FIRST:LAST",
      "Values from FIRST, of the first object, to LAST, of the last, evenly; may be repeated",
@@ -231,7 +229,7 @@ static const fp3_option table[] = {
      "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz",
      FP3_FREQUENCY(fp3_run_options, on.clock), .forms = FP3_RUN_BESIDE},
     {"allow-failures", 0, NULL,
-     "End with exit code 0, not 3, where objects failed: an instruction raised invalid or "
+     "End with exit code 0, not 3, if objects failed: an instruction raised invalid or "
      "overflow, or a state is NaN or infinite in the end",
      FP3_FLAG(fp3_run_options, allows_failures), .forms = FP3_RUN_BESIDE},
     {"check", 0, NULL,

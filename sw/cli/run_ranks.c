@@ -72,7 +72,7 @@ fp3_status fp3_run_ranks_begin(fp3_run_ranks *ranks, fp3_error *error) {
     if (ranks->all.count != started) /* each would run all objects, and write the same files */
         return fp3_fail(error, FP3_E_SYSTEM,
                         "%ld processes were started, and MPI sees %u: fp3_mpi.so is compiled with "
-                        "another MPI than that which starts them",
+                        "another MPI than the one that starts the processes",
                         started, ranks->all.count);
     ranks->is_one = 0;
     if (ranks->all.rank && ranks->speaks < 0)
@@ -113,7 +113,7 @@ static fp3_status compare(const fp3_option *table, const uint64_t *all, unsigned
             if (all[(size_t)r * OPTIONS_MOST + (size_t)i] != all[i])
                 return fp3_fail(
                     error, FP3_E_ARGUMENT,
-                    "--%s: rank %u was given another one than rank 0, or one of them none",
+                    "--%s: rank %u and rank 0 do not have the same value of this option",
                     table[i].name, r);
     return FP3_OK;
 }
@@ -150,7 +150,7 @@ static fp3_status check_ports(const char *text, unsigned ranks, fp3_error *error
     if (ports != ranks && ranks == 1)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--port: found %u ports, expected one: each process has a board, and there "
-                        "is one process (mpirun -n %u starts as many as there are ports)",
+                        "is one process (mpirun -n %u starts one for each port)",
                         ports, ports);
     if (ports != ranks)
         return fp3_fail(error, FP3_E_ARGUMENT,

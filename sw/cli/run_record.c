@@ -70,12 +70,11 @@ void fp3_run_record_check(const fp3_run_record *record, struct argp_state *state
     const fp3_recording_def *def = &record->def;
     if (!def->path && !def->plot && (def->every || def->times || def->observed))
         argp_error(state,
-                   "--every, --times, --observe: expected --output FILE or --plot FILE, where "
-                   "it is written");
+                   "--every, --times, --observe: expected --output FILE or --plot FILE, too");
     if (def->is_compressed && !def->path)
         argp_error(state, "--compress: expected --output FILE, an HDF5 file");
     if (def->checkpoint_every && !def->checkpoint)
-        argp_error(state, "--checkpoint-every: expected --checkpoint FILE, where it is written");
+        argp_error(state, "--checkpoint-every: expected --checkpoint FILE, too");
     if (def->every && def->times)
         argp_error(state, "--every and --times: expected one of them");
 }
@@ -89,8 +88,8 @@ fp3_status fp3_run_record_command(fp3_run_record *record, int argc, char **argv,
     }
     if (has_breaks)
         return record->def.checkpoint ? fp3_fail(error, FP3_E_ARGUMENT,
-                                                 "--checkpoint: it keeps the arguments, one a "
-                                                 "line, and one of them has a line break")
+                                                 "--checkpoint: a checkpoint keeps the arguments, "
+                                                 "one a line, and an argument has a line break")
                                       : FP3_OK;
     char *command = record->command = calloc(size, 1);
     if (!command)

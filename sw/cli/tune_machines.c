@@ -52,10 +52,10 @@ static fp3_status add_one(fp3_tune_machines *m, const char *name, fp3_error *err
 static fp3_status check_figures(const fp3_tune_machines *m, fp3_error *error) {
     for (size_t i = 0; m->count > 1 && i < m->count; i++)
         if (!m->list[i].hardware)
-            return fp3_fail(error, FP3_E_ARGUMENT,
-                            "LUTs and clock of configuration '%s' are not known, so its cost is "
-                            "not, either",
-                            m->list[i].config);
+            return fp3_fail(
+                error, FP3_E_ARGUMENT,
+                "LUTs and clock of configuration '%s' are not known, so its cost is not known",
+                m->list[i].config);
     return FP3_OK;
 }
 

@@ -100,15 +100,14 @@ static void print_choice(const fp3_tune_row *best, double baseline) {
 /* If none of n independent objects is beyond, a share p of the range is with (1 - p)^n. */
 static void print_held_out(const fp3_tuning *t) {
     if (!t->ranges) {
-        printf("%-16s none: there are no ranges, so only one set of parameters was tried\n",
-               "held out");
+        printf("%-16s none: without ranges only one set of parameters was tried\n", "held out");
         return;
     }
     printf("%-16s error %.2e at most, over %" PRIu32 " objects that were not in the sample",
            "held out", t->error_held_out, t->held_out);
     if (t->rounds > 1)
         printf("; this is held-out sample %" PRIu32
-               ", the ones before failed and joined the sample",
+               ": earlier samples failed and joined the sample",
                t->rounds);
     putchar('\n');
     if (t->is_met)

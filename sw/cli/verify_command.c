@@ -39,10 +39,9 @@ static fp3_status take(void *user, const fp3_option *option, const char *value, 
     if (!strcmp(option->name, "engine") && c->engine)
         return FP3_OK;
     if (!strcmp(option->name, "engine") && is_on_a_port(value))
-        return fp3_fail(
-            error, FP3_E_ARGUMENT,
-            "its run was on engine board, and no port that a file names is opened: choose "
-            "another engine by --engine");
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "its run was on engine board, and verify opens no port that a file names: "
+                        "choose another engine with --engine");
     if (!strcmp(option->name, "output") && fp3_run_options_is_number(value))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "-o %s: found a number, expected a file: an fp3 in which -o was --objects "
@@ -90,10 +89,10 @@ fp3_status fp3_verify_command_make(fp3_verify_command *c, char *text, fp3_error 
     fp3_status status = FP3_OK;
     for (char *rest = text, *line; !status && (line = strsep(&rest, "\n"));) {
         if (count > WORDS_MOST || strlen(line) >= LENGTH_MOST)
-            status = fp3_fail(error, FP3_E_ARGUMENT,
-                              "%s: the command that it keeps has more than %d arguments, or one of "
-                              "more than %d bytes",
-                              c->path, WORDS_MOST, LENGTH_MOST - 1);
+            status = fp3_fail(
+                error, FP3_E_ARGUMENT,
+                "%s: its command has more than %d arguments, or an argument of more than %d bytes",
+                c->path, WORDS_MOST, LENGTH_MOST - 1);
         else
             words[count++] = line;
     }

@@ -109,9 +109,9 @@ static fp3_status run_pipeline(fp3_compilation *k, const fp3_model *model,
     return status;
 }
 
-/* Where even that does not fit, values spill into the object's record: with what is carried or
- * without, whichever takes fewer instructions. The error is the caller's, unless it is words that
- * are too few now. */
+/* If even that does not fit, values spill into the object's record, with carried values or without,
+ * whichever takes fewer instructions. The error is the caller's, unless the words are now too few.
+ */
 static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
                                const fp3_integrator *integrator, fp3_error *error) {
     fp3_options options[2] = {k->options, k->options};
@@ -139,10 +139,10 @@ static fp3_status run_spilling(fp3_compilation *k, const fp3_model *model,
     return FP3_OK;
 }
 
-/* Elimination multiplies by reciprocals of pivots. Where subnormal numbers are flushed, those of
- * large pivots are 0, and no flag tells of it. */
+/* Elimination multiplies by reciprocals of pivots. If subnormal numbers are flushed, the
+ * reciprocals of large pivots are 0, without a flag. */
 static fp3_status warn_flushed(const fp3_config *config, fp3_compiled *made, fp3_error *error) {
-    static const char text[] = "configuration '%s' flushes what is below 2^-126 to 0: a derivative "
+    static const char text[] = "configuration '%s' flushes numbers below 2^-126 to 0: a derivative "
                                "of the equations that is 2^126 or more counts as infinite";
     char *fit = made->warning, *all = NULL, own[256];
     snprintf(own, sizeof own, text, config->name);

@@ -148,7 +148,7 @@ void fp3_adaptive_text(size_t object, const fp3_adaptive_object *found,
     FP3_HOST;
     char why[FP3_NAME_SIZE + 48] = "it has ended", counts[64] = "";
     if (found->end == FP3_ADAPTIVE_STOPPED)
-        strcpy(why, "an event has stopped it");
+        strcpy(why, "an event has stopped the object");
     if (found->end == FP3_ADAPTIVE_STUCK)
         strcpy(why, "the step that the tolerance allows is too short to change t");
     if (found->end == FP3_ADAPTIVE_LIMITED && found->step < WHOLE)

@@ -278,7 +278,7 @@ static void say_what(const fp3_engine *engine, const fp3_failure *f, char *text,
                                      grave[i].name);
     const size_t used = strlen(text);
     if (f->partner)
-        snprintf(text + used, size - used, ", as it is at the same place as object %" PRIu32,
+        snprintf(text + used, size - used, ", at the same place as object %" PRIu32,
                  f->partner - 1);
 }
 

@@ -80,7 +80,7 @@ static void assignments(ode_parser *p, ode_event *event) {
 
 /* What follows the condition. */
 static void consequence(ode_parser *p, ode_event *event) {
-    fp3_ode_expect(&p->in, ":", "an operator or ':', and then what happens, as in `x = 0`");
+    fp3_ode_expect(&p->in, ":", "an operator or ':', and then a new value, as in `x = 0`");
     if (!is_stop(p))
         assignments(p, event);
     if (is_stop(p))

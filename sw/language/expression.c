@@ -231,7 +231,7 @@ static void append(ode_parser *p, fp3_token open, ode_value part, components *al
 static ode_value vector_of(ode_parser *p, fp3_token open, components *all) {
     const int fits = all->size > 0 && all->size <= ODE_VECTOR;
     if (!fits)
-        fp3_ode_wrong(&p->in, open, "a vector of 2 to %d (this is one of %u)", ODE_VECTOR,
+        fp3_ode_wrong(&p->in, open, "a vector of 2 to %d (this has %u components)", ODE_VECTOR,
                       all->size);
     all->value.size = all->is_good && fits ? all->size : 0;
     return all->value;

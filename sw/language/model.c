@@ -38,7 +38,7 @@ fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error) {
         return FP3_OK;
     return fp3_fail(error, FP3_E_PROGRAM,
                     "objects of model '%s' see each other ('%s', line %" PRIu32
-                    "), and this is for objects by themselves",
+                    "), and this command computes each object alone",
                     model->name, model->relations[0].name, model->relations[0].line);
 }
 

@@ -46,7 +46,7 @@ static void field(ode_parser *p, fp3_relation *r) {
     const int is_new = fp3_ode_is_new_name(p, name, 1);
     if (is_new && fp3_ode_field(p, r, name))
         fp3_ode_wrong(&p->in, name, "a new name (this relation has such a field)");
-    fp3_ode_expect(&p->in, "=", "'=' and the value of links that do not say it");
+    fp3_ode_expect(&p->in, "=", "'=' and the default value of links");
     fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant);
     if (p->field_count == ODE_QUANTITIES) {
         fp3_ode_over(&p->in, name, "at most %d fields of links", ODE_QUANTITIES);
@@ -83,14 +83,13 @@ static int is_shared(const ode_parser *p, uint32_t from) {
 /* "(x, 0.2)": a state, and the distance up to which others count. */
 static void reach(ode_parser *p, fp3_relation *r) {
     unsigned start = 0, size = 0;
-    fp3_ode_expect(&p->in, "(",
-                   "'(', the position and how far it reaches, as in near touch(x, 0.2)");
+    fp3_ode_expect(&p->in, "(", "'(', the position and the reach, as in near touch(x, 0.2)");
     const fp3_token name = p->in.next;
     fp3_ode_advance(&p->in);
     const ode_symbol *s = name.kind == FP3_TOKEN_NAME ? fp3_ode_part(p, name, &start, &size) : NULL;
     if (name.kind != FP3_TOKEN_NAME || (s && s->class != ODE_STATE) || size > ODE_LETTERS)
         fp3_ode_lost_at(&p->in, name, "the position: a state, a number or a vector of 2 or 3");
-    fp3_ode_expect(&p->in, ",", "',' and how far it reaches");
+    fp3_ode_expect(&p->in, ",", "',' and the reach");
     const fp3_token at = p->in.next;
     const uint32_t from = p->expr_count;
     const ode_value value = fp3_ode_expression(p, ODE_IN_START);

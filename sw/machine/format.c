@@ -55,9 +55,9 @@ static const char *narrow_word(const fp3_config *config, uint32_t bits, uint32_t
         return NULL;
     }
     if (rounded == INFINITE)
-        return "is rounded to infinity: a fraction of fewer bits does not reach it";
+        return "is rounded to infinity: numbers with fewer fraction bits do not reach it";
     if (size && !rounded)
-        return "is rounded to 0: a fraction of fewer bits does not reach it";
+        return "is rounded to 0: numbers with fewer fraction bits do not reach it";
     *word = sign | rounded;
     return NULL;
 }

@@ -155,7 +155,8 @@ static fp3_status check_symbols(const fp3_image *image, fp3_error *error) {
             return fp3_fail(error, FP3_E_PROGRAM, "const '%s' has no value", symbol->name);
         if (symbol->symbol_class == FP3_SYMBOL_SHARED && valued[symbol->index])
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "shared '%s' has a value, but the host gives it one", symbol->name);
+                            "shared '%s' has a value, but the host writes shared constants",
+                            symbol->name);
     }
     return check_names(image, error);
 }
@@ -168,7 +169,7 @@ static fp3_status check_slept(const fp3_image *image, fp3_error *error) {
     for (uint32_t i = 0; i < image->code_count; i++)
         if (names_slept(&image->decoded[i]) && image->decoded[i].in.d != (uint32_t)slept)
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "code word %u sleeps in r%u, but one before it in r%d: a program has "
+                            "code word %u sleeps in r%u, but an earlier word in r%d: a program has "
                             "one sleep register",
                             i, image->decoded[i].in.d, slept);
     if (slept == fp3_image_steps(image))
@@ -232,7 +233,7 @@ fp3_status fp3_image_make(const fp3_image *draft, fp3_image **image, fp3_error *
                         draft->step, draft->last, draft->code_count);
     char words[FP3_WORDS_NAME_SIZE];
     if (!fp3_image_words_name(draft->words, words))
-        return fp3_fail(error, FP3_E_PROGRAM, "there are no words of number %u", draft->words);
+        return fp3_fail(error, FP3_E_PROGRAM, "no arithmetic has the number %u", draft->words);
     if (draft->constant_count > FP3_BANK_SHARED_COUNT)
         return fp3_fail(error, FP3_E_PROGRAM, "%u values for %d shared constants",
                         draft->constant_count, FP3_BANK_SHARED_COUNT);

@@ -70,7 +70,8 @@ static fp3_status visit_given(walk *w) {
     const uint32_t number =
         word->of->number ? fp3_operand(&word->in, word->of->number) : w->loaded++;
     if (w->loop < 0)
-        return refuse(w, "what reads a neighbour, and 'next', belong in a loop, behind 'each'");
+        return refuse(
+            w, "instructions that read a neighbour, and 'next', belong in a loop, behind 'each'");
     if (word->of->gives == FP3_GIVES_WORD) {
         w->found->published |= BIT(number & (FP3_BANK_OBJECT_COUNT - 1));
         if (number >= FP3_BANK_SHARED_BASE)
@@ -95,7 +96,8 @@ static fp3_status visit_word(walk *w) {
     if ((op == FP3_OP_EACH || op == FP3_OP_PHASE) && w->loop >= 0)
         return refuse(w, "a loop over neighbours ends before another, or a phase, begins or ends");
     if (op == FP3_OP_NEXT && w->loop < 0)
-        return refuse(w, "what reads a neighbour, and 'next', belong in a loop, behind 'each'");
+        return refuse(
+            w, "instructions that read a neighbour, and 'next', belong in a loop, behind 'each'");
     if (op == FP3_OP_LD && w->has_stored)
         return refuse(w, "a phase loads all words before it stores any");
     if (op == FP3_OP_ST && w->loop >= 0)

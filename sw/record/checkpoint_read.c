@@ -167,9 +167,9 @@ static fp3_status compare_image(const fp3_checkpoint *c, const fp3_state *state,
     if (!status && find(c, name, count, 0) >= 0)
         status = take_list(c, name, there, count, error);
     if (!status && memcmp(here, there, count * sizeof *here))
-        status =
-            fp3_fail(error, FP3_E_ARGUMENT,
-                     "%s: its group %" PRIu32 " runs another program than here", c->path, group);
+        status = fp3_fail(error, FP3_E_ARGUMENT,
+                          "%s: its group %" PRIu32 " runs another program than this run", c->path,
+                          group);
     free(here);
     free(there);
     return status;
@@ -192,7 +192,8 @@ static fp3_status compare_constants(const fp3_checkpoint *c, const fp3_state *st
         status = take_of_group(c, "constants", group, (uint32_t *)(void *)there, count, error);
     for (uint32_t i = 0; !status && i < count; i++)
         if (memcmp(&here[i], &there[i], sizeof *here))
-            status = fp3_fail(error, FP3_E_ARGUMENT, "%s: %s is %.9g there and %.9g here", c->path,
+            status = fp3_fail(error, FP3_E_ARGUMENT,
+                              "%s: %s is %.9g in the checkpoint and %.9g in this run", c->path,
                               name_of_constant(state->layout->groups[group].image, i),
                               (double)there[i], (double)here[i]);
     return status;
@@ -288,7 +289,7 @@ static fp3_status take_past(const fp3_checkpoint *c, const fp3_state *state, fp3
         if (!status && (past->failures[i].object >= c->objects ||
                         past->failures[i].state >= FP3_BANK_OBJECT_COUNT))
             status = fp3_fail(error, FP3_E_ARGUMENT,
-                              "%s: has the failure of an object or of a state that there is not",
+                              "%s: has the failure of an object or of a state that does not exist",
                               c->path);
     }
     past->step = c->step;

@@ -34,10 +34,10 @@ static fp3_status check(const fp3_subject *s, const fp3_figure *f, fp3_error *er
     if (status)
         return status;
     if (panels > FP3_PANELS_MOST)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "%s: a picture has room for %d panels over time, not for %zu: choose what "
-                        "to observe",
-                        s->path, FP3_PANELS_MOST, panels);
+        return fp3_fail(
+            error, FP3_E_ARGUMENT,
+            "%s: a picture has room for %d panels over time, not for %zu: observe fewer names",
+            s->path, FP3_PANELS_MOST, panels);
     if (s->snapshots > POINTS_MOST / (names * f->object_count))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: %" PRIu64 " snapshots of %zu names of %zu objects are too many to "

@@ -221,7 +221,7 @@ static fp3_status begin_snapshot(fp3_view_recording *r, progress *p, const row *
         self->held = 1;
     }
     if (p->is_counted && p->next != r->objects)
-        return fail(r, 1, error, "the next step", "all objects of the one before");
+        return fail(r, 1, error, "the next step", "all objects of the snapshot before");
     const int was_kept = p->snapshots && (p->snapshots - 1) % every == 0;
     self->at += (size_t)was_kept;
     p->next = 0;
@@ -278,7 +278,7 @@ static fp3_status csv_load(fp3_view_recording *r, uint64_t every, fp3_error *err
     if (status)
         return status;
     if (!p.snapshots)
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s: no snapshot is in it", r->path);
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: the recording has no snapshot", r->path);
     if (!p.is_counted)
         r->objects = p.next;
     if (p.next != r->objects)

@@ -262,7 +262,7 @@ static fp3_status hdf5_load(fp3_view_recording *r, uint64_t every, fp3_error *er
     const hdf5 *self = (const hdf5 *)r->reader;
     r->snapshots = self->rows / every + (self->rows % every != 0);
     if (!r->snapshots || !r->objects)
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s: no snapshot is in it", r->path);
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: the recording has no snapshot", r->path);
     fp3_status status = fp3_view_check_size(r, r->snapshots, r->objects, error);
     if (!status)
         status = load_times(r, every, error);

@@ -75,9 +75,9 @@ fp3_status fp3_view_want(fp3_view_recording *r, const char *name, size_t *column
         *column = r->column_count - 1;
     }
     if (*column == FP3_VIEW_NO_COLUMN)
-        return fp3_fail(
-            error, FP3_E_ARGUMENT, "%s: nothing in it is called '%s': there are %s, and object%s",
-            r->path, name, fp3_view_names(r, names, sizeof names), r->has_time ? " and time" : "");
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s: no value is called '%s': there are %s, and object%s", r->path, name,
+                        fp3_view_names(r, names, sizeof names), r->has_time ? " and time" : "");
     r->columns[*column].is_wanted = 1;
     return FP3_OK;
 }

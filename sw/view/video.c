@@ -36,7 +36,7 @@ static fp3_status start_and_wait(char *const *arguments, int in, int out, FILE *
     if (failed == ENOENT)
         return fp3_fail(error, FP3_E_SYSTEM,
                         "videos are made by ffmpeg, which is not installed (Debian's package "
-                        "ffmpeg); a film whose name ends in .png needs none");
+                        "ffmpeg); a film whose name ends in .png does not need it");
     if (failed)
         return fp3_fail(error, FP3_E_SYSTEM, "ffmpeg does not start: %s", strerror(failed));
     const int ended = fp3_child_wait(&child, &how);

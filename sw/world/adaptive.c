@@ -32,9 +32,10 @@ fp3_status fp3_scene_adaptive_read(const fp3_settings *s, const config_setting_t
     const config_setting_t *absolute = config_setting_get_member(from, "absolute");
     const config_setting_t *maxstep = config_setting_get_member(from, "maxstep");
     if (!tolerance && (absolute || maxstep))
-        return fp3_setting_wrong(s, absolute ? absolute : maxstep,
-                                 "%s: expected a tolerance, too: without one all steps are h long",
-                                 absolute ? "absolute" : "maxstep");
+        return fp3_setting_wrong(
+            s, absolute ? absolute : maxstep,
+            "%s: expected a tolerance, too: without a tolerance all steps are h long",
+            absolute ? "absolute" : "maxstep");
     if (!tolerance && !until)
         return FP3_OK;
     if (!until)

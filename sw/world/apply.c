@@ -162,8 +162,8 @@ static fp3_status take_steps(fp3_object_values *of, double share, fp3_error *err
                                n);
     if (!status && n != 0 && integrator->kind == FP3_STOERMER)
         return fp3_value_wrong(of->given, FP3_NAME_STEPS, error,
-                               "'steps' is %.9g: integrator '%s' begins at 0, since it is there "
-                               "that the position one step before is known",
+                               "'steps' is %.9g: integrator '%s' begins at 0, because the position "
+                               "one step before is known only there",
                                n, integrator->name);
     of->is_spread |= is_spread;
     return status;
@@ -258,8 +258,7 @@ static fp3_status take_of_image(load *l, const fp3_field *f, double share, doubl
     return status || !is_spread || !f->is_shared
                ? status
                : fp3_value_wrong(l->params, f->name, error,
-                                 "'%s' is spread, and the program has one for all objects",
-                                 f->name);
+                                 "'%s' is spread, but is one value for all objects", f->name);
 }
 
 static double of_model(const load *l, const fp3_field *f) {

@@ -63,11 +63,12 @@ static fp3_status find_default(const fp3_settings *s, const config_setting_t *at
     const uint32_t param = model ? fp3_model_param(model, name) : FP3_NONE;
     const uint32_t state = model ? fp3_model_state(model, name) : FP3_NONE;
     if (param == FP3_NONE && (state == FP3_NONE || model->states[state].start != FP3_NONE))
-        return fp3_setting_wrong(s, at,
-                                 state == FP3_NONE && model
-                                     ? "the model has no state or param '%s'"
-                                     : "'%s' has no value for other objects, expected one in set",
-                                 name);
+        return fp3_setting_wrong(
+            s, at,
+            state == FP3_NONE && model
+                ? "the model has no state or param '%s'"
+                : "'%s' has no value for other objects, expected a value in set",
+            name);
     *value = param != FP3_NONE ? model->params[param].value : model->states[state].value;
     return FP3_OK;
 }

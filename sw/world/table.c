@@ -153,7 +153,7 @@ static fp3_status take_row(const fp3_table *t, size_t row, size_t most, fp3_tabl
     if (!status)
         status = take_object(t, row, 1, most, made, error);
     if (!status && made->ends[row] == made->ends[t->rows + row])
-        return wrong(t, row, 1, error, "found object %" PRIu32 " again, expected another one",
+        return wrong(t, row, 1, error, "found object %" PRIu32 " again, expected another object",
                      made->ends[row]);
     for (size_t i = 2; !status && i < t->columns; i++) {
         const double number = t->number[i * t->rows + row];

@@ -67,7 +67,7 @@ static fp3_status check_agreement(const asking *a, const fp3_value *v, double co
                            given, v->formula, computed);
 }
 
-/* "h = 0.125, m = 2", if the formula is one of facts (language/formula.h) that do not hold now;
+/* "h = 0.125, m = 2", if the formula depends on facts (language/formula.h) that do not hold now;
  * else NULL. */
 static char *facts_that_held(asking *a, const fp3_formula *formula) {
     fp3_fact *facts = NULL;
@@ -106,7 +106,8 @@ static fp3_status compute(asking *a, const fp3_value *v, double *number, fp3_err
     fp3_error why;
     if (a->depth == FORMULA_DEPTH)
         return fp3_value_wrong(a->params, v->name, error,
-                               "'%s' is made of itself, or of too many others", v->name);
+                               "'%s' is computed from itself, or from too many other values",
+                               v->name);
     a->depth++;
     fp3_formula *none;
     fp3_status status = v->parsed ? fp3_formula_value(v->parsed, value_of, a, number, &why)
@@ -161,8 +162,8 @@ fp3_status fp3_params_get(const fp3_params *params, const char *name, double *nu
     return fp3_values_at(params, name, 0, 1, number, &is_spread, error);
 }
 
-/* One that cannot be read counts as of everything: what is wrong with it is said when it is asked
- * for. */
+/* A formula that cannot be read counts as depending on everything; its error is reported when its
+ * value is needed. */
 static int is_made_of(const fp3_value *v, const char *name) {
     return v->formula && (!v->parsed || fp3_formula_mentions(v->parsed, name));
 }

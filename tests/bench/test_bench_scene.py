@@ -79,7 +79,7 @@ def test_objects_that_are_not_there_make_no_step(bench, tmp_path, root):
 def test_a_scene_that_is_too_large_for_isa_is_not_compared(bench, root, scene):
     """dam has few enough objects, but its records are larger."""
     done = bench(root / f"programs/world/{scene}.scene", "--steps", 8)
-    assert done.returncode == 0 and "engine isa: not compared, the scene is too large for it" in done.stdout, done.stderr
+    assert done.returncode == 0 and "engine isa: not compared, the scene is too large for isa" in done.stdout, done.stderr
 
 
 @pytest.mark.parametrize("arguments, words", [
@@ -87,7 +87,7 @@ def test_a_scene_that_is_too_large_for_isa_is_not_compared(bench, root, scene):
     (["programs/mixed.scene", "kepler"], "expected one scene, or models"),
     (["programs/mixed.scene", "programs/mixed.scene"], "expected one scene"),
     (["nonesuch.scene"], "nonesuch.scene: cannot open"),
-    (["programs/comets.scene"], "programs/comets.scene:12: adaptive steps: expected a scene of fixed ones"),
+    (["programs/comets.scene"], "programs/comets.scene:12: adaptive steps: expected a scene of fixed steps"),
     (["programs/mixed.scene", "--steps", "0"], "--steps"),
     (["--quick"], "found --quick, expected MODEL or SCENE"),
     (["kepler", "--steps", "5"], "found --steps and 'kepler': with MODEL there are")])

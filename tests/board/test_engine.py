@@ -137,7 +137,7 @@ def test_many_objects_of_a_model_on_a_noisy_line(root, fp3):
 
 def test_a_board_that_goes_away(fp3, ship):
     with board(fp3) as (process, port), host(fp3, ship, port) as other:
-        fails(run(fp3, *ship, "--engine", "board", "--port", port), port, "another program uses it")
+        fails(run(fp3, *ship, "--engine", "board", "--port", port), port, "another program uses the port")
         process.send_signal(signal.SIGKILL)
         out, said = other.communicate(timeout=60)
         assert other.returncode == 1 and not out and "the other side has gone" in said, said
@@ -156,7 +156,7 @@ def test_what_else_may_be_behind_a_port(fp3, ship, tmp_path):
     fails(at("/dev/no-such-port"), "/dev/no-such-port: No such file", "plugged in")
     (tmp_path / "file").write_text("")
     for port in (tmp_path / "file", "/dev/null"):
-        fails(at(port), f"{port}: it is no serial port")
+        fails(at(port), f"{port}: not a serial port")
     with peer(lambda got: b"\x55\xc0" * 3) as port:
         fails(at(port), "none of them was an answer", "--baud")
         done = at(port, "--baud", "1234")
@@ -179,7 +179,7 @@ def without_the_rights_of_root():
 def test_a_port_of_somebody_else(fp3, ship, tmp_path):
     (tmp_path / "port").touch(mode=0)
     fails(run(fp3, *ship, "--engine", "board", "--port", tmp_path / "port", preexec_fn=without_the_rights_of_root),
-          "port: Permission denied", "a group, often dialout")
+          "port: Permission denied", "the group that owns the port, often dialout")
 
 
 def test_hardware_of_no_configuration(root, fp3, ship):

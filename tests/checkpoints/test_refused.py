@@ -52,7 +52,7 @@ def test_another_run(start, root, world, made, tmp_path):
     assert scene.count("k = 10.0") == 1 and scene.count("steps = 8192;") == 1
     assert "its group 0 runs another program" in told(scene.replace("semi_implicit_euler", "verlet"))
     assert "other links between objects" in told(scene.replace("k = 10.0", "k = 11.0"))
-    assert "a.ck: h is 0.0009765625 there and 0.00048828125 here" in told(scene.replace("steps = 8192;", "steps = 8192; h = 0.00048828125;"))
+    assert "a.ck: h is 0.0009765625 in the checkpoint and 0.00048828125 in this run" in told(scene.replace("steps = 8192;", "steps = 8192; h = 0.00048828125;"))
     assert "other start values" in told(scene.replace("origin = [0.0, 2.0, 0.0]", "origin = [0.0, 2.5, 0.0]"))
     assert "has 400 objects, and this run has 600" in told(scene.replace("[20, 20]", "[20, 30]"))
     assert "after 40 steps, and the whole run has 39" in told(scene, "--steps", 39)

@@ -253,7 +253,7 @@ def test_what_stands_at_the_name_of_a_temporary_is_safe(start, folder, command):
     has = os.open(at, os.O_RDONLY)
     fcntl.flock(has, fcntl.LOCK_EX)
     done = start(command.format("out"))
-    assert done.returncode == 2 and b"another process is writing it" in done.stderr and not list(folder.glob("out*")), done
+    assert done.returncode == 2 and b"another process is writing this file" in done.stderr and not list(folder.glob("out*")), done
     os.close(has)
     done = start(command.format("out"))
     assert done.returncode == 0 and not list(folder.glob(".fp3-*")) and list(folder.glob("out*"))[0].stat().st_size, done
@@ -286,7 +286,7 @@ def test_a_run_that_a_signal_ends(fp3, start, folder, number):
                 time.sleep(0.01)
             for more in ("--output out.h5", "--checkpoint a.ck", "--checkpoint ./folder/../a.ck"):
                 done = start(f"run m.ode -e isa -n 9 {more}")
-                assert done.returncode == 2 and b"another process is writing it" in done.stderr, done
+                assert done.returncode == 2 and b"another process is writing this file" in done.stderr, done
             assert run.poll() is None
             run.send_signal(number)
             assert run.wait(60) == -number
@@ -321,7 +321,7 @@ def test_a_checkpoint_that_another_process_gives_its_names(start, folder):
         is_over.set()
         other.join()
         os.close(has)
-    assert said == {b"fp3 run: a.ck: another process is writing it\n"}
+    assert said == {b"fp3 run: a.ck: another process is writing this file\n"}
 
 
 def test_an_ignored_signal_stays_ignored(fp3, folder):

@@ -103,7 +103,7 @@ def test_more_ranks_than_objects(mpirun, fp3, root, tmp_path):
     (tmp_path / "x.scene").write_text('steps = 1;\ngroups = ( { program = "balls.ode"; integrator = "semi_implicit_euler"; objects = 2; } );\n')
     (tmp_path / "balls.ode").write_text((root / "programs/world/balls.ode").read_text())
     done = mpirun(3, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", timeout=40)
-    assert done.returncode == 2 and "each rank needs one, and the scene has 2" in done.stderr, done.stderr
+    assert done.returncode == 2 and "each rank needs an object, and the scene has 2" in done.stderr, done.stderr
 
 
 def test_the_boards_of_one_program_need_a_configuration(mpirun, fp3, root):

@@ -176,7 +176,7 @@ def test_ranks_with_other_options_are_refused(mpirun, small, fp3, one, other, to
     """Each would wait for what the other never does."""
     run = f"run --scene {small} -e fast"
     done = mpirun(2, "sh", "-c", f"cd {small.parent}; {CHOOSE}", fp3, f"{run} {one}", f"{run} {other}", timeout=60)
-    assert done.returncode == 2 and f"fp3 run: {told}: rank 1 was given another one than rank 0" in done.stderr, done.stdout + done.stderr
+    assert done.returncode == 2 and f"fp3 run: {told}: rank 1 and rank 0 do not have the same value of this option" in done.stderr, done.stdout + done.stderr
     assert sorted(path.name for path in small.parent.iterdir()) == ["cloth.ode", "small.scene"]
 
 

@@ -145,7 +145,7 @@ SCENES = [
     (setting("T = 0.%s1;" % ("0" * 300)), r"x\.scene:5: T: found '0\.000.*, expected a number of fewer than 256 characters"),
     (setting("T = 1.5L;"), r"x\.scene:5: T: found '1\.5L', expected a number"),
     (setting("T = 1..5;"), r"x\.scene:5: T: found '1\.\.5', expected a number"),
-    (setting("x = 1; h = 1; T = \"1/T\";"), r"x\.scene:5: 'T' is made of itself"),
+    (setting("x = 1; h = 1; T = \"1/T\";"), r"x\.scene:5: 'T' is computed from itself"),
     (setting("T = \"1/x\"; x = 0;"), r"x\.scene:5: 'T' is 1/x: column 1: found '1', expected a finite value"),
     (setting("T = (1, 2);"), r"x\.scene:5: T: found a list \( \), expected a number or"),
     (setting("a-b = 1;"), r"x\.scene:5: 'a-b' is no name"),

@@ -186,9 +186,9 @@ def test_a_program_that_sleeps_comes_back_from_text(run, tmp_path):
 @pytest.mark.parametrize(
     ("at", "word", "why"),
     [
-        (0, 8 << 27 | 5 << 21, "code word 2 sleeps in r1, but one before it in r5: a program has one sleep register"),
-        (2, 6 << 27 | 0 << 21, "code word 2 sleeps in r0, but one before it in r1: a program has one sleep register"),
-        (2, 8 << 27 | 0 << 21, "code word 2 sleeps in r0, but one before it in r1: a program has one sleep register"),
+        (0, 8 << 27 | 5 << 21, "code word 2 sleeps in r1, but an earlier word in r5: a program has one sleep register"),
+        (2, 6 << 27 | 0 << 21, "code word 2 sleeps in r0, but an earlier word in r1: a program has one sleep register"),
+        (2, 8 << 27 | 0 << 21, "code word 2 sleeps in r0, but an earlier word in r1: a program has one sleep register"),
         (None, 2, "r2, in which objects sleep, is the temp 't' and not a state"),
     ],
 )

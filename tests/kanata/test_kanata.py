@@ -94,7 +94,7 @@ def test_what_is_not_executed_is_flushed(write, config, schedulers, latency):
     said = [one.detail.split("\n")[1] for one in found if one.thread == 1]
     assert said == ["object 1: slept = awake (0x00000000) inexact", "object 1: s = 1.0 (0x3f800000) inexact",
                     "object 1: s = 2.0 (0x40000000) inexact", "object 1: slept = step 5 (0x00000005) inexact",
-                    "object 1: not executed, it sleeps", "object 1: not executed, it sleeps",
+                    "object 1: not executed, the object sleeps", "object 1: not executed, the object sleeps",
                     "object 1: s = 4.0 (0x40800000) inexact", "object 1: stored", "object 1: stored"]
     assert [one.detail.split("\n")[1] for one in found if one.thread == 0][3] == "object 0: no change"
     assert found[-1].detail.split("\n")[1] == "not executed: no object"

@@ -83,7 +83,7 @@ def test_objects_that_fall_asleep(run):
     slept = {step for one in found for step in re.findall(r"slept = step (\d+) ", one.detail)}
     assert len(slept) == 1 and 1 < int(*slept) < 12
     vain = [one for one in found if one.flushed]
-    assert vain and all(one.detail.endswith(": not executed, it sleeps") for one in vain)
+    assert vain and all(one.detail.endswith(": not executed, the object sleeps") for one in vain)
     for thread in range(24):
         mine = [one for one in found if one.thread == thread]
         ends = [i for i, one in enumerate(mine) if "slept = step" in one.detail]

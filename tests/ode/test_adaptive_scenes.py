@@ -128,7 +128,7 @@ def group(settings, program="planet.ode"):
     ([group("tolerance = 1e-3;\nuntil = 0.0;")], ":5: until: found '0.0', expected a number above 0"),
     ([group("tolerance = 1e-3; until = 1.0;\nabsolute = 0;")], ":5: absolute: found '0', expected a number above 0"),
     ([group("tolerance = 1e-3;")], ":4: tolerance: expected 'until', too, the time at which the objects of this group end"),
-    ([group("maxstep = 1.0;")], ":4: maxstep: expected a tolerance, too: without one all steps are h long"),
+    ([group("maxstep = 1.0;")], ":4: maxstep: expected a tolerance, too: without a tolerance all steps are h long"),
     ([group("absolute = 1e-3;")], ":4: absolute: expected a tolerance, too"),
     ([group("tolerance = 1e-8; until = 1.0;")], ":3: 'tolerance' is 1e-08: expected a number from 1.19e-07"),
     ([group("tolerance = 1e-3; until = 1e39;")], "x.scene:3: until is 1e+39: expected a number below 3.4028236e38"),

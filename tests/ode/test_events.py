@@ -148,10 +148,10 @@ def test_what_changes_nothing_does_not_happen(model):
 
 
 @pytest.mark.parametrize("event, t, expected", [
-    ("when x < 0: v = -v/2", 10, "no truth from time 1.41421356 on: the event of line 5 happens again and again, as its condition is still true after it"),
+    ("when x < 0: v = -v/2", 10, "no truth from time 1.41421356 on: the event of line 5 happens again and again, because its condition stays true"),
     ("when x < 0: x = 0, v = -v/2", 10, "no truth from time 4.24264069 on: more than 1000 events happened until then"),
     ("when x < 0: x = 0, v = -v/2", -1, "no truth at time -1: events cannot be followed back"),
-    ("when 1: v = v + 1", 1, "no truth from time 0 on: the event of line 5 happens again and again, as its condition is still true after it"),
+    ("when 1: v = v + 1", 1, "no truth from time 0 on: the event of line 5 happens again and again, because its condition stays true"),
 ])
 def test_where_there_is_no_truth_it_says_why(model, event, t, expected):
     path = model("state x = 1", "state v = 0", "x' = v", "v' = -1", event)

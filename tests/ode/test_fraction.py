@@ -110,4 +110,4 @@ def test_what_the_host_writes_is_rounded_to_nearest_even(tmp_path, engine):
         if bits:
             assert ("x", bits) in [(name, word) for name, _, word in states(fp3(*run, f"x={given}").stdout)], given
         else:
-            assert "a fraction of fewer bits does not reach it" in fp3(*run, f"x={given}", status=2).stderr
+            assert "numbers with fewer fraction bits do not reach it" in fp3(*run, f"x={given}", status=2).stderr

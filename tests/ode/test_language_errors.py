@@ -30,7 +30,7 @@ STATEMENT = ("expected a statement: model, param, shared, state, step, span, exa
 END = "expected an operator or the end of the line"
 OPERAND = "expected a number, a name or '('"
 UNIT = "expected a unit such as m, 1/s or kg*m/s^2"
-WHEN = "expected an operator or ':', and then what happens, as in `x = 0`"
+WHEN = "expected an operator or ':', and then a new value, as in `x = 0`"
 ACT = "expected the name of a state, as in `when x < 0: x = -x, v = -v`"
 SIZE = "expected a number from 2 to 64, the size of a vector (write a unit after the value)"
 POWER = "expected an exponent of numbers and params only (write exp(y*log(x)) for any other x^y)"
@@ -151,7 +151,7 @@ WRONG = [
     ("when x < 0, x = 1", 11, "','", WHEN),
     ("when x < 0 then x = 1", 12, "'then'", WHEN),
     ("when (x < 0: x = 1", 12, "':'", "expected an operator or ')'"),
-    ("when x ? 1 : x = 1", 16, "'='", "expected an operator or ':', and then what happens, as in `x = 0`"),
+    ("when x ? 1 : x = 1", 16, "'='", "expected an operator or ':', and then a new value, as in `x = 0`"),
     ("when r: x = 1", 6, "'r'", "expected a number as the condition (this is a vector of 2)"),
     ("when x = 0: x = 1", 8, "'='", WHEN),
     ("when x == c: x = x + 1 [m]", 24, "'['", END),
@@ -241,7 +241,7 @@ WRONG = [
     ("q = dot(r, w)", 5, "'dot'", "expected two vectors of the same size for 'dot' (these are a vector of 2 and a vector of 3)"),
     ("q = cross(x, x)", 5, "'cross'", "expected two vectors of the same size for 'cross' (these are a number and a number)"),
     ("q = norm(x)", 5, "'norm'", "expected two vectors of the same size for 'norm' (these are a number and a number)"),
-    ("q = (" + "1, " * 64 + "1)", 5, "'('", "expected a vector of 2 to 64 (this is one of 65)"),
+    ("q = (" + "1, " * 64 + "1)", 5, "'('", "expected a vector of 2 to 64 (this has 65 components)"),
     ("q = (r, 1)", 5, "'('", "expected a vector of numbers (there is a vector of 2 in it)"),
     ("q = r.z", 5, "'r.z'", "expected a component .x or .y of it"),
     ("q = w.xy", 5, "'w.xy'", "expected a component .x, .y or .z of it"),

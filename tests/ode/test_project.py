@@ -40,7 +40,7 @@ def test_the_figures_in_the_docs(written, line, arguments, error, length):
 def test_an_event_instead(written):
     """Every step sets the states anew, and what was lost of them is gone; there is no truth."""
     path = written(TOP.format(PROJECT.replace("project", "when 1:")))
-    assert "a projection is written `project q = q/norm(q)`" in truth(path, 1000, status=1)
+    assert "write a projection as `project q = q/norm(q)`" in truth(path, 1000, status=1)
     found, true = run(path, "-n", 64000, "-k"), truth(written(TOP.format(""), "t.ode"), 1000)
     assert max(abs(found[q] - true[q]) for q in true) == pytest.approx(1.7e-5, rel=0.05)
 

@@ -203,5 +203,5 @@ def test_compare_sees_a_pulse_and_says_when_there_is_nothing_to_see(tmp_path):
 
 def test_a_projection_has_no_truth(truth):
     text = "state q[2] = (1, 0)\nstep 0.125\nspan 6\nq' = (-q.y, q.x)\nwhen 1: q = q/norm(q)\n"
-    assert "the event of line 5 happens again and again, as its condition is still true after it" in truth(text, 6.0)
+    assert "the event of line 5 happens again and again, because its condition stays true" in truth(text, 6.0)
     assert "projection" in truth(text, 6.0)

@@ -204,7 +204,7 @@ def test_texts_are_no_commands(start, tmp_path):
 @pytest.mark.parametrize("arguments, message", [
     ("ship.ode --plot x.pdf", "x.pdf: expected the name of a picture that ends in .svg or .png"), ("ship.ode --plot -", "that ends in .svg or .png"),
     ("three_body.ode --plot x.svg -c many_full -N 2 --observe v1_x,v1_y,v2_x,v2_y,v3_x,v3_y,r1_x,r1_y,r2_x,r2_y,r3_x,r3_y,energy",
-     "a picture has room for 12 panels over time, not for 13: choose what to observe"),
+     "a picture has room for 12 panels over time, not for 13: observe fewer names"),
     ("ship.ode --plot x.svg -n 500000 --every 1", "500001 snapshots of 2 names of 1 objects are too many to draw"),
     ("ship.ode --plot x.svg --output ./x.svg", "--output ./x.svg and --plot x.svg are one file"),
     ("ship.ode --plot nowhere/x.svg", "cannot write"), ("ship.ode --plot x.svg --compress", "--compress: expected --output FILE"),

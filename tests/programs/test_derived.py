@@ -84,7 +84,7 @@ def test_a_position_before_the_start_holds_for_its_values_alone(start, root, tmp
 
 
 @pytest.mark.parametrize("text,message", [
-    ('a = "b"; b = "a + 1";', "x.cfg:1: 'a' is made of itself, or of too many others"),
+    ('a = "b"; b = "a + 1";', "x.cfg:1: 'a' is computed from itself, or from too many other values"),
     ('a = "b*2"; ', "x.cfg:1: 'a' is b*2: 'b' has no value"),
     ('a = "2*";', "x.cfg:1: 'a' is 2*: column 3: found end of"),
     ('a = "";', "x.cfg:1: 'a' is : column 1: found end of"),

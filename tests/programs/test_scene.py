@@ -177,7 +177,7 @@ BAD = [
      r"x\.scene:3: '\w+' has no value"),
     ("h = 0.5; config = \"array\"; groups = (\n%s);" % group("ship.s", 3, mass=1), r"x\.scene:2: the program has no 'mass'"),
     ("config = \"array\"; groups = (\n{ program = \"ship.s\"; objects = 2; params = \"ship.cfg\"; spread = { h = [1, 2]; }; });",
-     r"x\.scene:2: 'h' is spread, and the program has one for all objects"),
+     r"x\.scene:2: 'h' is spread, but is one value for all objects"),
     ("\nh = 1.0; groups = ({ program = \"still.s\"; objects = 1; });", r"x\.scene:2: no program has an 'h'"),
     ("config = \"nonesuch\"; groups = ({ program = \"still.s\"; objects = 1; set = { x = 1; }; });", r"x\.scene:1: config: no configuration 'nonesuch'"),
     (file("shared", 3 * [GOOD]), r"x\.scene:2: found 3 groups, each with a program of its own: configuration 'shared' has 2 schedulers"),

@@ -163,7 +163,7 @@ def test_adaptive_steps_are_refused(run, fp3, tmp_path):
     """By the compiler, and by an engine that gets such a program ready-made."""
     (tmp_path / "m.ode").write_text("state x = 1\nx' = -x\nstep 0.125\nspan 1\n")
     said = run(tmp_path / "m.ode", "--tolerance", "1e-3", status=2)
-    assert "adaptive steps keep their time in the object's record: those of configuration 'many_half' have 16 bits" in said
+    assert "adaptive steps keep their time in the object's record: records of configuration 'many_half' have 16 bits" in said
     subprocess.run([fp3, "compile", tmp_path / "m.ode", "--tolerance", "1e-3", "-c", "many_full", "-o", tmp_path / "m.s"], check=True, timeout=300)
     said = run(tmp_path / "m.s", "-n", 10, status=2)
     assert "the program chooses its steps: configuration 'many_half' keeps records in binary16, which is too coarse for times" in said

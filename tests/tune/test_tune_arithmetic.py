@@ -77,7 +77,7 @@ def test_a_configuration_that_cannot_run_the_model_is_told_and_left_out(tune, tm
 def test_what_numbers_are_too_short_for_is_refused(tune, config, least):
     """Instead of a search that cannot end well. At the limit the search begins."""
     done, found = tune("m.ode", "--tolerance", str(least * 0.999), "-c", config)
-    assert done.returncode == 2 and f"expected one from {least:.3g}, as configuration '{config}' rounds by" in done.stderr and found is None
+    assert done.returncode == 2 and f"expected {least:.3g} or more, because configuration '{config}' rounds by" in done.stderr and found is None
     assert tune("m.ode", "--tolerance", str(least * 1.001), "-c", config)[0].returncode in (0, 3)
 
 
@@ -126,9 +126,8 @@ def test_what_is_refused(tune, arguments, said):
 def test_luts_and_clocks_are_those_of_the_pages(root):
     placed = {row["config"]: (row["lut4"], row["fmax_median"]) for row in json.loads((root / "docs/synth.json").read_text())["rows"]
               if (row["top"], row["device"], row["grade"]) == ("fp3", "LFE5U-85F", 6)}
-    page = (root / "docs/arithmetic.md").read_text(encoding="utf-8")
     for name, (luts, mhz) in known(root).items():
-        assert placed.get(name) == (luts, mhz) or f"| `{name}` | {luts:,} | {mhz:.2f} |" in page, name
+        assert placed[name][0] == luts and abs(placed[name][1] - mhz) < 0.05, name
 
 
 @pytest.mark.parametrize("config, model", [("many_full", "m.ode"), *((config, "roots.ode") for config in ("flush", "cell", "fused_full", "log")),

@@ -97,7 +97,7 @@ BROKEN = {
     "": "empty, expected a recording",
     "a,b\n1,2\n": "a.csv:1: found no recording, expected a head 'step,time,object,...'",
     "step,object\n0,0\n": "found no recording",
-    HEAD: "no snapshot is in it",
+    HEAD: "the recording has no snapshot",
     HEAD + "0,0,0,1,x\n": "a.csv:2:9: found 'x', expected a number",
     HEAD + "0,0,0,1\n": "a.csv:2:8: found 4 numbers, expected 5: a number for each name of the head",
     HEAD + "0,0,0,1,2,3\n": "a.csv:2:11: found '3', expected the end of the line: the head has no more names",
@@ -106,7 +106,7 @@ BROKEN = {
     HEAD + "0,0,0,1,2\n1,0,1,1,2\n": "a.csv:3:1: found step 1 of object 1, expected the same step of object 1",
     HEAD + "0,0,0,1,2\n0,0,0,1,2\n": "a.csv:3:1: found step 0 of object 0, expected a later step of object 0",
     HEAD + "0,0,0,1,2\n0,0,1,1,2\n1,0,0,1,2\n": "a.csv:4: found the end of the file, expected all objects of the last step",
-    HEAD + "0,0,0,1,2\n0,0,1,1,2\n1,0,0,1,2\n2,0,0,1,2\n": "a.csv:5:1: found the next step, expected all objects of the one before",
+    HEAD + "0,0,0,1,2\n0,0,1,1,2\n1,0,0,1,2\n2,0,0,1,2\n": "a.csv:5:1: found the next step, expected all objects of the snapshot before",
     HEAD + "0,0,0,1,2\n1,0,0,1,2\n1,0,1,1,2\n": "a.csv:4:1: found one object more, expected as many as the first step has",
     HEAD + "0,0,0,1,1e300\n": "a.csv:2:9: found '1e300', expected a number in the range of FP32",
     HEAD + "-1,0,0,1,2\n": "a.csv:2:1: found '-1', expected a number in decimal digits",
@@ -193,11 +193,11 @@ def test_a_reach_is_a_size_where_it_is_measured(run, balls, tmp_path, position, 
 
 @pytest.mark.parametrize("head, arguments, message", [
     ("step,object,a,b [kg]", [], "no position found: no vector (name_x, name_y) has the unit of a length. There are a, b [kg]: name"),
-    ("step,object,a", ["--position", "z"], "nothing in it is called 'z': there are a, and object"),
+    ("step,object,a", ["--position", "z"], "no value is called 'z': there are a, and object"),
     ("step,object,a", ["--position", "a,a,a,a"], "--position: found 'a,a,a,a', expected one to three names"),
-    ("step,object,r_x [m],r_y [m]", ["--colour", "w"], "nothing in it is called 'w'"),
+    ("step,object,r_x [m],r_y [m]", ["--colour", "w"], "no value is called 'w'"),
     ("step,object,r_x [m],r_y [m]", ["--size", "-1"], "--size: found '-1', expected a radius above 0"),
-    ("step,object,r_x [m],r_y [m]", ["--size", "w"], "nothing in it is called 'w'"),
+    ("step,object,r_x [m],r_y [m]", ["--size", "w"], "no value is called 'w'"),
     ("step,object,a [m],b [s]", ["--position", "a,b", "--size", "1"], "a radius has no length there"),
     ("step,object,r_x [m],r_y [m]", ["--plane", "w=1"], "--plane: found 'w=1', expected x, y or z"),
     ("step,object,r_x [m],r_y [m]", ["--plane", "x=1/0"], "--plane: '1/0' is no number"),
@@ -215,7 +215,7 @@ def test_what_cannot_be_drawn_is_refused(run, tmp_path, head, arguments, message
 
 def test_a_page_of_somebody_else_stays(run, balls, tmp_path):
     (tmp_path / "balls.html").write_text("<p>mine")
-    assert "balls.html is there, and no page of fp3 view" in run("view", balls, code=2).stderr
+    assert "balls.html exists, and is no page of fp3 view" in run("view", balls, code=2).stderr
     assert (tmp_path / "balls.html").read_text() == "<p>mine"
     run("view", balls, "-o", "balls.html")
     run("view", balls)

@@ -503,7 +503,7 @@ def test_two_at_one_place_are_told(script, engine):
     """It is the first object that fails, its step, and with whom it is at the same place; nobody else fails."""
     lines = ["objects 4", "state x_x 3 0.5 7 0.5", "near touch 0.1 0.02 x_x x_y x_z", "run 1", "failure", "run 3", "print x_x"]
     failure, x = script(BALLS, lines, engine, "semi_implicit_euler")
-    assert failure == "object 1 in step 1: invalid, as it is at the same place as object 3"
+    assert failure == "object 1 in step 1: invalid, at the same place as object 3"
     x = x.split()
     assert x[-3] == x[-1] and len(set(x[-4:])) == 3
 
@@ -629,8 +629,8 @@ HEAD = "state x = 0 [m]\nstate y[2] = (0, 0)\nparam q = 1\nshared r = 1 [m]\nlin
     ("near x(x, r)\nx' = 0*x", "10:6", "expected a new name (line 1 declares this one)"),
     ("near w(x, q)\nx' = 0*x", "10:11", "expected a distance in the unit of 'x', of numbers and shared params"),
     ("near w(q, r)\nx' = 0*x", "10:8", "expected the position: a state, a number or a vector of 2 or 3"),
-    ("near w\nx' = 0*x", "10:7", "expected '(', the position and how far it reaches, as in near touch(x, 0.2)"),
-    ("links w(k 1)\nx' = 0*x", "10:11", "expected '=' and the value of links that do not say it"),
+    ("near w\nx' = 0*x", "10:7", "expected '(', the position and the reach, as in near touch(x, 0.2)"),
+    ("links w(k 1)\nx' = 0*x", "10:11", "expected '=' and the default value of links"),
     ("links\nx' = 0*x", "10:6", "expected a name, as in links springs")])
 def test_the_language_says_what_it_expects(compile_, line, place, expected):
     code, said = compile_(HEAD + line + "\n")
@@ -656,7 +656,7 @@ def test_other_configurations_say_where_it_is(compile_):
 def test_commands_for_one_object_refuse(fp3, tmp_path, command):
     (tmp_path / "chain.ode").write_text(CHAIN)
     done = subprocess.run([fp3, command[0], "chain.ode", *command[1:]], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 2 and "objects of model 'chain' see each other ('springs', line 5), and this is for objects by themselves" in done.stderr
+    assert done.returncode == 2 and "objects of model 'chain' see each other ('springs', line 5), and this command computes each object alone" in done.stderr
 
 
 # ---- programs written by hand ----
@@ -672,7 +672,7 @@ step:
 
 @pytest.mark.parametrize("body, expected", [
     ("each list\n ldn d, x\n add x, x, d", "the program ends within a loop over neighbours"),
-    ("ldn d, x\n st x", "code word 2: what reads a neighbour, and 'next', belong in a loop, behind 'each'"),
+    ("ldn d, x\n st x", "code word 2: instructions that read a neighbour, and 'next', belong in a loop, behind 'each'"),
     ("each list\n each list\n next\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
     ("each list\n phase\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
     ("st x\n each list\n ldn d, x\n next", "code word 4: a phase loads all words before it stores any"),
@@ -681,8 +681,8 @@ step:
     ("each list\n ldl d\n next\n each list\n next\n st x", "code word 6: two loops over one list read different numbers of fields"),
     ("each list\n" + " ldl d\n" * 65 + " next\n st x", "code word 67: an entry of a list has at most 64 fields"),
     ("each list\n next\n st x\nlast:\n add x, x, x", "a program with neighbours has a step part alone, no first and no last part"),
-    ("rsbn x, x, x\n st x", "code word 2: what reads a neighbour, and 'next', belong in a loop, behind 'each'"),
-    ("mull x, x, 0\n st x", "code word 2: what reads a neighbour, and 'next', belong in a loop, behind 'each'"),
+    ("rsbn x, x, x\n st x", "code word 2: instructions that read a neighbour, and 'next', belong in a loop, behind 'each'"),
+    ("mull x, x, 0\n st x", "code word 2: instructions that read a neighbour, and 'next', belong in a loop, behind 'each'"),
     ("st x\n each list\n addn d, d, x\n next", "code word 4: a phase loads all words before it stores any"),
     ("each list\n muln d, d, k3\n next\n st x", "code word 3: a word of a neighbour's record is read, not a shared constant"),
     ("each list\n addn d, d, x\n next\n st x\n phase\n ld x", "word r0 is read by neighbours: each phase stores it, or none does"),

@@ -9,8 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met. What
- * is compensated loses a like part of what a step adds to a state, some sixteenth of it. */
+/* An update of a state rounds it by up to half of 2^-23: a tolerance below that is never met.
+ * Compensated, only a like part of the increment, some sixteenth of the state, is lost. */
 #define TOLERANCE_LEAST 0x1p-23
 #define TOLERANCE_LEAST_COMPENSATED 0x1p-27
 #define TOLERANCE_LEAST_DOUBLE 0x1p-40 /* below that the estimate, in floats, is all rounding */
@@ -46,13 +46,12 @@ static fp3_status check_maxstep(const fp3_model *model, double maxstep, fp3_erro
     if (maxstep != 0 || unknown == FP3_NONE)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "'maxstep' is %.9g: expected a finite number above 0", maxstep);
-    return fp3_fail(
-        error, FP3_E_ARGUMENT,
-        "line %" PRIu32
-        " changes with t at times that are not known before the run, and an adaptive step may "
-        "pass over them: expected a 'maxstep', the longest step, shorter than the time "
-        "between two of them",
-        model->exprs[unknown].line);
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "line %" PRIu32
+                    " changes with t at times that are not known before the run, and an adaptive "
+                    "step may pass over such a change: expected a 'maxstep', the longest step, "
+                    "shorter than the time between two changes",
+                    model->exprs[unknown].line);
 }
 
 static fp3_status check_locate(double locate, double until, fp3_error *error) {
@@ -85,8 +84,8 @@ static int is_at_time(const fp3_model *model, const fp3_event *event) {
            model->exprs[e->operand[1]].op == FP3_EXPR_TIME;
 }
 
-/* An event at the time at which the object starts never happens: there is no step before it. What a
- * run that begins late has behind it is past. */
+/* An event at the start time of the object never happens: no step comes before it. Earlier events
+ * are past. */
 static fp3_status check_time(const fp3_event *event, double time, double start, fp3_error *error) {
     const float at = (float)time, from = (float)start;
     if (!(at <= from) || (at < from && from != 0))

@@ -70,8 +70,8 @@ static void add_limit(fp3_advance *a, uint32_t known) {
     a->limit = sel(g, op2(g, FP3_OP_LT, t, time), first, a->limit);
 }
 
-/* At `until`, or where a condition in t changes. One of an event is looked at when it has held for
- * `locate`: the event then is at most that late. */
+/* At `until`, or where a condition in t changes. The condition of an event is evaluated `locate`
+ * after its change, so the event is at most that late. */
 static void find_limit(fp3_advance *a) {
     known_table *known = &a->step->known;
     uint32_t times[2 * FP3_SWITCHINGS_MOST], count = 0;
@@ -99,8 +99,8 @@ static void find_limit(fp3_advance *a) {
     }
 }
 
-/* A condition in t is made once, in the middle of the step: it holds in all of it, but not at both
- * its ends. */
+/* A condition in t is computed once, in the middle of the step: the value holds within the step,
+ * but not at both ends. */
 static fp3_status open_inside(fp3_advance *a, fp3_error *error) {
     if (!a->switchings.count)
         return FP3_OK;
@@ -162,9 +162,9 @@ static uint32_t moved_by(const fp3_advance *a, uint32_t t, uint32_t low, uint32_
     return op2(g, FP3_OP_MIN, add(g, h, low), sub(g, end, t));
 }
 
-/* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first,
- * and what that loses is the second. The first is the limit where by is limit - t, whatever that
- * difference has lost. */
+/* The end of the step is again a sum of two words (Dekker 1971): t + by is rounded to the first
+ * word, and the rounding error is the second. If by is limit - t, the first word is the limit,
+ * whatever that difference has lost. */
 static void find_end(fp3_advance *a, uint32_t by) {
     dag *g = &a->step->values;
     const uint32_t t = a->begin.node;
@@ -208,7 +208,7 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
                         config->name);
     if (config->storage)
         return fp3_fail(error, FP3_E_PROGRAM,
-                        "adaptive steps keep their time in the object's record: those of "
+                        "adaptive steps keep their time in the object's record: records of "
                         "configuration '%s' have 16 bits, which are too coarse",
                         config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
@@ -257,8 +257,7 @@ static uint32_t ratio(const fp3_advance *a, uint32_t s, double share) {
     return mul(g, fp3_dag_first(g, a->error[s].node), weight);
 }
 
-/* The mean of the squares, times SAFETY^-8. A NaN stays one: it is no maximum, which would lose it.
- */
+/* The mean of the squares, times SAFETY^-8. This is no maximum, which would lose a NaN. */
 static uint32_t squares(const fp3_advance *a) {
     dag *g = &a->step->values;
     const double share = sqrt(count_moved(a)) * pow(SAFETY, 4);
@@ -273,8 +272,8 @@ static uint32_t squares(const fp3_advance *a) {
     return sum == FP3_NONE ? num(g, 0) : sum;
 }
 
-/* x^(-1/8): an error e that is to be 1 asks for e^(-1/4) times the step. `min` and `max` give their
- * second operand where one is a NaN: so a NaN asks for SHRINK. */
+/* x^(-1/8): to become 1, an error e needs e^(-1/4) times the step. `min` and `max` give their
+ * second operand if an operand is a NaN, so a NaN gives SHRINK. */
 static uint32_t factor(const fp3_advance *a, uint32_t x) {
     dag *g = &a->step->values;
     note(a, "what the next step is longer by");
@@ -293,8 +292,8 @@ static uint32_t is_small_enough(fp3_advance *a) {
     return op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
 }
 
-/* A step that is not chosen is never too short, and after the end the object sleeps. One that has
- * stopped may be woken. */
+/* A fixed step is never too short, and after the end the object sleeps. A stopped object may be
+ * woken. */
 static int is_always_attempt(const fp3_advance *a) {
     return !a->is_chosen && a->options->config->sleep && !a->fit->has_stop;
 }
@@ -394,8 +393,7 @@ static uint32_t next_chosen(const fp3_advance *a, uint32_t left) {
     return a->is_in_time == FP3_NONE ? h : sel(g, is_cut(a), old(a, H), h);
 }
 
-/* As long as there may be, but up to an event. An attempt after the end, whose step is 0, changes
- * nothing. */
+/* The longest step, up to an event. An attempt after the end, whose step is 0, changes nothing. */
 static uint32_t next_fixed(const fp3_advance *a) {
     dag *g = &a->step->values;
     const uint32_t next = a->is_in_time == FP3_NONE ? old(a, H) : next_cut(a);

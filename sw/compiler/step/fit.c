@@ -284,8 +284,7 @@ static unsigned order_of(const fitting *f) {
     return integrator->order;
 }
 
-/* The first event that a step may pass over, as no one says how long it may be; NULL: there is
- * none. */
+/* The first event that a step without a `maxstep` may pass over; NULL: none. */
 static fp3_status find_passed(const fp3_fit *fit, const fp3_model *model, const fp3_event **event,
                               fp3_error *error) {
     fp3_switchings switchings;
@@ -312,9 +311,9 @@ fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
     assert(!event || fit->fallen == FP3_NONE);
     if (event &&
         asprintf(warning,
-                 "line %" PRIu32 ": a step that is as long as the tolerance allows may pass "
-                 "over this event, if what it waits for comes and goes within the step: "
-                 "give a 'maxstep' that is shorter",
+                 "line %" PRIu32
+                 ": a step that is as long as the tolerance allows may pass over this event, if "
+                 "its condition comes and goes within the step: give a shorter 'maxstep'",
                  event->line) < 0) {
         *warning = NULL;
         return fp3_no_memory(error);

@@ -43,13 +43,12 @@ static fp3_status find_speed(uint32_t baud, speed_t *code, fp3_error *error) {
 }
 
 static fp3_status cannot(const char *name, fp3_error *error) {
-    const char *why =
-        errno == ENOENT || errno == ENXIO || errno == ENODEV
-            ? "; is the board plugged in? /dev/serial/by-id lists the ports"
-        : errno == EACCES || errno == EPERM
-            ? "; ports belong to a group, often dialout, of which one must be a member"
-        : errno == EWOULDBLOCK ? "; another program uses it"
-                               : "";
+    const char *why = errno == ENOENT || errno == ENXIO || errno == ENODEV
+                          ? "; is the board plugged in? /dev/serial/by-id lists the ports"
+                      : errno == EACCES || errno == EPERM
+                          ? "; you must be a member of the group that owns the port, often dialout"
+                      : errno == EWOULDBLOCK ? "; another program uses the port"
+                                             : "";
     return fp3_fail(error, FP3_E_SYSTEM, "port %s: %s%s", name,
                     errno == EWOULDBLOCK ? "taken" : strerror(errno), why);
 }
@@ -67,10 +66,9 @@ static fp3_status set_up(fp3_port *port, speed_t code, uint32_t baud) {
     if (cfsetispeed(&t, code) || cfsetospeed(&t, code) || tcsetattr(port->file, TCSAFLUSH, &t) ||
         tcgetattr(port->file, &t))
         return cannot(port->name, port->error);
-    return cfgetospeed(&t) == code
-               ? FP3_OK
-               : fp3_fail(port->error, FP3_E_SYSTEM, "port %s: it has no baud rate %u", port->name,
-                          (unsigned)baud);
+    return cfgetospeed(&t) == code ? FP3_OK
+                                   : fp3_fail(port->error, FP3_E_SYSTEM, "port %s: no baud rate %u",
+                                              port->name, (unsigned)baud);
 }
 
 fp3_status fp3_port_open(const char *name, uint32_t baud, fp3_port *port, fp3_error *error) {
@@ -83,7 +81,7 @@ fp3_status fp3_port_open(const char *name, uint32_t baud, fp3_port *port, fp3_er
     if (port->file < 0)
         return cannot(name, error);
     if (!isatty(port->file))
-        status = fp3_fail(error, FP3_E_SYSTEM, "port %s: it is no serial port", name);
+        status = fp3_fail(error, FP3_E_SYSTEM, "port %s: not a serial port", name);
     else if (flock(port->file, LOCK_EX | LOCK_NB))
         status = cannot(name, error);
     else

@@ -193,8 +193,9 @@ static fp3_status run_part(fp3_engine *engine, const part *p, fp3_stats *stats) 
     word += ((const fp3_driver *)engine->self)->first;
     if (word < engine->layout.groups[group].program.count)
         return fp3_engine_illegal(engine, group, word);
-    return fp3_fail(engine->def.error, FP3_E_SYSTEM,
-                    "the hardware says that word %" PRIu32 " is illegal: there is none", word);
+    return fp3_fail(
+        engine->def.error, FP3_E_SYSTEM,
+        "the hardware says that word %" PRIu32 " is illegal: the program has no such word", word);
 }
 
 /* Adds those of the part before to these. */

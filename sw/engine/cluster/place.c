@@ -241,10 +241,10 @@ static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
                         near > 1 ? "more than one relation `near`"
                                  : "relations of more than one kind: `links`, `near` or `all`");
     if (near && engine->objects < to->ranks->count)
-        return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                        "%u ranks: where objects see those near them, each rank needs one, and "
-                        "the scene has %" PRIu32,
-                        to->ranks->count, engine->objects);
+        return fp3_fail(
+            engine->def.error, FP3_E_ARGUMENT,
+            "%u ranks: with `near` each rank needs an object, and the scene has %" PRIu32,
+            to->ranks->count, engine->objects);
     return FP3_OK;
 }
 

@@ -230,7 +230,7 @@ static fp3_status check_def(const fp3_engine_def *def) {
                        : def->bus_log     ? "a bus is logged"
                        : def->cycle_limit ? "a cycle limit is kept"
                        : def->native      ? "native code is taken"
-                       : def->seed        ? "what is stored is rounded at random"
+                       : def->seed        ? "stores that round at random"
                                           : NULL;
     return what ? fp3_fail(def->error, FP3_E_ARGUMENT, "%s by one process, not by several", what)
                 : FP3_OK;

@@ -69,9 +69,8 @@ static fp3_status not_found(const dirs *p, const char *name, const char *what, f
         strncat(dirs, p->dir[i], sizeof dirs - strlen(dirs) - 1);
     }
     return fp3_fail(error, FP3_E_SYSTEM,
-                    "no %s, %s (make install and Debian's package libfp3-plugins put in place "
-                    "what most need, make all builds every one; FP3_RTL_DIR names another "
-                    "directory); looked in %s",
+                    "no %s, %s (make install and Debian's package libfp3-plugins install the usual "
+                    "ones, make all builds all; FP3_RTL_DIR names another directory); looked in %s",
                     what, name, dirs);
 }
 

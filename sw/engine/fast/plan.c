@@ -109,7 +109,7 @@ static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *e
         plan->code[pc].in = code->decoded[pc].in;
         if (!code->decoded[pc].of)
             return fp3_fail(error, FP3_E_PROGRAM,
-                            "word %" PRIu32 " is no instruction: engine 'fast' runs none of it",
+                            "word %" PRIu32 " is no instruction: engine 'fast' refuses the program",
                             pc - code->in_front);
         status = check(plan, pc, code->in_front, error);
         if (status)

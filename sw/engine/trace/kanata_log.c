@@ -87,7 +87,7 @@ static void say_outcome(const writer *w, size_t id) {
     if (t->has_result)
         say_result(w, t, &in);
     else if (t->outcome == FP3_ASLEEP)
-        fprintf(w->out, ": not executed, it sleeps");
+        fprintf(w->out, ": not executed, the object sleeps");
     else if (t->outcome == FP3_EXECUTED)
         fprintf(w->out, in.op == FP3_OP_ST ? ": stored" : ": no change");
     fputc('\n', w->out);

@@ -91,8 +91,8 @@ static fp3_status check_formulas(const fp3_run_check *c, fp3_error *error) {
             return status;
         if (first != second)
             return fp3_fail(error, FP3_E_ARGUMENT,
-                            "--check: '%s' is computed from a value that a check changes; give "
-                            "it as a number",
+                            "--check: '%s' is computed from a value that a check changes; give a "
+                            "number instead",
                             one.name);
     }
     return FP3_OK;

@@ -444,7 +444,7 @@ static int warn_of_angle(warner *w, size_t object) {
             warn(w,
                  "object %zu: the argument of %s in line %" PRIu32
                  " is %.9g at the end, and a program computes %s below %.0f only; make the angle a "
-                 "state, and let `when x > pi: x = x - 2*pi` take turns off it",
+                 "state, and let `when x > pi: x = x - 2*pi` remove whole turns",
                  object, name, e->line, angle, name, ANGLE_END);
             return 1;
         }

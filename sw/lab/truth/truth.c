@@ -72,12 +72,11 @@ static int guess_sizes(orbit *o, double t) {
 static fp3_status stays(const orbit *o, fp3_error *error) {
     const fp3_event *event =
         fp3_crossing_of(o->eq.model, o->eq.params, o->way.reached, o->way.y, o->eq.values);
-    return fp3_fail(
-        error, FP3_E_ARGUMENT,
-        "no truth from time %.9g on: the event of line %u happens again and again, as its "
-        "condition is still true after it and it changes the states each time (a "
-        "projection is written `project q = q/norm(q)`)",
-        o->way.reached, event ? event->line : o->eq.model->events[0].line);
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "no truth from time %.9g on: the event of line %u happens again and again, "
+                    "because its condition stays true and it changes the states each time (write a "
+                    "projection as `project q = q/norm(q)`)",
+                    o->way.reached, event ? event->line : o->eq.model->events[0].line);
 }
 
 /* result is of fp3_orbit_go: a state that leaves all bounds, too many steps, or memory. */

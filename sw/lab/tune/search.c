@@ -220,7 +220,7 @@ static void explain(const seeker *s, uint64_t most) {
     else if (isfinite(s->search->cheaper) && s->candidate->is_cut)
         snprintf(row->why, sizeof row->why,
                  "misses the target with %" PRIu64
-                 " steps and what events add; more would cost more than the best so far",
+                 " steps and the steps at events; more would cost more than the best so far",
                  most);
     else if (isfinite(s->search->cheaper))
         snprintf(row->why, sizeof row->why,

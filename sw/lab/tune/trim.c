@@ -94,13 +94,12 @@ static void put_luts(FILE *to, const trimmed *t) {
             fp3_config_computes_as(t->from, fp3_config_find("many_full")) ? "results.md"
                                                                           : "arithmetic.md");
     if (less)
-        fprintf(
-            to,
-            "# ... without what is off about %d: estimated by the sum of what each change saves "
-            "alone after synthesis\n",
-            known->luts + less);
+        fprintf(to,
+                "# ... without unused features about %d: an estimate, the sum of the savings of "
+                "single changes after synthesis\n",
+                known->luts + less);
     if (is_off(t, FP3_KEY_ROUND) || is_off(t, FP3_KEY_MIXED))
-        fprintf(to, "# ... what `round` and `mixed` save is not known, and not in it\n");
+        fprintf(to, "# ... the savings of `round` and `mixed` are not known, and not included\n");
 }
 
 static void put_value(FILE *to, fp3_key key, uint32_t value) {

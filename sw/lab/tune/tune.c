@@ -61,15 +61,15 @@ static fp3_status check_machine(const fp3_tune_def *def, fp3_error *error) {
         return status;
     if (fp3_config_schedulers(config) > 1)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "configuration '%s' has several schedulers: expected one with one, whose "
-                        "cycles for an object are known beforehand",
+                        "configuration '%s' has several schedulers: expected a configuration with "
+                        "one, whose cycles for an object are known beforehand",
                         config->name);
     /* Of records of 16 bits the last store rounds. */
     const double bits = fmin(config->fraction + 1, log2(fp3_storage_counts(config))),
                  unit = exp2(-bits), least = FP3_TUNE_LEAST * unit * 0x1p24;
     if (def->tolerance < least)
         return fp3_fail(error, def->tolerance >= FP3_TUNE_LEAST ? FP3_E_PROGRAM : FP3_E_ARGUMENT,
-                        "the tolerance is %g: expected one from %.3g, as configuration '%s' "
+                        "the tolerance is %g: expected %.3g or more, because configuration '%s' "
                         "rounds by %.2g",
                         def->tolerance, least, config->name, unit);
     return FP3_OK;
@@ -92,10 +92,11 @@ static fp3_status check(const tuner *k) {
                             look.name);
     if (fp3_model_adapted(k->model) != FP3_NONE)
         return fp3_fail(k->error, FP3_E_ARGUMENT,
-                        "expected a model with fixed steps: the tuner adapts it itself");
+                        "expected a model with fixed steps: the tuner adapts the model itself");
     if (!(def->tolerance > 0 && def->tolerance < 1))
         return fp3_fail(k->error, FP3_E_ARGUMENT,
-                        "the tolerance is %g: expected one above 0 and below 1", def->tolerance);
+                        "the tolerance is %g: expected a number above 0 and below 1",
+                        def->tolerance);
     if (!(def->safety >= 1 && isfinite(def->safety)) || !def->sample || !def->held_out ||
         !def->rounds)
         return fp3_fail(k->error, FP3_E_ARGUMENT, "expected a safety of at least 1, and objects");
