@@ -2,7 +2,7 @@
 /* backwards.c - see backwards.h: midpoint steps, extrapolated to length 0 (Gragg, Bulirsch, Stoer).
  *
  * A part of the way is accepted if two orders agree. Where the equations jump, parts get shorter
- * until the jump lies in one that is too short to matter.
+ * until the jump lies in a part that is too short to matter.
  */
 #include "backwards.h"
 

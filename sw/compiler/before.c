@@ -14,7 +14,7 @@ static int needs_before(const fp3_step *step) {
     return 0;
 }
 
-/* So that (x - x_before) + lost_before in FP32 is what it is in double: else h v would be off by
+/* Makes (x - x_before) + lost_before in FP32 equal its value in double: else h v would be off by
  * half a unit of x for the whole run, and v by that over h. */
 static double lost_before(double x, double before) {
     return (double)(float)((x - before) - ((double)(float)x - (double)(float)before));

@@ -90,8 +90,8 @@ static void put_known(const fp3_step *step, FILE *out, const char *directive, ui
     free(text);
 }
 
-/* In the order of registers, as the assembler gives them out; each with its register where the
- * number says with what it is kept. */
+/* In the order of registers, as the assembler gives them out; each with its register if the number
+ * of the register is its bank. */
 static void put_declarations(const fp3_step *step, const conversion *c,
                              const fp3_schedule *schedule, const fp3_names *names, FILE *out) {
     for (uint32_t i = 0; i < schedule->registers; i++) {

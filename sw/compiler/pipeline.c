@@ -48,8 +48,8 @@ static fp3_status try_policy(fp3_pipeline *p, const fp3_options *options, chain_
     return status;
 }
 
-/* Contexts hide latency: there, every product that can be chained is. Where one object waits for
- * itself, the best of several ways. */
+/* If contexts hide latency, every product that can be chained is. With one object, takes the best
+ * of several ways. */
 static fp3_status try_policies(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
     static const chain_policy order[] = {CHAIN_ALL, CHAIN_EARLY, CHAIN_SLACK, CHAIN_LONG,
                                          CHAIN_NONE};
@@ -79,8 +79,8 @@ static int is_tight(const fp3_pipeline *p, const fp3_config *config, fp3_status 
                                      s->registers == config->registers);
 }
 
-/* What a param is for one object it is for all: where registers run short it can be a constant.
- * Where constants run short, others are params. Sums and products apart (`dual`) copy from
+/* With one object a param is the same for all objects, so it can be a constant if registers run
+ * short. If constants run short, they become params. In `dual`, copies between banks come from
  * constants. */
 static fp3_status schedule(fp3_pipeline *p, const fp3_options *options, fp3_error *error) {
     fp3_options shared = *options, few = *options;

@@ -5,8 +5,9 @@
 
 #include "pipeline.h"
 
-/* saved: of each pass that is on, what a step costs without it, less what it costs: operations;
- * of `chain` instructions, of `scale` products, of `ahead` cycles. Takes as long again for each. */
+/* saved: for each pass that is on, the cost of a step without the pass minus the cost with it:
+ * operations; of `chain` instructions, of `scale` products, of `ahead` cycles. Takes as long again
+ * for each. */
 void fp3_savings(const fp3_pipeline *with, const fp3_integrator *integrator,
                  const fp3_options *options, uint32_t saved[FP3_PASS_COUNT]);
 

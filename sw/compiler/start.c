@@ -124,8 +124,8 @@ typedef struct {
     size_t count;
 } gift;
 
-/* What one object has and what follows from it, with 0 for what is on its way there: made when the
- * first of its inputs asks. */
+/* The values of one object and the values computed from them, with 0 for values on their way to 0:
+ * computed when the first input needs them. */
 typedef struct {
     double *params, *initial, *known, *variables;
     size_t made; /* 1 + the object's number; 0: none is made */
@@ -169,8 +169,8 @@ static void vanished_make(const fp3_start *s, const gift *g, size_t object, vani
     v->made = object + 1;
 }
 
-/* Whether an input is too small because what it is made of is: without that it is 0, which *value
- * then is. A product of numbers that are not small is refused, because it shows that the units do
+/* Whether an input is too small because the values behind it are. Then it becomes 0, and so does
+ * *value. A product of numbers that are not small is refused, because it shows that the units do
  * not suit FP32. */
 static int vanishes(const fp3_start *s, uint32_t input, const gift *g, size_t object, vanished *v,
                     float *value) {

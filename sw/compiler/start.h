@@ -13,21 +13,20 @@
 
 typedef struct fp3_start fp3_start;
 
-/* is_wanted: of each input; NULL: all. most: objects at once. compiled must outlive it. The caller
- * closes *start, which is NULL on failure. */
+/* is_wanted: of each input; NULL: all. most: objects at once. compiled must outlive *start. The
+ * caller closes *start, which is NULL on failure. */
 fp3_status fp3_start_open(const fp3_compiled *compiled, const char *is_wanted, size_t most,
                           fp3_start **start, fp3_error *error);
 /* Sets *start to NULL, which it may be already. */
 void fp3_start_close(fp3_start **start);
 
 /* As fp3_compiled_inputs of each of count objects, in columns: params[i * count + n] is param i of
- * object n. The values of other inputs stay as they are. The error does not say whose it is. */
+ * object n. The values of other inputs stay as they are. The error does not name the object. */
 fp3_status fp3_start_values(fp3_start *start, const double *params, const double *initial, double h,
                             size_t count, float *values, fp3_error *error);
 
-/* Whether a param or start, given its default, is small because it is on its way to 0, and not
- * because the units do not suit FP32. A constant of nature may be small, but it is not far below
- * its default. */
+/* Whether a param or start, given its default, is small because it decays to 0, and not because the
+ * units do not suit FP32. A constant of nature may be small, but is not far below its default. */
 int fp3_start_vanishes(double value, double usual);
 
 /* The model whose params and states a program's inputs are made of. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* adaptive_image.c - see adaptive_image.h. The compiler checks those of a model
+/* adaptive_image.c - see adaptive_image.h. The compiler checks the values of a model
  * (sw/compiler/adaptive/adapted.c). */
 #include "adaptive_image.h"
 

@@ -7,8 +7,8 @@
 #include <fp3/program.h>
 
 /* Of an object; share as of fp3_values_at. *is_spread: another share gives other values.
- * FP3_E_ARGUMENT: an end before the start, a step or a tolerance that is none. Nothing of a program
- * whose steps are fixed. */
+ * FP3_E_ARGUMENT: an end before the start, an invalid step or tolerance. Programs with fixed steps
+ * are not checked. */
 fp3_status fp3_adaptive_image_check(const fp3_image *image, const fp3_params *params, double share,
                                     int *is_spread, fp3_error *error);
 

@@ -36,8 +36,8 @@ fp3_status fp3_object_values_inputs(const fp3_object_values *of, float *inputs, 
 /* Leaves {0}, which may be freed as well. */
 void fp3_object_values_free(fp3_object_values *of);
 
-/* Writes all that the program declares, as fp3_program_load does. error stays as it is where the
- * engine has said why. */
+/* Writes all that the program declares, as fp3_program_load does. error is unchanged if the engine
+ * has reported the reason. */
 fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const fp3_apply_to *to,
                      fp3_error *error);
 

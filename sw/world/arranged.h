@@ -18,8 +18,8 @@ typedef struct {
     fp3_table points;
 } fp3_arranged;
 
-/* What of it says how many objects there are: *objects, or 0. The caller closes *arranged, after a
- * failure too. */
+/* objects: the number of objects that the settings imply, or 0. The caller closes *arranged, after
+ * a failure too. */
 fp3_status fp3_arranged_read(const fp3_settings *s, const config_setting_t *from,
                              fp3_arranged *arranged, uint64_t *objects);
 void fp3_arranged_close(fp3_arranged *arranged);

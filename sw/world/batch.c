@@ -325,8 +325,8 @@ static fp3_status settle_reach(fp3_batch *b) {
 
 #define BLOCK 64 /* objects that are looked at together */
 
-/* Who may go on is no failure, though it has used up its attempts: the next step gives it new ones.
- */
+/* An object that has used up its attempts but may go on has not failed: the next step gives it new
+ * attempts. */
 static int has_failed(const fp3_adaptive_object *o) {
     const int may_go_on = o->end == FP3_ADAPTIVE_LIMITED && !o->state[0];
     return !may_go_on && !fp3_adaptive_is_over(o->end);

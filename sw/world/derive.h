@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* derive.h - inputs of a compiled program that are made of fields: which of them have to be
- * computed again, for which objects.
- */
+/* derive.h - inputs of a compiled program that are computed from fields: which inputs have to be
+ * computed again, for which objects. */
 #ifndef FP3_BATCH_DERIVE_H
 #define FP3_BATCH_DERIVE_H
 
@@ -9,8 +8,8 @@
 
 typedef struct fp3_derive fp3_derive;
 
-/* The table, and what def points to, must outlive it. Nothing has been computed yet. The caller
- * closes *derive, which is NULL on failure. */
+/* The table, and everything that def points to, must outlive *derive. Nothing has been computed
+ * yet. The caller closes *derive, which is NULL on failure. */
 fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *table,
                            fp3_derive **derive, fp3_error *error);
 /* Sets *derive to NULL, which it may be already. */

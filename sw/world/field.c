@@ -80,8 +80,7 @@ static void place_param(const fp3_compiled *c, int is_adapted, fp3_field *q) {
     q->is_pending = !q->is_kept;
 }
 
-/* Of each expression the params that it is made of, a bit each. Operands stand before what is made
- * of them. */
+/* For each expression the params in it, a bit each. Operands stand before their users. */
 static void find_params(const fp3_model *model, uint64_t *params) {
     for (uint32_t i = 0; i < model->expr_count; i++) {
         const fp3_expr *e = &model->exprs[i];

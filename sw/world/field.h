@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* field.h - what a program's objects have by name: which names there are, where each is kept.
+/* field.h - the names of a program's values, and where each value is kept.
  *
- * A compiled model has its params, its states, h and, if it counts them, `steps`; any other image
- * what it declares for the host.
+ * A compiled model has its params, its states, h and, if it counts steps, `steps`; any other image
+ * the names that it declares for the host.
  */
 #ifndef FP3_BATCH_FIELD_H
 #define FP3_BATCH_FIELD_H
@@ -39,10 +39,10 @@ typedef struct {
     int is_pending;   /* not kept, and `uniform` is not in the engine yet */
     double uniform;   /* the value of all objects, unless there is a column */
     double *column;   /* of each object; NULL: all have the same */
-    uint64_t follows; /* of a state: the params its start is made of, a bit each; 0: it is written,
+    uint64_t follows; /* of a state: the params in its start, a bit each; 0: the start is written,
                          or a number */
-    unsigned char *is_given; /* of a start that follows: of which objects it is written all the
-                                same; NULL: of none */
+    unsigned char *is_given; /* of a start that follows params: the objects whose start is written;
+                                NULL: none */
 } fp3_field;
 
 typedef struct {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* fields.h - the values of a group of an engine's objects, by the names of its program.
  *
- * What the engine gets is computed as fp3_compiled_inputs does it, again where something has
- * changed that it is made of: before the next step, only those inputs of those objects.
+ * Inputs of the engine are computed as by fp3_compiled_inputs. Before the next step, only inputs
+ * whose values have changed are computed again, and only for the objects concerned.
  *
  *     if (fp3_fields_open(&def, &fields, error) ||
  *         fp3_fields_set(fields, "m", 2, error) || fp3_fields_settle(fields, error) ||
@@ -22,8 +22,8 @@ typedef struct {
     const double *wide;
 } fp3_numbers;
 
-/* Of a model all objects have the defaults; of an image what the engine holds. The caller closes
- * *fields, which is NULL on failure. */
+/* With a model all objects have the defaults; with an image the values in the engine. The caller
+ * closes *fields, which is NULL on failure. */
 fp3_status fp3_fields_open(const fp3_fields_def *def, fp3_fields **fields, fp3_error *error);
 /* Sets *fields to NULL, which it may be already. */
 void fp3_fields_close(fp3_fields **fields);
@@ -46,8 +46,8 @@ fp3_status fp3_fields_column(fp3_fields *q, const char *name, const float **valu
 /* The value of the first object. */
 fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_error *error);
 
-/* Gives the engine what has changed. FP3_E_ARGUMENT: as of fp3_compiled_inputs, with the object in
- * front. */
+/* Writes the changed values to the engine. FP3_E_ARGUMENT: as of fp3_compiled_inputs, with the
+ * object in front. */
 fp3_status fp3_fields_settle(fp3_fields *q, fp3_error *error);
 /* A step was made: states are where it has left them. */
 void fp3_fields_moved(fp3_fields *q);

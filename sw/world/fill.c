@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fill.c - one object after the other, at random places until one is free; a grid of cells tells
- * who is near. */
+/* fill.c - one object after the other, at random places until a place is free; a grid of cells
+ * finds near objects. */
 #include "fill.h"
 
 #include <math.h>
@@ -81,8 +81,8 @@ static int is_free(const box *b, const double at[FP3_FILL_AXES]) {
     return 1;
 }
 
-/* Whether there is a place. It is rounded first, since only then it is known how far it is from
- * others. */
+/* Whether a place is free. The place is rounded first, because distances are those of rounded
+ * places. */
 static int place(box *b, size_t object) {
     double at[FP3_FILL_AXES] = {0};
     for (int n = 0; n < FP3_FILL_TRIES; n++) {

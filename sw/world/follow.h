@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* follow.h - starts that a model computes from params (`state x = x0`). As with `fp3 run --set`,
- * they follow the params that are written, unless the start is written itself.
- */
+ * starts follow written params, unless the start is written itself. */
 #ifndef FP3_BATCH_FOLLOW_H
 #define FP3_BATCH_FOLLOW_H
 
@@ -11,8 +10,7 @@
 fp3_status fp3_follow_not(fp3_field *q, size_t first, size_t count, size_t objects,
                           fp3_error *error);
 
-/* Computes the starts that are made of the written params again. After a failure it is still to be
- * done. */
+/* Computes the starts with written params again. After a failure this is still to be done. */
 fp3_status fp3_follow(const fp3_fields_def *def, const fp3_field_table *table, uint64_t written,
                       fp3_derive *derive, fp3_error *error);
 

@@ -7,8 +7,8 @@
 
 #include <fp3/scene.h>
 
-/* `born` and `gone` of a group: a step, or [FIRST, LAST]. What is not there is 0 and FP3_FOREVER.
- * Its objects are counted already. Wrong: an object that is not gone after its birth. */
+/* `born` and `gone` of a group: a step, or [FIRST, LAST]. Defaults: 0 and FP3_FOREVER. The group's
+ * objects are counted already. Refused: an object that is not gone after its birth. */
 fp3_status fp3_lifetime_read(const fp3_settings *s, const config_setting_t *from,
                              fp3_scene_group *to);
 

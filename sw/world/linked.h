@@ -13,8 +13,9 @@ typedef struct fp3_linked {
     char *place;     /* where they were given, for messages: "cloth.scene:12"; NULL: nowhere */
 } fp3_linked;
 
-/* Copies them to the list, as the only ones of the relation or behind others. place may be NULL.
- * FP3_E_ARGUMENT: a name is none, or a field is not finite; the list is then as it was. */
+/* Copies links to the list, as the only links of the relation or behind earlier ones. place may be
+ * NULL. FP3_E_ARGUMENT: an unknown name, or a field that is not finite; the list is then unchanged.
+ */
 fp3_status fp3_linked_put(fp3_linked **list, const char *relation, const fp3_links *links,
                           int is_more, const char *place, fp3_error *error);
 /* All of another list. */

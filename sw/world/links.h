@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* links.h - what objects see of others: links and how far lists go, from settings and files to the
- * values of a program. */
+/* links.h - links between objects and reaches of lists, from settings and files to the values of a
+ * program. */
 #ifndef FP3_SCENE_LINKS_H
 #define FP3_SCENE_LINKS_H
 

@@ -55,8 +55,8 @@ static fp3_status assemble(const char *path, fp3_program *program, char **report
     return status;
 }
 
-/* What the compiler says of a model: at a place in it as its reader does, with the line and a
- * caret. */
+/* A message of the compiler about a place in a model has the form of the reader's messages: with
+ * the line and a caret. */
 static fp3_status tell(const char *path, const char *text, size_t size, fp3_status status,
                        const fp3_error *why, char **report, fp3_error *error) {
     const char *message = why->text + why->message;

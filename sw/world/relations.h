@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* relations.h - what objects of a program see of others: links as they are given, all and those
- * near by themselves.
+/* relations.h - relations of a program's objects: given links; `all` and `near` need no values.
  *
  *     fp3_relations r = {.to = ..., .linked = links};
  *     if (fp3_relations_load(&r, error) || fp3_relations_reach(&r, params, error) ||
@@ -23,16 +22,16 @@ typedef struct {
     double reach[FP3_RELATIONS_MAX]; /* of the model's relations, that the engine knows; 0: none */
 } fp3_relations;
 
-/* After a load: gives the engine all links, and lists of all others. FP3_E_ARGUMENT: links of what
- * is no relation of links; objects or fields that there are not. If the engine refuses something,
- * the message is where its definition says. */
+/* After a load: gives the engine all links, and the lists of `all` and `near`. FP3_E_ARGUMENT:
+ * links of a name that is no relation of links; unknown objects or fields. If the engine refuses a
+ * call, the message is in the error of its definition. */
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error);
 /* The links alone. */
 fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error);
 /* Whether the program has any. */
 int fp3_relations_are(const fp3_relations *r);
-/* Gives the engine the reach of those near, where params, as many as the model has, make it another
- * one. Nothing of an image. */
+/* Gives the engine the reaches of `near` if params, as many as the model has, change them. Does
+ * nothing for an image. */
 fp3_status fp3_relations_reach(fp3_relations *r, const double *params, fp3_error *error);
 /* FP3_E_ARGUMENT: a list is missing. how: what gives it, for the message. */
 fp3_status fp3_relations_check(const fp3_relations *r, const char *how, fp3_error *error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* scene_read.c - the file of a scene: its settings, programs and values, each refused in its line.
+/* scene_read.c - the file of a scene: its settings, programs and values; a refusal names the line.
  */
 #include "scene_read.h"
 
@@ -204,8 +204,8 @@ static int has_h(const fp3_scene_group *group) {
            fp3_image_find(group->program->image, "h", FP3_CLASSES_HOST);
 }
 
-/* Each replaces what came before. The scene's h is for those programs that have an h, or
- * values that are made of one. */
+/* Later values replace earlier ones. The scene's h is for programs that have an h, or values
+ * computed from h. */
 static fp3_status read_params(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     fp3_status status = fp3_params_make(&to->params, r->error);
     if (!status)
@@ -340,8 +340,8 @@ static fp3_status check_h(const reader *r) {
     return r->h_at ? fp3_setting_wrong(&r->in, r->h_at, "no program has an 'h'") : FP3_OK;
 }
 
-/* Whether objects of the first group's model do. A model that cannot be read says why where it is
- * compiled. */
+/* Whether objects of the first group's model see each other. A model that cannot be read is refused
+ * later, when it is compiled. */
 static int sees_others(const reader *r) {
     const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
     const config_setting_t *group = list ? config_setting_get_elem(list, 0) : NULL;

@@ -5,8 +5,8 @@
 
 #include <fp3/scene.h>
 
-/* Fills what the file at scene->path says; config replaces the file's unless it is NULL. After a
- * failure the scene is half full, and may be closed. */
+/* Fills the scene from the file at scene->path; config replaces the file's unless it is NULL. After
+ * a failure the scene is half full, and may be closed. */
 fp3_status fp3_scene_read(fp3_scene *scene, const char *config, fp3_error *error);
 
 #endif

@@ -38,9 +38,9 @@ typedef struct {
     size_t objects; /* one more than the highest number of an object; 0: no links */
 } fp3_table_links;
 
-/* most: how many objects there are; 0: not known. The table must outlive *made, which the caller
- * frees, after a failure too. FP3_E_ARGUMENT: the first columns are not a and b, an object that
- * there is not, a link of an object with itself, a field outside of FP32. */
+/* most: the number of objects; 0: not known. The table must outlive *made, which the caller frees,
+ * after a failure too. FP3_E_ARGUMENT: the first columns are not a and b, an unknown object, a link
+ * of an object with itself, a field outside of FP32. */
 fp3_status fp3_table_link(const fp3_table *table, size_t most, fp3_table_links *made,
                           fp3_error *error);
 void fp3_table_links_free(fp3_table_links *made);

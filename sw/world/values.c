@@ -148,7 +148,7 @@ void fp3_params_free(fp3_params **params) {
 /* ---- putting ---- */
 
 /* Adds or replaces, by this name; but a number does not replace a formula. Takes what.formula and
- * what.column, except where it fails. */
+ * what.column, except after a failure. */
 static fp3_status put_value(fp3_params *params, const char *name, fp3_value what,
                             fp3_error *error) {
     fp3_value *param = fp3_values_find(params, name);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* values_text.c - what the host gives a compiled program, as a file of parameters.
+/* values_text.c - the host's values for a compiled program, as a file of parameters.
  *
- * What the compiler has made of h and params stands there as a formula, so that a run computes it
- * again. What no formula gives (a position at -h) holds for one set of values alone, and its
- * formula says which: with any other it has no value.
+ * Values that the compiler computes from h and params are written as formulas, so that a run
+ * computes them again. A value without a formula (a position at -h) holds for one set of values
+ * alone, which its formula names: with any other set it has no value.
  */
 #include "apply.h"
 #include "base/host.h"
@@ -27,8 +27,8 @@ typedef struct {
     int has_h;
 } writer;
 
-/* What the file calls a param or h: its own register's name, which differs where another register
- * has that of the model. */
+/* The name of a param or h in the file: its register's name, which differs from the model's if
+ * another register has that name. */
 static const char *name_in_file(const writer *w, const char *name) {
     const fp3_compiled *c = w->program->compiled;
     for (uint32_t i = 0; i < c->input_count; i++)

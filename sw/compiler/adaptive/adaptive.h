@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* adaptive.h - steps that each object chooses by itself: what surrounds the method.
  *
- * A method that fills fp3_advance.error can be used; docs/adaptive.md says what is computed.
+ * A method must fill fp3_advance.error. docs/adaptive.md describes the computation.
  */
 #ifndef FP3_COMPILER_ADAPTIVE_H
 #define FP3_COMPILER_ADAPTIVE_H
@@ -14,8 +14,8 @@
 
 /* Before the method: a->begin, a->h, a->end. FP3_E_PROGRAM: no object could stop. */
 fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error);
-/* After it, and before events: whether the step is good, in a->is_good, and the next one's length.
- */
+/* After the method, and before events: a->is_good says whether the step is good; and the length of
+ * the next step. */
 fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error);
 /* After events: the new states if the step is good, and else the old ones. */
 fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* keep.c - what a stage at the end of a step has made is what the next one begins with, if the step
- * is accepted. */
+/* keep.c - if a step is accepted, the next step begins with the slopes of the stage at its end. */
 #include "keep.h"
 
 #include "compiler/value/ops.h"
@@ -23,9 +22,9 @@ fp3_status fp3_keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *er
     return FP3_OK;
 }
 
-/* The slopes at the new states are the first ones of the next step; after a rejected step the old
- * ones are. In double-single they would be two variables each. Where an event may change the new
- * states, or time the equations, they are computed again. */
+/* The slopes at the new states are the first slopes of the next step; after a rejected step the old
+ * slopes are. In double-single each slope would be two variables. If an event may change the new
+ * states, or time the equations, the slopes are computed again. */
 static fp3_status keep_slopes(const fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;
@@ -69,8 +68,8 @@ static int is_part(const fp3_advance *a, const lowering *l, uint32_t expr) {
     return 0;
 }
 
-/* What a stage at the end of the step has made of t is what the next step begins with; after a
- * rejected step that is what this one began with. It pays for functions. */
+/* The next step begins with the functions of t from the stage at the end of this step; after a
+ * rejected step, with the old ones. This pays for functions. */
 static fp3_status keep_times(const fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     fp3_status status = FP3_OK;

@@ -9,7 +9,7 @@
  * FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_keep(fp3_step *step, uint32_t first, uint32_t next, fp3_error *error);
 
-/* The slopes and the functions of t at the end of the step, where it has them, for the next one.
+/* Keeps the slopes and the functions of t at the end of the step, if computed, for the next step.
  * Errors as above. */
 fp3_status fp3_keep_stages(const fp3_advance *a, fp3_error *error);
 

@@ -14,11 +14,11 @@
 #define FINEST 0x1p-21
 /* Likewise, in double-single: then the search goes on from the end that is before the event. */
 #define LEAVE 0x1p-10
-/* Of what is near enough: where a line says that the root is, the next attempt ends this much
- * before it, or BEYOND behind it. */
+/* As a share of "near enough": the next attempt ends this much before the root that the line
+ * predicts, or BEYOND behind it. */
 #define SHORT 0x1p-1
 #define BEYOND 0x1p-4
-/* An end is a gain if it is nearer to this one by this factor; else the next attempt ends in the
+/* A new end is a gain if it is nearer to this end by this factor; else the next attempt ends in the
  * middle. */
 #define GAIN 0.75
 /* Of the sum of both ends. Between neighbours this is not the first of them again. */
@@ -32,8 +32,8 @@ static void note(const fp3_advance *a, const char *text) {
 
 static uint32_t either(dag *g, uint32_t a, uint32_t b) { return sel(g, a, num(g, 1), b); }
 
-/* Whether so_far, or a part of the condition that it needs (is_true: to be true) was so before the
- * step, and no longer is. */
+/* Whether so_far, or a part of the condition that had the needed value (is_true: true) before the
+ * step, has lost that value. */
 static uint32_t has_lost(lowering *before, lowering *after, uint32_t expr, int is_true,
                          uint32_t so_far) {
     const fp3_expr *e = &before->model->exprs[expr];
@@ -48,10 +48,10 @@ static uint32_t has_lost(lowering *before, lowering *after, uint32_t expr, int i
     return either(g, lost, so_far);
 }
 
-/* Whether the condition is false before the step, and true after it or, as far as its parts tell,
- * on the way: `x > wall and v > 0` may be on the way if v > 0 is no longer true, as x then has been
- * largest within the step. If no part of it is lost, it is true on the way only if it is in the
- * end. */
+/* Whether the condition is false before the step, and true after the step or, by its parts, within
+ * it: `x > wall and v > 0` may be true within the step if v > 0 has become false, because x was
+ * then largest within the step. If no part has become false, the condition is true within the step
+ * only if it is true at the end. */
 static uint32_t becomes(const fp3_advance *a, const fp3_event *event, lowering *before,
                         lowering *after) {
     const fp3_expr_op op = a->step->model->exprs[event->condition].op;
@@ -104,12 +104,13 @@ static void see_root(const fp3_advance *a, const fp3_event *event, lowering *bef
 
 /* ---- the search ----
  *
- * Of two steps from here, one ends before the event and one behind it. Attempts between them bring
- * them closer, until the one behind is accepted. All begin here: what FP3 rounds off in an attempt
- * is not lost, and whatever the function, each shortens the bracket. */
+ * Of two steps from here, one ends before the event and one behind it. Attempts between them narrow
+ * this bracket, until the step behind the event is accepted. All attempts begin here, so rounding
+ * errors of attempts do not add up, and each attempt shortens the bracket, whatever the function.
+ */
 
-/* Nodes: the bracket so far; from its ends to that of this attempt; whether that is before all
- * events; how far apart both ends may be. */
+/* Nodes: the bracket so far; the distances from its ends to the end of this attempt; whether that
+ * end is before all events; how far apart both ends may be. */
 typedef struct {
     uint32_t before, behind, since, until, is_before, near;
 } attempt;
@@ -129,20 +130,19 @@ static uint32_t near_enough(const fp3_advance *a, const sight *seen, uint32_t h)
     return fp3_dag_known(g, fp3_known_make(known, KNOWN_ADD, locate, least));
 }
 
-/* What has to be near enough where the step ends before the event: nothing if none is looked for.
- * The event is not where it was said to be if the other end is next to this one. What controls
- * steps is floats, and double-single can tell more apart. */
+/* If the step ends before the event, this distance must be near enough; without a search nothing
+ * must. If the other end is next to this end, the event is not at the predicted place. Step control
+ * uses floats; double-single tells closer steps apart. */
 static uint32_t gap_before(const fp3_advance *a, const attempt *is, uint32_t h) {
     dag *g = &a->step->values;
     return g->is_abstract ? sub(g, is->until, mul(g, num(g, LEAVE), h))
                           : mul(g, num(g, WRONG), is->until);
 }
 
-/* Where the line between both ends of the bracket crosses 0, seen from the new one. A little beyond
- * that, on the other side, so that the root is soon between two ends that are close. Both values
- * have different signs as a rule, so their sizes are added. Where the signs are equal (a condition
- * has become true, and roots are far away or rest) the quotient is at most 1 all the same, and
- * raises no flag. */
+/* Where the line between both ends of the bracket crosses 0, seen from the new end, and a little
+ * beyond, so that the root is soon between two close ends. The values usually have different signs,
+ * so their sizes are added. If the signs are equal (a condition has become true, and roots are far
+ * away or do not move) the quotient is still at most 1, and raises no flag. */
 static uint32_t by_line(fp3_advance *a, const sight *seen, const attempt *is) {
     dag *g = &a->step->values;
     note(a, "the root at the step that ends before the event");

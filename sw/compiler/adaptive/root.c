@@ -28,8 +28,8 @@ static term gap(lowering *l, const fp3_expr *e) {
     return fp3_dag_is_number(l->g, b.node, 0) ? fp3_term_negated(a) : fp3_term_sub(l->g, b, a);
 }
 
-/* On which side a step begins: where it begins at the root, on that to which it goes. What an event
- * holds at its root is on that from which it comes. */
+/* The side on which a step begins: at the root, the side to which the value moves. A value that an
+ * event holds at its root is on the side that it came from. */
 static uint32_t side(const fp3_advance *a, const fp3_event *event, lowering *before, uint32_t from,
                      int is_falling) {
     dag *g = &a->step->values;
@@ -41,8 +41,8 @@ static uint32_t side(const fp3_advance *a, const fp3_event *event, lowering *bef
     return sel(g, from, from, fp3_dag_first(g, fp3_term_value(g, way)));
 }
 
-/* Of a pair the first word has its sign. A NaN before the step is below no root; one after it
- * stays. */
+/* The first word of a pair has its sign. A NaN before the step is below no root; a NaN after the
+ * step stays. */
 fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering *before,
                          lowering *after) {
     dag *g = &a->step->values;

@@ -8,8 +8,8 @@
 /* Whether the event is at a root that has to be looked for: a time is the end of a step. */
 int fp3_root_is(const fp3_advance *a, const fp3_event *event);
 
-/* Nodes: a root before the step; what it is after it, if it was on the side that the event comes
- * from, else a number on that side. is_falling: that side is above 0. */
+/* Nodes: the root's function before the step; and after the step, if it was on the side that the
+ * event comes from, else a number on that side. is_falling: that side is above 0. */
 typedef struct {
     uint32_t from, to;
     uint32_t is_armed; /* it was on the side that the event comes from */
@@ -24,8 +24,8 @@ fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering 
  * far. */
 uint32_t fp3_root_is_ahead(const fp3_advance *a, const fp3_event *event, const fp3_reach *r);
 
-/* Nodes: the least of several roots before and after the step, each with its sign so that it is
- * above 0 before the event; of those so far, FP3_NONE at first. */
+/* Nodes: the least of several roots' functions before and after the step, each with the sign that
+ * makes it positive before the event; so far, FP3_NONE at first. */
 void fp3_root_nearest(const fp3_advance *a, const fp3_event *event, const fp3_reach *r,
                       uint32_t *from, uint32_t *to);
 

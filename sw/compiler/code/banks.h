@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* banks.h - sums and products apart (`dual`): every operation reads at most one of each.
  *
- * A value is kept with what makes it: sums with sums, products with products, variables with sums.
- * Of two operands that are kept together one is moved first: a sum times 1, or a product plus -0,
- * which changes no bit and raises no flag that the operation itself would not.
+ * A value is in the bank of the unit that makes it: sums and variables in the bank of sums,
+ * products in the other. If both operands are in one bank, one operand is moved first: a sum times
+ * 1, or a product plus -0. A move changes no bit and raises no flag that the operation itself would
+ * not raise.
  */
 #ifndef FP3_BANKS_H
 #define FP3_BANKS_H

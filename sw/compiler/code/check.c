@@ -20,7 +20,7 @@ static int has_angles(const fp3_step *step) {
     return 0;
 }
 
-/* "; 'single_full' has it": those with as many objects as this one and the same arithmetic, or "".
+/* "; 'single_full' has it": configurations for as many objects and with the same arithmetic, or "".
  */
 static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_t size) {
     size_t length = 0;
@@ -35,8 +35,8 @@ static void say_who_has(const fp3_config *config, uint32_t op, char *text, size_
     }
 }
 
-/* What the compiler makes of `rint` reduces arguments: truncated, they would be twice as large as
- * the polynomials are good for. */
+/* `rint` reduces arguments: truncated, the rest would be twice as large as the range of the
+ * polynomials. */
 static fp3_status check_rounding(const fp3_config *config, uint32_t op, const fp3_noted *at,
                                  fp3_error *error) {
     if (op != FP3_OP_RINT || config->nearest)
@@ -90,8 +90,8 @@ fp3_status fp3_check_arithmetic(const fp3_options *options, const fp3_fit *fit, 
     return status;
 }
 
-/* Whether an operation is of a function with constants: those are made for 24 bits. A power has
- * some if it is made by a logarithm. */
+/* Whether an operation is a function with constants, which are made for 24 bits. A power has
+ * constants if it is computed by a logarithm. */
 static int is_of_function(const fp3_model *model, uint32_t op, const fp3_noted *at) {
     const int is_of_power = op == FP3_OP_RINT || op == FP3_OP_EXP2 || op == FP3_OP_LOGB;
     for (uint32_t i = 0; at->line && i < model->expr_count; i++) {

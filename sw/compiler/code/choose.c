@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* choose.c - each addition may take in one product that nothing else reads, or that only additions
- * read which all take it in. */
+/* choose.c - each addition may take in one product that no other node reads, or that only additions
+ * read that all take it in. */
 #include "choose.h"
 
 #include "machine/cycles.h"
@@ -72,8 +72,7 @@ static int is_product(const chooser *c, uint32_t node) {
 
 static int is_free_product(const chooser *c, uint32_t node) { return c->is_free[node]; }
 
-/* Whether node i takes in operand j whatever it is: an addition whose other operand is no product.
- */
+/* Whether node i always takes in operand j: an addition whose other operand is no product. */
 static int takes(const chooser *c, uint32_t i, int j) {
     const dag_node *n = &c->g->nodes[i];
     if (n->op == FP3_OP_ADD)
@@ -82,7 +81,7 @@ static int takes(const chooser *c, uint32_t i, int j) {
 }
 
 /* A product that is read twice and taken in twice costs one instruction less. With one object its
- * operands would have to be there as long, and it would be late: that is left as it is. */
+ * operands would be needed longer, and the product would be late, so this is not done. */
 static void find_free(const chooser *c, uint32_t *taken) {
     for (uint32_t i = 0; i < c->g->count; i++)
         for (int j = 0; is_executed(c, i) && j < 2; j++) {

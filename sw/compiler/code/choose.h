@@ -6,9 +6,8 @@
 #include "compiler/step/options.h"
 #include "compiler/value/dag.h"
 
-/* Which additions take a product in before it is rounded to a register. What a chained addition
- * adds to must be there when the product begins; where latency counts, that can make the addition
- * later. */
+/* Which additions take a product in before it is rounded to a register. The addend of a chained
+ * product must be ready when the product begins; if latency counts, this can delay the addition. */
 typedef enum {
     CHAIN_NONE,
     CHAIN_EARLY, /* where it makes nothing later */

@@ -82,8 +82,8 @@ static fp3_ref known_ref(const converter *c, uint32_t id) {
                                       : (fp3_ref){slot->at, slot->index};
 }
 
-/* `sleep` reads no register of the object in its place: if it is one already, it is a constant
- * besides. */
+/* The threshold of `sleep` is a constant: a value that is in a register of the object is a
+ * constant, too. */
 static fp3_ref constant_ref(const converter *c, uint32_t id) {
     const fp3_ref there = known_ref(c, id);
     return there.at == FP3_AT_CONSTANT ? there : place_known(c, id, 1);
@@ -179,7 +179,7 @@ static uint32_t *find_carried(const fp3_step *step) {
 }
 
 /* Known values get their places in the order in which the step, the first and the last part use
- * them. What runs once may wait: it does not go the chain's way. */
+ * them. Parts that run once may wait, so their operations are not chained. */
 static fp3_status convert_parts(const fp3_part *part, fp3_chain_nodes chain, const fp3_step *step,
                                 const uint32_t *carried, conversion *made, fp3_error *error) {
     converter c = {.step = step, .made = made, .part = *part, .variables = FP3_AT_VARIABLE};

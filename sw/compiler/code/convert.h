@@ -22,8 +22,8 @@ typedef struct {
     uint32_t least;      /* constant: what `sleep` compares with; 0 without */
 } conversion;
 
-/* Nodes of the step, or FP3_NONE: what sums and products need to go the chain's way, or moves where
- * they are apart. */
+/* Nodes of the step, or FP3_NONE: neutral operands of chained sums and products, or of moves
+ * between banks. */
 typedef struct {
     uint32_t one, minus_zero;
 } fp3_chain_nodes;
@@ -33,7 +33,7 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
                        fp3_chain_nodes chain, conversion *made, fp3_error *error);
 void fp3_convert_close(conversion *made);
 
-/* A step in sections (compiler/phases): opened once for all of them, then a code for each, which
+/* A step in sections (compiler/phases): opened once for all sections, then a code for each, which
  * the caller frees; its counts of params and constants are those of all sections, which are known
  * after fp3_convert_end. */
 fp3_status fp3_convert_open(const fp3_step *step, conversion *made, fp3_error *error);

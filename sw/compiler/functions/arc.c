@@ -47,8 +47,8 @@ term fp3_atan(dag *g, term at) {
 }
 
 /* atan(y/x), or atan(-x/y) and a quarter turn, or half a turn where x < 0. Only 0/0 divides by
- * zero: it is 0/1. A quarter of a divisor is never as large as those that have no estimate, unless
- * those are flushed. */
+ * zero: it is 0/1. A quarter of a divisor always has an estimate, unless subnormal numbers are
+ * flushed. */
 static uint32_t tangent_of(dag *g, uint32_t above, uint32_t below) {
     if (g->is_flushed)
         return fp3_quotient(g, fp3_term(above), sel(g, below, below, num(g, 1))).node;

@@ -11,10 +11,10 @@
 
 #define PI 3.14159265358979323846
 
-/* Minimax, of z = r^2, highest power first. |r| is at most half of what is
- * subtracted, and a little more since n is found with rounded numbers. sin(r) = r + r z s(z),
- * relative error 6e-9; cos(r) = 1 + z c(z), absolute error 5e-8; r/tan(r) = 1 - z t(z), relative
- * error 6e-9. The rest of what the tests find is rounding. */
+/* Minimax, of z = r^2, highest power first. |r| is at most half of the multiple of pi, and a little
+ * more because n is computed from rounded numbers. sin(r) = r + r z s(z), relative error 6e-9;
+ * cos(r) = 1 + z c(z), absolute error 5e-8; r/tan(r) = 1 - z t(z), relative error 6e-9. The rest of
+ * what the tests find is rounding. */
 static const double sine[] = {2.6049796955608703e-06, -1.9809259638245343e-04,
                               8.333061854128796e-03, -0.16666659392646654};
 static const double cosine[] = {2.318603927151998e-05, -1.3855580403143559e-03,
@@ -63,7 +63,7 @@ static angle reduced(dag *g, uint32_t x) {
     return (angle){r, mul(g, r, r), sel(g, fp3_is_odd(g, n), num(g, -1), num(g, 1))};
 }
 
-/* x (2/pi) 2^127, rounded, overflows from the second number above pi/2 on: then it times 0 is a
+/* x (2/pi) 2^127, rounded, overflows from the second number above pi/2 on; infinity times 0 is a
  * NaN. */
 uint32_t fp3_small_angle(dag *g, uint32_t x) {
     const uint32_t beyond = mul(g, x, num(g, 0x1.45f304p+127));

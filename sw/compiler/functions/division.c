@@ -43,16 +43,16 @@ term fp3_corrected(dag *g, term x, fp3_series s) {
     return (term){corrected(g, q, s.correction), x.is_negative};
 }
 
-/* Without infinities 1/sqrt(0) overflows, but its product with a small x does not: so it is made
- * first. */
+/* Without infinities 1/sqrt(0) overflows, but its product with a small x does not, so 1/sqrt(b) is
+ * computed first. */
 term fp3_over_root(dag *g, term x, fp3_series s) {
     return g->is_finite ? fp3_term_mul(g, x, fp3_corrected(g, one(g), s)) : fp3_corrected(g, x, s);
 }
 
 /* ---- where subnormal numbers are flushed ---- */
 
-/* A numerator up to 1 needs no more: the quotient is flushed wherever the reciprocal is. Without
- * infinities it has to be large enough that x/0 overflows. */
+/* A numerator up to 1 needs no scaling: the quotient is flushed wherever the reciprocal is. Without
+ * infinities the numerator has to be large enough that x/0 overflows. */
 static int needs_no_scale(const dag *g, uint32_t node) {
     const uint32_t id = fp3_dag_is_known(g, node);
     const int is_number = id != FP3_NONE && g->known->list[id].op == KNOWN_NUMBER;
@@ -60,7 +60,7 @@ static int needs_no_scale(const dag *g, uint32_t node) {
     return size <= 1 && size >= (g->is_finite ? 0.5 : 0);
 }
 
-/* Without infinities 1/0 has to overflow, whatever it is multiplied with: twice its estimate does.
+/* Without infinities 1/0 has to overflow, whatever the numerator: twice the estimate of 1/0 does.
  */
 static uint32_t without_zero(dag *g, uint32_t y) { return g->is_finite ? add(g, y, y) : y; }
 
@@ -101,9 +101,9 @@ term fp3_over_power(dag *g, term x, uint32_t b, unsigned n) {
     return fp3_term_mul(g, fp3_times_power(g, x, y, n), fp3_term_power(g, fp3_term(factor), n));
 }
 
-/* The estimate of 2^-126, and what no correction of a normal number exceeds. Estimates of smaller
- * numbers are infinite. What is no estimate is above 2^74.5 for 0 alone. Without infinities b y is
- * 0 for the b that is 0, and overflows for a negative one. */
+/* The estimate of 2^-126, and the limit of corrections of normal numbers. Estimates of smaller
+ * numbers are infinite. An exact reciprocal root is above 2^74.5 for 0 alone. Without infinities b
+ * y is 0 for b = 0, and overflows for a negative b. */
 #define MOST 0x1p63
 #define MOST_DIRECT 0x1p75
 #define MOST_CORRECTION(g) ((g)->terms == 1 ? 0x1p-5 : 0x1p-8)

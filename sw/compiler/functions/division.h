@@ -29,8 +29,8 @@ term fp3_times_power(dag *g, term x, term r, unsigned n);
 /* Of b below 2^-126 with the estimate of 2^-126, so that b times it is small. */
 fp3_series fp3_finite_inverse_root(dag *g, uint32_t b);
 
-/* sqrt(b) is b/sqrt(b), 0 for 0. Below 2^-126 it is off by 2^-65 at most. The second shares what
- * x/sqrt(b) has, and raises invalid for 0 as that does. */
+/* sqrt(b) is b/sqrt(b), 0 for 0. Below 2^-126 the root is off by 2^-65 at most. The second function
+ * shares values with x/sqrt(b), and like x/sqrt(b) raises invalid for 0. */
 uint32_t fp3_root(dag *g, uint32_t b);
 uint32_t fp3_root_beside_inverse(dag *g, uint32_t b);
 

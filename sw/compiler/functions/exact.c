@@ -8,8 +8,7 @@
 
 #include <fp3/compile.h>
 
-/* The exponent of a number; -126 of what is smaller than normal numbers, so that the scale is
- * finite. */
+/* The exponent of a number; -126 for subnormal numbers, so that the scale is finite. */
 static uint32_t exponent(dag *g, uint32_t x) {
     return op2(g, FP3_OP_MAX, num(g, -126), op1(g, FP3_OP_LOGB, x));
 }
@@ -84,7 +83,7 @@ static uint32_t near_quotient(dag *g, uint32_t a, const divisor *d) {
 
 uint32_t fp3_exact_quotient(dag *g, uint32_t a, uint32_t b) {
     /* b 2^-n is in [1/2, 1), a 2^-m in [1, 2): their quotient, between 1 and 4, and 2^(m-n) are in
-     * range wherever a/b is. No max here: what has no exponent is to become a NaN. */
+     * range wherever a/b is. No max here: a number without an exponent must become a NaN. */
     const uint32_t minus_n = sub(g, num(g, -1), op1(g, FP3_OP_LOGB, b));
     const uint32_t scale = power_of_two(g, minus_n), near = mul(g, b, scale);
     divisor d = {near, FP3_NONE, FP3_NONE, inverse(g, fp3_reciprocal(g, near))};

@@ -5,8 +5,7 @@
 
 #include "compiler/value/dag.h"
 
-/* docs/compiler.md proves them and says what they are of zeros, infinities and subnormal numbers.
- */
+/* docs/compiler.md has the proofs, and the results for zeros, infinities and subnormal numbers. */
 uint32_t fp3_exact_quotient(dag *g, uint32_t a, uint32_t b);
 uint32_t fp3_exact_root(dag *g, uint32_t b);
 

@@ -32,8 +32,8 @@ static uint32_t multiple_of_ln2(dag *g, uint32_t x) {
     return rint_of(g, mul(g, x, num(g, LOG2_E)));
 }
 
-/* x - k ln 2: the first product is exact, and so is its difference unless |x| is small beside it.
- */
+/* x - k ln 2: the first product is exact, and so is the difference unless |x| is much smaller than
+ * the product. */
 static uint32_t remainder_of(dag *g, uint32_t x, uint32_t k) {
     const uint32_t r = sub(g, x, mul(g, k, num(g, FP3_LN2_HIGH)));
     return sub(g, r, mul(g, k, num(g, FP3_LN2_LOW)));
@@ -44,8 +44,8 @@ uint32_t fp3_exp_scaled(dag *g, uint32_t r, uint32_t k) {
     return mul(g, add(g, num(g, 1), mul(g, r, slope)), power_of_two(g, k));
 }
 
-/* -104 gives 0 as -infinity does. With k = 127 at most, 2^k is finite: what overflows is the
- * product, or the polynomial, whose coefficients are all positive. */
+/* -104 gives 0 as -infinity does. With k = 127 at most, 2^k is finite: the product overflows, or
+ * the polynomial, whose coefficients are all positive. */
 term fp3_exp(dag *g, term x) {
     const uint32_t y = fp3_at_least(g, -104, fp3_term_value(g, x));
     const uint32_t k = fp3_at_most(g, 127, multiple_of_ln2(g, y));

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* functions.h - the functions of the language as operations of the machine: fp3_sin, fp3_exp, ...
  *
- * A declaration for each row of language/function_rows.h that has constants. docs/compiler.md says
- * how they are computed, how far off they are, and what they are of special values.
+ * A declaration for each row of language/function_rows.h that has constants. docs/compiler.md has
+ * the method, the errors and the special values of each function.
  */
 #ifndef FP3_FUNCTIONS_H
 #define FP3_FUNCTIONS_H

@@ -18,8 +18,8 @@
 static const double log_rest[] = {0.0869942605, -0.142687127, 0.149155915, -0.165774733,
                                   0.199629858,  -0.250013381, 0.333339125};
 
-/* What x is multiplied by, so that neither that nor its powers of two are subnormal or overflow. 0
- * where x is negative: with an infinite exponent from 0 and another from x, e is inf - inf. */
+/* The scale for x: neither the product nor its power of two is subnormal or overflows. 0 for a
+ * negative x: with one infinite exponent from 0 and another from x, e is inf - inf. */
 static uint32_t scale_of(dag *g, uint32_t x) {
     const uint32_t is_tiny = op2(g, FP3_OP_LT, x, num(g, TINY));
     return sel(g, is_tiny, num(g, 0x1p32), num(g, 0.25));
@@ -67,8 +67,8 @@ term fp3_log(dag *g, term x) {
     return log_of(g, p.e, add(g, p.m, num(g, -1)));
 }
 
-/* Of u = 1 + x, with what the sum rounds away of x added to r: where e is 0, r is x. u is never
- * subnormal. The rest of infinity is infinite. */
+/* The logarithm of u = 1 + x, with the rounding error of u added to r: if e is 0, r is x. u is
+ * never subnormal. The rest of infinity is infinite. */
 term fp3_log1p(dag *g, term at) {
     const uint32_t x = fp3_term_value(g, at), u = add(g, x, num(g, 1));
     const uint32_t rest = sub(g, x, sub(g, fp3_at_most(g, 0x1.fffffep127, u), num(g, 1)));
@@ -78,8 +78,8 @@ term fp3_log1p(dag *g, term at) {
     return log_of(g, p.e, add(g, add(g, p.m, num(g, -1)), mul(g, rest, power)));
 }
 
-/* -e + log2 m, where log2 m = r + (r (1/ln 2 - 1) + (log m - r)/ln 2): r is exact. Of a power of
- * two it is the exponent itself. */
+/* -e + log2 m, where log2 m = r + (r (1/ln 2 - 1) + (log m - r)/ln 2): r is exact. For a power of
+ * two the result is the exponent itself. */
 term fp3_log2(dag *g, term x) {
     const fp3_log_parts p = parts_of(g, fp3_term_value(g, x));
     const uint32_t r = add(g, p.m, num(g, -1));
@@ -111,8 +111,8 @@ static halves known_halves(dag *g, uint32_t n) {
 
 /* log(m)/2 = atanh(a/b) with a = m - 1 and b = m + 1, as a first part s of 11 bits, which is about
  * a/b, and the rest: together about 31 bits, which leaves a power its 24 behind a product with its
- * exponent. atanh(a/b) - atanh(s) is atanh((a - s b)/(b - s a)), whose argument is so small that it
- * is the same. s b is s m + s: all sums of a - s b are exact but for the last. */
+ * exponent. atanh(a/b) - atanh(s) is atanh((a - s b)/(b - s a)), which equals its small argument. s
+ * b is s m + s: all sums of a - s b but the last are exact. */
 static halves half_log(dag *g, uint32_t m) {
     const uint32_t a = add(g, m, num(g, -1)), b = add(g, m, num(g, 1));
     const uint32_t near = mul(g, a, op1(g, FP3_OP_RCP, b)), c = mul(g, near, num(g, 0x1p13 + 1));

@@ -9,7 +9,7 @@
  * is an integer. */
 uint32_t fp3_power(dag *g, uint32_t x, uint32_t n);
 
-/* What double-single takes of them, too. A scale for x, so that x times it has a normal power of
+/* Double-single uses these functions, too. A scale for x, so that the product has a normal power of
  * two; 0 for a negative x, which makes e a NaN. Of x scale and scale: x = m 2^-e with m from
  * sqrt(1/2) to sqrt(2), m = (x scale) power. 0 is 0 2^-inf, infinity is inf 2^inf. */
 typedef struct {

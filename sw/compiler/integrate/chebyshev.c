@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* chebyshev.c - stages by a recurrence: of a state only the last sum and its last change are kept.
+/* chebyshev.c - stages by a recurrence: for each state only the last sum and its last change are
+ * kept.
  *
  * Both are increments of the state, so roundings are of their size, not of the state's.
  */
@@ -42,8 +43,8 @@ static term slope_at(const chebyshev *r, unsigned j, uint32_t s) {
     return fp3_lower(&r->a->places[j], r->a->step->model->states[s].derivative);
 }
 
-/* The slope is known to the host, and the same in all stages: their sums are c h times it. By the
- * recurrence the host's formula would double with each stage. */
+/* The host knows the slope, which is the same in all stages, so the sums are c h times the slope.
+ * With the recurrence the host's formula would double with each stage. */
 static int is_steady(const chebyshev *r, uint32_t s) {
     return fp3_dag_is_known(values(r), r->slope[s].node) != FP3_NONE;
 }
@@ -58,8 +59,7 @@ static term increment(const chebyshev *r, unsigned j, uint32_t s) {
     return fp3_term_mul(values(r), number(r, r->table.at[j]), r->sum[s]);
 }
 
-/* E_stages, where V_j+1 is 1 and none before it is anything, and no slope adds to those after it.
- */
+/* E_stages for V_j+1 = 1, earlier V = 0, and no later slopes. */
 static double effect_of(const fp3_recurrence *table, unsigned j) {
     double change = 1, sum = 1;
     while (++j < table->stages) {

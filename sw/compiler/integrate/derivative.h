@@ -9,13 +9,12 @@ typedef struct {
     fp3_model model;   /* another's, with more expressions; the other must outlive it */
     uint32_t *partial; /* [state * (state_count + 1) + by]: an expression, FP3_NONE: 0 */
     uint32_t *rate; /* of each event: how fast b - a of its condition a <= b grows; FP3_NONE: not at
-                       all, or it is none */
+                       all, or no such condition */
 } fp3_differentiated;
 
-/* By each state and, last, by t. What is chosen or compared is differentiated piece by piece: on
- * the side that is chosen, and a comparison is constant. has_partial: 0: only rates are asked for,
- * and all of `partial` is FP3_NONE. FP3_E_SYSTEM: out of memory. The caller closes, after a failure
- * too. */
+/* By each state and, last, by t. A selection is differentiated on the chosen side, and a comparison
+ * is constant. has_partial: 0: only rates are computed, and all of `partial` is FP3_NONE.
+ * FP3_E_SYSTEM: out of memory. The caller closes, after a failure too. */
 fp3_status fp3_differentiate(const fp3_model *model, int has_partial, fp3_differentiated *made,
                              fp3_error *error);
 void fp3_differentiated_close(fp3_differentiated *made);

@@ -23,7 +23,7 @@ typedef struct {
 /* Empty: the caller fills `cell`, of which the diagonal is there, and `summand`. */
 void fp3_lu_open(fp3_lu *lu, dag *g, uint32_t count);
 /* In the order that fills fewest cells (Markowitz, 1957, on the diagonal). A pivot below
- * FP3_LU_LEAST of its diagonal, or a diagonal below that of its summand, counts as 0: its
+ * FP3_LU_LEAST of its diagonal, or a diagonal below FP3_LU_LEAST of its summand, counts as 0: its
  * reciprocal is a NaN and raises invalid, so that the object fails. */
 void fp3_lu_factor(fp3_lu *lu);
 /* x becomes the solution for the right-hand side x; FP3_NONE there: 0. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* project.c - the value that a projection gives, or compensated what it adds.
+/* project.c - the value that a projection gives or, compensated, its increment.
  *
- * A compensated state knows more than its value: what a step adds to it and rounding takes off is
- * in a->lost. So a projection is one more increment. That of x E is x (E - 1), and E - 1 is exact
- * where E is near 1: it moves x along itself, and what many steps round is in the length alone,
- * which the next one mends.
+ * A compensated state has more digits than its value: the rounding errors of its updates are in
+ * a->lost. So a projection is one more increment. The increment of x E is x (E - 1), and E - 1 is
+ * exact if E is near 1. It moves x along itself, so rounding errors change the length alone, which
+ * the next projection corrects.
  */
 #include "project.h"
 

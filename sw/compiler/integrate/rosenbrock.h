@@ -6,7 +6,7 @@
 #include "compiler/step/advance.h"
 
 /* The partial derivatives of a->step->model, as of fp3_differentiate, are `partial`. a->now and
- * a->lost become those after the step. */
+ * a->lost become the values after the step. */
 fp3_status fp3_rosenbrock(fp3_advance *a, const uint32_t *partial, fp3_error *error);
 
 #endif

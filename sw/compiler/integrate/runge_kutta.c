@@ -55,8 +55,8 @@ static unsigned different(const fp3_integrator *table) {
     return count;
 }
 
-/* Slopes are without h: it is in the coefficients, or in a product for each row (adaptive steps).
- * Of pairs a product is dear, but each number of a table with h takes four constants. */
+/* Slopes are without h, which is in the coefficients, or in a product for each row (adaptive
+ * steps). A product of pairs is expensive, but each coefficient with h takes four constants. */
 static int is_folded(const runge_kutta *r) {
     return r->a->is_adaptive || fp3_has_pass(r->a->options, FP3_PASS_FOLD_STEP) ||
            (r->a->options->arithmetic == FP3_DOUBLE_SINGLE &&
@@ -68,8 +68,8 @@ static term coefficient(const runge_kutta *r, double c) {
     return fp3_advance_scaled_step(r->a, c, is_folded(r) ? 1 : 0);
 }
 
-/* Whether a state gets its slopes one by one. Not where steps are chosen, whose h is outside the
- * sum, nor where what an update loses is kept: it is that of the whole increment. */
+/* Whether a state gets its slopes one by one. Not with adaptive steps, whose h is outside the sum,
+ * nor compensated, where the kept rounding error is that of the whole increment. */
 static int has_own_weights(const runge_kutta *r) {
     return fp3_has_pass(r->a->options, FP3_PASS_OWN_WEIGHTS) && !r->a->is_adaptive &&
            r->a->options->arithmetic != FP3_COMPENSATED;
@@ -98,7 +98,7 @@ static unsigned factors(const summand *list, unsigned count, double unit) {
     return found;
 }
 
-/* The smallest coefficient, if all others are whole multiples of it and taking it out leaves fewer
+/* The smallest coefficient, if all others are whole multiples and the common factor leaves fewer
  * products: (k1 + 2 k2 + 2 k3 + k4)/6. Else 0. */
 static double common_factor(const runge_kutta *r, summand *list, unsigned count) {
     double unit = INFINITY;
@@ -249,9 +249,9 @@ static double sum_of_weights(const summand *list, unsigned count) {
     return sum;
 }
 
-/* Compensated, what is added to a state, with what was lost before: its weights are exact. A factor
- * that is none in FP32 stays inside, because only weights that are no integers have room for its
- * error: 2 - 2^-23 for 2 rounds most products to the same side. */
+/* Compensated, the increment of a state, with the earlier rounding error: its weights are exact. A
+ * common factor that FP32 does not have stays inside, because only weights that are no integers
+ * have room for its error: 2 - 2^-23 for 2 rounds most products to the same side. */
 static term increment_kept(const runge_kutta *r, uint32_t s, summand *list, unsigned count) {
     dag *g = values(r);
     summand taken[FP3_STAGES_MAX];
@@ -304,8 +304,8 @@ static void advance_late(runge_kutta *r, uint32_t s) {
     r->a->now[s] = fp3_advance_update(r->a, s, held(r, s), d);
 }
 
-/* Of pairs, an estimate in floats: its weights add up to 0, so all may be of k_i - k_1, whose first
- * words know what those of k_i have lost. */
+/* For pairs, an estimate in floats: its weights add up to 0, so k_i - k_1 can replace k_i; the
+ * first word of the difference includes what the first word of k_i has lost. */
 static unsigned of_differences(dag *g, summand *list, unsigned count) {
     const term first = list[0].slope;
     for (unsigned i = 1; i < count; i++) {

@@ -2,7 +2,7 @@
 /* weights.c - roundings that cancel each other.
  *
  * Rounded to nearest, five weights add up to 1 + 1e-8, and after a time T a solution is T 1e-8 too
- * far, whatever h. That is far above what compensated updates lose.
+ * far, whatever h. That is far more than compensated updates lose.
  */
 #include "weights.h"
 
@@ -33,8 +33,8 @@ static unsigned largest(const double *w, const double *share, unsigned count,
     return found;
 }
 
-/* Each takes in what those before have lost, from the largest to the smallest. Returns what the sum
- * lacks then. */
+/* Each weight takes in the errors of the weights before, from the largest to the smallest. Returns
+ * the remaining error of the sum. */
 static double round_all(double *w, const double *share, unsigned count, double sum, int ulps) {
     char is_fixed[FP3_STAGES_MAX];
     for (unsigned i = 0; i < count; i++) {

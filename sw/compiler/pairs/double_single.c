@@ -63,8 +63,8 @@ static fp3_pair split(dag *g, uint32_t a) {
     return (fp3_pair){head, fp3_word_sub(g, a, head)};
 }
 
-/* What the halves leave of the product before the last one, tail by tail: the error of the rounding
- * is tails - rest (Dekker, 1971). */
+/* The rest of the product without the last pair of halves, tail by tail: the rounding error is
+ * tails - rest (Dekker, 1971). */
 typedef struct {
     uint32_t product, rest, tails;
 } halved;
@@ -254,8 +254,8 @@ static uint32_t one_over(dag *g, fp3_series s) {
     return fp3_corrected(g, fp3_term(fp3_dag_number(g, 1)), s).node;
 }
 
-/* q is off by 5 u at most, so x - q y is known within a few u^2 of x: its terms but the last are
- * exact (Sterbenz), and a reciprocal of 24 bits is enough for it. */
+/* q is off by 5 u at most, so x - q y is known within a few u^2 of x: all terms but the last are
+ * exact (Sterbenz), and a reciprocal of 24 bits is enough. */
 fp3_pair fp3_pair_quotient(dag *g, fp3_pair x, fp3_pair y) {
     const uint32_t over = one_over(g, fp3_reciprocal(g, y.high)), q = fp3_word_mul(g, x.high, over);
     const fp3_pair p = times_single(g, y, q);

@@ -22,8 +22,8 @@ typedef struct {
     uint32_t high, low; /* low FP3_NONE: it is 0 */
 } fp3_pair;
 
-/* Nodes as they are: no pass but `common` may touch what depends on how each operation is rounded.
- */
+/* Nodes as they are: only the pass `common` may change these nodes, which depend on how each
+ * operation is rounded. */
 uint32_t fp3_pair_op(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t c);
 static inline uint32_t fp3_word_add(dag *g, uint32_t a, uint32_t b) {
     return fp3_pair_op(g, FP3_OP_ADD, a, b, FP3_NONE);
@@ -63,11 +63,11 @@ fp3_pair fp3_pair_inverse_root(dag *g, fp3_pair x);         /* 16 u^2 */
 
 /* |y| not larger than |x|, or x 0: 4 u^2 of x. The words of y may overlap. */
 fp3_pair fp3_pair_add_smaller(dag *g, fp3_pair x, fp3_pair y);
-/* c + z p, where |z p| is not larger than |c|: 4 u^2 of c, as what the product leaves is not made a
- * pair first. */
+/* c + z p, where |z p| is not larger than |c|: an error of 4 u^2 of c, because the product is not
+ * normalised first. */
 fp3_pair fp3_pair_step(dag *g, fp3_pair c, fp3_pair z, fp3_pair p);
-/* By Horner's rule, highest power first, where each term is larger than all behind it. The first
- * `singles` + 1 coefficients and what is made of them are floats. */
+/* By Horner's rule, highest power first, where each term is larger than all later terms. The first
+ * `singles` + 1 coefficients and their results are floats. */
 fp3_pair fp3_pair_polynomial(dag *g, fp3_pair z, const double *coefficient, int count, int singles);
 fp3_pair fp3_pair_number(dag *g, double number);
 

@@ -20,8 +20,8 @@ fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
         "its own");
 }
 
-/* What a node has become. Whole numbers that count steps, and truths, 0 or 1, are exact as they
- * are. What controls adaptive steps is floats: a second word is neither there nor made. */
+/* The pair of a node. Counts of steps and truth values, 0 or 1, are exact floats. The control of
+ * adaptive steps uses floats, without second words. */
 typedef struct {
     fp3_loose value;
     int is_whole, is_truth, is_float, is_known;
@@ -130,8 +130,8 @@ static int operand_count(const dag_node *n) {
     return n->b == FP3_NONE ? 1 : n->c == FP3_NONE ? 2 : 3;
 }
 
-/* All values are floats, or known or truths beside one. Of a choice the condition does not count.
- */
+/* All values are floats, or known values or truth values beside a float. The condition of a choice
+ * does not count. */
 static int is_of_floats(const doubling *d, const dag_node *n) {
     const uint32_t of[] = {n->a, n->b};
     int is_any = 0;

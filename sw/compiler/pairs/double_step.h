@@ -10,8 +10,8 @@
 fp3_status fp3_double_check(const fp3_options *options, fp3_error *error);
 
 /* Each node becomes a pair (double_single.h). A variable keeps its number and is the first word;
- * the second is a variable of ROLE_LOW or ROLE_LOW_BEFORE behind all others. Comes before carry.h.
- */
+ * the second word is a variable of ROLE_LOW or ROLE_LOW_BEFORE behind all others. Comes before
+ * carry.h. */
 fp3_status fp3_double_step(fp3_step *step, fp3_error *error);
 
 #endif

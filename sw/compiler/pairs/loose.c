@@ -29,8 +29,8 @@ static fp3_pair settled(dag *g, fp3_loose x) {
     return (fp3_pair){s, fp3_word_sub(g, fp3_word_sub(g, x.words.high, s), x.words.low)};
 }
 
-/* Where a sum has cancelled, the first word may be the smaller one: then what is rounded is u of
- * the second. */
+/* If a sum has cancelled, the first word may be the smaller one; the rounding error is then u of
+ * the second word. */
 static fp3_loose bounded(dag *g, fp3_loose x) {
     return x.spread > FP3_SPREAD_MOST ? (fp3_loose){settled(g, x), 0, 1, 1} : x;
 }
@@ -81,8 +81,8 @@ static uint32_t cross(dag *g, fp3_loose low_of, fp3_loose high_of) {
     return is_single(low_of) ? FP3_NONE : fp3_word_mul(g, low_of.words.low, high_of.words.high);
 }
 
-/* The error of the product of the first words is known with the other sign, and so is all that is
- * added to it. Of a known value and another the order is fixed, and both cross products chain. */
+/* The error of the product of the first words is computed with the other sign, and so are all terms
+ * added to it. A known value is always the same operand, so both cross products chain. */
 fp3_loose fp3_loose_mul(dag *g, fp3_loose x, fp3_loose y) {
     if (is_zero(g, x) || is_zero(g, y))
         return is_zero(g, x) ? x : y;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* loose.h - pairs that are not renormalised: sums and products of a step.
  *
- * A sum of pairs takes 8 operations instead of 20, a product about two thirds. What is given up is
- * the error relative to a sum that cancels: here it is relative to the terms, as with floats.
- * Sources: Lange and Rump, Faithfully rounded floating-point computations, ACM TOMS 46 (2020);
- * Graillat, Langlois and Louvet, Algorithms for accurate, validated and fast polynomial evaluation,
- * Japan J. Indust. Appl. Math. 26 (2009).
+ * A sum of pairs takes 8 operations instead of 20, a product about two thirds. The price: the error
+ * of a sum that cancels is relative to its terms, as with floats, not to the sum. Sources: Lange
+ * and Rump, Faithfully rounded floating-point computations, ACM TOMS 46 (2020); Graillat, Langlois
+ * and Louvet, Algorithms for accurate, validated and fast polynomial evaluation, Japan J. Indust.
+ * Appl. Math. 26 (2009).
  */
 #ifndef FP3_LOOSE_H
 #define FP3_LOOSE_H
@@ -29,9 +29,8 @@ fp3_loose fp3_loose_of(fp3_pair x); /* a normalised pair */
 fp3_loose fp3_loose_negated(dag *g, fp3_loose x);
 
 /* With the spreads k and l of the operands, errors in units of u^2 of the size of the result: at
- * most 2 + 3 max(k, l) for sums and 2 + 4 k + 4 l + k l for products; by 2^n exact. Those of
- * normalised operands, which are not renormalised: 3 and 8. x y has the words of y x, and x + y
- * those of y + x. */
+ * most 2 + 3 max(k, l) for sums and 2 + 4 k + 4 l + k l for products; by 2^n exact. For normalised
+ * operands: 3 and 8. x y has the words of y x, and x + y has the words of y + x. */
 fp3_loose fp3_loose_add(dag *g, fp3_loose x, fp3_loose y);
 fp3_loose fp3_loose_sub(dag *g, fp3_loose x, fp3_loose y);
 fp3_loose fp3_loose_mul(dag *g, fp3_loose x, fp3_loose y);

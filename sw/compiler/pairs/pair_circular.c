@@ -23,7 +23,7 @@ static const double cotangent_48[] = {-2.8703248023979875e-08, -2.12426373728154
                                       -0.02222222222261006,    -0.3333333333333315};
 
 /* pi in parts: all but the last have 9 bits, so n of 15 bits times them is exact, and so is x less
- * the first two (circular.c). What they leave of pi is 2^-64. */
+ * the first two (circular.c). The parts are off from pi by 2^-64. */
 #define PARTS 5
 static const double pi_part[PARTS] = {0x1.93p+1, -0x1.c1p-8, 0x1.aap-18, 0x1.11p-29,
                                       -0x1.2e7b96p-39};
@@ -56,7 +56,7 @@ static fp3_pair signed_by(dag *g, uint32_t sign, fp3_pair x) {
                             : (fp3_pair){mul(g, sign, x.high), mul(g, sign, fp3_pair_low(g, x))};
 }
 
-/* |x| < 2^16, of the tangent 2^15: beyond that they are NaNs and raise invalid. With the pass
+/* |x| < 2^16, for the tangent 2^15: beyond, the functions are NaN and raise invalid. With the pass
  * `small-angles` sine and cosine likewise beyond pi/2. */
 fp3_pair fp3_pair_sin(dag *g, fp3_pair x) {
     const angle a = angle_of(g, x);

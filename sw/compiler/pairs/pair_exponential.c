@@ -115,7 +115,7 @@ fp3_pair fp3_pair_tanh(dag *g, fp3_pair x) {
 
 /* log(m) for m from sqrt(1/2) to sqrt(2), and less = m - 1: y, that of floats, and log(m e^-y) =
  * log(1 + d) = d - d^2/2, as d is some 2^-24 of y, or 2^-25 from the second word of m. With g =
- * e^-y - 1, d = less + m g: what cancels is exact, and so it is as good near 1. */
+ * e^-y - 1, d = less + m g: the cancellation is exact, so the result is as accurate near 1. */
 static fp3_pair log_near_1(dag *g, fp3_pair m, fp3_pair less) {
     const uint32_t y = fp3_log_near_1(g, m.high);
     const fp3_pair minus_y = {op(g, FP3_OP_SUB, num(g, -0.0), y), FP3_NONE};

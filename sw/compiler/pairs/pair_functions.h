@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* pair_functions.h - functions of double-single (double_single.h). docs/compiler.md has their
- * errors, and says what they are at the ends of the range. */
+ * errors, and their values at the ends of the range. */
 #ifndef FP3_PAIR_FUNCTIONS_H
 #define FP3_PAIR_FUNCTIONS_H
 

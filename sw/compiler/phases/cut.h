@@ -5,11 +5,10 @@
  * which every neighbour shows one value of each state, and a phase into sections, one after the
  * other:
  *
- *     straight, loops that need nothing but that, straight, loops that need the sums before, ...
- * straight
+ *     straight, loops that need this alone, straight, loops that need earlier sums, ... straight
  *
  * A section is a step of its own: it reads variables as they were when it began, and writes some.
- * What goes from section to section, or from phase to phase, is in variables that the cut adds.
+ * The cut adds variables for values that go from section to section, or from phase to phase.
  */
 #ifndef FP3_CUT_H
 #define FP3_CUT_H
@@ -36,8 +35,8 @@ typedef struct {
     fp3_section *sections;
     uint32_t section_count, phase_count;
     uint64_t published;               /* states of the model that neighbours read */
-    uint32_t list[FP3_RELATIONS_MAX]; /* of each relation: its variable, or FP3_NONE: no sum goes
-                                         over it */
+    uint32_t list[FP3_RELATIONS_MAX]; /* of each relation: its variable, or FP3_NONE: no sum over
+                                         this relation */
     uint32_t unused;                  /* a variable for unread words */
 } fp3_cut;
 

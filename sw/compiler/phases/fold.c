@@ -6,8 +6,8 @@
 
 #include <fp3/isa.h>
 
-/* The operation that computes the same with what a neighbour gives as operand a (is_first) or b; 0:
- * there is none. */
+/* The operation that computes the same with a neighbour's word as operand a (is_first) or b; 0:
+ * none. */
 static uint32_t folded(uint32_t op, fp3_gives gives, int is_first) {
     for (unsigned i = 0; i < fp3_operation_count; i++) {
         const fp3_operation *of = &fp3_operations[i];
@@ -85,8 +85,8 @@ uint32_t fp3_phases_fold(fp3_line *lines, uint32_t count) {
     for (uint32_t i = 0; i < loads - fields; i++)
         if (can_fold(lines, count, i))
             fold(lines, count, i, lines[i].operand[0]);
-    /* What is still loaded must be the first fields. The last one is read, so that the entry has as
-     * many. */
+    /* Fields that are still loaded must be the first fields. The last field is read, so that the
+     * entry has its full length. */
     for (uint32_t number = fields; number-- > 0;) {
         const uint32_t load = loads - fields + number;
         const int is_read = next_use(lines, count, load, load + 1) < count;

@@ -3,7 +3,7 @@
  *
  *     ldn t, x ; sub d, t, y    becomes    rsbn d, y, x
  *
- * Bits, flags and the fields of an entry stay what they are.
+ * Bits, flags and the fields of an entry do not change.
  */
 #ifndef FP3_PHASES_FOLD_H
 #define FP3_PHASES_FOLD_H

@@ -199,8 +199,8 @@ uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
     return FP3_NONE;
 }
 
-/* It is read at this time. If it is from another section, and no variable holds it there, one has
- * to keep it. */
+/* The value is read at this time. If it is from another section, and no variable holds it there, a
+ * variable has to keep it. */
 static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
     const uint32_t op = fp3_cut_node(c, node)->op, phase = when / FP3_CUT_SLOTS;
     const int is_here = op != NODE_VARIABLE && !fp3_dag_is_fold(op) && c->when[node] == when;
@@ -266,8 +266,8 @@ static void find_uses(fp3_cut_plan *c) {
                 use(c, fp3_cut_gets(c, p, v), end_of(c, p));
 }
 
-/* The section that writes the variable which keeps a node: a sum begins before its loop, and what a
- * variable held when the step began is copied at the end of the first phase. */
+/* The section that writes the variable which keeps a node: a sum begins before its loop, and the
+ * value of a variable at the beginning of the step is copied at the end of the first phase. */
 static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
     return fp3_dag_is_fold(fp3_cut_node(c, node)->op)   ? c->when[node] - 1
            : fp3_cut_node(c, node)->op == NODE_VARIABLE ? end_of(c, 0)

@@ -47,7 +47,7 @@ unsigned fp3_cut_operands(const fp3_cut_plan *plan, uint32_t node, uint32_t list
 uint32_t fp3_cut_holds(const fp3_cut_plan *plan, uint32_t node, uint32_t phase);
 /* Which node a variable of the step gets at the end of a phase; FP3_NONE: it keeps what it has. */
 uint32_t fp3_cut_gets(const fp3_cut_plan *plan, uint32_t phase, uint32_t variable);
-/* Whether the variable keeps something at some time between the end of one section and the end of
+/* Whether the variable keeps a value at some time between the end of one section and the end of
  * another. */
 int fp3_cut_is_taken(const fp3_cut_plan *plan, uint32_t variable, uint32_t from, uint32_t to);
 /* One more; its index. */

@@ -71,8 +71,8 @@ static void find_arcs(work *w) {
             note_reader(w, i, fp3_node_operand(&block->nodes[i], k));
 }
 
-/* Whoever wrote the register of a value that nobody reads while it is on its way would have to
- * wait. */
+/* A later write to the register of an unread value would have to wait while that value is in
+ * flight. */
 static void keep_unread(work *w) {
     const fp3_block *block = w->block;
     for (uint32_t i = 0; i < block->count; i++) {

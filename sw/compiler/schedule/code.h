@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* code.h - the operations of one step before they have places.
  *
- * Operands name values. The compiler makes it; the scheduler turns it into lines (lines.h).
+ * Operands name values. The compiler makes a code; the scheduler turns it into lines (lines.h).
  */
 #ifndef FP3_CODE_H
 #define FP3_CODE_H
@@ -36,8 +36,8 @@ typedef struct {
 typedef struct {
     /* Its value after the step: OP, VARIABLE (also another one), PARAM or CONSTANT. */
     fp3_ref next;
-    /* NOWHERE: a state, which the host writes and reads (and a visit stores). Else it is computed
-     * by the first part from states: FIRST, VARIABLE, PARAM or CONSTANT. */
+    /* NOWHERE: a state, which the host writes and reads (and a visit stores). Else the first part
+     * computes the variable from states: FIRST, VARIABLE, PARAM or CONSTANT. */
     fp3_ref first;
     /* NOWHERE, or LAST: what the last part makes of it (a state). */
     fp3_ref last;
@@ -48,8 +48,8 @@ typedef struct {
     uint32_t first_count, step_count, last_count;
     fp3_variable *variables;
     uint32_t variable_count, param_count, constant_count;
-    /* A constant that is -0.0, for copies; FP3_NONE_INDEX: there is none yet, the scheduler asks
-     * for it by needs_minus_zero. */
+    /* A constant that is -0.0, for copies; FP3_NONE_INDEX: none yet; the scheduler asks for one by
+     * needs_minus_zero. */
     uint32_t minus_zero;
     /* Where sums and products are apart (`dual`): the registers of the params, which say which of
      * the two each is kept with. Variables are kept with sums, in the lowest even registers. NULL
@@ -62,8 +62,8 @@ typedef struct {
 } fp3_step_code;
 #define FP3_NONE_INDEX UINT32_MAX
 
-/* The object register of a variable and of a param, and whose a register is: VARIABLE or PARAM, or
- * NOWHERE that of nobody. */
+/* The object register of a variable and of a param, and the owner of a register: VARIABLE, PARAM or
+ * NOWHERE. */
 uint32_t fp3_code_variable(const fp3_step_code *code, uint32_t variable);
 uint32_t fp3_code_param(const fp3_step_code *code, uint32_t param);
 fp3_ref fp3_code_owner(const fp3_step_code *code, uint32_t reg);

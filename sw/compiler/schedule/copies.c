@@ -95,8 +95,8 @@ static const fp3_edge *held_by(const fp3_dependences *graph, const uint32_t *wai
     return NULL;
 }
 
-/* An edge of a circle that a copy can cut, best one whose variable has a copy already; NULL: no
- * circle. */
+/* An edge of a circle that a copy can cut, preferably of a variable that has a copy already; NULL:
+ * no circle. */
 static const fp3_edge *find_cut(const fp3_block *block, const fp3_dependences *graph,
                                 const uint32_t *waits, const uint32_t *copies) {
     uint32_t node = 0;

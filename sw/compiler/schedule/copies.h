@@ -13,8 +13,8 @@
 /* Adds the copies that the block needs. */
 fp3_status fp3_copies_add(fp3_block *block, fp3_error *error);
 
-/* Readers of the variable that depend on other readers of it read a copy instead, so that the
- * variable can be written sooner. *is_changed: there are such readers. */
+/* A reader of the variable that depends on another reader reads a copy instead, so that the
+ * variable can be written sooner. *is_changed: whether there are such readers. */
 fp3_status fp3_copies_split(fp3_block *block, uint32_t variable, int *is_changed, fp3_error *error);
 
 #endif

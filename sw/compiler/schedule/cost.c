@@ -42,8 +42,7 @@ static uint32_t size_of(uint64_t set) {
     return bits;
 }
 
-/* States are named as such, what the first part makes is a .temp. A visit has one of each at
- * least. */
+/* States are named .state, values of the first part .temp. A visit has at least one of each. */
 static void find_visit(const fp3_step_code *code, fp3_schedule *s) {
     uint64_t states = 0, stored = written(s->first, s->first_count);
     stored |= written(s->step, s->step_count) | written(s->last, s->last_count);

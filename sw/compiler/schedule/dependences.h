@@ -20,7 +20,7 @@ typedef struct {
     uint32_t *out_begin, *out, *in_begin, *in;
 } fp3_dependences;
 
-/* What must hold whatever the registers are. A distance is 0, except where is_cyclic and a value
+/* Conditions that must hold with any registers. A distance is 0, except where is_cyclic and a value
  * goes to the next step. extra: more edges, which may name extra_nodes nodes after the block's. */
 fp3_status fp3_dependences_make(const fp3_block *block, const fp3_edge *extra, uint32_t extra_count,
                                 uint32_t extra_nodes, fp3_dependences *made, fp3_error *error);

@@ -19,8 +19,8 @@ static int is_carried(const fp3_block *block, uint32_t value) {
     return 0;
 }
 
-/* What the step executes for the next one, the first part executes for the first step: with the
- * variables as it makes them, into the same registers. at[i]: the node in first of node i of the
+/* The first part executes, for the first step, the operations that a step executes for the next
+ * step: with its own variables, into the same registers. at[i]: the node in first of node i of the
  * step. */
 static fp3_status add_ahead(const fp3_block *step, const fp3_choice *best, fp3_block *first,
                             uint32_t *at, fp3_error *error) {

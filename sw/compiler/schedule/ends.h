@@ -5,8 +5,8 @@
 
 #include "search.h"
 
-/* Each fills its lines in made, and raises made->registers. FP3_E_LIMIT: too few registers.
- * step, best: the step part as it was scheduled. What it executes ahead the first part executes for
+/* Each function fills its lines in made, and raises made->registers. FP3_E_LIMIT: too few
+ * registers. step, best: the scheduled step part. The first part executes its operations ahead for
  * the first step. */
 fp3_status fp3_ends_first(const fp3_block *step, const fp3_choice *best, fp3_schedule *made,
                           fp3_error *error);

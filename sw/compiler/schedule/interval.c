@@ -16,8 +16,8 @@ struct fp3_interval {
 
 /* ---- what has to hold beside the dependences of a step ---- */
 
-/* A reader issues before its operand is computed again, and all of a step within an interval on
- * either side of the beginning. */
+/* A reader issues before its operand is computed again, and all nodes of a step issue within an
+ * interval on either side of the beginning. */
 static uint32_t list_extra(const fp3_block *block, fp3_edge *extra) {
     const uint32_t begin = block->count;
     uint32_t count = 0;

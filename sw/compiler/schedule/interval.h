@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* interval.h - the shortest interval at which steps can follow each other (solo machine).
  *
- * Steps overlap: the same cycles, an interval later, do for the next step. Operands are there, a
- * register is not written before its last reader has issued, and where the step part begins is one
- * more node: what comes before it is executed ahead, and no variable is written before it.
+ * Steps overlap: the schedule repeats after an interval for the next step. Operands are ready, a
+ * register is not written before its last reader has issued, and the beginning of the step part is
+ * one more node: earlier nodes are executed ahead, and no variable is written earlier.
  */
 #ifndef FP3_INTERVAL_H
 #define FP3_INTERVAL_H
@@ -22,8 +22,8 @@ uint32_t fp3_interval_least_from(const fp3_interval *found, uint32_t least, uint
 /* The smallest interval that the dependences and the issue slots of a block allow; 0: none. */
 fp3_status fp3_interval_least(const fp3_block *block, uint32_t *interval, fp3_error *error);
 
-/* What a loop with this interval, which the dependences allow, has to hold; and the height of each
- * node: the cycles from its issue to the end of all that depends on it, less an interval for each
+/* The number of values in a loop with this interval, which the dependences allow; and the height of
+ * each node: the cycles from its issue to the end of all dependent nodes, less an interval for each
  * step in between. */
 const fp3_dependences *fp3_interval_dependences(const fp3_interval *found);
 const int32_t *fp3_interval_heights(const fp3_interval *found, uint32_t interval);

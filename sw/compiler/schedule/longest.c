@@ -37,8 +37,7 @@ static double largest_mean(const double *weight, uint32_t n, double *longest) {
     return best;
 }
 
-/* Of each operation, the cycles from reading variable x to its result; -1: it does not depend on
- * x. */
+/* Of each operation, the cycles from reading variable x to its result; -1: independent of x. */
 static void path_from(const fp3_step_code *code, const fp3_config *config, uint32_t x, double *to) {
     for (uint32_t i = 0; i < code->step_count; i++) {
         const fp3_op *op = &code->step[i];

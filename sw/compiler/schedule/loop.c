@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many times the list scheduler repeats the step. Each time it knows better what the step
- * before leaves. */
+/* How many times the list scheduler repeats the step. Each time it knows better which results the
+ * previous step leaves in flight. */
 #define ROUNDS 2
 
 /* Cycles that a node may wait for another one's sake. */
@@ -19,8 +19,8 @@ typedef struct {
     const fp3_loop *loop;
     uint32_t *waits; /* of each node, for how many others of this execution of the step part */
     int64_t *soonest, *issued_at;
-    /* Readers to come of a node's value: of the one there at the beginning, and of the one of this
-     * time. */
+    /* Remaining readers of a node's value: of the value at the beginning, and of the value of this
+     * step. */
     uint32_t *old_readers, *new_readers;
     uint32_t *ready, ready_count;
     uint32_t shortest; /* latency */

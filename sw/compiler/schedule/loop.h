@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* loop.h - the step part of the solo machine, filled cycle by cycle.
  *
- * The list goes through the step as the issue stage does, and lets issue in every cycle what can
- * and is most urgent, beginning with the results that the step before left on their way. Which
- * nodes are executed ahead is given.
+ * The list scheduler goes through the step as the issue stage does, and issues the most urgent
+ * ready node in every cycle, beginning with the results of the previous step in flight. The caller
+ * decides which nodes are executed ahead.
  */
 #ifndef FP3_SCHEDULE_LOOP_H
 #define FP3_SCHEDULE_LOOP_H
@@ -25,8 +25,8 @@ typedef struct {
     /* With so many temporary values or more, whoever ends most of them comes first. */
     uint32_t limit;
     /* NULL, or an order with at most `limit` values at a time (room.h), which then counts variables
-     * and params, too: in each cycle the first of it issues that can, as long as the rest has its
-     * registers. Urgency, loss and guard do not count. */
+     * and params, too: in each cycle the first node of the order that can issue does, as long as
+     * the rest has its registers. Urgency, loss and guard do not count. */
     const uint32_t *plan;
 } fp3_loop;
 

@@ -32,7 +32,7 @@ static int is_data(const fp3_edge *e, const fp3_block *block) {
     return is_within(e, block) && !e->is_anti;
 }
 
-/* The caller's order is one for operands; nodes that were added may be used by any. So: as often
+/* The caller's order respects operands; any node may use added nodes. So the pass repeats as often
  * as needed. */
 static void find_heights(list *l) {
     for (int is_news = 1; is_news;) {

@@ -53,7 +53,7 @@ static fp3_status add_ops(fp3_block *block, const fp3_op *ops, uint32_t count, f
     return FP3_OK;
 }
 
-/* The variable gets this value: by the node that makes it, if nobody else wants that one's
+/* The variable gets this value from the node that makes it, if no other variable needs that node's
  * register. */
 static fp3_status write_variable(fp3_block *block, uint32_t variable, fp3_ref value,
                                  fp3_error *error) {

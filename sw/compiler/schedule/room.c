@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A node makes two values that this execution of the step part may read: 2 i is the one it makes
- * now, 2 i + 1 the one that was there when the execution began (of nodes executed ahead). Likewise
- * variables, behind all nodes. */
+/* A node makes two values that this execution of the step part may read: 2 i is the new value, 2 i
+ * + 1 the value from before the execution (of nodes executed ahead). Likewise variables, behind all
+ * nodes. */
 struct fp3_room {
     const fp3_block *block;
     const char *is_ahead;

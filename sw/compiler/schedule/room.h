@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* room.h - which instructions can issue before their turn while the rest still has its registers.
+/* room.h - which instructions can issue early while the rest still has its registers.
  *
  * A plan is an order of the step part with few values at a time. Instructions leave it one by one,
- * not always the first: one that issues before its turn makes its value sooner, and may end its
+ * not always the first: an instruction that issues early makes its value sooner, and may end its
  * operands sooner. The rest, in the plan's order, always stays within the limit.
  */
 #ifndef FP3_SCHEDULE_ROOM_H
@@ -12,7 +12,7 @@
 
 typedef struct fp3_room fp3_room;
 
-/* limit: values at a time, variables and params included; the plans keep to it. NULL: out of
+/* limit: values at a time, variables and params included; the plans obey the limit. NULL: out of
  * memory. Block and is_ahead must stay. The caller frees. */
 fp3_room *fp3_room_make(const fp3_block *block, const char *is_ahead, uint32_t limit);
 void fp3_room_free(fp3_room **room);

@@ -110,8 +110,7 @@ static int is_done(const search *m, uint32_t interval) {
     return m->best->places.reg && m->best->cycles <= interval;
 }
 
-/* Nodes at the beginning of an order that may as well be executed ahead. Gives how many there are
- * more. */
+/* Nodes at the beginning of an order that may as well be executed ahead. Returns their number. */
 static uint32_t rotate(const search *m, const uint32_t *order, uint32_t most, char *is_ahead) {
     uint32_t moved = 0;
     for (uint32_t p = 0; p < m->block->count && moved < most; p++) {
@@ -187,8 +186,8 @@ static fp3_status propose_polished(search *m, const fp3_interval *found, uint32_
     return status ? status : propose(m, order, is_ahead, error);
 }
 
-/* A plan within the registers, and what becomes of it as the list fills its cycles. Values that fit
- * in number may yet find no registers: then with fewer of them. */
+/* A plan within the registers, and the list schedule that follows the plan. If the number of values
+ * fits but they find no registers, tries again with fewer values. */
 static fp3_status propose_plan(search *m, fp3_loop *loop, const uint32_t *plan, uint32_t *order,
                                fp3_error *error) {
     uint32_t least = 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* search.h - the best order of the step part that was found.
+/* search.h - the best order of the step part.
  *
- * Orders that fit come before others, then those with fewer cycles, then those with fewer
- * registers. The same block has the same order, on every machine and at every time.
+ * Orders that fit are best, then orders with fewer cycles, then orders with fewer registers. The
+ * same block has the same order, on every machine and at every time.
  */
 #ifndef FP3_SCHEDULE_SEARCH_H
 #define FP3_SCHEDULE_SEARCH_H

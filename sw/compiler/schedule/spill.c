@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* spill.c - see spill.h. The part is gone through in order. A register that is wanted is taken from
- * the value that is needed the latest, for what it costs (Belady, IBM Systems Journal 5, 1966). */
+/* spill.c - see spill.h. The pass goes through the part in order. It takes a register from the
+ * value whose next use is farthest away, weighed by cost (Belady, IBM Systems Journal 5, 1966). */
 #include "spill.h"
 
 #include <assert.h>
@@ -12,9 +12,9 @@
 #define FAR (UINT32_MAX / 4)
 #define BIT(reg) (UINT64_C(1) << (reg))
 
-/* A cell is what a value lives in: that of an owner has the number of its register, the others
- * follow, one for each node. Time counts twice a position: what instruction p reads is needed at 2
- * p, and what it writes is there at 2 p + 1. */
+/* A value lives in a cell: the cell of an owner has the number of its register, the other cells
+ * follow, one for each node. Time counts twice a position: instruction p reads at 2 p and writes at
+ * 2 p + 1. */
 typedef struct {
     const fp3_block *block;
     const uint32_t *order;
@@ -210,8 +210,7 @@ static int ask_register(const spiller *s, uint32_t reg, uint32_t end, offer *o) 
     return 1;
 }
 
-/* In order: less for the time that it is there; of those that cost nothing the one with the least
- * to lose. */
+/* In order: less for its lifetime; of values that cost nothing the one with the least to lose. */
 static int is_better(const spiller *s, const offer *a, const offer *b) {
     const uint64_t x = (uint64_t)a->cost * (b->due - s->now),
                    y = (uint64_t)b->cost * (a->due - s->now);
@@ -298,7 +297,7 @@ static uint32_t code_of(const spiller *s, fp3_ref ref) {
     return ref.at == FP3_AT_NOWHERE ? 0 : s->reg[cell_of(s, ref)];
 }
 
-/* Until the result is written, its operands stay in their registers. What an owner had before is
+/* Until the result is written, its operands stay in their registers. The old value of an owner is
  * dead. */
 static void put_result(spiller *s, uint32_t cell) {
     if (is_owner(s, cell)) {

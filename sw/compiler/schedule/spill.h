@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* spill.h - registers for a part whose values do not fit, with loads and stores in between.
  *
- * An object's record has a word for each register. So a register has room for a second value: one
+ * An object's record has a word for each register. So there is room for a second value: one value
  * is in the word and the other in the register. A value is stored and loaded in one register, and
  * moves to another one by a copy. Variables and params own a register and its word; between two
  * steps each is in one of the two.

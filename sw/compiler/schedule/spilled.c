@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* spilled.c - see spilled.h. Of several orders and several sets of values that stay in their
- * registers between two steps, those with the fewest instructions. */
+ * registers between two steps, takes the combination with the fewest instructions. */
 #include "spilled.h"
 
 #include "order.h"

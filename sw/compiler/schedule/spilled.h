@@ -7,9 +7,9 @@
 #include "code.h"
 #include "lines.h"
 
-/* Fills the lines of a schedule, those of a visit included: the host adds none. FP3_E_LIMIT: it
- * does not fit even so. FP3_E_PROGRAM: it has more variables and params than there are registers.
- */
+/* Fills the lines of a schedule, the loads and stores of a visit included: the host adds none.
+ * FP3_E_LIMIT: the program does not fit even so. FP3_E_PROGRAM: more variables and params than
+ * registers. */
 fp3_status fp3_spilled_make(const fp3_step_code *code, const fp3_config *config, fp3_schedule *made,
                             fp3_error *error);
 

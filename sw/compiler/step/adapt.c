@@ -105,9 +105,9 @@ static fp3_status add_param(fp3_model *model, const addition *what, const char *
     return status;
 }
 
-/* A run may begin late, or make many steps: then that part of the end may be long. A root is found
- * by where it is likely; a condition by halves, until a step may be so short that FP32 rounds off
- * all that it adds. */
+/* A run may begin late, or make many steps: then this share of the end time may be long. A root is
+ * found by prediction, a condition by bisection, until a step may be so short that FP32 rounds off
+ * its increments. */
 static double default_locate(const fp3_model *model, double tolerance, double until) {
     double locate = fmax(FINEST * fabs(until), fmin(FINE * fabs(until), PART * model->step));
     for (uint32_t i = 0; i < model->event_count; i++)
@@ -133,8 +133,8 @@ static int has_located(const fp3_model *model, const fp3_switchings *switchings,
     return has;
 }
 
-/* A condition may be true at the start, and then its event happens at once: the first step is as
- * long as an event may be late. */
+/* If a condition is true at the start, its event happens at once: the first step is as long as an
+ * event may be late. */
 static void start_short(fp3_model *model, int is_chosen, double locate) {
     const uint32_t param = fp3_model_param(model, "locate");
     fp3_quantity *first = &model->states[fp3_model_state(model, is_chosen ? "h_cut" : "h_next")];

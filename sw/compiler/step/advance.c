@@ -37,8 +37,7 @@ static int has_slope(const fp3_model *model, uint32_t state) {
     return derivative->op != FP3_EXPR_NUMBER || derivative->number != 0;
 }
 
-/* Where nothing moves at all, a step has an instruction that moves it by 0: there is no empty one.
- */
+/* If no state moves, a step has an instruction that adds 0, because a step must not be empty. */
 int fp3_advance_rests(const fp3_advance *a, uint32_t state) {
     const fp3_model *model = a->step->model;
     int moves = a->is_adaptive;
@@ -65,8 +64,8 @@ static term own_time(const fp3_advance *a, dag *g, double c) {
     return t;
 }
 
-/* n h, or (n + 1) h: one rounding each, and the second is the first of the next step. Between them
- * n h + c h, where c h is a known value. n is exact, so no error adds up over steps. */
+/* n h, or (n + 1) h: one rounding each, and (n + 1) h is the n h of the next step. Between them n h
+ * + c h, where c h is a known value. n is exact, so no error adds up over steps. */
 term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
     if (a->is_adaptive)
         return own_time(a, g, c);

@@ -33,17 +33,18 @@ typedef struct {
     term error_scale; /* what they all have to be multiplied with */
     term *slope;      /* likewise, where has_slope: its derivative at the new states */
     int has_slope;
-    uint32_t is_attempt, is_small, is_good, by; /* nodes: there is a step; its error is small
-                                                   enough; it is accepted; the next is longer by */
-    /* Nodes, FP3_NONE if there are no events to locate: the step may end where it does; else what
-     * is tried next, and between which two steps the event is. */
+    uint32_t is_attempt, is_small, is_good,
+        by; /* nodes: there is a step; its error is small enough; it is accepted; growth of the next
+               step */
+    /* Nodes, FP3_NONE without events to locate: whether the step may end here; else the next
+     * attempt, and the two steps that bracket the event. */
     uint32_t is_in_time, next, before, behind;
     uint32_t root_before, root_behind; /* the nearest root there; FP3_NONE: not needed */
     uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
 } fp3_advance;
 
-/* Opens a step's places: `state` gives the value of a state at one of them, and gets `user`; their
- * names are `prefix` and a number from 1 on. FP3_E_SYSTEM: out of memory. */
+/* Opens a step's places: `state` gives the value of a state at a place, and gets `user`; the names
+ * of places are `prefix` and a number from 1 on. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix,
                               term (*state)(lowering *l, uint32_t state), void *user,
                               fp3_error *error);
@@ -52,22 +53,22 @@ static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state)
     return a->step->model->states[state].name;
 }
 
-/* Whether only events and projections change it: its derivative is the number 0. Without the pass
- * `zero` none does. */
+/* Whether only events and projections change the state: its derivative is the number 0. Always
+ * false without the pass `zero`. */
 int fp3_advance_rests(const fp3_advance *a, uint32_t state);
 
 /* A variable as it was when the step began, which dag g calls it. */
 term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state);
 
-/* t at the time c h after the beginning of the step that dag g is of. In the last part c is 0: the
- * variables there are those after the step. Call it only where fit->has_time. */
+/* t at the time c h after the beginning of the step of dag g. In the last part c is 0: its
+ * variables are those after the step. Call this only if fit->has_time. */
 term fp3_advance_time(const fp3_advance *a, dag *g, double c);
 
 /* coefficient * h^n as a known value, its sign outside. */
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n);
 
-/* Compensated: d with what rounding took off before; and base + that, of which what is rounded away
- * is kept (Kahan, 1965). */
+/* Compensated: d with the earlier rounding error; and base + d, whose rounding error is kept
+ * (Kahan, 1965). */
 term fp3_advance_with_lost(const fp3_advance *a, uint32_t state, term d);
 term fp3_advance_keep(const fp3_advance *a, uint32_t state, term base, term y);
 

@@ -15,8 +15,8 @@ typedef struct {
     int has_stop;       /* an event stops the object */
     int has_time;       /* the equations or events of a live state have t in them */
     unsigned order;     /* theoretical, of the worst live state */
-    /* A live state that brings the order of a splitting down to 1, and a state that is no position
-     * and that its derivative depends on; FP3_NONE: there is none. */
+    /* A live state that reduces the order of a splitting to 1, and the state in its derivative that
+     * is no position; FP3_NONE: none. */
     uint32_t fallen, by;
 } fp3_fit;
 
@@ -31,8 +31,8 @@ int fp3_fit_has_event(const fp3_fit *fit, const fp3_model *model, const fp3_even
 int fp3_fit_has_events(const fp3_fit *fit, const fp3_model *model);
 int fp3_fit_has_projections(const fp3_fit *fit, const fp3_model *model);
 
-/* Says what to know of the program: a state is fallen, or a step may pass over an event. *warning
- * is NULL if there is nothing; else the caller frees it. */
+/* Warns that a state has a lower order, or that a step may pass over an event. *warning is NULL
+ * without a warning; else the caller frees *warning. */
 fp3_status fp3_fit_warn(const fp3_fit *fit, const fp3_model *model,
                         const fp3_integrator *integrator, char **warning, fp3_error *error);
 

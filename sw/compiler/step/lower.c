@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* lower.c - expressions to operations of the machine, functions to those of the files that make
- * them. */
+/* lower.c - expressions to operations of the machine, functions by the files of
+ * sw/compiler/functions. */
 #include "lower.h"
 
 #include "compiler/functions/division.h"
@@ -52,8 +52,8 @@ static int is_unknown_root(const lowering *l, uint32_t expr) {
     return !is_exact(l) && expr_of(l, expr)->op == FP3_EXPR_SQRT && !expr_of(l, expr)->is_known;
 }
 
-/* Integers up to here by products; of halves, those that products and a root leave within 4.2 units
- * in the last place. All others by exponent and logarithm. */
+/* Integers up to here by products, and halves for which products and a root stay within 4.2 units
+ * in the last place. All other powers by exponent and logarithm. */
 #define POWER_MAX 8
 #define HALF_LEAST (-1.5)
 #define HALF_MOST 3.5
@@ -216,8 +216,8 @@ static term made_later(lowering *l, const fp3_expr *e) {
     case FP3_EXPR_##OP:                                                                            \
         return fp3_##name(g, at(l, o[0]), at(l, o[1]));
 
-/* A comparison that does not change within the step, whatever t is at its ends: where the host
- * knows when it does, a step ends there. */
+/* A comparison that does not change within the step, whatever t is at the ends: if the host knows
+ * the time of the change, a step ends there. */
 static int is_inside(const lowering *l, uint32_t expr) {
     return l->inside && is_comparison(expr_of(l, expr)->op) &&
            fp3_turn_is_linear(l->model, l->kind, expr);
@@ -376,8 +376,8 @@ static void want_operands(lowering *l, uint32_t expr) {
             l->is_wanted[e->operand[i]] = 1;
 }
 
-/* Marks what is wanted from the root down, then makes it from the leaves up: operands come first.
- */
+/* Marks the needed expressions from the root down, then makes them from the leaves up: operands
+ * come first. */
 term fp3_lower(lowering *l, uint32_t root) {
     const uint32_t outside = l->g->note;
     l->is_wanted[root] = 1;

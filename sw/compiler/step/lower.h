@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* lower.h - expressions of a model to operations that the machine has.
  *
- * It fixes, for every integrator and pass, what the machine computes and in which order it rounds;
- * docs/compiler.md says the same in words.
+ * This file determines, for every integrator and pass, what the machine computes and in which order
+ * it rounds; docs/compiler.md says the same in words.
  */
 #ifndef FP3_LOWER_H
 #define FP3_LOWER_H

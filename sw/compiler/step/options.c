@@ -20,8 +20,8 @@ unsigned fp3_options_usable(unsigned passes, const fp3_config *config) {
     return passes;
 }
 
-/* An estimate is off by 2^-8 at most, or by 2^-6 with the fewest bits, and the last term stands for
- * the square of that, or for its cube: less than half of the last place. */
+/* An estimate is off by 2^-8 at most, or by 2^-6 with the fewest bits, and the omitted term is the
+ * square or the cube of that error: less than half of the last place. */
 int fp3_options_terms(const fp3_options *options) {
     return options->config->fraction <= 15 ? 1 : FP3_DAG_TERMS;
 }

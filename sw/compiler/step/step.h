@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step.h - one step of an integrator on a model: its values, and the variables that it advances.
  *
- * integrate.h fills it, carry.h adds variables, convert.h reads it. The model must stay.
+ * integrate.h fills a step, carry.h adds variables, convert.h reads the step. The model must stay.
  */
 #ifndef FP3_STEP_H
 #define FP3_STEP_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* dag.h - the values of a step: every value once, operands before what is made of them.
+/* dag.h - the values of a step: every value once, operands before their users.
  *
  * A node is an instruction of the machine, or a leaf: a known value, or a variable as it was when
- * the step began. Where quotients, roots and functions are made later (double_step.h), they are
- * nodes, too.
+ * the step began. If quotients, roots and functions are made later (double_step.h), they are nodes,
+ * too.
  */
 #ifndef FP3_DAG_H
 #define FP3_DAG_H
@@ -20,8 +20,8 @@ enum {
     NODE_ROOT,         /* of a */
     NODE_INVERSE_ROOT, /* 1 / its root */
     NODE_FIRST,        /* the first word of a: what is made of it and of known values is a float */
-    /* Of the neighbour that a sum is at. Leaves; b is the place (lowering) whose values it shows.
-     */
+    /* Words of the current neighbour of a sum. Leaves; b is the place (lowering) whose values the
+     * neighbour shows. */
     NODE_OTHER_STATE, /* a: of the model's states */
     NODE_OTHER_PARAM, /* a: of its params; b: FP3_NONE */
     NODE_FIELD,       /* a: of its fields; b: FP3_NONE */

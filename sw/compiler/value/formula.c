@@ -161,7 +161,7 @@ static void print_known(const known_table *table, printer *p, uint32_t id, int a
     const int level = k->op == KNOWN_ADD || k->op == KNOWN_SUB ? SUM : PRODUCT;
     if (is_long(p))
         return;
-    /* Those of one value are no formulas of the model's language: (-1)^a is 0 where a is no
+    /* Functions of one value are no formulas of the model's language: (-1)^a is 0 if a is no
      * integer. */
     if (p->depth == RULE_DEPTH || (p->is_rule && k->op >= KNOWN_EXPONENT)) {
         p->is_beyond = 1;

@@ -388,8 +388,7 @@ static void evaluate(const fp3_known_subset *s, const double *params, double h, 
         evaluate_one(s, s->ids[n], h, count, values, compute);
 }
 
-/* If nothing has underflowed, nothing is lost; what watches each operation takes ten times as long.
- */
+/* If nothing has underflowed, nothing is lost; checking each operation takes ten times as long. */
 void fp3_known_values(const fp3_known_subset *s, const double *params, double h, size_t count,
                       double *values) {
     fp3_ode_forget_underflow();

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* known.h - what the host knows before a run: numbers, h, params, and what is made of them.
+/* known.h - what the host knows before a run: numbers, h, params, and values computed from them.
  *
- * Computed in double and rounded to FP32 once, when it is written to a register.
+ * Computed in double and rounded to FP32 once, when written to a register.
  */
 #ifndef FP3_KNOWN_H
 #define FP3_KNOWN_H
@@ -17,8 +17,8 @@ typedef enum {
     KNOWN_SUB,
     KNOWN_MUL,
     KNOWN_DIV,
-    KNOWN_EXPONENT, /* a as an exponent: 0, or of its sign and from 2^-52 to 2^40, which changes no
-                       power in FP32 */
+    KNOWN_EXPONENT, /* a as an exponent: 0, or with its sign and clamped to 2^-52 .. 2^40, which
+                       changes no power in FP32 */
     KNOWN_SIGN,     /* (-1)^a: 1 or -1; 0 if a is no integer */
     KNOWN_LOW,      /* what rounding to FP32 takes off a, rounded: the second word of a pair */
     KNOWN_HEAD,     /* the upper 12 bits of a as FP32 has it, rounded to nearest ... */
@@ -64,15 +64,14 @@ int fp3_known_constant(known_table *table, uint32_t expr, double *value);
 /* The params that it depends on, a bit each, from bit 0; *has_h: h, too. */
 uint64_t fp3_known_params(const known_table *table, uint32_t id, int *has_h);
 
-/* The line of the model in which it is written, or the first part of it that is; 0: no part of it
- * is. */
+/* The line of the model that has the value, or its first part; 0: no line has a part of it. */
 uint32_t fp3_known_line(const known_table *table, uint32_t id);
 
 /* Whether it is this number. */
 int fp3_known_is(const known_table *table, uint32_t id, double number);
 
-/* The second word of a value in double-single: with the first, which is the value in FP32, it has
- * 48 of its bits, as far as they are multiples of 2^-149. */
+/* The second word of a value in double-single: both words together have 48 bits of the value, as
+ * far as these are multiples of 2^-149. */
 double fp3_known_low(double value);
 
 /* Some values of a table, for block after block of objects without a call for memory. */
@@ -92,13 +91,13 @@ fp3_status fp3_known_choose(const known_table *table, const char *is_wanted, siz
 void fp3_known_release(fp3_known_subset *subset);
 
 /* Params and values are columns of count objects: values[i * count + n] of number i, if it was
- * chosen, and object n. A value that double has no room for, below 2.2e-308, is NAN. h is a time
+ * chosen, and object n. A value below 2.2e-308, which double cannot represent, is NAN. h is a time
  * step. */
 void fp3_known_values(const fp3_known_subset *subset, const double *params, double h, size_t count,
                       double *values);
 
-/* All of them, once; is_exact: of the numbers that others stand for. FP3_E_ARGUMENT: h is no time
- * step. */
+/* All values, once; is_exact: of the exact numbers behind rounded ones. FP3_E_ARGUMENT: h is no
+ * time step. */
 fp3_status fp3_known_evaluate(const known_table *table, const double *params, double h,
                               int is_exact, double *values, fp3_error *error);
 
