@@ -28,7 +28,7 @@ INTRODUCTION = """\
 Every method here integrates every model of `programs/` from 0 to its span. The tables and pictures have the error at the end and the time that one object
 takes.
 
-- *Objects* are 64 variants of the model: each one's params are 0.1 % larger than those of the one before, and its start 0.2 %.
+- *Objects* are 64 variants of the model: the params of each are 0.1 % larger than those of the previous variant, and its start 0.2 %.
 - *Errors* are relative to the largest magnitude that each state reaches, and the root mean square over the states. Tables and pictures have the median of
   the variants. Errors are measured against the [truth](truth.md). A model has no results if one of its variants has no truth.
 - *Times* are nanoseconds for one object over the whole span, medians of repeats. Methods that solve the same model alternate on the same machine, so a

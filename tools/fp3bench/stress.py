@@ -15,16 +15,15 @@ The stress suite measures what integrators and arithmetics do, and compares it w
 as published. A result holds if it is within its tolerance.
 
 - `fp3 stress` runs the suite on equations of its own, `fp3 stress MODEL` on a model. `make stress` does both, for every integrator and every model of
-  `programs/`, and writes `build/results/stress.json`. `make stress-report` makes this page of it.
-- Everything runs on the engine `fast`, as `many_full` runs it. The arithmetics are *plain*, *compensated* (`-k`), *double_single* (`--double-single`, where
-  the program fits), and plain on the configurations with [another arithmetic](arithmetic.md): `flush` has no subnormal numbers, `cell` truncates, too, and
-  has no infinities, and `fused_full` rounds a product and the addition that uses it once. `--arithmetic NAME` tries some of them only. `flush` and
-  `fused_full` round numbers of ordinary size as *plain* does: they make a million steps only if they are asked for.
+  `programs/`; `make stress-report` makes this page from its results.
+- Everything runs on the engine `fast`, as on `many_full`. The arithmetics are *plain*, *compensated*, *double_single* (if the program fits), and plain on the
+  configurations with [another arithmetic](arithmetic.md). `flush` and `fused_full` round numbers of ordinary size as *plain* does, and make a million steps
+  only with `--arithmetic`.
 - *In double* means the same steps without roundings, with the coefficients of the program (`fp3_compiled_exact_given`).
 
-Above each table stand what is measured and how it has to compare with the expected figure, which is there, too, if it is the same for all. Else it is in a
-column, or in each cell in front of the measured figure. ± is the tolerance. A measured figure that does not hold is bold. Where a name has …, its figures
-differ and are in brackets, in the same order."""
+The line above a table says what is measured, and how it has to compare with the expected figure. The expected figure is in that line if it is the same for all
+rows, else in a column or in each cell in front of the measured figure. ± is the tolerance. A measured figure that does not hold is bold. If a name has …, its
+figures differ and are in brackets, in the same order."""
 
 FARTHEST = 8    # what goes further along the axis (stabilised methods) would make the picture of regions too flat to see
 
@@ -32,33 +31,34 @@ FARTHEST = 8    # what goes further along the axis (stabilised methods) would ma
 SECTIONS = {
     "stability": ("Stability limits", """\
 The equation is x' = v, v' = -k x - c v. Its eigenvalues λ are at an angle from the negative real axis (0 degrees: x' = -a x), and the step is 1. 512
-objects differ in |hλ|. The first one that grows is found, and then the limit, with 512 more between its neighbours. Theory: |R| = 1 for the stability
+objects differ in |hλ|. The limit is next to the first object that grows, found with 512 more objects there. Theory: |R| = 1 for the stability
 polynomial R(z) = 1 + sum of z^j b A^(j-1) 1, or for the largest eigenvalue of the matrix of a step, both in double. For linearly implicit methods R is
-rational. ∞ means: nothing grows, in theory up to |hλ| = 1e6, measured up to 512. The tolerance is 0.1 %. Some methods grow at every step (limit 0), or so slowly that a million steps do not
-show it; their figure is the step from which growth in 2^14 steps is a quarter. The picture leaves out stabilised methods, which go far along the axis."""),
+rational. ∞ means: nothing grows, in theory up to |hλ| = 1e6, measured up to 512. The tolerance is 0.1 %. Some methods grow at every step (limit 0), or too
+slowly for a million steps; their figure is the step from which growth in 2^14 steps is a quarter. The picture leaves out stabilised methods, which go far
+along the axis."""),
     "steps": ("Errors by step size", """\
 The equations are x'' = -x, and x'' = -x + cos(2 t) (`driven`), to t = 8, for 64 objects. Errors are root mean squares. On the left of the picture the error
 falls with the order p; its slope has to be that of the same 8 objects in double. On the right rounding errors grow with the number N of steps: with N^(1/2)
 if they are independent, with up to N otherwise (Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 2.8). Truncated (`cell`), all have one
 direction. With compensated updates and with double-single only a random walk of roundings at the end of the second word grows. Stoermer's method turns a
 rounding r of x into one of the velocity, r/h. Below h = u^(1/3) = 0.005, u = 2^-23, its roundings are alike from step to step where the acceleration is
-stationary: they grow with h^-3, truncated with h^-2. Compensated, it carries h v as one float, and the error is a random walk of its roundings."""),
+stationary: they grow with h^-3, truncated with h^-2. Compensated, the method carries h v as one float, and the error is a random walk of its roundings."""),
     "events": ("Order under events", """\
 A bouncing ball, 4,096 objects. Events happen at the ends of steps ([models.md](models.md#when-it-happens)), so every integrator has order 1."""),
     "drift": ("A million steps", """\
 Kepler's problem with eccentricity 0.2, for 64 orbits that differ by a turn, so that their roundings are independent (65,536 steps in double-single and in `cell`). Their
-mean shows what the method does, and its coefficients, which are FP32 numbers. Their spread is the random walk of roundings. A symplectic method keeps
-energy and momentum; another drifts as in double. A rounding is 2.5e-8 of a number, root mean square, and the tolerance is four standard deviations of the
-walk. The error of a coefficient c is less than half a unit of c k; rounding may remove or double it, alike in all orbits. So the tolerance has once more
-what rounded coefficients do in double. Truncation takes 4.3e-8 of each update on average, which is a linear drift. An error of place, over an orbit and
+mean shows the effect of the method and of its coefficients, which are FP32 numbers. Their spread is the random walk of roundings. A symplectic method keeps
+energy and momentum; another method drifts as in double. A rounding is 2.5e-8 of a number, root mean square, and the tolerance is four standard deviations of
+the walk. The error of a coefficient c is less than half a unit of c k; rounding may remove or double this error, alike in all orbits. So the tolerance has
+the effect of rounded coefficients in double once more. Truncation takes 4.3e-8 of each update on average, which is a linear drift. An error of place, over an orbit and
 since the first, grows with t (symplectic) or t^2, and its spread with t^(3/2) (Hairer, Lubich and Wanner, Geometric Numerical Integration, X.3; Brouwer
 1937)."""),
     "reversal": ("There and back", """\
-A planet goes to t = 12, its velocity is reversed, and it goes as far again. A symmetric method comes back to the start, but for roundings. Another is off
-by h^p for an odd order p, and by h^(p+1) for an even one."""),
+A planet goes to t = 12, its velocity is reversed, and it goes as far again. A symmetric method comes back to the start, but for roundings. Another method is
+off by h^p for an odd order p, and by h^(p+1) for an even order."""),
     "chance": ("Params over many decades", """\
-4,096 oscillators with k from 1e-6 to 1e3 and any damping below the critical one make 512 steps of 1. By theory, those fail whose growth reaches the end of
-FP32. The engine has to report each of them, with its step."""),
+4,096 oscillators with k from 1e-6 to 1e3 and any damping below the critical one make 512 steps of 1. By theory, an oscillator fails if its growth reaches the
+end of FP32. The engine has to report each failure, with its step."""),
     "stagnation": ("Where nothing moves", """\
 `move`: 1 + h f stays 1 if h f is up to half a unit (2^-24; the tie goes to the even 1), truncated below a unit. `calm`: x' = p - q x stops where h f is
 below half a unit of x. That bounds the distance from p/q, which is given as a share of this bound. In double-single all sums of `move` are exact."""),
@@ -66,7 +66,7 @@ below half a unit of x. That bounds the distance from p/q, which is given as a s
 A decay by a at each step ends exactly at floor(1/(2 a)) units of 2^-149, truncated at ceil(1/a) - 1. Flushed, it ends above 2^-126."""),
     "failures": ("Overflow and NaN", """\
 One object of 600 gets a number that overflows later, a NaN or an infinity. The engine has to name the object and the step. In double-single a number
-overflows from 2^116 on, when it is split. In `cell` all three are numbers from 2^128 on, and told as that."""),
+overflows from 2^116 on, when it is split. In `cell` all three are numbers from 2^128 on, and reported as such."""),
     "chaos": ("Chaos", """\
 The largest Lyapunov exponent of Lorenz's equations, from the linearised equations of 512 objects. Published: 0.9056 (Sprott, Chaos and Time-Series
 Analysis, 2003; Viswanath 1998). The tolerance is 5 %."""),

@@ -3,9 +3,9 @@
 from fp3gen.text import markdown
 
 HEAD = """\
-`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs them, compares the results with what they should be, and
-writes `build/results/world.json`; `make world-report` makes this page of it. That takes half an hour on two busy processors. `make world QUICK=1` takes a
-minute, and `PARTS="hashes physics"` runs only these parts. The exit code is 1 if a word differs, a row does not hold or a peer fails."""
+`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs them and compares the results with theory, in half an hour on two
+busy processors; `make world-report` makes this page from `build/results/world.json`. `QUICK=1` takes a minute, and `PARTS="hashes physics"` runs only these
+parts. The exit code is 1 if a word differs, a row does not hold or a peer fails."""
 
 SCENES = """\
 | scene | what it shows |
@@ -21,12 +21,11 @@ SCENES = """\
 
 HASHES = """\
 All runs of a scene must give the same words in all states of all objects. The columns: the scene; its steps; the runs, by engine; the hash of all words;
-how many words differ. The first run is by the engine `isa`, which runs one instruction of one object at a time, or by the interpreter of `fast` if a scene
-is too large for `isa`. The others are
+how many words differ. The first run is by the engine `isa`, or by the interpreter of `fast` if a scene is too large for `isa`. The others are
 
 - by the engine `fast`, interpreted, and as native code for each kind of processor that this one can be;
-- with up to 4 threads. A thread takes 512 objects at a time, so these have larger forms of the scenes;
-- with lists of near objects that are made in each phase (skin 0), or that reach a little or ten times farther than the model asks;
+- with up to 4 threads, in larger forms of the scenes, because a thread takes 512 objects at a time;
+- with lists of near objects that are made in each phase (skin 0), or that reach a little or ten times farther than the model's distance;
 - with objects in another order, each with its links in the old order (`chain`, `cloth`). `near` and `all` add up in the order of the objects' numbers, so
   another order is another scene there;
 - on the simulated hardware, with fewer steps and fewer objects."""
@@ -42,8 +41,8 @@ time for several, which says nothing if the load is above the number of processo
   transposed. Sums keep the order of the objects' numbers.
 - *All pairs.* Two vectors of 16 objects meet all others, one at a time.
 - *Estimates.* FP3 takes the estimate of a root from a table with 1,024 entries: 1/sqrt of an interval's end, cut to 9 or 10 bits. Computing it is cheaper
-  than a gather. The processor's `vrsqrt14ps` and one step of Newton give it with an error below 22 units of 2^-23, on the side where no cut is near. When a
-  loop is opened, it compares all entries with `sw/machine/estimate.c`.
+  than a gather: the processor's `vrsqrt14ps` and one step of Newton have an error below 22 units of 2^-23, on the side where no cut is near. When a loop is
+  opened, it compares all entries with `sw/machine/estimate.c`.
 
 The peers are measured if `make setup-bench` has installed them, in processor time on one thread. The columns: the peer; the scene; what it solves; its
 arithmetic; what differs from FP3.
