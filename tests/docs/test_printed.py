@@ -41,7 +41,7 @@ RAN_IN_A_BARE_DEBIAN = [
     "apt-get update && apt-get install -y git make", "make setup all", "make setup-cluster all", "make waves", "make waves CONFIG=many PROGRAM=ship_madd STEPS=4",
     ".venv/bin/pip install peakrdl", ".venv/bin/peakrdl c-header rtl/gen/fp3.rdl --top fp3_single -o fp3_single.h",
     ".venv/bin/peakrdl html rtl/gen/fp3.rdl --top fp3_many -o pages/", ".venv/bin/fusesoc --cores-root . run --target=lint fp3:fp3:fp3",
-    ".venv/bin/fusesoc --cores-root . run --target=replay fp3:fp3:fp3",
+    ".venv/bin/fusesoc --cores-root . run --target=replay fp3:fp3:fp3", "make setup-playground playground",
 ]
 
 
