@@ -219,4 +219,4 @@ def test_any_program_has_a_benchmark(bench, tmp_path):
     # Of each object: in 1 and 21 steps two writes each, what is loaded, and what is read back.
     assert (run["mismatches"], run["words"], run["rel_err_x"]) == (0, 24 * (2 * (1 + 21) + 2 + 2), None)
     done, runs = bench("--program", program, "--config", "many")
-    assert done.returncode == 2 and "parameter" in done.stderr and runs is None
+    assert done.returncode == 2 and "has no value" in done.stderr and runs is None

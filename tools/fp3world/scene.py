@@ -140,9 +140,9 @@ def vectors(found, name):
 
 
 def worlds():
-    """The configurations whose objects may see each other, and have the same words: quotients are others where key `mixed` makes them."""
+    """The configurations whose objects may see each other, and have the same words: quotients are others where `reciprocal` is `mixed`."""
     found = tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"]
-    return [keys["name"] for keys in found if keys.get("neighbours") and not keys.get("mixed")]
+    return [keys["name"] for keys in found if keys.get("neighbours") and keys.get("reciprocal") != "mixed"]
 
 
 def kinds():

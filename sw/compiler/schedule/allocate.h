@@ -21,8 +21,8 @@ typedef struct {
 #define FP3_REGISTERS_CEILING (2 * 64)
 
 /* order[p] is the node at position p; nodes[].is_ahead says which belong to the next step. Values
- * with a fixed register stay to the end. Borrows registers of variables only if necessary, so that a
- * name stands for its value where possible. places->registers shows whether the program fits the
+ * with a fixed register stay to the end. Borrows registers of variables only if necessary, so that
+ * a name stands for its value where possible. places->registers shows whether the program fits the
  * configuration. FP3_E_MISMATCH: the order keeps no values. */
 fp3_status fp3_allocate_within(const fp3_block *block, const uint32_t *order, fp3_places *places,
                                fp3_error *error);
