@@ -84,7 +84,7 @@ SCENES = [
     Scene("flag", "A flag in the wind", steps=100, changes=((r"count = \[20, 32\]", "count = [8, 8]"), (r'"0\.\.19"', '"0..7"')), small="8 x 8 masses"),
     of_world("heap", "10,000 balls fall into a box", steps=100, small="60 balls in a corner of the box"),
     of_world("plummer", "A Plummer sphere", steps=50, changes=((r'points  = "[^"]*";', first_stars),), small=f"the first {FIRST} stars"),
-    of_world("dam", "A dam breaks", steps=100, small="6 x 12 particles", engines=("isa",)),
+    of_world("dam", "A dam breaks", steps=100, small="6 x 12 particles"),
     of_world("eight", "Three bodies on a figure of eight"),
     Scene("pendulums", "400 double pendulums fan out", steps=32),
     Scene("arenstorf", "Arenstorf's orbit"),
