@@ -403,6 +403,16 @@ def test_folds_over_neighbours(script, engine, relation):
         assert "80000000" not in found[0] or "min" in text or "max" in text or "sum" in text
 
 
+@pytest.mark.parametrize("engine", ["isa", "fast", "interpreter"])
+def test_zeros_and_nans_among_terms_do_not_depend_on_the_skin(script, engine):
+    """Object 1 has a term of -0, object 2 a NaN; others are in the list and not near."""
+    model = "state x = 0\nstate y = 0\nstate s = 0\nstate u = 0\nnear r(x, 4)\nstep 1\nx' = 0\ny' = 0\ns' = 0\nu' = 0\n" \
+            "project s = min(o in r: o.y*o.y*o.y - o.y*o.y*o.y*o.y, 0), u = max(o in r: -o.y, -5)\n"
+    lines = ["objects 6", row("state", "x", [0, 1, 2, 7, 8, 9]), row("state", "y", [1, 0, 3e38, 2, 1, 0])]
+    found = {tuple(script(model, [*lines, f"near r 4 {skin} x", "run 1", "print s u"], engine, "euler")) for skin in (0, 5, 9)}
+    assert len(found) == 1, found
+
+
 # ---- the equations themselves, in double ----
 
 def of_cloth(n):

@@ -160,8 +160,12 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
         const uint32_t sum = fp3_dag_variable(&b.s->values, c->holder[i]);
         const uint32_t term = put(&b, n->a);
         b.s->values.note = n->note;
+        /* A least or a most is operand b: a term that is equal or a NaN leaves it alone, in every
+         * bit. */
+        const uint32_t op = fp3_cut_fold_op(c, i);
         write(&b, c->holder[i],
-              fp3_dag_make(&b.s->values, fp3_cut_fold_op(c, i), sum, term, FP3_NONE));
+              op == FP3_OP_ADD ? fp3_dag_make(&b.s->values, op, sum, term, FP3_NONE)
+                               : fp3_dag_make(&b.s->values, op, term, sum, FP3_NONE));
     }
     free(is_in);
     free(b.made);
