@@ -73,7 +73,7 @@ FP3_EXPR_MUL = 8
 FP3_EXPR_NEGATE = 5
 FP3_EXPR_NOT = 22
 FP3_EXPR_NUMBER = 0
-FP3_EXPR_OP_COUNT = 44
+FP3_EXPR_OP_COUNT = 45
 FP3_EXPR_OR = 21
 FP3_EXPR_OTHER_PARAM = 39
 FP3_EXPR_OTHER_STATE = 38
@@ -84,6 +84,7 @@ FP3_EXPR_SIN = 12
 FP3_EXPR_SINH = 31
 FP3_EXPR_SQRT = 11
 FP3_EXPR_STATE = 1
+FP3_EXPR_STEP = 44
 FP3_EXPR_SUB = 7
 FP3_EXPR_TAN = 26
 FP3_EXPR_TANH = 33
@@ -162,6 +163,7 @@ FP3_OP_RSQRT = 21
 FP3_OP_SEL = 19
 FP3_OP_SLEEP = 6
 FP3_OP_ST = 9
+FP3_OP_STL = 141
 FP3_OP_SUB = 2
 FP3_OP_SUBH = 11
 FP3_OP_SUBL = 138
@@ -346,6 +348,15 @@ class fp3_relation(Structure):
     ]
 
 
+class fp3_memory(Structure):
+    _fields_ = [
+        ("relation", c_uint32),
+        ("field", c_uint32),
+        ("expr", c_uint32),
+        ("line", c_uint32),
+    ]
+
+
 class fp3_model(Structure):
     _fields_ = [
         ("name", c_char * 32),
@@ -371,8 +382,10 @@ class fp3_model(Structure):
         ("exprs", POINTER(fp3_expr)),
         ("relation_count", c_uint32),
         ("field_count", c_uint32),
+        ("memory_count", c_uint32),
         ("relations", POINTER(fp3_relation)),
         ("fields", POINTER(fp3_quantity)),
+        ("memories", POINTER(fp3_memory)),
     ]
 
 

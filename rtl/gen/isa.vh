@@ -70,5 +70,6 @@ localparam [7:0] OP_ADDL  = 8'd137;
 localparam [7:0] OP_SUBL  = 8'd138;
 localparam [7:0] OP_RSBL  = 8'd139;
 localparam [7:0] OP_MULL  = 8'd140;
+localparam [7:0] OP_STL   = 8'd141;
 
 // verilator lint_on UNUSEDPARAM

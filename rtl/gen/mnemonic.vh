@@ -42,6 +42,7 @@ function [8*5-1:0] mnemonic(input [7:0] code);
         8'd138:  mnemonic = "subl ";
         8'd139:  mnemonic = "rsbl ";
         8'd140:  mnemonic = "mull ";
+        8'd141:  mnemonic = "stl  ";
         default: mnemonic = "?    ";
     endcase
 endfunction

@@ -35,7 +35,8 @@ function has_a(input [CODE_W-1:0] op);
         op == OP_RINT ||
         op == OP_EXP2 ||
         op == OP_LOGB ||
-        op == OP_LDN;
+        op == OP_LDN ||
+        op == OP_STL;
 endfunction
 function has_b(input [CODE_W-1:0] op);
     has_b =

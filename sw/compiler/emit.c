@@ -134,7 +134,9 @@ static void put_line(const fp3_step *step, const fp3_names *names, const fp3_lin
     }
     const char *note = fp3_note_text(&step->notes, line->note);
     if (!fp3_operation_is_arithmetic(operation) && line->note == FP3_NONE_INDEX)
-        note = line->op == FP3_OP_ST ? "to its record" : "from its record";
+        note = line->op == FP3_OP_ST    ? "to its record"
+               : operation->takes_field ? "to the entry"
+                                        : "from its record";
     else if (line->from == FP3_NONE_INDEX)
         note = "a copy";
     if (note)

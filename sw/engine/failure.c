@@ -129,6 +129,8 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         status = fp3_lists_copy(&engine->layout.groups[i].lists, engine->layout.groups[i].rows,
                                 &again->layout.groups[i].lists, again->def.error);
+    if (!status)
+        status = fp3_origin_remember(engine, NULL, &again->layout, again->def.error);
     again->clock = engine->origin->clock;
     again->made = engine->origin->made;
     if (!status)

@@ -114,6 +114,7 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
     case FP3_EXPR_PARAM:
         return p->params[e->index].dimension;
     case FP3_EXPR_TIME:
+    case FP3_EXPR_STEP:
         return p->step.dimension;
     case FP3_EXPR_NEGATE:
     case FP3_EXPR_TOTAL:
@@ -184,4 +185,6 @@ void fp3_ode_check_equations(ode_parser *p) {
         const ode_assignment *a = &p->assignments[i];
         check(p, &a->to, &p->states[a->state].dimension, "a value");
     }
+    for (uint32_t i = 0; i < p->memory_count && !fp3_report_full(&p->in.report); i++)
+        check(p, &p->memories[i].to, &p->fields[p->memories[i].field].dimension, "a value");
 }

@@ -99,7 +99,7 @@ static ode_value of_neighbour(ode_parser *p, fp3_token name, const fp3_relation 
         return nothing;
     const ode_quantity *field = fp3_ode_field(p, r, part);
     if (field)
-        return fp3_ode_neighbours_field(p, name, field);
+        return fp3_ode_neighbours_field(p, name, part, field);
     const ode_symbol *s = fp3_ode_part(p, part, &start, &size);
     return s ? fp3_ode_neighbours_value(p, part, r, s, start, size) : nothing;
 }
@@ -187,6 +187,8 @@ static ode_value named(ode_parser *p) {
         return call(p, name, function);
     if (fp3_token_is(name, "t"))
         return time_now(p, name);
+    if (p->is_in_remember && fp3_token_is(name, FP3_NAME_STEP))
+        return fp3_ode_leaf(p, name, FP3_EXPR_STEP, 0, 0);
     if (fp3_token_is(name, "pi"))
         return fp3_ode_leaf(p, name, FP3_EXPR_NUMBER, 0, M_PI);
     unsigned start, size;

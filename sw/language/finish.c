@@ -6,6 +6,7 @@
 
 #include "dimension_check.h"
 #include "relation.h"
+#include "remember.h"
 
 /* The state that is the right side of the equation, all by itself; or FP3_NONE. */
 static uint32_t bare_state(const ode_parser *p, const ode_equation *e) {
@@ -80,6 +81,7 @@ void fp3_ode_finish(ode_parser *p) {
         fp3_ode_wrong(&p->in, p->span.at, "the unit of the step (line %u)",
                       p->step.at.location.line);
     fp3_ode_check_sums(p);
+    fp3_ode_check_memories(p);
     if (!p->in.report.count)
         name_units(p);
 }

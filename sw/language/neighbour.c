@@ -10,8 +10,11 @@
 #include "vector.h"
 
 const ode_quantity *fp3_ode_field(const ode_parser *p, const fp3_relation *r, fp3_token name) {
+    const char *dot = memchr(name.text, '.', name.length);
+    if (dot)
+        name.length = (size_t)(dot - name.text);
     for (uint32_t i = r->first_field; i < r->first_field + r->field_count; i++)
-        if (fp3_token_is(name, p->fields[i].quantity.name))
+        if (p->fields[i].size && fp3_token_same(p->fields[i].at, name))
             return &p->fields[i];
     return NULL;
 }
@@ -40,6 +43,12 @@ static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
                                                : fp3_ode_binary(p, at, FP3_EXPR_MUL, way, way);
     return fp3_ode_binary(p, at, FP3_EXPR_LESS, square,
                           fp3_ode_binary(p, at, FP3_EXPR_MUL, far, far));
+}
+
+ode_value fp3_ode_where_near(ode_parser *p, fp3_token at, uint32_t relation, ode_value near,
+                             ode_value otherwise) {
+    const fp3_relation *r = &p->relations[relation];
+    return r->kind == FP3_NEAR ? fp3_ode_select(p, at, is_near(p, at, r), near, otherwise) : near;
 }
 
 ode_fold fp3_ode_fold_named(fp3_token name) {
@@ -111,8 +120,7 @@ ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_v
         for (unsigned i = 0; i < term.size; i++)
             start.expr[i] = none.expr[0];
     }
-    if (r->kind == FP3_NEAR)
-        term = fp3_ode_select(p, n->at, is_near(p, n->at, r), term, start);
+    term = fp3_ode_where_near(p, n->at, n->relation, term, start);
     const ode_value all = fp3_ode_total(p, n->at, ops[n->fold], n->relation, term, start);
     if (n->fold == ODE_ANY)
         return fp3_ode_binary(p, n->at, FP3_EXPR_LESS, number(p, n->at, 0), all);
@@ -135,8 +143,19 @@ int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part) {
     return 1;
 }
 
-ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, const ode_quantity *field) {
-    return fp3_ode_leaf(p, name, FP3_EXPR_FIELD, (uint32_t)(field - p->fields), 0);
+ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, fp3_token part,
+                                   const ode_quantity *field) {
+    const uint32_t first = (uint32_t)(field - p->fields);
+    const char *dot = memchr(part.text, '.', part.length);
+    if (!dot)
+        return fp3_ode_leaves(p, name, FP3_EXPR_FIELD, first, field->size);
+    const unsigned letter = (unsigned)(dot[1] - 'x');
+    const size_t behind = part.length - (size_t)(dot + 1 - part.text);
+    if (behind == 1 && field->size > 1 && dot[1] >= 'x' && letter < field->size)
+        return fp3_ode_leaf(p, name, FP3_EXPR_FIELD, first + letter, 0);
+    fp3_ode_wrong(&p->in, name, "a component that the field has (it is %s)",
+                  fp3_ode_shape(field->size));
+    return (ode_value){0};
 }
 
 ode_value fp3_ode_neighbours_value(ode_parser *p, fp3_token name, const fp3_relation *r,

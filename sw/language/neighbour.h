@@ -6,7 +6,8 @@
 
 #include "parser.h"
 
-/* The field of this name that the links of a relation have, or NULL. */
+/* The field of this name that the entries of a relation have, or NULL; of a vector the first
+ * component. The name may have a component behind it: s.x. */
 const ode_quantity *fp3_ode_field(const ode_parser *p, const fp3_relation *relation,
                                   fp3_token name);
 
@@ -30,6 +31,10 @@ int fp3_ode_at_neighbours(ode_parser *p);
 int fp3_ode_neighbours_open(ode_parser *p, fp3_token at, ode_neighbours *n);
 /* Behind the term: the neighbour's name ends. */
 void fp3_ode_neighbours_behind(ode_parser *p, const ode_neighbours *n);
+/* What is so for near neighbours, and otherwise for those beyond the reach; of other relations the
+ * first. */
+ode_value fp3_ode_where_near(ode_parser *p, fp3_token at, uint32_t relation, ode_value near,
+                             ode_value otherwise);
 /* The fold of this term; a least and a most begin with start, a value of the object's own. */
 ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term,
                                    ode_value start);
@@ -37,7 +42,8 @@ ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_v
 /* Of "o.x", where o is a neighbour, the part x; 0 after an error. */
 int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part);
 /* What it stands for: a field of the link, or what another symbol is of the neighbour. */
-ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, const ode_quantity *field);
+ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, fp3_token part,
+                                   const ode_quantity *field);
 ode_value fp3_ode_neighbours_value(ode_parser *p, fp3_token name, const fp3_relation *relation,
                                    const ode_symbol *symbol, unsigned start, unsigned size);
 

@@ -15,6 +15,7 @@
  *     constant           values that are known before a run
  *     relation           how objects see others
  *     event              `when`, what happens at the end of a step
+ *     remember           `remember`, what entries of neighbours keep
  *     statement          what each statement says
  *     finish             what only the end of the source can tell
  *     read               the source from statement to statement, and the calls of fp3/model.h
@@ -88,6 +89,7 @@ typedef struct {
     fp3_token at;
     ode_dimension dimension;
     ode_equation first, second, exact; /* of a state: its derivatives, its closed form */
+    unsigned size;                     /* of a field: of the vector that it begins; else 0 */
 } ode_quantity;
 
 typedef struct {
@@ -106,6 +108,11 @@ typedef struct {
     uint32_t state;
     ode_equation to;
 } ode_assignment;
+
+typedef struct {
+    uint32_t relation, field;
+    ode_equation to;
+} ode_memory;
 
 typedef struct {
     ode_cursor in;
@@ -134,9 +141,11 @@ typedef struct {
     uint32_t event_count, projection_count, assignment_count;
 
     fp3_relation relations[FP3_RELATIONS_MAX];
-    ode_quantity fields[ODE_QUANTITIES]; /* of links */
-    uint32_t relation_count, field_count;
-    int is_in_sum; /* over neighbours */
+    ode_quantity fields[ODE_QUANTITIES]; /* of links, and what near objects remember */
+    ode_memory memories[ODE_QUANTITIES];
+    uint32_t relation_count, field_count, memory_count;
+    int is_in_sum;      /* over neighbours */
+    int is_in_remember; /* of a `remember`: the right side */
 
     ode_symbol symbols[ODE_SYMBOLS];
     uint32_t symbol_count;

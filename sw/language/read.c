@@ -67,6 +67,15 @@ static fp3_assignment *take_assignments(const ode_parser *p) {
     return made;
 }
 
+static fp3_memory *take_memories(const ode_parser *p) {
+    fp3_memory *made = calloc(p->memory_count + 1u, sizeof *made);
+    for (uint32_t i = 0; made && i < p->memory_count; i++) {
+        const ode_memory *m = &p->memories[i];
+        made[i] = (fp3_memory){m->relation, m->field, m->to.expr, m->to.at.location.line};
+    }
+    return made;
+}
+
 static fp3_model *take_model(ode_parser *p, const char *path) {
     fp3_model *m = calloc(1, sizeof *m);
     if (!m)
@@ -99,8 +108,11 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->fields = take_quantities(p->fields, p->field_count);
     m->relation_count = p->relation_count;
     m->field_count = p->field_count;
+    m->memories = take_memories(p);
+    m->memory_count = p->memory_count;
     if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
-        !m->projections || !m->assignments || !m->exprs || !m->relations || !m->fields)
+        !m->projections || !m->assignments || !m->exprs || !m->relations || !m->fields ||
+        !m->memories)
         fp3_model_free(&m);
     return m;
 }

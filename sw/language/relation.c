@@ -2,6 +2,7 @@
 /* relation.c - relations are declared; where they may not be used. */
 #include "relation.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,34 +35,55 @@ static char *copied(ode_parser *p, const char *text) {
     return copy;
 }
 
+/* "[2]" behind the name of a field that is a vector. */
+static unsigned size_here(ode_parser *p) {
+    const fp3_token at = p->in.next;
+    long number = 1;
+    if (!fp3_ode_accept(&p->in, "["))
+        return 1;
+    if (fp3_ode_whole(p, &number) && (number < 2 || number > ODE_LETTERS))
+        fp3_ode_lost_at(&p->in, at, "a number from 2 to %d, the size of a vector", ODE_LETTERS);
+    fp3_ode_expect(&p->in, "]", "']'");
+    return number < 1 || number > ODE_LETTERS ? 1 : (unsigned)number;
+}
+
 /* "k = 10 [N/m]" */
 static void field(ode_parser *p, fp3_relation *r) {
     const fp3_token name = p->in.next;
-    ode_constant constant;
+    ode_constant constant = {.dimension_text = ""};
     if (name.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in, "the name of a field, as in links springs(k = 10 [N/m])");
         return;
     }
     fp3_ode_advance(&p->in);
-    const int is_new = fp3_ode_is_new_name(p, name, 1);
+    const unsigned size = size_here(p);
+    const int is_new = fp3_ode_is_new_name(p, name, size);
     if (is_new && fp3_ode_field(p, r, name))
         fp3_ode_wrong(&p->in, name, "a new name (this relation has such a field)");
-    fp3_ode_expect(&p->in, "=", "'=' and the default value of links");
-    fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &constant);
-    if (p->field_count == ODE_QUANTITIES) {
-        fp3_ode_over(&p->in, name, "at most %d fields of links", ODE_QUANTITIES);
+    fp3_ode_expect(&p->in, "=",
+                   r->kind == FP3_LINKS ? "'=' and the default value of links"
+                                        : "'= 0', which a new pair has");
+    const fp3_token value_at = p->in.next;
+    fp3_ode_measured(p, ODE_IN_CONSTANT, size, &constant);
+    for (unsigned i = 0; r->kind == FP3_NEAR && i < size; i++)
+        if (constant.value[i] != 0 || signbit(constant.value[i]))
+            fp3_ode_wrong(&p->in, value_at, "0, which a new pair of near objects remembers");
+    if (p->field_count + size > ODE_QUANTITIES) {
+        fp3_ode_over(&p->in, name, "at most %d fields", ODE_QUANTITIES);
         return;
     }
-    ode_quantity *q = &p->fields[p->field_count++];
-    *q = (ode_quantity){.at = name, .dimension = constant.dimension};
-    fp3_ode_scalar_name(name, 1, 0, q->quantity.name);
-    q->quantity.dimension = copied(p, constant.dimension_text);
-    q->quantity.doc = copied(p, "");
-    q->quantity.value = constant.value[0];
-    q->quantity.derivative = q->quantity.velocity = q->quantity.exact = q->quantity.start =
-        FP3_NONE;
-    q->quantity.line = name.location.line;
-    r->field_count++;
+    for (unsigned i = 0; i < size; i++) {
+        ode_quantity *q = &p->fields[p->field_count++];
+        *q = (ode_quantity){.at = name, .dimension = constant.dimension, .size = i == 0 ? size : 0};
+        fp3_ode_scalar_name(name, size, i, q->quantity.name);
+        q->quantity.dimension = copied(p, constant.dimension_text);
+        q->quantity.doc = copied(p, "");
+        q->quantity.value = constant.value[i];
+        q->quantity.derivative = q->quantity.velocity = q->quantity.exact = q->quantity.start =
+            FP3_NONE;
+        q->quantity.line = name.location.line;
+        r->field_count++;
+    }
 }
 
 static void fields(ode_parser *p, fp3_relation *r) {
@@ -93,7 +115,9 @@ static void reach(ode_parser *p, fp3_relation *r) {
     const fp3_token at = p->in.next;
     const uint32_t from = p->expr_count;
     const ode_value value = fp3_ode_expression(p, ODE_IN_START);
-    fp3_ode_expect(&p->in, ")", "an operator or ')'");
+    while (!p->in.is_lost && fp3_ode_accept(&p->in, ","))
+        field(p, r);
+    fp3_ode_expect(&p->in, ")", "an operator, ',' or ')'");
     if (!s || !value.size || p->in.is_lost)
         return;
     fp3_ode_check_dimensions(p, from);

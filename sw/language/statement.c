@@ -11,6 +11,7 @@
 #include "expression.h"
 #include "keyword.h"
 #include "relation.h"
+#include "remember.h"
 #include "side.h"
 #include "symbol.h"
 #include "utf8.h"
@@ -286,7 +287,7 @@ void fp3_ode_statement(ode_parser *p) {
     if (first.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in,
                      "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "when, for, links, near, all, or an equation");
+                     "when, for, links, near, all, remember, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
@@ -311,6 +312,8 @@ void fp3_ode_statement(ode_parser *p) {
         for_statement(p);
     else if (fp3_ode_is_relation(first))
         fp3_ode_relation(p, first);
+    else if (fp3_ode_is_remember(p, first))
+        fp3_ode_remember(p);
     else
         named_statement(p, first);
     if (!fp3_ode_at_end(&p->in))

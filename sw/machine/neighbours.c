@@ -16,6 +16,8 @@ typedef struct {
     uint32_t at;
     int loop;                        /* index of the `each` of the loop around, or -1 */
     uint32_t fields, loaded;         /* of an entry, as far as that loop says; its `ldl` so far */
+    uint64_t kept;                   /* fields that this loop writes */
+    uint64_t written;                /* registers of lists whose fields this phase has written */
     int has_stored;                  /* in this phase */
     uint64_t stored;                 /* words that this phase stores */
     uint64_t stored_any, stored_all; /* by some phase; by all that have ended */
@@ -33,16 +35,20 @@ static fp3_gives gives_at(const fp3_image *image, uint32_t at) {
     return image->decoded[at].of ? image->decoded[at].of->gives : FP3_GIVES_NOTHING;
 }
 
+static int takes_field(const fp3_image *image, uint32_t at) {
+    return image->decoded[at].of && image->decoded[at].of->takes_field;
+}
+
 static int is_of_neighbours(const fp3_image *image, uint32_t at) {
     const uint32_t op = op_at(image, at);
-    return gives_at(image, at) != FP3_GIVES_NOTHING || op == FP3_OP_EACH || op == FP3_OP_NEXT ||
-           op == FP3_OP_PHASE;
+    return gives_at(image, at) != FP3_GIVES_NOTHING || takes_field(image, at) ||
+           op == FP3_OP_EACH || op == FP3_OP_NEXT || op == FP3_OP_PHASE;
 }
 
 static fp3_status end_phase(walk *w) {
     w->stored_any |= w->stored;
     w->stored_all &= w->stored;
-    w->stored = 0;
+    w->stored = w->written = 0;
     w->has_stored = 0;
     w->found->phases++;
     return FP3_OK;
@@ -59,8 +65,18 @@ static fp3_status end_loop(walk *w) {
     if (i == FP3_LISTS_MAX)
         return refuse(w, "a program has at most 8 lists of neighbours");
     if (i == f->list_count)
-        f->lists[f->list_count++] = (fp3_list_shape){reg, w->fields};
+        f->lists[f->list_count++] = (fp3_list_shape){.reg = reg, .fields = w->fields};
+    f->lists[i].kept |= w->kept;
+    w->written |= w->kept ? BIT(reg) : 0;
     w->loop = -1;
+    return FP3_OK;
+}
+
+static fp3_status count_field(walk *w, uint32_t number) {
+    if (number >= FP3_FIELDS_MAX)
+        return refuse(w, "an entry of a list has at most 64 fields");
+    if (number >= w->fields)
+        w->fields = number + 1;
     return FP3_OK;
 }
 
@@ -78,11 +94,19 @@ static fp3_status visit_given(walk *w) {
             return refuse(w, "a word of a neighbour's record is read, not a shared constant");
         return w->has_stored ? refuse(w, "a phase loads all words before it stores any") : FP3_OK;
     }
-    if (number >= FP3_FIELDS_MAX)
-        return refuse(w, "an entry of a list has at most 64 fields");
-    if (number >= w->fields)
-        w->fields = number + 1;
-    return FP3_OK;
+    if (w->kept)
+        return refuse(w, "a loop reads all fields of an entry before it writes any");
+    return count_field(w, number);
+}
+
+/* An instruction that writes a field of the entry. */
+static fp3_status visit_taken(walk *w) {
+    const fp3_decoded *word = &w->image->decoded[w->at];
+    const uint32_t number = fp3_operand(&word->in, word->of->number);
+    if (w->loop < 0)
+        return refuse(w, "'stl' belongs in a loop, behind 'each'");
+    w->kept |= number < FP3_FIELDS_MAX ? BIT(number) : 0;
+    return count_field(w, number);
 }
 
 static fp3_status visit_word(walk *w) {
@@ -91,6 +115,10 @@ static fp3_status visit_word(walk *w) {
     const uint32_t op = op_at(image, w->at);
     if (gives_at(image, w->at) != FP3_GIVES_NOTHING)
         return visit_given(w);
+    if (takes_field(image, w->at))
+        return visit_taken(w);
+    if (op == FP3_OP_EACH && w->written & BIT(in->d))
+        return refuse(w, "a phase goes through a list before it writes its fields, not after");
     if (op == FP3_OP_SLEEP || op == FP3_OP_LDS)
         return refuse(w, "no object sleeps in a program with neighbours");
     if ((op == FP3_OP_EACH || op == FP3_OP_PHASE) && w->loop >= 0)
@@ -106,6 +134,7 @@ static fp3_status visit_word(walk *w) {
     case FP3_OP_EACH:
         w->loop = (int)w->at;
         w->fields = w->loaded = 0;
+        w->kept = 0;
         return FP3_OK;
     case FP3_OP_NEXT:
         return end_loop(w);

@@ -16,7 +16,8 @@
 /* A list of neighbours that each object has. */
 typedef struct {
     uint32_t reg;    /* that `each` names */
-    uint32_t fields; /* of an entry: as many as its loops read, by `ldl` or by number */
+    uint32_t fields; /* of an entry: as many as its loops read and write */
+    uint64_t kept;   /* those that a loop writes: bit f for field f */
 } fp3_list_shape;
 
 typedef struct {
@@ -29,9 +30,10 @@ typedef struct {
 
 /* FP3_E_PROGRAM: a loop within a loop, or without its end; something that reads a neighbour outside
  * of a loop; a phase within a loop; a first or a last part; a store in a loop; a load behind a
- * store of the same phase; a phase that does not store a word which neighbours read and another
- * phase stores; loops over one list with different numbers of fields; more than FP3_LISTS_MAX
- * lists, or FP3_FIELDS_MAX fields of an entry; `sleep` beside all this. */
+ * store of the same phase; a field read behind an `stl` of the same phase; a phase that does not
+ * store a word which neighbours read and another phase stores; loops over one list with different
+ * numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of an entry; `sleep`
+ * beside all this. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 

@@ -31,6 +31,7 @@ typedef struct {
     fp3_writes writes;    /* whether it writes d when it is executed */
     int commutes;         /* a and b can be exchanged */
     fp3_gives gives;      /* what it has of a neighbour */
+    int takes_field;      /* a field of the neighbour's entry becomes d, which is read */
     char number;          /* the operand that numbers this, which is no register; 0: none */
     uint32_t computes; /* what it makes of this and of register a, as an operation; 0: nothing, */
     int is_first;      /* ... in which this is operand a, and not b */
@@ -72,7 +73,7 @@ const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction 
 
 /* Whether this operand is the number of a field, and so stands in assembly as one. */
 static inline int fp3_operation_counts(const fp3_operation *of, char letter) {
-    return of->gives == FP3_GIVES_FIELD && letter == of->number;
+    return (of->gives == FP3_GIVES_FIELD || of->takes_field) && letter == of->number;
 }
 
 /* Of an operation that computes with what a neighbour gives: its operands a and b as those of

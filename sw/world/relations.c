@@ -41,7 +41,7 @@ refuse(const fp3_linked *l, fp3_error *error, const char *format, ...) {
 
 /* ---- fields ---- */
 
-/* The fields that equations read, a bit each: the words of an entry. */
+/* The fields that equations read, or that entries remember, a bit each: the words of an entry. */
 static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_error *error) {
     char *is_needed = calloc(model->expr_count + 1u, 1);
     *fields = 0;
@@ -52,6 +52,8 @@ static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_erro
             is_needed[model->states[i].derivative] = 1;
     for (uint32_t i = 0; i < model->assignment_count; i++)
         is_needed[model->assignments[i].expr] = 1;
+    for (uint32_t i = 0; i < model->memory_count; i++)
+        is_needed[model->memories[i].expr] = 1;
     for (uint32_t i = 0; i < model->event_count; i++) {
         is_needed[model->events[i].condition] = 1;
         if (model->events[i].armed != FP3_NONE)
@@ -65,6 +67,8 @@ static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_erro
         if (is_needed[i] && e->op == FP3_EXPR_FIELD)
             *fields |= UINT64_C(1) << e->index;
     }
+    for (uint32_t i = 0; i < model->memory_count; i++)
+        *fields |= UINT64_C(1) << model->memories[i].field;
     free(is_needed);
     return FP3_OK;
 }

@@ -82,6 +82,7 @@ def operations_c(isa, flags):
                 ("writes", f"FP3_WRITES_{op.get('writes', 'always').upper()}"),
                 ("commutes", int(op.get("commutes", False))),
                 ("gives", f"FP3_GIVES_{op.get('gives', 'nothing').upper()}"),
+                ("takes_field", int("takes" in op)),
                 ("number", f"'{op['number']}'" if "number" in op else "0"),
                 ("computes", f"FP3_OP_{op['computes'].upper()}" if "computes" in op else "0"),
                 ("is_first", int(op.get("stands") == "a"))]

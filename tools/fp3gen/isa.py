@@ -17,6 +17,7 @@ PATHS = {
 UNITS = ("adder", "multiplier", "value", "comparison", "store", "sequence")
 WRITES = ("always", "sometimes", "never")
 GIVES = ("nothing", "word", "field")  # of a neighbour: nothing, a word of its record, a field of its entry
+TAKES = ("field",)  # the object's register: a field of the entry
 BITS = ("nan", "one", "minus_zero")
 MORE = 128  # codes from here on: all ones in field op, and what is more than this in field c
 FILE = "isa.toml"
@@ -49,7 +50,7 @@ def check_op(op, width, config_keys, flags):
     where = f"op '{op.get('name', '?')}'"
     keys(op, FILE, where, {"name": str, "code": int, "operands": list, "path": list, "meaning": str},
          {"needs": str, "note": str, "raises": list, "commutes": bool, "writes": str,
-          "gives": str, "number": str, "computes": str, "stands": str})
+          "gives": str, "takes": str, "number": str, "computes": str, "stands": str})
     need(op["operands"] == list("dabc")[:len(op["operands"])], FILE,
          f"{where}: operands must be none, or d, or d, a, or d, a, b, or d, a, b, c, not {op['operands']!r}")
     last, most = (1 << width["op"]) - 2, MORE + (1 << width["c"]) - 1
@@ -71,7 +72,11 @@ def check_given(op, ops):
     """What an instruction has of a neighbour, and what it makes of it."""
     where, base = f"op '{op['name']}'", next((row for row in ops if row["name"] == op.get("computes")), None)
     need(op.get("gives", "nothing") in GIVES, FILE, f"{where}: gives '{op.get('gives')}' is not one of {', '.join(GIVES)}")
-    need("gives" in op or not {"number", "computes", "stands"} & op.keys(), FILE, f"{where}: gives nothing that it could number or compute with")
+    need(op.get("takes", TAKES[0]) in TAKES, FILE, f"{where}: takes '{op.get('takes')}' is not one of {', '.join(TAKES)}")
+    need(not {"gives", "takes"} <= op.keys(), FILE, f"{where}: gives and takes exclude each other")
+    need({"gives", "takes"} & op.keys() or not {"number", "computes", "stands"} & op.keys(), FILE,
+         f"{where}: gives nothing that it could number or compute with")
+    need("takes" not in op or not {"computes", "stands"} & op.keys(), FILE, f"{where}: takes a field, and computes nothing with it")
     need("number" not in op or op["operands"][-1:] == [op["number"]], FILE,
          f"{where}: number must be the last operand")
     need(("computes" in op) == ("stands" in op), FILE, f"{where}: computes and stands go together")

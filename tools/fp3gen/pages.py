@@ -21,7 +21,7 @@ def example(isa, op):
     pick = {"d": ("object", 2), "a": ("object", 0), "b": ("shared", 1), "c": ("object", 3)}
     if "number" in op:
         pick[op["number"]] = ("object", 1)
-    is_field = op.get("gives") == "field"
+    is_field = "field" in (op.get("gives"), op.get("takes"))
     text = ", ".join(str(pick[x][1]) if is_field and x == op.get("number") else f"{banks[pick[x][0]]['prefix']}{pick[x][1]}" for x in op["operands"])
     code = word(isa, op, {x: banks[b]["base"] + n for x, (b, n) in pick.items()})
     return text, code

@@ -8,6 +8,7 @@
 #include "compiler/step/advance.h"
 #include "events.h"
 #include "project.h"
+#include "remember.h"
 #include "rosenbrock.h"
 #include "runge_kutta.h"
 #include "splitting.h"
@@ -107,6 +108,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
         status = fp3_adaptive_judge(&a, error);
     if (!status)
         status = fp3_events(&a, error);
+    if (!status)
+        status = fp3_remember(&a, error);
     if (!status)
         status = fp3_adaptive_accept(&a, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++)

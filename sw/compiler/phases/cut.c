@@ -68,9 +68,10 @@ static fp3_status open_section(builder *b, fp3_cut_plan *c, fp3_cut *cut, uint32
     *s = (fp3_section){.phase = phase, .relation = relation};
     fp3_dag_open(&s->values, &c->step->known, 0);
     s->next = fp3_cut_filled(2 * FP3_STATES_MAX);
-    s->loads = calloc(c->g->count + 1u, sizeof *s->loads);
+    s->loads = calloc(c->g->count + c->step->kept_count + 1u, sizeof *s->loads);
+    s->stores = calloc(c->step->kept_count + 1u, sizeof *s->stores);
     *b = (builder){.c = c, .s = s, .slot = slot, .made = fp3_cut_filled(c->g->count)};
-    return s->next && s->loads && b->made ? FP3_OK : fp3_no_memory(error);
+    return s->next && s->loads && s->stores && b->made ? FP3_OK : fp3_no_memory(error);
 }
 
 /* Nodes in their order: a deep sum is not a deep recursion. */
@@ -110,14 +111,13 @@ static fp3_status straight(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32
 
 /* The variable that a word of the neighbour is loaded to: nothing is kept there while the loop
  * runs. */
-static uint32_t loaded(builder *b, uint32_t node) {
-    const dag_node *n = fp3_cut_node(b->c, node);
+static uint32_t loaded(builder *b, uint32_t op, uint32_t index) {
     fp3_cut_plan *c = b->c;
     fp3_section *s = b->s;
     const uint32_t now = s->phase * FP3_CUT_SLOTS + b->slot;
     uint32_t at = 0;
     for (uint32_t i = 0; i < s->load_count; i++)
-        if (s->loads[i].op == n->op && s->loads[i].index == n->a)
+        if (s->loads[i].op == op && s->loads[i].index == index)
             return s->loads[i].variable;
     for (uint32_t used = 0; at < c->pool_count; at++, used = 0) {
         for (uint32_t i = 0; i < s->load_count; i++)
@@ -126,8 +126,21 @@ static uint32_t loaded(builder *b, uint32_t node) {
             break;
     }
     const uint32_t variable = at < c->pool_count ? c->pool[at] : fp3_cut_pool(c);
-    s->loads[s->load_count++] = (fp3_loaded){variable, n->op, n->a};
+    s->loads[s->load_count++] = (fp3_loaded){variable, op, index};
     return variable;
+}
+
+/* Whether the loop over a relation writes this field. */
+static int keeps(const fp3_cut_plan *c, const fp3_kept *kept, uint32_t when, uint32_t relation) {
+    return c->kept == when && kept->relation == relation;
+}
+
+/* The variable to which a field is loaded becomes what is written. */
+static void keep(builder *b, const fp3_kept *kept) {
+    fp3_section *s = b->s;
+    const uint32_t variable = loaded(b, NODE_FIELD, kept->field);
+    write(b, variable, put(b, kept->node));
+    s->stores[s->store_count++] = (fp3_loaded){variable, NODE_FIELD, kept->field};
 }
 
 static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t slot,
@@ -137,6 +150,10 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
     char *is_in = calloc(c->g->count + 1u, 1);
     if (!is_in && !status)
         status = fp3_no_memory(error);
+    const uint32_t now = phase * FP3_CUT_SLOTS + slot;
+    for (uint32_t k = 0; !status && k < c->step->kept_count; k++)
+        if (keeps(c, &c->step->kept[k], now, relation))
+            is_in[c->step->kept[k].node] = 1;
     for (uint32_t i = c->g->count; !status && i-- > 0;) {
         uint32_t list[3];
         const dag_node *n = fp3_cut_node(c, i);
@@ -151,7 +168,7 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
     for (uint32_t i = 0; !status && i < c->g->count; i++) {
         const dag_node *n = fp3_cut_node(c, i);
         if (is_in[i] && fp3_cut_is_neighbours(n->op))
-            b.made[i] = fp3_dag_variable(&b.s->values, loaded(&b, i));
+            b.made[i] = fp3_dag_variable(&b.s->values, loaded(&b, n->op, n->a));
         else if (is_in[i] && c->is_body[i])
             put(&b, i);
         if (!fp3_dag_is_fold(n->op) || !c->is_needed[i] ||
@@ -167,6 +184,9 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
               op == FP3_OP_ADD ? fp3_dag_make(&b.s->values, op, sum, term, FP3_NONE)
                                : fp3_dag_make(&b.s->values, op, term, sum, FP3_NONE));
     }
+    for (uint32_t k = 0; !status && k < c->step->kept_count; k++)
+        if (keeps(c, &c->step->kept[k], now, relation))
+            keep(&b, &c->step->kept[k]);
     free(is_in);
     free(b.made);
     return status;
@@ -176,6 +196,9 @@ static int has_loop(const fp3_cut_plan *c, uint32_t when, uint32_t relation) {
     for (uint32_t i = 0; i < c->g->count; i++)
         if (c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) && c->when[i] == when &&
             fp3_dag_relation(c->g, i) == relation)
+            return 1;
+    for (uint32_t k = 0; k < c->step->kept_count; k++)
+        if (keeps(c, &c->step->kept[k], when, relation))
             return 1;
     return 0;
 }
@@ -200,6 +223,8 @@ static void make_lists(fp3_cut_plan *c, fp3_cut *cut) {
         for (uint32_t i = 0; i < c->g->count; i++)
             is_used |= c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
                        fp3_dag_relation(c->g, i) == r;
+        for (uint32_t k = 0; k < c->step->kept_count; k++)
+            is_used |= c->step->kept[k].relation == r;
         if (is_used)
             cut->list[r] = fp3_cut_variable(c, ROLE_LIST, r);
     }
@@ -252,6 +277,7 @@ void fp3_cut_close(fp3_cut *cut) {
         fp3_dag_close(&cut->sections[i].values);
         free(cut->sections[i].next);
         free(cut->sections[i].loads);
+        free(cut->sections[i].stores);
     }
     free(cut->sections);
     *cut = (fp3_cut){0};

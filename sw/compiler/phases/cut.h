@@ -29,6 +29,8 @@ typedef struct {
     uint32_t *next; /* of each variable: a node of values, or FP3_NONE: it stays */
     fp3_loaded *loads;
     uint32_t load_count;
+    fp3_loaded *stores; /* fields of the entry that become these variables in the end */
+    uint32_t store_count;
 } fp3_section;
 
 typedef struct {

@@ -29,6 +29,10 @@ static uint32_t sources_of(const fp3_line *line) {
 
 /* Whether the line reads it, as operand a or b or elsewhere. */
 static int reads(const fp3_line *line, uint32_t reg, int *a, int *b) {
+    if (line->op && fp3_operation_find(line->op)->takes_field) {
+        *a = *b = 0;
+        return line->d == reg;
+    }
     const uint32_t sources = sources_of(line);
     *a = sources > 0 && line->operand[0] == reg;
     *b = sources > 1 && line->operand[1] == reg;

@@ -36,7 +36,7 @@ int fp3_phases_are_needed(const fp3_step *step) {
     for (uint32_t i = 0; i < step->values.count; i++)
         if (fp3_dag_is_fold(step->values.nodes[i].op))
             return 1;
-    return 0;
+    return step->kept_count > 0;
 }
 
 fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integrator,
@@ -162,6 +162,11 @@ static uint64_t fields_of(const maker *m, uint32_t relation) {
     return fields;
 }
 
+/* Of a field, in an entry that has these. */
+static uint32_t number_of(uint64_t fields, uint32_t field) {
+    return (uint32_t)__builtin_popcountll(fields & (BIT(field) - 1));
+}
+
 static void put_section(maker *m, uint32_t i) {
     const fp3_section *s = &m->cut.sections[i];
     const fp3_schedule *schedule = m->schedules[i];
@@ -178,6 +183,9 @@ static void put_section(maker *m, uint32_t i) {
     }
     for (uint32_t k = 0; k < schedule->step_count; k++)
         put(m, schedule->step[k]);
+    for (uint32_t k = 0; k < s->store_count; k++)
+        put_word(m, FP3_OP_STL, fp3_code_variable(&m->code->code, s->stores[k].variable),
+                 number_of(fields_of(m, s->relation), s->stores[k].index));
     if (s->relation == FP3_NONE)
         return;
     if (!m->has_failed)
@@ -200,7 +208,8 @@ static void find_use(const maker *m, phase *p) {
         const fp3_operation *of = fp3_operation_find(l->op);
         for (const char *letter = of->operands; *letter; letter++) {
             const uint32_t r = *letter == 'd' ? l->d : l->operand[*letter - 'a'];
-            const int is_read = *letter == 'd' ? l->op == FP3_OP_EACH : *letter != of->number;
+            const int is_read =
+                *letter == 'd' ? l->op == FP3_OP_EACH || of->takes_field : *letter != of->number;
             if (is_read && r < FP3_BANK_SHARED_BASE && !(p->writes & BIT(r)))
                 p->reads |= BIT(r);
         }

@@ -7,7 +7,7 @@
 #include "compiler/code/convert.h"
 #include "compiler/schedule/lines.h"
 
-/* Whether some state's equation has a sum over neighbours. */
+/* Whether something of the step goes over neighbours. */
 int fp3_phases_are_needed(const fp3_step *step);
 
 /* FP3_E_PROGRAM: an option is not possible with neighbours. */

@@ -74,6 +74,12 @@ static void show(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
     }
 }
 
+static fp3_status too_many(fp3_error *error) {
+    return fp3_fail(error, FP3_E_LIMIT,
+                    "a step has more than %u phases, or sums of sums of neighbours deeper than %u",
+                    FP3_CUT_PHASES, FP3_CUT_SLOTS / 2 - 1);
+}
+
 static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
     for (uint32_t i = 0; i < c->g->count; i++) {
         uint32_t list[3];
@@ -90,10 +96,7 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
         while (phase < FP3_CUT_PHASES && !fits(c, fp3_dag_place(c->g, i), phase))
             phase++;
         if (phase == FP3_CUT_PHASES || (c->when[i] | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3)
-            return fp3_fail(
-                error, FP3_E_LIMIT,
-                "a step has more than %u phases, or sums of sums of neighbours deeper than %u",
-                FP3_CUT_PHASES, FP3_CUT_SLOTS / 2 - 1);
+            return too_many(error);
         show(c, fp3_dag_place(c->g, i), phase);
         if (phase * FP3_CUT_SLOTS > c->when[i])
             c->when[i] = phase * FP3_CUT_SLOTS;
@@ -101,6 +104,49 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
         c->is_body[i] = 0;
     }
     return FP3_OK;
+}
+
+/* Fields are written when nothing reads them any more. */
+static fp3_status find_kept(fp3_cut_plan *c, fp3_error *error) {
+    const fp3_step *step = c->step;
+    uint32_t when = 0;
+    for (uint32_t k = 0; k < step->kept_count; k++) {
+        const fp3_kept *kept = &step->kept[k];
+        const uint32_t then = c->is_body[kept->node] ? c->when[kept->node] : ready(c, kept->node);
+        when = then > when ? then : when;
+        for (uint32_t i = 0; i < c->g->count; i++)
+            if (fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
+                fp3_dag_relation(c->g, i) == kept->relation && c->when[i] > when)
+                when = c->when[i];
+    }
+    uint32_t phase = when / FP3_CUT_SLOTS;
+    while (phase < FP3_CUT_PHASES && !fits(c, step->kept_place, phase))
+        phase++;
+    if (phase == FP3_CUT_PHASES || (when | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3)
+        return too_many(error);
+    show(c, step->kept_place, phase);
+    c->kept = (phase * FP3_CUT_SLOTS > when ? phase * FP3_CUT_SLOTS : when) | 1;
+    return FP3_OK;
+}
+
+static void count_phases(fp3_cut_plan *c, uint32_t then) {
+    const uint32_t phase = then / FP3_CUT_SLOTS;
+    if (phase + 1 > c->phase_count)
+        c->phase_count = phase + 1;
+    if (then % FP3_CUT_SLOTS > c->slots[phase])
+        c->slots[phase] = then % FP3_CUT_SLOTS;
+}
+
+/* What the loops that write fields are made of, and what is computed before them. */
+static void mark_kept(fp3_cut_plan *c) {
+    for (uint32_t k = 0; k < c->step->kept_count; k++)
+        c->in_kept[c->step->kept[k].node] = 1;
+    for (uint32_t i = c->g->count; i-- > 0;) {
+        uint32_t list[3];
+        const unsigned count = c->in_kept[i] && c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
+        for (unsigned k = 0; k < count; k++)
+            c->in_kept[list[k]] = 1;
+    }
 }
 
 static void need(const fp3_cut_plan *c, uint32_t node) {
@@ -111,6 +157,11 @@ static void need(const fp3_cut_plan *c, uint32_t node) {
 static void find_needed(fp3_cut_plan *c) {
     for (uint32_t i = 0; i < c->own; i++)
         need(c, c->step->variables[i].next);
+    for (uint32_t k = 0; k < c->step->kept_count; k++)
+        need(c, c->step->kept[k].node);
+    for (uint32_t k = 0; c->step->kept_count && k < c->step->sight.count; k++)
+        if (c->step->sight.list[k].place == c->step->kept_place)
+            need(c, c->step->sight.list[k].node);
     for (uint32_t i = c->g->count; i-- > 0;) {
         uint32_t list[3];
         const unsigned count = c->is_needed[i] ? fp3_cut_operands(c, i, list) : 0;
@@ -125,12 +176,10 @@ static void find_needed(fp3_cut_plan *c) {
     for (uint32_t i = 0; i < c->g->count; i++) {
         if (!c->is_needed[i] || c->is_body[i])
             continue;
-        const uint32_t then = ready(c, i), phase = then / FP3_CUT_SLOTS;
-        if (phase + 1 > c->phase_count)
-            c->phase_count = phase + 1;
-        if (then % FP3_CUT_SLOTS > c->slots[phase])
-            c->slots[phase] = then % FP3_CUT_SLOTS;
+        count_phases(c, ready(c, i));
     }
+    if (c->step->kept_count)
+        count_phases(c, c->kept + 1);
 }
 
 /* ---- where ---- */
@@ -169,6 +218,8 @@ static uint32_t last_use(const fp3_cut_plan *c, uint32_t variable) {
                 last =
                     phase_of(c, i); /* of what is in a loop nothing is known here: it may read it */
     }
+    if (start != FP3_NONE && c->in_kept[start] && c->kept / FP3_CUT_SLOTS > last)
+        last = c->kept / FP3_CUT_SLOTS;
     return last;
 }
 
@@ -212,8 +263,7 @@ static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
 }
 
 /* What the loop of a sum reads from outside. */
-static void use_outside(fp3_cut_plan *c, uint32_t total) {
-    const uint32_t term = fp3_cut_node(c, total)->a;
+static void use_outside(fp3_cut_plan *c, uint32_t term, uint32_t when) {
     char *is_in = calloc(c->g->count + 1u, 1);
     if (!is_in) {
         c->has_failed = 1;
@@ -223,7 +273,7 @@ static void use_outside(fp3_cut_plan *c, uint32_t total) {
     for (uint32_t i = term + 1; i-- > 0;) {
         uint32_t list[3];
         if (is_in[i] && !c->is_body[i] && !fp3_cut_is_neighbours(fp3_cut_node(c, i)->op))
-            use(c, i, c->when[total]);
+            use(c, i, when);
         const unsigned count = is_in[i] && c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
         for (unsigned k = 0; k < count; k++)
             is_in[list[k]] = 1;
@@ -253,13 +303,15 @@ static void find_uses(fp3_cut_plan *c) {
             use(c, fp3_cut_node(c, i)->b, c->when[i] - 1);
             if (c->when[i] > c->until[i])
                 c->until[i] = c->when[i];
-            use_outside(c, i);
+            use_outside(c, fp3_cut_node(c, i)->a, c->when[i]);
             continue;
         }
         const unsigned count = fp3_cut_operands(c, i, list);
         for (unsigned k = 0; k < count; k++)
             use(c, list[k], c->when[i]);
     }
+    for (uint32_t k = 0; k < c->step->kept_count; k++)
+        use_outside(c, c->step->kept[k].node, c->kept);
     for (uint32_t p = 0; p < c->phase_count; p++)
         for (uint32_t v = 0; v < c->own; v++)
             if (fp3_cut_gets(c, p, v) != FP3_NONE)
@@ -321,10 +373,13 @@ static void know_params(fp3_cut_plan *c) {
 /* ---- the interface ---- */
 
 static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
-    const fp3_status status = find_when(c, error);
+    fp3_status status = find_when(c, error);
+    if (!status && c->step->kept_count)
+        status = find_kept(c, error);
     if (status)
         return status;
     find_needed(c);
+    mark_kept(c);
     know_params(c);
     c->held = fp3_cut_filled((size_t)c->phase_count * c->own);
     if (!c->held)
@@ -344,10 +399,12 @@ fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
     c->is_body = calloc(nodes + 1, 1);
     c->is_needed = calloc(nodes + 1, 1);
     c->is_held = calloc(nodes + 1, 1);
+    c->in_kept = calloc(nodes + 1, 1);
     c->holder = fp3_cut_filled(nodes);
     c->until = calloc(nodes + 1, sizeof *c->until);
     c->shown = fp3_cut_filled((size_t)FP3_CUT_PHASES * c->states);
-    return c->when && c->is_body && c->is_needed && c->is_held && c->holder && c->until && c->shown
+    return c->when && c->is_body && c->is_needed && c->is_held && c->holder && c->until &&
+                   c->shown && c->in_kept
                ? make(c, error)
                : fp3_no_memory(error);
 }
@@ -357,6 +414,7 @@ void fp3_cut_plan_close(fp3_cut_plan *c) {
     free(c->is_body);
     free(c->is_needed);
     free(c->is_held);
+    free(c->in_kept);
     free(c->holder);
     free(c->until);
     free(c->shown);

@@ -24,6 +24,8 @@ typedef struct {
     char *is_held;    /* a variable keeps it from its section on: */
     uint32_t *holder; /* ... this one */
     uint32_t *until;  /* ... up to this `when`, of the last section that reads it */
+    char *in_kept;    /* the loops that write fields read it */
+    uint32_t kept;    /* `when` of these loops */
     uint32_t *shown;  /* [phase * states + state]: node that neighbours see; or FP3_NONE */
     uint32_t *held;   /* [phase * own + variable]: node whose value it has, from begin to end */
     uint32_t own;     /* variables that the step had before */

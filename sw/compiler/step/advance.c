@@ -151,6 +151,20 @@ static uint32_t place_of(const fp3_advance *a, const fp3_event *event, int is_af
     return a->place_count + (is_after ? 1 + (uint32_t)number : 0);
 }
 
+fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error) {
+    const fp3_model *model = a->step->model;
+    const fp3_status status = fp3_lower_open(l, model, &a->step->values, error);
+    l->state = state_after;
+    l->user = (void *)a;
+    l->notes = &a->step->notes;
+    l->index = a->place_count + 1 + model->projection_count + model->event_count;
+    l->sight = &a->step->sight;
+    snprintf(l->place, sizeof l->place, "remember");
+    if (!status && a->fit->has_time)
+        l->time = fp3_advance_time(a, l->g, 1);
+    return status;
+}
+
 fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
                              lowering *l, fp3_error *error) {
     const fp3_status status = fp3_lower_open(l, a->step->model, &a->step->values, error);

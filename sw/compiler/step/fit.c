@@ -138,6 +138,8 @@ static void find_live(const fitting *f, const fp3_options *options) {
     for (uint32_t i = 0; i < f->model->event_count; i++)
         if (f->model->events[i].stops)
             *live |= f->needs[f->model->events[i].condition];
+    for (uint32_t i = 0; i < f->model->memory_count; i++)
+        *live |= f->needs[f->model->memories[i].expr];
     for (uint64_t before = ~*live; before != *live;) {
         before = *live;
         for (uint32_t s = 0; s < count; s++)
@@ -173,6 +175,9 @@ static int has_time(const fitting *f) {
             return 1;
     for (uint32_t i = 0; i < f->model->projection_count; i++)
         if (event_has_time(f, &f->model->projections[i]))
+            return 1;
+    for (uint32_t i = 0; i < f->model->memory_count; i++)
+        if (f->needs_time[f->model->memories[i].expr])
             return 1;
     return 0;
 }

@@ -268,6 +268,8 @@ static term lower(lowering *l, uint32_t expr) {
         return l->state(l, e->index);
     case FP3_EXPR_TIME:
         return l->time;
+    case FP3_EXPR_STEP:
+        return fp3_term(fp3_dag_known(g, fp3_known_step(g->known)));
     case FP3_EXPR_OTHER_STATE:
         return others_state(l, e->index);
     case FP3_EXPR_OTHER_PARAM:

@@ -11,6 +11,8 @@
 #include "notes.h"
 #include "options.h"
 
+#include <machine/neighbours.h>
+
 /* What a variable holds. */
 typedef enum {
     ROLE_STATE,       /* a state of the model */
@@ -33,6 +35,12 @@ typedef struct {
     uint32_t last;  /* node of `last` that the state is at the end; FP3_NONE: none */
 } variable;
 
+/* A field of each entry of a relation gets the value of a node. */
+typedef struct {
+    uint32_t relation, field; /* of the model's fields */
+    uint32_t node;
+} fp3_kept;
+
 typedef struct {
     const fp3_model *model;
     uint32_t words; /* that the program is made for, as fp3_image has them */
@@ -45,6 +53,9 @@ typedef struct {
     uint32_t least;  /* of known: a number below which that counts as 0 */
     uint32_t rest_note;
     fp3_sight sight; /* what neighbours see */
+    /* What entries remember: each of these fields, at once, at a place of their own. */
+    fp3_kept kept[FP3_FIELDS_MAX];
+    uint32_t kept_count, kept_place;
     fp3_notes notes;
 } fp3_step;
 

@@ -139,6 +139,8 @@ static void print(printer *p, uint32_t expr, int around) {
         put(p, p->model->states[e->index].name);
     else if (e->op == FP3_EXPR_TIME)
         put(p, "t");
+    else if (e->op == FP3_EXPR_STEP)
+        put(p, FP3_NAME_STEP);
     else if (e->op == FP3_EXPR_PARAM)
         put(p, p->model->params[e->index].name);
     else if (is_of_neighbours(e->op))

@@ -83,6 +83,9 @@ fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group) {
     const uint32_t half = engine->config->store_words / 2;
     if (!group->lists.shape.is_any)
         return FP3_OK;
+    if (fp3_lists_remember(&group->lists))
+        return refuse(engine, "the hardware does not write entries of lists, so a program with "
+                              "`remember` runs on engines isa and fast");
     if (fp3_config_schedulers(engine->config) != 1)
         return refuse(engine, "objects that see each other need a configuration of one scheduler");
     if (group->visit->loads_in_front || group->visit->stores_behind)

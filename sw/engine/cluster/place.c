@@ -236,6 +236,11 @@ static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
         all |= group->lists.lists[k].is_all;
         linked |= !group->lists.lists[k].is_all && !group->lists.lists[k].is_near;
     }
+    if (fp3_lists_remember(&group->lists))
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "several ranks: entries of the model remember (`remember`), and what a "
+                        "pair remembers does not move from rank to rank with its object; one "
+                        "process with --threads runs the model");
     if (near > 1 || (near != 0) + linked + all > 1)
         return fp3_fail(engine->def.error, FP3_E_PROGRAM, "several ranks: a model with %s",
                         near > 1 ? "more than one relation `near`"

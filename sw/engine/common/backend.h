@@ -58,6 +58,9 @@ typedef struct {
     uint32_t at_once; /* a longer run is made in parts of as many steps; 0: in one */
     int begins_at_0;  /* a run makes steps of the first objects: fp3_engine_use has no other `first`
                        */
+    /* The row of each object, by which lists of near objects go; NULL, or the function is: its
+     * number. */
+    const uint32_t *(*rows)(const fp3_engine *engine);
     int is_divided;   /* other engines have the objects, and know who failed */
     int is_uncounted; /* no scheduler counts: all counters stay 0 */
     int is_in_host;   /* the store is the host's memory: it has room for FP3_HOST_OBJECTS */

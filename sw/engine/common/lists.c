@@ -2,14 +2,18 @@
 /* lists.c - lists of neighbours: copied, kept until the next load, made again as objects move. */
 #include "lists.h"
 
+#include "remember.h"
+
 #include <stdlib.h>
 #include <string.h>
 
 void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists *lists) {
     *lists = (fp3_lists){.shape = *shape};
     for (uint32_t i = 0; i < shape->list_count; i++)
-        lists->lists[i] = (fp3_list){
-            .reg = shape->lists[i].reg, .fields = shape->lists[i].fields, .objects = objects};
+        lists->lists[i] = (fp3_list){.reg = shape->lists[i].reg,
+                                     .fields = shape->lists[i].fields,
+                                     .kept = shape->lists[i].kept,
+                                     .objects = objects};
 }
 
 static void forget(fp3_list *list) {
@@ -47,6 +51,7 @@ fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *er
     const size_t entries = from->begin ? from->begin[to->objects] : 0;
     fp3_list made = {.reg = to->reg,
                      .fields = to->fields,
+                     .kept = to->kept,
                      .objects = to->objects,
                      .is_there = 1,
                      .is_all = !from->begin};
@@ -63,7 +68,10 @@ fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *er
 }
 
 void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule) {
-    forget(to);
+    if (to->is_near && fp3_list_remembers(to))
+        fp3_near_close(&to->near); /* the pairs keep what they remember */
+    else
+        forget(to);
     to->near =
         (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
     memcpy(to->near.regs, rule->regs, sizeof rule->regs);
@@ -123,16 +131,26 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
                                   .stride = stride,
                                   .objects = objects,
                                   .dimensions = list->near.dimensions};
-        uint32_t *begin, *other;
+        uint32_t *begin, *other, *field = NULL;
         for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
             now.position[k] = words[list->near.regs[k]];
         if (!list->is_near || !fp3_near_is_stale(&list->near, &now))
             continue;
         status = fp3_near_make(&list->near, &now, &begin, &other, error);
+        if (!status && list->fields)
+            status = fp3_list_merge(list, &now, &begin, &other, &field, error);
+        if (status && list->fields) { /* what is remembered stays */
+            free(begin);
+            free(other);
+            fp3_near_close(&list->near);
+            break;
+        }
         free(list->begin);
         free(list->other);
+        free(list->field);
         list->begin = begin;
         list->other = other;
+        list->field = field;
         *is_new = 1;
         if (status) /* the list is none: the next run makes it, wherever objects are */
             fp3_near_close(&list->near);

@@ -11,6 +11,7 @@
 /* One list of each object of a group. */
 typedef struct {
     uint32_t reg, fields; /* as of fp3_list_shape */
+    uint64_t kept;        /* likewise: the program writes them, each object those of its entries */
     int is_there;         /* the host has given it */
     int is_all;           /* all other objects, in the order of their numbers */
     int is_near;          /* those within a distance: the list is made as objects move */
@@ -42,6 +43,33 @@ void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
 void fp3_lists_take_order(fp3_lists *lists, uint32_t *order);
 /* rows: as many as the group has. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, fp3_error *error);
+
+/* ---- what entries remember ----
+ *
+ * Fields that the program writes. A list of those that are near is made again with what its pairs
+ * remember. A pair that remembers anything but +0 stays in it, however far it is: until the program
+ * has written +0, nobody can tell from the list how wide the skin is. */
+
+/* A copy, by the objects' numbers: of near objects those entries that remember something, else
+ * all of them. */
+typedef struct {
+    uint32_t *begin, *other; /* other: NULL if the host gave the list */
+    uint32_t *field;
+} fp3_remembered;
+
+static inline int fp3_list_remembers(const fp3_list *list) { return list->kept != 0; }
+/* Whether a list of the program has such fields. */
+int fp3_lists_remember(const fp3_lists *lists);
+/* row: of each object, NULL: its number. The caller frees with fp3_remembered_free, also after a
+ * failure. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_list_save(const fp3_list *list, const uint32_t *row, uint32_t objects,
+                         fp3_remembered *saved, fp3_error *error);
+/* Back: the list is the one of which it was saved, or one that was given likewise. */
+fp3_status fp3_list_restore(fp3_list *list, const uint32_t *row, uint32_t objects,
+                            const fp3_remembered *saved, fp3_error *error);
+void fp3_remembered_free(fp3_remembered *saved);
+/* Near lists after row i has got what was in row rows[i]. */
+fp3_status fp3_lists_move(fp3_lists *lists, const uint32_t *rows, uint32_t count, fp3_error *error);
 
 /* At the beginning of a phase: makes the lists of those that are near again, where they are stale.
  * Words of the group's objects: words[register] is that of row 0, NULL: there is none; row: of each

@@ -85,10 +85,12 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
                              const char *name, const fp3_near *near, uint32_t *regs) {
     const fp3_image *image = engine->layout.groups[group].image;
     fp3_error *error = engine->def.error;
-    if (list->fields || near->dimensions < 1 || near->dimensions > FP3_NEAR_DIMENSIONS)
+    const int is_given = ((list->fields < 64 ? (UINT64_C(1) << list->fields) - 1 : UINT64_MAX) &
+                          ~list->kept) != 0; /* fields that the program does not write */
+    if (is_given || near->dimensions < 1 || near->dimensions > FP3_NEAR_DIMENSIONS)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        list->fields ? "list '%s': entries have fields, but none are given"
-                                     : "list '%s': a position has 1 to 3 components",
+                        is_given ? "list '%s': entries have fields, but none are given"
+                                 : "list '%s': a position has 1 to 3 components",
                         name);
     if (!(near->reach >= FP3_NEAR_LEAST && near->reach <= FP3_NEAR_MOST && near->skin >= 0 &&
           near->skin <= FP3_NEAR_MOST))

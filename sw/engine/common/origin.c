@@ -6,7 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void forget_remembered(fp3_origin *o) {
+    for (uint32_t i = 0; i < o->groups; i++)
+        for (uint32_t k = 0; k < FP3_LISTS_MAX; k++)
+            fp3_remembered_free(&o->remembered[i][k]);
+    free(o->remembered);
+    o->remembered = NULL;
+    o->groups = 0;
+}
+
 static void forget_copies(fp3_origin *o) {
+    forget_remembered(o);
     free(o->registers);
     free(o->constants);
     free(o->known);
@@ -154,9 +164,51 @@ static fp3_status read_all(fp3_engine *engine) {
     return status;
 }
 
+/* What entries remember. */
+static fp3_status save_remembered(fp3_engine *engine) {
+    const fp3_layout *layout = &engine->layout;
+    const uint32_t *row = engine->backend->rows ? engine->backend->rows(engine) : NULL;
+    fp3_origin *o = engine->origin;
+    fp3_status status = FP3_OK;
+    int is_any = 0;
+    forget_remembered(o);
+    for (uint32_t i = 0; i < layout->count; i++)
+        is_any |= fp3_lists_remember(&layout->groups[i].lists);
+    if (!is_any)
+        return FP3_OK;
+    o->remembered = calloc(layout->count, sizeof *o->remembered);
+    if (!o->remembered)
+        return fp3_no_memory(engine->def.error);
+    o->groups = layout->count;
+    for (uint32_t i = 0; i < layout->count; i++) {
+        const fp3_members *group = &layout->groups[i];
+        for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
+            if (fp3_list_remembers(&group->lists.lists[k]))
+                status = fp3_list_save(&group->lists.lists[k], row, group->rows,
+                                       &o->remembered[i][k], engine->def.error);
+    }
+    return status;
+}
+
+fp3_status fp3_origin_remember(const fp3_engine *engine, const uint32_t *row, fp3_layout *layout,
+                               fp3_error *error) {
+    const fp3_origin *o = engine->origin;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < o->groups; i++) {
+        fp3_members *group = &layout->groups[i];
+        for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
+            if (fp3_list_remembers(&group->lists.lists[k]))
+                status = fp3_list_restore(&group->lists.lists[k], row, group->rows,
+                                          &o->remembered[i][k], error);
+    }
+    return status;
+}
+
 fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps) {
     fp3_origin *o = engine->origin;
-    const fp3_status status = o->registers ? read_all(engine) : FP3_OK;
+    fp3_status status = o->registers ? read_all(engine) : FP3_OK;
+    if (!status && o->registers)
+        status = save_remembered(engine);
     o->clock = engine->clock;
     o->made = engine->made;
     o->visit = engine->def.visit;

@@ -16,7 +16,10 @@ struct fp3_origin {
     uint32_t *constants; /* of all groups */
     uint64_t *known;     /* of each object: the registers that are as they are here */
     uint64_t *began;     /* ... that were when the last run began */
-    int has_constants;   /* the constants are as they are here */
+    /* Of each group and list: what entries remembered when the last run began. */
+    fp3_remembered (*remembered)[FP3_LISTS_MAX];
+    uint32_t groups;   /* of these */
+    int has_constants; /* the constants are as they are here */
     /* The last run. is_complete: it came to its end, and nothing was written or loaded since. */
     uint32_t clock, visit, seed, steps, flags;
     uint64_t made; /* before it, as lifetimes count */
@@ -32,6 +35,11 @@ void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words);
 /* A load. is_moved: objects and constants are elsewhere, and may have lost something. FP3_E_SYSTEM:
  * out of memory. */
 fp3_status fp3_origin_load(fp3_engine *engine, int is_moved);
+
+/* Gives the lists of another engine, which was loaded likewise, what entries remembered when the
+ * last run began; row: as of fp3_list_restore. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_origin_remember(const fp3_engine *engine, const uint32_t *row, fp3_layout *layout,
+                               fp3_error *error);
 
 /* Before and after a run of so many steps. */
 fp3_status fp3_origin_begin(fp3_engine *engine, uint32_t steps);

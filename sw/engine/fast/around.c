@@ -63,6 +63,20 @@ static void look(const interpreter *in, const fp3_fast_given *list, const fp3_fa
     fp3_fast_fill_row(to, row);
 }
 
+/* A field of the entries of these lanes. */
+static void remember(const interpreter *in, const fp3_fast_given *list, const fp3_fast_word *word,
+                     uint32_t turn, const uint32_t *which, const fp3_fast_lanes *from) {
+    for (uint32_t i = 0; i < from->count; i++) {
+        const size_t at = list->begin[in->first + which[i]] + (size_t)turn;
+        const float value = from->rows[word->in.d][i];
+        uint32_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        if (word->is_one_nan && (bits & 0x7fffffffu) > 0x7f800000u)
+            bits = FP3_BITS_NAN;
+        list->field[at * list->fields + word->number] = bits;
+    }
+}
+
 static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t turn,
                      const uint32_t *which, fp3_fast_lanes *lanes) {
     const fp3_fast_given *list = &in->group->lists[loop->list].given;
@@ -71,7 +85,9 @@ static void run_body(const interpreter *in, const fp3_fast_loop *loop, uint32_t 
         const int is_load = word->in.op == FP3_OP_LDN || word->in.op == FP3_OP_LDL;
         if (word->gives != FP3_GIVES_NOTHING)
             look(in, list, word, turn, which, lanes, is_load ? word->in.d : FP3_BANK_OBJECT_COUNT);
-        if (!is_load)
+        if (word->in.op == FP3_OP_STL)
+            remember(in, list, word, turn, which, lanes);
+        else if (!is_load)
             run_words(in, lanes, pc, pc + 1);
     }
 }
@@ -232,6 +248,21 @@ static void run_native_with_hints(const interpreter *in, uint32_t phase) {
     interpret(in, phase);
 }
 
+/* A phase that has changed what entries remember cannot be made again. */
+static int may_be_made_again(const fp3_fast_plan *plan, uint32_t phase) {
+    int is_any = 0;
+    for (uint32_t pc = plan->phase[phase]; pc < plan->phase[phase + 1]; pc++)
+        is_any |= plan->code[pc].in.op == FP3_OP_STL;
+    return !is_any;
+}
+
+static void run_or_interpret(const interpreter *in, uint32_t phase) {
+    if (may_be_made_again(&in->fast->plan, phase))
+        run_native_with_hints(in, phase);
+    else
+        interpret(in, phase);
+}
+
 void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fast_group *group,
                     uint32_t phase, uint32_t first, uint32_t count) {
     const uint64_t callers = fp3_fpu_begin(fast->plan.config->nearest);
@@ -247,8 +278,9 @@ void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fas
     fp3_fast_wake(&worker->aside);
     if (!fast->native.library)
         interpret(&in, phase);
-    else if (FP3_FPU_IS_EARLY && !(worker->confirmed & FP3_FLAG_UNDERFLOW))
-        run_native_with_hints(&in, phase);
+    else if (FP3_FPU_IS_EARLY && !(worker->confirmed & FP3_FLAG_UNDERFLOW) &&
+             phase < fp3_fast_phases(fast))
+        run_or_interpret(&in, phase);
     else
         run_native(&in, phase);
     worker->confirmed |= fp3_fast_raised(worker->now.seen | worker->aside.seen);

@@ -96,7 +96,8 @@ static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g)
                                       .objects =
                                           l->is_all ? l->objects : members->from + members->objects,
                                       .rows = members->rows,
-                                      .is_fixed = !l->is_near};
+                                      .is_fixed = !l->is_near,
+                                      .is_written = fp3_list_remembers(l)};
         status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
                                engine->def.error);
     }
@@ -265,7 +266,7 @@ double fp3_around_turns(const fp3_engine *engine) {
 }
 
 /* A run that does not come to its end leaves objects as they were, as on the other engines. */
-static void undo(fp3_engine *engine) {
+static fp3_status undo(fp3_engine *engine) {
     fast *self = engine->self;
     const fp3_origin *o = engine->origin;
     for (size_t reg = 0; reg < engine->config->registers; reg++)
@@ -273,6 +274,8 @@ static void undo(fp3_engine *engine) {
             if (o->began[i] >> reg & 1)
                 self->column[reg][self->row ? self->row[i] : i] =
                     o->registers[reg * engine->objects + i];
+    fp3_around_forget(&self->groups[0]);
+    return fp3_origin_remember(engine, self->row, &engine->layout, engine->def.error);
 }
 
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
@@ -295,7 +298,6 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
         }
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }
-    if (status)
-        undo(engine);
-    return status;
+    const fp3_status undone = status ? undo(engine) : FP3_OK;
+    return undone ? undone : status;
 }

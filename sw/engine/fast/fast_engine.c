@@ -138,6 +138,10 @@ static fp3_status fast_check(fp3_engine *engine, const fp3_members *members) {
     return fp3_fast_check(&def, engine->def.error);
 }
 
+static const uint32_t *fast_rows(const fp3_engine *engine) {
+    return ((const fast *)engine->self)->row;
+}
+
 static fp3_status fast_connect(fp3_engine *engine, fp3_members *members, const fp3_list *list) {
     fast *self = engine->self;
     (void)list;
@@ -474,6 +478,7 @@ const fp3_backend fp3_backend_fast = {
     .write = fast_write,
     .column = fast_column,
     .gather = fast_gather,
+    .rows = fast_rows,
     .connect = fast_connect,
     .list = fast_list,
     .run = fast_run,

@@ -32,8 +32,15 @@ fp3_status fp3_order_undo(fp3_engine *engine) {
     uint32_t *scratch = malloc(engine->objects * sizeof *scratch);
     if (!scratch)
         return fp3_no_memory(engine->def.error);
-    move(self, self->row, engine->objects, scratch);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        status = fp3_lists_move(&engine->layout.groups[i].lists, self->row, engine->objects,
+                                engine->def.error);
+    if (!status)
+        move(self, self->row, engine->objects, scratch);
     free(scratch);
+    if (status)
+        return status;
     free(self->row);
     self->row = NULL;
     self->order_due = 0;
@@ -75,6 +82,8 @@ static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
         status = fp3_near_order(&members->lists.lists[0].near, now, scratch, engine->def.error);
     if (!status)
         put_guests_behind(members, scratch, rows);
+    if (!status)
+        status = fp3_lists_move(&members->lists, rows, count, engine->def.error);
     if (!status) {
         move(self, rows, count, scratch);
         for (uint32_t i = 0; i < count; i++)

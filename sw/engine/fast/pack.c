@@ -184,7 +184,7 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
         others = is_for_nobody ? -1 : others_of(p, v, entry);
     if (others < 0)
         base = -1;
-    const int is_same = are_fields_the_same(p, entry);
+    const int is_same = !g->is_written && are_fields_the_same(p, entry);
     const unsigned takes = is_for_nobody ? 0 : v->takes;
     int *at = p->tape + p->size;
     p->turn[p->turns++] = p->size;
@@ -194,7 +194,9 @@ static void put_turn(packer *p, const vector *v, int is_for_nobody) {
     *at++ = (int)((is_same ? FP3_TURN_SAME : 0u) | takes << FP3_TURN_TAKES);
     for (unsigned i = 0; base < 0 && i < p->lanes; i++)
         *at++ = (int)g->other[entry[i]];
-    for (uint32_t f = 0; f < g->fields; f++)
+    for (unsigned i = 0; g->is_written && i < p->lanes; i++)
+        *at++ = (int)(entry[i] * g->fields);
+    for (uint32_t f = 0; !g->is_written && f < g->fields; f++)
         for (unsigned i = 0; i < (is_same ? 1 : p->lanes); i++)
             memcpy(at++, &g->field[(size_t)entry[i] * g->fields + f], sizeof *at);
     p->size = (size_t)(at - p->tape);
@@ -310,6 +312,9 @@ fp3_status fp3_fast_pack(const fp3_fast_given *given, unsigned lanes, fp3_fast_p
     *packed = (fp3_fast_packed){.given = *given, .list = {.objects = given->objects}};
     if (!given->begin || !lanes)
         return FP3_OK;
+    if (given->is_written && (uint64_t)given->begin[given->objects] * given->fields > INT32_MAX)
+        return fp3_fail(error, FP3_E_LIMIT,
+                        "lists that remember have more than 2147483647 fields in all");
     const uint32_t vectors = (given->objects + lanes - 1) / lanes;
     packed->start = malloc((vectors + (size_t)1) * sizeof *packed->start);
     if (!packed->start)
@@ -323,6 +328,7 @@ fp3_status fp3_fast_pack(const fp3_fast_given *given, unsigned lanes, fp3_fast_p
     packed->is_gathered = p.is_gathered;
     packed->list.start = packed->start;
     packed->list.tape = packed->tape;
+    packed->list.field = given->is_written ? (int *)(void *)given->field : NULL;
     free(p.turn);
     return status;
 }

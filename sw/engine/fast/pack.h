@@ -12,8 +12,9 @@
 typedef struct {
     const uint32_t *begin; /* objects + 1; NULL: all others */
     const uint32_t *other;
-    const uint32_t *field;
+    uint32_t *field;
     uint32_t fields, objects, rows; /* rows: of all that may be a neighbour */
+    int is_written;                 /* a program writes fields */
     int is_fixed; /* it lasts: worth a search for neighbours that stand side by side */
 } fp3_fast_given;
 

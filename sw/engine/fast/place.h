@@ -57,8 +57,9 @@ typedef struct {
  * neighbour at all and for each turn base, others, kind   the neighbours are base, base + 1 .., and
  * for those that have none others, others + 1 ..; base < 0: they are those of a row that follows
  *     neighbours           a row, if base < 0
- *     fields               a row of each; with FP3_TURN_SAME one word of each
- * Turns come FP3_TURNS_BESIDE at a time; the last of them may be padding. */
+ *     fields               a row of each; with FP3_TURN_SAME one word of each. Of a list whose
+ * fields are written: a row, where in `field` those of each lane's entry begin Turns come
+ * FP3_TURNS_BESIDE at a time; the last of them may be padding. */
 #define FP3_TURN_HEAD 3 /* words */
 #define FP3_TURN_SAME 1 /* all with the same fields */
 /* Of the first of them: in all every object has a neighbour, from base on, with the same fields. */
@@ -71,6 +72,7 @@ typedef struct {
      * object t. */
     const unsigned long *start;
     const int *tape;
+    int *field; /* of a list whose fields are written: all of them */
 } fp3_fast_list;
 
 /* A phase of objects that see each other. */

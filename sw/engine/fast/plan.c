@@ -23,6 +23,11 @@ static int is_of_neighbour(const fp3_instruction *in) {
     return in->op == FP3_OP_LDN || in->op == FP3_OP_LDL;
 }
 
+/* Register d is written to a record or an entry. */
+static int is_kept(const fp3_instruction *in) {
+    return in->op == FP3_OP_ST || in->op == FP3_OP_STL;
+}
+
 static uint32_t sources_of(const fp3_instruction *in) {
     return fp3_operation_find(in->op)->sources;
 }
@@ -93,6 +98,8 @@ static void find_given(fp3_fast_word *p, const fp3_operation *of, uint32_t *load
     if (in.op == FP3_OP_EACH)
         *loaded = 0;
     p->gives = of->gives;
+    if (of->takes_field)
+        p->number = fp3_operand(&in, of->number);
     if (p->gives == FP3_GIVES_NOTHING)
         return;
     p->number = of->number ? fp3_operand(&in, of->number) : (*loaded)++;
@@ -127,7 +134,7 @@ static uint64_t before(const fp3_instruction *in, uint64_t live, uint64_t asleep
     const fp3_operation *of = fp3_operation_find(in->op);
     if (of->writes == FP3_WRITES_ALWAYS)
         live &= ~bit(in->d);
-    if (in->op == FP3_OP_ST)
+    if (is_kept(in))
         live |= bit(in->d);
     if (in->op == FP3_OP_SLEEP)
         live |= asleep;
@@ -147,7 +154,7 @@ static uint64_t pass_loop(fp3_fast_plan *plan, fp3_fast_loop *loop, uint64_t aft
         head = pass_words(plan, loop->first, loop->end, after | head, 0);
     }
     for (uint32_t pc = loop->first; pc < loop->end; pc++)
-        written |= bit(plan->code[pc].in.d);
+        written |= is_kept(&plan->code[pc].in) ? 0 : bit(plan->code[pc].in.d);
     loop->kept = written & (after | head);
     loop->outside = head & ~loop->kept;
     return after | head;
@@ -235,9 +242,9 @@ static int makes_subnormal(uint32_t op) { return op == FP3_OP_RCP || op == FP3_O
 static void follow(fp3_fast_word *p, const fp3_config *config, unsigned char *from,
                    uint64_t *mixed) {
     const fp3_instruction *in = &p->in;
-    if (in->op == FP3_OP_ST && from[in->d] == (OF_HOST | OF_ADDER))
+    if (is_kept(in) && from[in->d] == (OF_HOST | OF_ADDER))
         *mixed |= bit(in->d);
-    if (in->op == FP3_OP_ST)
+    if (is_kept(in))
         p->is_one_nan = from[in->d] == OF_ADDER;
     if (is_load(in) || is_of_neighbour(in))
         from[in->d] = OF_HOST;
@@ -330,7 +337,7 @@ static int are_folds(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint3
         const fp3_instruction *in = &plan->code[pc].in;
         if (is_arithmetic(in))
             computed |= bit(in->d);
-        else if (in->op != FP3_OP_ST)
+        else if (!is_kept(in))
             computed &= ~bit(in->d);
     }
     for (uint32_t pc = loop->first; pc < loop->end; pc++)
@@ -375,9 +382,10 @@ static void mark(fp3_fast_plan *plan) {
     const int all = plan->sleeps && !plan->config->interleave;
     for (uint32_t pc = 0; pc < plan->count; pc++) {
         fp3_fast_word *p = &plan->code[pc];
-        if (p->in.op == FP3_OP_ST) {
+        if (is_kept(&p->in)) {
             p->is_one_nan &= !(mixed & bit(p->in.d));
-            p->is_rounded = plan->config->storage && (int)p->in.d != plan->slept;
+            p->is_rounded =
+                p->in.op == FP3_OP_ST && plan->config->storage && (int)p->in.d != plan->slept;
         }
         if (!is_arithmetic(&p->in) && !is_load(&p->in))
             continue;

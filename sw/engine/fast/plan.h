@@ -32,7 +32,7 @@ typedef struct {
     fp3_instruction
         in; /* arithmetic with what a neighbour gives: of registers, one of them FP3_FAST_GIVEN */
     fp3_gives gives; /* what a neighbour gives: to register d, or as that operand */
-    uint32_t number; /* ... of the word or of the field */
+    uint32_t number; /* ... of the word or of the field; of `stl` that of the field */
     int is_dead;     /* nothing reads its result: it counts for its flags alone */
     int is_unread;   /* no step reads its result: in all steps but the last one it counts for its
                         flags alone */

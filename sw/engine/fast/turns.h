@@ -5,6 +5,19 @@
 /* A vector that stands anywhere. */
 FP3_OPERATION fp3_i fp3_row(const int *at) { return (fp3_i) * (const fp3_loose *)at; }
 
+/* A field of each lane's entry, whose fields begin at `at`; and back, of those that take part. */
+FP3_OPERATION fp3_i fp3_entries(const int *field, const int *at, int number) {
+    fp3_i words;
+    for (int k = 0; k < FP3_LANES; k++)
+        words[k] = field[at[k] + number];
+    return words;
+}
+FP3_OPERATION void fp3_remember(int *field, const int *at, int number, fp3_i takes, fp3_i words) {
+    for (int k = 0; k < FP3_LANES; k++)
+        if (takes[k])
+            field[at[k] + number] = words[k];
+}
+
 FP3_OPERATION fp3_i fp3_takes(int kind, fp3_i lanes) {
     return ((fp3_all(kind >> FP3_TURN_TAKES) >> lanes) & 1) != 0;
 }

@@ -45,6 +45,11 @@ static int is_loaded(const fp3_fast_word *p) {
     return p->in.op == FP3_OP_LDN || p->in.op == FP3_OP_LDL;
 }
 
+/* Whether a loop over its list writes fields. */
+static int is_written(const writer *w, const fp3_fast_loop *l) {
+    return w->plan->around.lists[l->list].kept != 0;
+}
+
 /* Words of a turn on the tape, if it is plain. */
 static uint32_t stride(const writer *w, const fp3_fast_loop *l) {
     return FP3_TURN_HEAD + w->plan->around.lists[l->list].fields;
@@ -105,7 +110,11 @@ static void take_from_list(const writer *w, const fp3_fast_loop *l, unsigned s) 
     fprintf(w->to, "                }\n            } else {\n");
     take_from_records(w, l, s);
     fprintf(w->to, "                at += FP3_LANES;\n            }\n");
-    if (count) {
+    if (is_written(w, l)) {
+        fprintf(w->to, "            entries_%u = at;\n", s);
+        take(w, l, s, FP3_GIVES_FIELD, "fp3_entries(l->field, at, %" PRIu32 ")");
+        fprintf(w->to, "            at += FP3_LANES;\n");
+    } else if (count) {
         fprintf(w->to, "            if (kind & FP3_TURN_SAME) {\n");
         take(w, l, s, FP3_GIVES_FIELD, "fp3_all(at[%" PRIu32 "])");
         fprintf(w->to, "                at += %" PRIu32 ";\n            } else {\n", count);
@@ -140,6 +149,8 @@ static void begin(const writer *w, const fp3_fast_loop *l, unsigned s, kind of) 
         if (w->plan->code[pc].gives != FP3_GIVES_NOTHING)
             fprintf(w->to, "            fp3_v n%" PRIu32 "_%u;\n", pc, s);
     fprintf(w->to, "            fp3_i takes_%u;\n", s);
+    if (of == LIST && is_written(w, l))
+        fprintf(w->to, "            const int *entries_%u;\n            (void)entries_%u;\n", s, s);
     if (of == ALL_BUT_ONE)
         take_from_all(w, l, s);
     else
@@ -198,6 +209,14 @@ static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s
     }
     if (p->gives != FP3_GIVES_NOTHING)
         give(w, l, pc, s, of);
+    if (p->in.op == FP3_OP_STL) {
+        fprintf(w->to,
+                "            fp3_remember(l->field, entries_%u, %" PRIu32
+                ", takes_%u, (fp3_i)%sr%" PRIu32 "_%u%s);\n",
+                s, p->number, s, p->is_one_nan ? "fp3_one_nan(" : "", p->in.d, s + 1,
+                p->is_one_nan ? ")" : "");
+        return;
+    }
     FP3_EACH_REGISTER (kept & ~t->taken, reg)
         copy(w, reg, s + 1, s);
     t->taken |= kept;
@@ -262,9 +281,14 @@ static void loop_over_list(const writer *w, const fp3_fast_loop *l) {
                    "            at += FP3_LANES;\n            (void)from;\n");
     FP3_EACH_REGISTER (l->outside, reg)
         fprintf(w->to, "            e%" PRIu32 " = fp3_from(e%" PRIu32 ", from);\n", reg, reg);
-    fprintf(w->to, "        }\n"
-                   "        while (at < end)\n"
-                   "            if (at[2] & FP3_TURN_PLAIN) {\n");
+    fprintf(w->to, "        }\n        while (at < end)\n");
+    if (is_written(w, l)) { /* no turn is plain */
+        fprintf(w->to, "            {\n");
+        turns(w, l, LIST);
+        fprintf(w->to, "            }\n");
+        return;
+    }
+    fprintf(w->to, "            if (at[2] & FP3_TURN_PLAIN) {\n");
     turns(w, l, PLAIN);
     fprintf(w->to, "            } else {\n");
     turns(w, l, LIST);

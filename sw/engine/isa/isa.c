@@ -5,6 +5,7 @@
  * executed for all objects before the next one, as if there were a context for each.
  */
 #include "engine/common/backend.h"
+#include "engine/common/lists.h"
 
 #include "gen/registers.h"
 
@@ -36,6 +37,7 @@ typedef struct {
     char *listed;            /* the next round visits the object */
     char *is_over;           /* the group's run has ended before its time */
     uint64_t executed, told; /* instructions of this run: all, and when that was last told */
+    fp3_remembered remembered[FP3_LISTS_MAX]; /* by the lists of the group, before this round */
 } isa;
 
 /* A loop over neighbours: who has an entry for this turn goes through it. */
@@ -92,6 +94,8 @@ static void isa_close(fp3_engine *engine) {
         free(self->listed);
         free(self->is_over);
         free(self->shared);
+        for (uint32_t i = 0; i < FP3_LISTS_MAX; i++)
+            fp3_remembered_free(&self->remembered[i]);
     }
     free(self);
 }
@@ -188,10 +192,10 @@ static uint32_t neighbours_word(const round_of *r, uint32_t object, uint32_t wor
     return ((const isa *)engine->self)->store[other * engine->config->registers + word];
 }
 
-static uint32_t entrys_field(const round_of *r, uint32_t object, uint32_t number) {
+static uint32_t *entrys_field(const round_of *r, uint32_t object, uint32_t number) {
     const fp3_list *list = r->loop.list;
     const size_t entry = list->begin[object - members(r)->first] + r->loop.turn;
-    return list->field[entry * list->fields + number];
+    return &list->field[entry * list->fields + number];
 }
 
 /* What a neighbour gives an instruction. */
@@ -199,7 +203,7 @@ static uint32_t given(const round_of *r, uint32_t object, const fp3_decoded *wor
     const char letter = word->of->number;
     const uint32_t number = letter ? fp3_operand(&word->in, letter) : r->loop.loaded;
     return word->of->gives == FP3_GIVES_WORD ? neighbours_word(r, object, number)
-                                             : entrys_field(r, object, number);
+                                             : *entrys_field(r, object, number);
 }
 
 /* An instruction that an object executes. */
@@ -222,6 +226,9 @@ static void execute(const round_of *r, uint32_t object, const fp3_decoded *word)
                             : fp3_stored(config, registers[in->d],
                                          &(fp3_draw){r->seed, object, r->number, in->d}, &flags);
         note_flags(r, object, flags);
+        break;
+    case FP3_OP_STL:
+        *entrys_field(r, object, in->a) = registers[in->d];
         break;
     case FP3_OP_LD:
         retire(r, object, in->d, record[in->d], 0);
@@ -426,14 +433,40 @@ static int begin_round(const round_of *r) {
     return is_anybody_awake(r);
 }
 
+/* What entries remember, before a round. */
+static fp3_status keep_remembered(const round_of *r) {
+    const fp3_members *group = members(r);
+    isa *self = r->engine->self;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < group->lists.shape.list_count; i++) {
+        fp3_remembered_free(&self->remembered[i]);
+        if (fp3_list_remembers(&group->lists.lists[i]))
+            status = fp3_list_save(&group->lists.lists[i], NULL, group->rows, &self->remembered[i],
+                                   r->engine->def.error);
+    }
+    return status;
+}
+
+static fp3_status undo_remembered(const round_of *r) {
+    fp3_members *group = &r->engine->layout.groups[r->group];
+    const isa *self = r->engine->self;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < group->lists.shape.list_count; i++)
+        if (fp3_list_remembers(&group->lists.lists[i]))
+            status = fp3_list_restore(&group->lists.lists[i], NULL, group->rows,
+                                      &self->remembered[i], r->engine->def.error);
+    return status;
+}
+
 /* Of visits that did not come to their end nothing is stored. */
-static void undo_round(const round_of *r) {
+static fp3_status undo_round(const round_of *r) {
     const fp3_members *group = members(r);
     isa *self = r->engine->self;
     const size_t words_each = r->engine->config->registers,
                  first = fp3_members_begin(group) * words_each;
     memcpy(&self->store[first], &self->before[first],
            group->objects * words_each * sizeof *self->store);
+    return undo_remembered(r);
 }
 
 /* A round of every group that goes on; *is_any: one did. One whose program ends at an illegal word,
@@ -445,14 +478,19 @@ static void make_rounds(round_of r, fp3_status *status, fp3_error *why, int *is_
         round_of of_group = r;
         if (self->is_over[r.group] || !begin_round(&of_group))
             continue;
-        const fp3_status end = make_round(&of_group);
+        fp3_status end = keep_remembered(&of_group);
+        if (!end)
+            end = make_round(&of_group);
         *is_any |= !end;
         if (!end)
             continue;
-        undo_round(&of_group);
         self->is_over[r.group] = 1;
         if (!*status && engine->def.error)
             *why = *engine->def.error;
+        const fp3_status undone = undo_round(&of_group);
+        if (undone && engine->def.error)
+            *why = *engine->def.error;
+        end = undone ? undone : end;
         *status = *status ? *status : end;
     }
 }

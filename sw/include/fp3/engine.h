@@ -399,7 +399,7 @@ typedef struct {
  * run needs all lists of its programs. On "rtl" lists are in the object store, behind the records:
  * a run ends with FP3_E_PROGRAM if they do not fit. FP3_E_ARGUMENT: no such group or list; an entry
  * is not another object of the group; fields are missing; or nothing is loaded. After an error the
- * list is unchanged. */
+ * list is unchanged. Fields that the program writes (`stl`) begin with what is given here. */
 fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const char *name,
                                      const fp3_neighbours *neighbours);
 
@@ -429,7 +429,10 @@ typedef struct {
 
 /* Lets the engine make a list, and renew it before a pair could be missed. Lists may contain
  * objects beyond reach; the program must skip them itself. An object whose position is not finite
- * is near no other object. FP3_E_ARGUMENT: as above. */
+ * is near no other object. Fields that the program writes (`stl`) are 0 for a pair that comes into
+ * the list, and stay as long as the pair is in it, also when the reach is set again; a program must
+ * write 0 for a pair beyond reach. FP3_E_ARGUMENT: as above; or the program reads fields that it
+ * does not write. */
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
                                const fp3_near *near);
 

@@ -74,6 +74,7 @@ enum fp3_opcode {
     FP3_OP_SUBL  = 138,
     FP3_OP_RSBL  = 139,
     FP3_OP_MULL  = 140,
+    FP3_OP_STL   = 141,
 };
 
 /* The hardware's counters: docs/registers.md. */

@@ -71,7 +71,8 @@ FP3_API_BEGIN
     X(FIELD, 0, 0)       /* of the link to it; index: of fields */                                 \
     X(TOTAL, 2, 0)       /* b, and a for each neighbour added to it; index: of relations */        \
     X(LEAST, 2, 0)       /* the least of b and of a for each neighbour, likewise */                \
-    X(MOST, 2, 0)        /* the most of these */
+    X(MOST, 2, 0)        /* the most of these */                                                   \
+    X(STEP, 0, 0)        /* h, the time step */
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
@@ -151,12 +152,19 @@ typedef enum {
 typedef struct {
     char name[FP3_NAME_SIZE];
     fp3_relation_kind kind;
-    uint32_t first_field, field_count; /* links: of fp3_model.fields */
+    uint32_t first_field, field_count; /* of fp3_model.fields */
     /* near: the first state of the position, its number of components, and the reach, an expression
      * of shared params. */
     uint32_t position, dimensions, reach;
     uint32_t line;
 } fp3_relation;
+
+/* What each entry remembers: after each step, its projections and events, the field gets the value
+ * of the expression, for each neighbour. All fields get their values at once. */
+typedef struct {
+    uint32_t relation, field; /* of fp3_model.fields */
+    uint32_t expr, line;
+} fp3_memory;
 
 typedef struct {
     char name[FP3_NAME_SIZE];
@@ -176,9 +184,10 @@ typedef struct {
     fp3_expr *exprs;
     /* How objects see others; the fields of links have a value (default), a unit and no
      * equation. */
-    uint32_t relation_count, field_count;
+    uint32_t relation_count, field_count, memory_count;
     fp3_relation *relations;
     fp3_quantity *fields;
+    fp3_memory *memories; /* each field once; all fields of near objects are among these */
 } fp3_model;
 
 /* source has size bytes, needs no NUL and may hold any bytes. name appears in the report.
@@ -225,6 +234,11 @@ int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double
  * fp3_model_evaluate expressions of neighbours are NaN. The message names the relation and its
  * line. */
 fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
+
+/* The line of the model's first `remember`, or 0. */
+static inline uint32_t fp3_model_remembers(const fp3_model *model) {
+    return model->memory_count ? model->memories[0].line : 0;
+}
 
 /* The index of the state or param of this name, or FP3_NONE. */
 uint32_t fp3_model_state(const fp3_model *model, const char *name);

@@ -6,6 +6,7 @@
 #include "world/apply.h"
 #include "world/values_own.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,6 +187,13 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
     fp3_object_values values = {0};
     if (!o)
         return fp3_no_memory(error);
+    if (fp3_model_remembers(program->model)) {
+        fp3_others_close(others);
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "the check looks at one object for a time, and what its pairs remember "
+                        "(line %" PRIu32 " of the model) is not part of its state",
+                        fp3_model_remembers(program->model));
+    }
     o->model = program->model;
     o->columns = columns;
     o->objects = objects;
