@@ -8,28 +8,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int has_entry(const fp3_list *list, uint32_t object, uint32_t wanted) {
-    for (uint32_t i = list->begin[object]; i < list->begin[object + 1]; i++)
-        if (list->other[i] == wanted)
+static int has_entry(const fp3_entries *of, uint32_t object, uint32_t wanted) {
+    for (uint32_t i = of->begin[object]; i < of->begin[object + 1]; i++)
+        if (of->other[i] == wanted)
             return 1;
     return 0;
 }
 
 /* Mostly both ends have the link in their lists: the lower number tells it. */
-static int is_told(const fp3_list *list, uint32_t object, uint32_t other) {
-    return object < other || !has_entry(list, other, object);
+static int is_told(const fp3_entries *of, uint32_t object, uint32_t other) {
+    return object < other || !has_entry(of, other, object);
 }
 
+/* Also those of objects that do not live. */
 static fp3_status find_links(const fp3_list *list, fp3_around_list *found, fp3_error *error) {
-    const size_t entries = list->begin[list->objects];
+    const fp3_entries all = fp3_list_given(list);
+    const size_t entries = all.begin[list->objects];
     found->pairs = malloc((2 * entries + 1) * sizeof *found->pairs);
     if (!found->pairs)
         return fp3_no_memory(error);
     for (uint32_t object = 0; object < list->objects; object++)
-        for (uint32_t i = list->begin[object]; i < list->begin[object + 1]; i++)
-            if (is_told(list, object, list->other[i])) {
+        for (uint32_t i = all.begin[object]; i < all.begin[object + 1]; i++)
+            if (is_told(&all, object, all.other[i])) {
                 found->pairs[2 * found->count] = object;
-                found->pairs[2 * found->count++ + 1] = list->other[i];
+                found->pairs[2 * found->count++ + 1] = all.other[i];
             }
     return FP3_OK;
 }

@@ -65,10 +65,11 @@ static void add_list(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const fp3_lis
         calls->sum_add(sum, list->near.regs, list->near.dimensions * sizeof *list->near.regs);
         calls->sum_add(sum, &list->near.reach, sizeof list->near.reach);
     } else if (!list->is_all && list->begin) {
-        const size_t entries = list->begin[list->objects];
-        calls->sum_add(sum, list->begin, (list->objects + (size_t)1) * sizeof *list->begin);
-        calls->sum_add(sum, list->other, entries * sizeof *list->other);
-        calls->sum_add(sum, list->field, entries * list->fields * sizeof *list->field);
+        const fp3_entries all = fp3_list_given(list); /* whoever lives now */
+        const size_t entries = all.begin[list->objects];
+        calls->sum_add(sum, all.begin, (list->objects + (size_t)1) * sizeof *all.begin);
+        calls->sum_add(sum, all.other, entries * sizeof *all.other);
+        calls->sum_add(sum, all.field, entries * list->fields * sizeof *all.field);
     }
 }
 

@@ -397,20 +397,28 @@ fp3_status fp3_batch_run(fp3_batch *b, uint64_t steps) {
     return b->may_fail || !b->used ? FP3_OK : tell_failures(b);
 }
 
+/* Of objects that see each other those that are not used do not live: nobody sees them. were: those
+ * that live until now. */
+static fp3_status use(fp3_batch *b, size_t were, size_t count) {
+    if (!fp3_relations_are(&b->relations)) {
+        fp3_engine_use(b->engine, 0, count);
+        return FP3_OK;
+    }
+    return count < were
+               ? fp3_engine_live(b->engine, count, were - count, FP3_FOREVER - 1, FP3_FOREVER)
+               : fp3_engine_live(b->engine, were, count - were, 0, FP3_FOREVER);
+}
+
 fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
     if (!b)
         return FP3_E_ARGUMENT;
     if (count > b->objects)
         return fp3_fail(b->error, FP3_E_ARGUMENT, "%zu objects: there are %zu", count, b->objects);
-    if (count < b->objects && fp3_relations_are(&b->relations))
-        return fp3_fail(
-            b->error, FP3_E_ARGUMENT,
-            "%zu of %zu objects: objects that see each other all make steps, because what "
-            "neighbours read is kept twice, and the copies take turns in each phase",
-            count, b->objects);
+    const fp3_status status = use(b, b->used, count);
+    if (status)
+        return status;
     b->used = count;
     b->is_suspect = 1;
-    fp3_engine_use(b->engine, 0, count);
     return FP3_OK;
 }
 
@@ -420,8 +428,9 @@ fp3_status fp3_batch_restart(fp3_batch *b) {
     if (!b)
         return FP3_E_ARGUMENT;
     fp3_engine_use(b->engine, 0, b->objects);
-    const fp3_status status = fp3_engine_load(b->engine, b->image);
-    fp3_engine_use(b->engine, 0, b->used);
+    fp3_status status = fp3_engine_load(b->engine, b->image); /* all live, always */
+    const fp3_status used = use(b, b->objects, b->used);
+    status = status ? status : used;
     if (status)
         return status;
     fp3_fields_restart(b->fields);

@@ -253,7 +253,8 @@ static fp3_status read_objects(const reader *r, const config_setting_t *from,
 static fp3_status check_lives(const reader *r, const config_setting_t *from,
                               const fp3_scene_group *group) {
     const config_setting_t *born = config_setting_get_member(from, "born");
-    if (!fp3_lifetime_is_any(group) || !r->machine->interleave || r->machine->sleep)
+    if (!fp3_lifetime_is_any(group) || !r->machine->interleave || r->machine->sleep ||
+        (group->program && group->program->sees_others))
         return FP3_OK;
     return fp3_setting_wrong(&r->in, born ? born : config_setting_get_member(from, "gone"),
                              "born, gone: configuration '%s' has no sleep: all its objects make "
@@ -277,9 +278,9 @@ static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_
     if (!status)
         status = fp3_lifetime_read(&r->in, from, to);
     if (!status)
-        status = check_lives(r, from, to);
-    if (!status)
         status = read_program(r, from, to);
+    if (!status)
+        status = check_lives(r, from, to);
     if (!status)
         status = read_params(r, from, to);
     if (!status)

@@ -50,6 +50,20 @@ def test_objects_that_see_each_other(start, world, ranks, name, tmp_path):
     agree(start, tmp_path, (*world(name), "--steps", 40), 15, [("isa", 1), *(("fast", on) for on in ranks)])
 
 
+@pytest.mark.parametrize("name", ["cloth", "balls", "stars"])
+def test_births_and_ends_among_objects_that_see_each_other(start, root, name, tmp_path):
+    text = (root / f"programs/world/{name}.scene").read_text().replace('"' + name, f'"{root}/programs/world/{name}')
+    for change in (("[20, 20]", "[9, 9]"), ("objects = 300", "objects = 80"), ("integrator", "born = [0, 30]; gone = [20, 60]; integrator")):
+        text = text.replace(*change)
+    (tmp_path / "x.scene").write_text(text)
+    run = ("--scene", "x.scene", "--steps", 40)
+    whole = agree(start, tmp_path, run, 15, [("isa", 1), ("fast", 1)])
+    assert start("run", *run, "-e", "rtl", "--restart", "a.ck.1").hash == whole.hash
+    assert re.search(r"^alive +\d\d of 8., 0 not born yet, [34]\d gone$", whole.stdout, re.M), whole.stdout
+    (tmp_path / "x.scene").write_text(text.replace("[0, 30]", "[0, 29]"))
+    assert "lifetimes" in start("run", *run, "-e", "fast", "--restart", "a.ck.1", code=2).stderr
+
+
 def test_sleepers_keep_their_steps(start, root, tmp_path):
     run = spelled(root, SLEEP)
     whole = agree(start, tmp_path, run, 400, [("isa", 1), ("fast", 1), ("rtl", 1)])

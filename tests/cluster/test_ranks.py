@@ -132,6 +132,13 @@ def test_processes_that_mpi_does_not_see_are_refused(mpirun, fp3, root, tmp_path
     assert done.returncode == 1 and "3 processes were started, and MPI sees 1" in done.stderr and not (tmp_path / "x.csv").exists()
 
 
+def test_births_where_objects_see_each_other_are_refused(mpirun, fp3, root, tmp_path):
+    text = (root / "programs/world/stars.scene").read_text().replace('"stars', f'"{root}/programs/world/stars')
+    (tmp_path / "x.scene").write_text(text.replace("integrator", "born = [0, 9]; integrator"))
+    done = mpirun(2, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--steps", 4)
+    assert done.returncode == 2 and "cannot be neighbours in several ranks" in done.stderr, done.stderr
+
+
 def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
     """Links stand at rows, which change as others come near."""
     model = (root / "programs/world/balls.ode").read_text().replace("near touch", "links rods(k = 10 [N/m])\nnear touch")

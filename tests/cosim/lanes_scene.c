@@ -53,7 +53,7 @@ static void place(const fp3_engine *engine) {
     if (!slot)
         exit(1);
     told(fp3_partition_find(engine, slot));
-    told(fp3_layout_arrange(group, slot, &error));
+    told(fp3_layout_arrange(group, slot, 0, &error));
 }
 
 /* Each step is then a run, with lists of its own. */

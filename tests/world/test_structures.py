@@ -178,7 +178,6 @@ WRONG = [
     (BALLS, "objects = 3;\nskin = -1;", "4: skin: found '-1', expected a share of the reach, 0 to 1000"),
     (BALLS, "objects = 3;\nskin = 1001;", "4: skin: found '1001', expected a share of the reach, 0 to 1000"),
     (BALLS, "objects = 3;\nskin = \"wide\";", "4: skin: found a text, expected a number"),
-    (CHAIN, "grid = { count = 3; };\nborn = [0, 1];\n" + LINKED, "configuration 'world' has no sleep"),
 ]
 
 

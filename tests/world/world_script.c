@@ -7,7 +7,9 @@
  *     shared NAME V
  *     links NAME A B F1 F2 ...  one entry: object A has the neighbour B
  *     near NAME REACH SKIN X..  with the names of the position's states
+ *     none NAME                 no entries
  *     all NAME
+ *     live FIRST COUNT BORN GONE    GONE 0: never
  *     load MODEL                another program: objects keep what their registers hold, lists are
  * gone run STEPS                 go STEPS: an error is printed, and not the end print NAME ... a
  * line of bits for each state flags STEPS               run, and what that raised failure "none",
@@ -202,6 +204,21 @@ static void load(world *w, const char *model) {
     need(w, fp3_engine_set(w->engine, "h", (float)w->model->step));
 }
 
+static void give_none(world *w, const char *name) {
+    uint32_t *begin = calloc(w->objects + 1, sizeof *begin), other = 0;
+    const float field = 0;
+    need(w,
+         fp3_engine_set_neighbours(w->engine, 0, name, &(fp3_neighbours){begin, &other, &field}));
+    free(begin);
+}
+
+static void live(world *w, const char *first) {
+    const size_t from = strtoul(first, NULL, 10), count = strtoul(strtok(NULL, " \n"), NULL, 10);
+    const uint64_t born = strtoull(strtok(NULL, " \n"), NULL, 10);
+    const uint64_t gone = strtoull(strtok(NULL, " \n"), NULL, 10);
+    need(w, fp3_engine_live(w->engine, from, count, born, gone ? gone : FP3_FOREVER));
+}
+
 static void obey(world *w, char *line, const char *engine, unsigned threads) {
     const char *what = strtok(line, " \n"), *name = strtok(NULL, " \n");
     if (!what)
@@ -221,6 +238,10 @@ static void obey(world *w, char *line, const char *engine, unsigned threads) {
         give_near(w, name);
     } else if (strcmp(what, "all") == 0) {
         need(w, fp3_engine_set_neighbours(w->engine, 0, name, &(fp3_neighbours){0}));
+    } else if (strcmp(what, "none") == 0) {
+        give_none(w, name);
+    } else if (strcmp(what, "live") == 0) {
+        live(w, name);
     } else if (strcmp(what, "load") == 0) {
         load(w, name);
     } else if (strcmp(what, "run") == 0) {

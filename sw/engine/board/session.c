@@ -264,8 +264,8 @@ static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stat
 fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     if (steps && engine->layout.groups[0].lists.shape.is_any)
         return run_around(engine, steps, stats);
-    return run_part(engine,
-                    &(part){steps, engine->def.visit, engine->clock, engine->def.cycle_limit, 0},
+    const uint32_t visit = engine->layout.groups[0].lists.shape.is_any ? 1 : engine->def.visit;
+    return run_part(engine, &(part){steps, visit, engine->clock, engine->def.cycle_limit, 0},
                     stats);
 }
 

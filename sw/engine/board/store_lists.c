@@ -308,9 +308,11 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
     return status;
 }
 
-/* Lists are new: which lanes objects are in is decided anew, and they move there. */
+/* Lists are new, or others live: which lanes objects are in is decided anew, and they move there.
+ */
 static fp3_status place(fp3_engine *engine) {
     fp3_members *group = group_of(engine);
+    const fp3_living *living = group->lists.living;
     fp3_luggage luggage = {0};
     uint32_t *slot = malloc((group->rows + (size_t)1) * sizeof *slot);
     fp3_status status = slot ? FP3_OK : fp3_no_memory(engine->def.error);
@@ -319,11 +321,14 @@ static fp3_status place(fp3_engine *engine) {
     if (!status)
         status = fp3_luggage_pack(engine, &luggage);
     if (!status)
-        status = fp3_layout_arrange(group, slot, engine->def.error);
+        status = fp3_layout_arrange(group, slot, living ? group->objects - living->count : 0,
+                                    engine->def.error);
     if (status)
         free(slot);
     else
         status = fp3_luggage_unpack(engine, &luggage);
+    if (!status)
+        status = fp3_memory_list(engine);
     fp3_luggage_free(&luggage);
     for (uint32_t i = 0; !status && i < group->lists.shape.list_count; i++)
         group->lists.lists[i].is_placed = 1;
@@ -335,7 +340,7 @@ static int is_placed(const fp3_engine *engine) {
     int is = 1;
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         is = is && lists->lists[i].is_placed;
-    return is || engine->config->lanes == 1;
+    return is || (engine->config->lanes == 1 && !lists->living && !group_of(engine)->away);
 }
 
 fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists) {
@@ -358,6 +363,21 @@ fp3_status fp3_store_lists_look(fp3_engine *engine) {
     return status;
 }
 
+/* Writes a word of each object, but of those that do not live: no phase has stored it, and it is
+ * where it was. */
+static fp3_status write_living(fp3_engine *engine, fp3_cells cells, const uint32_t *words) {
+    const fp3_living *living = group_of(engine)->lists.living;
+    fp3_status status = FP3_OK;
+    if (!living)
+        return fp3_memory_write(engine, cells, words);
+    for (uint32_t i = 0; !status && i < living->count; i++) {
+        const uint32_t object = living->who[i];
+        status = fp3_memory_write(
+            engine, (fp3_cells){cells.kind, cells.number, cells.first + object, 1}, words + object);
+    }
+    return status;
+}
+
 /* All published words, a register after the other. */
 static fp3_status move_published(fp3_engine *engine, uint32_t *words, int is_write) {
     const fp3_members *group = group_of(engine);
@@ -365,7 +385,7 @@ static fp3_status move_published(fp3_engine *engine, uint32_t *words, int is_wri
     fp3_status status = FP3_OK;
     for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++)
         if (published & BIT(reg)) {
-            status = is_write ? fp3_memory_write(engine, cells_of(group, reg), words)
+            status = is_write ? write_living(engine, cells_of(group, reg), words)
                               : fp3_memory_read(engine, cells_of(group, reg), words);
             words += group->rows;
         }

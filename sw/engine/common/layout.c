@@ -97,7 +97,7 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
     return status;
 }
 
-fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, fp3_error *error) {
+fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, uint32_t away, fp3_error *error) {
     uint32_t *who = malloc((group->objects + (size_t)1) * sizeof *who);
     if (!who)
         return fp3_no_memory(error);
@@ -107,6 +107,7 @@ fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, fp3_error *err
     free(group->who);
     group->slot = slot;
     group->who = who;
+    group->away = away;
     return FP3_OK;
 }
 
@@ -132,10 +133,13 @@ const fp3_members *fp3_layout_group_of(const fp3_layout *layout, size_t object) 
     return &layout->groups[i];
 }
 
+/* Of the group's objects, those in the rows in front. */
+static uint32_t in_front(const fp3_members *group) { return group->objects - group->away; }
+
 /* The first object of a column, where objects follow each other in each. */
 static uint32_t column_begin(const fp3_members *group, uint32_t column) {
-    const uint32_t more = group->objects % group->columns;
-    return column * (group->objects / group->columns) + (column < more ? column : more);
+    const uint32_t more = in_front(group) % group->columns;
+    return column * (in_front(group) / group->columns) + (column < more ? column : more);
 }
 
 /* How many of count things a column has, if they are dealt out or divided: the first columns have
@@ -147,14 +151,14 @@ static uint32_t share_of(const fp3_members *group, uint32_t count, uint32_t colu
 fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, size_t object) {
     const fp3_members *group = fp3_layout_group_of(layout, object);
     const uint32_t number = (uint32_t)object - group->first;
-    const int is_guest = group->lists.shape.is_any && number >= group->objects;
-    const uint32_t i = is_guest      ? number - group->objects
-                       : group->slot ? group->slot[number]
-                                     : number;
-    const uint32_t each = group->objects / group->columns, more = group->objects % group->columns;
+    const uint32_t front = in_front(group);
+    const uint32_t slot = group->slot && number < group->objects ? group->slot[number] : number;
+    const int is_behind = group->lists.shape.is_any && slot >= front;
+    const uint32_t i = is_behind ? slot - front : slot;
+    const uint32_t each = front / group->columns, more = front % group->columns;
     uint32_t column = i % group->columns, row = i / group->columns;
-    if (is_guest) {
-        row += share_of(group, group->objects, column);
+    if (is_behind) {
+        row += share_of(group, front, column);
     } else if (group->lists.shape.is_any) {
         column = i / (each + 1) < more ? i / (each + 1) : more + (i - more * (each + 1)) / each;
         row = i - column_begin(group, column);
@@ -181,14 +185,14 @@ uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uin
                          uint32_t lane) {
     const fp3_duty *duty = &layout->duty[scheduler];
     const fp3_members *group = &layout->groups[duty->group];
-    return share_of(group, group->objects, duty->rank * config->lanes + lane);
+    return share_of(group, in_front(group), duty->rank * config->lanes + lane);
 }
 
 uint32_t fp3_layout_rows_with_guests(const fp3_layout *layout, const fp3_config *config,
                                      uint32_t lane) {
     const fp3_members *group = &layout->groups[0];
     return fp3_layout_rows(layout, config, 0, lane) +
-           share_of(group, group->rows - group->objects, lane);
+           share_of(group, group->rows - in_front(group), lane);
 }
 
 uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config,

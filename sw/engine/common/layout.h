@@ -22,7 +22,8 @@ typedef struct {
     uint32_t needs; /* of words in the store, for each object: the binary logarithm */
     uint32_t first, rows;
     uint32_t from,
-        objects; /* of the rows, those that make steps; the others can be read as neighbours */
+        objects;   /* of the rows, those that make steps; the others can be read as neighbours */
+    uint32_t away; /* of objects that see each other: how many stand behind, as they do not live */
     uint32_t scheduler_count, columns;
     const uint32_t *schedulers; /* ascending */
     uint64_t steps;             /* that its objects made in the last run */
@@ -76,9 +77,10 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
 /* Leaves {0}, which may be freed as well. */
 void fp3_layout_free(fp3_layout *layout);
 
-/* Takes `slot`, one for each object, for the order of a group whose objects see each other.
- * FP3_E_SYSTEM: out of memory; `slot` is still the caller's. */
-fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, fp3_error *error);
+/* Takes `slot`, one for each object, for the order of a group whose objects see each other. The
+ * last `away` slots are dealt out to the rows behind the others, and make no steps. FP3_E_SYSTEM:
+ * out of memory; `slot` is still the caller's. */
+fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, uint32_t away, fp3_error *error);
 
 /* Whether every object is where it was, with a record of the same size. */
 int fp3_layout_is_same(const fp3_layout *a, const fp3_layout *b);
@@ -89,7 +91,7 @@ fp3_where fp3_layout_where(const fp3_layout *layout, const fp3_config *config, s
 uint64_t fp3_layout_published(const fp3_members *group);
 /* The inverse. */
 uint32_t fp3_layout_who(const fp3_layout *layout, const fp3_config *config, const fp3_where *where);
-/* How many objects a lane of a scheduler has, and a scheduler. */
+/* How many objects that make steps a lane of a scheduler has, and a scheduler. */
 uint32_t fp3_layout_rows(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler,
                          uint32_t lane);
 uint32_t fp3_layout_objects(const fp3_layout *layout, const fp3_config *config, uint32_t scheduler);

@@ -57,6 +57,26 @@ static fp3_status make_room(fp3_engine *engine) {
     return FP3_OK;
 }
 
+/* Hardware visits as many objects of each lane as the host says: those that see each other are put
+ * in order for it, the living in front. */
+static int sees_others(const fp3_engine *engine, size_t first, size_t count) {
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        const int is_of_group =
+            first < group->first + (size_t)group->rows && first + count > group->first;
+        if (is_of_group && !group->lists.shape.is_any)
+            return 0;
+    }
+    return 1;
+}
+
+static int do_pairs_remember(const fp3_engine *engine) {
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        if (fp3_lists_remember(&engine->layout.groups[i].lists))
+            return 1;
+    return 0;
+}
+
 static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                         uint64_t gone) {
     fp3_status status = fp3_engine_check_loaded(engine);
@@ -67,7 +87,13 @@ static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t
                           "gone after step %" PRIu64 ": expected a step after %" PRIu64
                           ", that of the birth",
                           gone, born);
-    if (!status && engine->config->interleave && !engine->config->sleep)
+    if (!status && do_pairs_remember(engine) && (born || gone != FP3_FOREVER))
+        status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                          "pairs of objects remember (`remember` in the model), so all objects "
+                          "live always: what a pair remembers of an object that does not live is "
+                          "not decided");
+    if (!status && engine->config->interleave && !engine->config->sleep &&
+        !sees_others(engine, first, count))
         status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
                           "configuration '%s' has no sleep: all its objects make all steps",
                           engine->config->name);
@@ -83,6 +109,7 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
         return status;
     for (size_t i = first; i < first + count; i++)
         engine->lives.list[i] = (fp3_life){born, gone};
+    engine->origin->is_complete = 0; /* the run could not be made again */
     engine->lives.change = 0;
     engine->sleepers.is_listed = 0;
     return FP3_OK;

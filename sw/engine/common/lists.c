@@ -20,9 +20,24 @@ static void forget(fp3_list *list) {
     free(list->begin);
     free(list->other);
     free(list->field);
+    free(list->whole.begin);
+    free(list->whole.other);
+    free(list->whole.field);
     fp3_near_close(&list->near);
     list->begin = list->other = list->field = NULL;
+    list->whole = (fp3_entries){NULL, NULL, NULL};
+    list->living = NULL;
     list->is_there = list->is_all = list->is_near = 0;
+}
+
+void fp3_living_free(fp3_living **living) {
+    if (!*living)
+        return;
+    free((*living)->is);
+    free((*living)->who);
+    free((*living)->place);
+    free(*living);
+    *living = NULL;
 }
 
 void fp3_lists_close(fp3_lists *lists) {
@@ -30,6 +45,7 @@ void fp3_lists_close(fp3_lists *lists) {
         forget(&lists->lists[i]);
     free(lists->order);
     lists->order = NULL;
+    fp3_living_free(&lists->living);
     lists->shape = (fp3_neighbourhood){0};
 }
 
@@ -90,7 +106,8 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
         const fp3_list *list = &from->lists[i];
-        const fp3_neighbours given = {list->begin, list->other, (const float *)(void *)list->field};
+        const fp3_entries whole = fp3_list_given(list);
+        const fp3_neighbours given = {whole.begin, whole.other, (const float *)(void *)whole.field};
         if (list->is_near)
             fp3_list_take_near(&to->lists[i], &list->near);
         else if (list->is_there)
@@ -127,7 +144,8 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
     for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
         fp3_list *list = &lists->lists[i];
         fp3_where_they_are now = {.row = row,
-                                  .order = lists->order,
+                                  .order = row && lists->living ? lists->living->who : lists->order,
+                                  .lives = !row && lists->living ? lists->living->is : NULL,
                                   .stride = stride,
                                   .objects = objects,
                                   .dimensions = list->near.dimensions};

@@ -8,6 +8,19 @@
 
 #include <fp3/engine.h>
 
+/* Who lives, where some objects of a group do not. */
+typedef struct {
+    uint8_t *is;     /* of each object: 1 or 0 */
+    uint32_t *who;   /* those that live, by their numbers */
+    uint32_t *place; /* of each object, its place in `who`; UINT32_MAX: it does not live */
+    uint32_t count;
+} fp3_living;
+
+/* Links of all objects, as in fp3_list. */
+typedef struct {
+    uint32_t *begin, *other, *field;
+} fp3_entries;
+
 /* One list of each object of a group. */
 typedef struct {
     uint32_t reg, fields; /* as of fp3_list_shape */
@@ -18,17 +31,23 @@ typedef struct {
     int is_placed;        /* objects have been divided among lanes since it was given */
     fp3_near_rule near;
     uint32_t objects;
-    uint32_t *begin; /* object i has the entries begin[i] .. begin[i+1]; NULL if is_all */
-    uint32_t *other; /* of each entry: a number in the group */
-    uint32_t *field; /* FP32 bits: `fields` words of each entry */
+    uint32_t *begin;          /* object i has the entries begin[i] .. begin[i+1]; NULL if is_all */
+    uint32_t *other;          /* of each entry: a number in the group */
+    uint32_t *field;          /* FP32 bits: `fields` words of each entry */
+    const fp3_living *living; /* the entries are those of these objects; NULL: of all */
+    fp3_entries whole;        /* ... and links as the host gave them; NULLs: none are left out */
 } fp3_list;
 
 typedef struct {
     fp3_neighbourhood shape;
     uint32_t *order; /* objects in the order in which sums go through those that are near; NULL: as
                         they are numbered */
+    fp3_living *living; /* whose lists they are (living.h); NULL: all live */
     fp3_list lists[FP3_LISTS_MAX];
 } fp3_lists;
+
+/* Leaves NULL, which it may be already. */
+void fp3_living_free(fp3_living **living);
 
 /* No list is there yet. */
 void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists *lists);
@@ -71,10 +90,16 @@ void fp3_remembered_free(fp3_remembered *saved);
 /* Near lists after row i has got what was in row rows[i]. */
 fp3_status fp3_lists_move(fp3_lists *lists, const uint32_t *rows, uint32_t count, fp3_error *error);
 
+/* Links as the host gave them. */
+static inline fp3_entries fp3_list_given(const fp3_list *list) {
+    return list->whole.begin ? list->whole : (fp3_entries){list->begin, list->other, list->field};
+}
+
 /* At the beginning of a phase: makes the lists of those that are near again, where they are stale.
  * Words of the group's objects: words[register] is that of row 0, NULL: there is none; row: of each
- * object, NULL: its number. Lists are of rows. *is_new: some were made. FP3_E_LIMIT, FP3_E_SYSTEM
- * as of fp3_near_make. */
+ * object, NULL: its number. Lists are of rows; where rows are given and some objects do not live,
+ * `objects` are those that live, in the first rows. *is_new: some were made. FP3_E_LIMIT,
+ * FP3_E_SYSTEM as of fp3_near_make. */
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
                             const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
 
@@ -85,11 +110,19 @@ uint32_t fp3_list_same_place(const fp3_list *list, const uint32_t *words, size_t
                              uint32_t first, uint32_t object, uint32_t turn);
 
 static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
-    return list->is_all ? list->objects - 1 : list->begin[object + 1] - list->begin[object];
+    if (!list->is_all)
+        return list->begin[object + 1] - list->begin[object];
+    if (!list->living)
+        return list->objects - 1;
+    return list->living->is[object] ? list->living->count - 1 : 0;
 }
 
 static inline uint32_t fp3_list_entry(const fp3_list *list, uint32_t object, uint32_t turn) {
-    return list->is_all ? turn + (turn >= object) : list->other[list->begin[object] + turn];
+    if (!list->is_all)
+        return list->other[list->begin[object] + turn];
+    if (!list->living)
+        return turn + (turn >= object);
+    return list->living->who[turn + (turn >= list->living->place[object])];
 }
 
 #endif

@@ -27,8 +27,11 @@
  * processor flush what is subnormal. */
 #define LEAST_LOOK 0x1p-100
 
+/* Who does not live is nowhere. */
 static double at(const fp3_where_they_are *w, uint32_t k, size_t row) {
     float f;
+    if (w->lives && !w->lives[row])
+        return NAN;
     memcpy(&f, &w->position[k][row * w->stride], sizeof f);
     return f;
 }

@@ -24,6 +24,7 @@ typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
     const uint32_t *row;                           /* of each object; NULL: its number */
     const uint32_t *order; /* objects as lists have them; NULL: by their numbers */
+    const uint8_t *lives;  /* of each row; 0: nobody is near it. NULL: all live */
     size_t stride;
     uint32_t objects, dimensions;
 } fp3_where_they_are;

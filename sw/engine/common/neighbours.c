@@ -76,6 +76,8 @@ static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const
 /* The list is another one. */
 static fp3_status changed(fp3_engine *engine, size_t group, const fp3_list *list) {
     engine->origin->is_complete = 0;
+    if (engine->lives.list)
+        engine->sleepers.is_listed = 0;
     return engine->backend->connect
                ? engine->backend->connect(engine, &engine->layout.groups[group], list)
                : FP3_OK;
@@ -155,9 +157,10 @@ fp3_status fp3_engine_check_neighbours(fp3_engine *engine) {
                                 "%sthe list of neighbours '%s' has not been given",
                                 fp3_engine_prefix(i, engine->layout.count).text, name ? name : "?");
         }
-        if (group->lists.shape.is_any && engine->lives.list)
+        if (group->lists.shape.is_any && engine->lives.list && engine->backend->is_divided)
             return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                            "objects that are born or gone cannot be neighbours");
+                            "objects that are born or gone cannot be neighbours in several ranks: "
+                            "ranks agree once, before a run, whose words each of them needs");
     }
     return FP3_OK;
 }

@@ -22,7 +22,7 @@ typedef struct {
     uint32_t parts;
 } partition;
 
-/* Meets an object that it has not met yet, and is no guest. */
+/* Meets an object that it has not met yet, and is no guest. Who does not live is in no list. */
 static uint32_t meet(partition *p, uint32_t object, uint32_t part, uint32_t count) {
     if (object >= p->engine->layout.groups[0].objects || p->part[object] != part)
         return count;
@@ -58,38 +58,41 @@ static uint32_t walk(partition *p, uint32_t begin, uint32_t end, uint32_t from) 
     return far;
 }
 
-/* How many objects these lanes have. */
-static uint32_t objects_of(const partition *p, uint32_t lane, uint32_t lanes) {
-    uint32_t count = 0;
-    for (uint32_t i = lane; i < lane + lanes; i++)
-        count += fp3_layout_rows(&p->engine->layout, p->engine->config, 0, i);
-    return count;
+/* How many of `count` objects the lanes before this one have: the first lanes have one more. */
+static uint32_t before(const partition *p, uint32_t count, uint32_t lane) {
+    const uint32_t lanes = p->engine->config->lanes, more = count % lanes;
+    return lane * (count / lanes) + (lane < more ? lane : more);
 }
 
-static void divide(partition *p, uint32_t begin, uint32_t lane, uint32_t lanes) {
-    const uint32_t count = objects_of(p, lane, lanes);
+/* all: as all lanes have. */
+static void divide(partition *p, uint32_t all, uint32_t lane, uint32_t lanes) {
+    const uint32_t begin = before(p, all, lane), count = before(p, all, lane + lanes) - begin;
     if (lanes < 2 || count < 2)
         return;
     walk(p, begin, begin + count, walk(p, begin, begin + count, p->order[begin]));
     memcpy(p->order + begin, p->walk, count * sizeof *p->walk);
-    divide(p, begin, lane, lanes / 2);
-    divide(p, begin + objects_of(p, lane, lanes / 2), lane + lanes / 2, lanes - lanes / 2);
+    divide(p, all, lane, lanes / 2);
+    divide(p, all, lane + lanes / 2, lanes - lanes / 2);
 }
 
 fp3_status fp3_partition_find(const fp3_engine *engine, uint32_t *slot) {
     const fp3_members *group = &engine->layout.groups[0];
-    const uint32_t objects = group->objects;
-    uint32_t *words = malloc(3 * (size_t)objects * sizeof *words);
+    const fp3_living *living = group->lists.living;
+    const uint32_t objects = group->objects, count = living ? living->count : objects;
+    uint32_t *words = malloc(3 * (size_t)objects * sizeof *words), behind = count;
     if (!words)
         return fp3_no_memory(engine->def.error);
     partition p = {engine, &group->lists, words, words + objects, words + 2 * (size_t)objects, 0};
     for (uint32_t i = 0; i < objects; i++) {
-        p.order[i] = i;
+        p.order[i] = living && i < count ? living->who[i] : i;
         p.part[i] = 0;
     }
-    divide(&p, 0, 0, engine->config->lanes);
-    for (uint32_t i = 0; i < objects; i++)
+    divide(&p, count, 0, engine->config->lanes);
+    for (uint32_t i = 0; i < count; i++)
         slot[p.order[i]] = i;
+    for (uint32_t i = 0; living && i < objects; i++)
+        if (!living->is[i])
+            slot[i] = behind++;
     free(words);
     return FP3_OK;
 }

@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "count.h"
 #include "life.h"
+#include "living.h"
 #include "origin.h"
 #include "part_failures.h"
 
@@ -54,6 +55,8 @@ static fp3_status list_who_is_awake(fp3_engine *engine) {
     if (engine->sleepers.is_listed)
         return FP3_OK;
     fp3_status status = engine->config->interleave ? look_who_sleeps(engine) : FP3_OK;
+    if (!status)
+        status = fp3_living_settle(engine);
     if (!status)
         status = list_own(engine);
     if (!status && engine->config->interleave)
@@ -204,7 +207,8 @@ static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats
         engine->told = steps ? (double)made / steps : 0;
         engine->part = steps ? (double)n / steps : 1;
         status = run_part(engine, is_any ? n : 0, stats);
-        if (!status && n < steps && engine->backend->failures)
+        const int knows_failures = engine->backend->failures && !engine->origin->registers;
+        if (!status && n < steps && knows_failures)
             status = fp3_part_failures_add(engine, made);
         if (!status) {
             made += n;

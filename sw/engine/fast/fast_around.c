@@ -19,8 +19,11 @@ typedef struct {
 } sweep;
 
 void fp3_around_forget(group *g) {
-    for (int i = 0; i < FP3_LISTS_MAX; i++)
+    for (int i = 0; i < FP3_LISTS_MAX; i++) {
         fp3_fast_pack_free(&g->lists[i]);
+        free(g->in_rows[i]);
+        g->in_rows[i] = NULL;
+    }
     free(g->records);
     g->records = NULL;
     free(g->pieces);
@@ -83,24 +86,54 @@ static fp3_status need_pieces(fp3_engine *engine, const fp3_members *members, gr
 
 /* ---- what the executor needs ---- */
 
+/* Those that make steps, from the group's first row on. */
+static uint32_t end_of(const fp3_members *members) {
+    return members->lists.living ? members->lists.living->count : members->from + members->objects;
+}
+
+/* Links between objects by their numbers, of which some do not live, become links between rows:
+ * begin and other, one behind the other. Fields stay where they are. */
+static fp3_status link_rows(fp3_engine *engine, const fp3_list *l, uint32_t **to) {
+    const fp3_living *living = l->living;
+    const uint32_t entries = l->begin[l->objects];
+    uint32_t *begin = *to = malloc(((size_t)living->count + 1 + entries) * sizeof *begin);
+    if (!begin)
+        return fp3_no_memory(engine->def.error);
+    for (uint32_t i = 0; i < living->count; i++)
+        begin[i] = l->begin[living->who[i]];
+    begin[living->count] = entries;
+    for (uint32_t i = 0; i < entries; i++)
+        begin[living->count + 1 + i] = living->place[l->other[i]];
+    return FP3_OK;
+}
+
 /* Lists of guests are left out. Padding lanes of the last vector repeat the last object, so they
  * need its list. */
+static fp3_status pack_one(fp3_engine *engine, const fp3_members *members, group *g, uint32_t i) {
+    const fp3_list *l = &members->lists.lists[i];
+    fp3_fast_given given = {.begin = l->is_all ? NULL : l->begin,
+                            .other = l->other,
+                            .field = l->field,
+                            .fields = l->fields,
+                            .objects = l->is_all && !l->living ? l->objects : end_of(members),
+                            .rows = members->rows,
+                            .is_fixed = !l->is_near,
+                            .is_written = fp3_list_remembers(l)};
+    if (l->living && !l->is_all && !l->is_near) {
+        const fp3_status status = link_rows(engine, l, &g->in_rows[i]);
+        if (status)
+            return status;
+        given.begin = g->in_rows[i];
+        given.other = g->in_rows[i] + l->living->count + 1;
+    }
+    return fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
+                         engine->def.error);
+}
+
 static fp3_status pack(fp3_engine *engine, const fp3_members *members, group *g) {
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++) {
-        const fp3_list *l = &members->lists.lists[i];
-        const fp3_fast_given given = {.begin = l->is_all ? NULL : l->begin,
-                                      .other = l->other,
-                                      .field = l->field,
-                                      .fields = l->fields,
-                                      .objects =
-                                          l->is_all ? l->objects : members->from + members->objects,
-                                      .rows = members->rows,
-                                      .is_fixed = !l->is_near,
-                                      .is_written = fp3_list_remembers(l)};
-        status = fp3_fast_pack(&given, fp3_fast_native_lanes(g->program), &g->lists[i],
-                               engine->def.error);
-    }
+    for (uint32_t i = 0; !g->is_packed && !status && i < members->lists.shape.list_count; i++)
+        status = pack_one(engine, members, g, i);
     g->is_packed = !status;
     return status;
 }
@@ -159,8 +192,8 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
     if (!status)
-        status = fp3_lists_follow(&members->lists, members->rows, words, self->row, 1, &is_new,
-                                  engine->def.error);
+        status = fp3_lists_follow(&members->lists, fp3_order_rows(members), words, self->row, 1,
+                                  &is_new, engine->def.error);
     if (is_new)
         fp3_around_forget(g);
     if (!status)
@@ -235,9 +268,9 @@ static fp3_status make_phase(fp3_engine *engine, const fp3_members *members, con
     if (g->pieces) {
         status = sweep_around_exchange(engine, members, g, &s);
     } else {
-        gather(engine, s, g, 0, members->rows);
+        gather(engine, s, g, 0, fp3_order_rows(members));
         s.from = members->from;
-        s.count = members->objects;
+        s.count = end_of(members) - members->from;
         sweep_all(engine, &s);
     }
     FP3_EACH_REGISTER (doubled, reg) {
@@ -256,11 +289,14 @@ int fp3_around_is_any(const fp3_engine *engine) {
 }
 
 double fp3_around_turns(const fp3_engine *engine) {
-    const fp3_lists *lists = &engine->layout.groups[0].lists;
+    const fp3_members *members = &engine->layout.groups[0];
+    const fp3_lists *lists = &members->lists;
     double turns = 1;
     for (uint32_t i = 0; i < lists->shape.list_count; i++) {
         const fp3_list *l = &lists->lists[i];
-        turns += l->is_all ? l->objects : l->begin ? (double)l->begin[l->objects] / l->objects : 0;
+        const uint32_t rows = l->living ? l->living->count : l->objects;
+        const uint32_t end = l->is_near ? rows : l->objects;
+        turns += l->is_all ? rows : l->begin && rows ? (double)l->begin[end] / rows : 0;
     }
     return turns;
 }
@@ -278,6 +314,18 @@ static fp3_status undo(fp3_engine *engine) {
     return fp3_origin_remember(engine, self->row, &engine->layout, engine->def.error);
 }
 
+/* A phase stores no words of objects that do not live: both halves have them. */
+static void fill_halves(const fp3_engine *engine, const fp3_members *members, const group *g) {
+    const fast *self = engine->self;
+    const fp3_living *living = members->lists.living;
+    FP3_EACH_REGISTER (fp3_fast_doubled(g->program), reg)
+        for (uint32_t i = 0; living && i < members->rows; i++) {
+            const uint32_t row = self->row ? self->row[i] : i;
+            if (!living->is[i])
+                self->other_half[reg][row] = self->column[reg][row];
+        }
+}
+
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fast *self = engine->self;
     group *g = &self->groups[0];
@@ -286,6 +334,8 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "engine 'fast' runs one group of objects that see each other");
     fp3_status status = need_halves(engine, g);
+    if (!status)
+        fill_halves(engine, members, g);
     for (uint32_t step = 0; !status && step < steps; step++) {
         for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
             status = fp3_engine_exchange_begin(engine);

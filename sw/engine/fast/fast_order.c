@@ -9,6 +9,10 @@
 #define WORTH_AN_ORDER 256
 #define LISTS_IN_ORDER 16 /* that are made before objects are put in order again */
 
+uint32_t fp3_order_rows(const fp3_members *members) {
+    return members->lists.living ? members->lists.living->count : members->rows;
+}
+
 /* Row i gets what is in row rows[i] of the first `count`. */
 static void move_one(uint32_t *column, const uint32_t *rows, uint32_t count, uint32_t *scratch) {
     for (uint32_t i = 0; column && i < count; i++)
@@ -64,16 +68,44 @@ static fp3_status need_rows(fp3_engine *engine) {
     return FP3_OK;
 }
 
-static void put_guests_behind(const fp3_members *members, const uint32_t *from, uint32_t *rows) {
+/* Rows get new places, the first `count` of them; scratch has as many words as there are objects.
+ */
+static void move_rows(fast *self, const fp3_engine *engine, const uint32_t *rows, uint32_t count,
+                      uint32_t *scratch) {
+    move(self, rows, count, scratch);
+    for (uint32_t i = 0; i < count; i++)
+        scratch[rows[i]] = i;
+    for (uint32_t i = 0; i < engine->objects; i++)
+        if (self->row[i] < count)
+            self->row[i] = scratch[self->row[i]];
+}
+
+/* Those that live stand in front, by their numbers. */
+static fp3_status put_living_in_front(fp3_engine *engine, const fp3_living *living) {
+    const uint32_t count = engine->objects;
+    uint32_t *rows = malloc(count * sizeof *rows), *scratch = malloc(count * sizeof *scratch);
+    uint32_t front = 0, behind = living->count;
+    fp3_status status = rows && scratch ? need_rows(engine) : fp3_no_memory(engine->def.error);
+    for (uint32_t i = 0; !status && i < count; i++)
+        rows[living->is[i] ? front++ : behind++] = i;
+    if (!status)
+        move_rows(engine->self, engine, rows, count, scratch);
+    free(rows);
+    free(scratch);
+    return status;
+}
+
+static void put_guests_behind(const fp3_members *members, uint32_t count, const uint32_t *from,
+                              uint32_t *rows) {
     uint32_t own = 0, guests = members->objects;
-    for (uint32_t i = 0; i < members->rows; i++)
+    for (uint32_t i = 0; i < count; i++)
         rows[from[i] - members->from < members->objects ? own++ : guests++] = from[i];
 }
 
 static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
                                const fp3_where_they_are *now) {
     fast *self = engine->self;
-    const uint32_t count = members->rows;
+    const uint32_t count = now->objects;
     uint32_t *rows = malloc(count * sizeof *rows), *scratch = malloc(count * sizeof *scratch);
     fp3_status status = need_rows(engine);
     if (!status && (!rows || !scratch))
@@ -81,15 +113,11 @@ static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
     if (!status)
         status = fp3_near_order(&members->lists.lists[0].near, now, scratch, engine->def.error);
     if (!status)
-        put_guests_behind(members, scratch, rows);
+        put_guests_behind(members, count, scratch, rows);
     if (!status)
         status = fp3_lists_move(&members->lists, rows, count, engine->def.error);
     if (!status) {
-        move(self, rows, count, scratch);
-        for (uint32_t i = 0; i < count; i++)
-            scratch[rows[i]] = i;
-        for (uint32_t i = 0; i < count; i++)
-            self->row[i] = scratch[self->row[i]];
+        move_rows(self, engine, rows, count, scratch);
         for (uint32_t i = 0; i < members->lists.shape.list_count; i++)
             fp3_near_close(&members->lists.lists[i].near);
         self->order_due = members->lists.lists[0].near.lists + LISTS_IN_ORDER;
@@ -102,7 +130,7 @@ static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
 /* Sums go through lists of numbers that the host gave, or through all, in the order of rows. */
 static int may_have_an_order(const fp3_members *members) {
     const fp3_lists *lists = &members->lists;
-    int is_near = members->objects > WORTH_AN_ORDER;
+    int is_near = fp3_order_rows(members) > WORTH_AN_ORDER;
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         is_near &= lists->lists[i].is_near;
     return is_near;
@@ -110,13 +138,18 @@ static int may_have_an_order(const fp3_members *members) {
 
 fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members) {
     const fast *self = engine->self;
+    const fp3_living *living = members->lists.living;
     const fp3_near_rule *rule = &members->lists.lists[0].near;
     fp3_where_they_are now = {
-        .row = self->row, .stride = 1, .objects = members->rows, .dimensions = rule->dimensions};
+        .stride = 1, .objects = fp3_order_rows(members), .dimensions = rule->dimensions};
+    fp3_status status = FP3_OK;
+    if (living && !self->row)
+        status = put_living_in_front(engine, living);
     if (!may_have_an_order(members))
-        return fp3_order_undo(engine);
-    if (rule->lists < self->order_due)
-        return FP3_OK;
+        return living ? status : fp3_order_undo(engine);
+    if (status || rule->lists < self->order_due)
+        return status;
+    now.row = self->row;
     for (uint32_t k = 0; k < now.dimensions; k++)
         now.position[k] = self->column[rule->regs[k]];
     if (!fp3_near_is_stale(rule, &now))

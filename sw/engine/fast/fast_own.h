@@ -25,7 +25,8 @@ typedef struct {
     uint32_t *awake; /* by number, if it can sleep */
     uint32_t awake_count;
     fp3_fast_packed lists[FP3_LISTS_MAX]; /* of neighbours, as the executor needs them */
-    float *records;                       /* of what neighbours read, or NULL */
+    uint32_t *in_rows[FP3_LISTS_MAX]; /* links of rows, where some objects do not live; or NULL */
+    float *records;                   /* of what neighbours read, or NULL */
     int is_packed;
     piece *pieces; /* where links alone show guests: first those that see none; or NULL */
     uint32_t piece_count, inner_count;
@@ -76,7 +77,10 @@ double fp3_around_turns(const fp3_engine *engine);
 /* Steps of programs with neighbours: all objects make a phase before any makes the next one. All
  * groups have such a program, or this refuses. */
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps);
-/* At the beginning of a phase: objects that see only those near them stand in rows cell by cell, so
+/* How many rows make steps. */
+uint32_t fp3_order_rows(const fp3_members *members);
+/* At the beginning of a phase: where some objects do not live, the others stand in the first rows,
+ * by their numbers. Objects that see only those near them stand in rows cell by cell, so
  * that neighbours are in cache. Lists are then of rows; their order stays that of the objects'
  * numbers. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members);

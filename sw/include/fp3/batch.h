@@ -162,9 +162,9 @@ fp3_status fp3_batch_run(fp3_batch *batch, uint64_t steps);
 /* From now on objects 0 .. count-1 make steps; at first all objects do. The other objects cost
  * nothing. They keep their values, may be written and read, and go on from there when they are used
  * again. Each object counts its own steps, so an object that joins later is at its own t.
- * FP3_E_ARGUMENT: count is above the number of objects; or objects see each other and count is
- * below that number: words that neighbours read are kept twice, the copies take turns in each
- * phase, and an object without steps would have its values in one copy alone. */
+ * Of objects that see each other nobody sees those that are not used; a link to such an object is
+ * there again when both of its ends are used. FP3_E_ARGUMENT: count is above the number of objects.
+ */
 fp3_status fp3_batch_use(fp3_batch *batch, size_t count);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);

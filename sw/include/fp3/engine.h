@@ -346,9 +346,9 @@ typedef struct {
 
 /* How objects first .. first+count-1 failed in the last run, whatever earlier runs raised. Reads
  * their states. If an object failed, the engine "isa" repeats the run once, on every configuration.
- * FP3_E_ARGUMENT: the run did not come to its end, or something was written or loaded since.
- * FP3_E_MISMATCH: "isa" does not fail as the run did. A configuration without `flags` detects
- * failures by the states alone. */
+ * FP3_E_ARGUMENT: the run did not come to its end, or something was written or loaded since, or
+ * fp3_engine_live was called. FP3_E_MISMATCH: "isa" does not fail as the run did. A configuration
+ * without `flags` detects failures by the states alone. */
 fp3_status fp3_engine_failure(fp3_engine *engine, size_t first, size_t count, fp3_failure *failure);
 
 /* "object 3 in step 12: overflow", "object 0 before its first step: state v is NaN". */
@@ -368,7 +368,8 @@ fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
  * first and the last part of the program, which must only prepare and complete values, and the host
  * looks at each object. FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is
  * loaded. FP3_E_PROGRAM: the configuration interleaves but has no `sleep`, so it visits all its
- * objects. After an error nothing is changed. */
+ * objects, unless they see each other. After an error nothing is changed. Of objects that see each
+ * other nobody sees one that does not live; a link is there while both of its ends live. */
 #define FP3_FOREVER UINT64_MAX
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone);

@@ -365,6 +365,10 @@ fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *g
     if (!part->program->model)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: %s is no model, so its use of the step is unknown", group->path);
+    if (part->program->sees_others && group && fp3_lifetime_is_any(group))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--check: it looks at forces between all objects, and some of these are "
+                        "born or gone on the way");
     if (fp3_params_has(part->params, FP3_NAME_STEPS))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: found a value of 'steps', but with half the step an object that "

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* living.h - lists of neighbours without the objects that do not live.
+ *
+ * An object that does not live has no neighbours and is in nobody's list. Links are kept as the
+ * host gave them: when both ends live, the link is there.
+ */
+#ifndef FP3_LIVING_H
+#define FP3_LIVING_H
+
+#include "backend.h"
+
+/* Before a run, or a part of one: lists are those of the objects that live now. Nothing is done
+ * where the same objects live as before. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_living_settle(fp3_engine *engine);
+
+#endif
