@@ -9,7 +9,7 @@
 // to_add .. to_memory        exactly one of these five, but for phase: its counter, and where it goes. to_chain: to
 //                            the multiplier, and on to the adder
 // subtract                   the sum is a difference
-// st .. ldl                  which instruction to memory: each and next find a neighbour there
+// st .. ldl                  which instruction to memory: each and next find a neighbour there. st is also `stl`, with stl
 // ldn, ldl                   also arithmetic with the word that they would load: takes. flips: the sum's other operand
 //                            has the other sign
 // phase                      it goes nowhere
@@ -18,12 +18,12 @@
 // d; a, b, c                 a register; {shared constant, index} each. Where fp_value works, c is the
 //                            sum's operand and a says what sel chooses; an operand that the
 //                            instruction does not have repeats a, so that no instruction waits for it
-`define FP3_DECODED {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, each, next, ldn, ldl, \
+`define FP3_DECODED {legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract, st, lds, each, next, ldn, ldl, stl, \
     takes, flips, phase, twice, halve, choice, d, a, b, c}
-`define FP3_DECODED_W (18 + CHOICE_W + REGISTER_W + 3 * (REGISTER_W + 1))
+`define FP3_DECODED_W (19 + CHOICE_W + REGISTER_W + 3 * (REGISTER_W + 1))
 `define FP3_DECODED_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire legal, to_add, to_mul, to_chain, to_sleep, to_memory, subtract; \
-    wire st, lds, each, next, ldn, ldl, takes, flips, phase, twice, halve; \
+    wire st, lds, each, next, ldn, ldl, stl, takes, flips, phase, twice, halve; \
     wire [CHOICE_W-1:0]   choice; \
     wire [REGISTER_W-1:0] d; \
     wire [REGISTER_W:0]   a, b, c; /* verilator lint_on UNUSEDSIGNAL */

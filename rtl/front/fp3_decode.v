@@ -40,6 +40,7 @@ module fp3_decode #(
     wire takes_word  = is_more && (more == OP_ADDN || more == OP_SUBN || more == OP_RSBN || more == OP_MULN);
     wire takes_field = is_more && (more == OP_ADDL || more == OP_SUBL || more == OP_RSBL || more == OP_MULL);
     wire takes_mul   = is_more && (more == OP_MULN || more == OP_MULL);
+    assign stl       = is_more && more == OP_STL;
     assign each      = is_more && more == OP_EACH;
     assign next      = is_more && more == OP_NEXT;
     assign phase     = is_more && more == OP_PHASE;
@@ -60,10 +61,11 @@ module fp3_decode #(
     assign subtract  = op == OP_SUB || op == OP_MSUB || op == OP_FMSUB || op == OP_SUBH || op == OP_SUBT
                     || (is_more && (more == OP_SUBN || more == OP_SUBL));
     assign to_sleep  = SLEEP != 0 && op == OP_SLEEP;
-    assign st        = INTERLEAVE != 0 && op == OP_ST;
+    wire plain_st    = INTERLEAVE != 0 && op == OP_ST;
+    assign st        = plain_st || stl;
     assign lds       = INTERLEAVE != 0 && SLEEP != 0 && op == OP_LDS;
-    wire plain_memory = st || lds || (INTERLEAVE != 0 && op == OP_LD);
-    assign to_memory  = plain_memory || each || next || loads_word || loads_field;
+    wire plain_memory = plain_st || lds || (INTERLEAVE != 0 && op == OP_LD);
+    assign to_memory  = plain_memory || stl || each || next || loads_word || loads_field;
 
     // Sums and products apart: each writes its bank, and reads at most one register of each bank. A
     // scaled operand is b, which is then not in the bank of sums.
@@ -83,7 +85,8 @@ module fp3_decode #(
     generate
         if (NEIGHBOURS != 0) begin : g_looped
             wire plain   = plain_add || op == OP_MUL || to_chain || to_sleep || plain_memory;
-            wire looped  = takes || ((loads_word || field_a == 7'd0) && field_b == 7'd0 && (each || next || loads_word || loads_field || phase));
+            wire looped  = takes || ((loads_word || stl || field_a == 7'd0) && field_b == 7'd0
+                                     && (each || next || loads_word || loads_field || stl || phase));
             assign legal = in_range && ((plain && !extra) || looped);
             wire unused  = banked;
         end else begin : g_plain

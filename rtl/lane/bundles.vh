@@ -25,7 +25,8 @@
 //
 //     each                        a loop begins: the register has the place and the length of the object's list
 //     entry                       the next neighbour of the list is found (each, next)
-//     ldn, ldl                    a word of the neighbour's record, or a field of its entry, is loaded or an operand
+//     ldn, ldl                    a word of the neighbour's record, or a field of its entry, is loaded or an operand; or
+//                                 (ldl) a field is stored
 //     inside                      in a loop: not for objects whose list has ended
 //     half                        of the store, where a published word is loaded or stored: 1: the upper one
 //     turn                        of the loop, from 0
@@ -199,17 +200,20 @@
 //     st_upper, load_upper        in the upper half of the store
 //     st_whole, load_whole        with STORAGE: all 32 bits
 //     load_place, place           not a word of a record, but this one
-`define FP3_MOVE_W (12 + STORE_W + 2*REGISTER_W + 2*ROW_W)
+//     st_list, st_place, st_ended   likewise of a store, two cycles later; there is no such entry
+`define FP3_MOVE_W (14 + 2*STORE_W + 2*REGISTER_W + 2*ROW_W)
 `define FP3_MOVE_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire [1:0] move_record_shift; \
     wire move_st, move_in_last, move_st_absent, move_st_asleep, move_load; \
     wire move_st_upper, move_load_upper, move_load_place, move_st_whole, move_load_whole; \
     wire [REGISTER_W-1:0] move_register, move_load_register; \
     wire [ROW_W-1:0] move_st_row, move_load_row; \
-    wire [STORE_W-1:0] move_place; /* verilator lint_on UNUSEDSIGNAL */
+    wire move_st_list, move_st_ended; \
+    wire [STORE_W-1:0] move_place, move_st_place; /* verilator lint_on UNUSEDSIGNAL */
 `define FP3_MOVE {move_record_shift, move_st, move_in_last, move_st_absent, move_st_asleep, move_load, \
     move_register, move_load_register, move_st_upper, move_load_upper, move_load_place, \
-    move_st_whole, move_load_whole, move_st_row, move_load_row, move_place}
+    move_st_whole, move_load_whole, move_st_row, move_load_row, move_place, \
+    move_st_list, move_st_ended, move_st_place}
 
 // END: the end of an instruction in a lane, in the cycle W of its result.
 //

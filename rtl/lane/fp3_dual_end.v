@@ -49,7 +49,8 @@ module fp3_dual_end #(
     assign move_st_absent = {1'b0, issue_st_row} >= count_q;
     assign move_st_asleep = 1'b0;
     // Objects do not see each other here.
-    assign {move_st_upper, move_load_upper, move_load_place, move_st_whole, move_load_whole, move_place} = {5+STORE_W{1'b0}};
+    assign {move_st_upper, move_load_upper, move_load_place, move_st_whole, move_load_whole, move_place,
+            move_st_list, move_st_ended, move_st_place} = {7+2*STORE_W{1'b0}};
     assign move_load          = retire_sum_loads || retire_product_loads;
     assign move_load_row      = retire_load_row;
     assign move_load_register = retire_load_register;

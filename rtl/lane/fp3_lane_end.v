@@ -132,7 +132,8 @@ module fp3_lane_end #(
                 .longest_o(longest_o), .valid_i(reach_valid), .reach_context_i(reach_context), .own_i(reach_row),
                 .around_i(reach_around),
                 .of_list_o(move_load_place), .place_o(move_place), .row_o(move_load_row), .number_o(move_load_register),
-                .half_o(move_load_upper), .word_i(word_i), .ended_o(ended));
+                .half_o(move_load_upper),
+                .st_list_o(move_st_list), .st_place_o(move_st_place), .st_ended_o(move_st_ended), .word_i(word_i), .ended_o(ended));
             fp3_delay #(.W(1), .N(3)) u_load (.clk_i(clk_i), .rst_i(rst_i), .d_i(reach_load), .q_o(move_load));
             assign move_load_whole = 1'b0;
             wire unused_lists = &{own_row_e3, register_e3};
@@ -143,6 +144,7 @@ module fp3_lane_end #(
                 .q_o(move_load_whole));
             assign {ended, move_load_place, move_load_upper} = 3'd0;
             assign {longest_o, move_place} = {LENGTH_W+STORE_W{1'b0}};
+            assign {move_st_list, move_st_ended, move_st_place} = {2+STORE_W{1'b0}};
             assign move_load_row      = own_row_e3;
             assign move_load_register = register_e3;
             wire unused_lists = &{stored_i3_i, reach_i};

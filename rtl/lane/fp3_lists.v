@@ -11,6 +11,8 @@
 //           cycle    R          R+1        R+2      R+3             R+6       R+7
 //           load     around_i   list read  place    row, address    word_i    an entry's row is noted
 //
+//           The place of a field that is stored waits for its value, which comes with the issue.
+//
 // Latency   As shown. ended_o comes with the result, AHEAD + TO_RESULT cycles after R.
 // Hazard    One context does not come twice within GAP cycles. R+1 of an `each` comes after its
 //           place is noted (issue).
@@ -39,6 +41,10 @@ module fp3_lists #(
     output wire [ROW_W-1:0]     row_o,          // ... or a word of the neighbour or of the object itself: the row, the word's number
     output wire [REGISTER_W-1:0] number_o,
     output wire                 half_o,
+    // Cycle 2: a store to a field of the entry, at ...; the context has no such entry
+    output wire                 st_list_o,
+    output wire [STORE_W-1:0]   st_place_o,
+    output wire                 st_ended_o,
     input  wire [31:0]          word_i,         // R+6
     output wire                 ended_o         // W: this context's list has ended: it does not execute
 );
@@ -109,6 +115,9 @@ module fp3_lists #(
     assign {place_o, row_o} = {sum_q, row_q};
     fp3_delay #(.W(1), .N(AHEAD+TO_RESULT-3)) u_ended (.clk_i(clk_i), .rst_i(1'b0), .d_i(inside_r3 && !there_q),
         .q_o(ended_o));
+
+    fp3_delay #(.W(2+STORE_W), .N(AHEAD-1)) u_stored (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({of_list_o, inside_r3 && !there_q, sum_q}), .q_o({st_list_o, st_ended_o, st_place_o}));
 
     // R+7: the neighbour
     wire                 entry_r6, turns_r6;

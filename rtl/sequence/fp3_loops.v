@@ -11,7 +11,7 @@
 //           next batch begins the same phase; after the last batch the next round begins behind the
 //           `phase`.
 //
-//           An entry ends behind the last field that a turn has read, by `ldl` or by number.
+//           An entry ends behind the last field that a turn has read or written, by `ldl` or by number.
 //
 //           Loops are not nested, and no phase ends within a loop; software checks this.
 //
@@ -74,7 +74,7 @@ module fp3_loops #(
     reg [LENGTH_W-1:0]  turn_q, turns_q;
     reg                 final_q;                       // this turn is the last one
     reg [STORE_W-1:0]   fields_q, load_q, end_q;       // an entry's first field, next `ldl`, end
-    reg                 entry_q, field_q;              // the word taken a cycle ago begins an entry; reads a field ...
+    reg                 entry_q, field_q;              // the word taken a cycle ago begins an entry; reads or writes a field ...
     reg [STORE_W-1:0]   offset_q;                      // ... at this offset
     reg [PROGRAM_W-1:0] loop_q, phase_q;               // where they begin
     reg                 jump_q, on_q, begins_q, partial_q, half_q;
@@ -85,7 +85,9 @@ module fp3_loops #(
     wire turns  = take_i && legal && next && !skips_q;
     wire back   = turns && !final_q;
     wire over   = take_i && ((legal && phase) || ends_i) && !back;
-    wire field  = take_i && legal && ldl && !skips_q;
+    wire of_entry = ldl || stl;
+    wire by_number = takes || stl;
+    wire field  = take_i && legal && of_entry && !skips_q;
     wire known  = waits_q && still_i && wait_q == {WAIT_W{1'b0}};
 
     always @(posedge clk_i)
@@ -125,7 +127,7 @@ module fp3_loops #(
         offset_q           <= around_offset;
         if (entry_q) {fields_q, load_q, end_q} <= {3{offset_q + 1'b1}};
         else begin
-            if (field && !takes)              load_q <= load_q + 1'b1;
+            if (field && !by_number)             load_q <= load_q + 1'b1;
             if (field_q && offset_q >= end_q) end_q  <= offset_q + 1'b1;
         end
         if (start_i)          half_q <= setting_half;
@@ -144,11 +146,11 @@ module fp3_loops #(
     assign around_each   = each;
     assign around_entry  = each || next;
     assign around_ldn    = ldn;
-    assign around_ldl    = ldl;
+    assign around_ldl    = of_entry;
     assign around_inside = inside_q && !next;
-    assign around_half   = (to_memory || ldn) && !ldl && !around_entry && published[number] && half_q != st;
+    assign around_half   = (to_memory || ldn) && !of_entry && !around_entry && published[number] && half_q != st;
     assign around_turn   = each ? {LENGTH_W{1'b0}} : turn_q + 1'b1;
-    assign around_offset = ldl  ? (takes ? numbered : load_q)
+    assign around_offset = of_entry ? (by_number ? numbered : load_q)
                          : next ? end_q : each ? {STORE_W{1'b0}} : {{STORE_W-REGISTER_W{1'b0}}, word};
 
 `ifdef FP3_CHECK

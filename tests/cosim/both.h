@@ -87,6 +87,20 @@ static void compare(const both *b, const char *what, const char *how) {
 
 /* ---- runs ---- */
 
+/* What entries remember, on both. */
+static void compare_fields(const both *b, const char *what, const char *how) {
+    const fp3_lists *isa = &group_of(b->isa)->lists, *rtl = &group_of(b->rtl)->lists;
+    for (uint32_t i = 0; i < isa->shape.list_count; i++) {
+        const fp3_list *one = &isa->lists[i], *two = &rtl->lists[i];
+        const size_t entries = one->begin ? one->begin[one->objects] : 0;
+        if (!one->kept || !entries)
+            continue;
+        if (memcmp(one->begin, two->begin, (one->objects + 1) * sizeof *one->begin) ||
+            memcmp(one->field, two->field, entries * one->fields * sizeof *one->field))
+            FAIL("%s, %s: list %" PRIu32 " does not remember the same", what, how, i);
+    }
+}
+
 static void run_both(const both *b, uint32_t steps, const char *what, const char *how) {
     fp3_stats isa, rtl;
     told(fp3_engine_run(b->isa, steps, &isa));
@@ -97,6 +111,7 @@ static void run_both(const both *b, uint32_t steps, const char *what, const char
     if (isa.object_steps != rtl.object_steps)
         FAIL("%s, %s: object-steps", what, how);
     compare(b, what, how);
+    compare_fields(b, what, how);
     const fp3_lists *lists = &group_of(b->rtl)->lists;
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         if (lists->lists[i].is_near)

@@ -62,6 +62,24 @@ static const char balls[] =
     "x' = v\n"
     "v' = (F + T)/m\n";
 
+/* The same two lists, and what their entries remember. */
+static const char grains[] =
+    "model grains \"balls that rub, and links that yield\"\n"
+    "shared R = 0.05 [m]\n"
+    "shared stiff = 100 [N/m]\n"
+    "param m = 0.01 [kg]\n"
+    "state x[3] = (0, 0, 0) [m]\n"
+    "state v[3] = (0, 0, 0) [m/s]\n"
+    "near touch(x, 2*R, s[3] = (0, 0, 0) [m])\n"
+    "links springs(k = 10 [N/m], way = 0 [m])\n"
+    "step 0.001 [s]\n"
+    "F = sum(o in touch: (stiff*(norm(o.x - x) - 2*R)/norm(o.x - x))*(o.x - x) + stiff*o.s)\n"
+    "T = sum(o in springs: o.k*(o.x - x)*(1 + o.way/R))\n"
+    "x' = v\n"
+    "v' = (F + T)/m\n"
+    "remember o in touch: o.s = o.s + h*(o.v - v)\n"
+    "remember o in springs: o.way = o.way + (norm(o.x - x) < 2*R ? 2*R : 0*R)\n";
+
 typedef struct {
     const char *text, *integrator;
     fp3_model *model;
@@ -174,6 +192,12 @@ static const struct {
      "ldn t, a\nadd b, b, t\nnext\nst a\nst b\n",
      "l", 1},
     /* The program ends with a loop, so nothing but the phase before it stores. */
+    /* Fields are written: two, one of them not read, in a loop with another sum, of objects that
+     * may have no entry; the loop of another phase goes through the list, too. */
+    {"s.state a\n.state b\n.temp l\n.temp t\nstep:\nld l\nld a\nld b\neach l\nldl t\naddn "
+     "b, b, a\nadd t, t, a\nstl t, 0\nstl b, 1\nnext\nst a\nst b\nphase\nld l\nld a\nld b\neach "
+     "l\nmull t, a, 1\nadd b, b, t\nnext\nst a\nst b\n",
+     "l", 2},
     {"s.state a\n.temp l\n.temp t\nstep:\nld l\nld a\nadd a, a, a\nst a\nphase\nld a\nld l\nst "
      "a\nphase\nld l\nld a\nst a\n",
      NULL, 0},
@@ -293,6 +317,8 @@ int main(int argc, char **argv) {
     check_subject(&c, balls, "euler");
     check_subject(&c, balls, "leapfrog");
     check_subject(&c, balls, "rk4");
+    check_subject(&c, grains, "euler");
+    check_subject(&c, grains, "leapfrog");
     check_by_hand(&c);
     check_last_row(&c);
     check_places(&c);

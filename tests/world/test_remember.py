@@ -7,7 +7,7 @@ import numpy
 import pytest
 from test_world import balls, chain, compile_, fliers, floats, row, script  # noqa: F401, pylint: disable=unused-import
 
-ENGINES = [("isa", 1), ("fast", 1), ("fast", 2), ("interpreter", 2)]
+ENGINES = [("isa", 1), ("fast", 1), ("fast", 2), ("interpreter", 2), ("rtl", 1)]
 # Contact with a tangential spring that slips (Cundall and Strack, 1979): s is how far it is stretched.
 GRAINS = """
 shared R = 0.05 [m]
@@ -90,12 +90,21 @@ def test_engines_and_skins_have_the_same_words(script, make, n, integrator, arit
     found = set()
     for skin in (0, 0.02, 0.3):
         lines = [*make(n, skin), "run 20", "run 31", "print x_x x_y x_z v_x v_y v_z", "failure"]
-        for engine, threads in ENGINES[:2] if n == 300 else ENGINES:
+        for engine, threads in ENGINES[:2] if n == 300 else ENGINES[:-1]:
             found.add(tuple(script(GRAINS, lines, engine, integrator, arithmetic, threads)))
     assert len(found) == 1
     *words, failure = found.pop()
     without = script(GRAINS.replace("remember o in touch: o.s = ", "remember o in touch: o.s = 0*"), [*make(n), "run 51", "print x_x"], "fast", integrator, arithmetic)
     assert failure == "none" and without[0] != words[0]
+
+
+@pytest.mark.parametrize("integrator", ["euler", "rk4"])
+def test_hardware_has_the_same_words(script, integrator):  # noqa: F811
+    """The host makes lists between phases, and puts back what pairs remember."""
+    found = set()
+    for engine, skin in (("isa", 0.01), ("rtl", 0), ("rtl", 0.02), ("rtl", 0.05)):
+        found.add(tuple(script(GRAINS, [*fallen(24, skin), "run 4", "run 8", "print x_x x_y x_z v_x v_y v_z", "failure"], engine, integrator)))
+    assert len(found) == 1
 
 
 @pytest.mark.parametrize("kind", ["x86-64", "x86-64-v3"])
@@ -287,7 +296,6 @@ def test_assembly_is_read_again(fp3, tmp_path):
 
 
 @pytest.mark.parametrize("options, expected", [
-    (("-e", "rtl"), "a program with `remember` runs on engines isa and fast"),
     (("--checkpoint", "x.check"), "checkpoints: pairs of objects remember"),
     (("--check",), "what its pairs remember (line 8 of the model)"),
 ])

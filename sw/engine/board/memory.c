@@ -5,6 +5,7 @@
 #include "driver.h"
 
 #include "gen/registers.h"
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct {
@@ -184,6 +185,19 @@ fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t lane, uint32_t word,
     return fp3_driver_put(
         engine, in_space(engine, 0, FP3_SPACE_OBJECTS, lane * engine->config->store_words + word),
         data);
+}
+
+fp3_status fp3_memory_get_words(fp3_engine *engine, uint32_t lane, uint32_t word, size_t count,
+                                uint32_t *data) {
+    uint32_t *addresses = malloc((count + 1) * sizeof *addresses);
+    if (!addresses)
+        return fp3_no_memory(engine->def.error);
+    for (size_t i = 0; i < count; i++)
+        addresses[i] = in_space(engine, 0, FP3_SPACE_OBJECTS,
+                                lane * engine->config->store_words + word + (uint32_t)i);
+    const fp3_status status = fp3_driver_get_all(engine, addresses, data, (uint32_t)count);
+    free(addresses);
+    return status;
 }
 
 fp3_status fp3_memory_put_copy(fp3_engine *engine, uint32_t word, uint32_t data) {

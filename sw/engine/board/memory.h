@@ -16,6 +16,9 @@ fp3_status fp3_memory_write(fp3_engine *engine, fp3_cells cells, const void *wor
 fp3_status fp3_memory_list(fp3_engine *engine);
 /* Of the only scheduler: a word of a lane's store; a word of the list of copies. */
 fp3_status fp3_memory_put_word(fp3_engine *engine, uint32_t lane, uint32_t word, uint32_t data);
+/* Likewise as many words of a lane's store, side by side. */
+fp3_status fp3_memory_get_words(fp3_engine *engine, uint32_t lane, uint32_t word, size_t count,
+                                uint32_t *data);
 fp3_status fp3_memory_put_copy(fp3_engine *engine, uint32_t word, uint32_t data);
 
 #endif

@@ -217,7 +217,9 @@ static fp3_status run_phases(fp3_engine *engine, fp3_store_lists *lists, uint32_
         return status;
     status = run_part(engine, &(part){steps, 1, clock, limit ? limit - cycles : 0, 1}, stats);
     add_counters(engine, sums);
-    const fp3_status looked = fp3_store_lists_look(engine);
+    fp3_status looked = fp3_store_lists_look(engine);
+    if (!looked)
+        looked = fp3_store_lists_remember(engine, lists);
     return status ? status : looked;
 }
 

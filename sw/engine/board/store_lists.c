@@ -11,6 +11,7 @@
 #include "gen/registers.h"
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define BIT(reg) (UINT64_C(1) << (reg))
 #define MOST_NEIGHBOURS ((1u << (FP3_OBJECTS_LENGTH_HI - FP3_OBJECTS_LENGTH_LO + 1)) - 1)
@@ -83,9 +84,6 @@ fp3_status fp3_store_lists_check(fp3_engine *engine, const fp3_members *group) {
     const uint32_t half = engine->config->store_words / 2;
     if (!group->lists.shape.is_any)
         return FP3_OK;
-    if (fp3_lists_remember(&group->lists))
-        return refuse(engine, "the hardware does not write entries of lists, so a program with "
-                              "`remember` runs on engines isa and fast");
     if (fp3_config_schedulers(engine->config) != 1)
         return refuse(engine, "objects that see each other need a configuration of one scheduler");
     if (group->visit->loads_in_front || group->visit->stores_behind)
@@ -107,6 +105,7 @@ typedef struct {
     const fp3_ghosts *ghosts;
     uint32_t lane;
     uint32_t next[2], end[2];
+    uint32_t *place; /* where lists are, as of fp3_store_lists */
 } room;
 
 static fp3_status open_room(fp3_engine *engine, const fp3_ghosts *ghosts, uint32_t lane, room *r) {
@@ -121,8 +120,11 @@ static fp3_status open_room(fp3_engine *engine, const fp3_ghosts *ghosts, uint32
             " of them copies of objects in other lanes or of other ranks",
             engine->backend->is.name, half >> group->log2, 1u << group->log2, ghosts->used[lane],
             ghosts->used[lane] - fp3_layout_rows(&engine->layout, engine->config, 0, lane));
-    *r = (room){
-        engine, ghosts, lane, {(uint32_t)records, half + (uint32_t)records}, {half, 2 * half}};
+    *r = (room){.engine = engine,
+                .ghosts = ghosts,
+                .lane = lane,
+                .next = {(uint32_t)records, half + (uint32_t)records},
+                .end = {half, 2 * half}};
     return FP3_OK;
 }
 
@@ -174,6 +176,7 @@ static fp3_status write_list(room *r, const fp3_list *list) {
                             " words are full",
                             engine->backend->is.name, engine->config->name, i, list->objects,
                             engine->config->store_words);
+        r->place[(size_t)(list - group->lists.lists) * group->rows + i] = place;
         status = write_entries(r, list, i, place);
         if (!status)
             status = fp3_memory_put_word(engine, r->lane, (at.row << group->log2) + list->reg,
@@ -239,18 +242,19 @@ static fp3_status write_ghosts(fp3_engine *engine, const fp3_ghosts *ghosts, uin
     return status;
 }
 
-static fp3_status write_lists(fp3_engine *engine, uint32_t *words) {
+static fp3_status write_lists(fp3_engine *engine, const fp3_store_lists *to) {
     const fp3_lists *lists = &group_of(engine)->lists;
     fp3_ghosts ghosts;
     fp3_status status = fp3_ghosts_find(engine, &ghosts);
     for (uint32_t lane = 0; !status && lane < ghosts.lanes; lane++) {
         room r = {0};
         status = open_room(engine, &ghosts, lane, &r);
+        r.place = to->place;
         for (uint32_t i = 0; !status && i < lists->shape.list_count; i++)
             status = write_list(&r, &lists->lists[i]);
     }
     if (!status)
-        status = write_ghosts(engine, &ghosts, words);
+        status = write_ghosts(engine, &ghosts, to->words);
     fp3_ghosts_free(&ghosts);
     return status;
 }
@@ -264,7 +268,8 @@ fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists) {
     *lists = (fp3_store_lists){0};
     lists->words = malloc(group->rows * sizeof *lists->words);
     lists->saved = malloc(((size_t)count * group->rows + 1) * sizeof *lists->saved);
-    if (!lists->words || !lists->saved) {
+    lists->place = malloc(((size_t)count * group->rows + 1) * sizeof *lists->place);
+    if (!lists->words || !lists->saved || !lists->place) {
         free(lists->saved);
         lists->saved = NULL;
         return fp3_no_memory(engine->def.error);
@@ -349,8 +354,52 @@ fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists) {
     if (!status && !lists->is_written && !is_placed(engine))
         status = place(engine);
     if (!status && (is_new || !lists->is_written))
-        status = write_lists(engine, lists->words);
+        status = write_lists(engine, lists);
     lists->is_written = !status;
+    return status;
+}
+
+/* Whether the words that have run write fields. */
+static int has_written(const fp3_engine *engine) {
+    const fp3_code *program = &group_of(engine)->program;
+    const int is_by_phase = fp3_store_lists_is_by_phase(engine);
+    for (uint32_t i = ((const fp3_driver *)engine->self)->first; i < program->count; i++) {
+        const fp3_decoded *word = &program->decoded[i];
+        if (word->of && word->of->takes_field)
+            return 1;
+        if (is_by_phase && word->of && word->in.op == FP3_OP_PHASE)
+            return 0;
+    }
+    return 0;
+}
+
+/* The fields of one object's list. */
+static fp3_status read_fields(fp3_engine *engine, const fp3_list *list, uint32_t object,
+                              uint32_t place) {
+    const fp3_members *group = group_of(engine);
+    const fp3_where at = fp3_layout_where(&engine->layout, engine->config, group->first + object);
+    const size_t each = list->fields + (size_t)1, length = fp3_list_length(list, object);
+    uint32_t *words = malloc((length * each + 1) * sizeof *words);
+    if (!words)
+        return fp3_no_memory(engine->def.error);
+    const fp3_status status = fp3_memory_get_words(engine, at.lane, place, length * each, words);
+    for (size_t turn = 0; !status && turn < length; turn++)
+        memcpy(&list->field[(list->begin[object] + turn) * list->fields], &words[turn * each + 1],
+               list->fields * sizeof *words);
+    free(words);
+    return status;
+}
+
+fp3_status fp3_store_lists_remember(fp3_engine *engine, const fp3_store_lists *lists) {
+    const fp3_members *group = group_of(engine);
+    fp3_status status = FP3_OK;
+    if (!lists->is_written || !fp3_lists_remember(&group->lists) || !has_written(engine))
+        return FP3_OK;
+    for (uint32_t k = 0; k < group->lists.shape.list_count; k++) {
+        const fp3_list *list = &group->lists.lists[k];
+        for (uint32_t i = 0; fp3_list_remembers(list) && !status && i < group->objects; i++)
+            status = read_fields(engine, list, i, lists->place[(size_t)k * group->rows + i]);
+    }
     return status;
 }
 
@@ -419,6 +468,7 @@ fp3_status fp3_store_lists_end(fp3_engine *engine, fp3_store_lists *lists) {
                                   lists->saved + (size_t)i * group->rows);
     free(lists->saved);
     free(lists->words);
+    free(lists->place);
     *lists = (fp3_store_lists){0};
     return status;
 }

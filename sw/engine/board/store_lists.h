@@ -14,6 +14,7 @@ typedef struct {
     uint32_t *saved; /* what the registers of lists hold between runs, list by list; NULL: there are
                         no lists */
     uint32_t *words; /* of one register of all objects */
+    uint32_t *place; /* of each object's list, likewise: the word of its lane's store where it is */
     int is_written;  /* the lists are in the store */
 } fp3_store_lists;
 
@@ -31,6 +32,8 @@ int fp3_store_lists_phase(const fp3_engine *engine, uint32_t phase, uint32_t *fi
 /* Before a part of a run: lists that are not in the store, or stale, are written. FP3_E_PROGRAM:
  * there is no room for them, or an object has too many neighbours. Else as fp3_lists_follow. */
 fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists);
+/* After a part: what entries remember, to the lists. */
+fp3_status fp3_store_lists_remember(fp3_engine *engine, const fp3_store_lists *lists);
 /* After a part: which half has the published words. */
 fp3_status fp3_store_lists_look(fp3_engine *engine);
 fp3_status fp3_store_lists_end(fp3_engine *engine, fp3_store_lists *lists);
