@@ -131,6 +131,20 @@ def test_use_and_restart():
         assert (batch["x"] == 1).all() and batch.time == 0
 
 
+def test_use_where_objects_see_each_other():
+    """Those that are not used are in nobody's sum, and a link waits for both of its ends."""
+    model = fp3.Model("state x = 0\nstate s = 0\nstate n = 0\nlinks ties(k = 1)\nall others\nstep 1\nx' = 0\ns' = sum(o in ties: o.k*o.x)\nn' = count(o in others)\n")
+    with fp3.Batch(model, 4, method="euler") as batch:
+        batch["x"] = [1, 10, 100, 1000]
+        batch.link("ties", [0, 1, 2], [3, 0, 1], k=[1, 2, 3])
+        batch.use(2)
+        batch.run(3)
+        assert batch["s"].tolist() == [60, 6, 0, 0] and batch["n"].tolist() == [3, 3, 0, 0]
+        batch.use(4)
+        batch.run()
+        assert batch["s"].tolist() == [1080, 308, 30, 1] and batch["n"].tolist() == [6, 6, 3, 3]
+
+
 def test_starts_follow_params():
     model = fp3.Model("param x0 = 1\nstate x = 2*x0\nstate y = x0\nstep 0.0625\nx' = 0*x\ny' = x\n")
     with fp3.Batch(model, 2, params={"x0": 3}) as batch:
