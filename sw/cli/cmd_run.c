@@ -109,8 +109,10 @@ static void say(const char *path, const char *warning) { fp3_cli_warn("run", pat
 static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const fp3_run_part *part,
                                size_t *warnings, fp3_error *error) {
     fp3_run_loss *loss = NULL;
-    /* Neighbours in double are all objects, also those that do not live. */
-    if (!part->program->model || (part->program->sees_others && fp3_engine_has_lives(part->engine)))
+    /* Neighbours in double are all objects, also those that do not live, and what pairs remember is
+     * not among what these warnings look at. */
+    if (!part->program->model || fp3_model_remembers(part->program->model) ||
+        (part->program->sees_others && fp3_engine_has_lives(part->engine)))
         return FP3_OK;
     fp3_status status = fp3_run_loss_open(part, &loss, error);
     if (!status)

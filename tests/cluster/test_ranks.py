@@ -152,6 +152,17 @@ def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
     assert two.returncode == 2 and "several ranks: a model with relations of more than one kind" in two.stderr, two.stderr
 
 
+def test_pairs_that_remember_are_refused(mpirun, fp3, root, tmp_path):
+    """What a pair remembers would have to move with its object."""
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch(x, 2*R", "near touch(x, 2*R, n = 0") + "\nremember o in touch: o.n = o.n + 1\n"
+    (tmp_path / "balls.ode").write_text(model)
+    (tmp_path / "x.scene").write_text('steps = 2;\ngroups = ( { program = "balls.ode"; integrator = "euler"; '
+                                      'grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.2; }; } );\n')
+    one, two = (mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--allow-failures") for ranks in (1, 2))
+    assert one.returncode == 0, one.stderr
+    assert two.returncode == 2 and "several ranks: entries of the model remember" in two.stderr, two.stderr
+
+
 LIVES = 'config = "many_full"; steps = 60; groups = ( { program = "kepler.ode"; objects = 24; born = [0, 0]; gone = [30, 76]; } );\n'
 
 

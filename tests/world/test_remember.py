@@ -295,6 +295,21 @@ def test_assembly_is_read_again(fp3, tmp_path):
     assert images[0] == images[1] and "stl" in text
 
 
+@pytest.mark.parametrize("engine", ["fast", "isa", "rtl"])
+def test_a_scene_runs_and_is_recorded(fp3, tmp_path, engine):
+    """Snapshots split the run; links have columns for what they remember; the recording is run again."""
+    (tmp_path / "m.ode").write_text(BREAKING.replace("step 1", "step 1\nspan 9"))
+    (tmp_path / "ties.csv").write_text("a,b,whole\n" + "".join(f"{i},{i + 1},{int(i != 3)}\n" for i in range(8)))
+    (tmp_path / "x.csv").write_text("x\n" + "".join(f"{6 * i + i * i % 5}\n" for i in range(9)))
+    (tmp_path / "m.scene").write_text('steps = 9; groups = ( { program = "m.ode"; integrator = "euler"; points = "x.csv"; links = { relation = "ties"; file = "ties.csv"; }; } );\n')
+    ends = set()
+    for more in ((), ("--every", "2", "--output", "out.csv")):
+        done = subprocess.run([fp3, "run", "--scene", "m.scene", "-c", "world", "-e", engine, "--all", *more], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        ends.add("\n".join(line for line in done.stdout.splitlines() if " 0x" in line))
+    assert len(ends) == 1 and ends.pop().count("object") == 18
+
+
 @pytest.mark.parametrize("options, expected", [
     (("--checkpoint", "x.check"), "checkpoints: pairs of objects remember"),
     (("--check",), "what its pairs remember (line 8 of the model)"),
