@@ -133,7 +133,8 @@ def test_use_and_restart():
 
 def test_use_where_objects_see_each_other():
     """Those that are not used are in nobody's sum, and a link waits for both of its ends."""
-    model = fp3.Model("state x = 0\nstate s = 0\nstate n = 0\nlinks ties(k = 1)\nall others\nstep 1\nx' = 0\ns' = sum(o in ties: o.k*o.x)\nn' = count(o in others)\n")
+    model = fp3.Model("state x = 0\nstate s = 0\nstate n = 0\nlinks ties(k = 1)\nall others\nstep 1\nx' = 0\n"
+                      "s' = sum(o in ties: o.k*o.x)\nn' = count(o in others)\n")
     with fp3.Batch(model, 4, method="euler") as batch:
         batch["x"] = [1, 10, 100, 1000]
         batch.link("ties", [0, 1, 2], [3, 0, 1], k=[1, 2, 3])

@@ -21,14 +21,16 @@ step 0.01
 F = sum(o in ties: o.k*(o.x - x)) + sum(o in touch: (R - norm(o.x - x))*(x - o.x)) + sum(o in others: 0.01*o.m*(o.x - x))
 x' = v
 v' = F/m
-w' = count(o in touch: o.x.x > x.x) + 10*any(o in touch) + 0.1*min(o in others: o.x.x, x.x) + 0.01*max(o in ties: o.k, 0) + 100*count(o in ties) + 0.001*count(o in others)
+n = count(o in touch: o.x.x > x.x) + 10*any(o in touch) + 100*count(o in ties) + 0.001*count(o in others)
+w' = n + 0.1*min(o in others: o.x.x, x.x) + 0.01*max(o in ties: o.k, 0)
 """
 
 
 def all_kinds(n, seed):
     random = numpy.random.default_rng(seed)
     m = random.uniform(0.5, 2, n).astype(numpy.float32)
-    return [f"objects {n}", row("param", "over_m", 1 / m.astype(float)), row("param", "m", m), *(row("state", name, random.uniform(-1, 1, n)) for name in STATES.split()),
+    return [f"objects {n}", row("param", "over_m", 1 / m.astype(float)), row("param", "m", m),
+            *(row("state", name, random.uniform(-1, 1, n)) for name in STATES.split()),
             *(f"links ties {a} {b} {random.uniform(0.5, 2)!r}" for a in range(n) for b in random.permutation(n)[:random.integers(5)] if b != a),
             "near touch 0.4 0.1 x_x x_y", "all others"]
 
@@ -124,7 +126,8 @@ def test_who_is_dead_has_not_failed_and_failures_name_the_living(script):
 
 
 COMES = """steps = 24;
-groups = ( { program = "all.ode"; integrator = "leapfrog"; objects = 30; random = { position = "x"; from = [-1.0, -1.0]; to = [1.0, 1.0]; apart = 0.01; seed = 3; };
+groups = ( { program = "all.ode"; integrator = "leapfrog"; objects = 30;
+             random = { position = "x"; from = [-1.0, -1.0]; to = [1.0, 1.0]; apart = 0.01; seed = 3; };
              links = { relation = "ties"; file = "ties.csv"; }; born = [0, 40]; gone = [20, 59]; } );
 """
 
