@@ -3,6 +3,7 @@
 #include "store_lists.h"
 
 #include "driver.h"
+#include "engine/common/follow.h"
 #include "engine/common/ghosts.h"
 #include "engine/common/luggage.h"
 #include "engine/common/partition.h"

@@ -95,14 +95,6 @@ static inline fp3_entries fp3_list_given(const fp3_list *list) {
     return list->whole.begin ? list->whole : (fp3_entries){list->begin, list->other, list->field};
 }
 
-/* At the beginning of a phase: makes the lists of those that are near again, where they are stale.
- * Words of the group's objects: words[register] is that of row 0, NULL: there is none; row: of each
- * object, NULL: its number. Lists are of rows; where rows are given and some objects do not live,
- * `objects` are those that live, in the first rows. *is_new: some were made. FP3_E_LIMIT,
- * FP3_E_SYSTEM as of fp3_near_make. */
-fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
-
 /* 1 + the number of the neighbour that an object sees in this turn of a loop, if it is near and at
  * the same place; else 0. Objects have `each` words; those of the group begin at `first`. list:
  * NULL outside of loops. */

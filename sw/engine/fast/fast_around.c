@@ -2,6 +2,7 @@
 /* fast_around.c - phases of the "fast" engine, each by all threads. */
 #include "fast_own.h"
 
+#include "engine/common/follow.h"
 #include "engine/common/origin.h"
 #include "engine/common/words.h"
 

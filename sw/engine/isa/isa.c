@@ -5,7 +5,7 @@
  * executed for all objects before the next one, as if there were a context for each.
  */
 #include "engine/common/backend.h"
-#include "engine/common/lists.h"
+#include "engine/common/follow.h"
 
 #include "gen/registers.h"
 

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* follow.c - see follow.h. */
+#include "follow.h"
+
+#include "remember.h"
+
+#include <stdlib.h>
+
+fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
+                            const uint32_t *row, size_t stride, int *is_new, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    *is_new = 0;
+    for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
+        fp3_list *list = &lists->lists[i];
+        fp3_where_they_are now = {.row = row,
+                                  .order = row && lists->living ? lists->living->who : lists->order,
+                                  .lives = !row && lists->living ? lists->living->is : NULL,
+                                  .stride = stride,
+                                  .objects = objects,
+                                  .dimensions = list->near.dimensions};
+        uint32_t *begin, *other, *field = NULL;
+        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
+            now.position[k] = words[list->near.regs[k]];
+        if (!list->is_near || !fp3_near_is_stale(&list->near, &now))
+            continue;
+        status = fp3_near_make(&list->near, &now, &begin, &other, error);
+        if (!status && list->fields)
+            status = fp3_list_merge(list, &now, &begin, &other, &field, error);
+        if (status && list->fields) { /* what is remembered stays */
+            free(begin);
+            free(other);
+            fp3_near_close(&list->near);
+            break;
+        }
+        free(list->begin);
+        free(list->other);
+        free(list->field);
+        list->begin = begin;
+        list->other = other;
+        list->field = field;
+        *is_new = 1;
+        if (status) /* the list is none: the next run makes it, wherever objects are */
+            fp3_near_close(&list->near);
+    }
+    return status;
+}
