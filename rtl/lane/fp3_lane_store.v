@@ -59,8 +59,10 @@ module fp3_lane_store #(
     wire [STORE_W-1:0]  stored_address;
     wire [STORED_W-1:0] stored_word, read_word;
     always @(posedge clk_i) begin
-        st_q            <= !rst_i && st_i2 && !move_st_absent && !move_st_ended && !(move_st_asleep && !in_last_i2);
-        st_address_q    <= move_st_list ? move_st_place : st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2} | {upper_i2, {STORE_W-1{1'b0}}};
+        st_q            <= !rst_i && st_i2 && !move_st_absent && !(NEIGHBOURS != 0 && move_st_ended)
+                                  && !(move_st_asleep && !in_last_i2);
+        st_address_q    <= NEIGHBOURS != 0 && move_st_list ? move_st_place
+                         : st_base | {{STORE_W-REGISTER_W{1'b0}}, register_i2} | {upper_i2, {STORE_W-1{1'b0}}};
         write_q         <= !rst_i && (stored || host_write_i);
         write_address_q <= host_i ? host_address_i : stored_address;
         write_word_q    <= host_i ? host_word_i[STORED_W-1:0] : stored_word;

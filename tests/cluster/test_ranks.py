@@ -154,8 +154,8 @@ def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
 
 def test_pairs_that_remember_are_refused(mpirun, fp3, root, tmp_path):
     """What a pair remembers would have to move with its object."""
-    model = (root / "programs/world/balls.ode").read_text().replace("near touch(x, 2*R", "near touch(x, 2*R, n = 0") + "\nremember o in touch: o.n = o.n + 1\n"
-    (tmp_path / "balls.ode").write_text(model)
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch(x, 2*R", "near touch(x, 2*R, n = 0")
+    (tmp_path / "balls.ode").write_text(model + "\nremember o in touch: o.n = o.n + 1\n")
     (tmp_path / "x.scene").write_text('steps = 2;\ngroups = ( { program = "balls.ode"; integrator = "euler"; '
                                       'grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.2; }; } );\n')
     one, two = (mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--allow-failures") for ranks in (1, 2))

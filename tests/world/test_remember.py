@@ -94,7 +94,8 @@ def test_engines_and_skins_have_the_same_words(script, make, n, integrator, arit
             found.add(tuple(script(GRAINS, lines, engine, integrator, arithmetic, threads)))
     assert len(found) == 1
     *words, failure = found.pop()
-    without = script(GRAINS.replace("remember o in touch: o.s = ", "remember o in touch: o.s = 0*"), [*make(n), "run 51", "print x_x"], "fast", integrator, arithmetic)
+    forgets = GRAINS.replace("remember o in touch: o.s = ", "remember o in touch: o.s = 0*")
+    without = script(forgets, [*make(n), "run 51", "print x_x"], "fast", integrator, arithmetic)
     assert failure == "none" and without[0] != words[0]
 
 
@@ -221,7 +222,8 @@ def test_who_fails_is_found_with_what_was_remembered(script, engine, threads):  
     """A run that is made again begins with what entries held when it began."""
     model = "state x = 0\nstate s = 0\nnear touch(x, 4, n = 0)\nstep 1\nx' = 0\ns' = sum(o in touch: o.n)\nremember o in touch: o.n = 16*(o.n + 1 + o.x)\n"
     lines = ["objects 4", row("state", "x", [0, 1, 10, 11]), "near touch 4 1 x", "run 20", "run 20", "failure"]
-    assert script(model, lines, engine, "euler", threads=threads) == ["object 0 in step 32: overflow"] != script(model, [*lines[:3], "run 20", "failure"], engine, "euler")
+    assert script(model, lines, engine, "euler", threads=threads) == ["object 0 in step 32: overflow"]
+    assert ["object 0 in step 32: overflow"] != script(model, [*lines[:3], "run 20", "failure"], engine, "euler")
 
 
 def test_lists_that_are_given_again(script):  # noqa: F811
@@ -301,7 +303,8 @@ def test_a_scene_runs_and_is_recorded(fp3, tmp_path, engine):
     (tmp_path / "m.ode").write_text(BREAKING.replace("step 1", "step 1\nspan 9"))
     (tmp_path / "ties.csv").write_text("a,b,whole\n" + "".join(f"{i},{i + 1},{int(i != 3)}\n" for i in range(8)))
     (tmp_path / "x.csv").write_text("x\n" + "".join(f"{6 * i + i * i % 5}\n" for i in range(9)))
-    (tmp_path / "m.scene").write_text('steps = 9; groups = ( { program = "m.ode"; integrator = "euler"; points = "x.csv"; links = { relation = "ties"; file = "ties.csv"; }; } );\n')
+    (tmp_path / "m.scene").write_text('steps = 9; groups = ( { program = "m.ode"; integrator = "euler"; '
+                                      'points = "x.csv"; links = { relation = "ties"; file = "ties.csv"; }; } );\n')
     ends = set()
     for more in ((), ("--every", "2", "--output", "out.csv")):
         done = subprocess.run([fp3, "run", "--scene", "m.scene", "-c", "world", "-e", engine, "--all", *more], cwd=tmp_path, capture_output=True, text=True)
@@ -317,6 +320,7 @@ def test_a_scene_runs_and_is_recorded(fp3, tmp_path, engine):
 def test_what_does_not_go_with_it_yet(fp3, tmp_path, options, expected):
     (tmp_path / "m.ode").write_text("state x = 0\nstate v = 0\nnear touch(x, 1, n = 0)\nstep 0.1\nx' = v\nv' = sum(o in touch: o.n*(o.x - x))\nspan 1\n"
                                     "remember o in touch: o.n = o.n + h\n")
-    (tmp_path / "m.scene").write_text('steps = 4; groups = ( { program = "m.ode"; objects = 6; random = { position = "x"; from = [0]; to = [2]; apart = 0.01; seed = 1; }; } );\n')
+    (tmp_path / "m.scene").write_text('steps = 4; groups = ( { program = "m.ode"; objects = 6; '
+                                      'random = { position = "x"; from = [0]; to = [2]; apart = 0.01; seed = 1; }; } );\n')
     done = subprocess.run([fp3, "run", "--scene", "m.scene", "-c", "world", *options], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode != 0 and expected in done.stderr, (done.stdout, done.stderr)
