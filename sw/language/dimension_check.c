@@ -106,6 +106,7 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
     case FP3_EXPR_INITIAL:
         return p->states[e->index].dimension;
     case FP3_EXPR_OTHER_STATE:
+    case FP3_EXPR_BEFORE:
         return p->states[e->index].dimension;
     case FP3_EXPR_OTHER_PARAM:
         return p->params[e->index].dimension;

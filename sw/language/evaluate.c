@@ -77,7 +77,8 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
     case FP3_EXPR_TOTAL:
     case FP3_EXPR_LEAST:
     case FP3_EXPR_MOST:
-    case FP3_EXPR_STEP:
+    case FP3_EXPR_STEP: /* nor a step */
+    case FP3_EXPR_BEFORE:
     case FP3_EXPR_OP_COUNT:
         break;
     }

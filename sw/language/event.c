@@ -182,7 +182,9 @@ static void projection(ode_parser *p, fp3_token keyword) {
     ode_event event = {
         .condition = FP3_NONE, .first = p->assignment_count, .armed = FP3_NONE, .at = keyword};
     p->context = ODE_IN_EQUATION;
+    p->is_in_projection = 1;
     assignments(p, &event);
+    p->is_in_projection = 0;
     if (is_stop(p))
         fp3_ode_lost_at(&p->in, keyword, "an event (a projection stops nothing)");
     add_event(p, event, p->projections, &p->projection_count);

@@ -175,6 +175,31 @@ static ode_value counted(ode_parser *p, fp3_token name) {
     return value;
 }
 
+/* Whether what is read is computed when a step has been made, which has a beginning and a length.
+ */
+static int is_behind_step(const ode_parser *p) { return p->is_in_projection || p->is_in_remember; }
+
+/* `prev(x)`; a model may also have the name as one of its own. */
+static ode_value before(ode_parser *p) {
+    unsigned start, size;
+    fp3_ode_advance(&p->in);
+    const fp3_token name = p->in.next;
+    if (name.kind != FP3_TOKEN_NAME) {
+        fp3_ode_lost(&p->in, "the name of a state, as in prev(x)");
+        return nothing;
+    }
+    fp3_ode_advance(&p->in);
+    const ode_symbol *s = fp3_ode_part(p, name, &start, &size);
+    if (!s)
+        return nothing;
+    if (s->class != ODE_STATE) {
+        fp3_ode_lost_at(&p->in, name, "the name of a state, as in prev(x)");
+        return nothing;
+    }
+    fp3_ode_expect(&p->in, ")", "')'");
+    return fp3_ode_leaves(p, name, FP3_EXPR_BEFORE, s->first + start, size);
+}
+
 static ode_value named(ode_parser *p) {
     fp3_token name = p->in.next;
     if (fp3_ode_is_keyword(name) && !fp3_token_is(name, "t") && !fp3_token_is(name, "pi")) {
@@ -187,12 +212,14 @@ static ode_value named(ode_parser *p) {
         return call(p, name, function);
     if (fp3_token_is(name, "t"))
         return time_now(p, name);
-    if (p->is_in_remember && fp3_token_is(name, FP3_NAME_STEP))
-        return fp3_ode_leaf(p, name, FP3_EXPR_STEP, 0, 0);
     if (fp3_token_is(name, "pi"))
         return fp3_ode_leaf(p, name, FP3_EXPR_NUMBER, 0, M_PI);
+    if (fp3_token_is(name, FP3_NAME_STEP) && is_behind_step(p))
+        return fp3_ode_leaf(p, name, FP3_EXPR_STEP, 0, 0);
     unsigned start, size;
     if (fp3_ode_at(&p->in, "(") && !fp3_ode_find(p, name)) {
+        if (fp3_token_is(name, "prev") && is_behind_step(p))
+            return before(p);
         if (fp3_ode_fold_named(name) != ODE_NO_FOLD)
             return counted(p, name);
         no_function(p, name);

@@ -121,6 +121,7 @@ typedef struct {
     /* In how many choices that are not taken: what is read there must be written well, but nothing
      * is made of it, and no index is out of range. */
     unsigned skipping;
+    int is_in_projection;
     unsigned index_count; /* of the ranges around */
     int takes_names;      /* in a formula: a name that is not defined is a param */
     size_t repeated;

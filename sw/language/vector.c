@@ -51,8 +51,9 @@ ode_value fp3_ode_leaf(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t ind
     e->number = number;
     e->is_known = op == FP3_EXPR_NUMBER || op == FP3_EXPR_PARAM;
     p->has_state[p->expr_count - 1] = op == FP3_EXPR_STATE || op == FP3_EXPR_OTHER_STATE ||
-                                      op == FP3_EXPR_OTHER_PARAM || op == FP3_EXPR_FIELD;
-    p->has_time[p->expr_count - 1] = op == FP3_EXPR_TIME;
+                                      op == FP3_EXPR_OTHER_PARAM || op == FP3_EXPR_FIELD ||
+                                      op == FP3_EXPR_BEFORE;
+    p->has_time[p->expr_count - 1] = op == FP3_EXPR_TIME || op == FP3_EXPR_STEP;
     p->is_number[p->expr_count - 1] = op == FP3_EXPR_NUMBER;
     p->values[p->expr_count - 1] = number;
     return (ode_value){1, {(uint16_t)(p->expr_count - 1)}};

@@ -76,7 +76,47 @@ def test_the_order_is_kept_and_dead_states_need_none(written):
     assert "line 5" in fp3("compile", path, "--observe", "y").stdout
 
 
+BEAD = """
+param R = 1
+{}state x[2] = (1, 0)
+state v[2] = (0, 0)
+x' = v
+v' = (0*R, -9.81)
+project x = R*x/norm(x)
+project v = {}
+step 0.0078125
+"""
+
+
+def test_what_was_before_the_step(written):
+    """As a model says that keeps it in states of its own: the same bits, in every arithmetic, also where each step has a length of its own."""
+    kept = BEAD.format("state b[2] = (1, 0)\nb' = (0*R, 0)\n", "(x - b)/H, b = x").replace("param R", "param H = 0.0078125\nparam R")
+    short = BEAD.format("", "(x - prev(x))/h")
+    for arguments in (["-i", "semi_implicit_euler"], ["-i", "rk4"], ["-i", "rk4", "--double-single"]):
+        seen = [re.findall(r"^[xv]_.*(0x[0-9a-f]{8})", fp3("run", written(text), "-e", "isa", "-n", 40, *arguments).stdout, re.M) for text in (kept, short)]
+        assert seen[0] == seen[1] and len(seen[0]) == 4
+    assert "over_h" in fp3("compile", written(short), "-i", "semi_implicit_euler").stdout
+    path = written("state x = 3\nstate y = 0\nstate z = 0\nstate n = 0\nx' = 0\ny' = 2\nz' = 0\nn' = 0\nproject z = z + h, x = prev(y), n = n + (y - prev(y))/h\nstep 0.5\n")
+    out = fp3("run", path, "-e", "isa", "--tolerance", 1e-3, "--until", 3).stdout
+    found = {name: float(x) for name, x in re.findall(r"^([xyzn]) +(\S+)", out, re.M)}
+    assert found["z"] == pytest.approx(3) and found["y"] == pytest.approx(6) and found["x"] < 6 and found["n"] > 3 and found["n"]/2 == pytest.approx(round(found["n"]/2), abs=1e-5)
+
+
+def test_the_truth_has_no_steps(written):
+    for term in ("x*(1 + 0*h)", "0*prev(x) + x"):
+        path = written(f"state x = 1\nx' = -x\nproject x = {term}\nstep 0.5\nspan 1\n")
+        done = fp3("bench", path, status=2)
+        assert "its projection in line 3 moves the states by what happened within a step" in done.stderr and not done.stdout
+
+
 @pytest.mark.parametrize("text, message", [
+    ("project x = x*h", None), ("prev = 2\nproject x = prev*x", None),
+    ("f = h", "3:5: error: found 'h', expected a name that is defined above"),
+    ("when x > h: x = 0", "3:10: error: found 'h', expected a name that is defined above"),
+    ("f = prev(x)", "3:5: error: found 'prev', expected a function"),
+    ("project x = prev(2)", "3:18: error: found '2', expected the name of a state, as in prev(x)"),
+    ("param k = 1\nproject x = prev(k)", "4:18: error: found 'k', expected the name of a state, as in prev(x)"),
+    ("project x = prev(x + 1)", "3:20: error: found '+', expected ')'"),
     ("project y = 2", "3:9: error: found 'y', expected a name that is defined above"),
     ("project x = 2, x = 3", "3:16: error: found 'x', expected another state"),
     ("project x", "3:10: error: found end of line, expected '='"),

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <stdlib.h>
 
 #define COEFFICIENT_ERROR 1e-9 /* of a table's row sums; the order conditions allow 1e-10 */
@@ -151,30 +152,32 @@ static uint32_t place_of(const fp3_advance *a, const fp3_event *event, int is_af
     return a->place_count + (is_after ? 1 + (uint32_t)number : 0);
 }
 
-fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error) {
-    const fp3_model *model = a->step->model;
-    const fp3_status status = fp3_lower_open(l, model, &a->step->values, error);
-    l->state = state_after;
+static fp3_status open_at(const fp3_advance *a, uint32_t place, int is_after, lowering *l,
+                          fp3_error *error) {
+    const fp3_status status = fp3_lower_open(l, a->step->model, &a->step->values, error);
+    l->state = is_after ? state_after : state_before;
+    l->before = state_before;
+    l->h = fp3_advance_scaled_step(a, 1, 1);
     l->user = (void *)a;
     l->notes = &a->step->notes;
-    l->index = a->place_count + 1 + model->projection_count + model->event_count;
+    l->index = place;
     l->sight = &a->step->sight;
-    snprintf(l->place, sizeof l->place, "remember");
     if (!status && a->fit->has_time)
-        l->time = fp3_advance_time(a, l->g, 1);
+        l->time = fp3_advance_time(a, l->g, is_after);
+    return status;
+}
+
+fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error) {
+    const fp3_model *model = a->step->model;
+    const uint32_t place = a->place_count + 1 + model->projection_count + model->event_count;
+    const fp3_status status = open_at(a, place, 1, l, error);
+    strcpy(l->place, "remember");
     return status;
 }
 
 fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
                              lowering *l, fp3_error *error) {
-    const fp3_status status = fp3_lower_open(l, a->step->model, &a->step->values, error);
-    l->state = is_after ? state_after : state_before;
-    l->user = (void *)a;
-    l->notes = &a->step->notes;
-    l->index = place_of(a, event, is_after);
-    l->sight = &a->step->sight;
+    const fp3_status status = open_at(a, place_of(a, event, is_after), is_after, l, error);
     snprintf(l->place, sizeof l->place, "line %" PRIu32, event->line);
-    if (!status && a->fit->has_time)
-        l->time = fp3_advance_time(a, l->g, is_after);
     return status;
 }

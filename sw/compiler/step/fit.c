@@ -70,7 +70,10 @@ int fp3_fit_has_projections(const fp3_fit *fit, const fp3_model *model) {
 static void find_needs(const fitting *f) {
     for (uint32_t i = 0; i < f->model->expr_count; i++) {
         const fp3_expr *e = &f->model->exprs[i];
-        f->needs[i] = e->op == FP3_EXPR_STATE || e->op == FP3_EXPR_OTHER_STATE ? BIT(e->index) : 0;
+        f->needs[i] =
+            e->op == FP3_EXPR_STATE || e->op == FP3_EXPR_OTHER_STATE || e->op == FP3_EXPR_BEFORE
+                ? BIT(e->index)
+                : 0;
         f->needs_time[i] = e->op == FP3_EXPR_TIME;
         for (int j = 0; j < 3; j++)
             if (e->operand[j] != FP3_NONE) {

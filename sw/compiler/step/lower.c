@@ -172,13 +172,21 @@ static term times_power(lowering *l, term x, uint32_t expr, int is_denominator) 
     return fp3_dag_is_number(l->g, x.node, 1) && !x.is_negative ? p : fp3_term_mul(l->g, x, p);
 }
 
+/* Whether the host knows it before a run: what is made of numbers and params, and h itself if all
+ * steps have one length. */
+static int is_known(const lowering *l, uint32_t expr) {
+    const fp3_expr *e = expr_of(l, expr);
+    return e->is_known || (e->op == FP3_EXPR_STEP && fp3_dag_is_known(l->g, l->h.node) != FP3_NONE);
+}
+
 static term divide(lowering *l, const fp3_expr *e) {
     const uint32_t below = e->operand[1];
     const term x = at(l, e->operand[0]);
-    if (expr_of(l, below)->is_known) {
+    if (is_known(l, below)) {
         known_table *known = l->g->known;
-        const uint32_t over = fp3_known_make(known, KNOWN_DIV, fp3_known_number(known, 1),
-                                             fp3_known_model(known, below));
+        const uint32_t by =
+            expr_of(l, below)->is_known ? fp3_known_model(known, below) : fp3_known_step(known);
+        const uint32_t over = fp3_known_make(known, KNOWN_DIV, fp3_known_number(known, 1), by);
         return fp3_term_mul(l->g, x, fp3_term(fp3_dag_known(l->g, over)));
     }
     return is_power(l, below) ? times_power(l, x, below, 1) : divided(l, x, below, 1);
@@ -269,7 +277,9 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_TIME:
         return l->time;
     case FP3_EXPR_STEP:
-        return fp3_term(fp3_dag_known(g, fp3_known_step(g->known)));
+        return l->h;
+    case FP3_EXPR_BEFORE:
+        return l->before(l, e->index);
     case FP3_EXPR_OTHER_STATE:
         return others_state(l, e->index);
     case FP3_EXPR_OTHER_PARAM:
@@ -355,7 +365,7 @@ static void want_power(lowering *l, uint32_t expr, int is_denominator) {
 }
 
 static void want_below(lowering *l, uint32_t below) {
-    if (expr_of(l, below)->is_known)
+    if (is_known(l, below))
         return;
     if (is_power(l, below))
         want_power(l, below, 1);

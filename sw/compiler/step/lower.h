@@ -25,9 +25,11 @@ typedef struct {
 typedef struct lowering {
     const fp3_model *model;
     dag *g;
-    term (*state)(struct lowering *l, uint32_t state); /* the value of a state there */
-    void *user;                                        /* of the function above */
-    term time;                                         /* t there, if the model has it */
+    term (*state)(struct lowering *l, uint32_t state);  /* the value of a state there */
+    void *user;                                         /* of the function above */
+    term (*before)(struct lowering *l, uint32_t state); /* ... when the step began */
+    term time;                                          /* t there, if the model has it */
+    term h;                  /* the length of the step; with `before` of projections alone */
     struct lowering *inside; /* where conditions in t are made for all of the step; NULL: here */
     const char *kind;        /* with inside: of each expression (language/turn.h) */
     fp3_notes *notes;

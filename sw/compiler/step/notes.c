@@ -55,7 +55,8 @@ static const char *subject_of(const fp3_model *model, uint32_t expr, const char 
 
 uint32_t fp3_note_expr(fp3_notes *notes, const fp3_model *model, uint32_t expr, const char *place) {
     const fp3_expr *e = &model->exprs[expr];
-    if (!notes->is_on || e->is_known || e->op == FP3_EXPR_STATE || e->op == FP3_EXPR_TIME)
+    if (!notes->is_on || e->is_known || e->op == FP3_EXPR_STATE || e->op == FP3_EXPR_TIME ||
+        e->op == FP3_EXPR_STEP || e->op == FP3_EXPR_BEFORE)
         return FP3_NONE;
     char *text = fp3_formula_expr(model, expr);
     if (!text) {

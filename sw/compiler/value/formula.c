@@ -141,7 +141,11 @@ static void print(printer *p, uint32_t expr, int around) {
         put(p, "t");
     else if (e->op == FP3_EXPR_STEP)
         put(p, FP3_NAME_STEP);
-    else if (e->op == FP3_EXPR_PARAM)
+    else if (e->op == FP3_EXPR_BEFORE) {
+        put(p, "prev(");
+        put(p, p->model->states[e->index].name);
+        put(p, ")");
+    } else if (e->op == FP3_EXPR_PARAM)
         put(p, p->model->params[e->index].name);
     else if (is_of_neighbours(e->op))
         print_neighbours(p, e);

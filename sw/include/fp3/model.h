@@ -72,7 +72,9 @@ FP3_API_BEGIN
     X(TOTAL, 2, 0)       /* b, and a for each neighbour added to it; index: of relations */        \
     X(LEAST, 2, 0)       /* the least of b and of a for each neighbour, likewise */                \
     X(MOST, 2, 0)        /* the most of these */                                                   \
-    X(STEP, 0, 0)        /* h, the time step */
+    X(STEP, 0, 0)        /* h, the length of the step; of projections and `remember` */            \
+    X(BEFORE, 0,                                                                                   \
+      0) /* a state when the step began; index: of states; of projections and `remember` */
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,

@@ -7,6 +7,7 @@
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -253,6 +254,18 @@ static fp3_status follow(orbit *o, double *rows, fp3_path **path, fp3_error *err
     return status ? status : check_again(o, rows, path ? *path : NULL, error);
 }
 
+/* A projection that reads the length of the step, or what was before it, is part of the motion. */
+static fp3_status check_projections(const fp3_model *model, fp3_error *error) {
+    for (uint32_t i = 0; i < model->expr_count; i++)
+        if (model->exprs[i].op == FP3_EXPR_STEP || model->exprs[i].op == FP3_EXPR_BEFORE)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "'%s' has no truth: its projection in line %" PRIu32
+                            " moves the states by what happened within a step, and the truth has "
+                            "no steps",
+                            model->name, model->exprs[i].line);
+    return FP3_OK;
+}
+
 static fp3_status check_arguments(const fp3_model *model, const double *params,
                                   const double *initial, double t, fp3_error *error) {
     if (!isfinite(t))
@@ -267,7 +280,7 @@ static fp3_status check_arguments(const fp3_model *model, const double *params,
         if (!isfinite(initial[i]))
             return fp3_fail(error, FP3_E_ARGUMENT, "'%s' starts at %g", model->states[i].name,
                             initial[i]);
-    return FP3_OK;
+    return check_projections(model, error);
 }
 
 /* The sizes of what the room of an orbit is for, one after the other. */
