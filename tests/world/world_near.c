@@ -5,6 +5,7 @@
  * and also if the caller has the processor flush what is subnormal. And what lists are made of
  * where some objects are far away: the same, at a cost that does not depend on how far.
  */
+#include <base/threads.h>
 #include <engine/common/near.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,10 +80,11 @@ enum { SIDE = 20, MANY = SIDE * SIDE * SIDE };
 
 /* A block of objects, `outside` of them as far away as can be in all axes; lists of `count` by a
  * search over all. Returns looks for each. */
-static double look_around(float far, uint32_t outside) {
+static double look_around(float far, uint32_t outside, const fp3_crew *crew) {
     static float place[FP3_NEAR_DIMENSIONS][MANY];
     fp3_near_rule rule = {.dimensions = FP3_NEAR_DIMENSIONS, .reach = 1, .skin = 0.1};
-    fp3_where_they_are now = {.stride = 1, .objects = MANY, .dimensions = FP3_NEAR_DIMENSIONS};
+    fp3_where_they_are now = {
+        .stride = 1, .objects = MANY, .dimensions = FP3_NEAR_DIMENSIONS, .crew = crew};
     uint32_t *begin, *other;
     fp3_error error;
     uint32_t random = 1;
@@ -116,6 +118,53 @@ static double look_around(float far, uint32_t outside) {
     return (double)rule.looks / MANY;
 }
 
+/* ---- several threads ---- */
+
+static void run(void *threads, void (*task)(void *of, uint32_t number), void *of, uint32_t count) {
+    fp3_threads_run(threads, task, of, count);
+}
+
+/* One of many objects on a line moves by this share of the skin: the first, one in the middle, the
+ * last. */
+static void look_together(const fp3_crew *crew) {
+    enum { ALL = 100000 };
+    static float place[ALL];
+    fp3_near_rule rule = {.dimensions = 1, .reach = 1, .skin = 1};
+    fp3_where_they_are now = {.stride = 1, .objects = ALL, .dimensions = 1, .crew = crew};
+    const uint32_t movers[] = {0, ALL / 2 + 7, ALL - 1};
+    uint32_t *begin, *other;
+    fp3_error error;
+    for (uint32_t i = 0; i < ALL; i++)
+        place[i] = (float)i;
+    now.position[0] = (const uint32_t *)(const void *)place;
+    if (fp3_near_make(&rule, &now, &begin, &other, &error))
+        exit(1);
+    for (uint32_t i = 0; i < sizeof movers / sizeof *movers; i++) {
+        const float was = place[movers[i]];
+        place[movers[i]] = was + 0.45f;
+        expect("not far enough, together", 1, movers[i], fp3_near_is_stale(&rule, &now), 0);
+        place[movers[i]] = was + 0.6f;
+        expect("too far, together", 1, movers[i], fp3_near_is_stale(&rule, &now), 1);
+        place[movers[i]] = was;
+    }
+    free(begin);
+    free(other);
+    fp3_near_close(&rule);
+}
+
+static void many_threads(void) {
+    fp3_threads *threads = NULL;
+    fp3_error error;
+    if (fp3_threads_make(3, &threads, &error))
+        exit(1);
+    const fp3_crew crew = {run, threads, 3};
+    look_together(NULL);
+    look_together(&crew);
+    expect("few candidates, together", 15, 8, look_around(15, 8, &crew) < 100, 1);
+    expect("few candidates far away, together", 1e12, 8, look_around(1e12f, 8, &crew) < 100, 1);
+    fp3_threads_free(&threads);
+}
+
 int main(void) {
     const double skins[] = {0x1p-10, 1, 0x1p40, 2e-19, 1e-21, 1e-30};
     const unsigned callers = _mm_getcsr();
@@ -135,7 +184,8 @@ int main(void) {
     for (uint32_t i = 0; i < sizeof fars / sizeof *fars; i++)
         for (uint32_t outside = 1; outside <= 64; outside *= 8)
             expect("few candidates for each object", (double)fars[i], outside,
-                   look_around(fars[i], outside) < 100, 1);
+                   look_around(fars[i], outside, NULL) < 100, 1);
+    many_threads();
     printf("%u checked, %u wrong\n", checked, wrong);
     return wrong != 0;
 }

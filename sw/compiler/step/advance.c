@@ -5,8 +5,8 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define COEFFICIENT_ERROR 1e-9 /* of a table's row sums; the order conditions allow 1e-10 */
 

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            const uint32_t *row, size_t stride, int *is_new, fp3_error *error) {
+                            const uint32_t *row, size_t stride, const fp3_crew *crew, int *is_new,
+                            fp3_error *error) {
     fp3_status status = FP3_OK;
     *is_new = 0;
     for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
@@ -17,7 +18,8 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
                                   .lives = !row && lists->living ? lists->living->is : NULL,
                                   .stride = stride,
                                   .objects = objects,
-                                  .dimensions = list->near.dimensions};
+                                  .dimensions = list->near.dimensions,
+                                  .crew = crew};
         uint32_t *begin, *other, *field = NULL;
         for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
             now.position[k] = words[list->near.regs[k]];

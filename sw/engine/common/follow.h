@@ -11,6 +11,7 @@
  * `objects` are those that live, in the first rows. *is_new: some were made. FP3_E_LIMIT,
  * FP3_E_SYSTEM as of fp3_near_make. */
 fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            const uint32_t *row, size_t stride, int *is_new, fp3_error *error);
+                            const uint32_t *row, size_t stride, const fp3_crew *crew, int *is_new,
+                            fp3_error *error);
 
 #endif

@@ -9,6 +9,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,21 +73,54 @@ static double way_of(const fp3_near_rule *rule, const fp3_where_they_are *now, u
     return is_astray && was_astray ? 0 : way;
 }
 
-int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now) {
-    const double most = rule->skin * rule->skin / 4;
-    if (!rule->made[0])
-        return 1;
-    const float look = (float)(most * (1 - ROUNDING));
-    for (uint32_t i = 0, end; i < now->objects; i = end) {
-        end = now->objects - i < BLOCK ? now->objects : i + BLOCK;
-        if (most >= LEAST_LOOK && are_near_home(rule, now, i, end, look))
+/* From this number of objects on threads are asked for help. */
+#define FIND_TOGETHER 1024u
+#define LOOK_TOGETHER 65536u
+
+static uint32_t parts_of(const fp3_where_they_are *now, uint32_t least) {
+    return now->objects < least ? 1 : fp3_parts_of(now->crew);
+}
+
+/* ---- whether a list is stale ---- */
+
+typedef struct {
+    const fp3_near_rule *rule;
+    const fp3_where_they_are *now;
+    uint32_t parts;
+    atomic_int is_stale;
+} look;
+
+static int has_moved(const look *l, uint32_t first, uint32_t last) {
+    const double most = l->rule->skin * l->rule->skin / 4;
+    const float near_home = (float)(most * (1 - ROUNDING));
+    for (uint32_t i = first, end; i < last; i = end) {
+        end = last - i < BLOCK ? last : i + BLOCK;
+        if (most >= LEAST_LOOK && are_near_home(l->rule, l->now, i, end, near_home))
             continue;
         for (uint32_t k = i; k < end; k++)
-            if (!(way_of(rule, now, k) <= most))
+            if (!(way_of(l->rule, l->now, k) <= most))
                 return 1;
     }
     return 0;
 }
+
+static void look_at(void *of, uint32_t part) {
+    look *l = of;
+    const uint32_t objects = l->now->objects;
+    if (!atomic_load(&l->is_stale) && has_moved(l, fp3_part_begin(objects, part, l->parts),
+                                                fp3_part_begin(objects, part + 1, l->parts)))
+        atomic_store(&l->is_stale, 1);
+}
+
+int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now) {
+    look l = {.rule = rule, .now = now, .parts = parts_of(now, LOOK_TOGETHER)};
+    if (!rule->made[0])
+        return 1;
+    fp3_parts_make(now->crew, look_at, &l, l.parts);
+    return atomic_load(&l.is_stale);
+}
+
+/* ---- the grid ---- */
 
 typedef struct {
     const fp3_where_they_are *now;
@@ -98,6 +132,7 @@ typedef struct {
     uint32_t *order;                         /* rows, cell by cell, ascending */
     float *place[FP3_NEAR_DIMENSIONS];       /* of each row, in this order */
     float far;                               /* square of how far the list reaches */
+    uint32_t parts;                          /* in which the cells of rows are found */
 } grid;
 
 /* Where a number is not finite, the object is nowhere. */
@@ -177,6 +212,13 @@ static uint32_t find_cell(const grid *g, uint32_t row) {
     return hash(g, cell);
 }
 
+static void find_cells(void *of, uint32_t part) {
+    const grid *g = of;
+    const uint32_t end = fp3_part_begin(g->now->objects, part + 1, g->parts);
+    for (uint32_t i = fp3_part_begin(g->now->objects, part, g->parts); i < end; i++)
+        g->cell[i] = find_cell(g, i);
+}
+
 static fp3_status sort(grid *g, fp3_error *error) {
     const uint32_t objects = g->now->objects;
     const size_t cells =
@@ -189,10 +231,10 @@ static fp3_status sort(grid *g, fp3_error *error) {
         return fp3_no_memory(error);
     for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++)
         g->place[k] = g->place[k - 1] + objects + 1;
-    for (uint32_t i = 0; i < objects; i++) {
-        g->cell[i] = find_cell(g, i);
+    g->parts = parts_of(g->now, FIND_TOGETHER);
+    fp3_parts_make(g->now->crew, find_cells, g, g->parts);
+    for (uint32_t i = 0; i < objects; i++)
         g->first[g->cell[i] + 2]++;
-    }
     for (size_t c = 2; c < cells + 2; c++)
         g->first[c] += g->first[c - 1];
     for (uint32_t i = 0; i < objects; i++) {
@@ -205,12 +247,18 @@ static fp3_status sort(grid *g, fp3_error *error) {
 }
 
 /* Pairs of rows that are near, from the side of each: row i has found[first[i]] .. of them, in the
- * order of the cells. */
+ * order of the cells. A part of the rows. */
 typedef struct {
-    uint32_t *first, *found;
+    uint32_t *first; /* of all rows; each has one more behind it */
+    uint32_t *found;
     size_t count, room;
     uint64_t looks; /* at how many objects it took to find them */
+    uint32_t begin, end;
+    fp3_status status;
+    fp3_error error;
 } pairs;
+
+/* ---- those that are near ---- */
 
 /* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too.
  * There is room for all. */
@@ -311,6 +359,13 @@ static fp3_status find_itself(uint32_t row, pairs *p, fp3_error *error) {
     return status;
 }
 
+static fp3_status too_many(const grid *g, fp3_error *error) {
+    return fp3_fail(error, FP3_E_LIMIT,
+                    "the lists of near objects have more than 2147483647 entries: the %" PRIu32
+                    " objects are too many, or the reach is too long",
+                    g->now->objects);
+}
+
 static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
     float place[FP3_NEAR_DIMENSIONS] = {0};
     for (uint32_t k = 0; k < g->now->dimensions; k++)
@@ -319,44 +374,83 @@ static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *
     fp3_status status = is_astray(g, row) ? find_itself(row, p, error)
                         : g->mask         ? find_by_hash(g, place, p, error)
                                           : find_in_box(g, row, place, p, error);
-    if (!status && p->count > INT32_MAX)
-        status =
-            fp3_fail(error, FP3_E_LIMIT,
-                     "the lists of near objects have more than 2147483647 entries: the %" PRIu32
-                     " objects are too many, or the reach is too long",
-                     g->now->objects);
-    return status;
+    return !status && p->count > INT32_MAX ? too_many(g, error) : status;
 }
 
-static fp3_status find_pairs(const grid *g, pairs *p, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    p->first = malloc((g->now->objects + 2u) * sizeof *p->first);
-    if (!p->first)
+/* All parts, and where each row's begin in its part. */
+typedef struct {
+    const grid *g;
+    pairs *part;
+    uint32_t *first, count;
+} search;
+
+static void find_part(void *of, uint32_t number) {
+    const search *s = of;
+    pairs *p = &s->part[number];
+    for (uint32_t i = p->begin; !p->status && i < p->end; i++)
+        p->status = find_around(s->g, i, p, &p->error);
+}
+
+static fp3_status find_pairs(search *s, fp3_error *error) {
+    const uint32_t objects = s->g->now->objects;
+    s->count = parts_of(s->g->now, FIND_TOGETHER);
+    s->part = calloc(s->count, sizeof *s->part);
+    s->first = malloc((objects + 2u) * sizeof *s->first);
+    if (!s->part || !s->first)
         return fp3_no_memory(error);
-    for (uint32_t i = 0; !status && i < g->now->objects; i++)
-        status = find_around(g, i, p, error);
-    p->first[g->now->objects] = (uint32_t)p->count;
-    return status;
+    for (uint32_t i = 0; i < s->count; i++) {
+        s->part[i].first = s->first;
+        s->part[i].begin = fp3_part_begin(objects, i, s->count);
+        s->part[i].end = fp3_part_begin(objects, i + 1, s->count);
+    }
+    fp3_parts_make(s->g->now->crew, find_part, s, s->count);
+    size_t all = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const pairs *p = &s->part[i];
+        if (p->status && error)
+            *error = p->error;
+        if (p->status)
+            return p->status;
+        all += p->count;
+    }
+    return all > INT32_MAX ? too_many(s->g, error) : FP3_OK;
+}
+
+static uint32_t end_of(const pairs *p, uint32_t row) {
+    return row + 1 < p->end ? p->first[row + 1] : (uint32_t)p->count;
+}
+
+/* The part that has this row. */
+static uint32_t part_with(const search *s, uint32_t row) {
+    uint32_t part = (uint32_t)((uint64_t)row * s->count / s->g->now->objects);
+    while (row >= s->part[part].end)
+        part++;
+    return part;
 }
 
 /* Each object is near those that are near it. So if objects come in the order of their numbers, and
  * each enters itself in the lists of those that it has found, all lists have that order. Each has
  * found itself, too. */
-static fp3_status enter(const grid *g, const pairs *p, uint32_t **begin, uint32_t **other,
-                        fp3_error *error) {
+static fp3_status enter(const search *s, uint32_t **begin, uint32_t **other, fp3_error *error) {
+    const grid *g = s->g;
     const uint32_t objects = g->now->objects;
-    uint32_t *next = g->cell; /* it has served */
+    uint32_t *next = g->cell, count = 0; /* `cell` has served */
     *begin = malloc((objects + 2u) * sizeof **begin);
-    *other = malloc((p->count + 1) * sizeof **other);
+    for (uint32_t k = 0; *begin && k < s->count; k++)
+        for (uint32_t i = s->part[k].begin; i < s->part[k].end; i++) {
+            (*begin)[i] = count;
+            count += end_of(&s->part[k], i) - s->first[i] - 1;
+        }
+    *other = malloc((count + (size_t)1) * sizeof **other);
     if (!*begin || !*other)
         return fp3_no_memory(error);
-    for (uint32_t i = 0; i <= objects; i++)
-        (*begin)[i] = p->first[i] - i;
+    (*begin)[objects] = count;
     memcpy(next, *begin, objects * sizeof *next);
     for (uint32_t i = 0; i < objects; i++) {
         const uint32_t object = g->now->order ? g->now->order[i] : i;
         const uint32_t j = g->now->row ? g->now->row[object] : object;
-        for (uint32_t n = p->first[j]; n < p->first[j + 1]; n++)
+        const pairs *p = &s->part[part_with(s, j)];
+        for (uint32_t n = s->first[j], end = end_of(p, j); n < end; n++)
             if (p->found[n] != j)
                 (*other)[next[p->found[n]]++] = j;
     }
@@ -394,18 +488,22 @@ static void close_grid(grid *g) {
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error) {
     grid g;
-    pairs p = {0};
+    search s = {.g = &g};
     *begin = *other = NULL;
     fp3_status status = open_grid(rule, now, 0, &g, error);
     if (!status)
-        status = find_pairs(&g, &p, error);
+        status = find_pairs(&s, error);
     if (!status)
-        status = enter(&g, &p, begin, other, error);
+        status = enter(&s, begin, other, error);
     if (!status)
         status = remember(rule, now, error);
-    rule->looks = p.looks;
-    free(p.first);
-    free(p.found);
+    rule->looks = 0;
+    for (uint32_t i = 0; s.part && i < s.count; i++) {
+        rule->looks += s.part[i].looks;
+        free(s.part[i].found);
+    }
+    free(s.part);
+    free(s.first);
     close_grid(&g);
     return status;
 }

@@ -8,6 +8,8 @@
 #ifndef FP3_ENGINE_NEAR_H
 #define FP3_ENGINE_NEAR_H
 
+#include "parts.h"
+
 #include <fp3/status.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -27,6 +29,7 @@ typedef struct {
     const uint8_t *lives;  /* of each row; 0: nobody is near it. NULL: all live */
     size_t stride;
     uint32_t objects, dimensions;
+    const fp3_crew *crew; /* NULL: the caller alone */
 } fp3_where_they_are;
 
 typedef struct {

@@ -185,8 +185,20 @@ static fp3_status need_records(fp3_engine *engine, group *g) {
     return g->records ? FP3_OK : fp3_no_memory(engine->def.error);
 }
 
+static void run_own(void *user, fp3_task_fn *task, void *of, uint32_t count) {
+    fp3_threads_run(user, task, of, count);
+}
+
+/* The threads of this run. */
+static fp3_crew crew_of(const fp3_engine *engine) {
+    const fast *self = engine->self;
+    return engine->def.tasks ? (fp3_crew){engine->def.tasks, engine->def.tasks_user, self->used}
+                             : (fp3_crew){run_own, self->threads, self->used};
+}
+
 static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     const fast *self = engine->self;
+    const fp3_crew crew = crew_of(engine);
     const uint32_t *words[FP3_BANK_OBJECT_COUNT];
     int is_new = 0;
     fp3_status status = fp3_order_follow(engine, members);
@@ -194,7 +206,7 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
     if (!status)
         status = fp3_lists_follow(&members->lists, fp3_order_rows(members), words, self->row, 1,
-                                  &is_new, engine->def.error);
+                                  &crew, &is_new, engine->def.error);
     if (is_new)
         fp3_around_forget(g);
     if (!status)
