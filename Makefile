@@ -531,9 +531,13 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 
 # ---- objects that see each other ----------------------------------------------------------------
 
-.PHONY: world world-report
+.PHONY: world world-report combinations
 world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
+
+combinations: all ## What goes with objects that see each other, each cell tried: the table of docs/relations.md
+	@$(PYTHON) tools/world.py --quick --output $(RESULTS)/combinations.json --parts combinations
+	@$(PYTHON) tools/world.py --input $(RESULTS)/combinations.json --relations docs/relations.md
 
 .PHONY: four
 four: all | need-cluster ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4

@@ -5,6 +5,7 @@
     tools/world.py --quick                             the same in seconds, for the tests
     tools/world.py --parts hashes physics
     tools/world.py --input build/results/world.json --markdown docs/world.md       the page
+    tools/world.py --input build/results/world.json --relations docs/relations.md  its table of combinations
 
 Writes build/results/world.json; parts that are not measured stay as they were in it. Exit code 1: words differ, something does
 not hold, or a peer fails.
@@ -20,6 +21,7 @@ import time
 import bench
 from fp3world import bodies
 from fp3world import chip
+from fp3world import combinations
 from fp3world import contact
 from fp3world import hashes as world_hashes
 from fp3world import physics as world_physics
@@ -28,7 +30,7 @@ from fp3world import scene
 from fp3world import speed as world_speed
 from fp3world import water
 
-PARTS = ("hashes", "speed", "chip", "physics")
+PARTS = ("combinations", "hashes", "speed", "chip", "physics")
 # What theory says of the scenes: each a function of a Lab that yields rows.
 CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
           bodies.planets, bodies.eight, bodies.plummer, bodies.free, contact.pair, contact.gas, contact.balls, contact.heap, water.dam]
@@ -36,6 +38,8 @@ CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, worl
 
 def measure(options, part, folder, say):
     """What a part adds to the file."""
+    if part == "combinations":
+        return {"combinations": combinations.measure(options.fp3, folder, say)}
     if part == "hashes":
         rows, refused = world_hashes.measure(options.fp3, folder, options.quick, say)
         return {"hashes": rows, "refused": refused}
@@ -81,6 +85,8 @@ def measure_all(options, folder):
 def wrong(found):
     """What differs, does not hold or failed, in words."""
     yield from found.get("peers_failed", [])
+    for row in combinations.wrong(found.get("combinations", [])):
+        yield f"{row['relation']}, {row['feature']}, {row['engine']}: {row['state']}"
     for row in found.get("hashes", []) + found.get("speed", []):
         if row.get("words_differing"):
             yield f"{row['scene']}, {row['engine']}, {row['variant']}: {row['words_differing']} words differ"
@@ -100,12 +106,17 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
     parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
     parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
+    parser.add_argument("--relations", type=pathlib.Path, help="the page whose table of combinations to write")
     options = parser.parse_args()
-    if bool(options.input) != bool(options.markdown):
-        parser.error("expected --input and --markdown together")
-    if options.input:
+    if bool(options.input) != bool(options.markdown or options.relations):
+        parser.error("expected --input together with --markdown or --relations")
+    if options.relations:
+        rows = json.loads(options.input.read_text(encoding="utf-8"))["combinations"]
+        bench.write(options.relations, combinations.page(options.relations.read_text(encoding="utf-8"), rows))
+    if options.input and options.markdown:
         data = json.loads(options.input.read_text(encoding="utf-8"))
         bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
+    if options.input:
         return 0
     errors = 0
     try:

@@ -39,6 +39,19 @@ def test_each_scene_has_one_hash(measured):
     assert measured["refused"] == measured["refused_on_chip"] == []
 
 
+def test_what_goes_with_what(measured, root, build, tmp_path, monkeypatch):
+    """The page has the table that this finds; an engine with other words is told."""
+    monkeypatch.syspath_prepend(root / "tools")
+    combinations = importlib.import_module("fp3world.combinations")
+    page = (root / "docs/relations.md").read_text()
+    assert combinations.page(page, measured["combinations"]) == page, "make combinations"
+    states = {(row["relation"], row["feature"], row["engine"]): row["state"] for row in measured["combinations"]}
+    assert all(states[relation, "integrator `leapfrog`", engine] == "works" for relation in ("links", "near", "all", "several") for engine in ("isa", "fast", "rtl"))
+    longer = combinations.Feature("longer", trial=lambda cell: cell.words("--steps", 8 + (cell.engine == "fast")), engines=("isa", "fast"))
+    rows = combinations.measure(build / "fp3", tmp_path, lambda said: None, [longer])
+    assert [(row["relation"], row["engine"]) for row in combinations.wrong(rows)] == [(relation, "fast") for relation in ("links", "near", "all", "several")]
+
+
 def test_the_chip_has_cycles(measured):
     assert {row["scene"] for row in measured["chip"]} == {"balls, 60", "chain", "cloth 8 x 8", "planets", "stars, 60"}
     for row in measured["chip"]:

@@ -1,0 +1,214 @@
+"""What goes with what: each relation with each feature, on each engine. A cell works if it gives the same words on each of them, or fp3 says why not."""
+
+import os
+import re
+import subprocess
+
+import numpy as np
+from fp3gen.text import markdown
+from fp3world import scene as ws
+
+ENGINES = ("isa", "fast", "rtl")
+OBJECTS, STEPS, HALF = 12, 8, 4
+# Of the model: the relation, and what an object feels of a neighbour. `several` has two relations, `kinds` a group of another model beside it.
+RELATIONS = {"links": ("links ties(k = 8)", "sum(o in ties: o.k*(o.x - x))"), "near": ("near ties(x, 0.35)", "sum(o in ties: 4*(x - o.x))"),
+             "all": ("all ties", "sum(o in ties: (o.x - x)/(1 + (o.x - x)^2))"),
+             "several": ("links bars(k = 8)\nnear ties(x, 0.35)", "sum(o in bars: o.k*(o.x - x)) + sum(o in ties: 4*(x - o.x))"),
+             "kinds": ("near ties(x, 0.35)", "sum(o in ties: 4*(x - o.x))")}
+MODEL = """\
+param m = 1
+state x = 0
+state v = 0
+{relation}
+step 0.0078125
+span 0.0625
+F = {pull}
+x' = v
+v' = F/m
+{more}
+"""
+GROUP = """\
+{{ program = "{model}"; integrator = "{integrator}"; grid = {{ position = "x"; count = {objects}; spacing = 0.25; }}; {links} {settings} }}"""
+PLAIN = "param m = 1\nstate x = 0\nstate v = 1\nstep 0.0078125\nspan 0.0625\nx' = v\nv' = 0/m\n"
+
+
+class Cell:
+    """One relation, one feature, one engine."""
+
+    def __init__(self, fp3, folder, relation, feature, engine):
+        self.fp3, self.folder, self.relation, self.feature, self.engine = fp3, folder, relation, feature, engine
+        declared, pull = RELATIONS[relation]
+        if feature.field:
+            declared = re.sub(r"(ties\([^)]*)", rf"\1, {feature.field}", declared)
+        self.model = folder / "cell.ode"
+        self.model.write_text(MODEL.format(relation=declared, pull=pull, more=feature.more.format(pull=pull)))
+
+    def scene(self):
+        """Its scene, with what the feature sets."""
+        declared, feature = RELATIONS[self.relation][0], self.feature
+        linked = re.search(r"^links (\w+)", declared, re.M)
+        links = f'links = {{ relation = "{linked[1]}"; grid = "structural"; }};' if linked else ""
+        groups = [GROUP.format(model=self.model, integrator=feature.integrator, objects=OBJECTS, links=links, settings=feature.settings)]
+        if self.relation == "kinds":
+            (self.folder / "other.ode").write_text(PLAIN)
+            groups.append(f'{{ program = "{self.folder}/other.ode"; objects = 3; }}')
+        return ws.put(self.folder, f"steps = {STEPS};\ngroups = ( {', '.join(groups)} );\n", "cell")
+
+    def call(self, *arguments):
+        """What a command prints; Refused if it says why not."""
+        done = subprocess.run([self.fp3, *map(str, arguments)], capture_output=True, text=True, env=os.environ)
+        if done.returncode == 2:
+            raise Refused(reason(done.stderr, self.folder))
+        if done.returncode:
+            raise ws.Failed(f"{self.relation}, {self.feature.name}, {self.engine}: exit code {done.returncode}: {done.stderr.strip()}")
+        return done.stdout
+
+    def options(self):
+        return ["--engine", self.engine, "--config", self.feature.config, *(["--threads", 1] if self.engine == "fast" else [])]
+
+    def words(self, *options):
+        return ws.words_of(self.call("run", "--scene", self.scene(), "--all", *self.options(), *self.feature.options, *options))[0]
+
+
+class Refused(Exception):
+    """fp3 says that the two do not go together."""
+
+
+def reason(said, folder):
+    """The message, without the place."""
+    lines = [line for line in said.splitlines() if line.strip() and not line.startswith("    ")]
+    text = lines[0] if lines else "no message"
+    text = re.sub(rf"{re.escape(str(folder))}/\w+\.\w+", "", text)
+    text = re.sub(r"model 'cell' has '\w+' \(line \d+\): |^.*objects of model 'cell' see each other \('\w+', line \d+\), and ", "", text)
+    text = re.sub(r"'(ties|bars)' needs", "the relation needs", re.sub(r"\bline \d+: ", "", text))
+    return re.sub(r"^(fp3 \w+: |:(\d+:)* *|error: |group \d+: |engine '\w+': )+", "", text).strip()
+
+
+def run(cell):
+    return cell.words("--steps", STEPS)
+
+
+def checkpoint(cell):
+    """A run in two halves."""
+    file = cell.folder / "half.checkpoint"
+    file.unlink(missing_ok=True)
+    cell.words("--steps", HALF, "--checkpoint", file)
+    return cell.words("--steps", STEPS, "--restart", file)
+
+
+def recording(cell):
+    """Its last snapshot, as numbers; fp3 verify agrees."""
+    output = cell.folder / "cell.csv"
+    output.unlink(missing_ok=True)
+    found = cell.words("--steps", STEPS, "--output", output, "--every", HALF)
+    rows = [line for line in output.read_text().splitlines() if line][1:]
+    if len(rows) != 3 * len(found):
+        raise ws.Failed(f"{cell.relation}: a recording has {len(rows)} rows, expected {3 * len(found)}")
+    return found
+
+
+def checked(cell):
+    """With --check, an estimate of each state's error."""
+    said = cell.call("run", "--scene", cell.scene(), "--all", *cell.options(), "--steps", STEPS, "--check")
+    if "worst" not in said:
+        raise ws.Failed(f"{cell.relation}: --check has no estimate: {said}")
+    return run(cell)
+
+
+def told(*command, what="scene"):
+    """A command that prints what it finds out: there are no words to compare."""
+    def tell(cell):
+        cell.call(*command, cell.scene() if what == "scene" else cell.model)
+        return np.zeros(0, dtype=np.uint32)
+    return tell
+
+
+class Feature:
+    """more: lines of the model; field: of its relation; settings: of the group; options: of fp3 run. engines: where it is tried."""
+
+    def __init__(self, name, more="", field="", settings="", options=(), integrator="leapfrog", config="world", trial=run, engines=ENGINES):
+        self.name, self.more, self.field, self.settings, self.options = name, more, field, settings, list(options)
+        self.integrator, self.config, self.trial, self.engines = integrator, config, trial, engines
+
+
+INTEGRATORS = ("euler", "semi_implicit_euler", "leapfrog", "verlet", "heun", "rk4", "rk8", "yoshida6", "rkc8", "stoermer_verlet", "ros2")
+FEATURES = [
+    *(Feature(f"integrator `{name}`", integrator=name) for name in INTEGRATORS),
+    Feature("compensated", settings="compensated = true;"),
+    Feature("double-single", settings="double_single = true;"),
+    Feature("adaptive steps", settings="tolerance = 1e-4; until = 0.0625;", integrator="cash_karp"),
+    Feature("projections with sums, `h`, `prev`", more="project v = (x - prev(x))/h + 0.01*({pull})"),
+    Feature("pairs that remember", more="remember o in ties: o.s = o.s + h*(o.v - v)", field="s = 0"),
+    Feature("events", more="when x > 1: v = -v"),
+    Feature("events with sums", more="when {pull} > 0.1: v = 0.5*v"),
+    Feature("events that stop an object", more="when x > 1: stop"),
+    Feature("fixed steps cut at events", more="when root(x - 1) rising: v = -v", settings="until = 0.0625;", integrator="rk4"),
+    Feature("lifetimes", settings="born = [0, 4]; gone = 7;"),
+    Feature("several lanes", config="fabric"),
+    Feature("several schedulers", config="shared"),
+    Feature("records of 16 bits", config="bfloat"),
+    Feature("pairs of lanes, `dual`", config="dual"),
+    Feature("logarithmic arithmetic", config="log"),
+    Feature("checkpoints", trial=checkpoint),
+    Feature("recordings", trial=recording),
+    Feature("`fp3 run --check`", trial=checked),
+    Feature("`fp3 bench` of a scene", trial=told("bench", "--steps", STEPS, "--quick"), engines=("fast",)),
+    Feature("`fp3 tune`", trial=told("tune", "--tolerance", "1e-3"), engines=("fast",)),
+    Feature("`fp3 stress`", trial=told("stress", what="model"), engines=("fast",)),
+    Feature("`fp3 compare`", trial=told("compare", what="model"), engines=("fast",)),
+]
+
+
+def measure(fp3, folder, say, features=FEATURES):
+    """A row of each cell."""
+    rows = []
+    for relation in RELATIONS:
+        for feature in features:
+            wanted = None
+            for engine in feature.engines:
+                try:
+                    found = feature.trial(Cell(fp3, folder, relation, feature, engine))
+                    wanted = found if wanted is None else wanted
+                    state = "works" if np.array_equal(found, wanted) else f"{ws.differing(found, wanted)} words differ"
+                except Refused as why:
+                    state = str(why)
+                rows.append({"relation": relation, "feature": feature.name, "engine": engine, "state": state})
+        say(f"{relation}: {sum(row['state'] == 'works' for row in rows if row['relation'] == relation)} cells work")
+    return rows
+
+
+def wrong(rows):
+    """Cells that give other words on one engine than on another."""
+    return [row for row in rows if row["state"].endswith("words differ")]
+
+
+HEADS = {"links": "links", "near": "near", "all": "all", "several": "several relations", "kinds": "a second group"}
+
+
+def table(rows):
+    """A line for each feature; a number is that of the reason below."""
+    why, lines = {}, {}
+    for row in rows:
+        state = "yes" if row["state"] == "works" else f"[{why.setdefault(row['state'], len(why) + 1)}]"
+        lines.setdefault(row["feature"], {}).setdefault(row["relation"], {})[row["engine"]] = state
+
+    def cell(states):
+        if len(set(states.values())) == 1:
+            return next(iter(states.values()))
+        return ", ".join(f"`{engine}` {state}" for engine, state in states.items())
+    yield from markdown(["", *HEADS.values()], ([feature, *(cell(found[relation]) for relation in HEADS)] for feature, found in lines.items()))
+    works = sum(row["state"] == "works" for row in rows)
+    yield from ("", f"{works} of {len(rows)} cells work ({len(ENGINES)} engines, or `fast` alone for commands that measure). The others are refused, in these words:", "")
+    yield from (f"{number}. {text}" for text, number in why.items())
+
+
+BEGIN, END = "<!-- combinations -->\n", "<!-- combinations end -->\n"
+
+
+def page(text, rows):
+    """docs/relations.md with this table."""
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ws.Failed(f"expected the marks {BEGIN.strip()} and {END.strip()}")
+    return before + begin + "\n".join(table(rows)) + "\n" + end + after
