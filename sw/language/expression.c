@@ -184,18 +184,14 @@ static ode_value before(ode_parser *p) {
     unsigned start, size;
     fp3_ode_advance(&p->in);
     const fp3_token name = p->in.next;
-    if (name.kind != FP3_TOKEN_NAME) {
-        fp3_ode_lost(&p->in, "the name of a state, as in prev(x)");
-        return nothing;
-    }
-    fp3_ode_advance(&p->in);
-    const ode_symbol *s = fp3_ode_part(p, name, &start, &size);
-    if (!s)
-        return nothing;
-    if (s->class != ODE_STATE) {
+    const int is_name = name.kind == FP3_TOKEN_NAME;
+    if (is_name)
+        fp3_ode_advance(&p->in);
+    const ode_symbol *s = is_name ? fp3_ode_part(p, name, &start, &size) : NULL;
+    if (!is_name || (s && s->class != ODE_STATE))
         fp3_ode_lost_at(&p->in, name, "the name of a state, as in prev(x)");
+    if (!s || s->class != ODE_STATE)
         return nothing;
-    }
     fp3_ode_expect(&p->in, ")", "')'");
     return fp3_ode_leaves(p, name, FP3_EXPR_BEFORE, s->first + start, size);
 }
