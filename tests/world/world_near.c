@@ -7,6 +7,7 @@
  */
 #include <base/threads.h>
 #include <engine/common/near.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,6 +125,17 @@ static void run(void *threads, void (*task)(void *of, uint32_t number), void *of
     fp3_threads_run(threads, task, of, count);
 }
 
+/* A caller's thread that flushes small numbers, and traps what is invalid. */
+static void run_oddly(void *user, void (*task)(void *of, uint32_t number), void *of,
+                      uint32_t count) {
+    const unsigned callers = _mm_getcsr();
+    (void)user;
+    _mm_setcsr((callers | FLUSH) & ~(unsigned)_MM_MASK_INVALID);
+    for (uint32_t i = 0; i < count; i++)
+        task(of, i);
+    _mm_setcsr(callers);
+}
+
 /* One of many objects on a line moves by this share of the skin: the first, one in the middle, the
  * last. */
 static void look_together(const fp3_crew *crew) {
@@ -136,6 +148,7 @@ static void look_together(const fp3_crew *crew) {
     fp3_error error;
     for (uint32_t i = 0; i < ALL; i++)
         place[i] = (float)i;
+    place[3] = NAN;
     now.position[0] = (const uint32_t *)(const void *)place;
     if (fp3_near_make(&rule, &now, &begin, &other, &error))
         exit(1);
@@ -157,9 +170,10 @@ static void many_threads(void) {
     fp3_error error;
     if (fp3_threads_make(3, &threads, &error))
         exit(1);
-    const fp3_crew crew = {run, threads, 3};
+    const fp3_crew crew = {run, threads, 3}, odd = {run_oddly, NULL, 3};
     look_together(NULL);
     look_together(&crew);
+    look_together(&odd);
     expect("few candidates, together", 15, 8, look_around(15, 8, &crew) < 100, 1);
     expect("few candidates far away, together", 1e12, 8, look_around(1e12f, 8, &crew) < 100, 1);
     fp3_threads_free(&threads);

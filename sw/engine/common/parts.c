@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "parts.h"
 
+#include "base/fpu.h"
+
 #include <stdatomic.h>
 
 #define EACH 4u /* parts of a thread */
@@ -12,11 +14,15 @@ typedef struct {
     uint32_t count;
 } work;
 
+/* A thread of the caller's may flush small numbers to zero, or trap NaN. */
 static void take(void *of, uint32_t number) {
+    const uint64_t callers = fp3_fpu_get();
     work *w = of;
     (void)number;
+    fp3_fpu_set(FP3_FPU_OF_C);
     for (uint32_t part; (part = atomic_fetch_add(&w->next, 1)) < w->count;)
         w->make(w->of, part);
+    fp3_fpu_set(callers);
 }
 
 uint32_t fp3_parts_of(const fp3_crew *crew) {
