@@ -35,8 +35,7 @@ function has_a(input [CODE_W-1:0] op);
         op == OP_RINT ||
         op == OP_EXP2 ||
         op == OP_LOGB ||
-        op == OP_LDN ||
-        op == OP_STL;
+        op == OP_LDN;
 endfunction
 function has_b(input [CODE_W-1:0] op);
     has_b =
