@@ -36,8 +36,7 @@ def all_kinds(n, seed):
 
 
 STATES = "x_x x_y v_x v_y w"
-LIVING = {**{name: world for name, world in WORLDS.items() if name != "pile"}, **{f"kinds {n}": (ALL_KINDS, all_kinds(n, n), STATES) for n in (3, 17, 40)},
-          "pile": (*WORLDS["pile"][:2], WORLDS["pile"][2] + " p_x p_y p_z")}
+LIVING = {**WORLDS, **{f"kinds {n}": (ALL_KINDS, all_kinds(n, n), STATES) for n in (3, 17, 40)}}
 
 
 class Scene:

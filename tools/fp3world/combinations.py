@@ -1,6 +1,5 @@
 """What goes with what: each relation with each feature, on each engine. A cell works if it gives the same words on each of them, or fp3 says why not."""
 
-import os
 import re
 import subprocess
 
@@ -56,7 +55,10 @@ class Cell:
 
     def call(self, *arguments):
         """What a command prints; Refused if it says why not."""
-        done = subprocess.run([self.fp3, *map(str, arguments)], capture_output=True, text=True, env=os.environ)
+        try:
+            done = subprocess.run([self.fp3, *map(str, arguments)], capture_output=True, text=True)
+        except OSError as why:
+            raise ws.Failed(f"{self.fp3}: {why.strerror}") from why
         if done.returncode == 2:
             raise Refused(reason(done.stderr, self.folder))
         if done.returncode:
