@@ -617,10 +617,20 @@ class fp3_bus_use(Structure):
     ]
 
 
+class fp3_foreign(Structure):
+    _fields_ = [
+        ("word", c_char_p),
+        ("group", c_size_t),
+        ("of", c_char_p),
+    ]
+
+
 class fp3_group(Structure):
     _fields_ = [
         ("image", POINTER(fp3_image)),
         ("objects", c_size_t),
+        ("foreign", POINTER(fp3_foreign)),
+        ("foreign_count", c_size_t),
     ]
 
 
@@ -657,6 +667,7 @@ class fp3_neighbours(Structure):
         ("begin", c_void_p),
         ("other", c_void_p),
         ("fields", c_void_p),
+        ("kind", c_size_t),
     ]
 
 
@@ -677,6 +688,8 @@ class fp3_near(Structure):
         ("dimensions", c_uint32),
         ("reach", c_double),
         ("skin", c_double),
+        ("kind", c_size_t),
+        ("theirs", c_char_p * 3),
     ]
 
 

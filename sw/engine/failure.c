@@ -57,8 +57,9 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
     if (!groups)
         return fp3_no_memory(engine->def.error);
     for (uint32_t i = 0; i < layout->count; i++)
-        groups[i] = (fp3_group){layout->groups[i].image,
-                                layout->count == 1 ? engine->objects : layout->groups[i].rows};
+        groups[i] =
+            (fp3_group){.image = layout->groups[i].image,
+                        .objects = layout->count == 1 ? engine->objects : layout->groups[i].rows};
     const fp3_status status = fp3_engine_load_again(again, groups, layout->count);
     free(groups);
     for (uint32_t i = 0; !status && i < layout->count; i++) {

@@ -262,11 +262,11 @@ fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, s
 }
 
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image) {
-    return load(engine, &(fp3_group){image, engine->objects}, 1, 1);
+    return load(engine, &(fp3_group){.image = image, .objects = engine->objects}, 1, 1);
 }
 
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image) {
-    return load(engine, &(fp3_group){image, engine->objects}, 1, 0);
+    return load(engine, &(fp3_group){.image = image, .objects = engine->objects}, 1, 0);
 }
 
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count) {

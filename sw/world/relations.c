@@ -220,8 +220,9 @@ static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source
             status = check_pairs(l, objects, begin, other, error);
     }
     if (!status)
-        status = fp3_engine_set_neighbours(r->to.engine, r->to.group, l->relation,
-                                           &(fp3_neighbours){begin, other, words});
+        status = fp3_engine_set_neighbours(
+            r->to.engine, r->to.group, l->relation,
+            &(fp3_neighbours){.begin = begin, .other = other, .fields = words});
     free(begin);
     free(other);
     free(words);

@@ -70,7 +70,8 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
     if (!groups)
         return fp3_no_memory(error);
     for (size_t i = 0; i < scene->group_count; i++)
-        groups[i] = (fp3_group){scene->groups[i].program->image, scene->groups[i].objects};
+        groups[i] = (fp3_group){.image = scene->groups[i].program->image,
+                                .objects = scene->groups[i].objects};
     fp3_status status = fp3_engine_load_groups(engine, groups, scene->group_count);
     free(groups);
     fp3_error *said = fp3_engine_definition(engine)->error;

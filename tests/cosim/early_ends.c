@@ -51,8 +51,8 @@ static void write_all(const bench *s, fp3_engine *engine, const records *r) {
 static int is_near;
 
 static void link_all(const bench *s, fp3_engine *engine) {
-    const fp3_neighbours some = {s->l.begin, s->l.other, NULL};
-    const fp3_near near = {{"a"}, 1, 0.5, 0.01};
+    const fp3_neighbours some = {.begin = s->l.begin, .other = s->l.other};
+    const fp3_near near = {.position = {"a"}, .dimensions = 1, .reach = 0.5, .skin = 0.01};
     told(is_near ? fp3_engine_set_near(engine, 0, "l", &near)
                  : fp3_engine_set_neighbours(engine, 0, "l", &some));
 }

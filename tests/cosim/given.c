@@ -206,7 +206,7 @@ static void fill(chance *c, const program *p, subject *s, unsigned count, uint32
             }
         }
         begin[objects] = entries;
-        const fp3_neighbours given = {begin, other, fields};
+        const fp3_neighbours given = {.begin = begin, .other = other, .fields = fields};
         for (unsigned k = 0; k < count; k++)
             told(fp3_engine_set_neighbours(s[k].engine, 0, lists[list], &given));
     }

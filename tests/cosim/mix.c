@@ -238,7 +238,7 @@ static void make_programs(bench *b) {
 static void load_all(bench *b) {
     fp3_group groups[GROUPS_MAX];
     for (size_t i = 0; i < b->count; i++)
-        groups[i] = (fp3_group){b->images[i], b->sizes[i]};
+        groups[i] = (fp3_group){.image = b->images[i], .objects = b->sizes[i]};
     for (int k = 0; k < ALONE; k++)
         if (fp3_engine_load_groups(b->m[k].engine, groups, b->count))
             die(b->m[k].error.text);
@@ -485,7 +485,8 @@ static void check_cycles(const fp3_config *config, chance *c, double *worst) {
     def.error = &error;
     for (size_t i = 0; i < count; i++) {
         images[i] = work(10 + below(c, 40));
-        groups[i] = (fp3_group){images[i], 1 + below(c, config->store_words / 8)};
+        groups[i] =
+            (fp3_group){.image = images[i], .objects = 1 + below(c, config->store_words / 8)};
         def.objects += (uint32_t)groups[i].objects;
     }
     if (fp3_engine_open(&def, &engine) || fp3_engine_load_groups(engine, groups, count) ||
@@ -571,7 +572,8 @@ static void promises(const char *engine) {
     fp3_engine_close(&e);
     def.config = "single";
     def.objects = 0;
-    EXPECT(!fp3_engine_open(&def, &e) && !fp3_engine_load_groups(e, &(fp3_group){one, 1}, 1));
+    EXPECT(!fp3_engine_open(&def, &e) &&
+           !fp3_engine_load_groups(e, &(fp3_group){.image = one, .objects = 1}, 1));
     EXPECT(fp3_engine_load_groups(e, good, 2) == FP3_E_PROGRAM);
     fp3_engine_close(&e);
     fp3_image_free(&one);

@@ -114,8 +114,10 @@ static void give_lists(chance *c, const both *b, const fp3_model *model, uint32_
     links l;
     for (unsigned i = 0; i < model->relation_count; i++) {
         const char *name = model->relations[i].name;
-        const fp3_near near = {{"x_x", "x_y", "x_z"}, 3, 0.1, 0.03};
-        const fp3_neighbours some = {l.begin, l.other, l.fields}, all = {NULL, NULL, NULL};
+        const fp3_near near = {
+            .position = {"x_x", "x_y", "x_z"}, .dimensions = 3, .reach = 0.1, .skin = 0.03};
+        const fp3_neighbours some = {.begin = l.begin, .other = l.other, .fields = l.fields},
+                             all = {.begin = NULL};
         const int is_near = model->relations[i].kind == FP3_NEAR;
         const fp3_neighbours *given = model->relations[i].kind == FP3_LINKS ? &some : &all;
         const fp3_image *image = b->image;
@@ -212,7 +214,7 @@ static void check_by_hand(chance *c) {
                           &error));
         for (uint32_t objects = 1; objects <= 50 && objects <= most; objects += 7) {
             both b = open_both(made->image, objects);
-            const fp3_neighbours some = {l.begin, l.other, l.fields};
+            const fp3_neighbours some = {.begin = l.begin, .other = l.other, .fields = l.fields};
             for (uint32_t reg = 0; reg < words_of(&b); reg++) {
                 for (uint32_t k = 0; k < objects; k++)
                     column[k] = (float)below(c, 1000) / 64;
@@ -242,7 +244,7 @@ static void check_last_row(chance *c) {
     told(fp3_assemble(by_hand[0].text + 1, strlen(by_hand[0].text + 1), "hand.s", &made, &error));
     for (int i = 0; i < 3; i++) {
         both b = open_both(made->image, row + 2);
-        const fp3_neighbours some = {l.begin, l.other, l.fields};
+        const fp3_neighbours some = {.begin = l.begin, .other = l.other, .fields = l.fields};
         link_some(c, b.objects, 2 + i, 0, &l);
         told(fp3_engine_set_neighbours(b.isa, 0, "l", &some));
         told(fp3_engine_set_neighbours(b.rtl, 0, "l", &some));
@@ -278,7 +280,8 @@ static void check_places(chance *c) {
         return;
     told(fp3_assemble(text, strlen(text), "places.s", &made, &error));
     both b = open_both(made->image, most < 25 ? most : 25);
-    const fp3_neighbours some = {l.begin, l.other, l.fields}, nobody = {none, none, l.fields};
+    const fp3_neighbours some = {.begin = l.begin, .other = l.other, .fields = l.fields},
+                         nobody = {.begin = none, .other = none, .fields = l.fields};
     for (uint32_t k = 0; k < b.objects; k++)
         column[k] = (float)k / 4;
     write_both(&b, 0, column);

@@ -84,7 +84,8 @@ static void record(const fp3_program *program, const fp3_params *params, fp3_eng
 
 static void refuse_groups(const fp3_program *program, const fp3_params *params,
                           fp3_engine *engine) {
-    const fp3_group groups[] = {{program->image, 1}, {program->image, 2}};
+    const fp3_group groups[] = {{.image = program->image, .objects = 1},
+                                {.image = program->image, .objects = 2}};
     fp3_recording_def def = fp3_recording_default();
     def.path = "api.csv";
     unlink("api.csv");

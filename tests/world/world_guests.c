@@ -134,7 +134,8 @@ static void give_lists(part *p) {
             }
             begin[i + 1] = n;
         }
-        const fp3_neighbours given = {list->is_all ? NULL : begin, other, field};
+        const fp3_neighbours given = {
+            .begin = list->is_all ? NULL : begin, .other = other, .fields = field};
         told(fp3_list_take(to, &given, &p->error), &p->error);
         free(begin);
         free(other);

@@ -175,8 +175,10 @@ static void refuse(void) {
     const float field[2] = {1, 1};
     for (int i = 2; i <= N; i++)
         begin[i] = 2;
-    CHECK(fp3_engine_set_neighbours(fp3_batch_engine(made), 0, "springs",
-                                    &(fp3_neighbours){begin, other, field}) == FP3_E_ARGUMENT);
+    CHECK(fp3_engine_set_neighbours(
+              fp3_batch_engine(made), 0, "springs",
+              &(fp3_neighbours){.begin = begin, .other = other, .fields = field}) ==
+          FP3_E_ARGUMENT);
     CHECK(strstr(error.text, "begin[2] is below begin[1]"));
     links = line();
     k[7] = 1.0f / 0.0f;

@@ -133,7 +133,7 @@ static void give(world *w, const links *l) {
         }
         begin[i + 1] = (uint32_t)at;
     }
-    const fp3_neighbours n = {begin, other, fields};
+    const fp3_neighbours n = {.begin = begin, .other = other, .fields = fields};
     need(w, fp3_engine_set_neighbours(w->engine, 0, l->name, &n));
     free(begin);
     free(other);
@@ -146,8 +146,9 @@ static void give_part(world *w, const char *name) {
     const int has_other = strcmp(strtok(NULL, " \n"), "fields") == 0;
     uint32_t *begin = calloc(w->objects + 1, sizeof *begin);
     begin[w->objects] = 1;
-    need(w, fp3_engine_set_neighbours(w->engine, 0, name,
-                                      &(fp3_neighbours){begin, has_other ? &other : NULL, NULL}));
+    need(w, fp3_engine_set_neighbours(
+                w->engine, 0, name,
+                &(fp3_neighbours){.begin = begin, .other = has_other ? &other : NULL}));
     free(begin);
 }
 
@@ -207,8 +208,9 @@ static void load(world *w, const char *model) {
 static void give_none(world *w, const char *name) {
     uint32_t *begin = calloc(w->objects + 1, sizeof *begin), other = 0;
     const float field = 0;
-    need(w,
-         fp3_engine_set_neighbours(w->engine, 0, name, &(fp3_neighbours){begin, &other, &field}));
+    need(w, fp3_engine_set_neighbours(
+                w->engine, 0, name,
+                &(fp3_neighbours){.begin = begin, .other = &other, .fields = &field}));
     free(begin);
 }
 

@@ -41,7 +41,7 @@ static fp3_status load_own(fp3_engine *engine, fp3_ranked *to) {
             own = to->room;
         to->group[g] = own ? (int)count : -1;
         if (own)
-            groups[count++] = (fp3_group){layout->groups[g].image, own};
+            groups[count++] = (fp3_group){.image = layout->groups[g].image, .objects = own};
     }
     fp3_status status = fp3_engine_load_groups(to->own, groups, count);
     free(groups);
@@ -79,7 +79,9 @@ static fp3_status give_list(fp3_engine *engine, const fp3_ranked *to, const fp3_
         begin[i + 1] = n;
     }
     if (!status)
-        status = fp3_list_take(own, &(fp3_neighbours){begin, other, field}, engine->def.error);
+        status =
+            fp3_list_take(own, &(fp3_neighbours){.begin = begin, .other = other, .fields = field},
+                          engine->def.error);
     free(begin);
     free(other);
     free(field);

@@ -105,7 +105,9 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
     for (uint32_t i = 0; !status && i < from->shape.list_count; i++) {
         const fp3_list *list = &from->lists[i];
         const fp3_entries whole = fp3_list_given(list);
-        const fp3_neighbours given = {whole.begin, whole.other, (const float *)(void *)whole.field};
+        const fp3_neighbours given = {.begin = whole.begin,
+                                      .other = whole.other,
+                                      .fields = (const float *)(void *)whole.field};
         if (list->is_near)
             fp3_list_take_near(&to->lists[i], &list->near);
         else if (list->is_there)

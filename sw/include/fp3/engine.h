@@ -228,10 +228,21 @@ fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path);
  * later; only "fast" refuses such a word here, and an lds that follows anything but loads. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
+/* A word that a program reads of objects of another group (docs/relations.md#kinds). */
+typedef struct {
+    const char *word; /* a param of this program, which its loops read of such a neighbour */
+    size_t group;     /* the other group */
+    const char *of;   /* a state, param or shared constant of that group's program */
+} fp3_foreign;
+
 /* Objects that share a program. */
 typedef struct {
     const fp3_image *image;
     size_t objects; /* at least 1 */
+    /* What it reads of other groups, which see each other then: a step of all groups is made phase
+     * by phase. NULL: nothing. */
+    const fp3_foreign *foreign;
+    size_t foreign_count;
 } fp3_group;
 
 /* The same with one program per group. Objects are numbered group by group; the groups together
@@ -394,6 +405,9 @@ typedef struct {
     const uint32_t *begin;
     const uint32_t *other; /* of each entry: the neighbour, counted in the group */
     const float *fields;   /* of each entry, entry by entry; NULL: the list has none */
+    /* 0: neighbours are of the same group; else 1 + the group that they are of, in which `other`
+     * counts them. The program reads that group's words (fp3_foreign). */
+    size_t kind;
 } fp3_neighbours;
 
 /* Sets the list whose register has this name, and copies it. The list stays until the next load; a
@@ -426,6 +440,8 @@ typedef struct {
     /* Lists reach farther by this distance, so they stay valid until an object has moved by half of
      * the skin. 0: lists are made in each phase. At most 2^63. The skin changes no bit. */
     double skin;
+    size_t kind;           /* as of fp3_neighbours */
+    const char *theirs[3]; /* of another group: params of this program that are its position */
 } fp3_near;
 
 /* Lets the engine make a list, and renew it before a pair could be missed. Lists may contain
