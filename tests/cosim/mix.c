@@ -538,9 +538,13 @@ static void promises(const char *engine) {
     fp3_image *two = assemble(".state y x slept\n.shared g h\nstep:\nadd y, y, g\nadd x, x, h\n"
                               "sleep slept, x, 0.5\n");
     EXPECT(!fp3_engine_open(&def, &e) && fp3_engine_groups(e) == 1);
-    const fp3_group good[] = {{one, 4}, {two, 6}}, few[] = {{one, 4}, {two, 5}},
-                    many[] = {{one, 4}, {two, 7}}, none[] = {{one, 10}, {two, 0}},
-                    five[] = {{one, 2}, {two, 2}, {one, 2}, {two, 2}, {one, 2}};
+#define GROUP(image_, objects_)                                                                    \
+    { .image = (image_), .objects = (objects_) }
+    const fp3_group good[] = {GROUP(one, 4), GROUP(two, 6)}, few[] = {GROUP(one, 4), GROUP(two, 5)},
+                    many[] = {GROUP(one, 4), GROUP(two, 7)},
+                    none[] = {GROUP(one, 10), GROUP(two, 0)},
+                    five[] = {GROUP(one, 2), GROUP(two, 2), GROUP(one, 2), GROUP(two, 2),
+                              GROUP(one, 2)};
     EXPECT(fp3_engine_load_groups(e, good, 0) == FP3_E_ARGUMENT && SAYS("no group"));
     EXPECT(fp3_engine_load_groups(e, few, 2) == FP3_E_ARGUMENT && SAYS("9 objects") && SAYS("10"));
     EXPECT(fp3_engine_load_groups(e, many, 2) == FP3_E_ARGUMENT && SAYS("more objects"));
