@@ -73,13 +73,14 @@ CALL(group_steps, fp3_engine_group_steps(b->engine, first) ? FP3_OK : FP3_E_ARGU
 static const fp3_image *image(const bench *b) { return b->program->image; }
 
 static fp3_status groups(bench *b, size_t first, size_t count) {
-    const fp3_group all = {image(b), OBJECTS};
+    const fp3_group all = {.image = image(b), .objects = OBJECTS};
     (void)first;
     return fp3_engine_load_groups(b->engine, &all, count);
 }
 
 static fp3_status group_of(bench *b, size_t first, size_t objects) {
-    const fp3_group two[] = {{image(b), first}, {image(b), objects}};
+    const fp3_group two[] = {{.image = image(b), .objects = first},
+                             {.image = image(b), .objects = objects}};
     return fp3_engine_load_groups(b->engine, two, 2);
 }
 

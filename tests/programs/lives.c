@@ -159,8 +159,9 @@ static void try_scene(const char *name, const char *config) {
                    first = is_mixed ? 1 + below(objects - 1) : objects;
     const group groups[] = {{is_one ? 0 : (int)below(2), 0, first},
                             {(int)below(2), first, objects - first}};
-    const fp3_group load[] = {{programs[groups[0].program]->image, first},
-                              {programs[groups[1].program]->image, objects - first}};
+    const fp3_group load[] = {
+        {.image = programs[groups[0].program]->image, .objects = first},
+        {.image = programs[groups[1].program]->image, .objects = objects - first}};
     fp3_engine *engine = open_engine(name, config, objects, below(3) ? 0 : 1 + below(7));
     life lives[MOST];
     uint64_t before = 0;
