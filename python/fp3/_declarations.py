@@ -123,6 +123,7 @@ FP3_IMAGE_HEADER_WORDS = 9
 FP3_IMAGE_LABEL_LIMIT = 1024
 FP3_IMAGE_MAGIC = 1228099654
 FP3_ISA_REVISION = 3
+FP3_KINDS_MAX = 8
 FP3_LINKS = 0
 FP3_NAME_SIZE = 32
 FP3_NEAR = 1
@@ -336,6 +337,15 @@ class fp3_event(Structure):
     ]
 
 
+class fp3_kind(Structure):
+    _fields_ = [
+        ("name", c_char * 32),
+        ("first", c_uint32),
+        ("count", c_uint32),
+        ("line", c_uint32),
+    ]
+
+
 class fp3_relation(Structure):
     _fields_ = [
         ("name", c_char * 32),
@@ -346,6 +356,8 @@ class fp3_relation(Structure):
         ("dimensions", c_uint32),
         ("reach", c_uint32),
         ("line", c_uint32),
+        ("of_kind", c_uint32),
+        ("theirs", c_uint32),
     ]
 
 
@@ -387,6 +399,8 @@ class fp3_model(Structure):
         ("relations", POINTER(fp3_relation)),
         ("fields", POINTER(fp3_quantity)),
         ("memories", POINTER(fp3_memory)),
+        ("kind_count", c_uint32),
+        ("kinds", POINTER(fp3_kind)),
     ]
 
 

@@ -115,11 +115,15 @@ class Model:
         self.span: float = c.span
         self.time_unit: str = c.time_unit.decode(errors="replace")
         self.states: Tuple[str, ...] = tuple(c.states[i].name.decode() for i in range(c.state_count))
-        self.params: Tuple[str, ...] = tuple(c.params[i].name.decode() for i in range(c.param_count))
-        self.shared: Tuple[str, ...] = tuple(c.params[i].name.decode() for i in range(c.param_count) if c.params[i].is_shared)
+        #: What the model reads of objects of other groups stands among the params, and nobody gives it.
+        foreign = {i for kind in c.kinds[:c.kind_count] for i in range(kind.first, kind.first + kind.count)}
+        own = [c.params[i] for i in range(c.param_count) if i not in foreign]
+        self.params: Tuple[str, ...] = tuple(q.name.decode() for q in own)
+        self.shared: Tuple[str, ...] = tuple(q.name.decode() for q in own if q.is_shared)
+        self.kinds: Tuple[str, ...] = tuple(kind.name.decode() for kind in c.kinds[:c.kind_count])
         self.relations: Tuple[str, ...] = tuple(c.relations[i].name.decode() for i in range(c.relation_count))
         self.invariants: Tuple[str, ...] = tuple(c.invariants[i].name.decode() for i in range(c.invariant_count))
-        quantities = [*c.states[:c.state_count], *c.params[:c.param_count]]
+        quantities = [*c.states[:c.state_count], *own]
         #: The starts of states and the defaults of params.
         self.defaults: Dict[str, float] = {q.name.decode(): q.value for q in quantities}
         #: Their units, as the model has them.

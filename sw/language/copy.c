@@ -34,6 +34,7 @@ fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *e
         m->params = quantities(model->params, model->param_count, &is_whole);
         m->fields = quantities(model->fields, model->field_count, &is_whole);
         m->relations = again(model->relations, model->relation_count, sizeof *m->relations);
+        m->kinds = again(model->kinds, model->kind_count, sizeof *m->kinds);
         m->memories = again(model->memories, model->memory_count, sizeof *m->memories);
         m->definitions = again(model->definitions, model->definition_count, sizeof *m->definitions);
         m->invariants = again(model->invariants, model->invariant_count, sizeof *m->invariants);
@@ -42,7 +43,7 @@ fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *e
         m->assignments = again(model->assignments, model->assignment_count, sizeof *m->assignments);
         m->exprs = again(model->exprs, model->expr_count, sizeof *m->exprs);
         is_whole &= m->doc && m->definitions && m->invariants && m->events && m->projections &&
-                    m->assignments && m->exprs && m->relations && m->memories;
+                    m->assignments && m->exprs && m->relations && m->memories && m->kinds;
     }
     if (is_whole)
         return FP3_OK;

@@ -14,6 +14,7 @@
 #include "range.h"
 #include "symbol.h"
 #include "vector.h"
+#include "word.h"
 
 static const ode_value nothing = {0};
 
@@ -100,6 +101,10 @@ static ode_value of_neighbour(ode_parser *p, fp3_token name, const fp3_relation 
     const ode_quantity *field = fp3_ode_field(p, r, part);
     if (field)
         return fp3_ode_neighbours_field(p, name, part, field);
+    if (r->of_kind != FP3_NONE) {
+        const uint32_t first = fp3_ode_word(p, r->of_kind, part, &size);
+        return first == FP3_NONE ? nothing : fp3_ode_foreign(p, part, first, size);
+    }
     const ode_symbol *s = fp3_ode_part(p, part, &start, &size);
     return s ? fp3_ode_neighbours_value(p, part, r, s, start, size) : nothing;
 }
@@ -236,52 +241,26 @@ static ode_value named(ode_parser *p) {
     return fp3_ode_stands_for(p, name, s, start, size);
 }
 
-/* A vector that grows, component by component. */
-typedef struct {
-    ode_value value;
-    unsigned size;
-    int is_good;
-} components;
-
-static void append(ode_parser *p, fp3_token open, ode_value part, components *all) {
-    if (part.size > 1)
-        fp3_ode_wrong(&p->in, open, "a vector of numbers (there is %s in it)",
-                      fp3_ode_shape(part.size));
-    all->is_good &= part.size == 1;
-    if (all->size < ODE_VECTOR)
-        all->value.expr[all->size] = part.expr[0];
-    all->size++;
-}
-
-static ode_value vector_of(ode_parser *p, fp3_token open, components *all) {
-    const int fits = all->size > 0 && all->size <= ODE_VECTOR;
-    if (!fits)
-        fp3_ode_wrong(&p->in, open, "a vector of 2 to %d (this has %u components)", ODE_VECTOR,
-                      all->size);
-    all->value.size = all->is_good && fits ? all->size : 0;
-    return all->value;
-}
-
 /* The rest of a vector whose first component has been read. */
 static ode_value listed(ode_parser *p, fp3_token open, ode_value part) {
-    components all = {.is_good = 1};
-    append(p, open, part, &all);
+    ode_components all = {.is_good = 1};
+    fp3_ode_append(p, open, part, &all);
     while (fp3_ode_accept(&p->in, ","))
-        append(p, open, expression(p), &all);
-    return vector_of(p, open, &all);
+        fp3_ode_append(p, open, expression(p), &all);
+    return fp3_ode_vector_of(p, open, &all);
 }
 
 /* "i in 1..4: i^2", a vector of a component for each. */
 static ode_value ranged(ode_parser *p, fp3_token open) {
-    components all = {.is_good = 1};
+    ode_components all = {.is_good = 1};
     ode_range range;
     fp3_ode_range_open(p, &range);
     while (fp3_ode_range_pass(p, &range)) {
         const ode_value part = expression(p);
         if (!p->skipping)
-            append(p, open, part, &all);
+            fp3_ode_append(p, open, part, &all);
     }
-    return range.is_good ? vector_of(p, open, &all) : nothing;
+    return range.is_good ? fp3_ode_vector_of(p, open, &all) : nothing;
 }
 
 static ode_value bracketed(ode_parser *p) {
@@ -499,16 +478,31 @@ static int component_here(ode_parser *p, const ode_symbol *s, unsigned *start, u
     return is_inside || p->skipping;
 }
 
-const ode_symbol *fp3_ode_part(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
-    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
+/* The index that may stand behind a name of this symbol. 0 after an error. */
+static int indexed(ode_parser *p, const ode_symbol *s, fp3_token name, unsigned *start,
+                   unsigned *size) {
     const int has_index = fp3_ode_at(&p->in, "[") && p->in.next.text == name.text + name.length;
     if (!has_index || (s && *size == 1 && p->context <= ODE_IN_START))
-        return s; /* and then a bracket holds a unit */
+        return s != NULL; /* and then a bracket holds a unit */
     if (s && *size == 1) {
         fp3_ode_lost(&p->in, "an operator ('%.*s' is not a vector)", (int)name.length, name.text);
-        return NULL;
+        return 0;
     }
-    return component_here(p, s, start, size) ? s : NULL;
+    return component_here(p, s, start, size);
+}
+
+const ode_symbol *fp3_ode_part(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
+    const ode_symbol *s = fp3_ode_resolve(p, name, start, size);
+    return indexed(p, s, name, start, size) ? s : NULL;
+}
+
+uint32_t fp3_ode_word(ode_parser *p, uint32_t kind, fp3_token name, unsigned *size) {
+    ode_symbol s;
+    unsigned start = 0;
+    if (!fp3_ode_word_named(p, kind, name, &s))
+        return FP3_NONE;
+    const int has_part = fp3_ode_component(p, &s, name, &start, size);
+    return indexed(p, has_part ? &s : NULL, name, &start, size) ? s.first + start : FP3_NONE;
 }
 
 /* "1..4" */

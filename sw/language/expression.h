@@ -17,6 +17,10 @@ int fp3_ode_whole(ode_parser *p, long *number);
  * first component. NULL after an error. */
 const ode_symbol *fp3_ode_part(ode_parser *p, fp3_token name, unsigned *start, unsigned *size);
 
+/* Likewise of a word of a kind (x, x.y, x[2]): the first param of it, and its size. FP3_NONE after
+ * an error. */
+uint32_t fp3_ode_word(ode_parser *p, uint32_t kind, fp3_token name, unsigned *size);
+
 /* Reads "i in 1..4", and what stands behind it once for each number, always to the same end:
  *
  *     ode_range range;

@@ -6,8 +6,8 @@
 /* Those that begin a statement come first. */
 static const char *const words[] = {
     "model", "param", "shared", "state", "step", "span", "exact", "invariant", "when", "for",
-    "links", "near",  "all",    "and",   "or",   "not",  "in",    "t",         "pi"};
-enum { WORDS = sizeof words / sizeof *words, STATEMENTS = 13 };
+    "links", "near",  "all",    "kind",  "and",  "or",   "not",   "in",        "t",    "pi"};
+enum { WORDS = sizeof words / sizeof *words, STATEMENTS = 14 };
 
 static int is_one_of(fp3_token name, unsigned count) {
     for (unsigned i = 0; i < count; i++)

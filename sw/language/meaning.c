@@ -34,6 +34,14 @@ static int is_number(const ode_parser *p, const ode_symbol *s) {
 
 /* Whether what a name stands for may be used here. Reports it if not. */
 static int may_stand(ode_parser *p, fp3_token name, const ode_symbol *s) {
+    if (s->class == ODE_RELATION) {
+        fp3_ode_wrong(&p->in, name, "a value (this is a relation)");
+        return 0;
+    }
+    if (s->class == ODE_KIND || s->class == ODE_WORD) {
+        fp3_ode_wrong(&p->in, name, "a value (a word of a kind is one of a neighbour, as in o.x)");
+        return 0;
+    }
     if (s->class == ODE_INDEX || is_number(p, s))
         return 1;
     if (s->class == ODE_INVARIANT)

@@ -22,6 +22,7 @@ void fp3_model_free(fp3_model **model) {
     free_quantities(m->params, m->param_count);
     free_quantities(m->fields, m->field_count);
     free(m->relations);
+    free(m->kinds);
     free(m->memories);
     free(m->definitions);
     free(m->invariants);

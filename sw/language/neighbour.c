@@ -35,7 +35,9 @@ int fp3_ode_at_neighbours(ode_parser *p) {
 /* The square of the distance to the neighbour is below that of the reach. */
 static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
     const ode_value theirs =
-        fp3_ode_leaves(p, at, FP3_EXPR_OTHER_STATE, r->position, r->dimensions);
+        r->of_kind == FP3_NONE
+            ? fp3_ode_leaves(p, at, FP3_EXPR_OTHER_STATE, r->position, r->dimensions)
+            : fp3_ode_foreign(p, at, r->theirs, r->dimensions);
     const ode_value own = fp3_ode_leaves(p, at, FP3_EXPR_STATE, r->position, r->dimensions);
     const ode_value way = fp3_ode_binary(p, at, FP3_EXPR_SUB, theirs, own);
     const ode_value far = {1, {(uint16_t)r->reach}};
@@ -127,6 +129,12 @@ ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_v
     /* The sum of nothing is -0, and nobody counts to that. */
     return n->fold == ODE_COUNT ? fp3_ode_binary(p, n->at, FP3_EXPR_ADD, all, number(p, n->at, 0))
                                 : all;
+}
+
+/* Such words are in the records of guests, so they are params of the program. */
+ode_value fp3_ode_foreign(ode_parser *p, fp3_token at, uint32_t first, unsigned size) {
+    fp3_ode_leaves(p, at, FP3_EXPR_PARAM, first, size);
+    return fp3_ode_leaves(p, at, FP3_EXPR_OTHER_PARAM, first, size);
 }
 
 int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part) {

@@ -44,6 +44,8 @@ int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part);
 /* What it stands for: a field of the link, or what another symbol is of the neighbour. */
 ode_value fp3_ode_neighbours_field(ode_parser *p, fp3_token name, fp3_token part,
                                    const ode_quantity *field);
+/* Words of a neighbour of another kind. */
+ode_value fp3_ode_foreign(ode_parser *p, fp3_token at, uint32_t first, unsigned size);
 ode_value fp3_ode_neighbours_value(ode_parser *p, fp3_token name, const fp3_relation *relation,
                                    const ode_symbol *symbol, unsigned start, unsigned size);
 

@@ -7,12 +7,14 @@
  *     function           the table of functions, which are made of those operations
  *     symbol             what names stand for
  *     meaning            what they stand for in an expression
+ *     word               what a kind has, the words of objects of another group
  *     neighbour          what an expression says of neighbours
  *     range              names for whole numbers, and what is read again for each of them
  *     expression         from tokens to operations
  *     dimension_read     units of measurement in brackets
  *     dimension_check    whether the units of operands fit each other
  *     constant           values that are known before a run
+ *     kind               what a model reads of objects of another group
  *     relation           how objects see others
  *     event              `when`, what happens at the end of a step
  *     remember           `remember`, what entries of neighbours keep
@@ -34,7 +36,8 @@ enum {
     ODE_EXPRS = 4096,
     ODE_DEFINITIONS = 1024, /* and as many invariants */
     ODE_INDICES = 8,        /* one within the other */
-    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS + ODE_INDICES + FP3_RELATIONS_MAX + 1,
+    ODE_SYMBOLS = 2 * ODE_QUANTITIES + 2 * ODE_DEFINITIONS + ODE_INDICES + FP3_RELATIONS_MAX +
+                  FP3_KINDS_MAX + 1,
     ODE_REPEATED = 1 << 22, /* bytes of text that are read again for an index */
     ODE_EVENTS = 64,
     ODE_ASSIGNMENTS = 256,
@@ -66,6 +69,8 @@ typedef enum {
     ODE_INVARIANT,
     ODE_INDEX,
     ODE_RELATION,
+    ODE_KIND,
+    ODE_WORD,     /* of a kind, by the name of its param */
     ODE_NEIGHBOUR /* while the term of a sum over a relation is read */
 } ode_class;
 
@@ -73,7 +78,7 @@ typedef struct {
     fp3_token at;
     ode_class class;
     uint32_t first;  /* of a state or param: its first component; of a relation, a neighbour: which
-                        relation */
+                        relation; of a kind: which kind */
     ode_value value; /* of a definition or invariant; of any other only the size */
     long number;     /* of an index: what it stands for now */
 } ode_symbol;
@@ -89,7 +94,7 @@ typedef struct {
     fp3_token at;
     ode_dimension dimension;
     ode_equation first, second, exact; /* of a state: its derivatives, its closed form */
-    unsigned size;                     /* of a field: of the vector that it begins; else 0 */
+    unsigned size; /* of a field or a word of a kind: of the vector that it begins; else 0 */
 } ode_quantity;
 
 typedef struct {
@@ -141,6 +146,9 @@ typedef struct {
     ode_assignment assignments[ODE_ASSIGNMENTS];
     uint32_t event_count, projection_count, assignment_count;
 
+    fp3_kind kinds[FP3_KINDS_MAX];
+    char word_names[ODE_QUANTITIES][FP3_NAME_SIZE]; /* of params: KIND_WORD */
+    uint32_t kind_count;
     fp3_relation relations[FP3_RELATIONS_MAX];
     ode_quantity fields[ODE_QUANTITIES]; /* of links, and what near objects remember */
     ode_memory memories[ODE_QUANTITIES];

@@ -110,9 +110,11 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->field_count = p->field_count;
     m->memories = take_memories(p);
     m->memory_count = p->memory_count;
+    m->kinds = copy(p->kinds, p->kind_count, sizeof *p->kinds);
+    m->kind_count = p->kind_count;
     if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
         !m->projections || !m->assignments || !m->exprs || !m->relations || !m->fields ||
-        !m->memories)
+        !m->memories || !m->kinds)
         fp3_model_free(&m);
     return m;
 }

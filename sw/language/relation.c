@@ -11,6 +11,8 @@
 #include "expression.h"
 #include "neighbour.h"
 #include "symbol.h"
+#include "vector.h"
+#include "word.h"
 
 /* ---- declarations ---- */
 
@@ -60,6 +62,9 @@ static void field(ode_parser *p, fp3_relation *r) {
     const int is_new = fp3_ode_is_new_name(p, name, size);
     if (is_new && fp3_ode_field(p, r, name))
         fp3_ode_wrong(&p->in, name, "a new name (this relation has such a field)");
+    if (is_new && r->of_kind != FP3_NONE && fp3_ode_word_of(p, &p->kinds[r->of_kind], name))
+        fp3_ode_wrong(&p->in, name, "a new name (kind '%s' has such a word)",
+                      p->kinds[r->of_kind].name);
     fp3_ode_expect(&p->in, "=",
                    r->kind == FP3_LINKS ? "'=' and the default value of links"
                                         : "'= 0', which a new pair has");
@@ -86,9 +91,37 @@ static void field(ode_parser *p, fp3_relation *r) {
     }
 }
 
+/* "cars" in links seats(cars, k = 1) and in all suns(planets): what has no value is no field. */
+static int is_kind_next(ode_parser *p, const fp3_relation *r) {
+    ode_lexer ahead = p->in.lexer;
+    const fp3_token behind = fp3_ode_next(&ahead);
+    return p->in.next.kind == FP3_TOKEN_NAME &&
+           (r->kind == FP3_ALL || fp3_token_is(behind, ",") || fp3_token_is(behind, ")") ||
+            fp3_ode_kind_named(p, p->in.next) != FP3_NONE);
+}
+
+static void kind_here(ode_parser *p, fp3_relation *r) {
+    const fp3_token name = p->in.next;
+    r->of_kind = fp3_ode_kind_here(p, name);
+    if (r->of_kind == FP3_NONE)
+        return;
+    if (memchr(name.text, '.', name.length))
+        fp3_ode_lost(&p->in, "the kind alone");
+    fp3_ode_advance(&p->in);
+}
+
 static void fields(ode_parser *p, fp3_relation *r) {
     if (!fp3_ode_accept(&p->in, "("))
         return;
+    if (is_kind_next(p, r)) {
+        kind_here(p, r);
+        if (r->kind == FP3_ALL || !fp3_ode_accept(&p->in, ",")) {
+            fp3_ode_expect(&p->in, ")", r->kind == FP3_ALL ? "')'" : "',' or ')'");
+            return;
+        }
+    }
+    if (r->kind == FP3_ALL)
+        fp3_ode_lost(&p->in, "a kind, as in all suns(planets)");
     do
         field(p, r);
     while (fp3_ode_accept(&p->in, ","));
@@ -102,6 +135,42 @@ static int is_shared(const ode_parser *p, uint32_t from) {
     return 1;
 }
 
+/* Of what is not declared, a name with a dot is meant to be such a position. */
+static int is_position_next(ode_parser *p) {
+    const fp3_token name = p->in.next;
+    return name.kind == FP3_TOKEN_NAME &&
+           (fp3_ode_kind_named(p, name) != FP3_NONE ||
+            (memchr(name.text, '.', name.length) && !fp3_ode_find(p, name)));
+}
+
+/* ", balls.x": the position of those of another kind. */
+static void their_position(ode_parser *p, fp3_relation *r, const ode_symbol *own, unsigned start,
+                           unsigned own_size) {
+    const fp3_token name = p->in.next;
+    fp3_token part;
+    unsigned size = 0;
+    r->of_kind = fp3_ode_kind_here(p, name);
+    if (r->of_kind == FP3_NONE)
+        return;
+    fp3_ode_advance(&p->in);
+    if (!memchr(name.text, '.', name.length))
+        fp3_ode_lost_at(&p->in, name, "their position, a word of the kind, as in %.*s.x",
+                        (int)name.length, name.text);
+    if (p->in.is_lost || !fp3_ode_neighbours_part(p, name, &part))
+        return;
+    r->theirs = fp3_ode_word(p, r->of_kind, part, &size);
+    fp3_ode_expect(&p->in, ",", "',' and the reach");
+    if (r->theirs == FP3_NONE || !own)
+        return;
+    if (size != own_size)
+        fp3_ode_wrong(&p->in, name, "a position as the own one is, %s (this is %s)",
+                      fp3_ode_shape(own_size), fp3_ode_shape(size));
+    else if (!fp3_ode_dimension_fits(&p->params[r->theirs].dimension,
+                                     &p->states[own->first + start].dimension))
+        fp3_ode_wrong(&p->in, name, "a position in the unit of '%s'",
+                      p->states[own->first + start].quantity.name);
+}
+
 /* "(x, 0.2)": a state, and the distance up to which others count. */
 static void reach(ode_parser *p, fp3_relation *r) {
     unsigned start = 0, size = 0;
@@ -112,6 +181,8 @@ static void reach(ode_parser *p, fp3_relation *r) {
     if (name.kind != FP3_TOKEN_NAME || (s && s->class != ODE_STATE) || size > ODE_LETTERS)
         fp3_ode_lost_at(&p->in, name, "the position: a state, a number or a vector of 2 or 3");
     fp3_ode_expect(&p->in, ",", "',' and the reach");
+    if (is_position_next(p))
+        their_position(p, r, s, start, size);
     const fp3_token at = p->in.next;
     const uint32_t from = p->expr_count;
     const ode_value value = fp3_ode_expression(p, ODE_IN_START);
@@ -137,7 +208,9 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
     fp3_relation made = {.kind = kinds[kind_of(word)].kind,
                          .first_field = p->field_count,
                          .reach = FP3_NONE,
-                         .line = word.location.line};
+                         .line = word.location.line,
+                         .of_kind = FP3_NONE,
+                         .theirs = FP3_NONE};
     if (name.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in, "a name, as in %s springs", kinds[kind_of(word)].word);
         return;
@@ -145,10 +218,10 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
     fp3_ode_advance(&p->in);
     const int is_new = fp3_ode_is_new_name(p, name, 1);
     fp3_ode_scalar_name(name, 1, 0, made.name);
-    if (made.kind == FP3_LINKS)
-        fields(p, &made);
-    else if (made.kind == FP3_NEAR)
+    if (made.kind == FP3_NEAR)
         reach(p, &made);
+    else
+        fields(p, &made);
     if (p->relation_count == FP3_RELATIONS_MAX) {
         fp3_ode_over(&p->in, name, "at most %d relations", FP3_RELATIONS_MAX);
         return;

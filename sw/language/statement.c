@@ -10,6 +10,7 @@
 #include "event.h"
 #include "expression.h"
 #include "keyword.h"
+#include "kind.h"
 #include "relation.h"
 #include "remember.h"
 #include "side.h"
@@ -287,7 +288,7 @@ void fp3_ode_statement(ode_parser *p) {
     if (first.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in,
                      "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "when, for, links, near, all, remember, or an equation");
+                     "when, for, kind, links, near, all, remember, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
@@ -310,6 +311,8 @@ void fp3_ode_statement(ode_parser *p) {
         fp3_ode_event(p, first);
     else if (fp3_token_is(first, "for"))
         for_statement(p);
+    else if (fp3_token_is(first, "kind"))
+        fp3_ode_kind(p, first);
     else if (fp3_ode_is_relation(first))
         fp3_ode_relation(p, first);
     else if (fp3_ode_is_remember(p, first))

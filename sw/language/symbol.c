@@ -70,7 +70,7 @@ static int is_component(fp3_token base, unsigned size, fp3_token name) {
 
 /* A symbol that shares a name with the new one, or NULL. Components of two vectors are alike only
  * if the vectors are. */
-static const ode_symbol *occupied(const ode_parser *p, fp3_token name, unsigned size) {
+const ode_symbol *fp3_ode_occupied(const ode_parser *p, fp3_token name, unsigned size) {
     for (uint32_t i = 0; i < p->symbol_count; i++) {
         const ode_symbol *s = &p->symbols[i];
         if (fp3_token_same(s->at, name) || is_component(s->at, s->value.size, name) ||
@@ -114,7 +114,7 @@ int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size) {
         fp3_ode_wrong(&p->in, name, "a name ('%s' has a meaning of its own)", text);
         return 0;
     }
-    const ode_symbol *other = occupied(p, name, size);
+    const ode_symbol *other = fp3_ode_occupied(p, name, size);
     if (!other)
         return 1;
     if (fp3_token_same(other->at, name))
@@ -142,7 +142,8 @@ static void undefined(ode_parser *p, fp3_token name) {
     for (uint32_t i = 0; i < p->symbol_count; i++) {
         const char *near = *best ? best : NULL;
         fp3_ode_scalar_name(p->symbols[i].at, 1, 0, candidate);
-        fp3_nearest(name, candidate, &near);
+        if (p->symbols[i].class != ODE_WORD)
+            fp3_nearest(name, candidate, &near);
         if (near == candidate)
             memcpy(best, candidate, sizeof best);
     }
@@ -167,21 +168,15 @@ static ode_symbol *taken(ode_parser *p, fp3_token name) {
                                        (ode_value){.size = 1})];
 }
 
-ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
+int fp3_ode_component(ode_parser *p, const ode_symbol *s, fp3_token name, unsigned *start,
+                      unsigned *size) {
     int component;
     const fp3_token base = base_of(name, &component);
-    ode_symbol *s = fp3_ode_find(p, name);
-    if (!s && p->takes_names && p->context == ODE_IN_START)
-        s = taken(p, base);
-    else if (!s)
-        undefined(p, base);
-    if (!s)
-        return NULL;
     *start = component > 0 ? (unsigned)component : 0;
     *size = component < 0 || !s->value.size ? s->value.size : 1;
     const unsigned letters = s->value.size > ODE_LETTERS ? 0 : s->value.size;
     if (component < 0 || !s->value.size || (letters > 1 && *start < letters))
-        return s;
+        return 1;
     if (!letters)
         fp3_ode_wrong(&p->in, name, "a component from %.*s[1] to %.*s[%u]", (int)base.length,
                       base.text, (int)base.length, base.text, s->value.size);
@@ -191,5 +186,16 @@ ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsi
     else
         fp3_ode_wrong(&p->in, name, "'%.*s' without a component (it is not a vector)",
                       (int)base.length, base.text);
-    return NULL;
+    return 0;
+}
+
+ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsigned *size) {
+    int component;
+    const fp3_token base = base_of(name, &component);
+    ode_symbol *s = fp3_ode_find(p, name);
+    if (!s && p->takes_names && p->context == ODE_IN_START)
+        s = taken(p, base);
+    else if (!s)
+        undefined(p, base);
+    return s && fp3_ode_component(p, s, name, start, size) ? s : NULL;
 }

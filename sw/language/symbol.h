@@ -11,6 +11,13 @@ ode_symbol *fp3_ode_find(ode_parser *p, fp3_token name); /* NULL if there is non
  * error. */
 ode_symbol *fp3_ode_resolve(ode_parser *p, fp3_token name, unsigned *start, unsigned *size);
 
+/* What a component behind the name makes of this symbol: r.x is one of three. 0 after an error. */
+int fp3_ode_component(ode_parser *p, const ode_symbol *symbol, fp3_token name, unsigned *start,
+                      unsigned *size);
+
+/* A symbol that shares a name with a new one, or with the components of a vector of this size; or
+ * NULL. */
+const ode_symbol *fp3_ode_occupied(const ode_parser *p, fp3_token name, unsigned size);
 /* Whether the token can be a new name, of a vector of this size. Reports it if not. */
 int fp3_ode_is_new_name(ode_parser *p, fp3_token name, unsigned size);
 /* Returns the number of the symbol. */

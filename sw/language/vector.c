@@ -253,3 +253,24 @@ ode_value fp3_ode_cross(ode_parser *p, fp3_token at, ode_value a, ode_value b) {
     }
     return result;
 }
+
+/* ---- component by component ---- */
+
+void fp3_ode_append(ode_parser *p, fp3_token open, ode_value part, ode_components *all) {
+    if (part.size > 1)
+        fp3_ode_wrong(&p->in, open, "a vector of numbers (there is %s in it)",
+                      fp3_ode_shape(part.size));
+    all->is_good &= part.size == 1;
+    if (all->size < ODE_VECTOR)
+        all->value.expr[all->size] = part.expr[0];
+    all->size++;
+}
+
+ode_value fp3_ode_vector_of(ode_parser *p, fp3_token open, ode_components *all) {
+    const int fits = all->size > 0 && all->size <= ODE_VECTOR;
+    if (!fits)
+        fp3_ode_wrong(&p->in, open, "a vector of 2 to %d (this has %u components)", ODE_VECTOR,
+                      all->size);
+    all->value.size = all->is_good && fits ? all->size : 0;
+    return all->value;
+}

@@ -25,6 +25,15 @@ int fp3_ode_is_number(const ode_parser *p, ode_value value);
 /* Drops the expressions from this one on: what was made of them has its value. */
 void fp3_ode_forget(ode_parser *p, uint32_t from);
 
+/* A vector that grows, component by component; open is its bracket. */
+typedef struct {
+    ode_value value;
+    unsigned size;
+    int is_good;
+} ode_components;
+void fp3_ode_append(ode_parser *p, fp3_token open, ode_value part, ode_components *all);
+ode_value fp3_ode_vector_of(ode_parser *p, fp3_token open, ode_components *all);
+
 /* "a number", "a vector of 2". */
 const char *fp3_ode_shape(unsigned size);
 

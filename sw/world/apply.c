@@ -48,9 +48,10 @@ static int has_steps(const fp3_program *program) { return fp3_image_steps(progra
 static int model_has(const void *of, const char *name) {
     const fp3_program *program = of;
     const int is_chosen = fp3_model_chooses_steps(program->model); /* h_next is a state */
+    const uint32_t param = fp3_model_param(program->model, name);
     return (strcmp(name, FP3_NAME_STEP) == 0 && !is_chosen) ||
            (strcmp(name, FP3_NAME_STEPS) == 0 && has_steps(program)) ||
-           fp3_model_param(program->model, name) != FP3_NONE ||
+           (param != FP3_NONE && !fp3_model_is_foreign(program->model, param)) ||
            fp3_model_state(program->model, name) != FP3_NONE;
 }
 

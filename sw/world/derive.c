@@ -106,7 +106,7 @@ fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *tab
     d->table = table;
     d->sources = calloc(inputs + 1u, sizeof *d->sources);
     d->marks = calloc(def->objects / 64 + 1, sizeof *d->marks);
-    d->params_of = malloc((table->model->param_count + 1u) * BLOCK * sizeof *d->params_of);
+    d->params_of = calloc((table->model->param_count + 1u) * BLOCK, sizeof *d->params_of);
     d->starts_of = malloc((table->model->state_count + 1u) * BLOCK * sizeof *d->starts_of);
     d->block = malloc(((size_t)inputs + 1) * BLOCK * sizeof *d->block);
     if (!open_portion(&d->uniform, inputs) || !open_portion(&d->other, inputs) || !d->sources ||

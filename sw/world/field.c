@@ -95,6 +95,8 @@ static void list_model(const fp3_compiled *c, double h, const uint64_t *params,
     const fp3_model *model = t->model;
     const int is_adapted = fp3_model_adapted(model) != FP3_NONE;
     for (uint32_t i = 0; i < model->param_count; i++) {
+        if (fp3_model_is_foreign(model, i))
+            continue; /* nobody gives the words of others, and 0 stands where they are not */
         fp3_field *q = add(t, model->params[i].name, FP3_FIELD_PARAM);
         q->index = i;
         q->is_shared = model->params[i].is_shared;

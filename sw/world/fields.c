@@ -302,8 +302,9 @@ fp3_status fp3_fields_write_rows(fp3_fields *q, size_t first, size_t count, cons
     double *column = calloc(count + 1, sizeof *column);
     fp3_status status = column ? FP3_OK : fp3_no_memory(error);
     for (uint32_t i = 0; !status && i < model->param_count; i++)
-        status = write_gathered(q, &model->params[i], first, count, params + i, model->param_count,
-                                column, error);
+        if (!fp3_model_is_foreign(model, i))
+            status = write_gathered(q, &model->params[i], first, count, params + i,
+                                    model->param_count, column, error);
     for (uint32_t i = 0; initial && !status && i < model->state_count; i++)
         status = write_gathered(q, &model->states[i], first, count, initial + i, model->state_count,
                                 column, error);

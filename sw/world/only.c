@@ -60,7 +60,9 @@ static fp3_status find_default(const fp3_settings *s, const config_setting_t *at
                                const fp3_program *program, double *value) {
     const fp3_model *model = program->model;
     const char *name = config_setting_name(at);
-    const uint32_t param = model ? fp3_model_param(model, name) : FP3_NONE;
+    const uint32_t named = model ? fp3_model_param(model, name) : FP3_NONE;
+    const uint32_t param =
+        named != FP3_NONE && fp3_model_is_foreign(model, named) ? FP3_NONE : named;
     const uint32_t state = model ? fp3_model_state(model, name) : FP3_NONE;
     if (param == FP3_NONE && (state == FP3_NONE || model->states[state].start != FP3_NONE))
         return fp3_setting_wrong(

@@ -265,10 +265,24 @@ int fp3_relations_are(const fp3_relations *r) {
     return fp3_engine_layout(r->to.engine)->groups[r->to.group].lists.shape.is_any;
 }
 
+static fp3_status check_kinds(const fp3_model *model, fp3_error *error) {
+    for (uint32_t i = 0; model && i < model->relation_count; i++) {
+        const fp3_relation *of = &model->relations[i];
+        if (of->of_kind != FP3_NONE)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "'%s' (line %" PRIu32 " of the model) sees objects of another group, "
+                            "'%s', and there is none",
+                            of->name, of->line, model->kinds[of->of_kind].name);
+    }
+    return FP3_OK;
+}
+
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
     const fp3_model *model = model_of(r);
     memset(r->reach, 0, sizeof r->reach);
-    fp3_status status = fp3_relations_link(r, error);
+    fp3_status status = check_kinds(model, error);
+    if (!status)
+        status = fp3_relations_link(r, error);
     for (uint32_t i = 0; !status && model && i < model->relation_count; i++)
         if (model->relations[i].kind == FP3_ALL && list_named(r, model->relations[i].name))
             status = fp3_engine_set_neighbours(r->to.engine, r->to.group, model->relations[i].name,

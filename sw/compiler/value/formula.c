@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Binding strength of what is written around an operand. */
 enum { LOOSE, EITHER, BOTH, COMPARED, SUM, PRODUCT, UNARY, RAISED };
@@ -94,6 +95,15 @@ static void print_infix(printer *p, const fp3_expr *e, int around) {
     put(p, level < around ? ")" : "");
 }
 
+/* A word of another kind, as the model writes it, without the name of the kind. */
+static const char *word_of(const fp3_model *m, uint32_t param) {
+    const char *name = m->params[param].name;
+    for (uint32_t i = 0; i < m->kind_count; i++)
+        if (param - m->kinds[i].first < m->kinds[i].count)
+            return name + strlen(m->kinds[i].name) + 1;
+    return name;
+}
+
 /* What belongs to a neighbour; what is made of all neighbours, without their name. */
 static void print_neighbours(printer *p, const fp3_expr *e) {
     const fp3_model *m = p->model;
@@ -111,7 +121,7 @@ static void print_neighbours(printer *p, const fp3_expr *e) {
     }
     put(p, "other.");
     put(p, e->op == FP3_EXPR_OTHER_STATE   ? m->states[e->index].name
-           : e->op == FP3_EXPR_OTHER_PARAM ? m->params[e->index].name
+           : e->op == FP3_EXPR_OTHER_PARAM ? word_of(m, e->index)
                                            : m->fields[e->index].name);
 }
 

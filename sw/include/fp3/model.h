@@ -143,6 +143,15 @@ typedef struct {
 } fp3_event;
 
 #define FP3_RELATIONS_MAX 8
+#define FP3_KINDS_MAX 8
+
+/* What the model reads of objects of another group. Each word is a param of the model, KIND_WORD,
+ * which no object has for itself: it stands for the neighbour's value. */
+typedef struct {
+    char name[FP3_NAME_SIZE];
+    uint32_t first, count; /* of fp3_model.params */
+    uint32_t line;
+} fp3_kind;
 
 /* Which other objects an object sees. */
 typedef enum {
@@ -159,6 +168,8 @@ typedef struct {
      * of shared params. */
     uint32_t position, dimensions, reach;
     uint32_t line;
+    uint32_t of_kind; /* index of fp3_model.kinds; FP3_NONE: it sees objects of its own group */
+    uint32_t theirs;  /* near of another kind: the first param of their position */
 } fp3_relation;
 
 /* What each entry remembers: after each step, its projections and events, the field gets the value
@@ -190,6 +201,8 @@ typedef struct {
     fp3_relation *relations;
     fp3_quantity *fields;
     fp3_memory *memories; /* each field once; all fields of near objects are among these */
+    uint32_t kind_count;
+    fp3_kind *kinds;
 } fp3_model;
 
 /* source has size bytes, needs no NUL and may hold any bytes. name appears in the report.
@@ -240,6 +253,14 @@ fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
 /* The line of the model's first `remember`, or 0. */
 static inline uint32_t fp3_model_remembers(const fp3_model *model) {
     return model->memory_count ? model->memories[0].line : 0;
+}
+
+/* Whether the param is a word of a kind, which stands for a neighbour's value: nobody gives it. */
+static inline int fp3_model_is_foreign(const fp3_model *model, uint32_t param) {
+    for (uint32_t i = 0; i < model->kind_count; i++)
+        if (param - model->kinds[i].first < model->kinds[i].count)
+            return 1;
+    return 0;
 }
 
 /* The index of the state or param of this name, or FP3_NONE. */

@@ -194,6 +194,13 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
                         "(line %" PRIu32 " of the model) is not part of its state",
                         fp3_model_remembers(program->model));
     }
+    if (program->model->kind_count) {
+        fp3_others_close(others);
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "the check looks at the objects of one group, and these see objects of "
+                        "another (kind '%s', line %" PRIu32 " of the model)",
+                        program->model->kinds[0].name, program->model->kinds[0].line);
+    }
     o->model = program->model;
     o->columns = columns;
     o->objects = objects;
