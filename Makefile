@@ -223,7 +223,7 @@ LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS)
 VECTORS           := -O3 -frounding-math -Wno-psabi
 
 $(call obj,sw/engine/fast/sweep.c): CFLAGS += $(VECTORS)
-$(call obj,sw/engine/fast/fast.c sw/engine/fast/block.c sw/engine/fast/drive.c sw/engine/common/near.c): CFLAGS += -O3
+$(call obj,sw/engine/fast/fast.c sw/engine/fast/block.c sw/engine/fast/drive.c sw/engine/common/near.c sw/engine/common/near_stale.c): CFLAGS += -O3
 $(call obj,sw/engine/fast/text.c): sw/engine/fast/place.h sw/engine/fast/lanes.h sw/engine/fast/fused.h sw/engine/fast/halves.h sw/engine/fast/turns.h
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 

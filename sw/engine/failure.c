@@ -59,7 +59,9 @@ static fp3_status load_again(const fp3_engine *engine, fp3_engine *again) {
     for (uint32_t i = 0; i < layout->count; i++)
         groups[i] =
             (fp3_group){.image = layout->groups[i].image,
-                        .objects = layout->count == 1 ? engine->objects : layout->groups[i].rows};
+                        .objects = layout->count == 1 ? engine->objects : layout->groups[i].rows,
+                        .foreign = layout->groups[i].foreign,
+                        .foreign_count = layout->groups[i].foreign_count};
     const fp3_status status = fp3_engine_load_again(again, groups, layout->count);
     free(groups);
     for (uint32_t i = 0; !status && i < layout->count; i++) {
@@ -130,6 +132,8 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         status = fp3_lists_copy(&engine->layout.groups[i].lists, engine->layout.groups[i].rows,
                                 &again->layout.groups[i].lists, again->def.error);
+    for (uint32_t i = 0; !status && again->backend->connect && i < again->layout.count; i++)
+        status = again->backend->connect(again, &again->layout.groups[i], NULL);
     if (!status)
         status = fp3_origin_remember(engine, NULL, &again->layout, again->def.error);
     again->clock = engine->origin->clock;

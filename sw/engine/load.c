@@ -5,12 +5,14 @@
 #include "engine/common/life.h"
 #include "engine/common/luggage.h"
 #include "engine/common/origin.h"
+#include "kinds.h"
 #include "machine/format.h"
 #include "machine/needs.h"
 #include "machine/operation.h"
 #include "machine/storage.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 static fp3_needs needs_of(const fp3_image *image) {
@@ -126,6 +128,18 @@ static fp3_code program_of(const fp3_image *image, const fp3_visit *visit) {
                       -1};
 }
 
+static fp3_status copy_foreign(fp3_engine *engine, const fp3_group *from, fp3_members *to) {
+    to->foreign = calloc(from->foreign_count + 1, sizeof *to->foreign);
+    for (size_t i = 0; to->foreign && i < from->foreign_count; i++) {
+        fp3_foreign *f = &to->foreign[to->foreign_count++];
+        *f = (fp3_foreign){strdup(from->foreign[i].word), from->foreign[i].group,
+                           strdup(from->foreign[i].of)};
+        if (!f->word || !f->of)
+            return fp3_no_memory(engine->def.error);
+    }
+    return to->foreign ? FP3_OK : fp3_no_memory(engine->def.error);
+}
+
 /* A copy of the image and, interleaved, what is made of it; checked, unless check is 0. */
 static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, fp3_members *to) {
     fp3_error *error = engine->def.error;
@@ -146,7 +160,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;
-    return FP3_OK;
+    return copy_foreign(engine, from, to);
 }
 
 static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
@@ -155,7 +169,14 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
     if (count == 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "no group of objects");
     const uint32_t schedulers = fp3_config_schedulers(engine->config);
-    if (count > schedulers)
+    int is_joined = 0;
+    for (size_t i = 0; i < count && i < fp3_layout_room(engine->config); i++)
+        is_joined |= groups[i].foreign_count > 0;
+    if (is_joined && count > FP3_KINDS_MAX)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "%zu groups, some of which see others: expected at most %d", count,
+                        FP3_KINDS_MAX);
+    if (!is_joined && count > schedulers)
         return fp3_fail(
             error, FP3_E_PROGRAM,
             "%zu groups, each with a program of its own: configuration '%s' has %" PRIu32
@@ -191,6 +212,10 @@ static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_
         status = prepare(engine, &groups[i], check, &layout->groups[i]);
         say_group(engine, status, i, count);
     }
+    if (!status && fp3_layout_is_joined(layout)) {
+        fp3_layout_place_apart(layout, engine->config);
+        return FP3_OK;
+    }
     if (!status)
         status = fp3_layout_place(layout, engine->config, engine->def.visit, engine->def.error);
     for (size_t i = 0; !status && engine->backend->check && i < count; i++) {
@@ -214,9 +239,21 @@ static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
     return status;
 }
 
+/* The engine of one program or of several that see each other; NULL: of the other. */
+static fp3_status become(fp3_engine *engine, const fp3_backend *usual, fp3_kinds *kinds) {
+    const int was_joined = engine->backend != usual;
+    if (!kinds && !was_joined)
+        return FP3_OK;
+    engine->backend->close(engine);
+    engine->backend = kinds ? fp3_kinds_backend(kinds) : usual;
+    engine->self = kinds;
+    return kinds ? FP3_OK : usual->open(engine);
+}
+
 /* From here on there is no way back. */
-static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l) {
+static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l, fp3_kinds *kinds) {
     const fp3_layout old = engine->layout;
+    fp3_status status = become(engine, fp3_kinds_usual(engine), kinds);
     engine->layout = *layout;
     *layout = old;
     engine->clock = 0;
@@ -224,7 +261,8 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l)
     fp3_life_forget(engine);
     engine->sleepers.is_known = engine->sleepers.is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
-    fp3_status status = fp3_origin_load(engine, l->objects != NULL);
+    if (!status)
+        status = fp3_origin_load(engine, l->objects != NULL);
     if (!status)
         status = engine->backend->load(engine);
     if (!status && l->objects)
@@ -242,16 +280,42 @@ static int is_same(const fp3_engine *engine, const fp3_layout *layout) {
     return is;
 }
 
+static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check);
+
+/* An engine for each group. */
+static fp3_status open_kinds(fp3_engine *engine, fp3_layout *layout, int check, fp3_kinds **kinds) {
+    fp3_status status = fp3_kinds_make(engine, fp3_kinds_usual(engine), layout, kinds);
+    for (uint32_t i = 0; !status && i < layout->count; i++) {
+        fp3_engine *own = NULL;
+        status = fp3_kinds_open(engine, *kinds, layout, i, &own);
+        if (!status)
+            status =
+                load(own, &(fp3_group){.image = layout->groups[i].image, .objects = own->objects},
+                     1, check);
+        if (!status)
+            fp3_kinds_loaded(*kinds, layout, i);
+        say_group(engine, status, i, layout->count);
+    }
+    return status;
+}
+
 static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check) {
     fp3_layout layout = {0};
     fp3_luggage l = {0};
+    fp3_kinds *kinds = NULL;
+    const fp3_backend *usual = fp3_kinds_usual(engine);
     fp3_status status = check_groups(engine, groups, count);
     if (!status)
         status = prepare_all(engine, groups, count, check, &layout);
-    if (!status && engine->is_touched && !is_same(engine, &layout))
+    if (!status && fp3_layout_is_joined(&layout))
+        status = open_kinds(engine, &layout, check, &kinds);
+    if (!status && engine->is_touched &&
+        (kinds || engine->backend != usual || !is_same(engine, &layout)))
         status = fp3_luggage_pack(engine, &l);
     if (!status)
-        status = settle(engine, &layout, &l);
+        status = settle(engine, &layout, &l, kinds);
+    else
+        fp3_kinds_free(&kinds);
     fp3_layout_free(&layout);
     fp3_luggage_free(&l);
     return status;

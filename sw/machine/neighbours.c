@@ -191,3 +191,17 @@ uint32_t fp3_neighbourhood_end(const fp3_decoded *decoded, uint32_t each) {
         each++;
     return each;
 }
+
+int fp3_neighbourhood_phase(const fp3_code *program, uint32_t phase, uint32_t *first,
+                            uint32_t *end) {
+    *first = 0;
+    for (*end = 0; *end <= program->count; (*end)++) {
+        const fp3_decoded *word = &program->decoded[*end];
+        if (*end < program->count && (!word->of || word->in.op != FP3_OP_PHASE))
+            continue;
+        if (!phase--)
+            return *first < *end;
+        *first = *end + 1;
+    }
+    return 0;
+}

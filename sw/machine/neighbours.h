@@ -8,6 +8,8 @@
 #ifndef FP3_IMAGE_NEIGHBOURS_H
 #define FP3_IMAGE_NEIGHBOURS_H
 
+#include "placement.h"
+
 #include <fp3/image.h>
 
 #define FP3_LISTS_MAX 8
@@ -36,6 +38,11 @@ typedef struct {
  * beside all this. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
+
+/* The words of a phase of a program, from 0, without the one that ends it; 0: there is no such
+ * phase. */
+int fp3_neighbourhood_phase(const fp3_code *program, uint32_t phase, uint32_t *first,
+                            uint32_t *end);
 
 /* Index of the `next` of the loop that begins at `each`. */
 uint32_t fp3_neighbourhood_end(const struct fp3_decoded *decoded, uint32_t each);

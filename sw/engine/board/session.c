@@ -229,8 +229,12 @@ static fp3_status run_step(fp3_engine *engine, fp3_store_lists *lists, uint32_t 
                            uint64_t *sums, fp3_stats *stats) {
     const int is_one = engine->layout.groups[0].lists.shape.phases == 1;
     fp3_status status = FP3_OK;
-    for (uint32_t phase = 0, first, end;
-         !status && fp3_store_lists_phase(engine, phase, &first, &end); phase++) {
+    const fp3_code *program = &engine->layout.groups[0].program;
+    const uint32_t only = engine->only;
+    for (uint32_t phase = only ? only - 1 : 0, first, end;
+         !status && (!only || phase < only) &&
+         fp3_neighbourhood_phase(program, phase, &first, &end);
+         phase++) {
         if (!is_one)
             status = fp3_memory_load_phase(engine, first, end);
         if (!status)
@@ -253,7 +257,8 @@ static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stat
         status = run_step(engine, &lists, engine->clock + made, sums, stats);
     if (!status && !is_by_phase)
         status = run_phases(engine, &lists, steps, engine->clock, sums, stats);
-    const int is_divided = is_by_phase && engine->layout.groups[0].lists.shape.phases > 1;
+    const int is_divided =
+        is_by_phase && !engine->only && engine->layout.groups[0].lists.shape.phases > 1;
     const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};
     fp3_status ended = fp3_store_lists_end(engine, &lists);
     if (!ended && is_divided)

@@ -33,22 +33,7 @@ static int is_near(const fp3_engine *engine) {
 }
 
 int fp3_store_lists_is_by_phase(const fp3_engine *engine) {
-    return is_near(engine) || engine->exchange.end;
-}
-
-int fp3_store_lists_phase(const fp3_engine *engine, uint32_t phase, uint32_t *first,
-                          uint32_t *end) {
-    const fp3_code *program = &group_of(engine)->program;
-    *first = 0;
-    for (*end = 0; *end <= program->count; (*end)++) {
-        const fp3_decoded *word = &program->decoded[*end];
-        if (*end < program->count && (!word->of || word->in.op != FP3_OP_PHASE))
-            continue;
-        if (!phase--)
-            return *first < *end;
-        *first = *end + 1;
-    }
-    return 0;
+    return is_near(engine) || engine->exchange.end || engine->only;
 }
 
 /* ---- what the hardware cannot run ---- */
@@ -294,8 +279,10 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
     uint32_t count = 0;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
-        for (uint32_t k = 0; k < group->lists.lists[i].near.dimensions; k++)
-            regs |= BIT(group->lists.lists[i].near.regs[k]);
+        for (uint32_t k = 0; k < group->lists.lists[i].near.dimensions; k++) {
+            const fp3_list *list = &group->lists.lists[i];
+            regs |= BIT(list->near.regs[k]) | (list->kind ? BIT(list->near.theirs[k]) : 0);
+        }
     for (uint64_t left = regs; left; left &= left - 1)
         count++;
     if (!(all = malloc(((size_t)count * group->rows + 1) * sizeof *all)))

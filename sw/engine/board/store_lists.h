@@ -27,8 +27,6 @@ int fp3_store_lists_is_by_phase(const fp3_engine *engine);
 
 /* Before a run. Whatever becomes of it, the caller ends it with fp3_store_lists_end. */
 fp3_status fp3_store_lists_begin(fp3_engine *engine, fp3_store_lists *lists);
-/* The words of a phase, without those that end phases; 0: there is no such phase. */
-int fp3_store_lists_phase(const fp3_engine *engine, uint32_t phase, uint32_t *first, uint32_t *end);
 /* Before a part of a run: lists that are not in the store, or stale, are written. FP3_E_PROGRAM:
  * there is no room for them, or an object has too many neighbours. Else as fp3_lists_follow. */
 fp3_status fp3_store_lists_follow(fp3_engine *engine, fp3_store_lists *lists);

@@ -102,6 +102,7 @@ struct fp3_engine {
     uint32_t objects;
     fp3_layout layout; /* one group without a program until a load */
     int is_touched;    /* some register, constant or status may be other than 0 */
+    uint32_t only;     /* 1 + the phase of a step that a run makes; 0: all of them */
     fp3_bus_use bus;   /* since it was opened */
     uint32_t clock;    /* steps of earlier runs */
     uint64_t made;     /* ... since the load, as lifetimes count them */
@@ -141,6 +142,10 @@ fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect);
 
 /* fp3_engine_load_groups without its checks: of what another engine has loaded. */
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count);
+
+/* Objects that see each other, or nobody, make one phase of a step of which `clock` have been made;
+ * a program without phases has one. Fills stats as `run` does. */
+fp3_status fp3_engine_make_phase(fp3_engine *engine, uint32_t phase, fp3_stats *stats);
 
 /* When a phase begins: both parts; or one, and then the other. */
 fp3_status fp3_engine_exchange(fp3_engine *engine);

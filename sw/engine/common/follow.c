@@ -21,8 +21,15 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
                                   .dimensions = list->near.dimensions,
                                   .crew = crew};
         uint32_t *begin, *other, *field = NULL;
-        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++)
+        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++) {
             now.position[k] = words[list->near.regs[k]];
+            now.theirs[k] = list->kind ? words[list->near.theirs[k]] : NULL;
+        }
+        if (list->own < list->objects) { /* behind them stand objects of other kinds */
+            now.own = list->own;
+            now.from = list->first;
+            now.objects = list->end;
+        }
         if (!list->is_near || !fp3_near_is_stale(&list->near, &now))
             continue;
         status = fp3_near_make(&list->near, &now, &begin, &other, error);

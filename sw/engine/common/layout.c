@@ -28,6 +28,11 @@ void fp3_layout_free(fp3_layout *layout) {
         free(layout->groups[i].is_ahead);
         free(layout->groups[i].slot);
         free(layout->groups[i].who);
+        for (uint32_t k = 0; k < layout->groups[i].foreign_count; k++) {
+            free((char *)layout->groups[i].foreign[k].word);
+            free((char *)layout->groups[i].foreign[k].of);
+        }
+        free(layout->groups[i].foreign);
         fp3_lists_close(&layout->groups[i].lists);
     }
     free(layout->groups);
@@ -95,6 +100,31 @@ fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32
     free(list);
     free(group_of);
     return status;
+}
+
+void fp3_layout_place_apart(fp3_layout *layout, const fp3_config *config) {
+    const uint32_t schedulers = fp3_config_schedulers(config);
+    uint32_t first = 0;
+    for (uint32_t scheduler = 0; scheduler < schedulers; scheduler++) {
+        layout->schedulers[scheduler] = scheduler;
+        layout->duty[scheduler] = (fp3_duty){0, scheduler};
+    }
+    for (uint32_t i = 0; i < layout->count; i++) {
+        fp3_members *group = &layout->groups[i];
+        group->first = first;
+        first += group->objects;
+        group->schedulers = layout->schedulers;
+        group->scheduler_count = schedulers;
+        group->columns = schedulers * config->lanes;
+        group->log2 = record_of(group, config);
+    }
+}
+
+int fp3_layout_is_joined(const fp3_layout *layout) {
+    for (uint32_t i = 0; i < layout->count; i++)
+        if (layout->groups[i].foreign_count)
+            return 1;
+    return 0;
 }
 
 fp3_status fp3_layout_arrange(fp3_members *group, uint32_t *slot, uint32_t away, fp3_error *error) {

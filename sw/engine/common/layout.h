@@ -33,8 +33,10 @@ typedef struct {
     fp3_lists lists;            /* of neighbours */
     uint32_t *slot, *who; /* the order in which lanes take objects, and its inverse; NULL: as they
                              are numbered */
-    uint8_t *is_ahead;    /* of each word of the program, if it is watched; else NULL */
-    uint64_t live;        /* ... and the registers that a step leaves to what follows */
+    fp3_foreign *foreign; /* words that it reads of other groups; their names are its own */
+    uint32_t foreign_count;
+    uint8_t *is_ahead; /* of each word of the program, if it is watched; else NULL */
+    uint64_t live;     /* ... and the registers that a step leaves to what follows */
 } fp3_members;
 
 /* Objects of the engine that make steps. */
@@ -56,6 +58,8 @@ typedef struct {
     uint32_t rank; /* among the schedulers of the group */
 } fp3_duty;
 
+#define FP3_KINDS_MAX 8 /* groups that see each other */
+
 typedef struct {
     fp3_members *groups;
     uint32_t count;
@@ -74,6 +78,16 @@ fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout 
 /* FP3_E_PROGRAM as of fp3_placement_make. */
 fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32_t visit,
                             fp3_error *error);
+/* Likewise of groups that see each other: each has schedulers of its own, which are the same ones.
+ */
+void fp3_layout_place_apart(fp3_layout *layout, const fp3_config *config);
+/* How many groups there may be. */
+static inline uint32_t fp3_layout_room(const fp3_config *config) {
+    const uint32_t schedulers = fp3_config_schedulers(config);
+    return schedulers > FP3_KINDS_MAX ? schedulers : FP3_KINDS_MAX;
+}
+/* Whether groups see each other. */
+int fp3_layout_is_joined(const fp3_layout *layout);
 /* Leaves {0}, which may be freed as well. */
 void fp3_layout_free(fp3_layout *layout);
 

@@ -11,7 +11,9 @@ void fp3_lists_open(const fp3_neighbourhood *shape, uint32_t objects, fp3_lists 
         lists->lists[i] = (fp3_list){.reg = shape->lists[i].reg,
                                      .fields = shape->lists[i].fields,
                                      .kept = shape->lists[i].kept,
-                                     .objects = objects};
+                                     .objects = objects,
+                                     .end = objects,
+                                     .own = objects};
 }
 
 static void forget(fp3_list *list) {
@@ -67,6 +69,10 @@ fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *er
                      .fields = to->fields,
                      .kept = to->kept,
                      .objects = to->objects,
+                     .first = to->first,
+                     .end = to->end,
+                     .own = to->own,
+                     .kind = (uint32_t)from->kind,
                      .is_there = 1,
                      .is_all = !from->begin};
     made.begin = made.is_all ? NULL : copied(from->begin, to->objects + (size_t)1);
@@ -89,6 +95,7 @@ void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule) {
     to->near =
         (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
     memcpy(to->near.regs, rule->regs, sizeof rule->regs);
+    memcpy(to->near.theirs, rule->theirs, sizeof rule->theirs);
     to->is_there = to->is_near = 1;
     to->is_placed = 0;
 }
@@ -107,10 +114,12 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
         const fp3_entries whole = fp3_list_given(list);
         const fp3_neighbours given = {.begin = whole.begin,
                                       .other = whole.other,
-                                      .fields = (const float *)(void *)whole.field};
+                                      .fields = (const float *)(void *)whole.field,
+                                      .kind = list->kind};
         if (list->is_near)
             fp3_list_take_near(&to->lists[i], &list->near);
-        else if (list->is_there)
+        to->lists[i].kind = list->kind;
+        if (!list->is_near && list->is_there)
             status = fp3_list_take(&to->lists[i], &given, error);
     }
     if (!status && from->order) {
@@ -130,7 +139,8 @@ uint32_t fp3_list_same_place(const fp3_list *list, const uint32_t *words, size_t
     for (uint32_t k = 0; k < list->near.dimensions; k++) {
         float x, y;
         memcpy(&x, &words[object * each + list->near.regs[k]], sizeof x);
-        memcpy(&y, &words[other * each + list->near.regs[k]], sizeof y);
+        memcpy(&y, &words[other * each + (list->kind ? list->near.theirs : list->near.regs)[k]],
+               sizeof y);
         if (x != y)
             return 0;
     }

@@ -31,6 +31,10 @@ typedef struct {
     int is_placed;        /* objects have been divided among lanes since it was given */
     fp3_near_rule near;
     uint32_t objects;
+    /* Neighbours are among rows first .. end-1: all objects; of another kind its guests. Only rows
+     * before `own` have any. */
+    uint32_t first, end, own;
+    uint32_t kind;            /* as of fp3_neighbours */
     uint32_t *begin;          /* object i has the entries begin[i] .. begin[i+1]; NULL if is_all */
     uint32_t *other;          /* of each entry: a number in the group */
     uint32_t *field;          /* FP32 bits: `fields` words of each entry */
@@ -105,7 +109,7 @@ static inline uint32_t fp3_list_length(const fp3_list *list, uint32_t object) {
     if (!list->is_all)
         return list->begin[object + 1] - list->begin[object];
     if (!list->living)
-        return list->objects - 1;
+        return list->end - list->first - (object >= list->first && object < list->end);
     return list->living->is[object] ? list->living->count - 1 : 0;
 }
 
@@ -113,7 +117,7 @@ static inline uint32_t fp3_list_entry(const fp3_list *list, uint32_t object, uin
     if (!list->is_all)
         return list->other[list->begin[object] + turn];
     if (!list->living)
-        return turn + (turn >= object);
+        return list->first + turn + (object >= list->first && list->first + turn >= object);
     return list->living->who[turn + (turn >= list->living->place[object])];
 }
 

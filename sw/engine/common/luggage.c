@@ -47,7 +47,7 @@ static fp3_status move_all(fp3_engine *engine, fp3_luggage *l, int is_write) {
 fp3_status fp3_luggage_pack(fp3_engine *engine, fp3_luggage *l) {
     const size_t registers = engine->config->registers;
     l->objects = calloc(engine->objects * (registers + 1), sizeof *l->objects);
-    l->constants = calloc(fp3_config_schedulers(engine->config) * registers, sizeof *l->constants);
+    l->constants = calloc(fp3_layout_room(engine->config) * registers, sizeof *l->constants);
     if (!l->objects || !l->constants)
         return fp3_no_memory(engine->def.error);
     return move_all(engine, l, 0);

@@ -5,13 +5,10 @@
  * Where some are far away, only cells with objects in them are kept, by a hash of where they are:
  * then the cost does not depend on the box.
  */
-#include "near.h"
+#include "near_rows.h"
 
 #include <inttypes.h>
-#include <math.h>
-#include <stdatomic.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define CELLS_PER_OBJECT 4.0
 #define LARGER 2.0 /* cells of a box are at most this much larger than a list reaches */
@@ -20,114 +17,18 @@
  * the same number. */
 #define LAST_CELL 0x1p25
 
-/* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong
- * by some units in the last place, for which the list reaches a little farther. */
-#define ROUNDING 1e-5
-
-/* Below this a square of FP32 may lose too much to underflow, the more so if the caller has the
- * processor flush what is subnormal. */
-#define LEAST_LOOK 0x1p-100
-
-/* Who does not live is nowhere. */
-static double at(const fp3_where_they_are *w, uint32_t k, size_t row) {
-    float f;
-    if (w->lives && !w->lives[row])
-        return NAN;
-    memcpy(&f, &w->position[k][row * w->stride], sizeof f);
-    return f;
-}
-
-/* Rows that are checked together. If an object of them has moved far, or is not finite, each row is
- * checked alone. */
-#define BLOCK 1024u
-
-/* Whether these rows have moved by less than this, as far as FP32 can tell: a look that costs
- * little. */
-static int are_near_home(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t first,
-                         uint32_t end, float most) {
-    const float *made[FP3_NEAR_DIMENSIONS], *x[FP3_NEAR_DIMENSIONS];
-    const float has_y = now->dimensions > 1, has_z = now->dimensions > 2;
-    int is_beyond = 0;
-    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
-        made[k] = rule->made[k < now->dimensions ? k : 0];
-        x[k] = (const float *)(const void *)now->position[k < now->dimensions ? k : 0];
-    }
-    for (size_t i = first, at = first * now->stride; i < end; i++, at += now->stride) {
-        const float a = x[0][at] - made[0][i], b = x[1][at] - made[1][i], c = x[2][at] - made[2][i];
-        is_beyond |= !(a * a + has_y * (b * b) + has_z * (c * c) <= most);
-    }
-    return !is_beyond;
-}
-
-/* How far the object of a row was away when the list was made, squared. Who has no place, and had
- * none, has not moved. */
-static double way_of(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t i) {
-    double way = 0;
-    int is_astray = 0, was_astray = 0;
-    for (uint32_t k = 0; k < now->dimensions; k++) {
-        const double x = at(now, k, i), made = rule->made[k][i];
-        is_astray |= !isfinite(x);
-        was_astray |= !isfinite(made);
-        way += (x - made) * (x - made);
-    }
-    return is_astray && was_astray ? 0 : way;
-}
-
 /* From this number of objects on threads are asked for help. */
 #define FIND_TOGETHER 1024u
-#define LOOK_TOGETHER 65536u
-
-static uint32_t parts_of(const fp3_where_they_are *now, uint32_t least) {
-    return now->objects < least ? 1 : fp3_parts_of(now->crew);
-}
-
-/* ---- whether a list is stale ---- */
-
-typedef struct {
-    const fp3_near_rule *rule;
-    const fp3_where_they_are *now;
-    uint32_t parts;
-    atomic_int is_stale;
-} look;
-
-static int has_moved(const look *l, uint32_t first, uint32_t last) {
-    const double most = l->rule->skin * l->rule->skin / 4;
-    const float near_home = (float)(most * (1 - ROUNDING));
-    for (uint32_t i = first, end; i < last; i = end) {
-        end = last - i < BLOCK ? last : i + BLOCK;
-        if (most >= LEAST_LOOK && are_near_home(l->rule, l->now, i, end, near_home))
-            continue;
-        for (uint32_t k = i; k < end; k++)
-            if (!(way_of(l->rule, l->now, k) <= most))
-                return 1;
-    }
-    return 0;
-}
-
-static void look_at(void *of, uint32_t part) {
-    look *l = of;
-    const uint32_t objects = l->now->objects;
-    if (!atomic_load(&l->is_stale) && has_moved(l, fp3_part_begin(objects, part, l->parts),
-                                                fp3_part_begin(objects, part + 1, l->parts)))
-        atomic_store(&l->is_stale, 1);
-}
-
-int fp3_near_is_stale(const fp3_near_rule *rule, const fp3_where_they_are *now) {
-    look l = {.rule = rule, .now = now, .parts = parts_of(now, LOOK_TOGETHER)};
-    if (!rule->made[0])
-        return 1;
-    fp3_parts_make(now->crew, look_at, &l, l.parts);
-    return atomic_load(&l.is_stale);
-}
 
 /* ---- the grid ---- */
 
 typedef struct {
     const fp3_where_they_are *now;
+    uint32_t objects;                        /* the first rows: those that are in the grid */
     double least[FP3_NEAR_DIMENSIONS], size; /* of a cell */
     uint32_t cells[FP3_NEAR_DIMENSIONS];     /* of the box */
     uint32_t mask;                           /* 0: there is a box; else hashes are cut with it */
-    uint32_t *cell;                          /* of each row; of a hash: what is left of it */
+    uint32_t *cell;                          /* of each of them; of a hash: what is left of it */
     uint32_t *first;                         /* of each cell, in `order` */
     uint32_t *order;                         /* rows, cell by cell, ascending */
     float *place[FP3_NEAR_DIMENSIONS];       /* of each row, in this order */
@@ -139,8 +40,8 @@ typedef struct {
 static void find_box(grid *g, double extent[FP3_NEAR_DIMENSIONS]) {
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
         double least = INFINITY, most = -INFINITY;
-        for (uint32_t i = 0; i < g->now->objects; i++) {
-            const double x = at(g->now, k, i), size = fabs(x);
+        for (uint32_t i = 0; i < g->objects; i++) {
+            const double x = fp3_near_at(g->now, k, i), size = fabs(x);
             least = x < least && size < INFINITY ? x : least;
             most = x > most && size < INFINITY ? x : most;
         }
@@ -159,12 +60,13 @@ static void measure(grid *g, double reach, int is_box) {
         count = 1;
         for (uint32_t k = 0; k < g->now->dimensions; k++)
             count *= floor(extent[k] / g->size) + 1;
-        if (count > CELLS_PER_OBJECT * g->now->objects + 64)
+        if (count > CELLS_PER_OBJECT * g->objects + 64)
             g->size *= 1.25;
-    } while (count > CELLS_PER_OBJECT * g->now->objects + 64);
+    } while (count > CELLS_PER_OBJECT * g->objects + 64);
     if (!is_box && g->size > LARGER * reach) {
-        g->size = reach * (1 + ROUNDING); /* so that no rounding puts who is near two cells away */
-        for (g->mask = 1; g->mask < 2.0 * g->now->objects;)
+        g->size = reach *
+                  (1 + FP3_NEAR_ROUNDING); /* so that no rounding puts who is near two cells away */
+        for (g->mask = 1; g->mask < 2.0 * g->objects;)
             g->mask = 2 * g->mask + 1;
     }
     for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++)
@@ -175,14 +77,14 @@ static void measure(grid *g, double reach, int is_box) {
 static int is_astray(const grid *g, uint32_t row) {
     int is = 0;
     for (uint32_t k = 0; k < g->now->dimensions; k++)
-        is |= !isfinite(at(g->now, k, row));
+        is |= !isfinite(fp3_near_at(g->now, k, row));
     return is;
 }
 
 static uint32_t column(const grid *g, uint32_t k, uint32_t row) {
     if (k >= g->now->dimensions)
         return 0;
-    const double c = (at(g->now, k, row) - g->least[k]) / g->size;
+    const double c = (fp3_near_at(g->now, k, row) - g->least[k]) / g->size;
     return !(c >= 0) ? 0 : c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
 }
 
@@ -208,22 +110,22 @@ static uint32_t find_cell(const grid *g, uint32_t row) {
         return (column(g, 2, row) * g->cells[1] + column(g, 1, row)) * g->cells[0] +
                column(g, 0, row);
     for (uint32_t k = 0; k < g->now->dimensions; k++)
-        cell[k] = cell_at(g, at(g->now, k, row));
+        cell[k] = cell_at(g, fp3_near_at(g->now, k, row));
     return hash(g, cell);
 }
 
 static void find_cells(void *of, uint32_t part) {
     const grid *g = of;
-    const uint32_t end = fp3_part_begin(g->now->objects, part + 1, g->parts);
-    for (uint32_t i = fp3_part_begin(g->now->objects, part, g->parts); i < end; i++)
+    const fp3_rows own = fp3_near_part((fp3_rows){0, g->objects}, part, g->parts);
+    for (uint32_t i = own.first; i < own.end; i++)
         g->cell[i] = find_cell(g, i);
 }
 
 static fp3_status sort(grid *g, fp3_error *error) {
-    const uint32_t objects = g->now->objects;
+    const uint32_t objects = g->objects;
     const size_t cells =
         g->mask ? (size_t)g->mask + 1 : (size_t)g->cells[0] * g->cells[1] * g->cells[2];
-    g->cell = malloc((objects + 1u) * sizeof *g->cell);
+    g->cell = malloc((objects + 2u) * sizeof *g->cell);
     g->order = malloc((objects + 1u) * sizeof *g->order);
     g->first = calloc(cells + 2, sizeof *g->first);
     g->place[0] = calloc((size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS, sizeof(float));
@@ -231,7 +133,7 @@ static fp3_status sort(grid *g, fp3_error *error) {
         return fp3_no_memory(error);
     for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++)
         g->place[k] = g->place[k - 1] + objects + 1;
-    g->parts = parts_of(g->now, FIND_TOGETHER);
+    g->parts = fp3_near_parts(g->now, FIND_TOGETHER);
     fp3_parts_make(g->now->crew, find_cells, g, g->parts);
     for (uint32_t i = 0; i < objects; i++)
         g->first[g->cell[i] + 2]++;
@@ -241,7 +143,7 @@ static fp3_status sort(grid *g, fp3_error *error) {
         const uint32_t n = g->first[g->cell[i] + 1]++;
         g->order[n] = i;
         for (uint32_t k = 0; k < g->now->dimensions; k++)
-            g->place[k][n] = (float)at(g->now, k, i);
+            g->place[k][n] = (float)fp3_near_at(g->now, k, i);
     }
     return FP3_OK;
 }
@@ -369,11 +271,12 @@ static fp3_status too_many(const grid *g, fp3_error *error) {
 static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
     float place[FP3_NEAR_DIMENSIONS] = {0};
     for (uint32_t k = 0; k < g->now->dimensions; k++)
-        place[k] = (float)at(g->now, k, row);
+        place[k] = (float)fp3_near_at(g->now, k, row);
     p->first[row] = (uint32_t)p->count;
-    fp3_status status = is_astray(g, row) ? find_itself(row, p, error)
-                        : g->mask         ? find_by_hash(g, place, p, error)
-                                          : find_in_box(g, row, place, p, error);
+    fp3_status status = is_astray(g, row)
+                            ? (g->now->theirs[0] ? FP3_OK : find_itself(row, p, error))
+                        : g->mask ? find_by_hash(g, place, p, error)
+                                  : find_in_box(g, row, place, p, error);
     return !status && p->count > INT32_MAX ? too_many(g, error) : status;
 }
 
@@ -392,16 +295,16 @@ static void find_part(void *of, uint32_t number) {
 }
 
 static fp3_status find_pairs(search *s, fp3_error *error) {
-    const uint32_t objects = s->g->now->objects;
-    s->count = parts_of(s->g->now, FIND_TOGETHER);
+    const fp3_rows theirs = fp3_near_sought(s->g->now);
+    s->count = fp3_near_parts(s->g->now, FIND_TOGETHER);
     s->part = calloc(s->count, sizeof *s->part);
-    s->first = malloc((objects + 2u) * sizeof *s->first);
+    s->first = malloc((theirs.end + 2u) * sizeof *s->first);
     if (!s->part || !s->first)
         return fp3_no_memory(error);
     for (uint32_t i = 0; i < s->count; i++) {
         s->part[i].first = s->first;
-        s->part[i].begin = fp3_part_begin(objects, i, s->count);
-        s->part[i].end = fp3_part_begin(objects, i + 1, s->count);
+        s->part[i].begin = fp3_near_part(theirs, i, s->count).first;
+        s->part[i].end = fp3_near_part(theirs, i, s->count).end;
     }
     fp3_parts_make(s->g->now->crew, find_part, s, s->count);
     size_t all = 0;
@@ -457,6 +360,30 @@ static fp3_status enter(const search *s, uint32_t **begin, uint32_t **other, fp3
     return FP3_OK;
 }
 
+/* Each object of another kind enters itself in the lists of those that it has found. */
+static fp3_status enter_theirs(const search *s, uint32_t **begin, uint32_t **other,
+                               fp3_error *error) {
+    const uint32_t own = s->g->objects;
+    uint32_t *next = s->g->cell; /* which has served */
+    *begin = calloc(s->g->now->objects + 2u, sizeof **begin);
+    if (!*begin)
+        return fp3_no_memory(error);
+    for (uint32_t k = 0; k < s->count; k++)
+        for (size_t n = 0; n < s->part[k].count; n++)
+            (*begin)[s->part[k].found[n] + 1]++;
+    for (uint32_t i = 0; i < s->g->now->objects; i++)
+        (*begin)[i + 1] += (*begin)[i];
+    memcpy(next, *begin, (own + 1u) * sizeof *next);
+    *other = malloc(((*begin)[own] + (size_t)1) * sizeof **other);
+    if (!*other)
+        return fp3_no_memory(error);
+    for (uint32_t k = 0; k < s->count; k++)
+        for (uint32_t j = s->part[k].begin; j < s->part[k].end; j++)
+            for (uint32_t n = s->first[j], end = end_of(&s->part[k], j); n < end; n++)
+                (*other)[next[s->part[k].found[n]]++] = j;
+    return FP3_OK;
+}
+
 static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
     for (uint32_t k = 0; k < now->dimensions; k++) {
         if (!rule->made[k])
@@ -464,7 +391,7 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
         if (!rule->made[k])
             return fp3_no_memory(error);
         for (uint32_t i = 0; i < now->objects; i++)
-            rule->made[k][i] = (float)at(now, k, i);
+            rule->made[k][i] = (float)fp3_near_at(now, k, i);
     }
     rule->lists++;
     return FP3_OK;
@@ -472,8 +399,8 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
 
 static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, int is_box,
                             grid *g, fp3_error *error) {
-    const double reach = (rule->reach + rule->skin) * (1 + ROUNDING);
-    *g = (grid){.now = now, .far = (float)(reach * reach)};
+    const double reach = (rule->reach + rule->skin) * (1 + FP3_NEAR_ROUNDING);
+    *g = (grid){.now = now, .objects = fp3_near_seekers(now).end, .far = (float)(reach * reach)};
     measure(g, reach, is_box);
     return sort(g, error);
 }
@@ -494,7 +421,7 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
     if (!status)
         status = find_pairs(&s, error);
     if (!status)
-        status = enter(&s, begin, other, error);
+        status = (now->theirs[0] ? enter_theirs : enter)(&s, begin, other, error);
     if (!status)
         status = remember(rule, now, error);
     rule->looks = 0;

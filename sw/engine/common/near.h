@@ -24,7 +24,11 @@
 /* Positions of objects: component k of the object at row i is position[k][i * stride]. */
 typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
-    const uint32_t *row;                           /* of each object; NULL: its number */
+    /* Lists are of rows before `own`, with rows from..objects-1 of another kind, whose positions
+     * these are; NULL: of all rows, with all. */
+    const uint32_t *theirs[FP3_NEAR_DIMENSIONS];
+    uint32_t own, from;
+    const uint32_t *row;   /* of each object; NULL: its number */
     const uint32_t *order; /* objects as lists have them; NULL: by their numbers */
     const uint8_t *lives;  /* of each row; 0: nobody is near it. NULL: all live */
     size_t stride;
@@ -33,7 +37,8 @@ typedef struct {
 } fp3_where_they_are;
 
 typedef struct {
-    uint32_t regs[FP3_NEAR_DIMENSIONS]; /* of the position */
+    uint32_t regs[FP3_NEAR_DIMENSIONS];   /* of the position */
+    uint32_t theirs[FP3_NEAR_DIMENSIONS]; /* of that of another kind */
     uint32_t dimensions;
     double reach, skin;
     float *made[FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made;

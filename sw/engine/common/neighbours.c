@@ -10,6 +10,7 @@
 static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const char *name,
                                 const fp3_neighbours *n) {
     fp3_error *error = engine->def.error;
+    const uint32_t others = n->kind ? engine->layout.groups[n->kind - 1].objects : list->objects;
     if (n->begin[0] != 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': begin[0] is %" PRIu32 ", expected 0",
                         name, n->begin[0]);
@@ -23,11 +24,11 @@ static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const 
                         n->other ? "their fields" : "their neighbours");
     for (uint32_t i = 0; i < list->objects; i++)
         for (uint32_t k = n->begin[i]; k < n->begin[i + 1]; k++)
-            if (n->other[k] >= list->objects || n->other[k] == i)
+            if (n->other[k] >= others || (n->other[k] == i && !n->kind))
                 return fp3_fail(error, FP3_E_ARGUMENT,
                                 "list '%s': object %" PRIu32 " has the neighbour %" PRIu32
                                 ", expected another one of the group's %" PRIu32 " objects",
-                                name, i, n->other[k], list->objects);
+                                name, i, n->other[k], others);
     return FP3_OK;
 }
 
@@ -73,6 +74,17 @@ static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const
     return FP3_OK;
 }
 
+/* Neighbours of another group are of one whose words the program reads. */
+static fp3_status check_kind(fp3_engine *engine, size_t group, const char *name, size_t kind) {
+    const fp3_members *own = &engine->layout.groups[group];
+    int is_read = !kind;
+    for (uint32_t i = 0; i < own->foreign_count; i++)
+        is_read |= own->foreign[i].group + 1 == kind;
+    return is_read ? FP3_OK
+                   : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                              "list '%s': the program reads no words of group %zu", name, kind - 1);
+}
+
 /* The list is another one. */
 static fp3_status changed(fp3_engine *engine, size_t group, const fp3_list *list) {
     engine->origin->is_complete = 0;
@@ -110,6 +122,20 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
     return FP3_OK;
 }
 
+static fp3_status find_theirs(fp3_engine *engine, size_t group, const char *name,
+                              const fp3_near *near, uint32_t *regs) {
+    for (uint32_t k = 0; near->kind && k < near->dimensions; k++) {
+        const char *of = near->theirs[k] ? near->theirs[k] : "";
+        const fp3_symbol *s =
+            fp3_image_find(engine->layout.groups[group].image, of, FP3_CLASS(FP3_SYMBOL_PARAM));
+        if (!s)
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                            "list '%s': the program has no param '%s'", name, of);
+        regs[k] = s->index;
+    }
+    return FP3_OK;
+}
+
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
                                const fp3_near *near) {
     fp3_near_rule rule = {.dimensions = near->dimensions, .reach = near->reach, .skin = near->skin};
@@ -117,9 +143,14 @@ fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *nam
     fp3_status status = find_list(engine, group, name, &list);
     if (!status)
         status = check_near(engine, group, list, name, near, rule.regs);
+    if (!status)
+        status = check_kind(engine, group, name, near->kind);
+    if (!status)
+        status = find_theirs(engine, group, name, near, rule.theirs);
     if (status)
         return status;
     fp3_list_take_near(list, &rule);
+    list->kind = (uint32_t)near->kind;
     return changed(engine, group, list);
 }
 
@@ -127,6 +158,9 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
                                      const fp3_neighbours *neighbours) {
     fp3_list *list = NULL;
     fp3_status status = find_list(engine, group, name, &list);
+    if (status)
+        return status;
+    status = check_kind(engine, group, name, neighbours->kind);
     if (status)
         return status;
     if (neighbours->begin)

@@ -28,8 +28,8 @@ static fp3_status make_copies(fp3_engine *engine) {
     const size_t registers = engine->config->registers;
     fp3_origin *o = engine->origin;
     *o = (fp3_origin){.registers = calloc(engine->objects * registers, sizeof *o->registers),
-                      .constants = calloc(fp3_config_schedulers(engine->config) * registers,
-                                          sizeof *o->constants),
+                      .constants =
+                          calloc(fp3_layout_room(engine->config) * registers, sizeof *o->constants),
                       .known = malloc(engine->objects * sizeof *o->known),
                       .began = calloc(engine->objects, sizeof *o->began),
                       .has_constants = 1};

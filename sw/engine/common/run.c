@@ -196,6 +196,17 @@ static fp3_status run_part(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     return status;
 }
 
+fp3_status fp3_engine_make_phase(fp3_engine *engine, uint32_t phase, fp3_stats *stats) {
+    fp3_status status = list_who_is_awake(engine);
+    if (status)
+        return status;
+    forget_counters(engine);
+    engine->only = phase + 1;
+    status = engine->backend->run(engine, 1, stats);
+    engine->only = 0;
+    return status;
+}
+
 /* If no object lives, a run of 0 steps, which executes nothing. */
 static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;

@@ -46,7 +46,8 @@ static void run_words(const interpreter *in, fp3_fast_lanes *lanes, uint32_t fir
 
 /* Whether an object has a neighbour at this turn. */
 static int has(const fp3_fast_given *list, uint32_t object, uint32_t turn) {
-    return list->begin ? turn < list->begin[object + 1] - list->begin[object] : turn != object;
+    return list->begin ? turn < list->begin[object + 1] - list->begin[object]
+                       : turn >= list->first && turn != object;
 }
 
 /* A word of the neighbours of these lanes, or a field, to this row. which: lanes of the block. */
@@ -104,7 +105,7 @@ static uint32_t find_living(const interpreter *in, const fp3_fast_given *list, u
 
 /* Of the longest list in the block. */
 static uint32_t turns_in_block(const interpreter *in, const fp3_fast_given *list) {
-    uint32_t most = list->begin ? 0 : list->objects;
+    uint32_t most = list->begin ? 0 : list->end;
     for (uint32_t i = in->first; list->begin && i < in->first + in->lanes->count; i++)
         if (list->begin[i + 1] - list->begin[i] > most)
             most = list->begin[i + 1] - list->begin[i];

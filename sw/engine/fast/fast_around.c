@@ -116,7 +116,9 @@ static fp3_status pack_one(fp3_engine *engine, const fp3_members *members, group
                             .other = l->other,
                             .field = l->field,
                             .fields = l->fields,
-                            .objects = l->is_all && !l->living ? l->objects : end_of(members),
+                            .objects = end_of(members),
+                            .first = l->living ? 0 : l->first,
+                            .end = l->living ? l->living->count : l->end,
                             .rows = members->rows,
                             .is_fixed = !l->is_near,
                             .is_written = fp3_list_remembers(l)};
@@ -307,9 +309,11 @@ double fp3_around_turns(const fp3_engine *engine) {
     double turns = 1;
     for (uint32_t i = 0; i < lists->shape.list_count; i++) {
         const fp3_list *l = &lists->lists[i];
-        const uint32_t rows = l->living ? l->living->count : l->objects;
-        const uint32_t end = l->is_near ? rows : l->objects;
-        turns += l->is_all ? rows : l->begin && rows ? (double)l->begin[end] / rows : 0;
+        const uint32_t rows = l->living ? l->living->count : l->own;
+        const uint32_t end = l->is_near ? rows : l->own;
+        turns += l->is_all          ? l->end - l->first
+                 : l->begin && rows ? (double)l->begin[end] / rows
+                                    : 0;
     }
     return turns;
 }
@@ -343,14 +347,12 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fast *self = engine->self;
     group *g = &self->groups[0];
     fp3_members *members = &engine->layout.groups[0];
-    if (engine->layout.count > 1)
-        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                        "engine 'fast' runs one group of objects that see each other");
     fp3_status status = need_halves(engine, g);
     if (!status)
         fill_halves(engine, members, g);
     for (uint32_t step = 0; !status && step < steps; step++) {
-        for (uint32_t phase = 0; !status && phase < fp3_fast_phases(g->program); phase++) {
+        const uint32_t end = engine->only ? engine->only : fp3_fast_phases(g->program);
+        for (uint32_t phase = engine->only ? end - 1 : 0; !status && phase < end; phase++) {
             status = fp3_engine_exchange_begin(engine);
             if (!status && !is_in_pieces(engine, members))
                 status = fp3_engine_exchange_end(engine);
@@ -361,6 +363,6 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
         }
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }
-    const fp3_status undone = status ? undo(engine) : FP3_OK;
+    const fp3_status undone = status && !engine->only ? undo(engine) : FP3_OK;
     return undone ? undone : status;
 }

@@ -95,6 +95,12 @@ static fp3_status put_living_in_front(fp3_engine *engine, const fp3_living *livi
     return status;
 }
 
+/* Those that are put in order: objects of other kinds stand behind them. */
+static uint32_t rows_in_order(const fp3_members *members) {
+    const fp3_list *list = &members->lists.lists[0];
+    return list->own < list->objects ? list->own : fp3_order_rows(members);
+}
+
 static void put_guests_behind(const fp3_members *members, uint32_t count, const uint32_t *from,
                               uint32_t *rows) {
     uint32_t own = 0, guests = members->objects;
@@ -130,7 +136,7 @@ static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
 /* Sums go through lists of numbers that the host gave, or through all, in the order of rows. */
 static int may_have_an_order(const fp3_members *members) {
     const fp3_lists *lists = &members->lists;
-    int is_near = fp3_order_rows(members) > WORTH_AN_ORDER;
+    int is_near = rows_in_order(members) > WORTH_AN_ORDER;
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
         is_near &= lists->lists[i].is_near;
     return is_near;
@@ -141,7 +147,7 @@ fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members) {
     const fp3_living *living = members->lists.living;
     const fp3_near_rule *rule = &members->lists.lists[0].near;
     fp3_where_they_are now = {
-        .stride = 1, .objects = fp3_order_rows(members), .dimensions = rule->dimensions};
+        .stride = 1, .objects = rows_in_order(members), .dimensions = rule->dimensions};
     fp3_status status = FP3_OK;
     if (living && !self->row)
         status = put_living_in_front(engine, living);

@@ -309,7 +309,9 @@ fp3_status fp3_fast_pack(const fp3_fast_given *given, unsigned lanes, fp3_fast_p
                          fp3_error *error) {
     packer p = {.given = given, .lanes = lanes};
     fp3_status status = FP3_OK;
-    *packed = (fp3_fast_packed){.given = *given, .list = {.objects = given->objects}};
+    *packed = (fp3_fast_packed){
+        .given = *given,
+        .list = {.objects = given->objects, .first = given->first, .end = given->end}};
     if (!given->begin || !lanes)
         return FP3_OK;
     if (given->is_written && (uint64_t)given->begin[given->objects] * given->fields > INT32_MAX)

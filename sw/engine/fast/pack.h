@@ -14,6 +14,7 @@ typedef struct {
     const uint32_t *other;
     uint32_t *field;
     uint32_t fields, objects, rows; /* rows: of all that may be a neighbour */
+    uint32_t first, end;            /* without begin: neighbours are these rows, but for oneself */
     int is_written;                 /* a program writes fields */
     int is_fixed; /* it lasts: worth a search for neighbours that stand side by side */
 } fp3_fast_given;

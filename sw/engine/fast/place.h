@@ -67,9 +67,10 @@ typedef struct {
 #define FP3_TURN_TAKES 16 /* from this bit on: a bit for each lane that has a neighbour */
 #define FP3_TURNS_BESIDE 3
 typedef struct {
-    unsigned objects;
-    /* Of each vector: where its turns begin on the tape; one more behind the last. NULL: turn t is
-     * object t. */
+    unsigned objects;    /* that have lists */
+    unsigned first, end; /* without a tape: turn t is object t of these, but for oneself */
+    /* Of each vector: where its turns begin on the tape; one more behind the last. NULL: there is
+     * no tape. */
     const unsigned long *start;
     const int *tape;
     int *field; /* of a list whose fields are written: all of them */

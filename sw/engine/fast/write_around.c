@@ -299,8 +299,9 @@ static void loop_over_all(const writer *w, const fp3_fast_loop *l) {
     fprintf(w->to,
             "        const unsigned mine = j * FP3_LANES;\n"
             "        const int last = (int)(l->objects - 1 - mine);\n"
-            "        const unsigned turns = last ? l->objects : mine; /* nothing but itself */\n"
-            "        unsigned t = 0;\n"
+            "        const unsigned turns = last || l->first ? l->end : mine; /* nothing but "
+            "itself */\n"
+            "        unsigned t = l->first;\n"
             "        while (t < turns)\n"
             "            if ((t + %d <= mine || t >= mine + FP3_LANES) && t + %d <= turns) {\n",
             FP3_TURNS_BESIDE, FP3_TURNS_BESIDE);

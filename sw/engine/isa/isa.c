@@ -369,12 +369,16 @@ static fp3_status begin_phase(round_of *r) {
 static fp3_status make_round(round_of *r) {
     const fp3_engine *engine = r->engine;
     const fp3_code *program = &members(r)->program;
+    uint32_t first = 0, end = program->count;
+    if (engine->only && members(r)->lists.shape.is_any)
+        fp3_neighbourhood_phase(program, engine->only - 1, &first, &end);
+    r->number += first > program->step;
     const isa *self = engine->self;
     const uint64_t limit = engine->def.cycle_limit;
     const uint64_t stored = engine->config->interleave ? UINT64_MAX : 0; /* in the end */
     const uint64_t in_records = stored & ~members(r)->live;
     uint32_t left = r->steps;
-    for (uint32_t pc = 0; pc < program->count;) {
+    for (uint32_t pc = first; pc < end;) {
         const fp3_decoded *word = &program->decoded[pc];
         if (pc == program->step)
             begin_step(r);

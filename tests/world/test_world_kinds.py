@@ -1,0 +1,25 @@
+"""Objects of two groups that see each other have the words, and fail like, one group that has them all."""
+
+import subprocess
+
+import pytest
+
+ENGINES = ["isa", "fast", "fast-interpreted", "rtl", "fabric"]
+
+
+def run(build, *arguments):
+    done = subprocess.run([build / "tests/world_kinds", *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and "differing 0" in done.stdout, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_words(build, engine):
+    for seed in range(1, 5 if engine in ("rtl", "fabric") else 21):
+        run(build, engine, 6, seed)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("how, why", [("far", "overflow"), ("same", "invalid, at the same place as object 15")])
+def test_failures(build, engine, how, why):
+    assert why in run(build, engine, 3, 1, how)
