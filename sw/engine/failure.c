@@ -132,10 +132,10 @@ static fp3_status run_again(fp3_engine *engine, fp3_watched *watched, uint32_t *
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         status = fp3_lists_copy(&engine->layout.groups[i].lists, engine->layout.groups[i].rows,
                                 &again->layout.groups[i].lists, again->def.error);
-    for (uint32_t i = 0; !status && again->backend->connect && i < again->layout.count; i++)
-        status = again->backend->connect(again, &again->layout.groups[i], NULL);
     if (!status)
         status = fp3_origin_remember(engine, NULL, &again->layout, again->def.error);
+    for (uint32_t i = 0; !status && again->backend->connect && i < again->layout.count; i++)
+        status = again->backend->connect(again, &again->layout.groups[i], NULL);
     again->clock = engine->origin->clock;
     again->made = engine->origin->made;
     if (!status)

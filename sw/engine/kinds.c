@@ -124,6 +124,69 @@ static fp3_status give_entries(fp3_engine *engine, const fp3_list *list, fp3_lis
     return status;
 }
 
+/* The row of each object of a kind's engine; NULL: its number. */
+static const uint32_t *rows_of(const fp3_engine *own) {
+    return own->backend->rows ? own->backend->rows(own) : NULL;
+}
+
+/* What pairs of near objects remember, to the engine of their kind. */
+static fp3_status give_memory(fp3_engine *engine, const kind *k, const fp3_list *list,
+                              fp3_list *own) {
+    const uint32_t entries = list->begin ? list->begin[list->own] : 0;
+    if (!list->begin)
+        return FP3_OK;
+    fp3_remembered saved = {.begin = list->begin,
+                            .other = malloc((entries + (size_t)1) * sizeof *saved.other),
+                            .field = list->field};
+    if (!saved.other)
+        return fp3_no_memory(engine->def.error);
+    for (uint32_t e = 0; e < entries; e++)
+        saved.other[e] = list->other[e] + own->first;
+    const fp3_status status = fp3_list_restore(own, rows_of(k->own), k->own->layout.groups[0].rows,
+                                               &saved, engine->def.error);
+    free(saved.other);
+    return status;
+}
+
+/* ... and back, to the lists that the caller's engine has: to be found, and kept. */
+static fp3_status take_memory(fp3_engine *engine, const kind *k, fp3_list *list, fp3_list *own) {
+    const uint32_t rows = k->own->layout.groups[0].rows;
+    fp3_remembered saved;
+    const fp3_status status = fp3_list_save(own, rows_of(k->own), rows, &saved, engine->def.error);
+    if (status) {
+        fp3_remembered_free(&saved);
+        return status;
+    }
+    if (!list->is_near) {
+        memcpy(list->field, saved.field,
+               (size_t)list->begin[list->own] * list->fields * sizeof *list->field);
+        fp3_remembered_free(&saved);
+        return FP3_OK;
+    }
+    for (uint32_t e = 0; e < saved.begin[list->own]; e++)
+        saved.other[e] -= own->first;
+    free(list->begin);
+    free(list->other);
+    free(list->field);
+    list->begin = saved.begin;
+    list->other = saved.other;
+    list->field = saved.field;
+    return FP3_OK;
+}
+
+static fp3_status take_memories(fp3_engine *engine) {
+    const fp3_kinds *self = kinds_of(engine);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < self->count; i++) {
+        fp3_lists *lists = &engine->layout.groups[i].lists;
+        for (uint32_t n = 0; !status && n < lists->shape.list_count; n++)
+            if (fp3_list_remembers(&lists->lists[n]))
+                status = take_memory(engine, &self->kinds[i], &lists->lists[n],
+                                     &self->kinds[i].own->layout.groups[0].lists.lists[n]);
+    }
+    return status;
+}
+
 static fp3_status give_list(fp3_engine *engine, uint32_t number, const fp3_list *list) {
     const fp3_members *group = &engine->layout.groups[number];
     const kind *k = &kinds_of(engine)->kinds[number];
@@ -132,9 +195,12 @@ static fp3_status give_list(fp3_engine *engine, uint32_t number, const fp3_list 
     fp3_status status = FP3_OK;
     own->kind = list->kind;
     limit(engine, k, number, own);
-    if (list->is_near)
+    if (list->is_near) {
         fp3_list_take_near(own, &list->near);
-    else if (list->is_all)
+        own->kind = list->kind;
+        if (fp3_list_remembers(list))
+            status = give_memory(engine, k, list, own);
+    } else if (list->is_all)
         status = fp3_list_take(own, &(fp3_neighbours){.kind = list->kind}, engine->def.error);
     else if (list->is_there)
         status = give_entries(engine, list, own);
@@ -242,6 +308,10 @@ static fp3_status undo(fp3_engine *engine) {
                     engine, (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->objects},
                     &o->registers[(size_t)reg * engine->objects + group->first]);
     }
+    if (!status)
+        status = fp3_origin_remember(engine, NULL, &engine->layout, engine->def.error);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        status = connect_kinds(engine, &engine->layout.groups[i], NULL);
     return status;
 }
 
@@ -290,6 +360,8 @@ static fp3_status run_kinds(fp3_engine *engine, uint32_t steps, fp3_stats *stats
     }
     watch(engine, 0);
     number_partners(engine);
+    if (!status)
+        status = take_memories(engine);
     stats->schedulers = 1;
     free(cycles);
     if (!status)
@@ -425,8 +497,7 @@ void fp3_kinds_loaded(fp3_kinds *kinds, fp3_layout *layout, uint32_t group) {
     layout->groups[group].log2 = own->layout.groups[0].log2;
 }
 
-static fp3_status check(const fp3_engine *engine, const fp3_backend *usual,
-                        const fp3_layout *layout) {
+static fp3_status check(const fp3_engine *engine, const fp3_backend *usual) {
     const fp3_engine_def *def = &engine->def;
     const char *what = def->trace                    ? "a trace is told of one program"
                        : def->bus_log                ? "a bus is logged of one program"
@@ -436,16 +507,13 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual,
                        : !engine->config->interleave ? "a configuration that interleaves is needed"
                        : usual == &fp3_backend_board ? "a board has one program"
                                                      : NULL;
-    for (uint32_t i = 0; !what && i < layout->count; i++)
-        if (fp3_lists_remember(&layout->groups[i].lists))
-            what = "pairs that remember are of one kind";
     return what ? fp3_fail(def->error, FP3_E_PROGRAM, "groups that see each other: %s", what)
                 : FP3_OK;
 }
 
 fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, const fp3_layout *layout,
                           fp3_kinds **kinds) {
-    fp3_status status = check(engine, usual, layout);
+    fp3_status status = check(engine, usual);
     fp3_kinds *self = *kinds = status ? NULL : calloc(1, sizeof *self);
     if (!self)
         return status ? status : fp3_no_memory(engine->def.error);

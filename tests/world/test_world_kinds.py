@@ -20,6 +20,6 @@ def test_words(build, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("how, why", [("far", "overflow"), ("same", "invalid, at the same place as object 15")])
+@pytest.mark.parametrize("how, why", [("far", "object 0 in step 1"), ("same", "invalid, at the same place as object 15")])
 def test_failures(build, engine, how, why):
     assert why in run(build, engine, 3, 1, how)

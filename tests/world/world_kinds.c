@@ -6,7 +6,8 @@
  *
  * In the one group a term counts for neighbours of the own half, or of the other (`g`). In the two,
  * either half is a group, and what a term reads of the other half is a param of its program. Links,
- * near objects and all objects, own and other. Prints: objects N + N, words N, differing N.
+ * near objects and all objects, own and other, some of which remember. Prints: objects N + N, words
+ * N, differing N.
  */
 #include <fp3/engine.h>
 #include <fp3/program.h>
@@ -36,24 +37,30 @@ static void told(fp3_status status) {
 static const char head[] =
     "model half\nparam g = 0\nparam tx[2] = (0, 0)\nparam tg = 0\nparam w = 0\n"
     "state x[2] = (0, 0)\nstate v[2] = (0, 0)\nstep 0.01\nx' = v\n"
-    "near touch(x, 0.3)\nlinks ties(k = 1)\nall others\n";
+    "near touch(x, 0.3, s = 0)\nlinks ties(k = 1, m = 0)\nall others\n"
+    "remember o in touch: o.s = o.s + 0.1*o.w\nremember o in ties: o.m = o.m + 0.1*(o.k + norm(o.x "
+    "- x))\n";
 /* The other half: by g, or by what is known of its words. */
-static const char one[] = "links ties2(k = 1)\n"
-                          "own = sum(o in ties: o.k*(o.x - x)) + sum(o in touch: o.g == g ? o.w*(x "
-                          "- o.x)/norm(x - o.x) : (-0, -0))"
-                          " + sum(o in others: o.g == g ? 0.01*(o.x - x) : (-0, -0))\n"
-                          "v' = own + (sum(o in ties2: o.k*(o.x - x)) + sum(o in touch: o.g != g ? "
-                          "o.w*(x - o.x)/norm(x - o.x) : (-0, "
-                          "-0))"
-                          " + sum(o in others: o.g != g ? 0.02*(o.x - x) : (-0, -0)))\n";
+static const char one[] =
+    "links ties2(k = 1, m = 0)\n"
+    "own = sum(o in ties: (o.k + o.m)*(o.x - x))"
+    " + sum(o in touch: o.g == g ? (o.w + o.s)*(x - o.x)/norm(x - o.x) : (-0, -0))"
+    " + sum(o in others: o.g == g ? 0.01*(o.x - x) : (-0, -0))\n"
+    "v' = own + (sum(o in ties2: (o.k + o.m)*(o.x - x))"
+    " + sum(o in touch: o.g != g ? (o.w + o.s)*(x - o.x)/norm(x - o.x) : (-0, -0))"
+    " + sum(o in others: o.g != g ? 0.02*(o.x - x) : (-0, -0)))\n"
+    "remember o in ties2: o.m = o.m + 0.1*(o.k + norm(o.x - x))\n";
 static const char two[] =
-    "param tw = 0\nlinks ties2(k = 1)\nlinks touch2\nlinks others2\n"
-    "own = sum(o in ties: o.k*(o.x - x)) + sum(o in touch: o.w*(x - o.x)/norm(x - o.x))"
+    "param tw = 0\nlinks ties2(k = 1, m = 0)\nlinks touch2(s = 0)\nlinks others2\n"
+    "own = sum(o in ties: (o.k + o.m)*(o.x - x))"
+    " + sum(o in touch: (o.w + o.s)*(x - o.x)/norm(x - o.x))"
     " + sum(o in others: 0.01*(o.x - x))\n"
-    "v' = own + (sum(o in ties2: o.k*(o.tx - x))"
-    " + sum(o in touch2: dot(o.tx - x, o.tx - x) < 0.3*0.3 ? o.tw*(x - o.tx)/norm(x - o.tx) : (-0, "
-    "-0))"
-    " + sum(o in others2: 0.02*(o.tx - x)))\n";
+    "v' = own + (sum(o in ties2: (o.k + o.m)*(o.tx - x))"
+    " + sum(o in touch2: dot(o.tx - x, o.tx - x) < 0.3*0.3"
+    " ? (o.tw + o.s)*(x - o.tx)/norm(x - o.tx) : (-0, -0))"
+    " + sum(o in others2: 0.02*(o.tx - x)))\n"
+    "remember o in ties2: o.m = o.m + 0.1*(o.k + norm(o.tx - x))\n"
+    "remember o in touch2: o.s = dot(o.tx - x, o.tx - x) < 0.3*0.3 ? o.s + 0.1*o.tw : 0\n";
 
 static fp3_program *compile(const char *text) {
     fp3_program_def def = fp3_program_default();
@@ -71,7 +78,7 @@ static fp3_program *compile(const char *text) {
 
 typedef struct {
     uint32_t begin[2 * OBJECTS + 1], other[4 * OBJECTS * OBJECTS];
-    float k[4 * OBJECTS * OBJECTS];
+    float k[8 * OBJECTS * OBJECTS]; /* k and m of each entry */
 } links;
 
 static char is_linked[2 * OBJECTS][2 * OBJECTS];
@@ -89,7 +96,7 @@ static void list(links *l, uint32_t first, uint32_t count, uint32_t from, uint32
     for (uint32_t i = first; i < first + count; i++) {
         for (uint32_t j = from; j < end; j++)
             if (is_linked[i][j] && ((i < size[0]) != (j < size[0])) == is_across) {
-                l->k[n] = (float)(1 + (i + j) % 3);
+                l->k[2 * n] = (float)(1 + (i + j) % 3);
                 l->other[n++] = j - base;
             }
         l->begin[i - first + 1] = n;

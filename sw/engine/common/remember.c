@@ -89,8 +89,8 @@ static size_t most_of(const fp3_list *list, uint32_t objects, const uint32_t *be
 
 fp3_status fp3_list_merge(const fp3_list *list, const fp3_where_they_are *now, uint32_t **begin,
                           uint32_t **other, uint32_t **field, fp3_error *error) {
-    const uint32_t objects = now->objects;
-    const size_t most = most_of(list, objects, *begin);
+    const uint32_t objects = now->objects, own = objects < list->own ? objects : list->own;
+    const size_t most = most_of(list, own, *begin);
     if (most > INT32_MAX)
         return fp3_fail(error, FP3_E_LIMIT,
                         "the lists of near objects have more than 2147483647 entries");
@@ -103,9 +103,10 @@ fp3_status fp3_list_merge(const fp3_list *list, const fp3_where_they_are *now, u
     const int is_good = m.rank && m.old && m.begin && m.other && m.field;
     if (is_good) {
         find_ranks(&m, now);
-        for (uint32_t i = 0; i < objects; i++)
+        for (uint32_t i = 0; i < own; i++)
             merge_object(&m, i, *begin, *other);
-        m.begin[objects] = m.count;
+        for (uint32_t i = own; i <= objects; i++)
+            m.begin[i] = m.count;
         free(*begin);
         free(*other);
         *begin = m.begin;
@@ -127,6 +128,7 @@ fp3_status fp3_list_merge(const fp3_list *list, const fp3_where_they_are *now, u
  * to[r]; NULL: the same. is_all: entries that remember nothing, too. */
 static fp3_status translate(const fp3_list *list, const uint32_t *from, const uint32_t *to,
                             uint32_t rows, int is_all, fp3_remembered *made, fp3_error *error) {
+    rows = rows < list->own ? rows : list->own;
     const size_t entries = list->begin ? list->begin[rows] : 0, fields = list->fields;
     uint32_t count = 0;
     *made = (fp3_remembered){words_of(rows), words_of(entries), words_of(entries * fields)};
@@ -206,10 +208,11 @@ fp3_status fp3_list_restore(fp3_list *list, const uint32_t *row, uint32_t object
                             const fp3_remembered *saved, fp3_error *error) {
     if (!list->is_near) {
         memcpy(list->field, saved->field,
-               (size_t)saved->begin[objects] * list->fields * sizeof *list->field);
+               (size_t)list->begin[list->own] * list->fields * sizeof *list->field);
         return FP3_OK;
     }
     fp3_list from = {.fields = list->fields,
+                     .own = list->own,
                      .begin = saved->begin,
                      .other = saved->other,
                      .field = saved->field};

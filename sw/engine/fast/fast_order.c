@@ -111,9 +111,11 @@ static void put_guests_behind(const fp3_members *members, uint32_t count, const 
 static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
                                const fp3_where_they_are *now) {
     fast *self = engine->self;
-    const uint32_t count = now->objects;
-    uint32_t *rows = malloc(count * sizeof *rows), *scratch = malloc(count * sizeof *scratch);
+    const uint32_t count = now->objects, all = engine->objects;
+    uint32_t *rows = malloc(all * sizeof *rows), *scratch = malloc(all * sizeof *scratch);
     fp3_status status = need_rows(engine);
+    for (uint32_t i = count; rows && i < all; i++)
+        rows[i] = i;
     if (!status && (!rows || !scratch))
         status = fp3_no_memory(engine->def.error);
     if (!status)
@@ -121,7 +123,7 @@ static fp3_status put_in_order(fp3_engine *engine, fp3_members *members,
     if (!status)
         put_guests_behind(members, count, scratch, rows);
     if (!status)
-        status = fp3_lists_move(&members->lists, rows, count, engine->def.error);
+        status = fp3_lists_move(&members->lists, rows, all, engine->def.error);
     if (!status) {
         move_rows(self, engine, rows, count, scratch);
         for (uint32_t i = 0; i < members->lists.shape.list_count; i++)
