@@ -6,6 +6,7 @@
 #include <machine/operation.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/definition.h"
 #include "base/host.h"
@@ -56,6 +57,44 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
     made->passes = k->options.passes;
     made->order = k->p.fit.order;
     made->arithmetic = k->options.arithmetic;
+    const fp3_step *step = &k->p.step;
+    made->looks = step->looks;
+    made->phases = step->phases;
+    memcpy(made->phase, step->phase, sizeof made->phase);
+    if (!step->coupling)
+        return;
+    made->shows = step->is_still ? step->coupling->looked : step->shown;
+    for (uint32_t i = 0; step->is_still && i < FP3_PLACES; i++)
+        if (made->shows & ~made->looks & UINT64_C(1) << i)
+            made->phase[i] = step->coupling->phase[i];
+}
+
+/* The model, with an expression for each param that others read. */
+static fp3_status extend(fp3_compilation *k, const fp3_model **model, fp3_error *error) {
+    const fp3_model *from = *model;
+    uint64_t missing = k->coupling.params;
+    uint32_t count = from->expr_count;
+    for (uint32_t i = 0; i < count; i++)
+        missing &= from->exprs[i].op == FP3_EXPR_PARAM ? ~(UINT64_C(1) << from->exprs[i].index)
+                                                       : UINT64_MAX;
+    if (!missing)
+        return FP3_OK;
+    k->seen = *from;
+    k->seen.exprs = k->seen_exprs = calloc(count + from->param_count, sizeof *k->seen_exprs);
+    if (!k->seen_exprs)
+        return fp3_no_memory(error);
+    memcpy(k->seen_exprs, from->exprs, count * sizeof *k->seen_exprs);
+    for (uint32_t p = 0; p < from->param_count; p++)
+        if (missing >> p & 1)
+            k->seen_exprs[count++] = (fp3_expr){.op = FP3_EXPR_PARAM,
+                                                .operand = {FP3_NONE, FP3_NONE, FP3_NONE},
+                                                .index = p,
+                                                .line = from->params[p].line,
+                                                .column = 1,
+                                                .is_known = 1};
+    k->seen.expr_count = count;
+    *model = &k->seen;
+    return FP3_OK;
 }
 
 /* ---- all of it ---- */
@@ -74,6 +113,7 @@ static fp3_status make_reference(fp3_compilation *k, const fp3_model *model,
     options.passes =
         (passes & (fp3_passes_that(1) | FP3_PASS(FP3_PASS_DEAD))) | FP3_PASS(FP3_PASS_ZERO);
     options.has_notes = 0;
+    options.coupling = NULL;
     fp3_status status = fp3_fit_find(model, integrator, &options, &fit, error);
     if (!status)
         status = fp3_integrate(model, integrator, &options, &fit, &k->reference, error);
@@ -159,6 +199,9 @@ static fp3_status compile(fp3_compilation *k, const fp3_model *model,
     fp3_status status =
         fp3_options_observe(model, def->observed, def->observed_count, &k->options.observed, error);
     const int has_partial = integrator->kind == FP3_ROSENBROCK;
+    k->options.observed |= k->coupling.seen;
+    if (!status)
+        status = extend(k, &model, error);
     if (!status && (has_partial || model->event_count)) {
         status = fp3_differentiate(model, has_partial, &k->differentiated, error);
         model = &k->differentiated.model;
@@ -211,6 +254,10 @@ fp3_status fp3_compile(const fp3_model *model, const fp3_integrator *integrator,
                                .passes = fp3_options_usable(asked(def), config),
                                .arithmetic = def->arithmetic,
                                .has_notes = 1};
+    if (def->coupling) {
+        k->coupling = *def->coupling;
+        k->options.coupling = &k->coupling;
+    }
     made->self = k;
     status = compile(k, model, integrator, def, made, error);
     if (status == FP3_E_LIMIT)
@@ -230,6 +277,7 @@ void fp3_compiled_free(fp3_compiled **compiled) {
     fp3_step_close(&k->reference);
     fp3_differentiated_close(&k->differentiated);
     fp3_names_close(&k->names);
+    free(k->seen_exprs);
     free(k);
     fp3_image_free(&made->image);
     free(made->assembly);

@@ -84,6 +84,9 @@ static fp3_status compile(const char *text, size_t size, const char *name,
         status = fp3_integrator_find(integrator, &program->integrator, error);
     if (status)
         return status;
+    program->source = strdup(name);
+    if (!program->source)
+        return fp3_no_memory(error);
     fp3_compile_def how = def->compile;
     program->sees_others = program->model->relation_count > 0;
     if (!how.config)
@@ -170,6 +173,7 @@ void fp3_program_close(fp3_program **program) {
     fp3_compiled_free(&p->compiled);
     fp3_integrator_free(&p->integrator);
     fp3_model_free(&p->model);
+    free(p->source);
     free(p);
     *program = NULL;
 }

@@ -149,7 +149,7 @@ def declarations_python(root, isa_h):
         reader.header("\n".join(isa_h) if header == "isa" else (root / f"sw/include/fp3/{header}.h").read_text(encoding="utf-8"))
     lines = [f'"""{MARK.format(source="sw/include/fp3/*.h")}"""', "",
              "from ctypes import (CFUNCTYPE, POINTER, Structure, c_char, c_char_p, c_double, c_float, c_int, c_size_t,",
-             "                    c_uint, c_uint32, c_uint64, c_void_p)", "", f'VERSION = "{reader.version}"', ""]
+             "                    c_uint, c_uint8, c_uint32, c_uint64, c_void_p)", "", f'VERSION = "{reader.version}"', ""]
     lines += [f"{name} = {value}" for name, value in sorted(reader.constants.items())]
     for name in reader.order:
         lines += struct_lines(name, reader.structs[name]) if name in reader.structs else ["", "", f"{name} = {reader.functions[name]}"]

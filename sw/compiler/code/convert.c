@@ -233,6 +233,12 @@ void fp3_convert_end(const fp3_step *step, conversion *made) {
     }
 }
 
+void fp3_convert_seen(const fp3_step *step, const fp3_options *options, conversion *all) {
+    for (uint32_t p = 0; step->coupling && p < step->model->param_count; p++)
+        if (step->coupling->params >> p & 1)
+            fp3_convert_param(step, options, all, p);
+}
+
 fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_policy policy,
                        fp3_chain_nodes chain, conversion *made, fp3_error *error) {
     fp3_status status = fp3_convert_open(step, made, error);
@@ -248,6 +254,8 @@ fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_p
         status = carried ? convert_parts(&part, chain, step, carried, made, error)
                          : fp3_no_memory(error);
     free(carried);
+    if (!status)
+        fp3_convert_seen(step, options, made);
     if (!status)
         fp3_convert_end(step, made);
     return status;

@@ -31,6 +31,8 @@ typedef struct {
 /* The caller closes, after a failure too. */
 fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_policy policy,
                        fp3_chain_nodes chain, conversion *made, fp3_error *error);
+/* Params that other kinds read stay words, whether or not this step reads them. */
+void fp3_convert_seen(const fp3_step *step, const fp3_options *options, conversion *all);
 void fp3_convert_close(conversion *made);
 
 /* A step in sections (compiler/phases): opened once for all sections, then a code for each, which

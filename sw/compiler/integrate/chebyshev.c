@@ -119,6 +119,7 @@ static void make_stage(const chebyshev *r, unsigned j) {
             r->stage[s] =
                 fp3_term_add(g, fp3_advance_held(r->a, g, ROLE_STATE, s), increment(r, j, s));
         }
+    fp3_advance_show(r->a, &r->a->places[j]);
     for (uint32_t s = 0; s < count; s++)
         if (is_moved(r, s) && !is_steady(r, s))
             change(r, j, s);
@@ -158,6 +159,7 @@ static void make_step(const chebyshev *r) {
     for (uint32_t s = 0; s < count; s++)
         if (is_moved(r, s))
             r->stage[s] = fp3_advance_held(a, values(r), ROLE_STATE, s);
+    fp3_advance_show(a, &a->places[0]);
     for (uint32_t s = 0; s < count; s++)
         if (is_moved(r, s))
             begin(r, s);

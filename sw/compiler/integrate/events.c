@@ -96,6 +96,8 @@ fp3_status fp3_events(fp3_advance *a, fp3_error *error) {
             continue;
         status = fp3_advance_event(a, event, 1, &l, error);
         if (!status)
+            fp3_advance_show(a, &l);
+        if (!status)
             status = happens(a, event, &l, &when, error);
         if (!status)
             fire(a, event, &l, when);

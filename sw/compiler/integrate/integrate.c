@@ -81,6 +81,34 @@ static fp3_status advance(fp3_advance *a, fp3_error *error) {
     }
 }
 
+/* Whether nothing ever gives the state another value. */
+static int is_still(const fp3_model *model, uint32_t state) {
+    const fp3_expr *derivative = &model->exprs[model->states[state].derivative];
+    for (uint32_t i = 0; i < model->assignment_count; i++)
+        if (model->assignments[i].state == state)
+            return 0;
+    return derivative->op == FP3_EXPR_NUMBER && derivative->number == 0;
+}
+
+/* Params that other kinds read are known, whether or not this model reads them. A state that ends
+ * as it began is seen as the same at all places. */
+static void couple(fp3_step *step) {
+    const fp3_model *model = step->model;
+    const fp3_coupling *c = step->coupling;
+    for (uint32_t e = 0; e < model->expr_count; e++)
+        if (model->exprs[e].op == FP3_EXPR_PARAM && c->params >> model->exprs[e].index & 1)
+            fp3_known_model(&step->known, e);
+    step->is_still = 1;
+    for (uint32_t i = 0; i < step->variable_count; i++) {
+        const variable *v = &step->variables[i];
+        if (v->role == ROLE_STATE && c->seen >> v->state & 1)
+            step->is_still &=
+                v->next == fp3_dag_variable(&step->values, i) || is_still(model, v->state);
+    }
+    if (step->is_still)
+        step->shown = 0;
+}
+
 fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrator,
                          const fp3_options *options, const fp3_fit *fit, fp3_step *step,
                          fp3_error *error) {
@@ -103,6 +131,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     if (!status)
         status = advance(&a, error);
     if (!status)
+        fp3_advance_show_start(&a);
+    if (!status)
         status = fp3_project(&a, error);
     if (!status)
         status = fp3_adaptive_judge(&a, error);
@@ -116,6 +146,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
         if (step->variables[i].next == FP3_NONE) /* else fp3_adaptive_accept has made it */
             step->variables[i].next =
                 fp3_term_value(&step->values, next_of(&a, &step->variables[i]));
+    if (!status && step->coupling)
+        couple(step);
     for (uint32_t i = 0; i < a.place_count; i++)
         fp3_lower_close(&a.places[i]);
     free(a.places);

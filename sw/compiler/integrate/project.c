@@ -66,8 +66,10 @@ fp3_status fp3_project(fp3_advance *a, fp3_error *error) {
         if (!fp3_fit_has_event(a->fit, model, &model->projections[i]))
             continue;
         status = fp3_advance_event(a, &model->projections[i], 1, &l, error);
-        if (!status)
+        if (!status) {
+            fp3_advance_show(a, &l);
             project(a, &model->projections[i], &l);
+        }
         fp3_lower_close(&l);
     }
     return status;

@@ -10,6 +10,8 @@ fp3_status fp3_remember(fp3_advance *a, fp3_error *error) {
         return FP3_OK;
     const fp3_status status = fp3_advance_behind(a, &l, error);
     step->kept_place = l.index;
+    if (!status)
+        fp3_advance_show(a, &l);
     for (uint32_t i = 0; !status && i < model->memory_count; i++) {
         const fp3_memory *m = &model->memories[i];
         step->kept[step->kept_count++] = (fp3_kept){

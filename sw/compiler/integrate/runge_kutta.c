@@ -354,6 +354,8 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
         for (uint32_t s = 0; s < states; s++)
             if (fp3_fit_is_moved(a->fit, s) && is_late(&r, s) == late)
                 (late ? advance_late : advance_early)(&r, s);
+    for (uint32_t i = 0; !status && i < a->integrator->stages; i++)
+        fp3_advance_show(a, &a->places[i]);
     for (uint32_t s = 0; !status && a->is_chosen && s < states; s++)
         if (fp3_fit_is_moved(a->fit, s) && !fp3_advance_rests(a, s))
             estimate(&r, s);

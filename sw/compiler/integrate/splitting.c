@@ -62,6 +62,7 @@ fp3_status fp3_splitting(fp3_advance *a, fp3_error *error) {
         if (a->fit->has_time)
             a->places[i].time = fp3_advance_time(a, &a->step->values, drifted);
         drifted += substep->is_kick ? 0 : substep->coefficient;
+        fp3_advance_show(a, &a->places[i]);
         advance(a, i, substep, coefficient[i]);
     }
     return status;

@@ -32,11 +32,25 @@ typedef struct {
 
 /* ---- what goes with neighbours ---- */
 
+/* Whether others see something that is not there when the step begins, or later than that. */
+static int shows_more(const fp3_step *step) {
+    for (uint32_t i = 0; i < FP3_PLACES; i++)
+        if (step->shown >> i & 1 && step->coupling->phase[i])
+            return 1;
+    for (uint32_t i = 0; step->shown && i < step->sight.count; i++) {
+        const fp3_seen *s = &step->sight.list[i];
+        const dag_node *n = &step->values.nodes[s->node];
+        if (n->op != NODE_VARIABLE || n->a != fp3_step_find(step, ROLE_STATE, s->state))
+            return 1;
+    }
+    return 0;
+}
+
 int fp3_phases_are_needed(const fp3_step *step) {
     for (uint32_t i = 0; i < step->values.count; i++)
         if (fp3_dag_is_fold(step->values.nodes[i].op))
             return 1;
-    return step->kept_count > 0;
+    return step->kept_count > 0 || shows_more(step);
 }
 
 fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integrator,
@@ -52,8 +66,13 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
                       : options->arithmetic == FP3_DOUBLE_SINGLE ? 2
                       : integrator->kind == FP3_STOERMER         ? 3
                                                                  : -1;
-    if (!model->relation_count || wrong < 0)
+    const int is_seen = options->coupling && (options->coupling->seen || options->coupling->params);
+    if ((!model->relation_count && !is_seen) || wrong < 0)
         return FP3_OK;
+    if (!model->relation_count)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "objects of model '%s' are seen by others of another group: %s",
+                        model->name, why[wrong]);
     return fp3_fail(error, FP3_E_PROGRAM, "model '%s' has '%s' (line %" PRIu32 "): %s", model->name,
                     model->relations[0].name, model->relations[0].line, why[wrong]);
 }
@@ -89,8 +108,10 @@ static fp3_status convert_all(maker *m, fp3_error *error) {
         for (uint32_t k = 0; k < m->cut.sections[i].load_count; k++)
             if (m->cut.sections[i].loads[k].op == NODE_OTHER_PARAM)
                 fp3_convert_param(m->step, m->options, m->code, m->cut.sections[i].loads[k].index);
-    if (!status)
+    if (!status) {
+        fp3_convert_seen(m->step, m->options, m->code);
         fp3_convert_end(m->step, m->code);
+    }
     return status;
 }
 
@@ -317,9 +338,15 @@ static fp3_status finish(maker *m, fp3_schedule **schedule, fp3_error *error) {
 }
 
 static fp3_status check_config(const maker *m, fp3_error *error) {
-    const fp3_relation *r = &m->step->model->relations[0];
+    const fp3_model *model = m->step->model;
+    const fp3_relation *r = model->relations;
     if (fp3_operation_lacks(m->options->config, FP3_OP_EACH) == FP3_KEY_NONE)
         return FP3_OK;
+    if (!model->relation_count)
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "objects of model '%s' are seen by others of another group, which needs "
+                        "`%s`, which configuration '%s' does not have; it is in 'world'",
+                        model->name, fp3_key_name(FP3_KEY_NEIGHBOURS), m->options->config->name);
     return fp3_fail_at(error, FP3_E_PROGRAM, NULL, r->line, 1,
                        "'%s' needs `%s`, which configuration '%s' does not have; it is in 'world'",
                        r->name, fp3_key_name(FP3_KEY_NEIGHBOURS), m->options->config->name);

@@ -75,9 +75,62 @@ static void show(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
 }
 
 static fp3_status too_many(fp3_error *error) {
-    return fp3_fail(error, FP3_E_LIMIT,
-                    "a step has more than %u phases, or sums of sums of neighbours deeper than %u",
-                    FP3_CUT_PHASES, FP3_CUT_SLOTS / 2 - 1);
+    return fp3_fail(error, FP3_E_LIMIT, "a step has more than %u phases", FP3_CUT_PHASES);
+}
+
+/* The earliest phase for what is seen at this place, as other kinds ask for it. */
+static uint32_t least_phase(const fp3_cut_plan *c, uint32_t place) {
+    const uint32_t number = fp3_step_place(c->step, place);
+    return c->step->coupling && number != FP3_NONE ? c->step->coupling->phase[number] : 0;
+}
+
+/* The first time from `when` on for loops at a place; 0: there is none. What has no slot in a phase
+ * goes on in the next one. */
+static uint32_t loops_at(const fp3_cut_plan *c, uint32_t place, uint32_t when) {
+    uint32_t phase = when / FP3_CUT_SLOTS;
+    const uint32_t first = phase, least = least_phase(c, place);
+    const int is_full = (when | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3;
+    if (phase < least)
+        phase = least;
+    while (phase < FP3_CUT_PHASES && ((phase == first && is_full) || !fits(c, place, phase)))
+        phase++;
+    return phase == FP3_CUT_PHASES ? 0 : (phase > first ? phase * FP3_CUT_SLOTS : when) | 1;
+}
+
+/* ---- what objects of other kinds see ---- */
+
+static void handle(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+    const uint32_t number = fp3_step_place(c->step, place);
+    show(c, place, phase);
+    if (number == FP3_NONE || !(c->step->shown >> number & 1))
+        return;
+    if (!(c->handled >> number & 1) || phase > c->phase_of[number])
+        c->phase_of[number] = phase;
+    c->handled |= UINT64_C(1) << number;
+}
+
+/* Whether what is seen there comes before a node. */
+static int is_made(const fp3_cut_plan *c, uint32_t place, uint32_t before) {
+    for (uint32_t i = 0; i < c->step->sight.count; i++)
+        if (c->step->sight.list[i].place == place && c->step->sight.list[i].node >= before)
+            return 0;
+    return 1;
+}
+
+/* Shows the places before `end`, as far as their values come before a node. */
+static fp3_status show_until(fp3_cut_plan *c, uint32_t end, uint32_t before, fp3_error *error) {
+    for (uint32_t place = 0; place < FP3_LAST_PLACE && place < end; place++) {
+        uint32_t phase = least_phase(c, place);
+        if (!((c->step->shown & ~c->handled) >> place & 1) || place == c->step->kept_place ||
+            !is_made(c, place, before))
+            continue;
+        while (phase < FP3_CUT_PHASES && !fits(c, place, phase))
+            phase++;
+        if (phase == FP3_CUT_PHASES)
+            return too_many(error);
+        handle(c, place, phase);
+    }
+    return FP3_OK;
 }
 
 static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
@@ -92,18 +145,17 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
         }
         if (!fp3_dag_is_fold(fp3_cut_node(c, i)->op))
             continue;
-        uint32_t phase = c->when[i] / FP3_CUT_SLOTS;
-        while (phase < FP3_CUT_PHASES && !fits(c, fp3_dag_place(c->g, i), phase))
-            phase++;
-        if (phase == FP3_CUT_PHASES || (c->when[i] | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3)
+        const uint32_t place = fp3_dag_place(c->g, i);
+        const fp3_status status = show_until(c, place, i, error);
+        if (status)
+            return status;
+        c->when[i] = loops_at(c, place, c->when[i]);
+        if (!c->when[i])
             return too_many(error);
-        show(c, fp3_dag_place(c->g, i), phase);
-        if (phase * FP3_CUT_SLOTS > c->when[i])
-            c->when[i] = phase * FP3_CUT_SLOTS;
-        c->when[i] |= 1;
+        handle(c, place, phase_of(c, i));
         c->is_body[i] = 0;
     }
-    return FP3_OK;
+    return show_until(c, FP3_LAST_PLACE, c->g->count, error);
 }
 
 /* Fields are written when nothing reads them any more. */
@@ -119,13 +171,10 @@ static fp3_status find_kept(fp3_cut_plan *c, fp3_error *error) {
                 fp3_dag_relation(c->g, i) == kept->relation && c->when[i] > when)
                 when = c->when[i];
     }
-    uint32_t phase = when / FP3_CUT_SLOTS;
-    while (phase < FP3_CUT_PHASES && !fits(c, step->kept_place, phase))
-        phase++;
-    if (phase == FP3_CUT_PHASES || (when | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3)
+    c->kept = loops_at(c, step->kept_place, when);
+    if (!c->kept)
         return too_many(error);
-    show(c, step->kept_place, phase);
-    c->kept = (phase * FP3_CUT_SLOTS > when ? phase * FP3_CUT_SLOTS : when) | 1;
+    handle(c, step->kept_place, c->kept / FP3_CUT_SLOTS);
     return FP3_OK;
 }
 
@@ -162,6 +211,11 @@ static void find_needed(fp3_cut_plan *c) {
     for (uint32_t k = 0; c->step->kept_count && k < c->step->sight.count; k++)
         if (c->step->sight.list[k].place == c->step->kept_place)
             need(c, c->step->sight.list[k].node);
+    for (uint32_t k = 0; k < c->step->sight.count; k++) {
+        const uint32_t place = fp3_step_place(c->step, c->step->sight.list[k].place);
+        if (place != FP3_NONE && c->handled >> place & 1)
+            need(c, c->step->sight.list[k].node);
+    }
     for (uint32_t i = c->g->count; i-- > 0;) {
         uint32_t list[3];
         const unsigned count = c->is_needed[i] ? fp3_cut_operands(c, i, list) : 0;
@@ -180,6 +234,45 @@ static void find_needed(fp3_cut_plan *c) {
     }
     if (c->step->kept_count)
         count_phases(c, c->kept + 1);
+    for (uint32_t i = 0; i < FP3_PLACES; i++)
+        if (c->handled >> i & 1) /* else the end of the step would be there already */
+            count_phases(c, c->phase_of[i] * FP3_CUT_SLOTS);
+}
+
+/* ---- what others have to know ---- */
+
+static int is_of_kind(const fp3_cut_plan *c, uint32_t relation) {
+    return c->step->model->relations[relation].of_kind != FP3_NONE;
+}
+
+static int look(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+    const uint32_t number = fp3_step_place(c->step, place);
+    if (number == FP3_NONE)
+        return 0;
+    c->step->looks |= UINT64_C(1) << number;
+    if (phase > c->step->phase[number])
+        c->step->phase[number] = (uint8_t)phase;
+    return 1;
+}
+
+static fp3_status tell(fp3_cut_plan *c, fp3_error *error) {
+    fp3_step *step = c->step;
+    int is_good = 1;
+    step->phases = c->phase_count;
+    for (uint32_t i = 0; i < FP3_PLACES; i++)
+        step->phase[i] = c->handled >> i & 1 ? (uint8_t)c->phase_of[i] : 0;
+    for (uint32_t i = 0; i < c->g->count; i++)
+        if (c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
+            is_of_kind(c, fp3_dag_relation(c->g, i)))
+            is_good &= look(c, fp3_dag_place(c->g, i), phase_of(c, i));
+    for (uint32_t k = 0; k < step->kept_count; k++)
+        if (is_of_kind(c, step->kept[k].relation))
+            is_good &= look(c, step->kept_place, c->kept / FP3_CUT_SLOTS);
+    return is_good ? FP3_OK
+                   : fp3_fail(error, FP3_E_LIMIT,
+                              "too many projections and events: a sum over another kind is at one "
+                              "of the first %d places of a step",
+                              FP3_LAST_PLACE);
 }
 
 /* ---- where ---- */
@@ -379,6 +472,9 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     if (status)
         return status;
     find_needed(c);
+    status = tell(c, error);
+    if (status)
+        return status;
     mark_kept(c);
     know_params(c);
     c->held = fp3_cut_filled((size_t)c->phase_count * c->own);

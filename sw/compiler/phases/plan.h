@@ -29,6 +29,8 @@ typedef struct {
     uint32_t *shown;  /* [phase * states + state]: node that neighbours see; or FP3_NONE */
     uint32_t *held;   /* [phase * own + variable]: node whose value it has, from begin to end */
     uint32_t own;     /* variables that the step had before */
+    uint64_t handled; /* places that the step shows (fp3_coupling), as far as ... */
+    uint32_t phase_of[FP3_PLACES];                 /* ... it is known in which phase */
     uint32_t slots[FP3_CUT_PHASES];                /* the last slot of each phase, an even one */
     uint32_t pool[2 * FP3_STATES_MAX], pool_count; /* the variables that keep nodes */
     int has_failed;

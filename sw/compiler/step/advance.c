@@ -167,6 +167,26 @@ static fp3_status open_at(const fp3_advance *a, uint32_t place, int is_after, lo
     return status;
 }
 
+void fp3_advance_show(const fp3_advance *a, lowering *l) {
+    const fp3_coupling *c = a->options->coupling;
+    const uint32_t place = fp3_step_place(a->step, l->index);
+    if (!c || place == FP3_NONE || !(c->looked >> place & 1))
+        return;
+    fp3_lower_show(l, c->seen);
+    a->step->shown |= UINT64_C(1) << place;
+}
+
+/* No expression of this model may be read there. */
+void fp3_advance_show_start(fp3_advance *a) {
+    lowering l = {.model = a->step->model,
+                  .g = &a->step->values,
+                  .state = state_before,
+                  .user = a,
+                  .index = a->place_count,
+                  .sight = &a->step->sight};
+    fp3_advance_show(a, &l);
+}
+
 fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error) {
     const fp3_model *model = a->step->model;
     const uint32_t place = a->place_count + 1 + model->projection_count + model->event_count;

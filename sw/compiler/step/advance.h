@@ -80,6 +80,11 @@ term fp3_advance_update(const fp3_advance *a, uint32_t state, term base, term d)
 fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int is_after,
                              lowering *l, fp3_error *error);
 
+/* Objects of other kinds see at this place what states have there, if they look. */
+void fp3_advance_show(const fp3_advance *a, lowering *l);
+/* Likewise what states have before the step. */
+void fp3_advance_show_start(fp3_advance *a);
+
 /* Likewise for what happens after the step and all events. */
 fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error);
 

@@ -254,6 +254,12 @@ static void add_seen(lowering *l, uint32_t state, uint32_t node) {
     sight->list[sight->count++] = (fp3_seen){l->index, state, node};
 }
 
+void fp3_lower_show(lowering *l, uint64_t states) {
+    for (uint32_t s = 0; s < l->model->state_count; s++)
+        if (states >> s & 1 && !is_seen(l, s))
+            add_seen(l, s, fp3_term_value(l->g, l->state(l, s)));
+}
+
 /* What the neighbour has there, objects see of each other. */
 static term others_state(lowering *l, uint32_t state) {
     if (!is_seen(l, state))

@@ -48,4 +48,7 @@ void fp3_lower_close(lowering *l);
 
 term fp3_lower(lowering *l, uint32_t expr);
 
+/* Others see these states there. */
+void fp3_lower_show(lowering *l, uint64_t states);
+
 #endif

@@ -25,6 +25,7 @@ typedef struct {
     int has_notes;                  /* the assembly gets comments */
     int shares_params;              /* params of the object are constants, too */
     int has_few_constants;          /* those for which there is no room are params of the object */
+    const fp3_coupling *coupling;   /* what other kinds see; NULL: nothing */
     int may_spill;                  /* values that do not fit are kept in the object's record */
 } fp3_options;
 

@@ -7,7 +7,12 @@
 
 fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_options *options,
                          fp3_error *error) {
-    *step = (fp3_step){.model = model, .notes = {.is_on = options->has_notes}, .tested = FP3_NONE};
+    *step = (fp3_step){.model = model,
+                       .notes = {.is_on = options->has_notes},
+                       .tested = FP3_NONE,
+                       .kept_place = FP3_NONE,
+                       .coupling = options->coupling,
+                       .phases = 1};
     fp3_known_open(&step->known, model, options->arithmetic == FP3_DOUBLE_SINGLE ? 2 : 1);
     fp3_dag_open(&step->values, &step->known, options->passes);
     fp3_dag_open(&step->last, &step->known, options->passes);

@@ -55,7 +55,15 @@ typedef struct {
     fp3_sight sight; /* what neighbours see */
     /* What entries remember: each of these fields, at once, at a place of their own. */
     fp3_kept kept[FP3_FIELDS_MAX];
-    uint32_t kept_count, kept_place;
+    uint32_t kept_count, kept_place; /* kept_place: FP3_NONE without a `remember` */
+    /* Of objects of other kinds: what they ask for (NULL: nothing); places at which the seen states
+     * are shown, at which this step sees others; of these the phases; whether no seen state moves,
+     * so that all places show the same. */
+    const fp3_coupling *coupling;
+    uint64_t shown, looks;
+    uint8_t phase[FP3_PLACES];
+    uint32_t phases; /* of the step */
+    int is_still;
     fp3_notes notes;
 } fp3_step;
 
@@ -68,6 +76,12 @@ void fp3_step_close(fp3_step *step);
 int fp3_step_add(fp3_step *step, role role, uint32_t state);
 /* Which variable has this role for a state of the model; FP3_NONE: none. */
 uint32_t fp3_step_find(const fp3_step *step, role role, uint32_t state);
+
+/* The number of a place as fp3_coupling has it; FP3_NONE: it has no room there. */
+#define FP3_LAST_PLACE (FP3_PLACES - 1)
+static inline uint32_t fp3_step_place(const fp3_step *step, uint32_t place) {
+    return place == step->kept_place ? FP3_LAST_PLACE : place < FP3_LAST_PLACE ? place : FP3_NONE;
+}
 
 /* Whether all that was asked for since was made: FP3_E_SYSTEM, or FP3_E_LIMIT. */
 fp3_status fp3_step_check(const fp3_step *step, fp3_error *error);

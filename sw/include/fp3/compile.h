@@ -86,6 +86,19 @@ fp3_arithmetic fp3_arithmetic_find(const char *name);
 int fp3_arithmetic_applies(fp3_arithmetic arithmetic, const fp3_integrator *integrator,
                            int is_adaptive);
 
+/* Objects of several kinds make a step together, phase by phase: in round r each kind makes its
+ * phase r, and a kind with fewer phases rests (docs/relations.md#kinds). A place is a stage or
+ * substep of the integrator, then before the step, then each projection and event; the last place
+ * is that of `remember`. fp3_programs_join (fp3/program.h) finds what kinds ask of each other. */
+#define FP3_PLACES 64
+typedef struct {
+    uint64_t seen;   /* states of this model that objects of other kinds read: bit s for state s */
+    uint64_t params; /* params of this model that they read, which stay words of the program */
+    uint64_t looked; /* places of a step at which they read the states: bit i */
+    /* Of each place, the earliest phase in which sums over other kinds there are computed. */
+    uint8_t phase[FP3_PLACES];
+} fp3_coupling;
+
 /* How to compile. Always start from fp3_compile_default(). */
 typedef struct {
     /* Set by fp3_compile_default(): detects a missing default, and a program that was compiled with
@@ -101,6 +114,7 @@ typedef struct {
      * isa and fast run it, with the same bits as a program that fits; hardware refuses to load
      * it. */
     int is_for_host;
+    const fp3_coupling *coupling; /* what objects of other kinds read of these; NULL: nothing */
 } fp3_compile_def;
 
 /* For fp3_compile_default() only. size is that of fp3_compile_def in the calling program. */
@@ -152,6 +166,10 @@ typedef struct {
     unsigned passes; /* the passes that were on and that the configuration can use */
     unsigned order;  /* theoretical, of the worst observed state: docs/integrators.md */
     fp3_arithmetic arithmetic;
+    uint64_t looks;            /* places with a sum over another kind */
+    uint64_t shows;            /* places of coupling->looked whose seen states others can read */
+    uint8_t phase[FP3_PLACES]; /* of each of these places */
+    uint32_t phases;           /* of a step */
     void *self;
 } fp3_compiled;
 

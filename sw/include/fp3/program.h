@@ -107,7 +107,8 @@ typedef struct {
      * string must outlive the program. For another program: "world" if its objects see each other,
      * else NULL (unknown). */
     const char *config;
-    int sees_others; /* its objects see each other (docs/relations.md) */
+    int sees_others; /* its objects see each other, or others (docs/relations.md) */
+    char *source;    /* of a model: the name that messages about it begin with */
 } fp3_program;
 
 /* Whether the name ends in .ode, in upper or lower case. */
@@ -128,6 +129,29 @@ fp3_status fp3_program_read(const char *text, size_t size, const char *name,
                             fp3_error *error);
 /* Closes *program and sets it to NULL. *program may be NULL already. */
 void fp3_program_close(fp3_program **program);
+
+/* ---- groups that see each other (docs/relations.md#kinds) ---- */
+
+/* A group of a scene. */
+typedef struct {
+    const char *name; /* what a line `kind` of another model calls it */
+    fp3_program *program;
+    const fp3_program_def *def; /* that it was opened with */
+} fp3_joined;
+
+/* Compiles the programs of groups that see each other again, until their phases fit each other, and
+ * puts what is compiled in the place of what was; the images of before are freed. Programs of
+ * groups that see no other group and that none sees stay as they are. FP3_E_PROGRAM: a kind is no
+ * other group's name, or that of two; a word that the other model has not, or with another unit or
+ * size; a group that is no model; different integrators, adaptive steps or double-single; or what
+ * fp3_compile refuses. Messages begin with the model's name and the line. After a failure each
+ * program is whole, but they do not fit each other. */
+fp3_status fp3_programs_join(const fp3_joined *list, size_t count, fp3_error *error);
+
+/* What the program of list[of] reads of other groups, once they are joined: `group` is an index in
+ * the list. The caller frees *foreign; its names belong to the programs. */
+fp3_status fp3_program_foreign(const fp3_joined *list, size_t count, size_t of,
+                               fp3_foreign **foreign, size_t *foreign_count, fp3_error *error);
 
 /* Loads the program into the engine, and gives all objects their values. params names states,
  * params and shared constants of the program. For a model params names the model's states, its

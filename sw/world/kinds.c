@@ -1,0 +1,432 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* kinds.c - programs of groups that see each other: what each reads of the others, and the phases
+ * of all of them. */
+#include <fp3/program.h>
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/host.h"
+#include "base/nearest.h"
+#include "compiler/start.h"
+#include "language/unit.h"
+#include "relations.h"
+
+#define NONE SIZE_MAX
+
+static const fp3_model *model_of(const fp3_joined *g) { return g->program->model; }
+
+static __attribute__((format(printf, 4, 5))) fp3_status
+refuse(const fp3_joined *g, uint32_t line, fp3_error *error, const char *format, ...) {
+    char text[256];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    return fp3_fail_at(error, FP3_E_PROGRAM, g->program->source, line, 0, "group '%s': %s", g->name,
+                       text);
+}
+
+/* Whether a relation sees objects of it. */
+static int is_used(const fp3_model *m, uint32_t kind) {
+    for (uint32_t i = 0; i < m->relation_count; i++)
+        if (m->relations[i].of_kind == kind)
+            return 1;
+    return 0;
+}
+
+/* ---- which group a kind is ---- */
+
+static fp3_status find_group(const fp3_joined *list, size_t count, size_t of, const fp3_kind *kind,
+                             size_t *group, fp3_error *error) {
+    const fp3_joined *g = &list[of];
+    const fp3_token wanted = {.text = kind->name, .length = strlen(kind->name)};
+    const char *near = NULL;
+    *group = NONE;
+    for (size_t i = 0; i < count; i++) {
+        if (i != of)
+            fp3_nearest(wanted, list[i].name, &near);
+        if (strcmp(list[i].name, kind->name) != 0)
+            continue;
+        if (i == of)
+            return refuse(g, kind->line, error,
+                          "kind '%s' is this group itself, which relations without a kind see",
+                          kind->name);
+        if (*group != NONE)
+            return refuse(g, kind->line, error, "there are two groups '%s'", kind->name);
+        *group = i;
+    }
+    if (*group == NONE)
+        return refuse(g, kind->line, error, "there is no group '%s'%s%s%s", kind->name,
+                      near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    if (!model_of(&list[*group]))
+        return refuse(g, kind->line, error,
+                      "group '%s' is no model, and only of a model it is known what its words are",
+                      kind->name);
+    return FP3_OK;
+}
+
+/* ---- its words ---- */
+
+static const char *word_of(const fp3_model *m, const fp3_kind *kind, uint32_t param) {
+    return m->params[param].name + strlen(kind->name) + 1;
+}
+
+/* The state or param of this name; NULL: there is none. */
+static const fp3_quantity *quantity(const fp3_model *m, const char *name) {
+    const uint32_t state = fp3_model_state(m, name), param = fp3_model_param(m, name);
+    return state != FP3_NONE                                      ? &m->states[state]
+           : param != FP3_NONE && !fp3_model_is_foreign(m, param) ? &m->params[param]
+                                                                  : NULL;
+}
+
+static void component(char *text, const char *word, size_t base, unsigned number) {
+    if (word[base + 1] == '1')
+        snprintf(text, FP3_NAME_SIZE, "%.*s_%u", (int)base, word, number + 1);
+    else
+        snprintf(text, FP3_NAME_SIZE, "%.*s_%c", (int)base, word, 'x' + (int)number);
+}
+
+/* Where a word is the first component of a vector: how many it has, and how many it has there. */
+static int has_other_size(const fp3_model *m, const fp3_kind *kind, uint32_t param,
+                          const fp3_model *other) {
+    const char *word = word_of(m, kind, param), *end = strrchr(word, '_');
+    char text[FP3_NAME_SIZE];
+    unsigned own = 1, theirs = 1;
+    if (!end || end == word || (strcmp(end, "_x") != 0 && strcmp(end, "_1") != 0))
+        return 0;
+    const size_t base = (size_t)(end - word);
+    for (component(text, word, base, own); param + own < kind->first + kind->count &&
+                                           strcmp(word_of(m, kind, param + own), text) == 0;
+         component(text, word, base, ++own))
+        ;
+    for (component(text, word, base, theirs); quantity(other, text);
+         component(text, word, base, ++theirs))
+        ;
+    return own > 1 && own != theirs;
+}
+
+static fp3_status no_word(const fp3_joined *g, uint32_t line, const fp3_joined *other,
+                          const char *word, fp3_error *error) {
+    const fp3_model *m = model_of(other);
+    const fp3_token wanted = {.text = word, .length = strlen(word)};
+    const char *near = NULL;
+    for (uint32_t i = 0; i < m->state_count; i++)
+        fp3_nearest(wanted, m->states[i].name, &near);
+    for (uint32_t i = 0; i < m->param_count; i++)
+        if (!fp3_model_is_foreign(m, i))
+            fp3_nearest(wanted, m->params[i].name, &near);
+    return refuse(g, line, error, "the model of group '%s' has no state or param '%s'%s%s%s",
+                  other->name, word, near ? "; did you mean '" : "", near ? near : "",
+                  near ? "'?" : "");
+}
+
+static fp3_status check_word(const fp3_joined *g, const fp3_kind *kind, uint32_t param,
+                             const fp3_joined *other, fp3_error *error) {
+    const fp3_model *m = model_of(g);
+    const fp3_quantity *own = &m->params[param];
+    const char *word = word_of(m, kind, param);
+    const fp3_quantity *theirs = quantity(model_of(other), word);
+    if (has_other_size(m, kind, param, model_of(other)))
+        return refuse(g, own->line, error, "'%.*s' has another size in the model of group '%s'",
+                      (int)(strrchr(word, '_') - word), word, other->name);
+    if (!theirs)
+        return no_word(g, own->line, other, word, error);
+    const int fits = fp3_units_fit(own->dimension, theirs->dimension);
+    return fits < 0 ? fp3_no_memory(error)
+           : fits   ? FP3_OK
+                  : refuse(g, own->line, error, "'%s' is in [%s], and in [%s] in group '%s'", word,
+                           own->dimension, theirs->dimension, other->name);
+}
+
+/* ---- what goes with what ---- */
+
+static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_joined *other,
+                              fp3_error *error) {
+    const fp3_program *a = g->program, *b = other->program;
+    const int is_adaptive =
+        fp3_model_adapted(a->model) != FP3_NONE || fp3_model_adapted(b->model) != FP3_NONE;
+    const int is_double = a->compiled->arithmetic == FP3_DOUBLE_SINGLE ||
+                          b->compiled->arithmetic == FP3_DOUBLE_SINGLE;
+    if (is_adaptive)
+        return refuse(g, line, error, "adaptive steps: it and group '%s' make their steps together",
+                      other->name);
+    if (is_double)
+        return refuse(g, line, error, "double-single has no sums over neighbours, as of group '%s'",
+                      other->name);
+    return strcmp(a->integrator->name, b->integrator->name) == 0
+               ? FP3_OK
+               : refuse(g, line, error,
+                        "it steps by '%s', and group '%s' by '%s': kinds that see each other step "
+                        "by one method, since a stage of one needs the others at the same stage",
+                        a->integrator->name, other->name, b->integrator->name);
+}
+
+static fp3_status check_kind(const fp3_joined *list, size_t count, size_t of, const fp3_kind *kind,
+                             size_t *group, fp3_error *error) {
+    fp3_status status = find_group(list, count, of, kind, group, error);
+    for (uint32_t p = kind->first; !status && p < kind->first + kind->count; p++)
+        status = check_word(&list[of], kind, p, &list[*group], error);
+    return status ? status : check_steps(&list[of], kind->line, &list[*group], error);
+}
+
+/* ---- who reads what ---- */
+
+/* The word of the program that is this param and nothing else; NULL: the program has none. */
+static const char *param_word(const fp3_compiled *c, uint32_t param) {
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (fp3_start_param(c, i) == param)
+            return c->inputs[i].name;
+    return NULL;
+}
+
+static const char *state_word(const fp3_compiled *c, uint32_t state) {
+    for (uint32_t i = 0; i < c->input_count; i++)
+        if (c->inputs[i].state == state)
+            return c->inputs[i].name;
+    return NULL;
+}
+
+typedef struct {
+    fp3_coupling coupling;
+    size_t group_of[FP3_KINDS_MAX]; /* of each kind that a relation uses, else NONE */
+    size_t part;                    /* groups that see each other are of one part */
+    int is_coupled;
+} member;
+
+static void note_words(const fp3_joined *list, size_t of, member *members) {
+    const fp3_model *m = model_of(&list[of]);
+    for (uint32_t k = 0; m && k < m->kind_count; k++) {
+        const size_t group = members[of].group_of[k];
+        const fp3_kind *kind = &m->kinds[k];
+        for (uint32_t p = kind->first; group != NONE && p < kind->first + kind->count; p++) {
+            const fp3_model *other = model_of(&list[group]);
+            const uint32_t state = fp3_model_state(other, word_of(m, kind, p));
+            if (!param_word(list[of].program->compiled, p))
+                continue; /* no loop reads it */
+            if (state != FP3_NONE)
+                members[group].coupling.seen |= UINT64_C(1) << state;
+            else
+                members[group].coupling.params |= UINT64_C(1)
+                                                  << fp3_model_param(other, word_of(m, kind, p));
+        }
+    }
+}
+
+static int sees(const member *one, size_t group) {
+    for (uint32_t k = 0; k < FP3_KINDS_MAX; k++)
+        if (one->group_of[k] == group)
+            return 1;
+    return 0;
+}
+
+static void find_parts(member *members, size_t count) {
+    for (int is_new = 1; is_new;) {
+        is_new = 0;
+        for (size_t i = 0; i < count; i++)
+            for (size_t k = 0; k < count; k++)
+                if (sees(&members[i], k) && members[i].part != members[k].part) {
+                    const size_t least =
+                        members[i].part < members[k].part ? members[i].part : members[k].part;
+                    members[i].part = members[k].part = least;
+                    is_new = 1;
+                }
+    }
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < count; k++)
+            members[i].is_coupled |= sees(&members[i], k) || sees(&members[k], i);
+}
+
+static fp3_status find_members(const fp3_joined *list, size_t count, member *members,
+                               fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; i < count; i++) {
+        const fp3_model *m = model_of(&list[i]);
+        members[i].part = i;
+        for (uint32_t k = 0; k < FP3_KINDS_MAX; k++) {
+            members[i].group_of[k] = NONE;
+            if (!status && m && k < m->kind_count && is_used(m, k))
+                status = check_kind(list, count, i, &m->kinds[k], &members[i].group_of[k], error);
+        }
+    }
+    for (size_t i = 0; !status && i < count; i++)
+        note_words(list, i, members);
+    if (!status)
+        find_parts(members, count);
+    return status;
+}
+
+/* ---- phases that fit each other ---- */
+
+static fp3_status compile_again(const fp3_joined *g, const fp3_coupling *coupling,
+                                fp3_error *error) {
+    fp3_program *p = g->program;
+    fp3_compile_def how = g->def->compile;
+    fp3_compiled *made = NULL;
+    fp3_error why;
+    how.coupling = coupling;
+    if (!how.config)
+        how.config = FP3_WORLD;
+    const fp3_status status = fp3_compile(p->model, p->integrator, &how, &made, &why);
+    if (status)
+        return fp3_fail_at(error, status, p->source, why.line, why.column, "group '%s': %s",
+                           g->name, why.text + why.message);
+    fp3_compiled_free(&p->compiled);
+    p->compiled = made;
+    p->image = made->image;
+    p->config = how.config;
+    p->sees_others = 1;
+    return FP3_OK;
+}
+
+/* Where others look at it. */
+static uint64_t looked_at(const fp3_joined *list, size_t count, const member *members, size_t of) {
+    uint64_t looked = 0;
+    for (size_t i = 0; members[of].coupling.seen && i < count; i++)
+        if (sees(&members[i], of))
+            looked |= list[i].program->compiled->looks;
+    return looked;
+}
+
+/* The phase of each place, and behind all phases where the group does not show what others look at:
+ * they see what it ends with. Returns the set of these places. */
+static uint64_t places_of(const fp3_compiled *c, const member *one, uint8_t phase[FP3_PLACES]) {
+    const uint64_t hidden = one->coupling.looked & ~c->shows;
+    const uint64_t has = c->looks | c->shows | hidden;
+    for (uint32_t p = 0; p < FP3_PLACES; p++)
+        phase[p] = !(has >> p & 1) ? 0 : hidden >> p & 1 ? (uint8_t)c->phases : c->phase[p];
+    return has;
+}
+
+/* The place before the step, which comes behind the stages. */
+static uint64_t before(const fp3_integrator *integrator) {
+    const uint32_t stages =
+        integrator->kind == FP3_CHEBYSHEV ? integrator->recurrence.stages : integrator->stages;
+    return stages < FP3_PLACES ? UINT64_C(1) << stages : 0;
+}
+
+/* Later places are not in earlier phases. */
+static void sort(uint64_t has, uint8_t phase[FP3_PLACES]) {
+    for (uint32_t p = 0; p < FP3_PLACES; p++)
+        for (uint32_t q = p + 1; q < FP3_PLACES; q++)
+            if (has >> p & has >> q & 1 && phase[p] > phase[q]) {
+                const uint8_t later = phase[p];
+                phase[p] = phase[q];
+                phase[q] = later;
+            }
+}
+
+static int raise(const uint8_t least[FP3_PLACES], int is_one, uint8_t phase[FP3_PLACES]) {
+    int is_new = 0;
+    for (uint32_t p = 0; p < FP3_PLACES && !(is_one && is_new); p++)
+        if (least[p] > phase[p]) {
+            phase[p] = least[p];
+            is_new = 1;
+        }
+    return is_new;
+}
+
+/* A phase is as late as the latest group needs it. Two places that need not be in a certain order
+ * may be in another one in each group: so all of them take the order of the places, if they can,
+ * and else the first place is decided before the others. */
+static int raise_phases(const fp3_joined *list, size_t count, const member *members, size_t part,
+                        uint8_t phase[FP3_PLACES]) {
+    int is_new = 0;
+    for (int is_one = 0; !is_new && is_one < 2; is_one++)
+        for (size_t i = 0; i < count && !(is_one && is_new); i++) {
+            uint8_t least[FP3_PLACES];
+            if (members[i].part != part || !members[i].is_coupled)
+                continue;
+            const uint64_t has = places_of(list[i].program->compiled, &members[i], least);
+            if (!is_one)
+                sort(has & ~before(list[i].program->integrator), least);
+            is_new |= raise(least, is_one, phase);
+        }
+    return is_new;
+}
+
+/* Each round some phase becomes later, or what others look at has changed. */
+static fp3_status fit(const fp3_joined *list, size_t count, member *members, size_t part,
+                      fp3_error *error) {
+    enum { ROUNDS = 128 };
+    uint8_t phase[FP3_PLACES] = {0};
+    fp3_status status = FP3_OK;
+    for (unsigned round = 0; !status && round < ROUNDS; round++) {
+        int is_new = round == 0;
+        for (size_t i = 0; i < count; i++) {
+            if (members[i].part != part || !members[i].is_coupled)
+                continue;
+            const uint64_t looked = looked_at(list, count, members, i);
+            is_new |= looked != members[i].coupling.looked;
+            members[i].coupling.looked = looked;
+        }
+        is_new |= round > 0 && raise_phases(list, count, members, part, phase);
+        if (!is_new)
+            return FP3_OK;
+        for (size_t i = 0; !status && i < count; i++) {
+            if (members[i].part != part || !members[i].is_coupled)
+                continue;
+            memcpy(members[i].coupling.phase, phase, sizeof phase);
+            status = compile_again(&list[i], &members[i].coupling, error);
+        }
+    }
+    return status ? status
+                  : refuse(&list[part], 0, error,
+                           "it and the groups that it sees find no phases that fit each other");
+}
+
+fp3_status fp3_programs_join(const fp3_joined *list, size_t count, fp3_error *error) {
+    FP3_HOST;
+    member *members = calloc(count + 1u, sizeof *members);
+    if (!members)
+        return fp3_no_memory(error);
+    fp3_status status = find_members(list, count, members, error);
+    for (size_t i = 0; !status && i < count; i++)
+        if (members[i].is_coupled && members[i].part == i)
+            status = fit(list, count, members, i, error);
+    free(members);
+    return status;
+}
+
+/* ---- for the engine ---- */
+
+fp3_status fp3_program_foreign(const fp3_joined *list, size_t count, size_t of,
+                               fp3_foreign **foreign, size_t *foreign_count, fp3_error *error) {
+    const fp3_program *program = list[of].program;
+    const fp3_model *m = program->model;
+    fp3_status status = FP3_OK;
+    *foreign_count = 0;
+    *foreign = calloc((m ? m->param_count : 0) + 1u, sizeof **foreign);
+    if (!*foreign)
+        return fp3_no_memory(error);
+    for (uint32_t k = 0; !status && m && k < m->kind_count; k++) {
+        const fp3_kind *kind = &m->kinds[k];
+        size_t group = NONE;
+        if (is_used(m, k))
+            status = find_group(list, count, of, kind, &group, error);
+        for (uint32_t p = kind->first; !status && group != NONE && p < kind->first + kind->count;
+             p++) {
+            const fp3_program *other = list[group].program;
+            const char *word = param_word(program->compiled, p), *name = word_of(m, kind, p);
+            const uint32_t state = fp3_model_state(other->model, name);
+            const uint32_t param = fp3_model_param(other->model, name);
+            const char *theirs = state != FP3_NONE   ? state_word(other->compiled, state)
+                                 : param != FP3_NONE ? param_word(other->compiled, param)
+                                                     : NULL;
+            if (word && !theirs)
+                status = refuse(&list[of], kind->line, error,
+                                "the program of group '%s' has no word '%s': join the programs",
+                                kind->name, name);
+            else if (word)
+                (*foreign)[(*foreign_count)++] = (fp3_foreign){word, group, theirs};
+        }
+    }
+    if (status) {
+        free(*foreign);
+        *foreign = NULL;
+        *foreign_count = 0;
+    }
+    return status;
+}
