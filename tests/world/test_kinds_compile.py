@@ -249,20 +249,23 @@ def whole(weights, has_others, more=()):
     ball, lines = ["a1", "a2"], ["step 0.25"]
     m = {"a1": 2, "a2": 1.5, "b1": 3, "b2": 2.5}
     for name, start in zip(["a1", "a2", "b1", "b2"], STARTS["balls"] + STARTS["weights"]):
-        lines += [f"state {name} = {start['x']}", f"state v{name} = {start['v'] if weights is not STILL else start['v'] if name in ball else 0}"]
+        speed = 0 if weights is STILL and name not in ball else start["v"]
+        lines += [f"state {name} = {start['x']}", f"state v{name} = {speed}"]
     for me in ball:
         force = " + ".join(f"{m[o]}*({o} - {me})*(1 + ({o} - {me})*({o} - {me}))" for o in ("b1", "b2"))
         own = f" + 0.5*({ball[me == 'a1']} - {me})" if has_others else ""
         lines += [f"{me}' = v{me}", f"v{me}' = ({force}{own} - {me})/{m[me]}"]
     for me in ("b1", "b2"):
         force = " + ".join(f"{m[o]}*({o} - {me})" for o in ball)
-        lines += [f"{me}' = v{me}", f"v{me}' = " + {WEIGHTS: f"({force})/{m[me]} - {me}*{me}*{me}", FREE: f"-2*{me} - {me}*{me}*{me}", STEADY: "1", STILL: "0"}[weights]]
+        of = {WEIGHTS: f"({force})/{m[me]} - {me}*{me}*{me}", FREE: f"-2*{me} - {me}*{me}*{me}", STEADY: "1", STILL: "0"}
+        lines += [f"{me}' = v{me}", f"v{me}' = {of[weights]}"]
     return "\n".join([*lines, *more])
 
 
 def run_whole(fp3, folder, text, integrator, steps):
     (folder / "whole.ode").write_text(text)
-    done = subprocess.run([fp3, "run", "whole.ode", "-i", integrator, "-e", "fast", "--steps", str(steps), "--output", "w.csv"], cwd=folder, capture_output=True, text=True)
+    done = subprocess.run([fp3, "run", "whole.ode", "-i", integrator, "-e", "fast", "--steps", str(steps), "--output", "w.csv"], cwd=folder,
+                          capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     head, *_, last = (folder / "w.csv").read_text().splitlines()
     names = [re.split(r"[ \[]", name)[0] for name in head.split(",")]
@@ -301,7 +304,8 @@ def ends(lib, fp3, folder, integrator, balls, weights, more, steps=3):
     joined = Joined(lib, groups, integrator).joined()
     machine = run(joined, STARTS, 0.25, steps)
     wanted = run_whole(fp3, folder, whole(WEIGHTS, False, more), integrator, steps)
-    assert [*machine.state("balls", "x"), *machine.state("weights", "x"), *machine.state("balls", "v"), *machine.state("weights", "v")] == pytest.approx(
+    got = [*machine.state("balls", "x"), *machine.state("weights", "x"), *machine.state("balls", "v"), *machine.state("weights", "v")]
+    assert got == pytest.approx(
         [wanted[n] for n in ("a1", "a2", "b1", "b2", "va1", "va2", "vb1", "vb2")], rel=2e-5, abs=2e-6)
     return joined
 
@@ -326,7 +330,8 @@ def test_projections(lib, fp3, tmp_path, integrator, phases, balls, weights, mor
 
 
 @pytest.mark.parametrize("integrator", ["rk4", "verlet", "euler"])
-@pytest.mark.parametrize("condition, there", [("sum(o in them: o.x) > 0.3", "b1 + b2 > 0.3"), ("root(sum(o in them: o.x) - 0.3) any", "root(b1 + b2 - 0.3) any")])
+@pytest.mark.parametrize("condition, there", [("sum(o in them: o.x) > 0.3", "b1 + b2 > 0.3"),
+                                              ("root(sum(o in them: o.x) - 0.3) any", "root(b1 + b2 - 0.3) any")])
 def test_events(lib, fp3, tmp_path, integrator, condition, there):
     ends(lib, fp3, tmp_path, integrator, f"when {condition}: v = -0.5*v", "", [f"when {there}: va1 = -0.5*va1, va2 = -0.5*va2"], steps=8)
 
@@ -364,7 +369,8 @@ def test_words_that_do_not_fit(lib, words, word, name, expected):
 
 def test_groups_that_do_not_fit(lib):
     reader = READER.format(words="x", word="x", used="balls")
-    assert "'rk4', and group 'balls' by 'euler': kinds that see each other step by one method" in Joined(lib, {"a": reader, "balls": (LEAST, "euler")}, "rk4").refused()
+    made = Joined(lib, {"a": reader, "balls": (LEAST, "euler")}, "rk4")
+    assert "'rk4', and group 'balls' by 'euler': kinds that see each other step by one method" in made.refused()
     made = Joined(lib, {"a": reader, "balls": LEAST, "b": LEAST}, "rk4")
     made.list[2].name = b"balls"
     assert "a.ode:2: group 'a': there are two groups 'balls'" in made.refused()
@@ -408,8 +414,10 @@ def test_who_is_seen_has_the_bits_of_before(lib, fp3, tmp_path, integrator, engi
     made.joined()
     for text in (made.before[1], made.assembly(1)):
         (tmp_path / "w.s").write_text(text)
-        given = [f"--set={n}={float(v)!r}" for n, (v, _) in {**values, **made.inputs(1, dict(x=0.7, v=-0.2), 0.25)}.items() if re.search(rf"^\.\w+ +{n}\b", text, re.M)]
-        done = subprocess.run([fp3, "run", "w.s", "-c", "world", "-e", engine, "--steps", "5", "--output", "w.csv", *given], cwd=tmp_path, capture_output=True, text=True)
+        words = {**values, **made.inputs(1, dict(x=0.7, v=-0.2), 0.25)}
+        given = [f"--set={n}={float(v)!r}" for n, (v, _) in words.items() if re.search(rf"^\.\w+ +{n}\b", text, re.M)]
+        done = subprocess.run([fp3, "run", "w.s", "-c", "world", "-e", engine, "--steps", "5", "--output", "w.csv", *given], cwd=tmp_path,
+                              capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         head, *_, last = (tmp_path / "w.csv").read_text().splitlines()
         row = dict(zip(head.split(","), last.split(",")))
