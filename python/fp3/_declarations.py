@@ -799,6 +799,7 @@ class fp3_scene_steps(Structure):
 
 class fp3_scene_group(Structure):
     _fields_ = [
+        ("name", c_char_p),
         ("path", c_char_p),
         ("integrator_file", c_char_p),
         ("params_file", c_char_p),

@@ -189,9 +189,31 @@ static fp3_status put_grid(const fp3_settings *s, const config_setting_t *from,
     return status;
 }
 
+/* What may stand in the columns a and b: objects of the group, or of it and of another, in the
+ * order that `swap` says. */
+static fp3_table_ends ends_of(const fp3_relation *of, const fp3_scene_group *group,
+                              int is_swapped) {
+    if (!of || of->of_kind == FP3_NONE)
+        return (fp3_table_ends){.a = group->objects, .b = group->objects};
+    return (fp3_table_ends){
+        .a = is_swapped ? 0 : group->objects, .b = is_swapped ? group->objects : 0, .is_across = 1};
+}
+
+static fp3_status read_swap(const fp3_settings *s, const config_setting_t *from,
+                            const fp3_relation *of, int *is_swapped) {
+    const config_setting_t *at = config_setting_get_member(from, "swap");
+    *is_swapped = 0;
+    if (at && (!of || of->of_kind == FP3_NONE))
+        return fp3_setting_wrong(s, at, "swap: the two ends of '%s' are objects of one group",
+                                 of ? of->name : "a list");
+    return at ? fp3_setting_flag(s, at, "swap", is_swapped) : FP3_OK;
+}
+
 static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
-                           const char *relation, columns *c, fp3_scene_group *group) {
+                           const fp3_relation *of, const char *relation, columns *c,
+                           fp3_scene_group *group) {
     const config_setting_t *at = config_setting_get_member(from, "file");
+    int is_swapped = 0;
     const char *name = NULL;
     fp3_table table = {0};
     fp3_table_links made = {0};
@@ -200,13 +222,21 @@ static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
         return fp3_setting_wrong(s, config_setting_get_member(from, "rest"),
                                  "rest: only a grid knows the length of its links; expected a "
                                  "column in the file");
-    fp3_status status = fp3_setting_text(s, at, "file", &name);
+    fp3_status status = read_swap(s, from, of, &is_swapped);
+    const fp3_table_ends ends = ends_of(of, group, is_swapped);
+    if (!status)
+        status = fp3_setting_text(s, at, "file", &name);
     char *path = status ? NULL : fp3_path_beside(s->name, name);
     if (status)
         return status;
     status = path ? fp3_table_read(path, &table, &why) : fp3_no_memory(&why);
     if (!status)
-        status = fp3_table_link(&table, group->objects, &made, &why);
+        status = fp3_table_link(&table, &ends, &made, &why);
+    if (is_swapped) {
+        const uint32_t *a = made.links.a;
+        made.links.a = made.links.b;
+        made.links.b = a;
+    }
     if (status)
         fp3_fail_at(s->error, status, s->name, fp3_setting_line(at), 0, "%s", why.text);
     else
@@ -221,7 +251,7 @@ static fp3_status put_file(const fp3_settings *s, const config_setting_t *from,
 
 static fp3_status read_block(const fp3_settings *s, const config_setting_t *from,
                              const fp3_grid *grid, fp3_scene_group *group) {
-    static const char *const names[] = {"relation", "grid", "file", "rest", "set", NULL};
+    static const char *const names[] = {"relation", "grid", "file", "rest", "set", "swap", NULL};
     const fp3_model *model = group->program->model;
     const fp3_relation *of = NULL;
     const char *relation = NULL;
@@ -243,10 +273,15 @@ static fp3_status read_block(const fp3_settings *s, const config_setting_t *from
         status = find_relation(s, at, model, relation, &of);
     if (!status)
         status = check_fields(s, from, model, of);
+    if (!status && has_grid && of && of->of_kind != FP3_NONE)
+        status = fp3_setting_wrong(s, from,
+                                   "grid: links of '%s' lead to objects of another group, so they "
+                                   "need a file",
+                                   of->name);
     if (!status && has_grid)
         status = put_grid(s, from, relation, grid, &c, group->params);
     else if (!status)
-        status = put_file(s, from, relation, &c, group);
+        status = put_file(s, from, of, relation, &c, group);
     for (size_t i = 0; i < c.made_count; i++)
         free(c.made[i]);
     return status;
@@ -305,7 +340,7 @@ fp3_status fp3_params_link_file(fp3_params *params, const char *text, size_t mos
     snprintf(relation, sizeof relation, "%.*s", (int)(equals - text), text);
     fp3_status status = fp3_table_read(equals + 1, &table, error);
     if (!status)
-        status = fp3_table_link(&table, most, &made, error);
+        status = fp3_table_link(&table, &(fp3_table_ends){.a = most, .b = most}, &made, error);
     if (!status)
         status = fp3_linked_put(&params->linked, relation, &made.links, 0, equals + 1, error);
     *objects = made.objects;

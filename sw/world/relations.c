@@ -140,7 +140,48 @@ static fp3_status sources_of_image(const fp3_linked *l, const fp3_list *list,
     return FP3_OK;
 }
 
+/* ---- kinds ---- */
+
+/* 1 + the group whose objects a relation sees, as the program was loaded; 0: its own.
+ * FP3_E_ARGUMENT: there is no such group. */
+static fp3_status kind_of(const fp3_relations *r, const fp3_relation *of, size_t *kind,
+                          fp3_error *error) {
+    const fp3_members *group = &fp3_engine_layout(r->to.engine)->groups[r->to.group];
+    const fp3_model *model = model_of(r);
+    *kind = 0;
+    if (!of || of->of_kind == FP3_NONE)
+        return FP3_OK;
+    const fp3_kind *k = &model->kinds[of->of_kind];
+    for (uint32_t i = 0; i < group->foreign_count; i++)
+        if (strcmp(group->foreign[i].word, model->params[k->first].name) == 0)
+            *kind = group->foreign[i].group + 1;
+    return *kind
+               ? FP3_OK
+               : fp3_fail(error, FP3_E_ARGUMENT,
+                          "'%s' (line %" PRIu32
+                          " of the model) sees objects of another group, '%s', and there is none: "
+                          "a scene has groups of this name",
+                          of->name, of->line, k->name);
+}
+
 /* ---- entries ---- */
+
+static size_t others_of(const fp3_relations *r, size_t kind) {
+    return fp3_engine_layout(r->to.engine)->groups[kind - 1].objects;
+}
+
+/* Each end is counted in its own group. */
+static fp3_status check_across(const fp3_linked *l, size_t objects, size_t others,
+                               fp3_error *error) {
+    const fp3_links *links = &l->links;
+    for (size_t i = 0; i < links->count; i++)
+        if (links->a[i] >= objects || links->b[i] >= others)
+            return refuse(l, error,
+                          "link %zu joins object %" PRIu32 " with %" PRIu32
+                          " of the other group, expected objects of 0 to %zu and of 0 to %zu",
+                          i, links->a[i], links->b[i], objects - 1, others - 1);
+    return links->count <= INT32_MAX ? FP3_OK : refuse(l, error, "more than 2^31 links");
+}
 
 static fp3_status check_objects(const fp3_linked *l, size_t objects, fp3_error *error) {
     const fp3_links *links = &l->links;
@@ -153,11 +194,12 @@ static fp3_status check_objects(const fp3_linked *l, size_t objects, fp3_error *
     return links->count <= INT32_MAX ? FP3_OK : refuse(l, error, "more than 2^31 links");
 }
 
-/* begin[i + 1] counts on as entries of object i are put. */
-static void put_entries(const fp3_links *links, const source *sources, uint32_t fields,
+/* begin[i + 1] counts on as entries of object i are put; ends: 1 of a link to another group, which
+ * has its own relation. */
+static void put_entries(const fp3_links *links, const source *sources, uint32_t fields, int ends,
                         uint32_t *begin, uint32_t *other, float *words) {
     for (size_t i = 0; i < links->count; i++)
-        for (int end = 0; end < 2; end++) {
+        for (int end = 0; end < ends; end++) {
             const uint32_t at = begin[(end ? links->b[i] : links->a[i]) + 1]++;
             other[at] = end ? links->a[i] : links->b[i];
             for (uint32_t k = 0; k < fields; k++) {
@@ -200,29 +242,53 @@ static fp3_status check_pairs(const fp3_linked *l, size_t objects, const uint32_
                   second, links->a[second], links->b[second], first);
 }
 
+/* A pair of objects of two groups that is given twice. */
+static fp3_status check_pairs_across(const fp3_linked *l, size_t others, const uint32_t *begin,
+                                     const uint32_t *other, fp3_error *error) {
+    const fp3_links *links = &l->links;
+    uint32_t *seen = calloc(others, sizeof *seen), object = 0; /* 1 + the object that had it last */
+    fp3_status status = seen ? FP3_OK : fp3_no_memory(error);
+    for (uint32_t k = 0; !status && k < links->count; k++) {
+        while (k >= begin[object + 1])
+            object++;
+        if (seen[other[k]] == object + 1)
+            status = refuse(l, error,
+                            "object %" PRIu32 " and object %" PRIu32
+                            " of the other group are joined twice: expected each pair once",
+                            object, other[k]);
+        seen[other[k]] = object + 1;
+    }
+    free(seen);
+    return status;
+}
+
 static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source *sources,
-                       uint32_t fields, fp3_error *error) {
+                       uint32_t fields, size_t kind, fp3_error *error) {
     const fp3_links *links = &l->links;
     const size_t objects = r->to.objects, entries = 2 * links->count;
+    const int ends = kind ? 1 : 2;
     uint32_t *begin = calloc(objects + 2, sizeof *begin);
     uint32_t *other = malloc((entries + 1) * sizeof *other);
     float *words = malloc((entries * fields + 1) * sizeof *words);
     fp3_status status = begin && other && words ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < links->count; i++) {
         begin[links->a[i] + 2]++;
-        begin[links->b[i] + 2]++;
+        if (!kind)
+            begin[links->b[i] + 2]++;
     }
     for (size_t i = 2; !status && i < objects + 2; i++)
         begin[i] += begin[i - 1];
     if (!status) {
-        put_entries(links, sources, fields, begin, other, words);
-        if (model_of(r))
+        put_entries(links, sources, fields, ends, begin, other, words);
+        if (kind)
+            status = check_pairs_across(l, others_of(r, kind), begin, other, error);
+        else if (model_of(r))
             status = check_pairs(l, objects, begin, other, error);
     }
     if (!status)
         status = fp3_engine_set_neighbours(
             r->to.engine, r->to.group, l->relation,
-            &(fp3_neighbours){.begin = begin, .other = other, .fields = words});
+            &(fp3_neighbours){.begin = begin, .other = other, .fields = words, .kind = kind});
     free(begin);
     free(other);
     free(words);
@@ -244,14 +310,18 @@ static fp3_status link_one(const fp3_relations *r, const fp3_linked *l, fp3_erro
                       l->relation);
     if (!model && !list)
         return refuse(l, error, "the program has no list of neighbours of this name");
-    fp3_status status = check_objects(l, r->to.objects, error);
+    size_t kind = 0;
+    fp3_status status = kind_of(r, of, &kind, error);
+    if (!status)
+        status = kind ? check_across(l, r->to.objects, others_of(r, kind), error)
+                      : check_objects(l, r->to.objects, error);
     if (!status && of)
         status = check_names(l, model, of, error);
     if (status || !list) /* no equation has the relation */
         return status;
     status = of ? sources_of_model(l, list, model, of, sources, error)
                 : sources_of_image(l, list, sources, error);
-    return status ? status : give(r, l, sources, list->fields, error);
+    return status ? status : give(r, l, sources, list->fields, kind, error);
 }
 
 fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error) {
@@ -265,28 +335,20 @@ int fp3_relations_are(const fp3_relations *r) {
     return fp3_engine_layout(r->to.engine)->groups[r->to.group].lists.shape.is_any;
 }
 
-static fp3_status check_kinds(const fp3_model *model, fp3_error *error) {
-    for (uint32_t i = 0; model && i < model->relation_count; i++) {
-        const fp3_relation *of = &model->relations[i];
-        if (of->of_kind != FP3_NONE)
-            return fp3_fail(error, FP3_E_ARGUMENT,
-                            "'%s' (line %" PRIu32 " of the model) sees objects of another group, "
-                            "'%s', and there is none",
-                            of->name, of->line, model->kinds[of->of_kind].name);
-    }
-    return FP3_OK;
-}
-
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
     const fp3_model *model = model_of(r);
     memset(r->reach, 0, sizeof r->reach);
-    fp3_status status = check_kinds(model, error);
-    if (!status)
-        status = fp3_relations_link(r, error);
-    for (uint32_t i = 0; !status && model && i < model->relation_count; i++)
-        if (model->relations[i].kind == FP3_ALL && list_named(r, model->relations[i].name))
-            status = fp3_engine_set_neighbours(r->to.engine, r->to.group, model->relations[i].name,
-                                               &(fp3_neighbours){0});
+    fp3_status status = fp3_relations_link(r, error);
+    for (uint32_t i = 0; !status && model && i < model->relation_count; i++) {
+        const fp3_relation *of = &model->relations[i];
+        size_t kind = 0;
+        if (!list_named(r, of->name))
+            continue;
+        status = kind_of(r, of, &kind, error);
+        if (!status && of->kind == FP3_ALL)
+            status = fp3_engine_set_neighbours(r->to.engine, r->to.group, of->name,
+                                               &(fp3_neighbours){.kind = kind});
+    }
     return status;
 }
 
@@ -304,7 +366,11 @@ static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3
                         reach);
     for (uint32_t k = 0; k < of->dimensions; k++)
         near.position[k] = model->states[of->position + k].name;
-    const fp3_status status = fp3_engine_set_near(r->to.engine, r->to.group, of->name, &near);
+    for (uint32_t k = 0; of->of_kind != FP3_NONE && k < of->dimensions; k++)
+        near.theirs[k] = model->params[of->theirs + k].name;
+    fp3_status status = kind_of(r, of, &near.kind, error);
+    if (!status)
+        status = fp3_engine_set_near(r->to.engine, r->to.group, of->name, &near);
     if (!status)
         r->reach[number] = reach;
     return status;

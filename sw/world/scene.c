@@ -38,6 +38,7 @@ void fp3_scene_close(fp3_scene **scene) {
     if (!s)
         return;
     for (size_t i = 0; i < s->group_count; i++) {
+        free(s->groups[i].name);
         free(s->groups[i].path);
         free(s->groups[i].integrator_file);
         free(s->groups[i].params_file);
@@ -65,6 +66,22 @@ void fp3_scene_set_engine(const fp3_scene *scene, fp3_engine_def *def) {
     def->seed = scene->seed;
 }
 
+/* What the programs read of each other's objects. The caller frees each group's `foreign`. */
+static fp3_status find_foreign(const fp3_scene *scene, fp3_group *groups, fp3_error *error) {
+    fp3_joined *list = calloc(scene->group_count, sizeof *list);
+    fp3_status status = list ? FP3_OK : fp3_no_memory(error);
+    for (size_t i = 0; !status && i < scene->group_count; i++)
+        list[i] = (fp3_joined){.name = scene->groups[i].name, .program = scene->groups[i].program};
+    for (size_t i = 0; !status && i < scene->group_count; i++) {
+        fp3_foreign *foreign = NULL;
+        status = fp3_program_foreign(list, scene->group_count, i, &foreign,
+                                     &groups[i].foreign_count, error);
+        groups[i].foreign = foreign;
+    }
+    free(list);
+    return status;
+}
+
 static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {
     fp3_group *groups = calloc(scene->group_count, sizeof *groups);
     if (!groups)
@@ -72,7 +89,11 @@ static fp3_status load_programs(const fp3_scene *scene, fp3_engine *engine, fp3_
     for (size_t i = 0; i < scene->group_count; i++)
         groups[i] = (fp3_group){.image = scene->groups[i].program->image,
                                 .objects = scene->groups[i].objects};
-    fp3_status status = fp3_engine_load_groups(engine, groups, scene->group_count);
+    fp3_status status = find_foreign(scene, groups, error);
+    if (!status)
+        status = fp3_engine_load_groups(engine, groups, scene->group_count);
+    for (size_t i = 0; i < scene->group_count; i++)
+        free((fp3_foreign *)(uintptr_t)groups[i].foreign);
     free(groups);
     fp3_error *said = fp3_engine_definition(engine)->error;
     if (status && said) {

@@ -26,6 +26,8 @@ typedef struct {
     double h;
     const config_setting_t *h_at; /* NULL: the file gives no h */
     fp3_settings in;
+    fp3_program_def *defs; /* with which each group's program was opened */
+    char **integrators;    /* ... whose strings these are */
     fp3_error *error;
 } reader;
 
@@ -136,17 +138,27 @@ static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_sc
 }
 
 static fp3_status open_program(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
-    char *integrator = NULL;
+    const size_t number = (size_t)(to - r->scene->groups);
+    fp3_program_def *def = &r->defs[number];
     fp3_error why = {.text = ""};
-    fp3_program_def def = fp3_program_default();
-    fp3_status status = read_def(r, from, to, &integrator, &def);
+    *def = fp3_program_default();
+    fp3_status status = read_def(r, from, to, &r->integrators[number], def);
     if (!status) {
-        status = fp3_program_open(to->path, &def, &to->program, NULL, &why);
+        status = fp3_program_open(to->path, def, &to->program, NULL, &why);
         if (status)
             fp3_fail_at(r->error, status, r->path, (unsigned)to->line, 0, "%s", why.text);
     }
-    free(integrator);
     return status;
+}
+
+/* By which models of other groups call this one. */
+static fp3_status read_name(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
+    const fp3_model *model = to->program->model;
+    fp3_status status = read_text(r, from, "name", &to->name);
+    if (status || to->name || !model)
+        return status;
+    to->name = copy(model->name, strlen(model->name));
+    return to->name ? FP3_OK : no_memory(r);
 }
 
 static fp3_status read_program(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
@@ -264,10 +276,10 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
 
 static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_scene_group *to) {
     static const char *const names[] = {
-        "program",  "integrator", "compensated", "double_single", "folded", "tolerance", "until",
-        "absolute", "maxstep",    "objects",     "params",        "set",    "spread",    "born",
-        "gone",     "grid",       "random",      "points",        "links",  "only",      "skin",
-        NULL};
+        "program", "integrator", "compensated", "double_single", "folded", "tolerance",
+        "until",   "absolute",   "maxstep",     "objects",       "params", "set",
+        "spread",  "born",       "gone",        "grid",          "random", "points",
+        "links",   "only",       "skin",        "name",          NULL};
     fp3_arranged arranged = {.grid_at = NULL};
     to->line = (int)fp3_setting_line(from);
     if (!config_setting_is_group(from))
@@ -279,6 +291,8 @@ static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_
         status = fp3_lifetime_read(&r->in, from, to);
     if (!status)
         status = read_program(r, from, to);
+    if (!status)
+        status = read_name(r, from, to);
     if (!status)
         status = check_lives(r, from, to);
     if (!status)
@@ -294,16 +308,49 @@ static fp3_status check_count(const reader *r, const config_setting_t *list) {
     const int count = config_setting_length(list);
     if (count == 0)
         return missing(r, list, "a group in groups");
-    const uint32_t most = fp3_config_schedulers(r->machine);
-    if ((uint32_t)count <= most)
+    const uint32_t schedulers = fp3_config_schedulers(r->machine);
+    if ((uint32_t)count <= schedulers || (r->machine->neighbours && count <= FP3_KINDS_MAX))
         return FP3_OK;
     return fp3_setting_wrong(&r->in, list,
                              "found %d groups, each with a program of its own: configuration '%s' "
                              "has %" PRIu32 " scheduler%s",
-                             count, r->machine->name, most, most == 1 ? "" : "s");
+                             count, r->machine->name, schedulers, schedulers == 1 ? "" : "s");
 }
 
-static fp3_status read_groups(const reader *r) {
+/* More groups than schedulers are for groups that see each other. */
+static fp3_status check_joined(const reader *r, const config_setting_t *list) {
+    const uint32_t schedulers = fp3_config_schedulers(r->machine);
+    uint32_t kinds = 0;
+    for (size_t i = 0; i < r->scene->group_count; i++)
+        kinds +=
+            r->scene->groups[i].program->model ? r->scene->groups[i].program->model->kind_count : 0;
+    if (kinds || r->scene->group_count <= schedulers)
+        return FP3_OK;
+    return fp3_setting_wrong(&r->in, list,
+                             "found %zu groups that do not see each other (no model has a `kind`): "
+                             "configuration '%s' has %" PRIu32 " scheduler%s, each for one program",
+                             r->scene->group_count, r->machine->name, schedulers,
+                             schedulers == 1 ? "" : "s");
+}
+
+/* Programs of groups that see each other are compiled again, to make their phases together. */
+static fp3_status join(const reader *r, const config_setting_t *list) {
+    const fp3_scene *scene = r->scene;
+    fp3_joined *joined = calloc(scene->group_count, sizeof *joined);
+    fp3_error why = {.text = ""};
+    if (!joined)
+        return no_memory(r);
+    for (size_t i = 0; i < scene->group_count; i++)
+        joined[i] = (fp3_joined){
+            .name = scene->groups[i].name, .program = scene->groups[i].program, .def = &r->defs[i]};
+    const fp3_status status = fp3_programs_join(joined, scene->group_count, &why);
+    free(joined);
+    return status
+               ? fp3_fail_at(r->error, status, r->path, fp3_setting_line(list), 0, "%s", why.text)
+               : FP3_OK;
+}
+
+static fp3_status read_groups(reader *r) {
     fp3_scene *scene = r->scene;
     const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
     if (!list)
@@ -315,12 +362,18 @@ static fp3_status read_groups(const reader *r) {
         return status;
     const size_t count = (size_t)config_setting_length(list);
     scene->groups = calloc(count, sizeof *scene->groups);
-    if (!scene->groups)
+    r->defs = calloc(count, sizeof *r->defs);
+    r->integrators = calloc(count, sizeof *r->integrators);
+    if (!scene->groups || !r->defs || !r->integrators)
         return no_memory(r);
     scene->group_count = count;
     scene->line = (int)fp3_setting_line(list);
     for (size_t i = 0; !status && i < count; i++)
         status = read_group(r, config_setting_get_elem(list, (unsigned)i), &scene->groups[i]);
+    if (!status)
+        status = check_joined(r, list);
+    if (!status)
+        status = join(r, list);
     return status ? status : fp3_scene_adaptive_check(&r->in, list, scene);
 }
 
@@ -435,6 +488,10 @@ fp3_status fp3_scene_read(fp3_scene *scene, const char *config, fp3_error *error
     fp3_status status = fp3_settings_load(r.path, FP3_E_ARGUMENT, &r.in, error);
     if (!status)
         status = read_scene(&r);
+    for (size_t i = 0; r.integrators && i < scene->group_count; i++)
+        free(r.integrators[i]);
+    free(r.integrators);
+    free(r.defs);
     fp3_settings_close(&r.in);
     return status;
 }

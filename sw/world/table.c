@@ -147,12 +147,12 @@ static fp3_status take_object(const fp3_table *t, size_t row, size_t column, siz
     return FP3_OK;
 }
 
-static fp3_status take_row(const fp3_table *t, size_t row, size_t most, fp3_table_links *made,
-                           fp3_error *error) {
-    fp3_status status = take_object(t, row, 0, most, made, error);
+static fp3_status take_row(const fp3_table *t, size_t row, const fp3_table_ends *ends,
+                           fp3_table_links *made, fp3_error *error) {
+    fp3_status status = take_object(t, row, 0, ends->a, made, error);
     if (!status)
-        status = take_object(t, row, 1, most, made, error);
-    if (!status && made->ends[row] == made->ends[t->rows + row])
+        status = take_object(t, row, 1, ends->b, made, error);
+    if (!status && !ends->is_across && made->ends[row] == made->ends[t->rows + row])
         return wrong(t, row, 1, error, "found object %" PRIu32 " again, expected another object",
                      made->ends[row]);
     for (size_t i = 2; !status && i < t->columns; i++) {
@@ -165,7 +165,7 @@ static fp3_status take_row(const fp3_table *t, size_t row, size_t most, fp3_tabl
     return status;
 }
 
-fp3_status fp3_table_link(const fp3_table *t, size_t most, fp3_table_links *made,
+fp3_status fp3_table_link(const fp3_table *t, const fp3_table_ends *ends, fp3_table_links *made,
                           fp3_error *error) {
     *made = (fp3_table_links){0};
     if (t->columns < 2 || strcmp(t->names[0], "a") != 0 || strcmp(t->names[1], "b") != 0)
@@ -181,7 +181,7 @@ fp3_status fp3_table_link(const fp3_table *t, size_t most, fp3_table_links *made
         return fp3_no_memory(error);
     fp3_status status = FP3_OK;
     for (size_t row = 0; !status && row < t->rows; row++)
-        status = take_row(t, row, most, made, error);
+        status = take_row(t, row, ends, made, error);
     for (size_t i = 0; i < fields; i++) {
         made->names[i] = t->names[i + 2];
         made->fields[i] = &made->words[i * t->rows];

@@ -38,10 +38,16 @@ typedef struct {
     size_t objects; /* one more than the highest number of an object; 0: no links */
 } fp3_table_links;
 
-/* most: the number of objects; 0: not known. The table must outlive *made, which the caller frees,
+/* How many objects there are at either end; 0: not known. */
+typedef struct {
+    size_t a, b;
+    int is_across; /* the ends are of different groups, each counted in its own */
+} fp3_table_ends;
+
+/* The table must outlive *made, which the caller frees,
  * after a failure too. FP3_E_ARGUMENT: the first columns are not a and b, an unknown object, a link
  * of an object with itself, a field outside of FP32. */
-fp3_status fp3_table_link(const fp3_table *table, size_t most, fp3_table_links *made,
+fp3_status fp3_table_link(const fp3_table *table, const fp3_table_ends *ends, fp3_table_links *made,
                           fp3_error *error);
 void fp3_table_links_free(fp3_table_links *made);
 

@@ -5,7 +5,7 @@
  * Where some are far away, only cells with objects in them are kept, by a hash of where they are:
  * then the cost does not depend on the box.
  */
-#include "near_rows.h"
+#include "near.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -116,7 +116,7 @@ static uint32_t find_cell(const grid *g, uint32_t row) {
 
 static void find_cells(void *of, uint32_t part) {
     const grid *g = of;
-    const fp3_rows own = fp3_near_part((fp3_rows){0, g->objects}, part, g->parts);
+    const fp3_row_range own = fp3_near_part((fp3_row_range){0, g->objects}, part, g->parts);
     for (uint32_t i = own.first; i < own.end; i++)
         g->cell[i] = find_cell(g, i);
 }
@@ -295,7 +295,7 @@ static void find_part(void *of, uint32_t number) {
 }
 
 static fp3_status find_pairs(search *s, fp3_error *error) {
-    const fp3_rows theirs = fp3_near_sought(s->g->now);
+    const fp3_row_range theirs = fp3_near_sought(s->g->now);
     s->count = fp3_near_parts(s->g->now, FIND_TOGETHER);
     s->part = calloc(s->count, sizeof *s->part);
     s->first = malloc((theirs.end + 2u) * sizeof *s->first);

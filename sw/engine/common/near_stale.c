@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* near_stale.c - whether objects have moved so far that a list of those near has to be made again.
  */
-#include "near_rows.h"
+#include "near.h"
 
 #include <stdatomic.h>
 
@@ -71,8 +71,8 @@ static int has_moved(const look *l, uint32_t first, uint32_t last) {
 
 static void look_at(void *of, uint32_t part) {
     look *l = of;
-    const fp3_rows own = fp3_near_part(fp3_near_seekers(l->now), part, l->parts),
-                   theirs = fp3_near_part(fp3_near_sought(l->now), part, l->parts);
+    const fp3_row_range own = fp3_near_part(fp3_near_seekers(l->now), part, l->parts),
+                        theirs = fp3_near_part(fp3_near_sought(l->now), part, l->parts);
     if (!atomic_load(&l->is_stale) &&
         (has_moved(l, own.first, own.end) ||
          (l->now->theirs[0] && has_moved(l, theirs.first, theirs.end))))

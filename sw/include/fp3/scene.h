@@ -39,7 +39,8 @@ typedef struct {
 } fp3_scene_steps;
 
 typedef struct {
-    char *path;                          /* of the program */
+    char *name; /* by which models call the group: the model's, if not given */
+    char *path; /* of the program */
     char *integrator_file, *params_file; /* NULL if none was read */
     char **files;                        /* of points and links that were read */
     size_t file_count;
