@@ -330,6 +330,20 @@ static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *erro
     return status;
 }
 
+/* Before the run, which may take long. */
+static fp3_status check_checks(const fp3_run_options *o, const fp3_scene *scene, fp3_error *error) {
+    for (size_t i = 0; o->check.is_asked && i < scene->group_count; i++) {
+        const fp3_model *model = scene->groups[i].program->model;
+        if (model && model->kind_count)
+            return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->groups[i].line,
+                               0,
+                               "--check: model '%s' sees objects of other groups (kind '%s'), and "
+                               "each group is run again alone",
+                               model->name, model->kinds[0].name);
+    }
+    return FP3_OK;
+}
+
 /* Where the options say nothing, the scene does. */
 static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
     fp3_scene *scene = NULL;
@@ -338,6 +352,8 @@ static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
     if (status)
         return status;
     status = check_files_of(scene, o, error);
+    if (!status)
+        status = check_checks(o, scene, error);
     fp3_engine_def def = fp3_scene_engine(scene);
     o->steps = o->has_steps ? o->steps : scene->steps;
     if (!status)

@@ -324,7 +324,8 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         fp3_run_ranks_print(engine);
     if (is->is_hardware && has_counters)
         print_occupancy(engine, cost);
-    if (is->is_hardware && has_counters && of->scene && !fp3_engine_is_divided(engine))
+    if (is->is_hardware && has_counters && of->scene && !fp3_engine_is_divided(engine) &&
+        of->scene->group_count <= stats->schedulers)
         print_balance(engine, cost);
     if (checks && of->program)
         fp3_run_check_print(checks[0]);

@@ -386,6 +386,8 @@ fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const
         status = load_all(&l, error);
     if (!status && !program->model)
         status = check_image(program->image, params, to, error);
+    if (to->h && program->model)
+        *to->h = l.of.h;
     if (!status)
         status = relate(program, params, to, l.of.params, error);
     fp3_object_values_free(&l.of);
@@ -398,7 +400,8 @@ fp3_status fp3_apply(const fp3_program *program, const fp3_params *params, const
 fp3_status fp3_program_load(const fp3_program *program, const fp3_params *params,
                             fp3_engine *engine, fp3_error *error) {
     FP3_HOST;
-    const fp3_apply_to all = {engine, 0, 0, fp3_engine_objects(engine)};
+    const fp3_apply_to all = {
+        .engine = engine, .group = 0, .first = 0, .objects = fp3_engine_objects(engine)};
     fp3_engine_hush(error);
     fp3_status status = fp3_engine_load(engine, program->image);
     if (!status)

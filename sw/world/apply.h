@@ -9,6 +9,7 @@
 typedef struct {
     fp3_engine *engine;
     size_t group, first, objects;
+    double *h; /* NULL, or where the length of a model's step goes */
 } fp3_apply_to;
 
 /* How many words a model's program has of a value: 2 in double-single (fp3_number_given). */

@@ -164,16 +164,6 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
                         a->integrator->name, other->name, b->integrator->name);
 }
 
-static fp3_status check_kind(const fp3_joined *list, size_t count, size_t of, const fp3_kind *kind,
-                             size_t *group, fp3_error *error) {
-    fp3_status status = find_group(list, count, of, kind, group, error);
-    for (uint32_t p = kind->first; !status && p < kind->first + kind->count; p++)
-        status = check_word(&list[of], kind, p, &list[*group], error);
-    return status ? status : check_steps(&list[of], kind->line, &list[*group], error);
-}
-
-/* ---- who reads what ---- */
-
 /* The word of the program that is this param and nothing else; NULL: the program has none. */
 static const char *param_word(const fp3_compiled *c, uint32_t param) {
     for (uint32_t i = 0; i < c->input_count; i++)
@@ -181,6 +171,37 @@ static const char *param_word(const fp3_compiled *c, uint32_t param) {
             return c->inputs[i].name;
     return NULL;
 }
+
+/* What is read of objects says where they are: nothing else of the program names their group. */
+static fp3_status check_reads(const fp3_joined *g, const fp3_kind *kind, fp3_error *error) {
+    const fp3_model *m = model_of(g);
+    const fp3_compiled *c = g->program->compiled;
+    const fp3_relation *of = NULL;
+    for (uint32_t i = 0; i < m->relation_count; i++)
+        if (m->relations[i].of_kind != FP3_NONE && &m->kinds[m->relations[i].of_kind] == kind &&
+            fp3_image_find(c->image, m->relations[i].name, FP3_CLASSES_OBJECT))
+            of = &m->relations[i];
+    for (uint32_t p = kind->first; p < kind->first + kind->count; p++)
+        if (param_word(c, p))
+            of = NULL;
+    return of ? refuse(g, of->line, error,
+                       "sums over '%s' read no word of '%s': expected one that does, as "
+                       "sum(o in %s: 0*o.%s)",
+                       of->name, kind->name, of->name, word_of(m, kind, kind->first))
+              : FP3_OK;
+}
+
+static fp3_status check_kind(const fp3_joined *list, size_t count, size_t of, const fp3_kind *kind,
+                             size_t *group, fp3_error *error) {
+    fp3_status status = find_group(list, count, of, kind, group, error);
+    for (uint32_t p = kind->first; !status && p < kind->first + kind->count; p++)
+        status = check_word(&list[of], kind, p, &list[*group], error);
+    if (!status)
+        status = check_steps(&list[of], kind->line, &list[*group], error);
+    return status ? status : check_reads(&list[of], kind, error);
+}
+
+/* ---- who reads what ---- */
 
 static const char *state_word(const fp3_compiled *c, uint32_t state) {
     for (uint32_t i = 0; i < c->input_count; i++)

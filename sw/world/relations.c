@@ -153,8 +153,9 @@ static fp3_status kind_of(const fp3_relations *r, const fp3_relation *of, size_t
         return FP3_OK;
     const fp3_kind *k = &model->kinds[of->of_kind];
     for (uint32_t i = 0; i < group->foreign_count; i++)
-        if (strcmp(group->foreign[i].word, model->params[k->first].name) == 0)
-            *kind = group->foreign[i].group + 1;
+        for (uint32_t p = k->first; p < k->first + k->count; p++) /* not every one is read */
+            if (strcmp(group->foreign[i].word, model->params[p].name) == 0)
+                *kind = group->foreign[i].group + 1;
     return *kind
                ? FP3_OK
                : fp3_fail(error, FP3_E_ARGUMENT,

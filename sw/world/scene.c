@@ -116,18 +116,43 @@ static fp3_status check_split(const fp3_scene *scene, fp3_error *error) {
                     : FP3_OK;
 }
 
+/* Groups that see each other make their steps together: h holds that of each. */
+static fp3_status check_h(const fp3_scene *scene, const fp3_engine *engine, const double *h,
+                          fp3_error *error) {
+    const fp3_layout *layout = fp3_engine_layout(engine);
+    for (uint32_t i = 0; i < layout->count; i++)
+        for (uint32_t k = 0; k < layout->groups[i].foreign_count; k++) {
+            const size_t other = layout->groups[i].foreign[k].group;
+            if ((float)h[i] != (float)h[other])
+                return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path,
+                                   (unsigned)scene->groups[i].line, 0,
+                                   "'h' is %.9g, and %.9g in group '%s': groups that see each "
+                                   "other make their steps together, so give the scene one h",
+                                   h[i], h[other], scene->groups[other].name);
+        }
+    return FP3_OK;
+}
+
 fp3_status fp3_scene_load(const fp3_scene *scene, fp3_engine *engine, fp3_error *error) {
     FP3_HOST;
     fp3_engine_hush(error);
-    fp3_status status = load_programs(scene, engine, error);
+    double *h = calloc(scene->group_count, sizeof *h);
+    fp3_status status = h ? load_programs(scene, engine, error) : fp3_no_memory(error);
     if (!status)
         status = check_split(scene, error);
     for (size_t i = 0; !status && i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
-        const fp3_apply_to to = {engine, i, group->first, group->objects};
+        const fp3_apply_to to = {.engine = engine,
+                                 .group = i,
+                                 .first = group->first,
+                                 .objects = group->objects,
+                                 .h = &h[i]};
         status = fp3_apply(group->program, group->params, &to, error);
         if (!status)
             status = fp3_lifetime_apply(group, engine);
     }
+    if (!status)
+        status = check_h(scene, engine, h, error);
+    free(h);
     return fp3_engine_hear(engine, status, error);
 }

@@ -1,0 +1,76 @@
+"""Scenes of groups that see each other, as nobody should write them: refused by name, or right."""
+
+import re
+
+import pytest
+
+A = "model a\nkind b(R, z)\nstate z = 0\nall s(b)\nstep 0.25\nz' = sum(o in s: o.z - z)\n"
+B = "model b\nkind a(z)\nparam R = 2\nstate z = 1\nall s(a)\nstep 0.25\nz' = sum(o in s: o.z - z)\n"
+
+
+@pytest.fixture
+def scene(start, folder):
+    """Runs groups (model, settings): what the command did, and the words of each object."""
+    def scene(*groups, options=(), top='config = "world"; steps = 2;', **models):
+        for name, text in {"a": A, "b": B, **models}.items():
+            (folder / f"{name}.ode").write_text(text)
+        one = ",\n".join(f'{{ program = "{name}.ode"; integrator = "heun"; {settings} }}' for name, settings in groups)
+        (folder / "x.scene").write_text(f"{top}\ngroups = (\n{one}\n);\n")
+        done = start("--scene", "x.scene", "--all", *options)
+        return done, re.findall(r"^(\w+) +(\S+) +0x\w+ +object (\d+)$", done.stdout, re.M)
+    return scene
+
+
+def refused(done, why):
+    assert done.returncode == 2 and why in done.stderr and "object" not in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("life", ["born = 1;", "gone = 1;", "born = [0, 3]; gone = 5;"])
+@pytest.mark.parametrize("who", [0, 1])
+def test_lives(scene, life, who):
+    """Each engine of a group has its own lists, and knows of no births in another."""
+    groups = [("a", "objects = 3; "), ("b", "objects = 4; ")]
+    groups[who] = (groups[who][0], groups[who][1] + life)
+    done, _ = scene(*groups)
+    refused(done, f"x.scene:{3 + who}: born, gone: objects of groups that see each other live always")
+
+
+STILL = "model b\nparam R = 2\nstate z = 1\nstep 0.5\nz' = 1\n"
+
+
+@pytest.mark.parametrize("seen, other", [(B, "set = { h = 0.125; };"), (B.replace("0.25", "0.5"), ""), (STILL, "")])
+def test_lengths_of_steps(scene, seen, other):
+    done, _ = scene(("a", "objects = 1;"), ("b", f"objects = 1; {other}"), b=seen)
+    refused(done, "groups that see each other make their steps together, so give the scene one h")
+    if not other:
+        assert scene(("a", "objects = 1;"), ("b", "objects = 1;"), b=seen, top='config = "world"; steps = 2; h = 0.25;')[0].returncode == 0
+
+
+def test_first_word_is_not_read(scene):
+    """The group is found by any word of the kind."""
+    for engine in ("isa", "fast"):
+        done, words = scene(("a", "objects = 1;"), ("b", "objects = 2;"), options=("--engine", engine))
+        assert done.returncode == 0, done.stderr
+        assert [name for name, _, _ in words] == ["z", "z", "z"]
+
+
+@pytest.mark.parametrize("relation, term", [("all s(b)", "count(o in s: 1 > 0)"), ("links s(b, w = 3)", "sum(o in s: o.w)")])
+def test_no_word_is_read(scene, relation, term):
+    done, _ = scene(("a", "objects = 1;"), ("b", "objects = 2;"), a=f"model a\nkind b(R)\nstate z = 0\n{relation}\nstep 0.25\nz' = {term}\n")
+    refused(done, "a.ode:4: group 'a': sums over 's' read no word of 'b': expected one that does, as sum(o in s: 0*o.R)")
+
+
+def test_check(scene):
+    done, _ = scene(("a", "objects = 1;"), ("b", "objects = 2;"), options=("--check",))
+    refused(done, "x.scene:3: --check: model 'a' sees objects of other groups (kind 'b'), and each group is run again alone")
+
+
+@pytest.mark.parametrize("groups", [2, 8])
+def test_occupancy(scene, groups):
+    """Shares of what several groups spent are at most all of it, and fit their lines."""
+    models = {f"g{i}": A.replace("model a", f"model g{i}").replace("b(R, z)", f"g{(i + 1) % groups}(z)").replace("(b)", f"(g{(i + 1) % groups})") for i in range(groups)}
+    done, words = scene(*((name, "objects = 2;") for name in models), options=("--engine", "rtl"), **models)
+    assert done.returncode == 0 and len(words) == 2*groups, done.stderr
+    shares = [(float(share), len(bar)) for share, bar in re.findall(r"(\d+\.\d) %(?:  (#+))?$", done.stdout, re.M)]
+    assert shares and all(share <= 100 and bar <= 40 for share, bar in shares)
+    assert re.search(r"^  cycles of groups +\d+  100.0 %$", done.stdout, re.M) and "balance" not in done.stdout
