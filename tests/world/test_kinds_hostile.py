@@ -68,7 +68,10 @@ def test_check(scene):
 @pytest.mark.parametrize("groups", [2, 8])
 def test_occupancy(scene, groups):
     """Shares of what several groups spent are at most all of it, and fit their lines."""
-    models = {f"g{i}": A.replace("model a", f"model g{i}").replace("b(R, z)", f"g{(i + 1) % groups}(z)").replace("(b)", f"(g{(i + 1) % groups})") for i in range(groups)}
+    models = {}
+    for i in range(groups):
+        own, other = f"g{i}", f"g{(i + 1) % groups}"
+        models[own] = A.replace("model a", f"model {own}").replace("b(R, z)", f"{other}(z)").replace("(b)", f"({other})")
     done, words = scene(*((name, "objects = 2;") for name in models), options=("--engine", "rtl"), **models)
     assert done.returncode == 0 and len(words) == 2*groups, done.stderr
     shares = [(float(share), len(bar)) for share, bar in re.findall(r"(\d+\.\d) %(?:  (#+))?$", done.stdout, re.M)]
