@@ -250,40 +250,28 @@ static fp3_status bring_all(fp3_engine *engine, uint32_t phase) {
     return status;
 }
 
-/* Kinds beside each other: of hardware, cycles are those of the slowest. */
-static void add_counters(const fp3_engine *engine, const fp3_engine *own, uint64_t *cycles) {
-    for (uint32_t s = 0; s < fp3_config_schedulers(engine->config); s++) {
+/* As if one machine took the kinds in turn. */
+static void add_counters(const fp3_engine *engine, const fp3_engine *own) {
+    for (uint32_t s = 0; s < fp3_config_schedulers(engine->config); s++)
         for (int i = 0; i < FP3_COUNTER_COUNT; i++)
             engine->counters[s][i] += own->counters[s][i];
-        if (!engine->backend->is.is_hardware)
-            continue;
-        engine->counters[s][FP3_COUNTER_CYCLES] -= own->counters[s][FP3_COUNTER_CYCLES];
-        if (own->counters[s][FP3_COUNTER_CYCLES] > cycles[s])
-            cycles[s] = own->counters[s][FP3_COUNTER_CYCLES];
-    }
 }
 
-static fp3_status make_round(fp3_engine *engine, uint32_t phase, uint64_t *cycles,
-                             fp3_stats *stats) {
+static fp3_status make_round(fp3_engine *engine, uint32_t phase, fp3_stats *stats) {
     fp3_kinds *self = kinds_of(engine);
-    const uint32_t schedulers = fp3_config_schedulers(engine->config);
     fp3_status status = bring_all(engine, phase);
-    memset(cycles, 0, schedulers * sizeof *cycles);
     for (uint32_t i = 0; !status && i < self->count; i++) {
         kind *k = &self->kinds[i];
         if (phase >= k->phases)
             continue;
         status = fp3_engine_make_phase(k->own, phase, stats);
         if (!engine->backend->is_uncounted)
-            add_counters(engine, k->own, cycles);
+            add_counters(engine, k->own);
     }
-    for (uint32_t s = 0; engine->backend->is.is_hardware && s < schedulers; s++)
-        engine->counters[s][FP3_COUNTER_CYCLES] += cycles[s];
     return status;
 }
 
-static fp3_status make_step(fp3_engine *engine, uint32_t clock, uint64_t *cycles,
-                            fp3_stats *stats) {
+static fp3_status make_step(fp3_engine *engine, uint32_t clock, fp3_stats *stats) {
     fp3_kinds *self = kinds_of(engine);
     uint32_t phases = 0;
     fp3_status status = FP3_OK;
@@ -292,7 +280,7 @@ static fp3_status make_step(fp3_engine *engine, uint32_t clock, uint64_t *cycles
         phases = self->kinds[i].phases > phases ? self->kinds[i].phases : phases;
     }
     for (uint32_t phase = 0; !status && phase < phases; phase++)
-        status = make_round(engine, phase, cycles, stats);
+        status = make_round(engine, phase, stats);
     return status;
 }
 
@@ -351,11 +339,10 @@ static void number_partners(fp3_engine *engine) {
 }
 
 static fp3_status run_kinds(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    uint64_t *cycles = calloc(fp3_config_schedulers(engine->config), sizeof *cycles);
-    fp3_status status = cycles ? FP3_OK : fp3_no_memory(engine->def.error);
+    fp3_status status = FP3_OK;
     watch(engine, 1);
     for (uint32_t step = 0; !status && step < steps; step++) {
-        status = make_step(engine, engine->clock + step, cycles, stats);
+        status = make_step(engine, engine->clock + step, stats);
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }
     watch(engine, 0);
@@ -363,7 +350,6 @@ static fp3_status run_kinds(fp3_engine *engine, uint32_t steps, fp3_stats *stats
     if (!status)
         status = take_memories(engine);
     stats->schedulers = 1;
-    free(cycles);
     if (!status)
         return FP3_OK;
     const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};

@@ -143,6 +143,24 @@ static fp3_status check_word(const fp3_joined *g, const fp3_kind *kind, uint32_t
 
 /* ---- what goes with what ---- */
 
+/* Whether its objects never change: they are the same at every stage, by any method. */
+static int is_still(const fp3_model *m) {
+    int is = !m->event_count && !m->projection_count && !m->relation_count;
+    for (uint32_t i = 0; is && i < m->state_count; i++) {
+        const fp3_expr *e = &m->exprs[m->states[i].derivative];
+        is = e->op == FP3_EXPR_NUMBER && e->number == 0;
+    }
+    return is;
+}
+
+/* Tables of one name may be of different files. */
+static int is_same_method(const fp3_integrator *a, const fp3_integrator *b) {
+    return a->kind == b->kind && a->stages == b->stages && memcmp(a->a, b->a, sizeof a->a) == 0 &&
+           memcmp(a->b, b->b, sizeof a->b) == 0 && memcmp(a->c, b->c, sizeof a->c) == 0 &&
+           memcmp(a->substeps, b->substeps, sizeof a->substeps) == 0 &&
+           memcmp(&a->recurrence, &b->recurrence, sizeof a->recurrence) == 0;
+}
+
 static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_joined *other,
                               fp3_error *error) {
     const fp3_program *a = g->program, *b = other->program;
@@ -156,7 +174,7 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
     if (is_double)
         return refuse(g, line, error, "double-single has no sums over neighbours, as of group '%s'",
                       other->name);
-    return strcmp(a->integrator->name, b->integrator->name) == 0
+    return is_same_method(a->integrator, b->integrator) || is_still(b->model)
                ? FP3_OK
                : refuse(g, line, error,
                         "it steps by '%s', and group '%s' by '%s': kinds that see each other step "
@@ -313,8 +331,10 @@ static uint64_t looked_at(const fp3_joined *list, size_t count, const member *me
 
 /* The phase of each place, and behind all phases where the group does not show what others look at:
  * they see what it ends with. Returns the set of these places. */
-static uint64_t places_of(const fp3_compiled *c, const member *one, uint8_t phase[FP3_PLACES]) {
-    const uint64_t hidden = one->coupling.looked & ~c->shows;
+static uint64_t places_of(const fp3_program *program, const member *one,
+                          uint8_t phase[FP3_PLACES]) {
+    const fp3_compiled *c = program->compiled;
+    const uint64_t hidden = is_still(program->model) ? 0 : one->coupling.looked & ~c->shows;
     const uint64_t has = c->looks | c->shows | hidden;
     for (uint32_t p = 0; p < FP3_PLACES; p++)
         phase[p] = !(has >> p & 1) ? 0 : hidden >> p & 1 ? (uint8_t)c->phases : c->phase[p];
@@ -360,7 +380,7 @@ static int raise_phases(const fp3_joined *list, size_t count, const member *memb
             uint8_t least[FP3_PLACES];
             if (members[i].part != part || !members[i].is_coupled)
                 continue;
-            const uint64_t has = places_of(list[i].program->compiled, &members[i], least);
+            const uint64_t has = places_of(list[i].program, &members[i], least);
             if (!is_one)
                 sort(has & ~before(list[i].program->integrator), least);
             is_new |= raise(least, is_one, phase);
