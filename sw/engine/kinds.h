@@ -4,7 +4,8 @@
  *
  * An engine of one group has its own objects, and behind them guests: all objects of each group
  * that it sees. When a phase begins, guests get the words that their objects hold then. So nothing
- * in an engine knows of other programs.
+ * in an engine knows of other programs. Where objects are born and gone, an engine has those alone
+ * that live, and when others do, each group gets another one.
  */
 #ifndef FP3_KINDS_H
 #define FP3_KINDS_H
@@ -13,16 +14,15 @@
 
 typedef struct fp3_kinds fp3_kinds;
 
+/* Loads one program into an engine of all its objects. */
+typedef fp3_status fp3_kinds_load_fn(fp3_engine *own, const fp3_image *image);
+
 /* For the groups of a layout that see each other; usual: the backend of each. FP3_E_PROGRAM:
- * something does not go with it. *kinds is NULL after a failure. */
-fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, const fp3_layout *layout,
-                          fp3_kinds **kinds);
+ * something does not go with it, or as `load`; *group is then the one that it is about. *kinds is
+ * NULL after a failure. */
+fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kinds_load_fn *load,
+                          fp3_layout *layout, uint32_t *group, fp3_kinds **kinds);
 void fp3_kinds_free(fp3_kinds **kinds);
-/* Opens the engine of a group, for its objects and their guests. The caller loads it, and then says
- * that it is loaded. */
-fp3_status fp3_kinds_open(fp3_engine *engine, fp3_kinds *kinds, const fp3_layout *layout,
-                          uint32_t group, fp3_engine **own);
-void fp3_kinds_loaded(fp3_kinds *kinds, fp3_layout *layout, uint32_t group);
 
 /* The backend of an engine whose objects are divided among these; the engine's self. It lives as
  * long. */

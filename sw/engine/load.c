@@ -282,20 +282,21 @@ static int is_same(const fp3_engine *engine, const fp3_layout *layout) {
 
 static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check);
 
+static fp3_status load_one(fp3_engine *own, const fp3_image *image) {
+    return load(own, &(fp3_group){.image = image, .objects = own->objects}, 1, 1);
+}
+
+static fp3_status load_one_unchecked(fp3_engine *own, const fp3_image *image) {
+    return load(own, &(fp3_group){.image = image, .objects = own->objects}, 1, 0);
+}
+
 /* An engine for each group. */
 static fp3_status open_kinds(fp3_engine *engine, fp3_layout *layout, int check, fp3_kinds **kinds) {
-    fp3_status status = fp3_kinds_make(engine, fp3_kinds_usual(engine), layout, kinds);
-    for (uint32_t i = 0; !status && i < layout->count; i++) {
-        fp3_engine *own = NULL;
-        status = fp3_kinds_open(engine, *kinds, layout, i, &own);
-        if (!status)
-            status =
-                load(own, &(fp3_group){.image = layout->groups[i].image, .objects = own->objects},
-                     1, check);
-        if (!status)
-            fp3_kinds_loaded(*kinds, layout, i);
-        say_group(engine, status, i, layout->count);
-    }
+    uint32_t group = 0;
+    const fp3_status status =
+        fp3_kinds_make(engine, fp3_kinds_usual(engine), check ? load_one : load_one_unchecked,
+                       layout, &group, kinds);
+    say_group(engine, status, group, layout->count);
     return status;
 }
 

@@ -261,14 +261,12 @@ static fp3_status read_objects(const reader *r, const config_setting_t *from,
     return FP3_OK;
 }
 
-/* Before the engine, which knows no line. Of groups that see each other check_joined_lives tells.
- */
+/* Before the engine, which knows no line. */
 static fp3_status check_lives(const reader *r, const config_setting_t *from,
                               const fp3_scene_group *group) {
     const config_setting_t *born = config_setting_get_member(from, "born");
     if (!fp3_lifetime_is_any(group) || !r->machine->interleave || r->machine->sleep ||
-        (group->program && group->program->sees_others) ||
-        r->scene->group_count > fp3_config_schedulers(r->machine))
+        (group->program && group->program->sees_others))
         return FP3_OK;
     return fp3_setting_wrong(&r->in, born ? born : config_setting_get_member(from, "gone"),
                              "born, gone: configuration '%s' has no sleep: all its objects make "
@@ -296,8 +294,6 @@ static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_
     if (!status)
         status = read_name(r, from, to);
     if (!status)
-        status = check_lives(r, from, to);
-    if (!status)
         status = read_params(r, from, to);
     if (!status)
         status = fp3_arranged_apply(&r->in, from, &arranged, to);
@@ -319,19 +315,6 @@ static fp3_status check_count(const reader *r, const config_setting_t *list) {
                              count, r->machine->name, schedulers, schedulers == 1 ? "" : "s");
 }
 
-/* Before the engine, which knows no line. */
-static fp3_status check_joined_lives(const reader *r, const config_setting_t *list) {
-    for (size_t i = 0; i < r->scene->group_count; i++) {
-        const config_setting_t *from = config_setting_get_elem(list, (unsigned)i);
-        const config_setting_t *born = config_setting_get_member(from, "born");
-        if (fp3_lifetime_is_any(&r->scene->groups[i]))
-            return fp3_setting_wrong(&r->in, born ? born : config_setting_get_member(from, "gone"),
-                                     "born, gone: objects of groups that see each other live "
-                                     "always");
-    }
-    return FP3_OK;
-}
-
 /* More groups than schedulers are for groups that see each other. */
 static fp3_status check_joined(const reader *r, const config_setting_t *list) {
     const uint32_t schedulers = fp3_config_schedulers(r->machine);
@@ -339,10 +322,8 @@ static fp3_status check_joined(const reader *r, const config_setting_t *list) {
     for (size_t i = 0; i < r->scene->group_count; i++)
         kinds +=
             r->scene->groups[i].program->model ? r->scene->groups[i].program->model->kind_count : 0;
-    if (r->scene->group_count <= schedulers)
+    if (kinds || r->scene->group_count <= schedulers)
         return FP3_OK;
-    if (kinds)
-        return check_joined_lives(r, list);
     return fp3_setting_wrong(&r->in, list,
                              "found %zu groups that do not see each other (no model has a `kind`): "
                              "configuration '%s' has %" PRIu32 " scheduler%s, each for one program",
@@ -391,6 +372,8 @@ static fp3_status read_groups(reader *r) {
         status = check_joined(r, list);
     if (!status)
         status = join(r, list);
+    for (size_t i = 0; !status && i < count; i++)
+        status = check_lives(r, config_setting_get_elem(list, (unsigned)i), &scene->groups[i]);
     return status ? status : fp3_scene_adaptive_check(&r->in, list, scene);
 }
 

@@ -207,3 +207,26 @@ def test_more_objects_than_an_order_takes(words, folder):
     path = put(folder, text.replace("4.0, 12.0", "8.0, 12.0", 1).replace("[5.0, 0.0]", "[9.0, 0.0]"))
     found = [words(path, engine, "world", threads, "--steps", 200) for engine, threads in (("isa", 1), ("fast", 1), ("fast", 2))]
     assert len(found[0]) == 4 * 510 and found[0] == found[1] == found[2]
+
+
+def test_who_is_not_born_is_not_seen(words, rods, folder):
+    """A run in which one pin and one nut live has the words of a scene that has no others."""
+    text = rods().read_text().replace("steps = 24;", "steps = 9;")
+    born = text.replace("k = [10.0, 30.0]; };", "k = [10.0, 30.0]; }; born = [0, 100];").replace("v = [0.5, -0.5]; };", "v = [0.5, -0.5]; }; born = [0, 100];")
+    assert born.count("born") == 2
+    found = [words(put(folder, born), *engine) for engine in ENGINES]
+    assert all(one == found[0] for one in found)
+    lonely = text.replace("objects = 5;", "objects = 1;").replace("objects = 7;", "objects = 1;")
+    (folder / "held.csv").write_text("a,b,rest\n" + "".join(f"{i},{i * 7 % 5},{0.01 * i!r}\n" for i in range(12) if i * 7 % 5 == 0))
+    alone = words(put(folder, lonely), "isa", "world", 1)
+    assert [one[1] for one in alone[:24]] == [one[1] for one in found[0][:24]]
+
+
+def test_who_is_gone_stays_where_it_was(words, rods, folder):
+    text = rods().read_text()
+    gone = text.replace("v = [0.5, -0.5]; };", "v = [0.5, -0.5]; }; gone = [4, 100];")
+    found = [words(put(folder, gone), *engine) for engine in ENGINES]
+    assert all(one == found[0] for one in found)
+    early = words(put(folder, text.replace("steps = 24;", "steps = 4;")), "isa", "world", 1)
+    first_nut = [i for i, one in enumerate(early) if one[2] == "17"]
+    assert [found[0][i] for i in first_nut] == [early[i] for i in first_nut] and found[0][:24] != words(put(folder, text), "isa", "world", 1)[:24]

@@ -25,16 +25,6 @@ def refused(done, why):
     assert done.returncode == 2 and why in done.stderr and "object" not in done.stdout, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("life", ["born = 1;", "gone = 1;", "born = [0, 3]; gone = 5;"])
-@pytest.mark.parametrize("who", [0, 1])
-def test_lives(scene, life, who):
-    """Each engine of a group has its own lists, and knows of no births in another."""
-    groups = [("a", "objects = 3; "), ("b", "objects = 4; ")]
-    groups[who] = (groups[who][0], groups[who][1] + life)
-    done, _ = scene(*groups)
-    refused(done, f"x.scene:{3 + who}: born, gone: objects of groups that see each other live always")
-
-
 STILL = "model b\nparam R = 2\nstate z = 1\nstep 0.5\nz' = 1\n"
 
 
@@ -76,4 +66,4 @@ def test_occupancy(scene, groups):
     assert done.returncode == 0 and len(words) == 2*groups, done.stderr
     shares = [(float(share), len(bar)) for share, bar in re.findall(r"(\d+\.\d) %(?:  (#+))?$", done.stdout, re.M)]
     assert shares and all(share <= 100 and bar <= 40 for share, bar in shares)
-    assert re.search(r"^  cycles of groups +\d+  100.0 %$", done.stdout, re.M) and "balance" not in done.stdout
+    assert re.search(r"^  cycles +\d+  100.0 %$", done.stdout, re.M) and "balance" not in done.stdout

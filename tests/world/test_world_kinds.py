@@ -23,3 +23,9 @@ def test_words(build, engine):
 @pytest.mark.parametrize("how, why", [("far", "object 0 in step 1"), ("same", "invalid, at the same place as object 15")])
 def test_failures(build, engine, how, why):
     assert why in run(build, engine, 3, 1, how)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_births_and_ends(build, engine):
+    for seed in range(1, 4 if engine in ("rtl", "fabric") else 16):
+        run(build, engine, 9, seed, "lives")

@@ -1,8 +1,8 @@
 /* world_kinds.c - objects of two groups that see each other have the words of one group that has
  * them all.
  *
- *     world_kinds ENGINE STEPS SEED [far|same]      far: an object overflows; same: two at one
- * place
+ *     world_kinds ENGINE STEPS SEED [far|same|lives]      far: an object overflows; same: two at
+ * one place
  *
  * In the one group a term counts for neighbours of the own half, or of the other (`g`). In the two,
  * either half is a group, and what a term reads of the other half is a param of its program. Links,
@@ -21,6 +21,7 @@
 
 static fp3_error error;
 static uint64_t state;
+static uint32_t size[2]; /* of the two halves */
 
 static uint32_t below(uint32_t count) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -62,6 +63,33 @@ static const char two[] =
     "remember o in ties2: o.m = o.m + 0.1*(o.k + norm(o.tx - x))\n"
     "remember o in touch2: o.s = dot(o.tx - x, o.tx - x) < 0.3*0.3 ? o.s + 0.1*o.tw : 0\n";
 
+/* Objects that are born and gone cannot be in pairs that remember. */
+static int has_lives;
+
+static void replace(char *text, const char *old, const char *new) {
+    for (char *at; (at = strstr(text, old));) {
+        memmove(at + strlen(new), at + strlen(old), strlen(at + strlen(old)) + 1);
+        memcpy(at, new, strlen(new));
+    }
+}
+
+static void forget(char *text) {
+    for (char *at; (at = strstr(text, "remember"));)
+        memmove(at, strchr(at, '\n') + 1, strlen(strchr(at, '\n')));
+    replace(text, ", s = 0)", ")");
+    replace(text, "o.s)", "0)");
+}
+
+/* Lives of the same objects in the one group and in the two. */
+static void live(fp3_engine *engine) {
+    uint64_t random = state;
+    for (uint32_t i = 0; has_lives && i < size[0] + size[1]; i++) {
+        const uint64_t born = below(3) ? 0 : below(6), gone = born + 1 + below(9);
+        told(fp3_engine_live(engine, i, 1, born, below(3) ? gone : FP3_FOREVER));
+    }
+    state = random;
+}
+
 static fp3_program *compile(const char *text) {
     fp3_program_def def = fp3_program_default();
     fp3_program *program = NULL;
@@ -69,6 +97,8 @@ static fp3_program *compile(const char *text) {
     def.integrator = "semi_implicit_euler";
     def.compile.is_for_host = 0;
     snprintf(all, sizeof all, "%s%s", head, text);
+    if (has_lives)
+        forget(all);
     if (fp3_program_read(all, strlen(all), "half", &def, &program, &report, &error)) {
         printf("FAIL: %s\n", report ? report : error.text);
         exit(1);
@@ -82,7 +112,6 @@ typedef struct {
 } links;
 
 static char is_linked[2 * OBJECTS][2 * OBJECTS];
-static uint32_t size[2];
 
 static uint32_t first_of(int half) { return half ? size[0] : 0; }
 
@@ -172,6 +201,7 @@ static void run_one(uint32_t steps, float (*values)[2 * OBJECTS], uint32_t (*wor
         engine, 0, "touch",
         &(fp3_near){.position = {"x_x", "x_y"}, .dimensions = 2, .reach = 0.3, .skin = 0.1}));
     write_all(engine, p, values);
+    live(engine);
     told(fp3_engine_run(engine, steps, NULL));
     for (int s = 0; s < STATES; s++)
         told(fp3_engine_read(engine, 0, all, reg(p, states[s]), (float *)(void *)words[s]));
@@ -214,6 +244,7 @@ int main(int argc, char **argv) {
     static float values[STATES][2 * OBJECTS], zeros[2 * OBJECTS];
     static uint32_t expected[STATES][2 * OBJECTS], found[STATES][2 * OBJECTS];
     uint32_t differing = 0, steps = argc > 2 ? (uint32_t)atoi(argv[2]) : 1;
+    has_lives = argc > 4 && strcmp(argv[4], "lives") == 0;
     state = argc > 3 ? (uint64_t)atoi(argv[3]) : 1;
     size[0] = 1 + below(OBJECTS);
     size[1] = 1 + below(OBJECTS);
@@ -224,7 +255,7 @@ int main(int argc, char **argv) {
     for (uint32_t i = 0; i < all; i++)
         for (int s = 0; s < STATES; s++)
             values[s][i] = (float)below(1000) / 800;
-    if (argc > 4)
+    if (argc > 4 && !has_lives)
         values[0][size[0]] = strcmp(argv[4], "far") == 0 ? 3e38f : values[0][0];
     if (argc > 4 && strcmp(argv[4], "same") == 0)
         values[1][size[0]] = values[1][0];
@@ -234,7 +265,8 @@ int main(int argc, char **argv) {
     fp3_engine *engine = open_engine(argv[1], all);
     join(engine, p);
     write_all(engine, p, values);
-    if (argc <= 4) { /* words are brought again in the next run */
+    live(engine);
+    if (argc <= 4 || has_lives) { /* words are brought again in the next run */
         told(fp3_engine_run(engine, steps / 2, NULL));
         told(fp3_engine_write(engine, 0, all, reg(p, "tx_x"), zeros));
         steps -= steps / 2;

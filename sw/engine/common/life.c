@@ -92,11 +92,8 @@ static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t
                           "pairs of objects remember (`remember` in the model), so all objects "
                           "live always: what a pair remembers of an object that does not live is "
                           "not decided");
-    if (!status && fp3_layout_is_joined(&engine->layout) && (born || gone != FP3_FOREVER))
-        status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                          "groups that see each other: all their objects live always");
     if (!status && engine->config->interleave && !engine->config->sleep &&
-        !sees_others(engine, first, count))
+        !fp3_layout_is_joined(&engine->layout) && !sees_others(engine, first, count))
         status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
                           "configuration '%s' has no sleep: all its objects make all steps",
                           engine->config->name);

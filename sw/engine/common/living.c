@@ -144,6 +144,8 @@ static fp3_status settle(fp3_engine *engine, fp3_members *group) {
 
 fp3_status fp3_living_settle(fp3_engine *engine) {
     fp3_status status = FP3_OK;
+    if (fp3_layout_is_joined(&engine->layout))
+        return FP3_OK; /* the engine of each group has those alone that live */
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         fp3_members *group = &engine->layout.groups[i];
         if (group->lists.shape.is_any && (engine->lives.list || group->lists.living))

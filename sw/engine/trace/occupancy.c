@@ -50,18 +50,8 @@ static void print_unit(FILE *out, const char *name, uint64_t used, uint64_t cycl
     print_row(out, name, used, tenths_of(used, cycles));
 }
 
-/* Of groups that see each other each has a scheduler of its own: shares are of the cycles of all,
- * which are more than passed. */
-static uint64_t cycles_of_all(const uint64_t *counter) {
-    uint64_t shares = 0;
-    for (int i = 0; i < FP3_COUNTER_COUNT; i++)
-        shares += is_share(i) ? counter[i] : 0;
-    return shares - (counter[FP3_COUNTER_PAIRED] < shares ? counter[FP3_COUNTER_PAIRED] : shares);
-}
-
 void fp3_occupancy_print(FILE *out, uint32_t scheduler, const uint64_t *counter) {
-    const uint64_t passed = counter[FP3_COUNTER_CYCLES], all = cycles_of_all(counter);
-    const uint64_t cycles = all > passed ? all : passed;
+    const uint64_t cycles = counter[FP3_COUNTER_CYCLES];
     fprintf(out, "occupancy of scheduler %" PRIu32 "\n", scheduler);
     if (cycles == 0) {
         print_row(out, "cycles", 0, 0);
@@ -74,8 +64,7 @@ void fp3_occupancy_print(FILE *out, uint32_t scheduler, const uint64_t *counter)
             print_row(out, fp3_counter_name((fp3_counter)i), counter[i], tenths[i]);
     if (counter[FP3_COUNTER_PAIRED]) /* cycles that are in two of the rows above */
         print_unit(out, "less paired", counter[FP3_COUNTER_PAIRED], cycles);
-    fprintf(out, "  %-18s %12" PRIu64 "  100.0 %%\n",
-            cycles > passed ? "cycles of groups" : "cycles", cycles);
+    fprintf(out, "  %-18s %12" PRIu64 "  100.0 %%\n", "cycles", cycles);
     print_unit(out, "adder in use",
                counter[FP3_COUNTER_ISSUED_ADD] + counter[FP3_COUNTER_ISSUED_CHAIN], cycles);
     print_unit(out, "multiplier in use",

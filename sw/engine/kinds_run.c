@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* kinds_run.c - what objects of several groups hold, and steps that they make together. */
+#include "kinds_inside.h"
+
+#include "engine/common/cells.h"
+#include "engine/common/origin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- words: of objects that live from the engine of their group, of others as they were held ----
+ */
+
+static uint32_t *held_at(const fp3_engine *engine, fp3_cells cells, size_t object) {
+    const size_t column = cells.kind == FP3_CELLS_STATUS ? engine->config->registers : cells.number;
+    return &fp3_kinds_of(engine)->held[column * engine->objects + object];
+}
+
+/* From `object` on, before `end`: how many follow each other in rows, or do not live. */
+static uint32_t run_of(const uint32_t *place, uint32_t object, uint32_t end) {
+    const int lives = place[object] != FP3_NO_OBJECT_ROW;
+    uint32_t n = 1;
+    while (object + n < end && place[object + n] == place[object] + (lives ? n : 0))
+        n++;
+    return n;
+}
+
+/* Objects that follow each other in a group. */
+static fp3_status access_group(fp3_engine *engine, uint32_t number, fp3_cells cells, char *words,
+                               int is_write) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    fp3_engine *own = self->kinds[number].own;
+    const uint32_t begin = (uint32_t)cells.first, end = begin + (uint32_t)cells.count;
+    fp3_status status = FP3_OK;
+    for (uint32_t object = begin, n; !status && object < end; object += n) {
+        n = run_of(self->place, object, end);
+        char *at = words + (object - begin) * sizeof(uint32_t);
+        fp3_cells here = {cells.kind, cells.number, self->place[object], n};
+        if (self->place[object] == FP3_NO_OBJECT_ROW)
+            memcpy(is_write ? (char *)held_at(engine, cells, object) : at,
+                   is_write ? at : (char *)held_at(engine, cells, object), n * sizeof(uint32_t));
+        else
+            status = is_write ? fp3_cells_write(own, here, at) : own->backend->read(own, here, at);
+    }
+    return status;
+}
+
+static fp3_status access_constants(fp3_engine *engine, fp3_cells cells, void *words, int is_write) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    fp3_engine *own = self->kinds[cells.number].own;
+    uint32_t *here = &self->constants[cells.number * engine->config->registers + cells.first];
+    memcpy(is_write ? (void *)here : words, is_write ? words : (void *)here,
+           cells.count * sizeof *here);
+    cells.number = 0;
+    return is_write && own ? fp3_cells_write(own, cells, words) : FP3_OK;
+}
+
+static fp3_status access_cells(fp3_engine *engine, fp3_cells cells, void *words, int is_write) {
+    fp3_status status = FP3_OK;
+    if (cells.kind == FP3_CELLS_CONSTANT)
+        return access_constants(engine, cells, words, is_write);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        fp3_cells here =
+            fp3_cells_of(&engine->layout.groups[i], cells.number, cells.first, cells.count);
+        here.kind = cells.kind;
+        if (here.count)
+            status = access_group(engine, i, here,
+                                  (char *)words + (here.first - cells.first) * sizeof(uint32_t),
+                                  is_write);
+    }
+    return status;
+}
+
+fp3_status fp3_kinds_read(fp3_engine *engine, fp3_cells cells, void *words) {
+    return access_cells(engine, cells, words, 0);
+}
+
+/* What the caller writes, guests get in the next run. */
+fp3_status fp3_kinds_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    for (uint32_t i = 0; i < self->count; i++)
+        for (uint32_t k = 0; k < self->kinds[i].word_count; k++)
+            self->kinds[i].words[k].is_brought = 0;
+    return access_cells(engine, cells, (void *)(uintptr_t)words, 1);
+}
+
+/* ---- a run ---- */
+
+/* The objects of a group, as they are now, become guests of this kind. */
+static fp3_status bring(fp3_engine *engine, fp3_kind_engine *k, fp3_foreign_word *f) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    const uint32_t count = self->kinds[f->from].living, registers = engine->config->registers;
+    fp3_engine *from = self->kinds[f->from].own;
+    const fp3_cells theirs = {FP3_CELLS_REGISTER, f->of, 0, count},
+                    here = {FP3_CELLS_REGISTER, f->reg, k->base[f->from], count};
+    fp3_status status = FP3_OK;
+    if (!count)
+        return FP3_OK;
+    for (uint32_t i = 0; f->is_shared && i < count; i++)
+        self->words[i] = self->constants[f->from * registers + f->of];
+    if (!f->is_shared)
+        status = from->backend->read(from, theirs, self->words);
+    if (!status)
+        status = k->own->backend->write(k->own, here, self->words);
+    f->is_brought = !status && !f->is_stored;
+    return status;
+}
+
+static fp3_status bring_all(fp3_engine *engine, uint32_t phase) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < self->count; i++) {
+        fp3_kind_engine *k = &self->kinds[i];
+        for (uint32_t w = 0; !status && k->own && phase < k->phases && w < k->word_count; w++)
+            if (!k->words[w].is_brought)
+                status = bring(engine, k, &k->words[w]);
+    }
+    return status;
+}
+
+/* As if one machine took the kinds in turn. */
+static void add_counters(const fp3_engine *engine, const fp3_engine *own) {
+    for (uint32_t s = 0; s < fp3_config_schedulers(engine->config); s++)
+        for (int i = 0; i < FP3_COUNTER_COUNT; i++)
+            engine->counters[s][i] += own->counters[s][i];
+}
+
+static fp3_status make_round(fp3_engine *engine, uint32_t phase, fp3_stats *stats) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    fp3_status status = bring_all(engine, phase);
+    for (uint32_t i = 0; !status && i < self->count; i++) {
+        fp3_kind_engine *k = &self->kinds[i];
+        if (!k->own || phase >= k->phases)
+            continue;
+        status = fp3_engine_make_phase(k->own, phase, stats);
+        if (!engine->backend->is_uncounted)
+            add_counters(engine, k->own);
+    }
+    return status;
+}
+
+static fp3_status make_step(fp3_engine *engine, uint32_t clock, fp3_stats *stats) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    uint32_t phases = 0;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < self->count; i++) {
+        if (self->kinds[i].own)
+            self->kinds[i].own->clock = clock;
+        phases = self->kinds[i].phases > phases ? self->kinds[i].phases : phases;
+    }
+    for (uint32_t phase = 0; !status && phase < phases; phase++)
+        status = make_round(engine, phase, stats);
+    return status;
+}
+
+/* A run that does not come to its end leaves all objects as they were. */
+static fp3_status undo(fp3_engine *engine) {
+    const fp3_origin *o = engine->origin;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        for (uint32_t reg = 0; !status && reg < 1u << group->log2; reg++)
+            if (o->began[group->first] >> reg & 1)
+                status = fp3_kinds_write(
+                    engine, (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->objects},
+                    &o->registers[(size_t)reg * engine->objects + group->first]);
+    }
+    if (!status)
+        status = fp3_origin_remember(engine, NULL, &engine->layout, engine->def.error);
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+        status = fp3_kinds_connect(engine, &engine->layout.groups[i], NULL);
+    return status;
+}
+
+/* ---- who failed ---- */
+
+/* The object, 1 + its number in all groups, that is in a row of a kind's engine, 1 + the row. */
+static uint32_t number_of(const fp3_engine *engine, uint32_t own, uint32_t partner) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    const fp3_kind_engine *k = &self->kinds[own];
+    if (!partner || partner <= k->living)
+        return partner ? fp3_kinds_who(engine, own)[partner - 1] + 1 : 0;
+    for (uint32_t i = 0; i < self->count; i++)
+        if (k->base[i] != FP3_NO_OBJECT_ROW && partner > k->base[i] &&
+            partner - k->base[i] <= self->kinds[i].living)
+            return fp3_kinds_who(engine, i)[partner - k->base[i] - 1] + 1;
+    return 0;
+}
+
+/* The engine of a kind notes what its objects raise, row by row. */
+static fp3_status watch(fp3_engine *engine, uint32_t number) {
+    const fp3_members *group = &engine->layout.groups[number];
+    fp3_kind_engine *k = &fp3_kinds_of(engine)->kinds[number];
+    const uint32_t *who = fp3_kinds_who(engine, number);
+    if (!engine->watched || !k->own)
+        return FP3_OK;
+    fp3_members *own = &k->own->layout.groups[0];
+    k->own->watched = malloc((k->living + (size_t)1) * sizeof *k->own->watched);
+    if (!k->own->watched)
+        return fp3_no_memory(engine->def.error);
+    for (uint32_t i = 0; i < k->living; i++)
+        k->own->watched[i] = engine->watched[who[i]];
+    k->own->began = engine->began;
+    own->is_ahead = group->is_ahead; /* of the same words */
+    own->live = group->live;
+    return FP3_OK;
+}
+
+static void watch_no_more(fp3_engine *engine, uint32_t number) {
+    fp3_engine *own = fp3_kinds_of(engine)->kinds[number].own;
+    const uint32_t *who = fp3_kinds_who(engine, number);
+    if (!engine->watched || !own || !own->watched)
+        return;
+    for (uint32_t i = 0; i < fp3_kinds_of(engine)->kinds[number].living; i++) {
+        const uint32_t before = engine->watched[who[i]].partner;
+        fp3_watched *to = &engine->watched[who[i]];
+        *to = own->watched[i];
+        to->partner = before ? before : number_of(engine, number, to->partner);
+    }
+    own->layout.groups[0].is_ahead = NULL;
+    free(own->watched);
+    own->watched = NULL;
+}
+
+fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
+    const uint32_t count = fp3_kinds_of(engine)->count;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < count; i++)
+        status = watch(engine, i);
+    for (uint32_t step = 0; !status && step < steps; step++) {
+        status = make_step(engine, engine->clock + step, stats);
+        fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
+    }
+    for (uint32_t i = 0; i < count; i++)
+        watch_no_more(engine, i);
+    if (!status)
+        status = fp3_kinds_take_memories(engine);
+    stats->schedulers = 1;
+    if (!status)
+        return FP3_OK;
+    const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};
+    const fp3_status undone = undo(engine);
+    if (!undone && engine->def.error)
+        *engine->def.error = why;
+    return undone ? undone : status;
+}
