@@ -29,8 +29,13 @@ class Group:
         self.first: int = c.first
         self.objects: int = c.objects
         symbols = c.program.contents.image.contents
-        self.names: Tuple[str, ...] = tuple(symbols.symbols[i].name.decode() for i in range(symbols.symbol_count)
-                                            if symbols.symbols[i].symbol_class in (d.FP3_SYMBOL_STATE, d.FP3_SYMBOL_PARAM))
+        names = [symbols.symbols[i].name.decode() for i in range(symbols.symbol_count)
+                 if symbols.symbols[i].symbol_class in (d.FP3_SYMBOL_STATE, d.FP3_SYMBOL_PARAM)]
+        if c.program.contents.model:  # a word of another group has no value here
+            model = c.program.contents.model.contents
+            foreign = {model.params[i].name.decode() for kind in model.kinds[:model.kind_count] for i in range(kind.first, kind.first + kind.count)}
+            names = [name for name in names if name not in foreign]
+        self.names: Tuple[str, ...] = tuple(names)
 
     def __len__(self) -> int:
         return self.objects

@@ -1,6 +1,9 @@
 """Scenes of groups that see each other, as nobody should write them: refused by name, or right."""
 
+import os
 import re
+import subprocess
+import sys
 
 import pytest
 
@@ -67,3 +70,12 @@ def test_occupancy(scene, groups):
     shares = [(float(share), len(bar)) for share, bar in re.findall(r"(\d+\.\d) %(?:  (#+))?$", done.stdout, re.M)]
     assert shares and all(share <= 100 and bar <= 40 for share, bar in shares)
     assert re.search(r"^  cycles +\d+  100.0 %$", done.stdout, re.M) and "balance" not in done.stdout
+
+
+def test_python_has_no_words_of_others(scene, folder, root, build):
+    """They are params of the program, which hold nothing where own objects are."""
+    scene(("a", "objects = 1;"), ("b", "objects = 2;"))
+    text = "import fp3\ns = fp3.Scene('x.scene')\ns.run(2)\nprint('b_z' in s.groups[0], 'a_z' in s.groups[1], *(g['z'].size for g in s.groups))"
+    done = subprocess.run([sys.executable, "-c", text], cwd=folder, capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "PYTHONPATH": str(root / "python"), "FP3_HOME": str(build)})
+    assert done.stdout == "False False 1 2\n", done.stdout + done.stderr
