@@ -246,12 +246,14 @@ typedef struct {
 } fp3_group;
 
 /* The same with one program per group. Objects are numbered group by group; the groups together
- * must have the engine's number of objects. A scheduler runs one program. Each group gets at least
- * one scheduler; the other schedulers are distributed so that all groups end as early as possible
- * if no object sleeps. The objects of a group are dealt one by one to the lanes of its schedulers.
- * An object that moves to another place keeps its registers and its status. Registers beyond its
- * new record are lost; registers beyond its old record are 0. Constants belong to a group; those of
- * a new group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer
+ * must have the engine's number of objects. Groups of which some read words of others (up to 8
+ * groups) make each step together, phase by phase; cycles of hardware are then those of all groups
+ * in turn. Of other groups, a scheduler runs one program. Each group gets at least one scheduler;
+ * the other schedulers are distributed so that all groups end as early as possible if no object
+ * sleeps. The objects of a group are dealt one by one to the lanes of its schedulers. An object
+ * that moves to another place keeps its registers and its status. Registers beyond its new record
+ * are lost; registers beyond its old record are 0. Constants belong to a group; those of a new
+ * group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer
  * objects than the engine. FP3_E_PROGRAM: as above, or more groups than schedulers. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* The number of groups: 1 before the first load. */
