@@ -266,7 +266,8 @@ static fp3_status check_lives(const reader *r, const config_setting_t *from,
                               const fp3_scene_group *group) {
     const config_setting_t *born = config_setting_get_member(from, "born");
     if (!fp3_lifetime_is_any(group) || !r->machine->interleave || r->machine->sleep ||
-        (group->program && group->program->sees_others))
+        (group->program && group->program->sees_others) ||
+        r->scene->group_count > fp3_config_schedulers(r->machine)) /* they see each other */
         return FP3_OK;
     return fp3_setting_wrong(&r->in, born ? born : config_setting_get_member(from, "gone"),
                              "born, gone: configuration '%s' has no sleep: all its objects make "
@@ -394,11 +395,9 @@ static fp3_status check_h(const reader *r) {
     return r->h_at ? fp3_setting_wrong(&r->in, r->h_at, "no program has an 'h'") : FP3_OK;
 }
 
-/* Whether objects of the first group's model see each other. A model that cannot be read is refused
- * later, when it is compiled. */
-static int sees_others(const reader *r) {
-    const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
-    const config_setting_t *group = list ? config_setting_get_elem(list, 0) : NULL;
+/* Whether objects of a group's model see others. A model that cannot be read is refused later, when
+ * it is compiled. */
+static int does_see_others(const reader *r, const config_setting_t *group) {
     const config_setting_t *at = group && config_setting_is_group(group)
                                      ? config_setting_get_member(group, "program")
                                      : NULL;
@@ -411,6 +410,14 @@ static int sees_others(const reader *r) {
     fp3_model_free(&model);
     free(report);
     free(path);
+    return is;
+}
+
+static int sees_others(const reader *r) {
+    const config_setting_t *list = config_setting_get_member(r->in.root, "groups");
+    int is = 0;
+    for (unsigned i = 0; list && !is && i < (unsigned)config_setting_length(list); i++)
+        is = does_see_others(r, config_setting_get_elem(list, i));
     return is;
 }
 

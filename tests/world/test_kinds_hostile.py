@@ -79,3 +79,18 @@ def test_python_has_no_words_of_others(scene, folder, root, build):
     done = subprocess.run([sys.executable, "-c", text], cwd=folder, capture_output=True, text=True, timeout=60,
                           env={**os.environ, "PYTHONPATH": str(root / "python"), "FP3_HOME": str(build)})
     assert done.stdout == "False False 1 2\n", done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("integrator", ["euler", "rk4"])
+def test_remember_of_one_and_projection_of_the_other(start, folder, integrator):
+    """One has no projection, and its pairs remember behind its last phase: the other's projection sees what it ends its step with."""
+    (folder / "a.ode").write_text("model a\nkind b(x)\nstate x = 0\nlinks l(b, m = 1)\nstep 0.125\nx' = 1\nremember o in l: o.m = o.m + o.x\n")
+    (folder / "b.ode").write_text("model b\nkind a(x)\nstate x = 1\nall s(a)\nstep 0.125\nx' = 0*x\nproject x = x + sum(o in s: o.x)\n")
+    (folder / "l.csv").write_text("a,b\n0,0\n1,1\n")
+    group = '{{ program = "{}.ode"; integrator = "{}"; objects = 2; {} }}'
+    (folder / "x.scene").write_text(f"""steps = 4;
+groups = ( {group.format("a", integrator, 'links = { relation = "l"; file = "l.csv"; };')}, {group.format("b", integrator, "")} );
+""")
+    for engine in ("isa", "fast", "rtl"):
+        done = start("--scene", "x.scene", "--engine", engine, "--all")
+        assert re.findall(r"^x +(\S+)", done.stdout, re.M) == ["0.5", "0.5", "3.5", "3.5"], done.stdout + done.stderr

@@ -139,6 +139,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     if (!status)
         status = fp3_events(&a, error);
     if (!status)
+        fp3_advance_show_end(&a);
+    if (!status)
         status = fp3_remember(&a, error);
     if (!status)
         status = fp3_adaptive_accept(&a, error);

@@ -187,9 +187,22 @@ void fp3_advance_show_start(fp3_advance *a) {
     fp3_advance_show(a, &l);
 }
 
+void fp3_advance_show_end(fp3_advance *a) {
+    const fp3_coupling *c = a->options->coupling;
+    lowering l = {.model = a->step->model,
+                  .g = &a->step->values,
+                  .state = state_after,
+                  .user = a,
+                  .sight = &a->step->sight};
+    for (l.index = a->place_count + 1; c && l.index < FP3_LAST_PLACE; l.index++)
+        if (!(a->step->shown >> l.index & 1))
+            fp3_advance_show(a, &l);
+}
+
 fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error) {
     const fp3_model *model = a->step->model;
-    const uint32_t place = a->place_count + 1 + model->projection_count + model->event_count;
+    const uint32_t place = /* no event of another kind has it */
+        FP3_PLACES + a->place_count + 1 + model->projection_count + model->event_count;
     const fp3_status status = open_at(a, place, 1, l, error);
     strcpy(l->place, "remember");
     return status;
