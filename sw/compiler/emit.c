@@ -49,6 +49,10 @@ static void put_state(const fp3_step *step, FILE *out, const variable *v, const 
         put_declaration(out, ".state", name, "steps made: t is this times h");
         return;
     }
+    if (v->role == ROLE_STOPPED) {
+        put_declaration(out, ".state", name, "1: an event has stopped the object");
+        return;
+    }
     if (v->role == ROLE_SLEPT) {
         put_declaration(out, ".state", name, "the step after which the object sleeps; 0: awake");
         return;

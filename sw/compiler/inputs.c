@@ -35,7 +35,7 @@ static fp3_status add(input_list *l, const char *name, fp3_input what, fp3_error
 
 static char *variable_formula(const fp3_step *step, const variable *v) {
     char *text = NULL;
-    if (v->role == ROLE_STEPS)
+    if (v->role == ROLE_STEPS || v->role == ROLE_STOPPED)
         return strdup("0");
     const char *name = step->model->states[v->state].name;
     if (asprintf(&text,
@@ -50,7 +50,9 @@ static char *variable_formula(const fp3_step *step, const variable *v) {
     return text;
 }
 
-static char *variable_rule(const variable *v) { return v->role == ROLE_LOST ? strdup("0") : NULL; }
+static char *variable_rule(const variable *v) {
+    return v->role == ROLE_LOST || v->role == ROLE_STOPPED ? strdup("0") : NULL;
+}
 
 static fp3_input variable_input(const fp3_step *step, const variable *v) {
     const int is_before =

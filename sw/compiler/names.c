@@ -123,6 +123,8 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
         snprintf(wanted, sizeof wanted, "%s", FP3_NAME_STEPS);
     else if (v->role == ROLE_SLEPT)
         snprintf(wanted, sizeof wanted, "slept");
+    else if (v->role == ROLE_STOPPED)
+        snprintf(wanted, sizeof wanted, "stopped");
     else if (v->role == ROLE_CARRIED)
         snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
     else if (v->role == ROLE_LIST)

@@ -244,9 +244,11 @@ static fp3_status check_adaptive(const fitting *f, fp3_error *error) {
                     f->integrator->name);
 }
 
-/* An object that stops makes no more steps, and the others do. */
+/* An object that stops makes no more steps, and the others do. Where objects see each other none
+ * can choose its own end: then one that has stopped makes steps that change nothing. */
 static fp3_status check_stop(const fitting *f, fp3_error *error) {
-    for (uint32_t i = 0; !f->fit->control && i < f->model->event_count; i++)
+    const int is_together = f->model->relation_count > 0;
+    for (uint32_t i = 0; !f->fit->control && !is_together && i < f->model->event_count; i++)
         if (f->model->events[i].stops)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "line %" PRIu32 ": `stop` needs each object to choose its own end: "

@@ -251,6 +251,8 @@ static void add_seen(lowering *l, uint32_t state, uint32_t node) {
         sight->list = list;
         sight->room = room;
     }
+    if (sight->stopped != FP3_NONE && node != sight->start[state])
+        node = sel(l->g, sight->stopped, sight->start[state], node);
     sight->list[sight->count++] = (fp3_seen){l->index, state, node};
 }
 

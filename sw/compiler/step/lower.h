@@ -10,6 +10,8 @@
 #include "compiler/value/term.h"
 #include "notes.h"
 
+#define FP3_SEEN_STATES 64
+
 /* What neighbours see of an object at a place: a state, and the node of its value there. */
 typedef struct {
     uint32_t place, state, node;
@@ -18,7 +20,11 @@ typedef struct {
 typedef struct {
     fp3_seen *list;
     uint32_t count, room;
-    int has_failed; /* out of memory */
+    /* Node: the object has stopped, and shows what it had when the step began, wherever it is in a
+     * step that it does not make; FP3_NONE: none does. */
+    uint32_t stopped;
+    uint32_t start[FP3_SEEN_STATES]; /* node of each state then */
+    int has_failed;                  /* out of memory */
 } fp3_sight;
 
 /* Expressions at one place: a stage or a substep of one step. */

@@ -10,6 +10,7 @@ fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_optio
     *step = (fp3_step){.model = model,
                        .notes = {.is_on = options->has_notes},
                        .tested = FP3_NONE,
+                       .sight.stopped = FP3_NONE,
                        .kept_place = FP3_NONE,
                        .coupling = options->coupling,
                        .phases = 1};

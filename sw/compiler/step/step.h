@@ -20,6 +20,7 @@ typedef enum {
     ROLE_BEFORE,      /* the state one step ago */
     ROLE_LOST_BEFORE, /* what was lost one step ago */
     ROLE_STEPS,       /* how many steps were made: t is that times h */
+    ROLE_STOPPED,     /* fixed steps: 1: an event has stopped the object; 0: none has */
     ROLE_SLEPT,       /* adaptive steps: written by `sleep`; 0: awake */
     ROLE_LOW, /* the second word of a state: of all in double-single, of t with adaptive steps */
     ROLE_LOW_BEFORE, /* and of the state one step ago */
