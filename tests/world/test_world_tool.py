@@ -46,10 +46,10 @@ def test_what_goes_with_what(measured, root, build, tmp_path, monkeypatch):
     page = (root / "docs/relations.md").read_text()
     assert combinations.page(page, measured["combinations"]) == page, "make combinations"
     states = {(row["relation"], row["feature"], row["engine"]): row["state"] for row in measured["combinations"]}
-    assert all(states[relation, "integrator `leapfrog`", engine] == "works" for relation in ("links", "near", "all", "several") for engine in ("isa", "fast", "rtl"))
+    assert all(states[relation, "integrator `leapfrog`", engine] == "works" for relation in ("links", "near", "all", "several", "kinds") for engine in ("isa", "fast", "rtl"))
     longer = combinations.Feature("longer", trial=lambda cell: cell.words("--steps", 8 + (cell.engine == "fast")), engines=("isa", "fast"))
     rows = combinations.measure(build / "fp3", tmp_path, lambda said: None, [longer])
-    assert [(row["relation"], row["engine"]) for row in combinations.wrong(rows)] == [(relation, "fast") for relation in ("links", "near", "all", "several")]
+    assert [(row["relation"], row["engine"]) for row in combinations.wrong(rows)] == [(relation, "fast") for relation in ("links", "near", "all", "several", "kinds")]
 
 
 def test_the_chip_has_cycles(measured):
