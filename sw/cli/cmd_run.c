@@ -278,8 +278,8 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
     if (!status && fp3_run_record_has_snapshots(&o->record) && scene->group_count != 1)
         return fp3_fail_at(
             error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
-            "--output, --plot: the scene has %zu groups with different states: record a scene of "
-            "one group",
+            "--output, --plot: the scene has %zu groups, and a recording has the states of one "
+            "model: record a scene of one group",
             scene->group_count);
     return status;
 }

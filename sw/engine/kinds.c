@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* kinds.c - see kinds.h. */
+#include "kinds.h"
+
 #include "kinds_inside.h"
 
 #include "gen/registers.h"

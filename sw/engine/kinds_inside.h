@@ -3,7 +3,7 @@
 #ifndef FP3_KINDS_INSIDE_H
 #define FP3_KINDS_INSIDE_H
 
-#include "kinds.h"
+#include "engine/common/backend.h"
 
 #define FP3_NO_OBJECT_ROW UINT32_MAX
 
@@ -32,10 +32,10 @@ typedef struct {
     } teller;
 } fp3_kind_engine;
 
-struct fp3_kinds {
+typedef struct fp3_kinds {
     fp3_backend backend;
     const fp3_backend *usual;
-    fp3_kinds_load_fn *load;
+    fp3_status (*load)(fp3_engine *own, const fp3_image *image);
     fp3_kind_engine kinds[FP3_KINDS_MAX];
     uint32_t count;
     uint32_t *place; /* of each object: its row in the engine of its group; FP3_NO_OBJECT_ROW: it
@@ -45,7 +45,7 @@ struct fp3_kinds {
     uint32_t *held;      /* columns of all objects, a register each and then the status: what those
                             hold that do not live; NULL: all live */
     uint32_t *words;     /* of one register of any group */
-};
+} fp3_kinds;
 
 static inline fp3_kinds *fp3_kinds_of(const fp3_engine *engine) { return engine->self; }
 

@@ -417,8 +417,9 @@ fp3_status fp3_relations_check(const fp3_relations *r, const char *how, fp3_erro
             continue;
         say_columns(model, &model->relations[i], columns);
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "objects are linked by '%s' (line %" PRIu32
+                        "%sobjects are linked by '%s' (line %" PRIu32
                         " of the model), and no links are given: %s, with columns %s",
+                        fp3_engine_prefix(r->to.group, fp3_engine_groups(r->to.engine)).text,
                         model->relations[i].name, model->relations[i].line, how, columns);
     }
     for (uint32_t i = 0; !model && i < lists->shape.list_count; i++) {

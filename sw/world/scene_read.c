@@ -316,22 +316,6 @@ static fp3_status check_count(const reader *r, const config_setting_t *list) {
                              count, r->machine->name, schedulers, schedulers == 1 ? "" : "s");
 }
 
-/* More groups than schedulers are for groups that see each other. */
-static fp3_status check_joined(const reader *r, const config_setting_t *list) {
-    const uint32_t schedulers = fp3_config_schedulers(r->machine);
-    uint32_t kinds = 0;
-    for (size_t i = 0; i < r->scene->group_count; i++)
-        kinds +=
-            r->scene->groups[i].program->model ? r->scene->groups[i].program->model->kind_count : 0;
-    if (kinds || r->scene->group_count <= schedulers)
-        return FP3_OK;
-    return fp3_setting_wrong(&r->in, list,
-                             "found %zu groups that do not see each other (no model has a `kind`): "
-                             "configuration '%s' has %" PRIu32 " scheduler%s, each for one program",
-                             r->scene->group_count, r->machine->name, schedulers,
-                             schedulers == 1 ? "" : "s");
-}
-
 /* Programs of groups that see each other are compiled again, to make their phases together. */
 static fp3_status join(const reader *r, const config_setting_t *list) {
     const fp3_scene *scene = r->scene;
@@ -347,6 +331,24 @@ static fp3_status join(const reader *r, const config_setting_t *list) {
     return status
                ? fp3_fail_at(r->error, status, r->path, fp3_setting_line(list), 0, "%s", why.text)
                : FP3_OK;
+}
+
+/* More groups than schedulers are for groups that see each other. */
+static fp3_status check_joined(const reader *r, const config_setting_t *list) {
+    const uint32_t schedulers = fp3_config_schedulers(r->machine);
+    int is_joined = 0;
+    for (size_t i = 0; i < r->scene->group_count; i++) {
+        const fp3_compiled *compiled = r->scene->groups[i].program->compiled;
+        is_joined |= compiled && compiled->looks;
+    }
+    if (is_joined || r->scene->group_count <= schedulers)
+        return FP3_OK;
+    return fp3_setting_wrong(&r->in, list,
+                             "found %zu groups that do not see each other (no sum of a model goes "
+                             "over objects of a `kind`): configuration '%s' has %" PRIu32
+                             " scheduler%s, each for one program",
+                             r->scene->group_count, r->machine->name, schedulers,
+                             schedulers == 1 ? "" : "s");
 }
 
 static fp3_status read_groups(reader *r) {
@@ -370,9 +372,9 @@ static fp3_status read_groups(reader *r) {
     for (size_t i = 0; !status && i < count; i++)
         status = read_group(r, config_setting_get_elem(list, (unsigned)i), &scene->groups[i]);
     if (!status)
-        status = check_joined(r, list);
-    if (!status)
         status = join(r, list);
+    if (!status)
+        status = check_joined(r, list);
     for (size_t i = 0; !status && i < count; i++)
         status = check_lives(r, config_setting_get_elem(list, (unsigned)i), &scene->groups[i]);
     return status ? status : fp3_scene_adaptive_check(&r->in, list, scene);

@@ -143,7 +143,7 @@ def test_somewhere_it_must_be_written(start, arguments):
 
 def test_a_scene_of_several_groups_is_refused(start, root):
     done = start("--scene", root / "programs/mixed.scene", code=2)
-    assert "mixed.scene:13: --output, --plot: the scene has 2 groups with different states" in done.stderr
+    assert "mixed.scene:13: --output, --plot: the scene has 2 groups, and a recording" in done.stderr
 
 
 # ---- files ----

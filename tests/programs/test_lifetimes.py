@@ -217,4 +217,4 @@ def test_where_lifetimes_cannot_be(root, scene, tmp_path):
     # Several groups have columns of their own.
     text = file("array", 4, group("decay.ode", 4), group("decay.ode", 3))
     done = scene(text, "--output", "y.csv", code=2)
-    assert "x.scene:2: --output, --plot: the scene has 2 groups with different states" in done.stderr and not (tmp_path / "y.csv").exists()
+    assert "x.scene:2: --output, --plot: the scene has 2 groups, and a recording" in done.stderr and not (tmp_path / "y.csv").exists()

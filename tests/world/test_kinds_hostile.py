@@ -94,3 +94,13 @@ groups = ( {group.format("a", integrator, 'links = { relation = "l"; file = "l.c
     for engine in ("isa", "fast", "rtl"):
         done = start("--scene", "x.scene", "--engine", engine, "--all")
         assert re.findall(r"^x +(\S+)", done.stdout, re.M) == ["0.5", "0.5", "3.5", "3.5"], done.stdout + done.stderr
+
+
+def test_messages_name_the_group(scene):
+    done, _ = scene(("a", "objects = 1;"), ("b", "objects = 1;"), b=B.replace("all s(a)", "links s(a)"))
+    refused(done, "group 1: objects are linked by 's' (line 5 of the model), and no links are given")
+
+
+def test_a_kind_that_no_sum_uses(scene):
+    done, _ = scene(("a", "objects = 1;"), ("b", "objects = 1;"), a="model a\nkind b(z)\nstate z = 0\nall s(b)\nstep 0.25\nz' = 1\n", b="model b\nstate z = 0\nstep 0.25\nz' = 1\n")
+    refused(done, "found 2 groups that do not see each other (no sum of a model goes over objects of a `kind`)")

@@ -14,10 +14,4 @@ fp3_status fp3_engine_check_loaded(fp3_engine *engine);
 /* FP3_E_ARGUMENT: some list of neighbours has not been given. */
 fp3_status fp3_engine_check_neighbours(fp3_engine *engine);
 
-/* "" if there is one group, "group N: " if there are several: messages about a group begin so. */
-typedef struct {
-    char text[32];
-} fp3_prefix;
-fp3_prefix fp3_engine_prefix(size_t group, size_t count);
-
 #endif

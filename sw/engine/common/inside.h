@@ -75,6 +75,12 @@ const fp3_layout *fp3_engine_layout(const fp3_engine *engine);
  * is none. */
 uint64_t fp3_engine_states_of(const fp3_members *group);
 
+/* "" if there is one group, "group N: " if there are several: messages about a group begin so. */
+typedef struct {
+    char text[32];
+} fp3_prefix;
+fp3_prefix fp3_engine_prefix(size_t group, size_t count);
+
 /* Whether some objects do not live always. */
 int fp3_engine_has_lives(const fp3_engine *engine);
 /* What fp3_engine_live said of an object. */
