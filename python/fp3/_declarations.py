@@ -837,6 +837,7 @@ class fp3_recording_def(Structure):
         ("plot", c_char_p),
         ("observed", POINTER(c_char_p)),
         ("observed_count", c_size_t),
+        ("group", c_size_t),
         ("steps", c_uint64),
         ("every", c_uint64),
         ("times", c_void_p),

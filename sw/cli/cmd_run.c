@@ -49,13 +49,17 @@ static void warn(const fp3_run_options *o, const fp3_run_task *of) {
 /* A scene of one group is one program. */
 static fp3_status record(fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
                          fp3_cost *cost, fp3_error *error) {
-    const int is_one = !of->scene || of->scene->group_count == 1;
-    const fp3_program *program = !is_one     ? NULL
-                                 : of->scene ? of->scene->groups[0].program
-                                             : of->program;
-    const fp3_params *params = of->scene ? of->scene->groups[0].params : o->values.params;
     fp3_recording_def *def = &o->record.def;
-    fp3_status status = is_one ? FP3_OK : fp3_split_check_scene(of->scene, "checkpoints", error);
+    const int is_one = !of->scene || of->scene->group_count == 1,
+              has_snapshots = fp3_run_record_has_snapshots(&o->record);
+    const fp3_program *program = !is_one && !has_snapshots ? NULL
+                                 : of->scene               ? of->scene->groups[def->group].program
+                                                           : of->program;
+    const fp3_params *params = of->scene ? of->scene->groups[def->group].params : o->values.params;
+    fp3_status status =
+        is_one
+            ? FP3_OK
+            : fp3_split_check_scene(of->scene, has_snapshots ? "snapshots" : "checkpoints", error);
     if (!status && def->times && !o->has_steps && !fp3_run_is_adaptive(of))
         status =
             fp3_recording_steps(program, params, def->times, def->time_count, &o->steps, error);
@@ -259,8 +263,30 @@ static fp3_status check_files(fp3_run_options *o, fp3_error *error) {
     return fp3_files_check(&o->files, error);
 }
 
-static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *o,
-                                 fp3_error *error) {
+/* Which group is recorded. */
+static fp3_status find_group(const fp3_scene *scene, fp3_run_options *o, fp3_error *error) {
+    const int has_snapshots = fp3_run_record_has_snapshots(&o->record);
+    size_t found = scene->group_count, count = 0;
+    for (size_t i = 0; o->group && i < scene->group_count; i++)
+        if (scene->groups[i].name && strcmp(scene->groups[i].name, o->group) == 0) {
+            found = i;
+            count++;
+        }
+    o->record.def.group = count == 1 ? found : 0;
+    if (o->group && (count != 1 || !has_snapshots))
+        return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
+                           has_snapshots ? "--group %s: %zu groups have this name, expected one"
+                                         : "--group %s: nothing is recorded (--output, --plot)",
+                           o->group, count);
+    if (has_snapshots && scene->group_count != 1 && !o->group)
+        return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
+                           "--output, --plot: the scene has %zu groups, and a recording has the "
+                           "states of one model: --group says which",
+                           scene->group_count);
+    return FP3_OK;
+}
+
+static fp3_status check_files_of(const fp3_scene *scene, fp3_run_options *o, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < scene->group_count; i++) {
         fp3_files files = {0};
@@ -275,13 +301,7 @@ static fp3_status check_files_of(const fp3_scene *scene, const fp3_run_options *
         fp3_files_write(&files, "--checkpoint", o->record.def.checkpoint);
         status = fp3_files_check(&files, error);
     }
-    if (!status && fp3_run_record_has_snapshots(&o->record) && scene->group_count != 1)
-        return fp3_fail_at(
-            error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->line, 0,
-            "--output, --plot: the scene has %zu groups, and a recording has the states of one "
-            "model: record a scene of one group",
-            scene->group_count);
-    return status;
+    return status ? status : find_group(scene, o, error);
 }
 
 /* As many objects as are linked, if nothing says how many. */

@@ -48,13 +48,13 @@ static void find_reach(const fp3_list *list, const fp3_image *image, fp3_around_
 
 fp3_status fp3_around_find(const fp3_source *source, fp3_around *around, fp3_error *error) {
     const fp3_image *image = source->program->image;
-    const fp3_lists *lists = &fp3_engine_layout(source->engine)->groups[0].lists;
+    const fp3_lists *lists = &fp3_engine_layout(source->engine)->groups[source->group].lists;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
         const fp3_list *list = &lists->lists[i];
         const char *name = fp3_image_name(image, list->reg);
         fp3_around_list *found = &around->lists[around->count];
-        if (!name || !list->is_there || list->is_all)
+        if (!name || !list->is_there || list->is_all || list->kind) /* of its own objects */
             continue;
         around->count++;
         snprintf(found->name, sizeof found->name, "%s", name);

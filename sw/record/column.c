@@ -218,14 +218,15 @@ static fp3_status read_sum(const fp3_columns *columns, const fp3_column *column,
 
 fp3_status fp3_columns_read(fp3_columns *columns, const fp3_source *source, uint64_t step,
                             size_t first, size_t count) {
+    const size_t at = source->first + first;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < columns->count; i++)
         if (columns->list[i].kind == FP3_COLUMN_LIFE)
-            tell_lives(source->engine, first, count, columns->list[i].values);
+            tell_lives(source->engine, at, count, columns->list[i].values);
         else if (columns->list[i].kind == FP3_COLUMN_SUM)
-            status = read_sum(columns, &columns->list[i], source->engine, first, count);
+            status = read_sum(columns, &columns->list[i], source->engine, at, count);
         else if (columns->list[i].kind != FP3_COLUMN_COMPUTED)
-            status = fp3_engine_read(source->engine, first, count, columns->list[i].reg,
+            status = fp3_engine_read(source->engine, at, count, columns->list[i].reg,
                                      columns->list[i].values);
     if (status || !columns->evaluator)
         return status;

@@ -147,18 +147,18 @@ fp3_status fp3_evaluator_begin(fp3_evaluator *e, const fp3_source *source, fp3_e
 
 fp3_status fp3_evaluator_read(fp3_evaluator *e, const fp3_source *source, uint64_t step,
                               size_t first, size_t count) {
+    const size_t at = source->first + first;
     fp3_status status = FP3_OK;
     e->first = first;
     e->t = (double)step * e->h;
     for (uint32_t i = 0; !status && i < e->model->state_count; i++)
         if (e->states[i])
-            status = fp3_engine_read(source->engine, first, count, e->reg[i], e->states[i]);
+            status = fp3_engine_read(source->engine, at, count, e->reg[i], e->states[i]);
     for (uint32_t i = 0; !status && i < e->model->state_count; i++)
         if (e->low[i])
-            status =
-                fp3_engine_read(source->engine, first, count, (uint32_t)e->low_reg[i], e->low[i]);
+            status = fp3_engine_read(source->engine, at, count, (uint32_t)e->low_reg[i], e->low[i]);
     if (!status && e->made)
-        status = fp3_engine_read(source->engine, first, count, (uint32_t)e->steps, e->made);
+        status = fp3_engine_read(source->engine, at, count, (uint32_t)e->steps, e->made);
     return status;
 }
 

@@ -64,15 +64,10 @@ fp3_status fp3_recording_steps(const fp3_program *program, const fp3_params *par
 
 /* ---- opening ---- */
 
-static fp3_status check(const fp3_recording_def *def, const fp3_engine *engine, fp3_error *error) {
+static fp3_status check(const fp3_recording_def *def, fp3_error *error) {
     const int is_recorded = def->path || def->plot;
     if (!is_recorded && !def->checkpoint && !def->restart && !def->expected)
         return fp3_fail(error, FP3_E_ARGUMENT, "no file to record to");
-    if (fp3_engine_groups(engine) != 1 && is_recorded)
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "a recording is of one program: %zu groups have columns of their "
-                        "own",
-                        fp3_engine_groups(engine));
     if (def->times && def->every)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "snapshots are at times or after every N steps: "
@@ -240,7 +235,10 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
     *recording = NULL;
     fp3_status status = fp3_definition_check(def, sizeof *def, "fp3_recording_def", error);
     if (!status)
-        status = check(def, engine, error);
+        status = check(def, error);
+    if (!status && def->group >= fp3_engine_groups(engine))
+        status = fp3_fail(error, FP3_E_ARGUMENT, "group %zu: the engine has %zu", def->group,
+                          fp3_engine_groups(engine));
     if (!status)
         status = agree(def, engine);
     if (status)
@@ -248,10 +246,13 @@ fp3_status fp3_recording_open(const fp3_recording_def *def, const fp3_program *p
     fp3_recording *r = calloc(1, sizeof *r);
     if (!r)
         return fp3_no_memory(error);
+    const fp3_members *group = &fp3_engine_layout(engine)->groups[def->group];
     r->source = (fp3_source){.program = program,
                              .params = params,
                              .engine = engine,
-                             .objects = fp3_engine_objects(engine)};
+                             .group = def->group,
+                             .first = group->first,
+                             .objects = group->rows};
     status = prepare(r, def, error);
     if (!status)
         status = add_sinks(r, def, error);

@@ -9,10 +9,10 @@ typedef struct {
     const fp3_program *program;
     const fp3_params *params; /* that the program was loaded with */
     fp3_engine *engine;
-    size_t objects; /* of the engine */
-    int has_time;   /* the program has a time step: */
-    double h;       /* in double what it has in FP32, or in double-single */
-    double h_given; /* before it was rounded */
+    size_t group, first, objects; /* the group that is recorded, and its objects of the engine */
+    int has_time;                 /* the program has a time step: */
+    double h;                     /* in double what it has in FP32, or in double-single */
+    double h_given;               /* before it was rounded */
 } fp3_source;
 
 /* Asks params and the engine for h. */

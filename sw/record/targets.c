@@ -16,7 +16,7 @@ static fp3_status read_ends(const fp3_source *source, double first, fp3_targets 
     for (size_t done = 0, now; !status && done < source->objects; done += now) {
         fp3_adaptive_object o[BLOCK];
         now = source->objects - done < BLOCK ? source->objects - done : BLOCK;
-        status = fp3_adaptive_look_all(source->engine, done, now, o);
+        status = fp3_adaptive_look_all(source->engine, source->first + done, now, o);
         for (size_t i = 0; !status && i < now; i++) {
             const double start = (double)o[i].t + (double)o[i].t_low;
             targets->until[done + i] = o[i].until;
@@ -67,9 +67,10 @@ fp3_status fp3_targets_set(const fp3_targets *targets, const fp3_source *source,
     for (size_t i = 0; i < count; i++)
         targets->next[i] = fminf((float)targets->times[number], targets->until[i]);
     fp3_status status =
-        is_shared ? fp3_engine_write_shared(source->engine, until->index, 1, targets->next)
-                  : fp3_engine_write(source->engine, 0, count, until->index, targets->next);
+        is_shared
+            ? fp3_engine_write_shared(source->engine, until->index, 1, targets->next)
+            : fp3_engine_write(source->engine, source->first, count, until->index, targets->next);
     if (status || !fp3_engine_config(source->engine)->sleep)
         return status;
-    return fp3_engine_wake(source->engine, 0, source->objects);
+    return fp3_engine_wake(source->engine, source->first, source->objects);
 }

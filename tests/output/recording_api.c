@@ -90,7 +90,8 @@ static void refuse_groups(const fp3_program *program, const fp3_params *params,
     def.path = "api.csv";
     unlink("api.csv");
     CHECK(!fp3_engine_load_groups(engine, groups, 2));
-    refused(def, program, params, engine, "2 groups have columns of their own");
+    def.group = 2;
+    refused(def, program, params, engine, "group 2: the engine has 2");
 }
 
 int main(int argc, char **argv) {

@@ -230,3 +230,25 @@ def test_who_is_gone_stays_where_it_was(words, rods, folder):
     early = words(put(folder, text.replace("steps = 24;", "steps = 4;")), "isa", "world", 1)
     first_nut = [i for i, one in enumerate(early) if one[2] == "17"]
     assert [found[0][i] for i in first_nut] == [early[i] for i in first_nut] and found[0][:24] != words(put(folder, text), "isa", "world", 1)[:24]
+
+
+def test_recordings_have_one_group(words, start, folder):
+    """Snapshots of either group, in its own order; the file is verified by the same command."""
+    for group, first, count in (("players", 0, 20), ("balls", 20, 200)):
+        done = start("--scene", "players.scene", "--steps", 40, "--output", "x.csv", "--every", 20, "--group", group, "--observe", "x_x,v_y")
+        assert done.returncode == 0, done.stderr
+        head, *rows = [line.split(",") for line in (folder / "x.csv").read_text().splitlines()]
+        assert [row[0] for row in rows] == ["0"] * count + ["20"] * count + ["40"] * count and [row[2] for row in rows[:count]] == [str(i) for i in range(count)]
+        for step, part in ((20, rows[count:2 * count]), (40, rows[2 * count:])):
+            said = words("players.scene", "isa", "world", 1, "--steps", step)
+            for column, name in ((3, "x_x"), (4, "v_y")):
+                wanted = numbers([one for one in said if one[0] == name])[first:first + count]
+                assert [np.float32(row[column]) for row in part] == list(wanted.astype(np.float32))
+
+
+@pytest.mark.parametrize("options, said", [
+    (("--output", "y.csv"), "--group says which"), (("--output", "y.csv", "--group", "cats"), "--group cats: 0 groups have this name, expected one"),
+    (("--group", "balls"), "--group balls: nothing is recorded")])
+def test_recordings_refused(start, folder, options, said):
+    done = start("--scene", "players.scene", *options)
+    assert done.returncode == 2 and said in done.stderr and not (folder / "y.csv").exists()

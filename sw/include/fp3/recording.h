@@ -43,6 +43,7 @@ typedef struct {
      * the model, or all states of another program. */
     const char *const *observed;
     size_t observed_count;
+    size_t group;   /* of the engine: the one whose objects are recorded; default 0 */
     uint64_t steps; /* of the run, as for fp3_engine_run; default 1 */
     /* Without times: a snapshot before the run, after each `every` steps, and at the end. 0
      * (default): only the first and the last; some 1000 for a picture. */
