@@ -15,7 +15,7 @@ void fp3_kinds_free(fp3_kinds **kinds) {
     fp3_kinds *self = *kinds;
     if (!self)
         return;
-    for (uint32_t i = 0; i < FP3_KINDS_MAX; i++) {
+    for (uint32_t i = 0; i < FP3_JOINED_MAX; i++) {
         fp3_engine_close(&self->kinds[i].own);
         free(self->kinds[i].words);
     }
@@ -100,7 +100,7 @@ static fp3_status find_words(const fp3_engine *engine, const fp3_layout *layout,
 /* Where guests stand: group by group, behind the own objects. */
 static void place_guests(const fp3_kinds *self, fp3_kind_engine *k) {
     k->rows = k->living;
-    for (uint32_t i = 0; i < FP3_KINDS_MAX; i++)
+    for (uint32_t i = 0; i < FP3_JOINED_MAX; i++)
         k->base[i] = FP3_NO_OBJECT_ROW;
     for (uint32_t i = 0; i < k->word_count; i++) {
         const uint32_t from = k->words[i].from;
@@ -192,24 +192,42 @@ static fp3_status give_back(fp3_engine *engine) {
     return status;
 }
 
-/* Others live: each group gets another engine, for these. */
-static fp3_status form_again(fp3_engine *engine, const char *lives) {
-    fp3_kinds *self = fp3_kinds_of(engine);
-    uint32_t *held =
-        calloc((engine->config->registers + (size_t)1) * engine->objects, sizeof *held);
-    fp3_status status = held ? hold(engine, held) : fp3_no_memory(engine->def.error);
-    if (status) {
-        free(held);
-        return status;
-    }
-    free(self->held);
-    self->held = held;
+static void close_engines(fp3_kinds *self) {
     for (uint32_t i = 0; i < self->count; i++)
         fp3_engine_close(&self->kinds[i].own);
-    place_objects(self, &engine->layout, lives);
-    for (uint32_t i = 0; !status && i < self->count; i++)
-        status = open_one(engine, self, &engine->layout, i);
-    return status ? status : give_back(engine);
+    free(self->place);
+    free(self->who);
+    free(self->held);
+}
+
+/* Others live: each group gets another engine, for these. After a failure it has the old ones. */
+static fp3_status form_again(fp3_engine *engine, const char *lives) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    fp3_kinds other = *self;
+    const size_t objects = engine->objects;
+    other.place = malloc((objects + 1) * sizeof *other.place);
+    other.who = malloc((objects + 1) * sizeof *other.who);
+    other.held = calloc((engine->config->registers + (size_t)1) * objects, sizeof *other.held);
+    for (uint32_t i = 0; i < self->count; i++)
+        other.kinds[i].own = NULL;
+    fp3_status status = other.place && other.who && other.held ? hold(engine, other.held)
+                                                               : fp3_no_memory(engine->def.error);
+    const fp3_kinds old = *self;
+    if (!status) {
+        other.bus_before = engine->bus;
+        *self = other; /* engines keep the addresses of what is in it */
+        place_objects(self, &engine->layout, lives);
+        for (uint32_t i = 0; !status && i < self->count; i++)
+            status = open_one(engine, self, &engine->layout, i);
+        if (!status)
+            status = give_back(engine);
+        other = *self;
+    }
+    fp3_kinds gone = status ? other : old;
+    close_engines(&gone);
+    if (status)
+        *self = old;
+    return status;
 }
 
 /* Before a run, or a part of one. */
@@ -260,29 +278,32 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual) {
                 : FP3_OK;
 }
 
-static int has_room(const fp3_engine *engine, fp3_kinds *self) {
+static int has_room(const fp3_engine *engine, uint32_t count, fp3_kinds *self) {
     const size_t objects = engine->objects, registers = engine->config->registers;
     self->place = malloc((objects + 1) * sizeof *self->place);
     self->who = malloc((objects + 1) * sizeof *self->who);
     self->words = malloc((objects + 1) * sizeof *self->words);
-    self->constants = calloc(self->count * registers, sizeof *self->constants);
+    self->count = count;
+    self->constants = calloc(count * registers, sizeof *self->constants);
     return self->place && self->who && self->words && self->constants;
 }
 
 fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kinds_load_fn *load,
                           fp3_layout *layout, uint32_t *group, fp3_kinds **kinds) {
     fp3_status status = check(engine, usual);
+    *group = layout->count;
     fp3_kinds *self = *kinds = status ? NULL : calloc(1, sizeof *self);
-    if (!self)
+    if (!self || !has_room(engine, layout->count, self)) {
+        fp3_kinds_free(kinds);
         return status ? status : fp3_no_memory(engine->def.error);
+    }
     self->backend = divided_by_kind;
     self->backend.is = usual->is;
     self->backend.is_in_host = usual->is_in_host;
     self->backend.is_uncounted = usual->is_uncounted;
     self->usual = usual;
     self->load = load;
-    self->count = layout->count;
-    status = has_room(engine, self) ? FP3_OK : fp3_no_memory(engine->def.error);
+    self->bus_before = engine->bus;
     for (*group = 0; !status && *group < layout->count; *group += !status)
         status = find_words(engine, layout, *group, &self->kinds[*group]);
     if (!status)

@@ -18,8 +18,9 @@ typedef struct fp3_kinds fp3_kinds;
 typedef fp3_status fp3_kinds_load_fn(fp3_engine *own, const fp3_image *image);
 
 /* For the groups of a layout that see each other; usual: the backend of each. FP3_E_PROGRAM:
- * something does not go with it, or as `load`; *group is then the one that it is about. *kinds is
- * NULL after a failure. */
+ * something does not go with it, or as `load`; FP3_E_ARGUMENT: there is no such foreign word.
+ * *group is the one that a failure is about, or layout->count where it is about all. *kinds is NULL
+ * after a failure. */
 fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kinds_load_fn *load,
                           fp3_layout *layout, uint32_t *group, fp3_kinds **kinds);
 void fp3_kinds_free(fp3_kinds **kinds);

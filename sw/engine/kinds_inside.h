@@ -19,10 +19,11 @@ typedef struct {
 
 /* A group: an engine for its objects that live, and guests behind them. */
 typedef struct {
-    fp3_engine *own;              /* NULL: none of its objects lives */
-    uint32_t living;              /* how many do */
-    uint32_t base[FP3_KINDS_MAX]; /* of each group: the row of its first guest, or FP3_NO_OBJECT_ROW
-                                   */
+    fp3_engine *own; /* NULL: none of its objects lives */
+    uint32_t living; /* how many do */
+    uint32_t
+        base[FP3_JOINED_MAX]; /* of each group: the row of its first guest, or FP3_NO_OBJECT_ROW
+                               */
     fp3_foreign_word *words;
     uint32_t word_count;
     uint32_t rows, phases;
@@ -36,8 +37,9 @@ typedef struct fp3_kinds {
     fp3_backend backend;
     const fp3_backend *usual;
     fp3_status (*load)(fp3_engine *own, const fp3_image *image);
-    fp3_kind_engine kinds[FP3_KINDS_MAX];
+    fp3_kind_engine kinds[FP3_JOINED_MAX];
     uint32_t count;
+    fp3_bus_use bus_before; /* use by engines that are gone */
     uint32_t *place; /* of each object: its row in the engine of its group; FP3_NO_OBJECT_ROW: it
                         does not live */
     uint32_t *who;   /* group by group: the objects that live, by their numbers in all groups */

@@ -6,10 +6,10 @@
 #include <string.h>
 
 /* Rows among which neighbours are. */
-static void limit(const fp3_engine *engine, const fp3_kind_engine *k, uint32_t number,
-                  fp3_list *own) {
-    const uint32_t other = own->kind ? own->kind - 1 : number;
-    own->first = own->kind ? k->base[other] : 0;
+static void limit(const fp3_engine *engine, uint32_t number, uint32_t kind, fp3_list *own) {
+    const fp3_kind_engine *k = &fp3_kinds_of(engine)->kinds[number];
+    const uint32_t other = kind ? kind - 1 : number;
+    own->first = kind ? k->base[other] : 0;
     own->end = own->first + fp3_kinds_of(engine)->kinds[other].living;
     own->own = k->living;
 }
@@ -117,11 +117,9 @@ static fp3_status give_list(fp3_engine *engine, uint32_t number, const fp3_list 
     fp3_members *members = &k->own->layout.groups[0];
     fp3_list *own = &members->lists.lists[list - group->lists.lists];
     fp3_status status = FP3_OK;
-    own->kind = list->kind;
-    limit(engine, k, number, own);
+    limit(engine, number, list->kind, own);
     if (list->is_near) {
-        fp3_list_take_near(own, &list->near);
-        own->kind = list->kind;
+        fp3_list_take_near(own, &list->near, list->kind);
         if (fp3_list_remembers(list))
             status = give_memory(engine, k, list, own);
     } else if (list->is_all)

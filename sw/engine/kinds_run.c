@@ -8,6 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void count_bus(fp3_engine *engine) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    engine->bus = self->bus_before;
+    for (uint32_t i = 0; i < self->count; i++) {
+        const fp3_engine *own = self->kinds[i].own;
+        engine->bus.transfers += own ? own->bus.transfers : 0;
+        engine->bus.cycles += own ? own->bus.cycles : 0;
+    }
+}
+
 /* ---- words: of objects that live from the engine of their group, of others as they were held ----
  */
 
@@ -68,6 +78,7 @@ static fp3_status access_cells(fp3_engine *engine, fp3_cells cells, void *words,
                                   (char *)words + (here.first - cells.first) * sizeof(uint32_t),
                                   is_write);
     }
+    count_bus(engine);
     return status;
 }
 
@@ -153,18 +164,28 @@ static fp3_status make_step(fp3_engine *engine, uint32_t clock, fp3_stats *stats
     return status;
 }
 
+/* A register of the objects of which it was known. */
+static fp3_status undo_register(fp3_engine *engine, const fp3_members *group, uint32_t reg) {
+    const fp3_origin *o = engine->origin;
+    const size_t end = (size_t)group->first + group->objects;
+    fp3_status status = FP3_OK;
+    for (size_t first = group->first, last; !status && first < end; first = last + 1) {
+        for (last = first; last < end && o->began[last] >> reg & 1; last++)
+            ;
+        if (last > first)
+            status =
+                fp3_kinds_write(engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, last - first},
+                                &o->registers[reg * engine->objects + first]);
+    }
+    return status;
+}
+
 /* A run that does not come to its end leaves all objects as they were. */
 static fp3_status undo(fp3_engine *engine) {
-    const fp3_origin *o = engine->origin;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; i < engine->layout.count; i++) {
-        const fp3_members *group = &engine->layout.groups[i];
-        for (uint32_t reg = 0; !status && reg < 1u << group->log2; reg++)
-            if (o->began[group->first] >> reg & 1)
-                status = fp3_kinds_write(
-                    engine, (fp3_cells){FP3_CELLS_REGISTER, reg, group->first, group->objects},
-                    &o->registers[(size_t)reg * engine->objects + group->first]);
-    }
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        for (uint32_t reg = 0; !status && reg < 1u << engine->layout.groups[i].log2; reg++)
+            status = undo_register(engine, &engine->layout.groups[i], reg);
     if (!status)
         status = fp3_origin_remember(engine, NULL, &engine->layout, engine->def.error);
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
@@ -236,6 +257,7 @@ fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     if (!status)
         status = fp3_kinds_take_memories(engine);
     stats->schedulers = 1;
+    count_bus(engine);
     if (!status)
         return FP3_OK;
     const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};

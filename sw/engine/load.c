@@ -172,10 +172,10 @@ static fp3_status check_groups(fp3_engine *engine, const fp3_group *groups, size
     int is_joined = 0;
     for (size_t i = 0; i < count && i < fp3_layout_room(engine->config); i++)
         is_joined |= groups[i].foreign_count > 0;
-    if (is_joined && count > FP3_KINDS_MAX)
+    if (is_joined && count > FP3_JOINED_MAX)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "%zu groups, some of which see others: expected at most %d", count,
-                        FP3_KINDS_MAX);
+                        FP3_JOINED_MAX);
     if (!is_joined && count > schedulers)
         return fp3_fail(
             error, FP3_E_PROGRAM,
@@ -239,7 +239,7 @@ static fp3_status write_constants(fp3_engine *engine, uint32_t group) {
     return status;
 }
 
-/* The engine of one program or of several that see each other; NULL: of the other. */
+/* Changes the backend to that of `kinds`, or back to the usual one if kinds is NULL. */
 static fp3_status become(fp3_engine *engine, const fp3_backend *usual, fp3_kinds *kinds) {
     const int was_joined = engine->backend != usual;
     if (!kinds && !was_joined)
@@ -296,7 +296,8 @@ static fp3_status open_kinds(fp3_engine *engine, fp3_layout *layout, int check, 
     const fp3_status status =
         fp3_kinds_make(engine, fp3_kinds_usual(engine), check ? load_one : load_one_unchecked,
                        layout, &group, kinds);
-    say_group(engine, status, group, layout->count);
+    if (group < layout->count)
+        say_group(engine, status, group, layout->count);
     return status;
 }
 

@@ -46,6 +46,8 @@ static fp3_status find_group(const fp3_joined *list, size_t count, size_t of, co
     const char *near = NULL;
     *group = NONE;
     for (size_t i = 0; i < count; i++) {
+        if (!list[i].name) /* no model, and none given */
+            continue;
         if (i != of)
             fp3_nearest(wanted, list[i].name, &near);
         if (strcmp(list[i].name, kind->name) != 0)
@@ -144,7 +146,7 @@ static fp3_status check_word(const fp3_joined *g, const fp3_kind *kind, uint32_t
 /* ---- what goes with what ---- */
 
 /* Whether its objects never change: they are the same at every stage, by any method. */
-static int is_still(const fp3_model *m) {
+static int never_moves(const fp3_model *m) {
     int is = !m->event_count && !m->projection_count && !m->relation_count;
     for (uint32_t i = 0; is && i < m->state_count; i++) {
         const fp3_expr *e = &m->exprs[m->states[i].derivative];
@@ -174,7 +176,7 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
     if (is_double)
         return refuse(g, line, error, "double-single has no sums over neighbours, as of group '%s'",
                       other->name);
-    return is_same_method(a->integrator, b->integrator) || is_still(b->model)
+    return is_same_method(a->integrator, b->integrator) || never_moves(b->model)
                ? FP3_OK
                : refuse(g, line, error,
                         "it steps by '%s', and group '%s' by '%s': kinds that see each other step "
@@ -334,7 +336,7 @@ static uint64_t looked_at(const fp3_joined *list, size_t count, const member *me
 static uint64_t places_of(const fp3_program *program, const member *one,
                           uint8_t phase[FP3_PLACES]) {
     const fp3_compiled *c = program->compiled;
-    const uint64_t hidden = is_still(program->model) ? 0 : one->coupling.looked & ~c->shows;
+    const uint64_t hidden = never_moves(program->model) ? 0 : one->coupling.looked & ~c->shows;
     const uint64_t has = c->looks | c->shows | hidden;
     for (uint32_t p = 0; p < FP3_PLACES; p++)
         phase[p] = !(has >> p & 1) ? 0 : hidden >> p & 1 ? (uint8_t)c->phases : c->phase[p];

@@ -308,7 +308,7 @@ static fp3_status check_count(const reader *r, const config_setting_t *list) {
     if (count == 0)
         return missing(r, list, "a group in groups");
     const uint32_t schedulers = fp3_config_schedulers(r->machine);
-    if ((uint32_t)count <= schedulers || (r->machine->neighbours && count <= FP3_KINDS_MAX))
+    if ((uint32_t)count <= schedulers || (r->machine->neighbours && count <= FP3_JOINED_MAX))
         return FP3_OK;
     return fp3_setting_wrong(&r->in, list,
                              "found %d groups, each with a program of its own: configuration '%s' "

@@ -70,6 +70,7 @@ def test_occupancy(scene, groups):
     shares = [(float(share), len(bar)) for share, bar in re.findall(r"(\d+\.\d) %(?:  (#+))?$", done.stdout, re.M)]
     assert shares and all(share <= 100 and bar <= 40 for share, bar in shares)
     assert re.search(r"^  cycles +\d+  100.0 %$", done.stdout, re.M) and "balance" not in done.stdout
+    assert re.search(r"^bus .*: [1-9]\d* transfers in [1-9]\d* cycles$", done.stdout, re.M)
 
 
 def test_python_has_no_words_of_others(scene, folder, root, build):
@@ -94,6 +95,15 @@ groups = ( {group.format("a", integrator, 'links = { relation = "l"; file = "l.c
     for engine in ("isa", "fast", "rtl"):
         done = start("--scene", "x.scene", "--engine", engine, "--all")
         assert re.findall(r"^x +(\S+)", done.stdout, re.M) == ["0.5", "0.5", "3.5", "3.5"], done.stdout + done.stderr
+
+
+def test_event_of_one_behind_a_projection_of_the_other(scene):
+    """An event sees what projections have left, where its own model has none, too."""
+    a = "model a\nkind b(x)\nstate n = 0\nall s(b)\nstep 0.5\nn' = 0\nwhen sum(o in s: o.x) > 100: n = n + 1\n"
+    b = "model b\nkind a(n)\nstate x = 0\nall s(a)\nstep 0.5\nx' = 0\nproject x = 101 + 0*sum(o in s: o.n)\n"
+    for engine in ("isa", "fast", "rtl"):
+        done, words = scene(("a", "objects = 1;"), ("b", "objects = 1;"), options=("--engine", engine), top='config = "world"; steps = 1;', a=a, b=b)
+        assert words == [("n", "1", "0"), ("x", "101", "1")], done.stdout + done.stderr
 
 
 def test_messages_name_the_group(scene):

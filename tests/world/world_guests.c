@@ -116,7 +116,7 @@ static void give_lists(part *p) {
         const fp3_list *list = &from->lists.lists[k];
         fp3_list *to = &group_of(p->engine)->lists.lists[k];
         if (list->is_near) {
-            fp3_list_take_near(to, &list->near);
+            fp3_list_take_near(to, &list->near, list->kind);
             continue;
         }
         const size_t entries = list->is_all ? 0 : list->begin[w.objects];

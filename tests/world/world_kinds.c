@@ -234,6 +234,9 @@ static void join(fp3_engine *engine, const fp3_program *p) {
         told(fp3_engine_set_near(engine, group, "touch", &near));
         near.kind = kind;
         near.theirs[0] = "tx_x";
+        near.theirs[1] = "w"; /* an own word */
+        told(fp3_engine_set_near(engine, group, "touch2", &near) == FP3_E_ARGUMENT ? FP3_OK
+                                                                                   : FP3_E_SYSTEM);
         near.theirs[1] = "tx_y";
         told(fp3_engine_set_near(engine, group, "touch2", &near));
     }

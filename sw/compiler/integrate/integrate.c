@@ -160,11 +160,13 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     if (!status)
         status = fp3_project(&a, error);
     if (!status)
+        fp3_advance_show_rest(&a, 0);
+    if (!status)
         status = fp3_adaptive_judge(&a, error);
     if (!status)
         status = fp3_events(&a, error);
     if (!status)
-        fp3_advance_show_end(&a);
+        fp3_advance_show_rest(&a, 1);
     if (!status)
         status = fp3_remember(&a, error);
     if (!status)

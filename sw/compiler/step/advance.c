@@ -8,6 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Places that sums over other kinds cannot have. */
+#define UNSEEN_PROJECTION (2 * FP3_PLACES)
+#define UNSEEN_EVENT (4 * FP3_PLACES)
+#define REMEMBER (6 * FP3_PLACES)
+
 #define COEFFICIENT_ERROR 1e-9 /* of a table's row sums; the order conditions allow 1e-10 */
 
 fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix,
@@ -147,9 +152,15 @@ static term state_before(lowering *l, uint32_t state) {
 static uint32_t place_of(const fp3_advance *a, const fp3_event *event, int is_after) {
     const fp3_model *model = a->step->model;
     const int is_projection = event->condition == FP3_NONE;
-    const size_t number = is_projection ? (size_t)(event - model->projections)
-                                        : (size_t)(event - model->events) + model->projection_count;
-    return a->place_count + (is_after ? 1 + (uint32_t)number : 0);
+    const uint32_t number =
+        (uint32_t)(event - (is_projection ? model->projections : model->events));
+    const uint32_t first = is_projection ? a->place_count + 1 : FP3_PLACE_EVENTS,
+                   end = is_projection ? FP3_PLACE_EVENTS : FP3_LAST_PLACE;
+    if (!is_after)
+        return a->place_count;
+    if (first + number < end)
+        return first + number;
+    return (is_projection ? UNSEEN_PROJECTION : UNSEEN_EVENT) + number;
 }
 
 static fp3_status open_at(const fp3_advance *a, uint32_t place, int is_after, lowering *l,
@@ -176,7 +187,7 @@ void fp3_advance_show(const fp3_advance *a, lowering *l) {
     a->step->shown |= UINT64_C(1) << place;
 }
 
-/* No expression of this model may be read there. */
+/* Where this model has no expression that is read before the step, others may still look. */
 void fp3_advance_show_start(fp3_advance *a) {
     lowering l = {.model = a->step->model,
                   .g = &a->step->values,
@@ -187,23 +198,22 @@ void fp3_advance_show_start(fp3_advance *a) {
     fp3_advance_show(a, &l);
 }
 
-void fp3_advance_show_end(fp3_advance *a) {
+void fp3_advance_show_rest(fp3_advance *a, int is_after_events) {
     const fp3_coupling *c = a->options->coupling;
+    const uint32_t end = is_after_events ? FP3_LAST_PLACE : FP3_PLACE_EVENTS;
     lowering l = {.model = a->step->model,
                   .g = &a->step->values,
                   .state = state_after,
                   .user = a,
                   .sight = &a->step->sight};
-    for (l.index = a->place_count + 1; c && l.index < FP3_LAST_PLACE; l.index++)
+    for (l.index = is_after_events ? FP3_PLACE_EVENTS : a->place_count + 1; c && l.index < end;
+         l.index++)
         if (!(a->step->shown >> l.index & 1))
             fp3_advance_show(a, &l);
 }
 
 fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error) {
-    const fp3_model *model = a->step->model;
-    const uint32_t place = /* no event of another kind has it */
-        FP3_PLACES + a->place_count + 1 + model->projection_count + model->event_count;
-    const fp3_status status = open_at(a, place, 1, l, error);
+    const fp3_status status = open_at(a, REMEMBER, 1, l, error);
     strcpy(l->place, "remember");
     return status;
 }

@@ -84,9 +84,9 @@ fp3_status fp3_advance_event(const fp3_advance *a, const fp3_event *event, int i
 void fp3_advance_show(const fp3_advance *a, lowering *l);
 /* Likewise what states have before the step. */
 void fp3_advance_show_start(fp3_advance *a);
-/* Likewise what they have after it, at places of other kinds' projections and events that this
- * model has not. */
-void fp3_advance_show_end(fp3_advance *a);
+/* Likewise what its projections have left, or its events, at places of other kinds' projections or
+ * events that this model has not. */
+void fp3_advance_show_rest(fp3_advance *a, int is_after_events);
 
 /* Likewise for what happens after the step and all events. */
 fp3_status fp3_advance_behind(const fp3_advance *a, lowering *l, fp3_error *error);

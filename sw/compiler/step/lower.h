@@ -9,8 +9,7 @@
 
 #include "compiler/value/term.h"
 #include "notes.h"
-
-#define FP3_SEEN_STATES 64
+#include "options.h"
 
 /* What neighbours see of an object at a place: a state, and the node of its value there. */
 typedef struct {
@@ -23,8 +22,8 @@ typedef struct {
     /* Node: the object has stopped, and shows what it had when the step began, wherever it is in a
      * step that it does not make; FP3_NONE: none does. */
     uint32_t stopped;
-    uint32_t start[FP3_SEEN_STATES]; /* node of each state then */
-    int has_failed;                  /* out of memory */
+    uint32_t start[FP3_STATES_MAX]; /* node of each state then */
+    int has_failed;                 /* out of memory */
 } fp3_sight;
 
 /* Expressions at one place: a stage or a substep of one step. */

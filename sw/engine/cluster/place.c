@@ -104,7 +104,7 @@ static fp3_status give_lists(fp3_engine *engine, fp3_ranked *to) {
         const fp3_list *list = &lists->lists[k];
         fp3_list *own = &group->lists.lists[k];
         if (list->is_near)
-            fp3_list_take_near(own, &list->near);
+            fp3_list_take_near(own, &list->near, list->kind);
         else if (to->sees_all && list->is_all)
             status = fp3_list_take(own, &(fp3_neighbours){0}, engine->def.error);
         else if (list->is_there)

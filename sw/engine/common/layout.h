@@ -58,7 +58,7 @@ typedef struct {
     uint32_t rank; /* among the schedulers of the group */
 } fp3_duty;
 
-#define FP3_KINDS_MAX 8 /* groups that see each other */
+#define FP3_JOINED_MAX 8 /* groups that see each other */
 
 typedef struct {
     fp3_members *groups;
@@ -78,13 +78,13 @@ fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout 
 /* FP3_E_PROGRAM as of fp3_placement_make. */
 fp3_status fp3_layout_place(fp3_layout *layout, const fp3_config *config, uint32_t visit,
                             fp3_error *error);
-/* Likewise of groups that see each other: each has schedulers of its own, which are the same ones.
+/* Likewise of groups that see each other. Each has a core of its own, so each has all schedulers.
  */
 void fp3_layout_place_apart(fp3_layout *layout, const fp3_config *config);
 /* How many groups there may be. */
 static inline uint32_t fp3_layout_room(const fp3_config *config) {
     const uint32_t schedulers = fp3_config_schedulers(config);
-    return schedulers > FP3_KINDS_MAX ? schedulers : FP3_KINDS_MAX;
+    return schedulers > FP3_JOINED_MAX ? schedulers : FP3_JOINED_MAX;
 }
 /* Whether groups see each other. */
 int fp3_layout_is_joined(const fp3_layout *layout);

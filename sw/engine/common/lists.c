@@ -87,15 +87,16 @@ fp3_status fp3_list_take(fp3_list *to, const fp3_neighbours *from, fp3_error *er
     return FP3_OK;
 }
 
-void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule) {
-    if (to->is_near && fp3_list_remembers(to))
-        fp3_near_close(&to->near); /* the pairs keep what they remember */
+void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule, uint32_t kind) {
+    if (to->is_near && fp3_list_remembers(to) && to->kind == kind)
+        fp3_near_close(&to->near);
     else
         forget(to);
     to->near =
         (fp3_near_rule){.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
     memcpy(to->near.regs, rule->regs, sizeof rule->regs);
     memcpy(to->near.theirs, rule->theirs, sizeof rule->theirs);
+    to->kind = kind;
     to->is_there = to->is_near = 1;
     to->is_placed = 0;
 }
@@ -117,9 +118,8 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
                                       .fields = (const float *)(void *)whole.field,
                                       .kind = list->kind};
         if (list->is_near)
-            fp3_list_take_near(&to->lists[i], &list->near);
-        to->lists[i].kind = list->kind;
-        if (!list->is_near && list->is_there)
+            fp3_list_take_near(&to->lists[i], &list->near, list->kind);
+        else if (list->is_there)
             status = fp3_list_take(&to->lists[i], &given, error);
     }
     if (!status && from->order) {

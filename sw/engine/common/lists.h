@@ -61,7 +61,9 @@ fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg);
 /* Makes a list what the host gives, or the one of those that are near. FP3_E_SYSTEM: out of memory;
  * it is as it was. */
 fp3_status fp3_list_take(fp3_list *list, const fp3_neighbours *from, fp3_error *error);
-void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule);
+/* kind: as in fp3_list. Pairs keep what they remember if they were near ones of that kind before.
+ */
+void fp3_list_take_near(fp3_list *list, const fp3_near_rule *rule, uint32_t kind);
 /* `order` is the lists' then. Those of objects that are near are made again. */
 void fp3_lists_take_order(fp3_lists *lists, uint32_t *order);
 /* rows: as many as the group has. FP3_E_SYSTEM: out of memory. */

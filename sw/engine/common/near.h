@@ -26,8 +26,8 @@
 /* Positions of objects: component k of the object at row i is position[k][i * stride]. */
 typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
-    /* Lists are of rows before `own`, with rows from..objects-1 of another kind, whose positions
-     * these are; NULL: of all rows, with all. */
+    /* Positions of objects of another kind, in rows from..objects-1. Lists are then of the rows
+     * before `own`, with those as neighbours. NULLs: lists are of all rows, with all rows. */
     const uint32_t *theirs[FP3_NEAR_DIMENSIONS];
     uint32_t own, from;
     const uint32_t *row;   /* of each object; NULL: its number */

@@ -6,6 +6,7 @@
 
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
 static fp3_status check_entries(fp3_engine *engine, const fp3_list *list, const char *name,
                                 const fp3_neighbours *n) {
@@ -74,25 +75,34 @@ static fp3_status convert_fields(fp3_engine *engine, const fp3_list *list, const
     return FP3_OK;
 }
 
+/* word: NULL: any. */
+static int is_foreign(const fp3_members *own, size_t kind, const char *word) {
+    int is = 0;
+    for (uint32_t i = 0; i < own->foreign_count; i++)
+        is |=
+            own->foreign[i].group + 1 == kind && (!word || strcmp(own->foreign[i].word, word) == 0);
+    return is;
+}
+
 /* Neighbours of another group are of one whose words the program reads. */
 static fp3_status check_kind(fp3_engine *engine, size_t group, const char *name, size_t kind) {
-    const fp3_members *own = &engine->layout.groups[group];
-    int is_read = !kind;
-    for (uint32_t i = 0; i < own->foreign_count; i++)
-        is_read |= own->foreign[i].group + 1 == kind;
-    return is_read ? FP3_OK
-                   : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                              "list '%s': the program reads no words of group %zu", name, kind - 1);
+    return !kind || is_foreign(&engine->layout.groups[group], kind, NULL)
+               ? FP3_OK
+               : fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                          "list '%s': the program reads no words of group %zu", name, kind - 1);
 }
 
 /* The list is another one. */
-static fp3_status changed(fp3_engine *engine, size_t group, const fp3_list *list) {
+static fp3_status changed(fp3_engine *engine, size_t group, fp3_list *list) {
+    fp3_status status = FP3_OK;
     engine->origin->is_complete = 0;
     if (engine->lives.list)
         engine->sleepers.is_listed = 0;
-    return engine->backend->connect
-               ? engine->backend->connect(engine, &engine->layout.groups[group], list)
-               : FP3_OK;
+    if (engine->backend->connect)
+        status = engine->backend->connect(engine, &engine->layout.groups[group], list);
+    if (status)
+        list->is_there = 0; /* no run is right without it */
+    return status;
 }
 
 static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *list,
@@ -128,9 +138,10 @@ static fp3_status find_theirs(fp3_engine *engine, size_t group, const char *name
         const char *of = near->theirs[k] ? near->theirs[k] : "";
         const fp3_symbol *s =
             fp3_image_find(engine->layout.groups[group].image, of, FP3_CLASS(FP3_SYMBOL_PARAM));
-        if (!s)
+        if (!s || !is_foreign(&engine->layout.groups[group], near->kind, of))
             return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                            "list '%s': the program has no param '%s'", name, of);
+                            "list '%s': '%s' is no word that the program reads of group %zu", name,
+                            of, near->kind - 1);
         regs[k] = s->index;
     }
     return FP3_OK;
@@ -149,8 +160,7 @@ fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *nam
         status = find_theirs(engine, group, name, near, rule.theirs);
     if (status)
         return status;
-    fp3_list_take_near(list, &rule);
-    list->kind = (uint32_t)near->kind;
+    fp3_list_take_near(list, &rule, (uint32_t)near->kind);
     return changed(engine, group, list);
 }
 

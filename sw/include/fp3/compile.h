@@ -88,9 +88,11 @@ int fp3_arithmetic_applies(fp3_arithmetic arithmetic, const fp3_integrator *inte
 
 /* Objects of several kinds make a step together, phase by phase: in round r each kind makes its
  * phase r, and a kind with fewer phases rests (docs/relations.md#kinds). A place is a stage or
- * substep of the integrator, then before the step, then each projection and event; the last place
- * is that of `remember`. fp3_programs_join (fp3/program.h) finds what kinds ask of each other. */
+ * substep of the integrator, then before the step, then each projection; from FP3_PLACE_EVENTS on
+ * each event; the last place is that of `remember`. fp3_programs_join (fp3/program.h) finds what
+ * kinds ask of each other. */
 #define FP3_PLACES 64
+#define FP3_PLACE_EVENTS 44
 typedef struct {
     uint64_t seen;   /* states of this model that objects of other kinds read: bit s for state s */
     uint64_t params; /* params of this model that they read, which stay words of the program */

@@ -51,7 +51,8 @@ typedef struct fp3_engine fp3_engine;
  * mode of its configuration: a callback that computes must set its own mode, and restore the old
  * one. */
 typedef struct {
-    uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run */
+    uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run; of groups that
+                        see each other, those of the group's own core */
     uint32_t object; /* 0 .. fp3_engine_objects() - 1 */
     uint32_t reg;    /* object register */
     uint32_t bits;   /* FP32; for sleep, the number of the step */
@@ -254,7 +255,9 @@ typedef struct {
  * that moves to another place keeps its registers and its status. Registers beyond its new record
  * are lost; registers beyond its old record are 0. Constants belong to a group; those of a new
  * group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer
- * objects than the engine. FP3_E_PROGRAM: as above, or more groups than schedulers. */
+ * objects than the engine. FP3_E_PROGRAM: as above, or more groups than schedulers; of groups that
+ * see each other, more than 8, a word that its group has not, or a def with a trace, a bus log,
+ * native code, a cycle limit, a board or ranks. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* The number of groups: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
@@ -319,7 +322,8 @@ typedef struct {
     size_t group, objects; /* the group whose program it runs; how many of its objects it has */
 } fp3_scheduler_share;
 /* The group and objects of a scheduler since the last load; for "isa", those of the hardware.
- * FP3_E_ARGUMENT: no such scheduler. */
+ * Groups that see each other have all schedulers each: it is group 0 then. FP3_E_ARGUMENT: no such
+ * scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
                                       fp3_scheduler_share *share);
 

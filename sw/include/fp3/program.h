@@ -107,7 +107,7 @@ typedef struct {
      * string must outlive the program. For another program: "world" if its objects see each other,
      * else NULL (unknown). */
     const char *config;
-    int sees_others; /* its objects see each other, or others (docs/relations.md) */
+    int sees_others; /* it has lists of neighbours, of its own group or of others */
     char *source;    /* of a model: the name that messages about it begin with */
 } fp3_program;
 
@@ -134,7 +134,7 @@ void fp3_program_close(fp3_program **program);
 
 /* A group of a scene. */
 typedef struct {
-    const char *name; /* what a line `kind` of another model calls it */
+    const char *name; /* what a line `kind` of another model calls it; NULL: none does */
     fp3_program *program;
     const fp3_program_def *def; /* that it was opened with */
 } fp3_joined;
