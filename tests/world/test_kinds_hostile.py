@@ -65,7 +65,7 @@ def test_occupancy(scene, groups):
     for i in range(groups):
         own, other = f"g{i}", f"g{(i + 1) % groups}"
         models[own] = A.replace("model a", f"model {own}").replace("b(R, z)", f"{other}(z)").replace("(b)", f"({other})")
-    done, words = scene(*((name, "objects = 2;") for name in models), options=("--engine", "rtl"), **models)
+    done, words = scene(*((name, "objects = 2;") for name in models), options=("--engine", "rtl", "--clock", "100MHz"), **models)
     assert done.returncode == 0 and len(words) == 2*groups, done.stderr
     shares = [(float(share), len(bar)) for share, bar in re.findall(r"(\d+\.\d) %(?:  (#+))?$", done.stdout, re.M)]
     assert shares and all(share <= 100 and bar <= 40 for share, bar in shares)
