@@ -47,6 +47,31 @@ def test_momentum_is_kept(words):
     assert np.abs(after - before).max() < 2e-6 * 20 * 62.5 * 3
 
 
+def train_in_double(steps):
+    """The law of train.ode and couplings.ode, by numpy: semi-implicit Euler, the force from the end of the step before."""
+    m, k, kd, c, rest, h = 32768, 1048576, 2097152, 104857.6, 12, 2 ** -10
+    x, v, q, F = -12.0 * np.arange(5), np.eye(5)[0], np.zeros(4), np.zeros(4)
+    for _ in range(steps):
+        pull = np.concatenate([[0], F]) - np.concatenate([F, [0]])
+        way = x[:-1] - x[1:] - rest
+        v = v + h * pull / m
+        q = q + h * kd * (way - q) / c
+        x = x + h * v
+        way = x[:-1] - x[1:] - rest
+        F = k * way + kd * (way - q)
+    return {"x": x, "v": v, "q": q, "F": F}
+
+
+@pytest.mark.parametrize("engine, steps", [("isa", 1024), ("fast", 4096), ("rtl", 32)])
+def test_joints_that_are_objects(words, engine, steps):
+    """Each has two ends and a state of its own, and the integrator moves positions, of which it has none."""
+    said, expected = words("train.scene", engine, "world", 1, "--steps", steps), train_in_double(steps)
+    for name, worst in (("x", 2e-4), ("v", 5e-4), ("q", 5e-5), ("F", 150)):
+        assert np.abs(numbers([one for one in said if one[0] == name]) - expected[name]).max() < worst, name
+    assert abs(numbers([one for one in said if one[0] == "v"]).sum() - 1) < 1e-5
+    assert np.abs(expected["F"]).max() > 5e3 and np.abs(expected["q"]).max() > 5e-3
+
+
 # Two kinds by every relation, and a third that stands still and is only read.
 RODS = """\
 model rods

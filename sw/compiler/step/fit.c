@@ -185,8 +185,9 @@ static int has_time(const fitting *f) {
     return 0;
 }
 
+/* Kinds that see each other have one method: where some have positions, others may have none. */
 static fp3_status check_splitting(const fitting *f, fp3_error *error) {
-    if (f->fit->positions)
+    if (f->fit->positions || (f->model->kind_count && f->integrator->kind == FP3_SPLITTING))
         return FP3_OK;
     return fp3_fail(error, FP3_E_PROGRAM,
                     "integrator '%s' moves positions: found no state whose derivative is another "
