@@ -150,7 +150,7 @@ def words(start):
     return words
 
 
-@pytest.mark.parametrize("integrator", ["euler", "semi_implicit_euler", "leapfrog", "verlet", "heun", "rk4", "yoshida6"])
+@pytest.mark.parametrize("integrator", ["euler", "leapfrog", "rk4", *[pytest.param(name, marks=pytest.mark.long) for name in ("semi_implicit_euler", "verlet", "heun", "yoshida6")]])
 def test_words_are_the_same_everywhere(words, rods, integrator):
     found = [words(rods(integrator, skin=skin if engine == "fast" else ""), engine, config, threads)
              for engine, config, threads in ENGINES for skin in ("", "skin = 0.0;", "skin = 2.0;")[:3 if engine == "fast" else 1]]

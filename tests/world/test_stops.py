@@ -69,8 +69,10 @@ def test_in_double(stopped, integrator, step):
     assert list(column(said, "steps")) == list(made)
 
 
-@pytest.mark.parametrize("options", [(), ("-k",)])
-@pytest.mark.parametrize("integrator", ["euler", "leapfrog", "verlet", "heun", "rk4"])
+@pytest.mark.parametrize("integrator, options", [
+    ("euler", ()), ("leapfrog", ("-k",)), ("rk4", ()),
+    *[pytest.param(*row, marks=pytest.mark.long) for row in [
+        ("euler", ("-k",)), ("leapfrog", ()), ("rk4", ("-k",)), ("verlet", ()), ("verlet", ("-k",)), ("heun", ()), ("heun", ("-k",))]]])
 def test_words_are_the_same_everywhere(stopped, integrator, options):
     found = [stopped(integrator, engine, 150, *options, *more) for engine, *more in (("isa",), ("fast", "--threads", 2), ("rtl",), ("rtl", "--config", "fabric"))]
     assert all(one == found[0] for one in found) and 1 in column(found[0], "stopped")
