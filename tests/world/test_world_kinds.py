@@ -29,3 +29,9 @@ def test_failures(build, engine, how, why):
 def test_births_and_ends(build, engine):
     for seed in range(1, 4 if engine in ("rtl", "fabric") else 16):
         run(build, engine, 9, seed, "lives")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_pairs_of_another_kind_are_forgotten(build, engine):
+    for seed in range(1, 3 if engine in ("rtl", "fabric") else 6):
+        run(build, engine, 3, seed, "turn")

@@ -1,8 +1,8 @@
 /* world_kinds.c - objects of two groups that see each other have the words of one group that has
  * them all.
  *
- *     world_kinds ENGINE STEPS SEED [far|same|lives]      far: an object overflows; same: two at
- * one place
+ *     world_kinds ENGINE STEPS SEED [far|same|lives|turn]      far: an object overflows; same: two
+ * at one place; turn: lists of near objects were of the other kind before
  *
  * In the one group a term counts for neighbours of the own half, or of the other (`g`). In the two,
  * either half is a group, and what a term reads of the other half is a param of its program. Links,
@@ -211,15 +211,9 @@ static void run_one(uint32_t steps, float (*values)[2 * OBJECTS], uint32_t (*wor
     free(l);
 }
 
-static void join(fp3_engine *engine, const fp3_program *p) {
-    const fp3_foreign words[2][3] = {{{"tx_x", 1, "x_x"}, {"tx_y", 1, "x_y"}, {"tw", 1, "w"}},
-                                     {{"tx_x", 0, "x_x"}, {"tx_y", 0, "x_y"}, {"tw", 0, "w"}}};
-    const fp3_group groups[] = {
-        {.image = p->image, .objects = size[0], .foreign = words[0], .foreign_count = 3},
-        {.image = p->image, .objects = size[1], .foreign = words[1], .foreign_count = 3}};
+static void give_lists(fp3_engine *engine, int is_turned) {
     const uint32_t all = size[0] + size[1];
     links *l = calloc(1, sizeof *l);
-    told(fp3_engine_load_groups(engine, groups, 2));
     for (int half = 0; half < 2; half++) {
         const size_t group = (size_t)half, kind = (size_t)!half + 1;
         const uint32_t first = first_of(half), other = first_of(!half);
@@ -231,16 +225,26 @@ static void join(fp3_engine *engine, const fp3_program *p) {
         give(engine, group, "ties2", l, kind);
         told(fp3_engine_set_neighbours(engine, group, "others", &(fp3_neighbours){.begin = NULL}));
         told(fp3_engine_set_neighbours(engine, group, "others2", &(fp3_neighbours){.kind = kind}));
-        told(fp3_engine_set_near(engine, group, "touch", &near));
+        told(fp3_engine_set_near(engine, group, is_turned ? "touch2" : "touch", &near));
         near.kind = kind;
         near.theirs[0] = "tx_x";
         near.theirs[1] = "w"; /* an own word */
         told(fp3_engine_set_near(engine, group, "touch2", &near) == FP3_E_ARGUMENT ? FP3_OK
                                                                                    : FP3_E_SYSTEM);
         near.theirs[1] = "tx_y";
-        told(fp3_engine_set_near(engine, group, "touch2", &near));
+        told(fp3_engine_set_near(engine, group, is_turned ? "touch" : "touch2", &near));
     }
     free(l);
+}
+
+static void join(fp3_engine *engine, const fp3_program *p) {
+    const fp3_foreign words[2][3] = {{{"tx_x", 1, "x_x"}, {"tx_y", 1, "x_y"}, {"tw", 1, "w"}},
+                                     {{"tx_x", 0, "x_x"}, {"tx_y", 0, "x_y"}, {"tw", 0, "w"}}};
+    const fp3_group groups[] = {
+        {.image = p->image, .objects = size[0], .foreign = words[0], .foreign_count = 3},
+        {.image = p->image, .objects = size[1], .foreign = words[1], .foreign_count = 3}};
+    told(fp3_engine_load_groups(engine, groups, 2));
+    give_lists(engine, 0);
 }
 
 int main(int argc, char **argv) {
@@ -258,7 +262,7 @@ int main(int argc, char **argv) {
     for (uint32_t i = 0; i < all; i++)
         for (int s = 0; s < STATES; s++)
             values[s][i] = (float)below(1000) / 800;
-    if (argc > 4 && !has_lives)
+    if (argc > 4 && strcmp(argv[4], "turn") != 0 && !has_lives)
         values[0][size[0]] = strcmp(argv[4], "far") == 0 ? 3e38f : values[0][0];
     if (argc > 4 && strcmp(argv[4], "same") == 0)
         values[1][size[0]] = values[1][0];
@@ -267,6 +271,15 @@ int main(int argc, char **argv) {
     fp3_program *p = compile(two);
     fp3_engine *engine = open_engine(argv[1], all);
     join(engine, p);
+    if (argc > 4 && strcmp(argv[4], "turn") == 0) { /* what pairs remember then is forgotten */
+        give_lists(engine, 1);
+        write_all(engine, p, values);
+        told(fp3_engine_write(engine, 0, all, reg(p, "tx_x"), values[0])); /* own ones are read */
+        told(fp3_engine_write(engine, 0, all, reg(p, "tx_y"), values[1]));
+        told(fp3_engine_write(engine, 0, all, reg(p, "tw"), values[0]));
+        told(fp3_engine_run(engine, 2, NULL));
+        give_lists(engine, 0);
+    }
     write_all(engine, p, values);
     live(engine);
     if (argc <= 4 || has_lives) { /* words are brought again in the next run */
