@@ -40,8 +40,8 @@ lint_c() {
     local failed=0
     sources | xargs -r clang-format --dry-run -Werror || failed=1
     # missingIncludeSystem: the headers of the system are the compiler's to find. One set of macros a file: more take twice as long,
-    # and the compiler has read those that the build uses.
-    sources | grep '\.c' | xargs -r cppcheck --quiet --error-exitcode=1 --inline-suppr --std=c11 \
+    # and the compiler has read those that the build uses. Twenty files at a time: all at once take twice as long, for calls between them.
+    sources | grep '\.c' | xargs -r -n 20 cppcheck --quiet --error-exitcode=1 --inline-suppr --std=c11 \
         --enable=warning,performance,portability --max-configs=1 --suppress=missingIncludeSystem --suppress=toomanyconfigs \
         -Isw/include -Isw -Isim || failed=1
     return $failed

@@ -7,7 +7,9 @@ import subprocess
 
 import pytest
 
-OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
+# Where a rank ends with an error, the others are killed at once: a second of grace, once or twice, is all the time that a refusal takes.
+OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
+            "OMPI_MCA_odls_base_sigkill_timeout": "0"}
 
 
 @pytest.fixture(scope="session")

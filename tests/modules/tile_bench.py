@@ -134,7 +134,7 @@ async def tile_is_stopped_between_visits(dut):
     bench = Bench(dut, 2)
     await bench.start()
     stopped = collections.Counter()
-    for _ in range(24):
+    for _ in range(12):
         if not stopped["runs"] % 6:                        # numbers stay small enough to be exact
             await bench.set_up([bench.contexts + 1] * bench.lanes)
             made = dict.fromkeys(bench.objects, 0)
