@@ -57,7 +57,17 @@ def fp3(build):
 
 FAST_CLOCK = """#define _GNU_SOURCE
 #include <dlfcn.h>
+#include <poll.h>
 #include <time.h>
+int poll(struct pollfd *files, nfds_t count, int timeout) {
+    int (*next)(struct pollfd *, nfds_t, int) = (int (*)(struct pollfd *, nfds_t, int))dlsym(RTLD_NEXT, "poll");
+    return next(files, count, timeout > 0 ? (timeout + 199) / 200 : timeout);
+}
+int nanosleep(const struct timespec *time, struct timespec *left) {
+    int (*next)(const struct timespec *, struct timespec *) = (int (*)(const struct timespec *, struct timespec *))dlsym(RTLD_NEXT, "nanosleep");
+    const struct timespec part = {time->tv_sec / 200, (time->tv_sec % 200 * 1000000000 + time->tv_nsec) / 200};
+    return next(&part, left);
+}
 int clock_gettime(clockid_t id, struct timespec *time) {
     int (*next)(clockid_t, struct timespec *) = (int (*)(clockid_t, struct timespec *))dlsym(RTLD_NEXT, "clock_gettime");
     const int failed = next(id, time);
@@ -71,7 +81,7 @@ int clock_gettime(clockid_t id, struct timespec *time) {
 
 @pytest.fixture
 def fast_clock(tmp_path_factory):
-    """An environment with a clock that runs 200 times as fast, so that two minutes are over in a moment."""
+    """An environment with a clock that runs 200 times as fast, and with it poll and nanosleep, so that two minutes are over in a moment."""
     library = tmp_path_factory.mktemp("clock") / "clock.so"
     subprocess.run(["gcc", "-shared", "-fPIC", "-x", "c", "-", "-o", library, "-ldl"], input=FAST_CLOCK, text=True, check=True)
     return {"LD_PRELOAD": str(library)}

@@ -127,7 +127,7 @@ def on_terminal(command, cwd):
 
 
 @pytest.mark.parametrize("options", [["-n", "10000"], pytest.param(["-n", "1000", "-c", "many_full", "--visit", "100"], marks=pytest.mark.long),
-                                     ["-n", "50000", "-e", "isa"]])
+                                     pytest.param(["-n", "50000", "-e", "isa"], marks=pytest.mark.long)])
 def test_a_long_run_says_how_far_it_is_and_is_the_same(fp3, start, tmp_path, options):
     start("run", "m.ode")
     command = [fp3, "run", "m.ode", *options]

@@ -59,6 +59,7 @@ typedef struct {
     queues q;
     history past;
     stream s;
+    uint64_t enough; /* instructions, behind which a session ends with half of its streams */
     uint64_t issued; /* as watched, in a run */
     int is_apart;    /* the engines' objects are not alike: all are written before the next run */
     int is_trace;
@@ -736,7 +737,7 @@ static void close_session(bench *b) {
 static void run_session(bench *b, uint64_t seed) {
     chance c = {.state = seed};
     open_session(b, &c);
-    for (int i = 0; i < STREAMS && !b->wrong; i++)
+    for (int i = 0; i < STREAMS && !b->wrong && (i < STREAMS / 2 || b->instructions < b->enough); i++)
         run_stream(b, &c);
     if (!b->wrong && !b->is_apart) {
         compare_objects(b, b->words);
@@ -766,7 +767,8 @@ static int run_config(const options *o, const fp3_config *config) {
     b = (bench){.other = o->engine,
                 .is_fast = strcmp(o->engine, "fast") == 0,
                 .is_varied = o->is_varied,
-                .is_trace = o->is_trace};
+                .is_trace = o->is_trace,
+                .enough = o->instructions};
     const uint64_t least = o->instructions / SESSION_INSTRUCTIONS;
     uint64_t n = 0;
     for (; n < o->sessions && (n < least || b.instructions < o->instructions); n++) {

@@ -32,9 +32,9 @@ def passes(done):
 
 @pytest.mark.parametrize("op", OPS)
 def test_host(build, op, long):
-    """10^5 random pairs (10^7) and all pairs of special values, uncut and with every configuration's cuts. Of multiply-add some
+    """30,000 random pairs (10^7) and all pairs of special values, uncut and with every configuration's cuts. Of multiply-add some
     triples of special values (all of them)."""
-    passes(start(build / "tests/fp_host", "--op", op, "--pairs", 10**7 if long else 10**5))
+    passes(start(build / "tests/fp_host", "--op", op, "--pairs", 10**7 if long else 30_000))
 
 
 @pytest.mark.smoke

@@ -324,7 +324,7 @@ def test_every_flipped_bit_of_an_image_is_refused(refused, folder):
 
 # ---- what is no file ----
 
-def test_a_pipe_without_a_writer_or_a_reader_ends(fp3, folder):
+def test_a_pipe_without_a_writer_or_a_reader_ends(fp3, folder, fast_clock):
     silent, deaf = b"pipe.ode: a pipe that no process writes into", b"pipe.ode: cannot write: "
     cases = [(["compile", "pipe.ode"], silent), (["run", "m.ode", "--params", "pipe.ode"], silent), (["asm", "p.s", "-o", "pipe.ode"], deaf)]
     for number in range(len(cases)):                                       # a pipe each: they wait at the same time
@@ -333,8 +333,8 @@ def test_a_pipe_without_a_writer_or_a_reader_ends(fp3, folder):
             shutil.copy(folder / name, folder / str(number))
         os.mkfifo(folder / str(number) / "pipe.ode")
     with ThreadPoolExecutor() as pool:
-        ended = list(pool.map(lambda n: subprocess.run([fp3, *cases[n][0]], cwd=folder / str(n), capture_output=True, timeout=60),
-                              range(len(cases))))
+        ended = list(pool.map(lambda n: subprocess.run([fp3, *cases[n][0]], cwd=folder / str(n), capture_output=True, timeout=60,
+                                                          env={**os.environ, **fast_clock}), range(len(cases))))
     for done, (_, message) in zip(ended, cases):
         assert done.returncode == 2 and message in done.stderr
 

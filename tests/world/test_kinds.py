@@ -180,7 +180,7 @@ def test_order_of_the_coupling(words, rods, folder):
 
 
 def test_checkpoints(words, rods, folder):
-    path = rods("rk4")
+    path = rods("leapfrog")
     whole = words(path, "isa", "world", 1)
     for engine, config, threads in ENGINES:
         file = folder / "half.checkpoint"

@@ -84,8 +84,8 @@ class Scene:
         return wanted
 
 
-@pytest.mark.parametrize("integrator", ["leapfrog", "rk4"])
-@pytest.mark.parametrize("name", LIVING)
+@pytest.mark.parametrize("name, integrator", [*((name, "leapfrog") for name in LIVING), *(
+    pytest.param(name, "rk4", marks=[] if name in ("kinds 17", "chain", "mixed") else pytest.mark.long) for name in LIVING)])
 def test_those_who_do_not_live_are_in_nobodys_list(script, name, integrator):
     scene = Scene(LIVING[name], 5, 19)
     wanted = scene.without_the_dead(script, integrator, 3)

@@ -14,8 +14,8 @@ def run(build, *arguments):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_words(build, engine):
-    for seed in range(1, 5 if engine in ("rtl", "fabric") else 21):
+def test_words(build, long, engine):
+    for seed in range(1, {"rtl": 5, "fabric": 5 if long else 3}.get(engine, 21)):
         run(build, engine, 6, seed)
 
 
@@ -26,12 +26,12 @@ def test_failures(build, engine, how, why):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_births_and_ends(build, engine):
-    for seed in range(1, 4 if engine in ("rtl", "fabric") else 16):
+def test_births_and_ends(build, long, engine):
+    for seed in range(1, {"rtl": 4, "fabric": 4 if long else 3}.get(engine, 16)):
         run(build, engine, 9, seed, "lives")
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_pairs_of_another_kind_are_forgotten(build, engine):
-    for seed in range(1, 3 if engine in ("rtl", "fabric") else 6):
+def test_pairs_of_another_kind_are_forgotten(build, long, engine):
+    for seed in range(1, {"rtl": 3, "fabric": 3 if long else 2}.get(engine, 6)):
         run(build, engine, 3, seed, "turn")
