@@ -11,8 +11,8 @@ import time
 import h5py
 import pytest
 
-KILLS = {False: 10, True: 100}
-STEPS = {1: 3000, 2: 5000, 3: 5000}  # divided they take longer: all processes make hashes
+KILLS = {False: 6, True: 100}
+STEPS = {1: 3000, 2: 3000, 3: 5000}  # divided they take longer: all processes make hashes
 
 
 def begin(command, tmp_path, run, on):

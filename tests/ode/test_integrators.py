@@ -149,18 +149,20 @@ def test_a_splitting_is_of_first_order_where_there_is_drag(name, table):
     assert drag_orders(table(name) | {"order": 1}) == [pytest.approx(1, abs=0.1)] * 2
 
 
-def test_the_page_says_what_is_so(root, table):
+def test_the_page_says_what_is_so(root, table, long):
+    """Limits and errors, which take long, of every third integrator (all)."""
     page = (root / "docs/integrators.md").read_text()
     rows = {cells[0].strip("`"): cells[1:] for cells in
             (re.split(r"\s*\|\s*", line.strip("| ")) for line in page.splitlines() if line.startswith("| `"))
             if len(cells) == 9}
     assert list(rows) and sorted(rows) == NAMES
-    for name, (kind, order, late, price, decay, swing, error, source) in rows.items():
+    for i, (name, (kind, order, late, price, decay, swing, error, source)) in enumerate(sorted(rows.items())):
         t = table(name)
-        limits = ["-" if x is None else f"{x:.2f}" if x else "0" for x in stability(t)]
         assert [kind, order, late, price, source] == [
             t["kind"], str(t["order"]), "1" if t["late_position"] else str(t["order"]), str(accelerations(t)), t["source"]]
-        assert [decay, swing] == limits, name
+        if i % 3 and not long:
+            continue
+        assert [decay, swing] == ["-" if x is None else f"{x:.2f}" if x else "0" for x in stability(t)], name
         assert error == ("-" if t["kind"] == "stoermer" else f"{energy_error(t):.1g}"), name
 
 

@@ -88,7 +88,7 @@ def test_engines_and_skins_have_the_same_words(script, make, n, integrator, arit
     if n == 300 and integrator != "leapfrog":
         pytest.skip("engine isa has room for fewer")
     found = set()
-    for skin in (0, 0.02, 0.3):
+    for skin in (0, 0.3) if n == 300 else (0, 0.02, 0.3):
         lines = [*make(n, skin), "run 20", "run 31", "print x_x x_y x_z v_x v_y v_z", "failure"]
         for engine, threads in ENGINES[:2] if n == 300 else ENGINES[:-1]:
             found.add(tuple(script(GRAINS, lines, engine, integrator, arithmetic, threads)))
