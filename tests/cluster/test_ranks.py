@@ -49,7 +49,7 @@ def test_runs_go_on_after_a_failure(mpirun, fp3, root, tmp_path):
     left = []
     for ranks in (1, 3):
         out = tmp_path / f"{ranks}.csv"
-        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 3000, "--allow-failures", "--output", out)
+        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 1000, "--allow-failures", "--output", out)
         assert done.returncode == 0 and "1 of 300, first object 7 in step " in done.stdout, done.stdout + done.stderr
         left.append((out.read_bytes(), re.search(r"failed +.*", done.stdout)[0]))
     assert left[0] == left[1]

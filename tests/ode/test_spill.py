@@ -180,7 +180,7 @@ def test_words_are_a_limit_of_hardware_alone(root, tmp_path):
            "(fp3 run takes it with engine isa or fast)" in fp3(*run, "-e", "rtl", status=2).stderr
 
 
-@pytest.mark.parametrize("registers", [8, 12, 16, 24, 32])
+@pytest.mark.parametrize("registers", [8, 16, 32, *(pytest.param(n, marks=pytest.mark.long) for n in (12, 24))])
 @pytest.mark.parametrize("mode", ["steps", "integrators"])
 def test_random_steps_keep_their_bits_where_they_spill(tmp_path, mode, registers):
     """Executed in C, with numbers that depend on all that went into them, and some of them on the hardware, in the cycles predicted."""

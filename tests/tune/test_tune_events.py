@@ -38,7 +38,7 @@ def states(fp3, folder, *arguments):
 
 
 # 10 T is 1 in FP32, and 1.5e-8 more in double; from 1 on sqrt(1 - t) has no value, so that no solution follows the event.
-@pytest.mark.parametrize("T, times, rate", [(0.5, 2, "-x"), (0.1, 10, "-x"), (0.5, 2, "-sqrt(1 - t)")])
+@pytest.mark.parametrize("T, times, rate", [pytest.param(0.5, 2, "-x", marks=pytest.mark.long), pytest.param(0.1, 10, "-x", marks=pytest.mark.long), (0.5, 2, "-sqrt(1 - t)")])
 def test_an_event_at_the_end_of_the_span_counts(tune, fp3, tmp_path, T, times, rate):
     done, row = tune(AT_END.format(T=T, times=times, rate=rate), "--tolerance", "1e-3")
     assert done.returncode == 0 and row["met"] and row["cost_ratio"] < 1, done.stderr
