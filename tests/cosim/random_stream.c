@@ -737,7 +737,8 @@ static void close_session(bench *b) {
 static void run_session(bench *b, uint64_t seed) {
     chance c = {.state = seed};
     open_session(b, &c);
-    for (int i = 0; i < STREAMS && !b->wrong && (i < STREAMS / 2 || b->instructions < b->enough); i++)
+    for (int i = 0; i < STREAMS && !b->wrong && (i < STREAMS / 2 || b->instructions < b->enough);
+         i++)
         run_stream(b, &c);
     if (!b->wrong && !b->is_apart) {
         compare_objects(b, b->words);
