@@ -157,9 +157,6 @@ end
 if (LOGARITHMIC > 0 && ROUND != 0) begin : g_arithmetic_logarithmic_excludes_round
     ARITHMETIC_LOGARITHMIC_excludes_ROUND u_error ();
 end
-if (LOGARITHMIC > 0 && NEIGHBOURS != 0) begin : g_arithmetic_logarithmic_excludes_neighbours
-    ARITHMETIC_LOGARITHMIC_excludes_NEIGHBOURS u_error ();
-end
 if (MIXED > 0 && STORE_WORDS == 0) begin : g_reciprocal_mixed_needs_store_words
     RECIPROCAL_MIXED_needs_STORE_WORDS u_error ();
 end

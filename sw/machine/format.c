@@ -103,6 +103,14 @@ float fp3_format_value(const fp3_config *config, uint32_t word) {
     return fp3_value_of(of ? of->bits(config, word) : word);
 }
 
+double fp3_format_number(const fp3_config *config, uint32_t word) {
+    const uint32_t size = word & ~FP3_BITS_MINUS_ZERO;
+    if (!is_log(config) || !size || size >= INFINITE)
+        return fp3_format_value(config, word);
+    const double number = exp2(size * 0x1p-23 - 127);
+    return word == size ? number : -number;
+}
+
 int64_t fp3_format_counts(const fp3_config *config) {
     const format *of = format_of(config);
     const int64_t words = of ? of->counts(config) : FP3_STEPS_LIMIT;

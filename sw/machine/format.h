@@ -26,6 +26,8 @@ const char *fp3_format_word(const fp3_config *config, float value, uint32_t *wor
 const char *fp3_format_written(const fp3_config *config, float value, uint32_t *word);
 /* Likewise rounded. */
 float fp3_format_value(const fp3_config *config, uint32_t word);
+/* The number itself, to the precision of a double: logarithms are no floats. */
+double fp3_format_number(const fp3_config *config, uint32_t word);
 
 /* How far a program counts by adding 1, in words and from record to record: to here, from 0 on, a
  * count is off by less than FP3_FORMAT_OFF. */

@@ -64,10 +64,10 @@ def test_four_boards_are_one_world(run, fp3, name, steps):
 
 @pytest.mark.parametrize("name, engine, config, ranks, steps", [
     ("cloth", "rtl", "fabric", 3, 8), ("heap", "rtl", "fabric", 3, 30), ("heap", "rtl", "world", 4, 60), ("stars", "rtl", "fabric", 3, 3),
-    ("stars", "rtl", "world", 4, 3), ("heap", "fast", "world", 5, 60)])
+    ("stars", "rtl", "world", 4, 3), ("heap", "fast", "world", 5, 60), ("heap", "rtl", "world_log", 4, 60), ("heap", "fast", "world_log", 5, 60)])
 def test_chips_of_one_lane_and_of_several(run, name, engine, config, ranks, steps):
     """What objects read is of the own lane, of another lane or of another chip; balls find new neighbours on the way. The flags, too."""
-    one, _, alone = run(name, 1, "fast", "world", steps)
+    one, _, alone = run(name, 1, "fast", "world" if config == "fabric" else config, steps)
     many, rows, said = run(name, ranks, engine, config, steps)
     assert many == one and len(one) > 1000
     assert len(rows) == ranks and all(row[1] > 0 and row[2] > 0 for row in rows)

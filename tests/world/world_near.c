@@ -179,6 +179,88 @@ static void many_threads(void) {
     fp3_threads_free(&threads);
 }
 
+/* ---- words that are logarithms ---- */
+
+static double number(uint32_t word) {
+    const double size = word & 0x7fffffff ? exp2((word & 0x7fffffff) * 0x1p-23 - 127) : 0;
+    return word >> 31 ? -size : size;
+}
+
+/* An object at about x moves by some last places, to just less than half the skin, and more. */
+static void move_logarithm(double x, double skin) {
+    const fp3_config *config = fp3_config_find("world_log");
+    fp3_near_rule rule = {.dimensions = 1, .format = config, .reach = skin, .skin = skin};
+    fp3_where_they_are now = {.stride = 1, .objects = 2, .dimensions = 1};
+    uint32_t place[2] = {0}, *begin, *other;
+    fp3_error error;
+    now.position[0] = place;
+    if (fp3_format_word(config, (float)x, &place[1]) ||
+        fp3_near_make(&rule, &now, &begin, &other, &error))
+        exit(1);
+    const double from = number(place[1]);
+    expect("a logarithm has not moved", skin, 1, fp3_near_is_stale(&rule, &now), 0);
+    while (fabs(number(place[1] + 1) - from) <= skin / 2)
+        place[1]++;
+    expect("a logarithm not far enough", skin, 1, fp3_near_is_stale(&rule, &now), 0);
+    place[1]++;
+    expect("a logarithm too far", skin, 1, fp3_near_is_stale(&rule, &now), 1);
+    free(begin);
+    free(other);
+    fp3_near_close(&rule);
+}
+
+/* Some around x, some around 0, some nowhere or far away; lists of all by a search over all. */
+static void list_logarithms(double x, float far) {
+    enum { SOME = 400 };
+    const fp3_config *config = fp3_config_find("world_log");
+    static uint32_t place[2][SOME];
+    fp3_near_rule rule = {.dimensions = 2, .format = config, .reach = 0.01, .skin = 1e-9};
+    fp3_where_they_are now = {.stride = 1, .objects = SOME, .dimensions = 2};
+    const double reach = (0.01 + 1e-9) * (1 + FP3_NEAR_ROUNDING);
+    uint32_t *begin, *other, random = 7, pairs = 0;
+    fp3_error error;
+    int is_wrong = 0;
+    for (uint32_t i = 0; i < SOME; i++)
+        for (uint32_t k = 0; k < 2; k++) {
+            random = random * 1664525u + 1013904223u;
+            const double at = (i % 3 ? x : 0) + (i % 9 ? 0 : (double)far) +
+                              0.15 * ((random >> 8) * 0x1p-24 - 0.5);
+            if (fp3_format_written(config, i % 100 == 99 ? NAN : (float)at, &place[k][i]))
+                exit(1);
+        }
+    for (uint32_t k = 0; k < 2; k++)
+        now.position[k] = place[k];
+    if (fp3_near_make(&rule, &now, &begin, &other, &error))
+        exit(1);
+    for (uint32_t i = 0; i < SOME; i++) {
+        uint32_t n = begin[i];
+        for (uint32_t j = 0; j < SOME; j++) {
+            const double a = number(place[0][j]) - number(place[0][i]),
+                         b = number(place[1][j]) - number(place[1][i]);
+            const int is_near = i != j && i % 100 != 99 && j % 100 != 99 &&
+                                a * a + b * b < (double)(float)(reach * reach);
+            is_wrong |= is_near != (n < begin[i + 1] && other[n] == j);
+            n += (uint32_t)is_near;
+            pairs += (uint32_t)is_near;
+        }
+        is_wrong |= n != begin[i + 1];
+    }
+    expect("lists of logarithms are those of a search over all", x, 2, is_wrong || pairs < SOME, 0);
+    free(begin);
+    free(other);
+    fp3_near_close(&rule);
+}
+
+static void logarithms(void) {
+    const double at[] = {0.7, 1, 1000, -3e4, -5};
+    for (uint32_t i = 0; i < sizeof at / sizeof *at; i++) {
+        move_logarithm(at[i], 0.01);
+        move_logarithm(at[i], 0.5);
+        list_logarithms(at[i], 100);
+        list_logarithms(at[i], 1e30f);
+    }
+}
+
 int main(void) {
     const double skins[] = {0x1p-10, 1, 0x1p40, 2e-19, 1e-21, 1e-30};
     const unsigned callers = _mm_getcsr();
@@ -200,6 +282,7 @@ int main(void) {
             expect("few candidates for each object", (double)fars[i], outside,
                    look_around(fars[i], outside, NULL) < 100, 1);
     many_threads();
+    logarithms();
     printf("%u checked, %u wrong\n", checked, wrong);
     return wrong != 0;
 }

@@ -1,6 +1,6 @@
 /* world_script.c - runs objects that see each other, as the lines of standard input say.
  *
- *     world_script ENGINE THREADS MODEL INTEGRATOR plain|compensated < LINES
+ *     world_script ENGINE[@CONFIG] THREADS MODEL INTEGRATOR plain|compensated < LINES
  *
  *     objects N                 first
  *     state NAME V0 V1 ...      or param NAME: a value for each object
@@ -12,9 +12,10 @@
  *     live FIRST COUNT BORN GONE    GONE 0: never
  *     load MODEL                another program: objects keep what their registers hold, lists are
  * gone run STEPS                 go STEPS: an error is printed, and not the end print NAME ... a
- * line of bits for each state flags STEPS               run, and what that raised failure "none",
+ * line of words for each state flags STEPS               run, and what that raised failure "none",
  * or which
  */
+#include <engine/common/inside.h>
 #include <fp3/compile.h>
 #include <fp3/engine.h>
 
@@ -49,11 +50,13 @@ static void need(world *w, fp3_status status) {
     exit(fp3_exit_code(status));
 }
 
+static const char *config = "world";
+
 static void compile(world *w, const char *model, const char *name, int is_compensated) {
     char *report = NULL;
     fp3_integrator *integrator = NULL;
     fp3_compile_def def = fp3_compile_default();
-    def.config = "world";
+    def.config = config;
     def.arithmetic = is_compensated ? FP3_COMPENSATED : FP3_PLAIN;
     fp3_status status = fp3_model_load(model, &w->model, &report, &w->error);
     if (report)
@@ -73,7 +76,7 @@ static void open(world *w, const char *engine, unsigned threads) {
     fp3_engine_def def = fp3_engine_default();
     def.engine = is_interpreted ? "fast" : engine;
     def.is_interpreted = is_interpreted;
-    def.config = "world";
+    def.config = config;
     def.objects = (uint32_t)w->objects;
     def.threads = threads;
     def.error = &w->error;
@@ -176,14 +179,11 @@ static void run(world *w, uint64_t steps, fp3_stats *stats) {
 
 static void print(world *w, const char *name) {
     const fp3_symbol *s = fp3_image_find(w->compiled->image, name, FP3_CLASSES_OBJECT);
-    float *column = calloc(w->objects, sizeof *column);
-    need(w, s ? fp3_engine_read(w->engine, 0, w->objects, s->index, column)
+    uint32_t *column = calloc(w->objects, sizeof *column);
+    need(w, s ? fp3_engine_read_words(w->engine, 0, w->objects, s->index, column)
               : fp3_fail(&w->error, FP3_E_ARGUMENT, "no '%s'", name));
-    for (size_t i = 0; i < w->objects; i++) {
-        uint32_t bits;
-        memcpy(&bits, &column[i], sizeof bits);
-        printf("%s%08x", i ? " " : "", bits);
-    }
+    for (size_t i = 0; i < w->objects; i++)
+        printf("%s%08x", i ? " " : "", column[i]);
     printf("\n");
     free(column);
 }
@@ -268,6 +268,11 @@ int main(int argc, char **argv) {
     static world w;
     if (argc != 6)
         return 2;
+    char *at = strchr(argv[1], '@');
+    if (at) {
+        *at = '\0';
+        config = at + 1;
+    }
     compile(&w, argv[3], argv[4], strcmp(argv[5], "compensated") == 0);
     while (fgets(line, sizeof line, stdin))
         obey(&w, line, argv[1], (unsigned)strtoul(argv[2], NULL, 10));

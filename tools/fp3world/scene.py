@@ -140,9 +140,10 @@ def vectors(found, name):
 
 
 def worlds():
-    """The configurations whose objects may see each other, and have the same words: quotients are others where `reciprocal` is `mixed`."""
+    """The configurations whose objects may see each other, and have the same words: not those with another arithmetic."""
     found = tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"]
-    return [keys["name"] for keys in found if keys.get("neighbours") and keys.get("reciprocal") != "mixed"]
+    ieee = {"arithmetic": "ieee", "reciprocal": "estimate", "fraction": 23}
+    return [keys["name"] for keys in found if keys.get("neighbours") and all(keys.get(name, value) == value for name, value in ieee.items())]
 
 
 def kinds():

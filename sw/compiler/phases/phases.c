@@ -337,6 +337,16 @@ static fp3_status finish(maker *m, fp3_schedule **schedule, fp3_error *error) {
     return FP3_OK;
 }
 
+/* Where words are the same, and objects see each other. */
+static const char *name_with_neighbours(const fp3_config *config) {
+    const char *found = "world";
+    for (uint32_t i = fp3_config_count; i-- > 0;)
+        if (fp3_config_computes_as(config, &fp3_configs[i]) &&
+            fp3_operation_lacks(&fp3_configs[i], FP3_OP_EACH) == FP3_KEY_NONE)
+            found = fp3_configs[i].name;
+    return found;
+}
+
 static fp3_status check_config(const maker *m, fp3_error *error) {
     const fp3_model *model = m->step->model;
     const fp3_relation *r = model->relations;
@@ -345,11 +355,13 @@ static fp3_status check_config(const maker *m, fp3_error *error) {
     if (!model->relation_count)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "objects of model '%s' are seen by others of another group, which needs "
-                        "`%s`, which configuration '%s' does not have; it is in 'world'",
-                        model->name, fp3_key_name(FP3_KEY_NEIGHBOURS), m->options->config->name);
+                        "`%s`, which configuration '%s' does not have; it is in '%s'",
+                        model->name, fp3_key_name(FP3_KEY_NEIGHBOURS), m->options->config->name,
+                        name_with_neighbours(m->options->config));
     return fp3_fail_at(error, FP3_E_PROGRAM, NULL, r->line, 1,
-                       "'%s' needs `%s`, which configuration '%s' does not have; it is in 'world'",
-                       r->name, fp3_key_name(FP3_KEY_NEIGHBOURS), m->options->config->name);
+                       "'%s' needs `%s`, which configuration '%s' does not have; it is in '%s'",
+                       r->name, fp3_key_name(FP3_KEY_NEIGHBOURS), m->options->config->name,
+                       name_with_neighbours(m->options->config));
 }
 
 static fp3_status make(maker *m, fp3_error *error) {

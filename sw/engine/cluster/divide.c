@@ -147,8 +147,8 @@ static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_
     for (uint32_t k = 0; k < p->dimensions; k++) {
         double least = INFINITY, most = -INFINITY;
         for (uint32_t i = 0; i < count; i++) {
-            least = fmin(least, (double)fp3_position(p, k, list[i].object));
-            most = fmax(most, (double)fp3_position(p, k, list[i].object));
+            least = fmin(least, fp3_position(p, k, list[i].object));
+            most = fmax(most, fp3_position(p, k, list[i].object));
         }
         if (most - least > longest) {
             longest = most - least;
@@ -161,7 +161,7 @@ static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_
         return;
     }
     for (uint32_t i = 0; i < count; i++)
-        list[i].place = fp3_position(p, axis, list[i].object);
+        list[i].place = (float)fp3_position(p, axis, list[i].object);
     qsort(list, count, sizeof *list, by_place);
     const uint32_t low = ranks / 2, cut = find_cut(list, count, low, ranks);
     bisect(p, list, cut, first, low, whose);

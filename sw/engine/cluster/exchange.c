@@ -14,24 +14,25 @@ static fp3_status look_who_moved(fp3_engine *engine, uint64_t *has_moved) {
     const fp3_ranked *self = engine->self;
     const fp3_near_rule *rule = fp3_positions_rule(&engine->layout.groups[0]);
     const uint32_t own = self->share[fp3_ranks_here(self)];
-    const float most = (float)(rule->skin * rule->skin / 4 * (1 - 1e-5));
-    float *now = malloc((own + (size_t)1) * sizeof *now),
-          *way = calloc(own + (size_t)1, sizeof *way);
+    const double most = rule->skin * rule->skin / 4 * (1 - 1e-5);
+    uint32_t *words = malloc((own + (size_t)1) * sizeof *words);
+    double *way = calloc(own + (size_t)1, sizeof *way);
     unsigned char *astray = calloc(own + (size_t)1, 1); /* bit 0: it is; bit 1: it was */
-    fp3_status status = now && way && astray ? FP3_OK : fp3_ranks_no_memory(engine);
+    fp3_status status = words && way && astray ? FP3_OK : fp3_ranks_no_memory(engine);
     for (uint32_t k = 0; !status && own && k < rule->dimensions; k++) {
         status = self->own->backend->read(
-            self->own, (fp3_cells){FP3_CELLS_REGISTER, rule->regs[k], self->first, own}, now);
+            self->own, (fp3_cells){FP3_CELLS_REGISTER, rule->regs[k], self->first, own}, words);
         for (uint32_t i = 0; !status && i < own; i++) {
-            const float made = self->made[k][i];
-            way[i] += (now[i] - made) * (now[i] - made);
-            astray[i] |= (unsigned char)((isfinite(now[i]) ? 0 : 1) | (isfinite(made) ? 0 : 2));
+            const double now = fp3_near_number(rule, words[i]),
+                         made = fp3_near_number(rule, self->made[k][i]);
+            way[i] += (now - made) * (now - made);
+            astray[i] |= (unsigned char)((isfinite(now) ? 0 : 1) | (isfinite(made) ? 0 : 2));
         }
     }
     *has_moved = 0;
     for (uint32_t i = 0; !status && i < own; i++)
         *has_moved |= !(way[i] <= most) && astray[i] != 3;
-    free(now);
+    free(words);
     free(way);
     free(astray);
     return status;

@@ -61,15 +61,15 @@ static uint32_t find_around(const fp3_ranked *self, const fp3_positions *p, doub
         least[k] = INFINITY;
         most[k] = -INFINITY;
         for (uint32_t i = 0; i < self->share[fp3_ranks_here(self)]; i++) {
-            least[k] = fmin(least[k], (double)fp3_position(p, k, self->mine[i]));
-            most[k] = fmax(most[k], (double)fp3_position(p, k, self->mine[i]));
+            least[k] = fmin(least[k], fp3_position(p, k, self->mine[i]));
+            most[k] = fmax(most[k], fp3_position(p, k, self->mine[i]));
         }
     }
     for (uint32_t i = 0; i < count; i++) {
         int is_in = 1;
         for (uint32_t k = 0; k < p->dimensions; k++)
-            is_in = is_in && (double)fp3_position(p, k, i) >= least[k] - reach &&
-                    (double)fp3_position(p, k, i) <= most[k] + reach;
+            is_in = is_in && fp3_position(p, k, i) >= least[k] - reach &&
+                    fp3_position(p, k, i) <= most[k] + reach;
         objects[found] = i;
         found += (uint32_t)is_in;
     }

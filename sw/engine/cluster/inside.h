@@ -43,8 +43,8 @@ typedef struct {
     fp3_rank_use use;    /* without the bus of the open engine, which use.c adds */
     fp3_traffic out, in;
     fp3_mpi_plan *plan;
-    float *made[FP3_NEAR_DIMENSIONS]; /* where own objects were when guests were chosen; NULL: they
-                                         do not depend on it */
+    uint32_t *made[FP3_NEAR_DIMENSIONS]; /* where own objects were when guests were chosen; NULL:
+                                         they do not depend on it */
 } fp3_ranked;
 
 static inline unsigned fp3_ranks_here(const fp3_ranked *self) { return self->ranks->rank; }

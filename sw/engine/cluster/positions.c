@@ -13,7 +13,7 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
 
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p) {
     fp3_status status = FP3_OK;
-    *p = (fp3_positions){.dimensions = rule->dimensions};
+    *p = (fp3_positions){.dimensions = rule->dimensions, .rule = rule};
     for (uint32_t k = 0; !status && k < rule->dimensions; k++) {
         const fp3_cells cells = {FP3_CELLS_REGISTER, rule->regs[k], 0, engine->objects};
         p->word[k] = malloc(engine->objects * sizeof *p->word[k]);
@@ -26,7 +26,10 @@ fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3
 fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,
                                const fp3_positions *p, uint32_t objects, uint32_t **begin,
                                uint32_t **other) {
-    fp3_near_rule of = {.dimensions = rule->dimensions, .reach = rule->reach, .skin = rule->skin};
+    fp3_near_rule of = {.dimensions = rule->dimensions,
+                        .format = rule->format,
+                        .reach = rule->reach,
+                        .skin = rule->skin};
     fp3_where_they_are now = {.stride = 1, .objects = objects, .dimensions = p->dimensions};
     for (uint32_t k = 0; k < p->dimensions; k++)
         now.position[k] = p->word[k];

@@ -11,6 +11,7 @@
 typedef struct {
     uint32_t *word[FP3_NEAR_DIMENSIONS]; /* of all objects */
     uint32_t dimensions;
+    const fp3_near_rule *rule;
 } fp3_positions;
 
 /* The rule of the first relation `near`: there is one. */
@@ -26,10 +27,9 @@ void fp3_positions_close(fp3_positions *p);
 
 /* 0 where it is not finite, so that all ranks agree on whose such an object is. Nobody is near it:
  * the words say so. */
-static inline float fp3_position(const fp3_positions *p, uint32_t k, uint32_t object) {
-    float f;
-    memcpy(&f, &p->word[k][object], sizeof f);
-    return isfinite(f) ? f : 0;
+static inline double fp3_position(const fp3_positions *p, uint32_t k, uint32_t object) {
+    const double x = fp3_near_number(p->rule, p->word[k][object]);
+    return isfinite(x) ? x : 0;
 }
 
 #endif

@@ -23,6 +23,7 @@
 /* ---- the grid ---- */
 
 typedef struct {
+    const fp3_near_rule *rule;
     const fp3_where_they_are *now;
     uint32_t objects;                        /* the first rows: those that are in the grid */
     double least[FP3_NEAR_DIMENSIONS], size; /* of a cell */
@@ -31,7 +32,8 @@ typedef struct {
     uint32_t *cell;                          /* of each of them; of a hash: what is left of it */
     uint32_t *first;                         /* of each cell, in `order` */
     uint32_t *order;                         /* rows, cell by cell, ascending */
-    float *place[FP3_NEAR_DIMENSIONS];       /* of each row, in this order */
+    float *place[FP3_NEAR_DIMENSIONS];       /* of each row, in this order; NULLs: ... */
+    double *exact[FP3_NEAR_DIMENSIONS];      /* ... where words are no floats */
     float far;                               /* square of how far the list reaches */
     uint32_t parts;                          /* in which the cells of rows are found */
 } grid;
@@ -41,7 +43,7 @@ static void find_box(grid *g, double extent[FP3_NEAR_DIMENSIONS]) {
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
         double least = INFINITY, most = -INFINITY;
         for (uint32_t i = 0; i < g->objects; i++) {
-            const double x = fp3_near_at(g->now, k, i), size = fabs(x);
+            const double x = fp3_near_at(g->rule, g->now, k, i), size = fabs(x);
             least = x < least && size < INFINITY ? x : least;
             most = x > most && size < INFINITY ? x : most;
         }
@@ -77,14 +79,14 @@ static void measure(grid *g, double reach, int is_box) {
 static int is_astray(const grid *g, uint32_t row) {
     int is = 0;
     for (uint32_t k = 0; k < g->now->dimensions; k++)
-        is |= !isfinite(fp3_near_at(g->now, k, row));
+        is |= !isfinite(fp3_near_at(g->rule, g->now, k, row));
     return is;
 }
 
 static uint32_t column(const grid *g, uint32_t k, uint32_t row) {
     if (k >= g->now->dimensions)
         return 0;
-    const double c = (fp3_near_at(g->now, k, row) - g->least[k]) / g->size;
+    const double c = (fp3_near_at(g->rule, g->now, k, row) - g->least[k]) / g->size;
     return !(c >= 0) ? 0 : c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
 }
 
@@ -110,7 +112,7 @@ static uint32_t find_cell(const grid *g, uint32_t row) {
         return (column(g, 2, row) * g->cells[1] + column(g, 1, row)) * g->cells[0] +
                column(g, 0, row);
     for (uint32_t k = 0; k < g->now->dimensions; k++)
-        cell[k] = cell_at(g, fp3_near_at(g->now, k, row));
+        cell[k] = cell_at(g, fp3_near_at(g->rule, g->now, k, row));
     return hash(g, cell);
 }
 
@@ -128,11 +130,17 @@ static fp3_status sort(grid *g, fp3_error *error) {
     g->cell = malloc((objects + 2u) * sizeof *g->cell);
     g->order = malloc((objects + 1u) * sizeof *g->order);
     g->first = calloc(cells + 2, sizeof *g->first);
-    g->place[0] = calloc((size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS, sizeof(float));
-    if (!g->cell || !g->order || !g->first || !g->place[0])
+    const size_t places = (size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS;
+    if (g->rule->format)
+        g->exact[0] = calloc(places, sizeof(double));
+    else
+        g->place[0] = calloc(places, sizeof(float));
+    if (!g->cell || !g->order || !g->first || !(g->exact[0] || g->place[0]))
         return fp3_no_memory(error);
-    for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++)
-        g->place[k] = g->place[k - 1] + objects + 1;
+    for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++) {
+        g->place[k] = g->place[0] ? g->place[k - 1] + objects + 1 : NULL;
+        g->exact[k] = g->exact[0] ? g->exact[k - 1] + objects + 1 : NULL;
+    }
     g->parts = fp3_near_parts(g->now, FIND_TOGETHER);
     fp3_parts_make(g->now->crew, find_cells, g, g->parts);
     for (uint32_t i = 0; i < objects; i++)
@@ -143,7 +151,10 @@ static fp3_status sort(grid *g, fp3_error *error) {
         const uint32_t n = g->first[g->cell[i] + 1]++;
         g->order[n] = i;
         for (uint32_t k = 0; k < g->now->dimensions; k++)
-            g->place[k][n] = (float)fp3_near_at(g->now, k, i);
+            if (g->place[0])
+                g->place[k][n] = (float)fp3_near_at(g->rule, g->now, k, i);
+            else
+                g->exact[k][n] = fp3_near_at(g->rule, g->now, k, i);
     }
     return FP3_OK;
 }
@@ -164,14 +175,27 @@ typedef struct {
 
 /* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too.
  * There is room for all. */
-static uint32_t find(const grid *g, const float *place, uint32_t from, uint32_t end,
+static uint32_t find(const grid *g, const double *place, uint32_t from, uint32_t end,
                      uint32_t *found) {
+    const float at[] = {(float)place[0], (float)place[1], (float)place[2]};
     uint32_t count = 0;
     for (uint32_t n = from; n < end; n++) {
-        const float x = g->place[0][n] - place[0], y = g->place[1][n] - place[1],
-                    z = g->place[2][n] - place[2];
+        const float x = g->place[0][n] - at[0], y = g->place[1][n] - at[1],
+                    z = g->place[2][n] - at[2];
         found[count] = g->order[n];
         count += x * x + y * y + z * z < g->far;
+    }
+    return count;
+}
+
+static uint32_t find_exact(const grid *g, const double *place, uint32_t from, uint32_t end,
+                           uint32_t *found) {
+    uint32_t count = 0;
+    for (uint32_t n = from; n < end; n++) {
+        const double x = g->exact[0][n] - place[0], y = g->exact[1][n] - place[1],
+                     z = g->exact[2][n] - place[2];
+        found[count] = g->order[n];
+        count += x * x + y * y + z * z < (double)g->far;
     }
     return count;
 }
@@ -189,17 +213,17 @@ static fp3_status need_room(pairs *p, size_t more, fp3_error *error) {
 }
 
 /* Those of order[from] .. order[end - 1]. */
-static fp3_status take(const grid *g, const float *place, uint32_t from, uint32_t end, pairs *p,
+static fp3_status take(const grid *g, const double *place, uint32_t from, uint32_t end, pairs *p,
                        fp3_error *error) {
     const fp3_status status = need_room(p, end - from + (size_t)1, error);
     p->looks += end - from;
     if (!status)
-        p->count += find(g, place, from, end, p->found + p->count);
+        p->count += (g->exact[0] ? find_exact : find)(g, place, from, end, p->found + p->count);
     return status;
 }
 
 /* The cells around a row's, and its own, a line of them at a time. */
-static fp3_status find_in_box(const grid *g, uint32_t row, const float *place, pairs *p,
+static fp3_status find_in_box(const grid *g, uint32_t row, const double *place, pairs *p,
                               fp3_error *error) {
     uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
     fp3_status status = FP3_OK;
@@ -219,13 +243,13 @@ static fp3_status find_in_box(const grid *g, uint32_t row, const float *place, p
 
 /* Different cells may have one hash: of each, only those that are in it. */
 static fp3_status find_in_cell(const grid *g, const double cell[FP3_NEAR_DIMENSIONS],
-                               const float *place, pairs *p, fp3_error *error) {
+                               const double *place, pairs *p, fp3_error *error) {
     const uint32_t at_hash = hash(g, cell), end = g->first[at_hash + 1];
     fp3_status status = FP3_OK;
     for (uint32_t n = g->first[at_hash]; !status && n < end; n++) {
         int is_in = 1;
         for (uint32_t k = 0; k < g->now->dimensions; k++)
-            is_in &= cell_at(g, (double)g->place[k][n]) == cell[k];
+            is_in &= cell_at(g, g->exact[0] ? g->exact[k][n] : (double)g->place[k][n]) == cell[k];
         p->looks++;
         if (is_in)
             status = take(g, place, n, n + 1, p, error);
@@ -234,12 +258,12 @@ static fp3_status find_in_cell(const grid *g, const double cell[FP3_NEAR_DIMENSI
 }
 
 /* The same cells, each by itself. */
-static fp3_status find_by_hash(const grid *g, const float *place, pairs *p, fp3_error *error) {
+static fp3_status find_by_hash(const grid *g, const double *place, pairs *p, fp3_error *error) {
     double own[FP3_NEAR_DIMENSIONS] = {0}, cell[FP3_NEAR_DIMENSIONS];
     int wide[FP3_NEAR_DIMENSIONS] = {0};
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
-        own[k] = cell_at(g, (double)place[k]);
+        own[k] = cell_at(g, place[k]);
         wide[k] = fabs(own[k]) < LAST_CELL;
     }
     for (int z = -wide[2]; !status && z <= wide[2]; z++)
@@ -269,9 +293,9 @@ static fp3_status too_many(const grid *g, fp3_error *error) {
 }
 
 static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
-    float place[FP3_NEAR_DIMENSIONS] = {0};
+    double place[FP3_NEAR_DIMENSIONS] = {0};
     for (uint32_t k = 0; k < g->now->dimensions; k++)
-        place[k] = (float)fp3_near_at(g->now, k, row);
+        place[k] = fp3_near_at(g->rule, g->now, k, row);
     p->first[row] = (uint32_t)p->count;
     fp3_status status = is_astray(g, row)
                             ? (g->now->theirs[0] ? FP3_OK : find_itself(row, p, error))
@@ -387,11 +411,11 @@ static fp3_status enter_theirs(const search *s, uint32_t **begin, uint32_t **oth
 static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
     for (uint32_t k = 0; k < now->dimensions; k++) {
         if (!rule->made[k])
-            rule->made[k] = malloc((now->objects + 1u) * sizeof(float));
+            rule->made[k] = malloc((now->objects + 1u) * sizeof *rule->made[k]);
         if (!rule->made[k])
             return fp3_no_memory(error);
         for (uint32_t i = 0; i < now->objects; i++)
-            rule->made[k][i] = (float)fp3_near_at(now, k, i);
+            rule->made[k][i] = fp3_near_word(now, k, i);
     }
     rule->lists++;
     return FP3_OK;
@@ -400,7 +424,10 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
 static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, int is_box,
                             grid *g, fp3_error *error) {
     const double reach = (rule->reach + rule->skin) * (1 + FP3_NEAR_ROUNDING);
-    *g = (grid){.now = now, .objects = fp3_near_seekers(now).end, .far = (float)(reach * reach)};
+    *g = (grid){.rule = rule,
+                .now = now,
+                .objects = fp3_near_seekers(now).end,
+                .far = (float)(reach * reach)};
     measure(g, reach, is_box);
     return sort(g, error);
 }
@@ -410,6 +437,7 @@ static void close_grid(grid *g) {
     free(g->order);
     free(g->first);
     free(g->place[0]);
+    free(g->exact[0]);
 }
 
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,

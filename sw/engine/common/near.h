@@ -8,8 +8,10 @@
 #ifndef FP3_ENGINE_NEAR_H
 #define FP3_ENGINE_NEAR_H
 
+#include "machine/format.h"
 #include "parts.h"
 
+#include <fp3/isa.h>
 #include <fp3/status.h>
 #include <math.h>
 #include <stddef.h>
@@ -25,7 +27,7 @@
 
 /* Positions of objects: component k of the object at row i is position[k][i * stride]. */
 typedef struct {
-    const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* FP32 bits */
+    const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* words */
     /* Positions of objects of another kind, in rows from..objects-1. Lists are then of the rows
      * before `own`, with those as neighbours. NULLs: lists are of all rows, with all rows. */
     const uint32_t *theirs[FP3_NEAR_DIMENSIONS];
@@ -42,11 +44,12 @@ typedef struct {
     uint32_t regs[FP3_NEAR_DIMENSIONS];   /* of the position */
     uint32_t theirs[FP3_NEAR_DIMENSIONS]; /* of that of another kind */
     uint32_t dimensions;
+    const fp3_config *format; /* whose words positions are; NULL: FP32 */
     double reach, skin;
-    float *made[FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made;
-                                         NULL: there is none */
-    uint64_t lists;                   /* how many were made */
-    uint64_t looks;                   /* at how many candidates the last of them took */
+    uint32_t *made[FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made;
+                                            NULL: there is none */
+    uint64_t lists;                      /* how many were made */
+    uint64_t looks;                      /* at how many candidates the last of them took */
 } fp3_near_rule;
 
 /* Whether the list has to be made again. */
@@ -67,7 +70,9 @@ void fp3_near_close(fp3_near_rule *rule);
 /* ---- for the files of near.c ---- */
 
 /* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong
- * by some units in the last place, for which the list reaches a little farther. */
+ * by some units in the last place, for which the list reaches a little farther. Of words that are
+ * no floats distances are computed in double here: a position rounded to a float would be wrong by
+ * units of its own last place, which may be more than the whole reach. */
 #define FP3_NEAR_ROUNDING 1e-5
 
 /* Rows first .. end-1. */
@@ -89,12 +94,21 @@ static inline const uint32_t *fp3_near_words(const fp3_where_they_are *w, uint32
 }
 
 /* Who does not live is nowhere. */
-static inline double fp3_near_at(const fp3_where_they_are *w, uint32_t k, size_t row) {
+static inline uint32_t fp3_near_word(const fp3_where_they_are *w, uint32_t k, size_t row) {
+    return w->lives && !w->lives[row] ? FP3_BITS_NAN : fp3_near_words(w, k, row)[row * w->stride];
+}
+
+static inline double fp3_near_number(const fp3_near_rule *rule, uint32_t word) {
     float f;
-    if (w->lives && !w->lives[row])
-        return NAN;
-    memcpy(&f, &fp3_near_words(w, k, row)[row * w->stride], sizeof f);
+    if (rule->format)
+        return fp3_format_number(rule->format, word);
+    memcpy(&f, &word, sizeof f);
     return f;
+}
+
+static inline double fp3_near_at(const fp3_near_rule *rule, const fp3_where_they_are *w, uint32_t k,
+                                 size_t row) {
+    return fp3_near_number(rule, fp3_near_word(w, k, row));
 }
 
 /* One of `parts` of these rows. */

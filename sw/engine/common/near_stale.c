@@ -21,7 +21,7 @@ static int are_near_home(const fp3_near_rule *rule, const fp3_where_they_are *no
     const float has_y = now->dimensions > 1, has_z = now->dimensions > 2;
     int is_beyond = 0;
     for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
-        made[k] = rule->made[k < now->dimensions ? k : 0];
+        made[k] = (const float *)(const void *)rule->made[k < now->dimensions ? k : 0];
         x[k] = (const float *)(const void *)fp3_near_words(now, k < now->dimensions ? k : 0, first);
     }
     for (size_t i = first, at = first * now->stride; i < end; i++, at += now->stride) {
@@ -37,7 +37,8 @@ static double way_of(const fp3_near_rule *rule, const fp3_where_they_are *now, u
     double way = 0;
     int is_astray = 0, was_astray = 0;
     for (uint32_t k = 0; k < now->dimensions; k++) {
-        const double x = fp3_near_at(now, k, i), made = rule->made[k][i];
+        const double x = fp3_near_at(rule, now, k, i),
+                     made = fp3_near_number(rule, rule->made[k][i]);
         is_astray |= !isfinite(x);
         was_astray |= !isfinite(made);
         way += (x - made) * (x - made);
@@ -60,7 +61,8 @@ static int has_moved(const look *l, uint32_t first, uint32_t last) {
     const float near_home = (float)(most * (1 - FP3_NEAR_ROUNDING));
     for (uint32_t i = first, end; i < last; i = end) {
         end = last - i < BLOCK ? last : i + BLOCK;
-        if (most >= LEAST_LOOK && are_near_home(l->rule, l->now, i, end, near_home))
+        if (!l->rule->format && most >= LEAST_LOOK &&
+            are_near_home(l->rule, l->now, i, end, near_home))
             continue;
         for (uint32_t k = i; k < end; k++)
             if (!(way_of(l->rule, l->now, k) <= most))

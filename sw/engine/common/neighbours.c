@@ -149,7 +149,10 @@ static fp3_status find_theirs(fp3_engine *engine, size_t group, const char *name
 
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
                                const fp3_near *near) {
-    fp3_near_rule rule = {.dimensions = near->dimensions, .reach = near->reach, .skin = near->skin};
+    fp3_near_rule rule = {.dimensions = near->dimensions,
+                          .format = fp3_format_is_float(engine->config) ? NULL : engine->config,
+                          .reach = near->reach,
+                          .skin = near->skin};
     fp3_list *list = NULL;
     fp3_status status = find_list(engine, group, name, &list);
     if (!status)
