@@ -54,8 +54,9 @@ def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long, conf
 
 @pytest.mark.smoke
 @pytest.mark.parametrize("config, objects", [("world", 30), ("pairs", 24), ("world_log", 24), ("fabric", 12)])
-def test_what_neighbours_read_after_an_early_end_is_of_one_phase(build, tmp_path, config, objects):
+def test_what_neighbours_read_after_an_early_end_is_of_one_phase(build, tmp_path, long, config, objects):
     """Stops at 22 moments of programs of one phase and of two, and an illegal word behind a store, which reaches its whole batch; by links and by who is near."""
+    objects = 25 if long and config == "fabric" else objects
     assert re.fullmatch(r"\d+ runs, 0 failed\n", start(build / "tests/early_ends", "1", config, str(objects), cwd=tmp_path))
 
 

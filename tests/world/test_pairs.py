@@ -54,7 +54,7 @@ def in_double(x, v, h, steps):
 
 
 def test_errors_are_those_of_world(root, fp3, tmp_path):
-    """Of 48 stars, against the same method in double; the mean is over their coordinates. Measured: 0.99 times that on `world`."""
+    """Of 48 stars, against the same method in double; the mean is over their coordinates. Measured: 0.99 times that on `world`, and 1.18 times in logarithms."""
     random = numpy.random.default_rng(5)
     x, v = random.uniform(-1, 1, (STARS, 3)).astype(numpy.float32), (0.2 * random.standard_normal((STARS, 3))).astype(numpy.float32)
     rows = [",".join(f"{value:.9g}" for value in [*x[i], *v[i]]) for i in range(STARS)]
@@ -62,8 +62,8 @@ def test_errors_are_those_of_world(root, fp3, tmp_path):
     (tmp_path / "stars.scene").write_text(f'steps = 64;\ngroups = ( {{ program = "{root}/programs/world/stars.ode"; integrator = "rk4"; points = "stars.csv";\n'
                                           f"    set = {{ m = {numpy.float32(1 / STARS):.9g}; soft = 0.05; h = 0.015625; }}; }} );\n")
     truth, error = in_double(x.astype(float), v.astype(float), 0.015625, 64), {}
-    for config in ("world", "pairs"):
+    for config in ("world", "pairs", "world_log"):
         out = start(fp3, "run", "--scene", "stars.scene", "-c", config, "-e", "isa", "--all", cwd=tmp_path)
         found = numpy.array([float(value) for value in re.findall(r"^x_\w +(\S+) ", out, re.M)]).reshape(STARS, 3)
         error[config] = numpy.sqrt(((found - truth) ** 2).mean())
-    assert 1e-9 < error["pairs"] < 1.2 * error["world"], error
+    assert 1e-9 < error["pairs"] < 1.2 * error["world"] and 1e-9 < error["world_log"] < 1.5 * error["world"], error

@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-ENGINES = ["isa", "fast", "fast-interpreted", "rtl", "fabric"]
+ENGINES = ["isa", "fast", "fast-interpreted", "rtl", "rtl@fabric", "isa@world_log", "fast@world_log", "rtl@world_log"]
 
 
 def run(build, *arguments):
@@ -13,9 +13,15 @@ def run(build, *arguments):
     return done.stdout
 
 
+def seeds(engine, long, hardware, software):
+    """Half of them on eight lanes (all), which are simulated slowly."""
+    count = hardware if engine.startswith("rtl") else software
+    return range(1, 1 + (count if long or engine != "rtl@fabric" else (count + 1) // 2))
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_words(build, long, engine):
-    for seed in range(1, {"rtl": 5, "fabric": 5 if long else 3}.get(engine, 21)):
+    for seed in seeds(engine, long, 4, 20):
         run(build, engine, 6, seed)
 
 
@@ -27,11 +33,11 @@ def test_failures(build, engine, how, why):
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_births_and_ends(build, long, engine):
-    for seed in range(1, {"rtl": 4, "fabric": 4 if long else 3}.get(engine, 16)):
+    for seed in seeds(engine, long, 3, 15):
         run(build, engine, 9, seed, "lives")
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_pairs_of_another_kind_are_forgotten(build, long, engine):
-    for seed in range(1, {"rtl": 3, "fabric": 3 if long else 2}.get(engine, 6)):
+    for seed in seeds(engine, long, 2, 5):
         run(build, engine, 3, seed, "turn")

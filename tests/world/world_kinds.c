@@ -1,14 +1,15 @@
 /* world_kinds.c - objects of two groups that see each other have the words of one group that has
  * them all.
  *
- *     world_kinds ENGINE STEPS SEED [far|same|lives|turn]      far: an object overflows; same: two
- * at one place; turn: lists of near objects were of the other kind before
+ *     world_kinds ENGINE[@CONFIG] STEPS SEED [far|same|lives|turn]      far: an object overflows;
+ * same: two at one place; turn: lists of near objects were of the other kind before
  *
  * In the one group a term counts for neighbours of the own half, or of the other (`g`). In the two,
  * either half is a group, and what a term reads of the other half is a param of its program. Links,
  * near objects and all objects, own and other, some of which remember. Prints: objects N + N, words
  * N, differing N.
  */
+#include <engine/common/inside.h>
 #include <fp3/engine.h>
 #include <fp3/program.h>
 #include <stdint.h>
@@ -22,6 +23,7 @@
 static fp3_error error;
 static uint64_t state;
 static uint32_t size[2]; /* of the two halves */
+static const char *config = "world";
 
 static uint32_t below(uint32_t count) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -96,6 +98,7 @@ static fp3_program *compile(const char *text) {
     char *report = NULL, all[4096];
     def.integrator = "semi_implicit_euler";
     def.compile.is_for_host = 0;
+    def.compile.config = config;
     snprintf(all, sizeof all, "%s%s", head, text);
     if (has_lives)
         forget(all);
@@ -144,9 +147,7 @@ static fp3_engine *open_engine(const char *name, uint32_t objects) {
     def.engine = strncmp(name, "fast", 4) == 0 ? "fast" : name;
     def.is_interpreted = strcmp(name, "fast-interpreted") == 0;
     def.threads = 2 * (strcmp(name, "fast") == 0);
-    def.config = strcmp(name, "fabric") == 0 ? "fabric" : "world";
-    if (strcmp(name, "fabric") == 0)
-        def.engine = "rtl";
+    def.config = config;
     def.objects = objects;
     def.error = &error;
     told(fp3_engine_open(&def, &engine));
@@ -204,7 +205,7 @@ static void run_one(uint32_t steps, float (*values)[2 * OBJECTS], uint32_t (*wor
     live(engine);
     told(fp3_engine_run(engine, steps, NULL));
     for (int s = 0; s < STATES; s++)
-        told(fp3_engine_read(engine, 0, all, reg(p, states[s]), (float *)(void *)words[s]));
+        told(fp3_engine_read_words(engine, 0, all, reg(p, states[s]), words[s]));
     told(fp3_engine_failure(engine, 0, all, failure));
     fp3_engine_close(&engine);
     fp3_program_close(&p);
@@ -251,6 +252,11 @@ int main(int argc, char **argv) {
     static float values[STATES][2 * OBJECTS], zeros[2 * OBJECTS];
     static uint32_t expected[STATES][2 * OBJECTS], found[STATES][2 * OBJECTS];
     uint32_t differing = 0, steps = argc > 2 ? (uint32_t)atoi(argv[2]) : 1;
+    char *at = argc > 1 ? strchr(argv[1], '@') : NULL;
+    if (at) {
+        *at = '\0';
+        config = at + 1;
+    }
     has_lives = argc > 4 && strcmp(argv[4], "lives") == 0;
     state = argc > 3 ? (uint64_t)atoi(argv[3]) : 1;
     size[0] = 1 + below(OBJECTS);
@@ -289,7 +295,7 @@ int main(int argc, char **argv) {
     }
     told(fp3_engine_run(engine, steps, NULL));
     for (int s = 0; s < STATES; s++)
-        told(fp3_engine_read(engine, 0, all, reg(p, states[s]), (float *)(void *)found[s]));
+        told(fp3_engine_read_words(engine, 0, all, reg(p, states[s]), found[s]));
     for (uint32_t i = 0; i < all; i++)
         for (int s = 0; s < STATES; s++)
             differing += expected[s][i] != found[s][i];
