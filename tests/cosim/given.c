@@ -17,6 +17,7 @@
 #include <fp3/compile.h>
 #include <fp3/isa.h>
 #include <inttypes.h>
+#include <machine/format.h>
 #include <machine/operation.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -180,7 +181,13 @@ static uint32_t any_word(chance *c) {
                        : value(c);
 }
 
-static float number(chance *c) { return fp3_value_of(any_word(c)); }
+/* That the configuration has a word for. */
+static float number(chance *c) {
+    float f = fp3_value_of(any_word(c));
+    for (uint32_t word; fp3_format_word(fp3_config_find(config), f, &word);)
+        f = fp3_value_of(any_word(c));
+    return f;
+}
 
 /* The same words and lists for all. */
 static void fill(chance *c, const program *p, subject *s, unsigned count, uint32_t objects) {

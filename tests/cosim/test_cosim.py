@@ -43,7 +43,7 @@ def test_schedulers_run_programs_of_their_own(build, tmp_path):
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("config, objects", [("world", 30), ("pairs", 24), ("world_log", 24)])
+@pytest.mark.parametrize("config, objects", [("world", 30), ("pairs", 24), ("world_log", 24), ("world_bfloat", 24)])
 def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long, config, objects):
     """Lists and starts by chance, of up to 30 objects once (53, as many as three batches take, ten times)."""
     objects = 53 if long and config == "world" else objects
@@ -53,7 +53,7 @@ def test_objects_see_each_other_as_on_the_isa_engine(build, tmp_path, long, conf
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("config, objects", [("world", 30), ("pairs", 24), ("world_log", 24), ("fabric", 12)])
+@pytest.mark.parametrize("config, objects", [("world", 30), ("pairs", 24), ("world_log", 24), ("world_bfloat", 24), ("fabric", 12)])
 def test_what_neighbours_read_after_an_early_end_is_of_one_phase(build, tmp_path, long, config, objects):
     """Stops at 22 moments of programs of one phase and of two, and an illegal word behind a store, which reaches its whole batch; by links and by who is near."""
     objects = 25 if long and config == "fabric" else objects
@@ -61,13 +61,13 @@ def test_what_neighbours_read_after_an_early_end_is_of_one_phase(build, tmp_path
 
 
 @pytest.mark.smoke
-@pytest.mark.parametrize("config, objects", [("world", 64), ("world_log", 40), pytest.param("fabric", 40, marks=pytest.mark.long)])
+@pytest.mark.parametrize("config, objects", [("world", 64), ("world_log", 40), ("world_bfloat", 40), pytest.param("fabric", 40, marks=pytest.mark.long)])
 def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, long, config, objects):
     """Programs by chance; of the fast engine both native code and the interpreter have some."""
     for seed in range(1, 11 if long else 2):
         out = start(build / "tests/given", str(seed), config, "150", str(objects), cwd=tmp_path)
         runs, native = map(int, re.fullmatch(r"(\d+) runs, (\d+) of native code, 0 failed\n", out).groups())
-        assert runs == 450 and (native > 30) == (config != "world_log"), out  # engine fast has no native code for logarithms
+        assert runs == 450 and (native > 30) == (config not in ("world_log", "world_bfloat")), out  # of which engine fast has no native code
 
 
 @pytest.mark.parametrize("keys", [pytest.param({"mul_latency": 1, "add_latency": 2, "mul_cuts": 0, "add_cuts": 2}, id="the least latency"),

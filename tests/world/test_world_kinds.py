@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-ENGINES = ["isa", "fast", "fast-interpreted", "rtl", "rtl@fabric", "isa@world_log", "fast@world_log", "rtl@world_log"]
+ENGINES = ["isa", "fast", "fast-interpreted", "rtl", "rtl@fabric", "isa@world_log", "fast@world_log", "rtl@world_log", "fast@world_bfloat"]
 
 
 def run(build, *arguments):

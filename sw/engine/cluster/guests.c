@@ -86,7 +86,7 @@ static fp3_status note_near(fp3_engine *engine, const fp3_ranked *self, const fp
         for (uint32_t i = 0; i < n->own; i++)
             memcpy(&self->made[k][i], &p.word[k][self->mine[i]], sizeof(float));
     if (!status)
-        count = find_around(self, &p, (rule->reach + rule->skin) * 1.001, some, engine->objects);
+        count = find_around(self, &p, fp3_near_reach(rule) * 1.001, some, engine->objects);
     for (uint32_t k = 0; k < p.dimensions; k++)
         for (uint32_t i = 0; i < count; i++)
             p.word[k][i] = p.word[k][some[i]]; /* some[i] >= i */

@@ -423,7 +423,7 @@ static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, f
 
 static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, int is_box,
                             grid *g, fp3_error *error) {
-    const double reach = (rule->reach + rule->skin) * (1 + FP3_NEAR_ROUNDING);
+    const double reach = fp3_near_reach(rule);
     *g = (grid){.rule = rule,
                 .now = now,
                 .objects = fp3_near_seekers(now).end,

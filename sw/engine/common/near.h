@@ -75,6 +75,14 @@ void fp3_near_close(fp3_near_rule *rule);
  * units of its own last place, which may be more than the whole reach. */
 #define FP3_NEAR_ROUNDING 1e-5
 
+/* How far a list reaches. A program that computes with fewer bits is wrong by more: each
+ * difference, square, sum and the bound may be by a last place of theirs, which is less than 4 of a
+ * distance. */
+static inline double fp3_near_reach(const fp3_near_rule *rule) {
+    const double place = rule->format ? ldexp(1, -(int)rule->format->fraction) : 0;
+    return (rule->reach + rule->skin) * (1 + FP3_NEAR_ROUNDING + 4 * place);
+}
+
 /* Rows first .. end-1. */
 typedef struct {
     uint32_t first, end;
