@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import pytest
 
-COARSE = {"middle": 1e-4, "many_half": 2e-3, "bfloat": 3e-2}   # numbers, or records, with fewer bits
+COARSE = {"middle": 1e-4, "many_half": 2e-3, "bfloat": 3e-2, "world_bfloat": 3e-2}   # numbers, or records, with fewer bits
 KEYS = {
     "config": str, "program": str, "first_cycles": int, "next_cycles": (int, float), "objects": int, "steps": int, "words": int,
     "mismatches": int, "rel_err_v": float, "rel_err_s": float, "stalls": dict, "cycles_per_second": float,
