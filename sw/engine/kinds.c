@@ -24,6 +24,8 @@ void fp3_kinds_free(fp3_kinds **kinds) {
     free(self->constants);
     free(self->held);
     free(self->words);
+    free(self->stage);
+    fp3_rest_close(&self->rest);
     free(self);
     *kinds = NULL;
 }
@@ -112,20 +114,49 @@ static void place_guests(const fp3_kinds *self, fp3_kind_engine *k) {
     }
 }
 
-/* lives: of each object; NULL: all do. */
-static void place_objects(fp3_kinds *self, const fp3_layout *layout, const char *lives) {
+/* Those at this stage get the next rows of their group's engine. */
+static uint32_t place_those(fp3_kinds *self, const fp3_members *group, int stage, uint32_t row) {
+    for (uint32_t n = group->first; n < group->first + group->objects; n++)
+        if (self->stage[n] == stage) {
+            self->place[n] = row;
+            self->who[group->first + row++] = n;
+        }
+    return row;
+}
+
+/* Those that make steps stand in front, as fp3_engine_use needs them. */
+static void place_objects(fp3_kinds *self, const fp3_layout *layout) {
     for (uint32_t i = 0; i < layout->count; i++) {
         const fp3_members *group = &layout->groups[i];
-        uint32_t *living = &self->kinds[i].living;
-        *living = 0;
-        for (uint32_t n = group->first; n < group->first + group->objects; n++) {
-            self->place[n] = !lives || lives[n] ? *living : FP3_NO_OBJECT_ROW;
-            if (!lives || lives[n])
-                self->who[group->first + (*living)++] = n;
-        }
+        fp3_kind_engine *k = &self->kinds[i];
+        for (uint32_t n = group->first; n < group->first + group->objects; n++)
+            self->place[n] = FP3_NO_OBJECT_ROW;
+        k->awake = place_those(self, group, FP3_STAGE_AWAKE, 0);
+        k->living = place_those(self, group, FP3_STAGE_ASLEEP, k->awake);
     }
     for (uint32_t i = 0; i < layout->count; i++)
         place_guests(self, &self->kinds[i]);
+}
+
+/* Rows are in another order than objects where some sleep: sums still go by numbers. */
+static fp3_status tell_numbers(const fp3_kinds *self, const fp3_layout *layout, fp3_kind_engine *k,
+                               const fp3_members *own) {
+    uint32_t *numbers = malloc((k->rows + (size_t)1) * sizeof *numbers);
+    if (!numbers)
+        return fp3_no_memory(k->own->def.error);
+    for (uint32_t n = 0; n < k->living; n++)
+        numbers[n] = self->who[own->first + n] - own->first;
+    for (uint32_t i = 0; i < layout->count; i++) {
+        uint32_t before = own->objects; /* guests of a group follow those of another, as in rows */
+        for (uint32_t j = 0; j < layout->count; j++)
+            before += k->base[j] < k->base[i] ? layout->groups[j].objects : 0;
+        for (uint32_t n = 0; k->base[i] != FP3_NO_OBJECT_ROW && n < self->kinds[i].living; n++)
+            numbers[k->base[i] + n] =
+                before + self->who[layout->groups[i].first + n] - layout->groups[i].first;
+    }
+    const fp3_status status = fp3_engine_set_numbers(k->own, numbers);
+    free(numbers);
+    return status;
 }
 
 static fp3_status open_one(fp3_engine *engine, fp3_kinds *self, const fp3_layout *layout,
@@ -145,7 +176,9 @@ static fp3_status open_one(fp3_engine *engine, fp3_kinds *self, const fp3_layout
     if (!status)
         status = self->load(k->own, group->image);
     if (!status)
-        fp3_engine_use(k->own, 0, k->living);
+        fp3_engine_use(k->own, 0, k->awake);
+    if (!status && self->rest.is_any && group->lists.shape.is_any)
+        status = tell_numbers(self, layout, k, group);
     return status;
 }
 
@@ -178,14 +211,14 @@ static fp3_status give_back(fp3_engine *engine) {
         const uint32_t words = registers + (engine->config->status != 0);
         for (uint32_t reg = 0; !status && self->kinds[i].own && reg < words; reg++)
             if (reg >= registers || reg < 1u << group->log2)
-                status = fp3_kinds_write(
+                status = fp3_kinds_put(
                     engine,
                     (fp3_cells){reg < registers ? FP3_CELLS_REGISTER : FP3_CELLS_STATUS,
                                 reg < registers ? reg : 0, group->first, group->objects},
                     &self->held[(size_t)reg * engine->objects + group->first]);
         if (!status && self->kinds[i].own)
-            status = fp3_kinds_write(engine, (fp3_cells){FP3_CELLS_CONSTANT, i, 0, registers},
-                                     &self->constants[i * registers]);
+            status = fp3_kinds_put(engine, (fp3_cells){FP3_CELLS_CONSTANT, i, 0, registers},
+                                   &self->constants[i * registers]);
     }
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         status = fp3_kinds_connect(engine, &engine->layout.groups[i], NULL);
@@ -198,25 +231,28 @@ static void close_engines(fp3_kinds *self) {
     free(self->place);
     free(self->who);
     free(self->held);
+    free(self->stage);
 }
 
-/* Others live: each group gets another engine, for these. After a failure it has the old ones. */
-static fp3_status form_again(fp3_engine *engine, const char *lives) {
+fp3_status fp3_kinds_form(fp3_engine *engine, const uint8_t *stage) {
     fp3_kinds *self = fp3_kinds_of(engine);
     fp3_kinds other = *self;
     const size_t objects = engine->objects;
     other.place = malloc((objects + 1) * sizeof *other.place);
     other.who = malloc((objects + 1) * sizeof *other.who);
+    other.stage = malloc(objects + 1);
     other.held = calloc((engine->config->registers + (size_t)1) * objects, sizeof *other.held);
     for (uint32_t i = 0; i < self->count; i++)
         other.kinds[i].own = NULL;
-    fp3_status status = other.place && other.who && other.held ? hold(engine, other.held)
-                                                               : fp3_no_memory(engine->def.error);
+    fp3_status status = other.place && other.who && other.held && other.stage
+                            ? hold(engine, other.held)
+                            : fp3_no_memory(engine->def.error);
     const fp3_kinds old = *self;
     if (!status) {
         other.bus_before = engine->bus;
         *self = other; /* engines keep the addresses of what is in it */
-        place_objects(self, &engine->layout, lives);
+        memcpy(self->stage, stage, objects);
+        place_objects(self, &engine->layout);
         for (uint32_t i = 0; !status && i < self->count; i++)
             status = open_one(engine, self, &engine->layout, i);
         if (!status)
@@ -231,20 +267,21 @@ static fp3_status form_again(fp3_engine *engine, const char *lives) {
 }
 
 /* Before a run, or a part of one. */
-static fp3_status settle_lives(fp3_engine *engine) {
+static fp3_status settle_stages(fp3_engine *engine) {
     const fp3_kinds *self = fp3_kinds_of(engine);
-    int is_new = 0;
-    if (!engine->lives.list && !self->held)
+    fp3_status status = FP3_OK;
+    if (!engine->lives.list && !self->held && !self->rest.is_any)
         return FP3_OK;
-    char *lives = malloc(engine->objects + (size_t)1);
-    if (!lives)
+    uint8_t *stage = malloc(engine->objects + (size_t)1);
+    if (!stage)
         return fp3_no_memory(engine->def.error);
-    for (uint32_t i = 0; i < engine->objects; i++) {
-        lives[i] = fp3_engine_life(engine, i) == FP3_ALIVE;
-        is_new |= lives[i] != (self->place[i] != FP3_NO_OBJECT_ROW);
-    }
-    const fp3_status status = is_new ? form_again(engine, lives) : FP3_OK;
-    free(lives);
+    for (uint32_t i = 0; i < engine->objects; i++)
+        stage[i] = fp3_engine_life(engine, i) == FP3_ALIVE ? FP3_STAGE_AWAKE : FP3_STAGE_NONE;
+    if (self->rest.is_any)
+        status = fp3_rest_settle(engine, stage);
+    if (!status && memcmp(stage, self->stage, engine->objects) != 0)
+        status = fp3_kinds_form(engine, stage);
+    free(stage);
     return status;
 }
 
@@ -254,7 +291,7 @@ static const fp3_backend divided_by_kind = {
     .read = fp3_kinds_read,
     .write = fp3_kinds_write,
     .connect = fp3_kinds_connect,
-    .list = settle_lives,
+    .list = settle_stages,
     .run = fp3_kinds_run,
     .how = how_kinds,
 };
@@ -264,7 +301,7 @@ const fp3_backend *fp3_kinds_usual(const fp3_engine *engine) {
 }
 
 /* ---- made ---- */
-static fp3_status check(const fp3_engine *engine, const fp3_backend *usual) {
+static fp3_status check(const fp3_engine *engine, const fp3_backend *usual, int is_of_several) {
     const fp3_engine_def *def = &engine->def;
     const char *what = def->trace                    ? "a trace is told of one program"
                        : def->bus_log                ? "a bus is logged of one program"
@@ -274,7 +311,10 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual) {
                        : !engine->config->interleave ? "a configuration that interleaves is needed"
                        : usual == &fp3_backend_board ? "a board has one program"
                                                      : NULL;
-    return what ? fp3_fail(def->error, FP3_E_PROGRAM, "groups that see each other: %s", what)
+    return what ? fp3_fail(def->error, FP3_E_PROGRAM, "%s: %s",
+                           is_of_several ? "groups that see each other"
+                                         : "objects that fall asleep at rest",
+                           what)
                 : FP3_OK;
 }
 
@@ -283,14 +323,17 @@ static int has_room(const fp3_engine *engine, uint32_t count, fp3_kinds *self) {
     self->place = malloc((objects + 1) * sizeof *self->place);
     self->who = malloc((objects + 1) * sizeof *self->who);
     self->words = malloc((objects + 1) * sizeof *self->words);
+    self->stage = malloc(objects + 1);
     self->count = count;
+    if (self->stage)
+        memset(self->stage, FP3_STAGE_AWAKE, objects + 1);
     self->constants = calloc(count * registers, sizeof *self->constants);
-    return self->place && self->who && self->words && self->constants;
+    return self->place && self->who && self->words && self->constants && self->stage;
 }
 
 fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kinds_load_fn *load,
                           fp3_layout *layout, uint32_t *group, fp3_kinds **kinds) {
-    fp3_status status = check(engine, usual);
+    fp3_status status = check(engine, usual, layout->count > 1);
     *group = layout->count;
     fp3_kinds *self = *kinds = status ? NULL : calloc(1, sizeof *self);
     if (!self || !has_room(engine, layout->count, self)) {
@@ -307,7 +350,9 @@ fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kind
     for (*group = 0; !status && *group < layout->count; *group += !status)
         status = find_words(engine, layout, *group, &self->kinds[*group]);
     if (!status)
-        place_objects(self, layout, NULL);
+        status = fp3_rest_open(engine, layout, self);
+    if (!status)
+        place_objects(self, layout);
     for (*group = 0; !status && *group < layout->count; *group += !status) {
         status = open_one(engine, self, layout, *group);
         if (!status)

@@ -21,6 +21,7 @@ typedef struct {
 typedef struct {
     fp3_engine *own; /* NULL: none of its objects lives */
     uint32_t living; /* how many do */
+    uint32_t awake;  /* ... and make steps: the first rows */
     uint32_t
         base[FP3_JOINED_MAX]; /* of each group: the row of its first guest, or FP3_NO_OBJECT_ROW
                                */
@@ -32,6 +33,21 @@ typedef struct {
         const uint32_t *who; /* of each row, the object in all groups */
     } teller;
 } fp3_kind_engine;
+
+/* What became of an object. */
+enum { FP3_STAGE_NONE, FP3_STAGE_AWAKE, FP3_STAGE_ASLEEP };
+
+/* Objects that fall asleep and wake (kinds_rest.c). All arrays but `near` are of all objects. */
+typedef struct {
+    int is_any;              /* the program of some group lets them */
+    uint8_t *told, *touched; /* what the caller wrote since the last run: `at_rest`; another word */
+    uint8_t *flags;
+    uint32_t *root; /* a tree for each island: of each object, the next towards its root */
+    struct fp3_rest_near {
+        fp3_near_rule rule;
+        uint32_t *begin, *other;
+    } near[FP3_JOINED_MAX][FP3_LISTS_MAX];
+} fp3_rest;
 
 typedef struct fp3_kinds {
     fp3_backend backend;
@@ -47,6 +63,8 @@ typedef struct fp3_kinds {
     uint32_t *held;      /* columns of all objects, a register each and then the status: what those
                             hold that do not live; NULL: all live */
     uint32_t *words;     /* of one register of any group */
+    uint8_t *stage;      /* of each object */
+    fp3_rest rest;
 } fp3_kinds;
 
 static inline fp3_kinds *fp3_kinds_of(const fp3_engine *engine) { return engine->self; }
@@ -55,6 +73,26 @@ static inline fp3_kinds *fp3_kinds_of(const fp3_engine *engine) { return engine-
 static inline const uint32_t *fp3_kinds_who(const fp3_engine *engine, uint32_t group) {
     return fp3_kinds_of(engine)->who + engine->layout.groups[group].first;
 }
+
+/* ---- kinds.c ---- */
+
+/* Each group gets another engine, for objects at these stages. After a failure it has the old ones.
+ */
+fp3_status fp3_kinds_form(fp3_engine *engine, const uint8_t *stage);
+
+/* ---- kinds_rest.c ---- */
+
+fp3_status fp3_rest_open(const fp3_engine *engine, const fp3_layout *layout, fp3_kinds *self);
+void fp3_rest_close(fp3_rest *rest);
+/* The caller has written these words, or given a list (NULL: cells are) of a group. */
+void fp3_rest_note(fp3_engine *engine, fp3_cells cells);
+void fp3_rest_note_list(fp3_engine *engine, uint32_t group, const fp3_list *list);
+/* Before a run, or a part of one: who sleeps of those that live now. stage: FP3_STAGE_NONE or
+ * _AWAKE of each object; those that sleep become FP3_STAGE_ASLEEP. */
+fp3_status fp3_rest_settle(fp3_engine *engine, uint8_t *stage);
+/* After the step of this number: stage is a copy of that of the engine, changed where others sleep
+ * from now on; *is_new: there are such. */
+fp3_status fp3_rest_look(fp3_engine *engine, uint32_t number, uint8_t *stage, int *is_new);
 
 /* ---- kinds_lists.c ---- */
 
@@ -67,6 +105,8 @@ fp3_status fp3_kinds_take_memories(fp3_engine *engine);
 
 fp3_status fp3_kinds_read(fp3_engine *engine, fp3_cells cells, void *words);
 fp3_status fp3_kinds_write(fp3_engine *engine, fp3_cells cells, const void *words);
+/* Not for what the caller writes. */
+fp3_status fp3_kinds_put(fp3_engine *engine, fp3_cells cells, const void *words);
 fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
 
 #endif

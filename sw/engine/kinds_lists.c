@@ -104,7 +104,7 @@ fp3_status fp3_kinds_take_memories(fp3_engine *engine) {
     for (uint32_t i = 0; i < self->count; i++) {
         fp3_lists *lists = &engine->layout.groups[i].lists;
         for (uint32_t n = 0; !status && n < lists->shape.list_count; n++)
-            if (fp3_list_remembers(&lists->lists[n]))
+            if (self->kinds[i].own && fp3_list_remembers(&lists->lists[n]))
                 status = take_memory(engine, &self->kinds[i], &lists->lists[n],
                                      &self->kinds[i].own->layout.groups[0].lists.lists[n]);
     }
@@ -135,6 +135,8 @@ fp3_status fp3_kinds_connect(fp3_engine *engine, fp3_members *group, const fp3_l
     const uint32_t number = (uint32_t)(group - engine->layout.groups);
     const int is_there = fp3_kinds_of(engine)->kinds[number].own != NULL;
     fp3_status status = FP3_OK;
+    if (list)
+        fp3_rest_note_list(engine, number, list);
     for (uint32_t i = 0; !status && is_there && i < group->lists.shape.list_count; i++)
         if (!list || list == &group->lists.lists[i])
             status = give_list(engine, number, &group->lists.lists[i]);

@@ -5,6 +5,8 @@
 #include "engine/common/cells.h"
 #include "engine/common/origin.h"
 
+#include "gen/registers.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,11 +28,13 @@ static uint32_t *held_at(const fp3_engine *engine, fp3_cells cells, size_t objec
     return &fp3_kinds_of(engine)->held[column * engine->objects + object];
 }
 
-/* From `object` on, before `end`: how many follow each other in rows, or do not live. */
-static uint32_t run_of(const uint32_t *place, uint32_t object, uint32_t end) {
-    const int lives = place[object] != FP3_NO_OBJECT_ROW;
+/* From `object` on, before `end`: how many that make steps follow each other in rows, or are held.
+ */
+static uint32_t run_of(const fp3_kinds *self, uint32_t object, uint32_t end) {
+    const int is_awake = self->stage[object] == FP3_STAGE_AWAKE;
     uint32_t n = 1;
-    while (object + n < end && place[object + n] == place[object] + (lives ? n : 0))
+    while (object + n < end && is_awake == (self->stage[object + n] == FP3_STAGE_AWAKE) &&
+           (!is_awake || self->place[object + n] == self->place[object] + n))
         n++;
     return n;
 }
@@ -43,10 +47,10 @@ static fp3_status access_group(fp3_engine *engine, uint32_t number, fp3_cells ce
     const uint32_t begin = (uint32_t)cells.first, end = begin + (uint32_t)cells.count;
     fp3_status status = FP3_OK;
     for (uint32_t object = begin, n; !status && object < end; object += n) {
-        n = run_of(self->place, object, end);
+        n = run_of(self, object, end);
         char *at = words + (object - begin) * sizeof(uint32_t);
         fp3_cells here = {cells.kind, cells.number, self->place[object], n};
-        if (self->place[object] == FP3_NO_OBJECT_ROW)
+        if (self->stage[object] != FP3_STAGE_AWAKE)
             memcpy(is_write ? (char *)held_at(engine, cells, object) : at,
                    is_write ? at : (char *)held_at(engine, cells, object), n * sizeof(uint32_t));
         else
@@ -86,8 +90,8 @@ fp3_status fp3_kinds_read(fp3_engine *engine, fp3_cells cells, void *words) {
     return access_cells(engine, cells, words, 0);
 }
 
-/* What the caller writes, guests get in the next run. */
-fp3_status fp3_kinds_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+/* Guests get it in the next round. */
+fp3_status fp3_kinds_put(fp3_engine *engine, fp3_cells cells, const void *words) {
     fp3_kinds *self = fp3_kinds_of(engine);
     for (uint32_t i = 0; i < self->count; i++)
         for (uint32_t k = 0; k < self->kinds[i].word_count; k++)
@@ -95,22 +99,58 @@ fp3_status fp3_kinds_write(fp3_engine *engine, fp3_cells cells, const void *word
     return access_cells(engine, cells, (void *)(uintptr_t)words, 1);
 }
 
+fp3_status fp3_kinds_write(fp3_engine *engine, fp3_cells cells, const void *words) {
+    fp3_rest_note(engine, cells);
+    return fp3_kinds_put(engine, cells, words);
+}
+
 /* ---- a run ---- */
+
+/* What objects of a group hold that sleep, behind the words of those that are awake. */
+static void add_held(const fp3_engine *engine, uint32_t group, uint32_t reg, uint32_t *words) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    const uint32_t *who = fp3_kinds_who(engine, group);
+    for (uint32_t i = self->kinds[group].awake; i < self->kinds[group].living; i++)
+        words[i] = self->held[(size_t)reg * engine->objects + who[i]];
+}
+
+/* Those that sleep are as guests among those that do not: a phase does not store their words, so
+ * they are brought for each. */
+static fp3_status bring_sleepers(fp3_engine *engine, uint32_t number) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    const fp3_kind_engine *k = &self->kinds[number];
+    const fp3_lists *lists = &engine->layout.groups[number].lists;
+    uint64_t seen = lists->shape.is_any ? lists->shape.published : 0;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < lists->shape.list_count; i++)
+        for (uint32_t d = 0; lists->lists[i].is_near && d < lists->lists[i].near.dimensions; d++)
+            seen |= UINT64_C(1) << lists->lists[i].near.regs[d];
+    for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++) {
+        const fp3_cells here = {FP3_CELLS_REGISTER, reg, k->awake, k->living - k->awake};
+        if (!(seen >> reg & 1))
+            continue;
+        add_held(engine, number, reg, self->words);
+        status = k->own->backend->write(k->own, here, self->words + k->awake);
+    }
+    return status;
+}
 
 /* The objects of a group, as they are now, become guests of this kind. */
 static fp3_status bring(fp3_engine *engine, fp3_kind_engine *k, fp3_foreign_word *f) {
     fp3_kinds *self = fp3_kinds_of(engine);
     const uint32_t count = self->kinds[f->from].living, registers = engine->config->registers;
     fp3_engine *from = self->kinds[f->from].own;
-    const fp3_cells theirs = {FP3_CELLS_REGISTER, f->of, 0, count},
+    const fp3_cells theirs = {FP3_CELLS_REGISTER, f->of, 0, self->kinds[f->from].awake},
                     here = {FP3_CELLS_REGISTER, f->reg, k->base[f->from], count};
     fp3_status status = FP3_OK;
     if (!count)
         return FP3_OK;
     for (uint32_t i = 0; f->is_shared && i < count; i++)
         self->words[i] = self->constants[f->from * registers + f->of];
-    if (!f->is_shared)
+    if (!f->is_shared && theirs.count)
         status = from->backend->read(from, theirs, self->words);
+    if (!f->is_shared)
+        add_held(engine, f->from, f->of, self->words);
     if (!status)
         status = k->own->backend->write(k->own, here, self->words);
     f->is_brought = !status && !f->is_stored;
@@ -122,7 +162,9 @@ static fp3_status bring_all(fp3_engine *engine, uint32_t phase) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < self->count; i++) {
         fp3_kind_engine *k = &self->kinds[i];
-        for (uint32_t w = 0; !status && k->own && phase < k->phases && w < k->word_count; w++)
+        if (!status && k->awake && k->awake < k->living && phase < k->phases)
+            status = bring_sleepers(engine, i);
+        for (uint32_t w = 0; !status && k->awake && phase < k->phases && w < k->word_count; w++)
             if (!k->words[w].is_brought)
                 status = bring(engine, k, &k->words[w]);
     }
@@ -141,7 +183,7 @@ static fp3_status make_round(fp3_engine *engine, uint32_t phase, fp3_stats *stat
     fp3_status status = bring_all(engine, phase);
     for (uint32_t i = 0; !status && i < self->count; i++) {
         fp3_kind_engine *k = &self->kinds[i];
-        if (!k->own || phase >= k->phases)
+        if (!k->awake || phase >= k->phases)
             continue;
         status = fp3_engine_make_phase(k->own, phase, stats);
         if (!engine->backend->is_uncounted)
@@ -174,15 +216,19 @@ static fp3_status undo_register(fp3_engine *engine, const fp3_members *group, ui
             ;
         if (last > first)
             status =
-                fp3_kinds_write(engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, last - first},
-                                &o->registers[reg * engine->objects + first]);
+                fp3_kinds_put(engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, last - first},
+                              &o->registers[reg * engine->objects + first]);
     }
     return status;
 }
 
-/* A run that does not come to its end leaves all objects as they were. */
+/* A run that does not come to its end leaves all objects as they were, and who sleeps is what their
+ * words say. */
 static fp3_status undo(fp3_engine *engine) {
+    fp3_rest *rest = &fp3_kinds_of(engine)->rest;
     fp3_status status = FP3_OK;
+    if (rest->is_any)
+        memset(rest->told, 1, engine->objects);
     for (uint32_t i = 0; i < engine->layout.count; i++)
         for (uint32_t reg = 0; !status && reg < 1u << engine->layout.groups[i].log2; reg++)
             status = undo_register(engine, &engine->layout.groups[i], reg);
@@ -243,13 +289,55 @@ static void watch_no_more(fp3_engine *engine, uint32_t number) {
     own->watched = NULL;
 }
 
+/* Notes who makes no step now; 1: nobody makes any of those that are left. */
+static int skip_sleepers(fp3_engine *engine, uint32_t left) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    int is_awake = 0;
+    for (uint32_t i = 0; i < self->count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        is_awake |= self->kinds[i].awake && (!group->visit || group->visit->stored);
+    }
+    for (uint32_t i = 0; i < self->count; i++)
+        engine->layout.groups[i].slept +=
+            (uint64_t)(self->kinds[i].living - self->kinds[i].awake) * (is_awake ? 1 : left);
+    return !is_awake;
+}
+
+/* After a step: others may sleep from now on. */
+static fp3_status look_who_rests(fp3_engine *engine, uint32_t number) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    uint8_t *stage = malloc(engine->objects + (size_t)1);
+    int is_new = 0;
+    if (!stage)
+        return fp3_no_memory(engine->def.error);
+    memcpy(stage, self->stage, engine->objects);
+    fp3_status status = fp3_rest_look(engine, number, stage, &is_new);
+    if (!status && is_new) {
+        for (uint32_t i = 0; i < self->count; i++)
+            watch_no_more(engine, i);
+        status = fp3_kinds_take_memories(engine);
+        if (!status)
+            status = fp3_kinds_form(engine, stage);
+        for (uint32_t i = 0; !status && i < self->count; i++)
+            status = watch(engine, i);
+    }
+    free(stage);
+    return status;
+}
+
 fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     const uint32_t count = fp3_kinds_of(engine)->count;
     fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < count; i++)
+        engine->layout.groups[i].slept = 0;
     for (uint32_t i = 0; !status && i < count; i++)
         status = watch(engine, i);
     for (uint32_t step = 0; !status && step < steps; step++) {
+        if (skip_sleepers(engine, steps - step))
+            break;
         status = make_step(engine, engine->clock + step, stats);
+        if (!status && fp3_kinds_of(engine)->rest.is_any)
+            status = look_who_rests(engine, engine->clock + step + 1);
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }
     for (uint32_t i = 0; i < count; i++)

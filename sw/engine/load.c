@@ -141,7 +141,8 @@ static fp3_status copy_foreign(fp3_engine *engine, const fp3_group *from, fp3_me
 }
 
 /* A copy of the image and, interleaved, what is made of it; checked, unless check is 0. */
-static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, fp3_members *to) {
+static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, int is_part,
+                          fp3_members *to) {
     fp3_error *error = engine->def.error;
     fp3_status status = fp3_image_make(from->image, &to->image, error);
     if (!status && check)
@@ -159,6 +160,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     to->objects = to->rows = (uint32_t)from->objects;
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);
+    to->rest = is_part ? -1 : fp3_image_rest(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;
     return copy_foreign(engine, from, to);
 }
@@ -206,10 +208,10 @@ static void say_group(const fp3_engine *engine, fp3_status status, size_t i, siz
 }
 
 static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
-                              fp3_layout *layout) {
+                              int is_part, fp3_layout *layout) {
     fp3_status status = fp3_layout_make(engine->config, (uint32_t)count, layout, engine->def.error);
     for (size_t i = 0; !status && i < count; i++) {
-        status = prepare(engine, &groups[i], check, &layout->groups[i]);
+        status = prepare(engine, &groups[i], check, is_part, &layout->groups[i]);
         say_group(engine, status, i, count);
     }
     if (!status && fp3_layout_is_joined(layout)) {
@@ -280,14 +282,15 @@ static int is_same(const fp3_engine *engine, const fp3_layout *layout) {
     return is;
 }
 
-static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check);
+static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
+                       int is_part);
 
 static fp3_status load_one(fp3_engine *own, const fp3_image *image) {
-    return load(own, &(fp3_group){.image = image, .objects = own->objects}, 1, 1);
+    return load(own, &(fp3_group){.image = image, .objects = own->objects}, 1, 1, 1);
 }
 
 static fp3_status load_one_unchecked(fp3_engine *own, const fp3_image *image) {
-    return load(own, &(fp3_group){.image = image, .objects = own->objects}, 1, 0);
+    return load(own, &(fp3_group){.image = image, .objects = own->objects}, 1, 0, 1);
 }
 
 /* An engine for each group. */
@@ -301,14 +304,16 @@ static fp3_status open_kinds(fp3_engine *engine, fp3_layout *layout, int check, 
     return status;
 }
 
-static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check) {
+/* is_part: who sleeps is decided by the engine that this one is a part of. */
+static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
+                       int is_part) {
     fp3_layout layout = {0};
     fp3_luggage l = {0};
     fp3_kinds *kinds = NULL;
     const fp3_backend *usual = fp3_kinds_usual(engine);
     fp3_status status = check_groups(engine, groups, count);
     if (!status)
-        status = prepare_all(engine, groups, count, check, &layout);
+        status = prepare_all(engine, groups, count, check, is_part, &layout);
     if (!status && fp3_layout_is_joined(&layout))
         status = open_kinds(engine, &layout, check, &kinds);
     if (!status && engine->is_touched &&
@@ -324,17 +329,17 @@ static fp3_status load(fp3_engine *engine, const fp3_group *groups, size_t count
 }
 
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count) {
-    return load(engine, groups, count, 1);
+    return load(engine, groups, count, 1, 0);
 }
 
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image) {
-    return load(engine, &(fp3_group){.image = image, .objects = engine->objects}, 1, 1);
+    return load(engine, &(fp3_group){.image = image, .objects = engine->objects}, 1, 1, 0);
 }
 
 fp3_status fp3_engine_load_unchecked(fp3_engine *engine, const fp3_image *image) {
-    return load(engine, &(fp3_group){.image = image, .objects = engine->objects}, 1, 0);
+    return load(engine, &(fp3_group){.image = image, .objects = engine->objects}, 1, 0, 0);
 }
 
 fp3_status fp3_engine_load_again(fp3_engine *engine, const fp3_group *groups, size_t count) {
-    return load(engine, groups, count, 0);
+    return load(engine, groups, count, 0, 0);
 }

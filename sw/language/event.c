@@ -3,6 +3,8 @@
 
 #include "expression.h"
 #include "side.h"
+#include "statement.h"
+#include "symbol.h"
 #include "vector.h"
 
 /* What is read is FP3_NONE after an error. */
@@ -190,8 +192,61 @@ static void projection(ode_parser *p, fp3_token keyword) {
     add_event(p, event, p->projections, &p->projection_count);
 }
 
+static int is_rest(const ode_parser *p, fp3_token first) {
+    return fp3_token_is(first, "rest") && fp3_ode_at(&p->in, "when");
+}
+
+/* The state that engines know by its name; no equation moves it. */
+static uint32_t add_rest(ode_parser *p, fp3_token keyword) {
+    const ode_constant nothing = {.expr = {FP3_NONE}};
+    const uint32_t state = p->state_count;
+    fp3_token name = keyword;
+    name.text = FP3_NAME_REST;
+    name.length = sizeof FP3_NAME_REST - 1;
+    if (!fp3_ode_is_new_name(p, name, 1))
+        return FP3_NONE;
+    fp3_ode_add_quantity(p, name, ODE_STATE, 1, 0, &nothing, "");
+    if (p->state_count == state)
+        return FP3_NONE;
+    const ode_value zero = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 0);
+    p->states[state].first = fp3_ode_equation(p, keyword, taken(zero));
+    return state;
+}
+
+/* `rest when c for T` is the projection at_rest = c ? at_rest + h/T : 0. */
+static void rest(ode_parser *p, fp3_token keyword) {
+    ode_event event = {.condition = FP3_NONE, .armed = FP3_NONE, .at = keyword};
+    fp3_ode_advance(&p->in);
+    p->is_in_projection = 1;
+    const ode_value condition = number(p, ODE_IN_EQUATION, "condition");
+    p->is_in_projection = 0;
+    fp3_ode_expect(&p->in, "for", "an operator or `for`, and then a time");
+    const fp3_token at = p->in.next;
+    ode_constant time;
+    if (!fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &time) || condition.size != 1)
+        return;
+    if (!(time.value[0] > 0)) {
+        fp3_ode_wrong(&p->in, at, "a time above 0");
+        return;
+    }
+    const uint32_t state = add_rest(p, keyword);
+    if (state == FP3_NONE)
+        return;
+    event.first = p->assignment_count;
+    const ode_value step = fp3_ode_leaf(p, at, FP3_EXPR_STEP, 0, 0),
+                    whole = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, time.value[0]),
+                    before = fp3_ode_leaf(p, keyword, FP3_EXPR_STATE, state, 0),
+                    zero = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 0);
+    const ode_value more = fp3_ode_binary(p, keyword, FP3_EXPR_ADD, before,
+                                          fp3_ode_binary(p, at, FP3_EXPR_DIV, step, whole));
+    const ode_value value = fp3_ode_select(p, keyword, condition, more, zero);
+    if (value.size == 1 && add(p, keyword, state, value.expr[0], &event))
+        add_event(p, event, p->projections, &p->projection_count);
+}
+
 int fp3_ode_is_event(const ode_parser *p, fp3_token first) {
-    return fp3_token_is(first, "when") || is_timed(p, first) || is_projection(p, first);
+    return fp3_token_is(first, "when") || is_timed(p, first) || is_projection(p, first) ||
+           is_rest(p, first);
 }
 
 void fp3_ode_event(ode_parser *p, fp3_token first) {
@@ -199,6 +254,8 @@ void fp3_ode_event(ode_parser *p, fp3_token first) {
         timed(p, first);
     else if (is_projection(p, first))
         projection(p, first);
+    else if (is_rest(p, first))
+        rest(p, first);
     else
         conditioned(p, first);
 }

@@ -99,8 +99,8 @@ static char *copied(ode_parser *p, const char *text) {
     return copy;
 }
 
-static void add_quantity(ode_parser *p, fp3_token at, ode_class class, unsigned size, int is_shared,
-                         const ode_constant *constant, const char *doc) {
+void fp3_ode_add_quantity(ode_parser *p, fp3_token at, ode_class class, unsigned size,
+                          int is_shared, const ode_constant *constant, const char *doc) {
     ode_quantity *array = class == ODE_STATE ? p->states : p->params;
     uint32_t *count = class == ODE_STATE ? &p->state_count : &p->param_count;
     if (*count + size > ODE_QUANTITIES) {
@@ -136,7 +136,7 @@ static void quantity_statement(ode_parser *p, ode_class class, int is_shared) {
     fp3_ode_measured(p, context, size, &constant);
     char *doc = doc_here(p);
     if (is_new && doc)
-        add_quantity(p, name, class, size, is_shared, &constant, doc);
+        fp3_ode_add_quantity(p, name, class, size, is_shared, &constant, doc);
     free(doc);
 }
 

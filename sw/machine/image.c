@@ -59,6 +59,11 @@ int fp3_image_steps(const fp3_image *image) {
     return s ? (int)s->index : -1;
 }
 
+int fp3_image_rest(const fp3_image *image) {
+    const fp3_symbol *s = fp3_image_find(image, FP3_NAME_REST, FP3_CLASS(FP3_SYMBOL_STATE));
+    return s ? (int)s->index : -1;
+}
+
 static int names_slept(const fp3_decoded *word) {
     return word->of && (word->in.op == FP3_OP_SLEEP || word->in.op == FP3_OP_LDS);
 }

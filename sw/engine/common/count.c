@@ -87,7 +87,7 @@ void fp3_engine_count(fp3_engine *engine, uint32_t steps) {
     for (uint32_t i = 0; i < engine->layout.count; i++) {
         fp3_members *group = &engine->layout.groups[i];
         group->counted += steps;
-        if (group->counter >= 0 && group->program.slept >= 0)
+        if (group->counter >= 0 && (group->program.slept >= 0 || group->rest >= 0))
             engine->is_counted = 0;
     }
 }

@@ -13,6 +13,8 @@ fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout 
                            .count = count,
                            .schedulers = calloc(schedulers, sizeof *layout->schedulers),
                            .duty = calloc(schedulers, sizeof *layout->duty)};
+    for (uint32_t i = 0; layout->groups && i < count; i++)
+        layout->groups[i].rest = -1;
     if (layout->groups && layout->schedulers && layout->duty)
         return FP3_OK;
     if (!layout->groups)
@@ -122,7 +124,7 @@ void fp3_layout_place_apart(fp3_layout *layout, const fp3_config *config) {
 
 int fp3_layout_is_joined(const fp3_layout *layout) {
     for (uint32_t i = 0; i < layout->count; i++)
-        if (layout->groups[i].foreign_count)
+        if (layout->groups[i].foreign_count || layout->groups[i].rest >= 0)
             return 1;
     return 0;
 }

@@ -28,9 +28,11 @@ typedef struct {
     const uint32_t *schedulers; /* ascending */
     uint64_t steps;             /* that its objects made in the last run */
     int counter;                /* register in which the program counts its steps, or -1 */
-    int64_t counted;            /* the most steps that an object has there */
-    uint32_t log2;              /* interleaved: of the words of a record, as many as fit */
-    fp3_lists lists;            /* of neighbours */
+    int rest;                   /* the register of `at_rest` (kinds_rest.c), or -1 */
+    uint64_t slept;  /* object-steps that those made who slept so, in this part of a run: none */
+    int64_t counted; /* the most steps that an object has there */
+    uint32_t log2;   /* interleaved: of the words of a record, as many as fit */
+    fp3_lists lists; /* of neighbours */
     uint32_t *slot, *who; /* the order in which lanes take objects, and its inverse; NULL: as they
                              are numbered */
     fp3_foreign *foreign; /* words that it reads of other groups; their names are its own */

@@ -401,10 +401,14 @@ static fp3_status enter_theirs(const search *s, uint32_t **begin, uint32_t **oth
     *other = malloc(((*begin)[own] + (size_t)1) * sizeof **other);
     if (!*other)
         return fp3_no_memory(error);
-    for (uint32_t k = 0; k < s->count; k++)
-        for (uint32_t j = s->part[k].begin; j < s->part[k].end; j++)
-            for (uint32_t n = s->first[j], end = end_of(&s->part[k], j); n < end; n++)
-                (*other)[next[s->part[k].found[n]]++] = j;
+    for (uint32_t i = s->g->now->from; i < s->g->now->objects; i++) {
+        const uint32_t j = s->g->now->order ? s->g->now->order[i] : i;
+        const pairs *p = s->part;
+        while (j >= p->end)
+            p++;
+        for (uint32_t n = s->first[j], end = end_of(p, j); n < end; n++)
+            (*other)[next[p->found[n]]++] = j;
+    }
     return FP3_OK;
 }
 

@@ -126,6 +126,12 @@ static fp3_status count_steps(fp3_engine *engine, uint32_t steps, fp3_stats *sta
         status = count_some(engine, engine->sleepers.awake[n], now, steps, stats, &left);
     }
     engine->sleepers.awake_count = left;
+    for (uint32_t i = 0; i < engine->layout.count; i++) { /* of those that live some slept */
+        fp3_members *group = &engine->layout.groups[i];
+        group->steps -= group->slept;
+        stats->object_steps -= group->slept;
+        group->slept = 0;
+    }
     return status;
 }
 

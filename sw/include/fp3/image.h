@@ -64,6 +64,9 @@ typedef enum {
  * each step, and an engine refuses to run the program beyond FP3_STEPS_LIMIT. */
 #define FP3_NAME_STEP "h"
 #define FP3_NAME_STEPS "steps"
+/* A state of this name counts how long its object has been at rest: from 1 on the object may fall
+ * asleep with its island, and while it sleeps the state is -1 (docs/relations.md). */
+#define FP3_NAME_REST "at_rest"
 #define FP3_STEPS_LIMIT 16777216 /* 2^24: FP32 cannot represent 2^24 + 1 */
 
 typedef struct {
@@ -166,6 +169,8 @@ const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index);
 int fp3_image_slept(const fp3_image *image);
 /* The object register that counts the object's steps, FP3_NAME_STEPS, or -1. */
 int fp3_image_steps(const fp3_image *image);
+/* The object register FP3_NAME_REST, or -1. */
+int fp3_image_rest(const fp3_image *image);
 /* "state" and so on; "?" for an unknown class. */
 const char *fp3_class_name(fp3_symbol_class symbol_class);
 /* Whether the class names object registers. */
