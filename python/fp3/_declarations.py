@@ -915,6 +915,7 @@ PROTOTYPES = {
     "fp3_image_value": (c_void_p, (POINTER(fp3_image), c_uint32)),
     "fp3_image_slept": (c_int, (POINTER(fp3_image),)),
     "fp3_image_steps": (c_int, (POINTER(fp3_image),)),
+    "fp3_image_rest": (c_int, (POINTER(fp3_image),)),
     "fp3_class_name": (c_char_p, (c_int,)),
     "fp3_class_is_object": (c_int, (c_int,)),
     "fp3_name_valid": (c_int, (c_char_p,)),

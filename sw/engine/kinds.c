@@ -307,7 +307,9 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual, int 
                        : def->bus_log                ? "a bus is logged of one program"
                        : def->native                 ? "native code is taken for one program"
                        : def->cycle_limit            ? "a cycle limit is kept by one program"
-                       : usual->is_divided           ? "several ranks have one kind of objects"
+                       : usual->is_divided           ? is_of_several
+                                                           ? "several ranks have one kind of objects"
+                                                           : "several ranks would have to agree on who sleeps"
                        : !engine->config->interleave ? "a configuration that interleaves is needed"
                        : usual == &fp3_backend_board ? "a board has one program"
                                                      : NULL;

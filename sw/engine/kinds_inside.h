@@ -46,6 +46,7 @@ typedef struct {
     struct fp3_rest_near {
         fp3_near_rule rule;
         uint32_t *begin, *other;
+        uint32_t *words; /* where all are: columns of the own objects, and then of the kind's */
     } near[FP3_JOINED_MAX][FP3_LISTS_MAX];
 } fp3_rest;
 
@@ -64,6 +65,8 @@ typedef struct fp3_kinds {
                             hold that do not live; NULL: all live */
     uint32_t *words;     /* of one register of any group */
     uint8_t *stage;      /* of each object */
+    uint32_t fresh; /* in so many steps, guests still get words that no step changes: each half of a
+                       store has its own */
     fp3_rest rest;
 } fp3_kinds;
 

@@ -31,6 +31,8 @@ fp3_status fp3_rest_open(const fp3_engine *engine, const fp3_layout *layout, fp3
     r->touched = calloc(objects, 1);
     r->flags = calloc(objects, 1);
     r->root = malloc(objects * sizeof *r->root);
+    if (r->told)
+        memset(r->told, 1, objects); /* a record may begin with a sleeper */
     return r->told && r->touched && r->flags && r->root ? FP3_OK : fp3_no_memory(engine->def.error);
 }
 
@@ -41,6 +43,7 @@ static void forget_near(fp3_rest *r) {
             fp3_near_close(&n->rule);
             free(n->begin);
             free(n->other);
+            free(n->words);
             *n = (struct fp3_rest_near){.begin = NULL};
         }
 }
@@ -89,6 +92,21 @@ void fp3_rest_note_list(fp3_engine *engine, uint32_t group, const fp3_list *list
 
 /* ---- islands ---- */
 
+/* Nobody waits for those that others see at the same place for ever. */
+static int is_fixed(const fp3_engine *engine, uint32_t number) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    const fp3_members *group = &engine->layout.groups[number];
+    int is = group->rest < 0 && !fp3_layout_published(group);
+    for (uint32_t i = 0; i < self->count; i++)
+        for (uint32_t k = 0; k < self->kinds[i].word_count; k++)
+            is &= self->kinds[i].words[k].from != number || !self->kinds[i].words[k].is_stored;
+    return is;
+}
+
+static int has_movers(const fp3_engine *engine, uint32_t group) {
+    return fp3_kinds_of(engine)->kinds[group].awake && !is_fixed(engine, group);
+}
+
 static uint32_t root_of(uint32_t *root, uint32_t i) {
     while (root[i] != i)
         i = root[i] = root[root[i]];
@@ -128,80 +146,120 @@ static fp3_status read_word(fp3_engine *engine, uint32_t group, uint32_t reg, in
                            engine, (fp3_cells){FP3_CELLS_REGISTER, reg, g->first, g->objects}, to);
 }
 
-static float number_of(uint32_t word) {
-    float f;
-    memcpy(&f, &word, sizeof f);
-    return f;
+/* The words of those that have moved since. */
+static fp3_status read_awake(fp3_engine *engine, uint32_t group, uint32_t reg, uint32_t *to) {
+    fp3_kinds *self = fp3_kinds_of(engine);
+    const fp3_kind_engine *k = &self->kinds[group];
+    const uint32_t *who = fp3_kinds_who(engine, group), first = engine->layout.groups[group].first;
+    if (!k->awake)
+        return FP3_OK;
+    const fp3_status status = k->own->backend->read(
+        k->own, (fp3_cells){FP3_CELLS_REGISTER, reg, 0, k->awake}, self->words);
+    for (uint32_t i = 0; !status && i < k->awake; i++)
+        to[who[i] - first] = self->words[i];
+    return status;
 }
 
 /* Whether rows are nearer than the reach; a program tells by FP32, which may differ in the last
  * places. */
-static int is_near(const fp3_where_they_are *w, double reach, uint32_t a, uint32_t b) {
+static int is_near(const fp3_near_rule *rule, const fp3_where_they_are *w, uint32_t a, uint32_t b) {
     double sum = 0;
     for (uint32_t k = 0; k < w->dimensions; k++) {
         const double way =
-            (double)number_of(w->position[k][a]) - (double)number_of(w->position[k][b]);
+            fp3_near_number(rule, w->position[k][a]) - fp3_near_number(rule, w->position[k][b]);
         sum += way * way;
     }
-    return sum < reach * reach;
+    return sum < rule->reach * rule->reach;
 }
 
-static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_number) {
+/* The columns of `near` as they are now: own rows, and then those of the kind. */
+static fp3_status look_where(fp3_engine *engine, uint32_t number, const fp3_list *list,
+                             struct fp3_rest_near *n, fp3_where_they_are *now) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    const uint32_t from = list->kind ? list->kind - 1 : number;
+    const int is_first = !n->words;
+    fp3_status status = FP3_OK;
+    if (is_first)
+        n->words = malloc((now->objects * (size_t)now->dimensions + 1) * sizeof *n->words);
+    if (!n->words)
+        return fp3_no_memory(engine->def.error);
+    for (uint32_t k = 0; !status && k < now->dimensions; k++) {
+        uint32_t *column = n->words + (size_t)k * now->objects;
+        const fp3_foreign_word *f =
+            list->kind ? foreign(&self->kinds[number], list->near.theirs[k]) : NULL;
+        status = is_first ? read_word(engine, number, list->near.regs[k], 0, column)
+                          : read_awake(engine, number, list->near.regs[k], column);
+        if (!status && f && is_first)
+            status = read_word(engine, from, f->of, f->is_shared, column + now->own);
+        else if (!status && f && !f->is_shared)
+            status = read_awake(engine, from, f->of, column + now->own);
+        now->position[k] = column;
+        now->theirs[k] = f ? column : NULL;
+    }
+    if (status) {
+        free(n->words);
+        n->words = NULL;
+    }
+    return status;
+}
+
+/* Whose list has all that are near now, and perhaps others. */
+static fp3_status list_near(fp3_engine *engine, const fp3_near_rule *rule, struct fp3_rest_near *n,
+                            const fp3_where_they_are *now) {
+    uint32_t *begin = NULL, *other = NULL;
+    if (!n->begin)
+        n->rule = (fp3_near_rule){.dimensions = rule->dimensions,
+                                  .format = rule->format,
+                                  .reach = rule->reach,
+                                  .skin = rule->skin};
+    else if (!fp3_near_is_stale(&n->rule, now))
+        return FP3_OK;
+    const fp3_status status = fp3_near_make(&n->rule, now, &begin, &other, engine->def.error);
+    free(n->begin);
+    free(n->other);
+    n->begin = status ? NULL : begin;
+    n->other = status ? NULL : other;
+    if (status) {
+        free(begin);
+        free(other);
+        fp3_near_close(&n->rule);
+    }
+    return status;
+}
+
+/* is_brief: only pairs of which one moves matter. */
+static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_number,
+                            int is_brief) {
     fp3_kinds *self = fp3_kinds_of(engine);
+    fp3_rest *r = &self->rest;
     const fp3_members *group = &engine->layout.groups[number];
     const fp3_list *list = &group->lists.lists[list_number];
-    struct fp3_rest_near *n = &self->rest.near[number][list_number];
-    const uint32_t from = list->kind ? list->kind - 1 : number;
-    const fp3_members *theirs = &engine->layout.groups[from];
-    const uint32_t rows = group->objects + (list->kind ? theirs->objects : 0);
-    uint32_t *words = malloc((rows * (size_t)list->near.dimensions + 1) * sizeof *words);
+    struct fp3_rest_near *n = &r->near[number][list_number];
+    const fp3_members *theirs = list->kind ? &engine->layout.groups[list->kind - 1] : NULL;
+    const uint32_t rows = group->objects + (theirs ? theirs->objects : 0);
+    const int is_whole = !is_brief || (theirs && has_movers(engine, list->kind - 1));
     uint8_t *lives = malloc(rows + (size_t)1);
-    fp3_status status = words && lives ? FP3_OK : fp3_no_memory(engine->def.error);
     fp3_where_they_are now = {.own = group->objects,
                               .from = group->objects,
                               .lives = lives,
                               .stride = 1,
                               .objects = rows,
                               .dimensions = list->near.dimensions};
-    for (uint32_t k = 0; !status && k < now.dimensions; k++) {
-        uint32_t *column = words + (size_t)k * rows;
-        status = read_word(engine, number, list->near.regs[k], 0, column);
-        if (!status && list->kind) {
-            const fp3_foreign_word *f = foreign(&self->kinds[number], list->near.theirs[k]);
-            status = read_word(engine, from, f->of, f->is_shared, column + group->objects);
-            now.theirs[k] = column;
-        }
-        now.position[k] = column;
-    }
-    const uint8_t *flags = self->rest.flags;
+    fp3_status status =
+        lives ? look_where(engine, number, list, n, &now) : fp3_no_memory(engine->def.error);
     for (uint32_t i = 0; !status && i < rows; i++)
-        lives[i] = i < group->objects ? flags[group->first + i] != 0
-                                      : flags[theirs->first + i - group->objects] != 0;
-    if (!status && !n->begin) {
-        n->rule = (fp3_near_rule){.dimensions = list->near.dimensions,
-                                  .reach = list->near.reach,
-                                  .skin = list->near.skin};
-    }
-    if (!status && (!n->begin || fp3_near_is_stale(&n->rule, &now))) {
-        uint32_t *begin = NULL, *other = NULL;
-        status = fp3_near_make(&n->rule, &now, &begin, &other, engine->def.error);
-        free(n->begin);
-        free(n->other);
-        n->begin = status ? NULL : begin;
-        n->other = status ? NULL : other;
-        if (status) {
-            free(begin);
-            free(other);
-            fp3_near_close(&n->rule);
-        }
-    }
+        lives[i] =
+            r->flags[i < group->objects ? group->first + i : theirs->first + i - group->objects] !=
+            0;
+    if (!status)
+        status = list_near(engine, &list->near, n, &now);
     for (uint32_t i = 0; !status && i < group->objects; i++)
-        for (uint32_t e = n->begin[i]; e < n->begin[i + 1]; e++)
-            if (lives[i] && lives[n->other[e]] && is_near(&now, list->near.reach, i, n->other[e]))
-                meet(&self->rest, group->first + i,
+        for (uint32_t e = n->begin[i];
+             (is_whole || r->flags[group->first + i] & MOVES) && e < n->begin[i + 1]; e++)
+            if (lives[i] && lives[n->other[e]] && is_near(&list->near, &now, i, n->other[e]))
+                meet(r, group->first + i,
                      n->other[e] < group->objects ? group->first + n->other[e]
                                                   : theirs->first + n->other[e] - group->objects);
-    free(words);
     free(lives);
     return status;
 }
@@ -224,7 +282,8 @@ static void meet_all(fp3_engine *engine, const fp3_members *group, const fp3_lis
                 meet(r, i, k);
 }
 
-static fp3_status find_islands(fp3_engine *engine) {
+/* is_brief: only who is hit. */
+static fp3_status find_islands(fp3_engine *engine, int is_brief) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < engine->objects; i++)
         fp3_kinds_of(engine)->rest.root[i] = i;
@@ -233,7 +292,7 @@ static fp3_status find_islands(fp3_engine *engine) {
         for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++) {
             const fp3_list *list = &group->lists.lists[k];
             if (list->is_near)
-                status = meet_near(engine, i, k);
+                status = meet_near(engine, i, k, is_brief);
             else if (list->is_all)
                 meet_all(engine, group, list);
             else if (list->is_there)
@@ -254,17 +313,6 @@ static void spread(const fp3_engine *engine, uint8_t flag) {
 }
 
 /* ---- who sleeps ---- */
-
-/* Nobody waits for those that others see at the same place for ever. */
-static int is_fixed(const fp3_engine *engine, uint32_t number) {
-    const fp3_kinds *self = fp3_kinds_of(engine);
-    const fp3_members *group = &engine->layout.groups[number];
-    int is = group->rest < 0 && !fp3_layout_published(group);
-    for (uint32_t i = 0; i < self->count; i++)
-        for (uint32_t k = 0; k < self->kinds[i].word_count; k++)
-            is &= self->kinds[i].words[k].from != number || !self->kinds[i].words[k].is_stored;
-    return is;
-}
 
 static void begin_flags(fp3_engine *engine, const uint8_t *stage) {
     fp3_rest *r = &fp3_kinds_of(engine)->rest;
@@ -326,7 +374,7 @@ static void wake(const fp3_engine *engine, uint8_t *stage, int *is_new) {
         }
 }
 
-/* What the words say, where the caller wrote them. */
+/* What the words say, where the caller wrote them, and of those that are born. */
 static fp3_status take_told(fp3_engine *engine, uint8_t *before, uint8_t *stage) {
     fp3_kinds *self = fp3_kinds_of(engine);
     fp3_status status = FP3_OK;
@@ -337,13 +385,13 @@ static fp3_status take_told(fp3_engine *engine, uint8_t *before, uint8_t *stage)
         status = read_rest(engine, i, self->words);
         for (uint32_t n = 0; !status && n < group->objects; n++) {
             const uint32_t object = group->first + n;
-            if (self->rest.told[object])
+            if (stage[object] == FP3_STAGE_NONE)
+                continue;
+            if (self->rest.told[object] || before[object] == FP3_STAGE_NONE)
                 before[object] = fp3_format_value(engine->config, self->words[n]) < 0
                                      ? FP3_STAGE_ASLEEP
                                      : FP3_STAGE_AWAKE;
-            if (stage[object] != FP3_STAGE_NONE)
-                stage[object] =
-                    before[object] == FP3_STAGE_ASLEEP ? FP3_STAGE_ASLEEP : FP3_STAGE_AWAKE;
+            stage[object] = before[object];
         }
     }
     return status;
@@ -365,16 +413,30 @@ static fp3_status settle(fp3_engine *engine, uint8_t *before, uint8_t *stage) {
         else if (stage[i] != FP3_STAGE_NONE && r->touched[i] && !r->told[i])
             r->flags[i] |= r->flags[i] & SLEEPS ? IS_HIT : MOVES;
     }
-    status = find_islands(engine);
+    status = find_islands(engine, 0);
     if (!status)
         wake(engine, stage, &is_new);
     forget_near(r);
     return status ? status : write_rest(engine, before, stage);
 }
 
+/* Whether the caller wrote something, or others live, since the last part of a run. */
+static int is_changed(const fp3_engine *engine, const uint8_t *stage) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    for (uint32_t i = 0; i < engine->objects; i++)
+        if (self->rest.told[i] || self->rest.touched[i] || !stage[i] != !self->stage[i])
+            return 1;
+    return 0;
+}
+
 fp3_status fp3_rest_settle(fp3_engine *engine, uint8_t *stage) {
     fp3_rest *r = &fp3_kinds_of(engine)->rest;
-    uint8_t *before = malloc(engine->objects + (size_t)1);
+    uint8_t *before = NULL;
+    if (!is_changed(engine, stage)) {
+        memcpy(stage, fp3_kinds_of(engine)->stage, engine->objects);
+        return FP3_OK;
+    }
+    before = malloc(engine->objects + (size_t)1);
     if (!before)
         return fp3_no_memory(engine->def.error);
     memcpy(before, fp3_kinds_of(engine)->stage, engine->objects);
@@ -419,6 +481,14 @@ static void fall_asleep(const fp3_engine *engine, uint8_t *stage, int *is_new) {
         }
 }
 
+static int is_anyone(const fp3_engine *engine, uint8_t flag) {
+    const fp3_rest *r = &fp3_kinds_of(engine)->rest;
+    for (uint32_t i = 0; i < engine->objects; i++)
+        if (r->flags[i] & flag)
+            return 1;
+    return 0;
+}
+
 fp3_status fp3_rest_look(fp3_engine *engine, uint32_t number, uint8_t *stage, int *is_new) {
     const fp3_kinds *self = fp3_kinds_of(engine);
     int is_any = 0, may_wake = 0;
@@ -430,9 +500,11 @@ fp3_status fp3_rest_look(fp3_engine *engine, uint32_t number, uint8_t *stage, in
     begin_flags(engine, stage);
     if (number % EVERY == 0)
         status = find_who_rests(engine, &is_any);
-    if (status || (!may_wake && !is_any))
+    if (!status && !is_any && may_wake)
+        status = find_islands(engine, 1);
+    if (status || (!is_any && !is_anyone(engine, IS_HIT)))
         return status;
-    status = find_islands(engine);
+    status = find_islands(engine, 0);
     if (status)
         return status;
     wake(engine, stage, is_new);

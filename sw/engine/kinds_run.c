@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define HALVES 2 /* of a store: what one phase reads, and what it writes */
+
 static void count_bus(fp3_engine *engine) {
     const fp3_kinds *self = fp3_kinds_of(engine);
     engine->bus = self->bus_before;
@@ -96,6 +98,7 @@ fp3_status fp3_kinds_put(fp3_engine *engine, fp3_cells cells, const void *words)
     for (uint32_t i = 0; i < self->count; i++)
         for (uint32_t k = 0; k < self->kinds[i].word_count; k++)
             self->kinds[i].words[k].is_brought = 0;
+    self->fresh = HALVES;
     return access_cells(engine, cells, (void *)(uintptr_t)words, 1);
 }
 
@@ -114,8 +117,7 @@ static void add_held(const fp3_engine *engine, uint32_t group, uint32_t reg, uin
         words[i] = self->held[(size_t)reg * engine->objects + who[i]];
 }
 
-/* Those that sleep are as guests among those that do not: a phase does not store their words, so
- * they are brought for each. */
+/* Those that sleep are as guests among those that do not: a phase does not store their words. */
 static fp3_status bring_sleepers(fp3_engine *engine, uint32_t number) {
     fp3_kinds *self = fp3_kinds_of(engine);
     const fp3_kind_engine *k = &self->kinds[number];
@@ -138,9 +140,10 @@ static fp3_status bring_sleepers(fp3_engine *engine, uint32_t number) {
 /* The objects of a group, as they are now, become guests of this kind. */
 static fp3_status bring(fp3_engine *engine, fp3_kind_engine *k, fp3_foreign_word *f) {
     fp3_kinds *self = fp3_kinds_of(engine);
-    const uint32_t count = self->kinds[f->from].living, registers = engine->config->registers;
+    const uint32_t awake = self->kinds[f->from].awake, registers = engine->config->registers;
+    const uint32_t count = self->fresh || f->is_shared ? self->kinds[f->from].living : awake;
     fp3_engine *from = self->kinds[f->from].own;
-    const fp3_cells theirs = {FP3_CELLS_REGISTER, f->of, 0, self->kinds[f->from].awake},
+    const fp3_cells theirs = {FP3_CELLS_REGISTER, f->of, 0, awake},
                     here = {FP3_CELLS_REGISTER, f->reg, k->base[f->from], count};
     fp3_status status = FP3_OK;
     if (!count)
@@ -149,7 +152,7 @@ static fp3_status bring(fp3_engine *engine, fp3_kind_engine *k, fp3_foreign_word
         self->words[i] = self->constants[f->from * registers + f->of];
     if (!f->is_shared && theirs.count)
         status = from->backend->read(from, theirs, self->words);
-    if (!f->is_shared)
+    if (!f->is_shared && self->fresh)
         add_held(engine, f->from, f->of, self->words);
     if (!status)
         status = k->own->backend->write(k->own, here, self->words);
@@ -162,7 +165,7 @@ static fp3_status bring_all(fp3_engine *engine, uint32_t phase) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < self->count; i++) {
         fp3_kind_engine *k = &self->kinds[i];
-        if (!status && k->awake && k->awake < k->living && phase < k->phases)
+        if (!status && self->fresh && k->awake && k->awake < k->living && phase < k->phases)
             status = bring_sleepers(engine, i);
         for (uint32_t w = 0; !status && k->awake && phase < k->phases && w < k->word_count; w++)
             if (!k->words[w].is_brought)
@@ -203,6 +206,7 @@ static fp3_status make_step(fp3_engine *engine, uint32_t clock, fp3_stats *stats
     }
     for (uint32_t phase = 0; !status && phase < phases; phase++)
         status = make_round(engine, phase, stats);
+    self->fresh -= self->fresh != 0;
     return status;
 }
 

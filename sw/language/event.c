@@ -7,6 +7,8 @@
 #include "symbol.h"
 #include "vector.h"
 
+#include "base/number.h"
+
 /* What is read is FP3_NONE after an error. */
 static ode_value number(ode_parser *p, ode_context context, const char *what) {
     const fp3_token at = p->in.next;
@@ -196,7 +198,7 @@ static int is_rest(const ode_parser *p, fp3_token first) {
     return fp3_token_is(first, "rest") && fp3_ode_at(&p->in, "when");
 }
 
-/* The state that engines know by its name; no equation moves it. */
+/* The state that engines know by its name; no equation moves it. FP3_NONE after an error. */
 static uint32_t add_rest(ode_parser *p, fp3_token keyword) {
     const ode_constant nothing = {.expr = {FP3_NONE}};
     const uint32_t state = p->state_count;
@@ -205,12 +207,32 @@ static uint32_t add_rest(ode_parser *p, fp3_token keyword) {
     name.length = sizeof FP3_NAME_REST - 1;
     if (!fp3_ode_is_new_name(p, name, 1))
         return FP3_NONE;
-    fp3_ode_add_quantity(p, name, ODE_STATE, 1, 0, &nothing, "");
+    fp3_ode_add_quantity(p, name, ODE_STATE, 1, 0, &nothing,
+                         "how long the object has been at rest");
     if (p->state_count == state)
         return FP3_NONE;
     const ode_value zero = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 0);
     p->states[state].first = fp3_ode_equation(p, keyword, taken(zero));
     return state;
+}
+
+/* The time behind `for`. 0 after an error. */
+static int read_rest(ode_parser *p, fp3_token keyword) {
+    const fp3_token at = p->in.next;
+    ode_constant time;
+    float single;
+    if (!fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &time))
+        return 0;
+    const char *expected =
+        time.value[0] > 0 ? fp3_number_step(time.value[0], &single) : "a time above 0";
+    if (expected)
+        fp3_ode_wrong(&p->in, at, "%s", expected);
+    else if (fp3_token_exists(p->rest.at))
+        fp3_ode_wrong(&p->in, keyword, "only one 'rest' (line %u has one)",
+                      p->rest.at.location.line);
+    else
+        p->rest = (ode_time){time.value[0], time.dimension, at};
+    return !expected && p->rest.at.text == at.text;
 }
 
 /* `rest when c for T` is the projection at_rest = c ? at_rest + h/T : 0. */
@@ -221,24 +243,18 @@ static void rest(ode_parser *p, fp3_token keyword) {
     const ode_value condition = number(p, ODE_IN_EQUATION, "condition");
     p->is_in_projection = 0;
     fp3_ode_expect(&p->in, "for", "an operator or `for`, and then a time");
-    const fp3_token at = p->in.next;
-    ode_constant time;
-    if (!fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &time) || condition.size != 1)
+    if (!read_rest(p, keyword) || condition.size != 1)
         return;
-    if (!(time.value[0] > 0)) {
-        fp3_ode_wrong(&p->in, at, "a time above 0");
-        return;
-    }
     const uint32_t state = add_rest(p, keyword);
     if (state == FP3_NONE)
         return;
     event.first = p->assignment_count;
-    const ode_value step = fp3_ode_leaf(p, at, FP3_EXPR_STEP, 0, 0),
-                    whole = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, time.value[0]),
+    const ode_value step = fp3_ode_leaf(p, keyword, FP3_EXPR_STEP, 0, 0),
+                    whole = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, p->rest.value),
                     before = fp3_ode_leaf(p, keyword, FP3_EXPR_STATE, state, 0),
                     zero = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 0);
     const ode_value more = fp3_ode_binary(p, keyword, FP3_EXPR_ADD, before,
-                                          fp3_ode_binary(p, at, FP3_EXPR_DIV, step, whole));
+                                          fp3_ode_binary(p, keyword, FP3_EXPR_DIV, step, whole));
     const ode_value value = fp3_ode_select(p, keyword, condition, more, zero);
     if (value.size == 1 && add(p, keyword, state, value.expr[0], &event))
         add_event(p, event, p->projections, &p->projection_count);

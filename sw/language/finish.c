@@ -68,6 +68,11 @@ static void name_units(ode_parser *p) {
     name_unit(p, &p->step.dimension, p->time_unit);
 }
 
+static void check_time(ode_parser *p, const ode_time *time) {
+    if (fp3_token_exists(time->at) && !fp3_ode_dimension_fits(&p->step.dimension, &time->dimension))
+        fp3_ode_wrong(&p->in, time->at, "the unit of the step (line %u)", p->step.at.location.line);
+}
+
 void fp3_ode_finish(ode_parser *p) {
     fp3_ode_check_dimensions(p, 0);
     fp3_ode_check_equations(p);
@@ -76,10 +81,8 @@ void fp3_ode_finish(ode_parser *p) {
         fp3_ode_wrong(&p->in, p->in.next, "a state, as in: state v = 0");
     if (!fp3_token_exists(p->step.at))
         fp3_ode_wrong(&p->in, p->in.next, "a time step, as in: step 0.01");
-    if (fp3_token_exists(p->span.at) &&
-        !fp3_ode_dimension_fits(&p->step.dimension, &p->span.dimension))
-        fp3_ode_wrong(&p->in, p->span.at, "the unit of the step (line %u)",
-                      p->step.at.location.line);
+    check_time(p, &p->span);
+    check_time(p, &p->rest);
     fp3_ode_check_sums(p);
     fp3_ode_check_memories(p);
     if (!p->in.report.count)

@@ -135,7 +135,7 @@ typedef struct {
     fp3_token model_at; /* if the source names the model */
     char model_name[FP3_NAME_SIZE];
     char *model_doc;
-    ode_time step, span;
+    ode_time step, span, rest;
     char time_unit[FP3_UNIT_SIZE];
     ode_dimension_names dimension_names;
     ode_quantity states[ODE_QUANTITIES], params[ODE_QUANTITIES];

@@ -288,7 +288,7 @@ void fp3_ode_statement(ode_parser *p) {
     if (first.kind != FP3_TOKEN_NAME) {
         fp3_ode_lost(&p->in,
                      "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "when, for, kind, links, near, all, remember, or an equation");
+                     "when, for, project, rest, kind, links, near, all, remember, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
