@@ -103,8 +103,16 @@ static int is_fixed(const fp3_engine *engine, uint32_t number) {
     return is;
 }
 
-static int has_movers(const fp3_engine *engine, uint32_t group) {
-    return fp3_kinds_of(engine)->kinds[group].awake && !is_fixed(engine, group);
+/* Whose pairs tell all that a group wakes, or is woken by: those of another one, or its own. Own
+ * pairs are in the lists of both ends, so the fewer rows do. */
+static uint8_t whose_pairs(const fp3_engine *engine, uint32_t group, uint32_t other) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    const fp3_kind_engine *own = &self->kinds[group], *their = &self->kinds[other];
+    const uint32_t asleep = own->living - own->awake;
+    if (group == other)
+        return own->awake < asleep ? MOVES : SLEEPS;
+    return (their->awake < their->living ? MOVES : 0) |
+           (their->awake && !is_fixed(engine, other) ? SLEEPS : 0);
 }
 
 static uint32_t root_of(uint32_t *root, uint32_t i) {
@@ -120,10 +128,10 @@ static void meet(fp3_rest *r, uint32_t a, uint32_t b) {
         a = root_of(r->root, a);
         b = root_of(r->root, b);
         r->root[a > b ? a : b] = a > b ? b : a;
-    } else if (x & SLEEPS && y & MOVES)
-        r->flags[a] |= IS_HIT;
-    else if (x & MOVES && y & SLEEPS)
-        r->flags[b] |= IS_HIT;
+    } else if ((x | y) & MOVES && (x | y) & SLEEPS) { /* the one wakes, and the other stays awake */
+        r->flags[a] |= x & SLEEPS ? IS_HIT : IS_KEPT;
+        r->flags[b] |= y & SLEEPS ? IS_HIT : IS_KEPT;
+    }
 }
 
 /* Where a word of these objects stands for those of another group, as `theirs` in a list. */
@@ -227,7 +235,7 @@ static fp3_status list_near(fp3_engine *engine, const fp3_near_rule *rule, struc
     return status;
 }
 
-/* is_brief: only pairs of which one moves matter. */
+/* is_brief: only pairs matter of which one sleeps and the other moves. */
 static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_number,
                             int is_brief) {
     fp3_kinds *self = fp3_kinds_of(engine);
@@ -237,7 +245,8 @@ static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_n
     struct fp3_rest_near *n = &r->near[number][list_number];
     const fp3_members *theirs = list->kind ? &engine->layout.groups[list->kind - 1] : NULL;
     const uint32_t rows = group->objects + (theirs ? theirs->objects : 0);
-    const int is_whole = !is_brief || (theirs && has_movers(engine, list->kind - 1));
+    const uint8_t whose =
+        is_brief ? whose_pairs(engine, number, list->kind ? list->kind - 1 : number) : 0xff;
     uint8_t *lives = malloc(rows + (size_t)1);
     fp3_where_they_are now = {.own = group->objects,
                               .from = group->objects,
@@ -254,8 +263,8 @@ static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_n
     if (!status)
         status = list_near(engine, &list->near, n, &now);
     for (uint32_t i = 0; !status && i < group->objects; i++)
-        for (uint32_t e = n->begin[i];
-             (is_whole || r->flags[group->first + i] & MOVES) && e < n->begin[i + 1]; e++)
+        for (uint32_t e = n->begin[i]; r->flags[group->first + i] & whose && e < n->begin[i + 1];
+             e++)
             if (lives[i] && lives[n->other[e]] && is_near(&list->near, &now, i, n->other[e]))
                 meet(r, group->first + i,
                      n->other[e] < group->objects ? group->first + n->other[e]

@@ -241,39 +241,28 @@ static fp3_status find_in_box(const grid *g, uint32_t row, const double *place, 
     return status;
 }
 
-/* Different cells may have one hash: of each, only those that are in it. */
-static fp3_status find_in_cell(const grid *g, const double cell[FP3_NEAR_DIMENSIONS],
-                               const double *place, pairs *p, fp3_error *error) {
-    const uint32_t at_hash = hash(g, cell), end = g->first[at_hash + 1];
-    fp3_status status = FP3_OK;
-    for (uint32_t n = g->first[at_hash]; !status && n < end; n++) {
-        int is_in = 1;
-        for (uint32_t k = 0; k < g->now->dimensions; k++)
-            is_in &= cell_at(g, g->exact[0] ? g->exact[k][n] : (double)g->place[k][n]) == cell[k];
-        p->looks++;
-        if (is_in)
-            status = take(g, place, n, n + 1, p, error);
-    }
-    return status;
-}
-
-/* The same cells, each by itself. */
+/* The same cells, each by itself; those that have one hash are looked at once. */
 static fp3_status find_by_hash(const grid *g, const double *place, pairs *p, fp3_error *error) {
-    double own[FP3_NEAR_DIMENSIONS] = {0}, cell[FP3_NEAR_DIMENSIONS];
+    uint32_t hashes[27], count = 0;
+    double own[FP3_NEAR_DIMENSIONS] = {0};
     int wide[FP3_NEAR_DIMENSIONS] = {0};
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
         own[k] = cell_at(g, place[k]);
         wide[k] = fabs(own[k]) < LAST_CELL;
     }
-    for (int z = -wide[2]; !status && z <= wide[2]; z++)
-        for (int y = -wide[1]; !status && y <= wide[1]; y++)
-            for (int x = -wide[0]; !status && x <= wide[0]; x++) {
-                cell[0] = own[0] + x + 0.0;
-                cell[1] = own[1] + y + 0.0;
-                cell[2] = own[2] + z + 0.0;
-                status = find_in_cell(g, cell, place, p, error);
-            }
+    for (int z = -wide[2]; z <= wide[2]; z++)
+        for (int y = -wide[1]; y <= wide[1]; y++)
+            for (int x = -wide[0]; x <= wide[0]; x++)
+                hashes[count++] =
+                    hash(g, (const double[]){own[0] + x + 0.0, own[1] + y + 0.0, own[2] + z + 0.0});
+    for (uint32_t i = 0; !status && i < count; i++) {
+        uint32_t n = 0;
+        while (hashes[n] != hashes[i])
+            n++;
+        if (n == i)
+            status = take(g, place, g->first[hashes[i]], g->first[hashes[i] + 1], p, error);
+    }
     return status;
 }
 
