@@ -301,18 +301,28 @@ const fp3_backend *fp3_kinds_usual(const fp3_engine *engine) {
 }
 
 /* ---- made ---- */
-static fp3_status check(const fp3_engine *engine, const fp3_backend *usual, int is_of_several) {
+static int has_sleep(const fp3_layout *layout) {
+    for (uint32_t i = 0; i < layout->count; i++)
+        if (layout->groups[i].program.slept >= 0)
+            return 1;
+    return 0;
+}
+
+static fp3_status check(const fp3_engine *engine, const fp3_backend *usual,
+                        const fp3_layout *layout) {
     const fp3_engine_def *def = &engine->def;
-    const char *what = def->trace                    ? "a trace is told of one program"
-                       : def->bus_log                ? "a bus is logged of one program"
-                       : def->native                 ? "native code is taken for one program"
-                       : def->cycle_limit            ? "a cycle limit is kept by one program"
-                       : usual->is_divided           ? is_of_several
-                                                           ? "several ranks have one kind of objects"
-                                                           : "several ranks would have to agree on who sleeps"
-                       : !engine->config->interleave ? "a configuration that interleaves is needed"
-                       : usual == &fp3_backend_board ? "a board has one program"
-                                                     : NULL;
+    const int is_of_several = layout->count > 1;
+    const char *what =
+        def->trace          ? "a trace is told of one program"
+        : has_sleep(layout) ? "a program has `sleep`, as for steps that each object chooses"
+        : def->bus_log      ? "a bus is logged of one program"
+        : def->native       ? "native code is taken for one program"
+        : def->cycle_limit  ? "a cycle limit is kept by one program"
+        : usual->is_divided ? is_of_several ? "several ranks have one kind of objects"
+                                            : "several ranks would have to agree on who sleeps"
+        : !engine->config->interleave ? "a configuration that interleaves is needed"
+        : usual == &fp3_backend_board ? "a board has one program"
+                                      : NULL;
     return what ? fp3_fail(def->error, FP3_E_PROGRAM, "%s: %s",
                            is_of_several ? "groups that see each other"
                                          : "objects that fall asleep at rest",
@@ -335,7 +345,7 @@ static int has_room(const fp3_engine *engine, uint32_t count, fp3_kinds *self) {
 
 fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kinds_load_fn *load,
                           fp3_layout *layout, uint32_t *group, fp3_kinds **kinds) {
-    fp3_status status = check(engine, usual, layout->count > 1);
+    fp3_status status = check(engine, usual, layout);
     *group = layout->count;
     fp3_kinds *self = *kinds = status ? NULL : calloc(1, sizeof *self);
     if (!self || !has_room(engine, layout->count, self)) {

@@ -357,11 +357,10 @@ static fp3_status write_rest(fp3_engine *engine, const uint8_t *before, const ui
         status = status ? status : read_rest(engine, i, self->words);
         for (uint32_t n = 0; n < group->objects; n++) {
             const uint32_t object = group->first + n;
-            const int was = before[object] == FP3_STAGE_ASLEEP,
-                      is = stage[object] == FP3_STAGE_ASLEEP;
-            if (was != is)
-                self->words[n] = is ? sleeping : 0;
-            is_new |= was != is;
+            if (stage[object] == FP3_STAGE_NONE || before[object] == stage[object])
+                continue;
+            self->words[n] = stage[object] == FP3_STAGE_ASLEEP ? sleeping : 0;
+            is_new = 1;
         }
         if (!status && is_new)
             status = fp3_kinds_put(engine,

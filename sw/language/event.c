@@ -205,8 +205,12 @@ static uint32_t add_rest(ode_parser *p, fp3_token keyword) {
     fp3_token name = keyword;
     name.text = FP3_NAME_REST;
     name.length = sizeof FP3_NAME_REST - 1;
-    if (!fp3_ode_is_new_name(p, name, 1))
+    const ode_symbol *other = fp3_ode_occupied(p, name, 1);
+    if (other) {
+        fp3_ode_wrong(&p->in, keyword, "no '%s' beside it (line %u declares this one)",
+                      FP3_NAME_REST, other->at.location.line);
         return FP3_NONE;
+    }
     fp3_ode_add_quantity(p, name, ODE_STATE, 1, 0, &nothing,
                          "how long the object has been at rest");
     if (p->state_count == state)
@@ -219,6 +223,8 @@ static uint32_t add_rest(ode_parser *p, fp3_token keyword) {
 /* The time behind `for`. 0 after an error. */
 static int read_rest(ode_parser *p, fp3_token keyword) {
     const fp3_token at = p->in.next;
+    const uint32_t line = p->rest.at.location.line;
+    const int is_first = !fp3_token_exists(p->rest.at);
     ode_constant time;
     float single;
     if (!fp3_ode_measured(p, ODE_IN_CONSTANT, 1, &time))
@@ -227,12 +233,11 @@ static int read_rest(ode_parser *p, fp3_token keyword) {
         time.value[0] > 0 ? fp3_number_step(time.value[0], &single) : "a time above 0";
     if (expected)
         fp3_ode_wrong(&p->in, at, "%s", expected);
-    else if (fp3_token_exists(p->rest.at))
-        fp3_ode_wrong(&p->in, keyword, "only one 'rest' (line %u has one)",
-                      p->rest.at.location.line);
+    else if (!is_first)
+        fp3_ode_wrong(&p->in, keyword, "only one 'rest' (line %u has one)", line);
     else
         p->rest = (ode_time){time.value[0], time.dimension, at};
-    return !expected && p->rest.at.text == at.text;
+    return !expected && is_first;
 }
 
 /* `rest when c for T` is the projection at_rest = c ? at_rest + h/T : 0. */

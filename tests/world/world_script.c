@@ -4,16 +4,20 @@
  *
  *     objects N                 first
  *     state NAME V0 V1 ...      or param NAME: a value for each object
+ *     set NAME OBJECT V
  *     shared NAME V
  *     links NAME A B F1 F2 ...  one entry: object A has the neighbour B
  *     near NAME REACH SKIN X..  with the names of the position's states
  *     none NAME                 no entries
  *     all NAME
  *     live FIRST COUNT BORN GONE    GONE 0: never
- *     load MODEL                another program: objects keep what their registers hold, lists are
- * gone run STEPS                 go STEPS: an error is printed, and not the end print NAME ... a
- * line of words for each state flags STEPS               run, and what that raised failure "none",
- * or which
+ *     load MODEL                another program: objects keep what their registers hold, and lists
+ *                               are gone
+ *     run STEPS
+ *     go STEPS                  an error is printed, and is not the end
+ *     print NAME ...            a line of words for each state
+ *     flags STEPS               run, and what that raised
+ *     failure                   "none", or which
  */
 #include <engine/common/inside.h>
 #include <fp3/compile.h>
@@ -99,6 +103,14 @@ static void write(world *w, const char *name) {
     need(w, s ? fp3_engine_write(w->engine, 0, w->objects, s->index, column)
               : fp3_fail(&w->error, FP3_E_ARGUMENT, "no '%s'", name));
     free(column);
+}
+
+static void set(world *w, const char *name) {
+    const fp3_symbol *s = fp3_image_find(w->compiled->image, name, FP3_CLASSES_OBJECT);
+    const size_t object = strtoul(strtok(NULL, " \n"), NULL, 10);
+    const float value = strtof(strtok(NULL, " \n"), NULL);
+    need(w, s ? fp3_engine_write(w->engine, object, 1, s->index, &value)
+              : fp3_fail(&w->error, FP3_E_ARGUMENT, "no '%s'", name));
 }
 
 static void add_link(world *w, const char *name) {
@@ -230,6 +242,8 @@ static void obey(world *w, char *line, const char *engine, unsigned threads) {
         open(w, engine, threads);
     } else if (strcmp(what, "state") == 0 || strcmp(what, "param") == 0) {
         write(w, name);
+    } else if (strcmp(what, "set") == 0) {
+        set(w, name);
     } else if (strcmp(what, "shared") == 0) {
         need(w, fp3_engine_set(w->engine, name, strtof(strtok(NULL, " \n"), NULL)));
     } else if (strcmp(what, "links") == 0) {

@@ -400,13 +400,15 @@ fp3_status fp3_store_lists_look(fp3_engine *engine) {
     return status;
 }
 
-/* Writes a word of each object, but of those that do not live: no phase has stored it, and it is
- * where it was. */
+/* Writes a word of each object, but of those that do not live, of guests and of objects behind
+ * those in use: no phase has stored it, and it is where it was. */
 static fp3_status write_living(fp3_engine *engine, fp3_cells cells, const uint32_t *words) {
     const fp3_living *living = group_of(engine)->lists.living;
     fp3_status status = FP3_OK;
     if (!living)
-        return fp3_memory_write(engine, cells, words);
+        return fp3_memory_write(
+            engine, (fp3_cells){cells.kind, cells.number, cells.first, group_of(engine)->objects},
+            words);
     for (uint32_t i = 0; !status && i < living->count; i++) {
         const uint32_t object = living->who[i];
         status = fp3_memory_write(
