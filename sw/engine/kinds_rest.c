@@ -16,7 +16,7 @@
 #define EVERY 16u /* steps: then islands may fall asleep; one may wake after each step */
 
 /* Of each object, while islands are found. */
-enum { MOVES = 1, SLEEPS = 2, RESTS = 4, IS_HIT = 8, IS_KEPT = 16 };
+enum { MOVES = 1, SLEEPS = MOVES << 1, RESTS = 4, IS_HIT = 8, IS_KEPT = 16 };
 
 /* ---- opened ---- */
 
@@ -281,14 +281,25 @@ static void meet_linked(fp3_engine *engine, const fp3_members *group, const fp3_
                  (list->kind ? first : group->first) + list->other[e]);
 }
 
-/* Everybody sees everybody: whoever moves of either group, moves all that sleep. */
-static void meet_all(fp3_engine *engine, const fp3_members *group, const fp3_list *list) {
-    const fp3_members *other = list->kind ? &engine->layout.groups[list->kind - 1] : group;
-    fp3_rest *r = &fp3_kinds_of(engine)->rest;
+static void meet_each(const fp3_engine *engine, const fp3_members *group, uint32_t pivot) {
     for (uint32_t i = group->first; i < group->first + group->objects; i++)
-        for (uint32_t k = other->first; k < other->first + other->objects; k++)
-            if (i != k && (i == group->first || k == other->first))
-                meet(r, i, k);
+        if (i != pivot)
+            meet(&fp3_kinds_of(engine)->rest, i, pivot);
+}
+
+/* Everybody of `group` sees everybody of `seen`. Those of `seen` are one island whoever sees them:
+ * sums over all go by rows, and rows are in the order of numbers as long as none sleeps alone. */
+static void meet_all(const fp3_engine *engine, const fp3_members *group, const fp3_members *seen) {
+    const uint8_t *flags = fp3_kinds_of(engine)->rest.flags;
+    for (uint8_t which = MOVES; which <= SLEEPS; which <<= 1) {
+        uint32_t pivot = seen->first;
+        while (pivot < seen->first + seen->objects && !(flags[pivot] & which))
+            pivot++;
+        if (pivot == seen->first + seen->objects)
+            continue;
+        meet_each(engine, group, pivot);
+        meet_each(engine, seen, pivot);
+    }
 }
 
 /* is_brief: only who is hit. */
@@ -303,7 +314,8 @@ static fp3_status find_islands(fp3_engine *engine, int is_brief) {
             if (list->is_near)
                 status = meet_near(engine, i, k, is_brief);
             else if (list->is_all)
-                meet_all(engine, group, list);
+                meet_all(engine, group,
+                         list->kind ? &engine->layout.groups[list->kind - 1] : group);
             else if (list->is_there)
                 meet_linked(engine, group, list);
         }
