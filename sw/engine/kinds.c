@@ -17,6 +17,8 @@ void fp3_kinds_free(fp3_kinds **kinds) {
         return;
     for (uint32_t i = 0; i < FP3_JOINED_MAX; i++) {
         fp3_engine_close(&self->kinds[i].own);
+        for (uint32_t k = 0; k < self->kinds[i].word_count; k++)
+            free(self->kinds[i].words[k].last);
         free(self->kinds[i].words);
     }
     free(self->place);

@@ -15,6 +15,7 @@ typedef struct {
     int is_shared;  /* ... a constant */
     int is_stored;  /* a step of that group may change it */
     int is_brought; /* guests have it, and it has not changed since */
+    uint32_t *last; /* what it was when objects were last asked whether they move, or NULL */
 } fp3_foreign_word;
 
 /* A group: an engine for its objects that live, and guests behind them. */
@@ -42,6 +43,7 @@ typedef struct {
     int is_any;              /* the program of some group lets them */
     uint8_t *told, *touched; /* what the caller wrote since the last run: `at_rest`; another word */
     uint8_t *flags;
+    uint8_t *moved; /* those of groups that never rest whose words have changed in this step */
     uint32_t *root; /* a tree for each island: of each object, the next towards its root */
     struct fp3_rest_near {
         fp3_near_rule rule;
@@ -93,6 +95,8 @@ void fp3_rest_note_list(fp3_engine *engine, uint32_t group, const fp3_list *list
 /* Before a run, or a part of one: who sleeps of those that live now. stage: FP3_STAGE_NONE or
  * _AWAKE of each object; those that sleep become FP3_STAGE_ASLEEP. */
 fp3_status fp3_rest_settle(fp3_engine *engine, uint8_t *stage);
+/* Whether words of objects that never rest have changed since this was called before. */
+fp3_status fp3_rest_compare(fp3_engine *engine);
 /* After the step of this number: stage is a copy of that of the engine, changed where others sleep
  * from now on; *is_new: there are such. */
 fp3_status fp3_rest_look(fp3_engine *engine, uint32_t number, uint8_t *stage, int *is_new);

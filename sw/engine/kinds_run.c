@@ -315,7 +315,9 @@ static fp3_status look_who_rests(fp3_engine *engine, uint32_t number) {
     if (!stage)
         return fp3_no_memory(engine->def.error);
     memcpy(stage, self->stage, engine->objects);
-    fp3_status status = fp3_rest_look(engine, number, stage, &is_new);
+    fp3_status status = fp3_rest_compare(engine);
+    if (!status)
+        status = fp3_rest_look(engine, number, stage, &is_new);
     if (!status && is_new) {
         for (uint32_t i = 0; i < self->count; i++)
             watch_no_more(engine, i);
@@ -334,6 +336,8 @@ fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < count; i++)
         engine->layout.groups[i].slept = 0;
+    if (fp3_kinds_of(engine)->rest.is_any)
+        status = fp3_rest_compare(engine);
     for (uint32_t i = 0; !status && i < count; i++)
         status = watch(engine, i);
     for (uint32_t step = 0; !status && step < steps; step++) {
