@@ -79,8 +79,13 @@ static inline const uint32_t *fp3_kinds_who(const fp3_engine *engine, uint32_t g
     return fp3_kinds_of(engine)->who + engine->layout.groups[group].first;
 }
 
-/* ---- kinds.c ---- */
+/* ---- kinds_form.c ---- */
 
+/* Which row each object has in the engine of its group, and each guest, by `stage`. */
+void fp3_kinds_place(fp3_kinds *self, const fp3_layout *layout);
+/* The engine of a group of that layout, with its program; none if nobody of it lives. */
+fp3_status fp3_kinds_open_one(fp3_engine *engine, fp3_kinds *self, const fp3_layout *layout,
+                              uint32_t number);
 /* Each group gets another engine, for objects at these stages. After a failure it has the old ones.
  */
 fp3_status fp3_kinds_form(fp3_engine *engine, const uint8_t *stage);
@@ -108,12 +113,15 @@ fp3_status fp3_kinds_connect(fp3_engine *engine, fp3_members *group, const fp3_l
 /* What pairs remember, from the engines of the kinds to the lists that the caller's has. */
 fp3_status fp3_kinds_take_memories(fp3_engine *engine);
 
-/* ---- kinds_run.c ---- */
+/* ---- kinds_cells.c ---- */
 
 fp3_status fp3_kinds_read(fp3_engine *engine, fp3_cells cells, void *words);
-fp3_status fp3_kinds_write(fp3_engine *engine, fp3_cells cells, const void *words);
 /* Not for what the caller writes. */
 fp3_status fp3_kinds_put(fp3_engine *engine, fp3_cells cells, const void *words);
+void fp3_kinds_count_bus(fp3_engine *engine);
+
+/* ---- kinds_run.c ---- */
+
 fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats);
 
 #endif

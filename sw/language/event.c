@@ -2,8 +2,8 @@
 #include "event.h"
 
 #include "expression.h"
+#include "quantity.h"
 #include "side.h"
-#include "statement.h"
 #include "symbol.h"
 #include "vector.h"
 

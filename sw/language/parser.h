@@ -14,6 +14,7 @@
  *     dimension_read     units of measurement in brackets
  *     dimension_check    whether the units of operands fit each other
  *     constant           values that are known before a run
+ *     quantity           params and states
  *     kind               what a model reads of objects of another group
  *     relation           how objects see others
  *     event              `when`, what happens at the end of a step

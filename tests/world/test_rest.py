@@ -291,6 +291,14 @@ def test_a_checkpoint_has_those_that_sleep(heap, tmp_path):
         assert {**again, "object_steps": 0} == {**heap(700, start=-5.5), "object_steps": 0}
 
 
+def test_nobody_awake_takes_no_cycle(fp3, tmp_path):
+    (tmp_path / "one.ode").write_text("model one\nstate x = 0\nstate v = 1\nrest when v < 0.1 for 0.5\nstep 0.125\nx' = v\nv' = -v\n")
+    said = [subprocess.run([fp3, "run", "one.ode", "--objects", "3", "--engine", "rtl", "--config", "world", "--steps", steps, "--all"], cwd=tmp_path, capture_output=True, text=True).stdout
+            for steps in ("31", "32", "4000")]
+    cycles = [int(re.search(r"^cycles +(\d+)", text, re.M)[1]) for text in said]
+    assert cycles[0] < cycles[1] == cycles[2] and re.findall("^[xv] .*", said[1], re.M) == re.findall("^[xv] .*", said[2], re.M)
+
+
 def test_refused(heap, fp3, tmp_path):
     (tmp_path / "one.ode").write_text("model one\nstate x = 0\nstate v = 1\nrest when v < 0.1 for 1\nstep 0.1\nx' = v\nv' = -v\n")
 
