@@ -233,11 +233,21 @@ a = sum(o in touch: 400*(0.5 - norm(o.x - x))*(x - o.x)) + sum(o in stand: 400*(
 x' = v
 v' = a + (0, -4) - 8*v
 """
+OBSERVER = """model observer
+kind heap(x[2] [m])
+state x[2] = (0, 0) [m]
+state s = 0 [m*s]
+near seen(x, heap.x, 100)
+step 0.0078125 [s]
+x' = (0, 0) [m/s]
+s' = sum(o in seen: o.x.y)
+"""
 SCENE = """steps = 8;
 groups = (
   {{ program = "heap.ode"; integrator = "{integrator}"; objects = 3; {skin} set = {{ x_x = 0.0; }}; spread = {{ x_y = [0.3, 1.1]; }}; {ties} }},
   {{ program = "level.ode"; integrator = "{integrator}"; objects = 1; {gone} }},
-  {{ program = "pusher.ode"; integrator = "{integrator}"; objects = 1; set = {{ x_x = {start}; x_y = 0.3; v_x = 1.0; }}; }}
+  {{ program = "pusher.ode"; integrator = "{integrator}"; objects = 1; set = {{ x_x = {start}; x_y = 0.3; v_x = 1.0; }}; }},
+  {{ program = "observer.ode"; integrator = "{integrator}"; objects = 1; }}
 );
 """
 
@@ -245,7 +255,7 @@ groups = (
 @pytest.fixture
 def heap(fp3, tmp_path):
     """What each object of a small heap holds after so many steps, by name; bits, or what is said where it is refused."""
-    for name, text in (("heap", HEAP.replace("[m/s^2]", "")), ("level", LEVEL), ("pusher", PUSHER)):
+    for name, text in (("heap", HEAP.replace("[m/s^2]", "")), ("level", LEVEL), ("pusher", PUSHER), ("observer", OBSERVER)):
         (tmp_path / f"{name}.ode").write_text(re.sub(r" \[[^\]]*\]", "", text))
 
     def heap(steps, *options, engine="isa", integrator="euler", gone="", start=-50.0, skin="", status=0):
@@ -270,6 +280,10 @@ def test_a_heap_on_the_ground_sleeps_until_its_ground_is_gone(heap, integrator):
     assert [value for value, _ in whole["at_rest"]] == [-1, -1, -1]
     more = heap(1000, integrator=integrator)
     assert more["object_steps"] == whole["object_steps"]  # of the heap
+    height = sum(value for value, _ in whole["x_y"][:3])
+    assert more["s"][0][0] - whole["s"][0][0] == pytest.approx(360*0.0078125*height, rel=1e-4)  # who sleeps is seen where it lies
+    for engine in ("fast", "rtl"):
+        assert heap(1000, engine=engine, integrator=integrator) == more
     assert all(value < -2 for value, _ in heap(1600, integrator=integrator, gone="gone = 700;")["x_y"][:3])
     for engine, options, skin in (("fast", ("--threads", 2), ""), ("fast", ("--threads", 1), "skin = 0.0;"), ("rtl", (), "skin = 0.1;")):
         assert heap(800, *options, engine=engine, integrator=integrator, gone="gone = 700;", skin=skin) == heap(800, integrator=integrator, gone="gone = 700;"), engine
