@@ -143,15 +143,15 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual,
     const fp3_engine_def *def = &engine->def;
     const int is_of_several = layout->count > 1;
     const char *what =
-        def->trace          ? "a trace is told of one program"
+        def->trace          ? "a trace is told of one engine"
         : has_sleep(layout) ? "a program has `sleep`, as for steps that each object chooses"
-        : def->bus_log      ? "a bus is logged of one program"
-        : def->native       ? "native code is taken for one program"
-        : def->cycle_limit  ? "a cycle limit is kept by one program"
+        : def->bus_log      ? "a bus is logged of one engine"
+        : def->native       ? "native code is taken by one engine"
+        : def->cycle_limit  ? "a cycle limit is kept by one engine"
         : usual->is_divided ? is_of_several ? "several ranks have one kind of objects"
                                             : "several ranks would have to agree on who sleeps"
         : !engine->config->interleave ? "a configuration that interleaves is needed"
-        : usual == &fp3_backend_board ? "a board has one program"
+        : usual == &fp3_backend_board ? "a board is one engine"
                                       : NULL;
     return what ? fp3_fail(def->error, FP3_E_PROGRAM, "%s: %s",
                            is_of_several ? "groups that see each other"
