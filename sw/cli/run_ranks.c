@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <time.h>
 #include <unistd.h>
 
 static long number_in(const char *const *names, size_t count, long otherwise) {
@@ -33,7 +34,18 @@ static long rank_said(void) {
     return number_in(names, sizeof names / sizeof *names, 0);
 }
 
+/* An on_exit function of a silent rank. A launcher kills all ranks when the first one ends with an
+ * error. Where this rank has found the error before MPI has begun, in its arguments, rank 0 finds
+ * it too, and must have the time to say so: rank 0 ends this wait, by its own end. */
+static void wait_for_rank_0(int exit_code, void *unused) {
+    const struct timespec second = {1, 0};
+    (void)unused;
+    if (exit_code)
+        nanosleep(&second, NULL);
+}
+
 static void be_silent(fp3_run_ranks *ranks) {
+    on_exit(wait_for_rank_0, NULL);
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     ranks->speaks = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     if (nowhere < 0)

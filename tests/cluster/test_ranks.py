@@ -114,6 +114,13 @@ def test_bad_input_is_told_once(mpirun, fp3, tmp_path):
     assert done.returncode != 0 and done.stderr.count("--checkpoint-every") == 1, done.stderr
 
 
+def test_bad_input_is_told_by_a_rank_0_that_comes_late(mpirun, fp3):
+    """The others have found the error long before, and mpirun kills all ranks when one of them ends."""
+    run = (fp3, "run", "--checkpoint-every", 0)
+    done = mpirun(1, "sh", "-c", 'sleep 0.3; exec "$@"', "-", *run, ":", "-n", 2, *run)
+    assert done.returncode != 0 and done.stderr.count("--checkpoint-every") == 1, done.stderr
+
+
 def test_what_one_process_alone_can_do_is_refused(mpirun, fp3, root, tmp_path):
     done = mpirun(2, fp3, "run", "--scene", root / "programs/comets.scene", "-e", "rtl", "--bus-log", tmp_path / "log")
     assert done.returncode == 2 and "by one process, not by several" in done.stderr and not (tmp_path / "log").exists()
