@@ -207,6 +207,18 @@ def test_engines_agree(script, which, long):
     assert slept > 3
 
 
+def test_pairs_that_are_awake_remember_while_others_sleep(script):
+    """Rows move when some fall asleep: what a pair remembers goes with it. Two groups far apart; the one of lower numbers lies still."""
+    text = MORE["remember"].replace("v' = drone", "v' = x.x > 50 ? F - 8*v + 3*sum(o in touch: o.s) - (5 + 3*cos(9*t))*(x - (100.4, 0)) : drone")
+    lines = ["objects 7", "state x_x 0 0.3 0.6 100 100.3 100.5 100.9", "state x_y 0 0 0 0 0 0.1 0", "near touch 0.4 0.1 x_x x_y", "none ties", "run 400", "print x_x x_y v_x v_y"]
+    without = script(text.format(rest=""), lines, "isa", "euler")
+    forgetful = script(text.format(rest="").replace("o.s = o.s", "o.s = 0*o.s"), lines, "isa", "euler")
+    for engine, threads, skin in HOW[:5]:
+        *words, sleeps = script(text.format(rest=REST), [*(line.replace("0.4 0.1", f"0.4 {skin}") for line in lines), "print at_rest"], engine, "euler", threads=threads)
+        assert sleeps.split()[:3] == ["bf800000"]*3 and "bf800000" not in sleeps.split()[3:]
+        assert [word.split()[3:] for word in words] == [word.split()[3:] for word in without] != [word.split()[3:] for word in forgetful], engine
+
+
 LEVEL = """model level
 state x[2] = (0, 0) [m]
 step 0.0078125 [s]

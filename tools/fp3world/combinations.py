@@ -164,6 +164,7 @@ FEATURES = [
     Feature("events that stop an object", more="when x > 1: stop"),
     Feature("fixed steps cut at events", more="when root(x - 1) rising: v = -v", settings="until = 0.0625;", integrator="rk4"),
     Feature("lifetimes", settings="born = [0, 4]; gone = 7;"),
+    Feature("lifetimes where pairs remember", more="remember o in ties: o.s = o.s + h*(o.v - v)", field="s = 0", settings="born = [0, 4]; gone = 7;"),
     Feature("objects at rest", more="rest when abs(v) < 0.01 for 0.125", settings="spread = { at_rest = [-1.0, 1.0]; };"),
     Feature("several lanes", config="fabric"),
     Feature("several schedulers", config="shared"),

@@ -70,13 +70,6 @@ static int sees_others(const fp3_engine *engine, size_t first, size_t count) {
     return 1;
 }
 
-static int do_pairs_remember(const fp3_engine *engine) {
-    for (uint32_t i = 0; i < engine->layout.count; i++)
-        if (fp3_lists_remember(&engine->layout.groups[i].lists))
-            return 1;
-    return 0;
-}
-
 static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                         uint64_t gone) {
     fp3_status status = fp3_engine_check_loaded(engine);
@@ -87,11 +80,6 @@ static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t
                           "gone after step %" PRIu64 ": expected a step after %" PRIu64
                           ", that of the birth",
                           gone, born);
-    if (!status && do_pairs_remember(engine) && (born || gone != FP3_FOREVER))
-        status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                          "pairs of objects remember (`remember` in the model), so all objects "
-                          "live always: what a pair remembers of an object that does not live is "
-                          "not decided");
     if (!status && engine->config->interleave && !engine->config->sleep &&
         !fp3_layout_is_joined(&engine->layout) && !sees_others(engine, first, count))
         status = fp3_fail(engine->def.error, FP3_E_PROGRAM,

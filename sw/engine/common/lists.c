@@ -49,6 +49,22 @@ void fp3_lists_close(fp3_lists *lists) {
     lists->shape = (fp3_neighbourhood){0};
 }
 
+void fp3_list_carry(const fp3_list *list, int is_back) {
+    const fp3_entries *whole = &list->whole;
+    const size_t bytes = list->fields * sizeof *list->field;
+    uint32_t *field = list->field;
+    if (!whole->begin || !list->fields)
+        return;
+    for (uint32_t i = 0; i < list->objects; i++)
+        for (uint32_t k = whole->begin[i]; list->living->is[i] && k < whole->begin[i + 1]; k++) {
+            uint32_t *given = &whole->field[(size_t)k * list->fields];
+            if (!list->living->is[whole->other[k]])
+                continue;
+            memcpy(is_back ? given : field, is_back ? field : given, bytes);
+            field += list->fields;
+        }
+}
+
 fp3_list *fp3_lists_of(fp3_lists *lists, uint32_t reg) {
     fp3_list *list = lists->lists;
     while (list->reg != reg)

@@ -76,15 +76,20 @@ fp3_status fp3_lists_copy(const fp3_lists *from, uint32_t rows, fp3_lists *to, f
  * has written +0, nobody can tell from the list how wide the skin is. */
 
 /* A copy, by the objects' numbers: of near objects those entries that remember something, else
- * all of them. */
+ * all that the host gave, whoever lives. */
 typedef struct {
-    uint32_t *begin, *other; /* other: NULL if the host gave the list */
+    uint32_t *begin, *other; /* NULL if the host gave the list */
     uint32_t *field;
 } fp3_remembered;
 
 static inline int fp3_list_remembers(const fp3_list *list) { return list->kept != 0; }
 /* Whether a list of the program has such fields. */
 int fp3_lists_remember(const fp3_lists *lists);
+/* Of near objects, by their numbers: pairs of which one does not live are no more. */
+void fp3_list_forget(fp3_list *list, const uint8_t *lives);
+/* Where links between some that do not live are left out: fields of the others go to the whole
+ * list, or come from there. */
+void fp3_list_carry(const fp3_list *list, int is_back);
 /* row: of each object, NULL: its number. The caller frees with fp3_remembered_free, also after a
  * failure. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_list_save(const fp3_list *list, const uint32_t *row, uint32_t objects,

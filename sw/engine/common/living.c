@@ -30,6 +30,8 @@ static fp3_living *find_living(const fp3_engine *engine, const fp3_members *grou
 /* ---- links ---- */
 
 static void restore(fp3_list *list) {
+    if (list->whole.begin && fp3_list_remembers(list))
+        fp3_list_carry(list, 1);
     list->living = NULL;
     if (!list->whole.begin)
         return;
@@ -47,15 +49,9 @@ static void put_entries(const fp3_list *list, const fp3_living *living, fp3_entr
     uint32_t count = 0;
     for (uint32_t i = 0; i < list->objects; i++) {
         to->begin[i] = count;
-        for (uint32_t k = list->begin[i]; living->is[i] && k < list->begin[i + 1]; k++) {
-            if (!living->is[list->other[k]])
-                continue;
-            to->other[count] = list->other[k];
-            if (list->fields)
-                memcpy(&to->field[(size_t)count * list->fields],
-                       &list->field[(size_t)k * list->fields], list->fields * sizeof *to->field);
-            count++;
-        }
+        for (uint32_t k = list->begin[i]; living->is[i] && k < list->begin[i + 1]; k++)
+            if (living->is[list->other[k]])
+                to->other[count++] = list->other[k];
     }
     to->begin[list->objects] = count;
 }
@@ -76,14 +72,18 @@ static fp3_status leave_out(fp3_list *list, const fp3_living *living, fp3_error 
     list->begin = made.begin;
     list->other = made.other;
     list->field = made.field;
+    list->living = living;
+    fp3_list_carry(list, 0);
     return FP3_OK;
 }
 
 /* ---- all lists ---- */
 
-/* The next look makes it, of other objects. */
+/* The next look makes it, of other objects. What pairs remember is still there. */
 static void forget_near(fp3_list *list) {
     fp3_near_close(&list->near);
+    if (fp3_list_remembers(list))
+        return;
     free(list->begin);
     free(list->other);
     list->begin = list->other = NULL;
@@ -126,6 +126,13 @@ static int are_of(const fp3_lists *lists, const fp3_living *living, uint32_t row
     return are;
 }
 
+/* Objects stand in the order of their numbers. */
+static void forget_pairs(fp3_lists *lists) {
+    for (uint32_t i = 0; lists->living && i < lists->shape.list_count; i++)
+        if (lists->lists[i].is_near && fp3_list_remembers(&lists->lists[i]))
+            fp3_list_forget(&lists->lists[i], lists->living->is);
+}
+
 static fp3_status settle(fp3_engine *engine, fp3_members *group) {
     fp3_living *living = find_living(engine, group);
     if (!living)
@@ -139,6 +146,8 @@ static fp3_status settle(fp3_engine *engine, fp3_members *group) {
     fp3_status status = take(&group->lists, living, engine->def.error);
     if (!status && engine->backend->connect)
         status = engine->backend->connect(engine, group, NULL);
+    if (!status)
+        forget_pairs(&group->lists);
     return status;
 }
 

@@ -2,7 +2,8 @@
 /* living.h - lists of neighbours without the objects that do not live.
  *
  * An object that does not live has no neighbours and is in nobody's list. Links are kept as the
- * host gave them: when both ends live, the link is there.
+ * host gave them, with what they remember: when both ends live, the link is there. Near objects
+ * forget when one of them does not live.
  */
 #ifndef FP3_LIVING_H
 #define FP3_LIVING_H

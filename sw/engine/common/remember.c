@@ -97,7 +97,7 @@ fp3_status fp3_list_merge(const fp3_list *list, const fp3_where_they_are *now, u
     merger m = {.list = list,
                 .rank = words_of(objects),
                 .old = words_of(objects),
-                .begin = words_of(objects),
+                .begin = words_of(list->objects),
                 .other = words_of(most),
                 .field = words_of(most * list->fields)};
     const int is_good = m.rank && m.old && m.begin && m.other && m.field;
@@ -105,7 +105,7 @@ fp3_status fp3_list_merge(const fp3_list *list, const fp3_where_they_are *now, u
         find_ranks(&m, now);
         for (uint32_t i = 0; i < own; i++)
             merge_object(&m, i, *begin, *other);
-        for (uint32_t i = own; i <= objects; i++)
+        for (uint32_t i = own; i <= list->objects; i++) /* also of rows that are in no list */
             m.begin[i] = m.count;
         free(*begin);
         free(*other);
@@ -124,8 +124,8 @@ fp3_status fp3_list_merge(const fp3_list *list, const fp3_where_they_are *now, u
 
 /* ---- rows ---- */
 
-/* From rows to others: row i gets what is in row from[i], and an entry of row r becomes one of
- * to[r]; NULL: the same. is_all: entries that remember nothing, too. */
+/* Of near objects, from rows to others: row i gets what is in row from[i], and an entry of row r
+ * becomes one of to[r]; NULL: the same. is_all: entries that remember nothing, too. */
 static fp3_status translate(const fp3_list *list, const uint32_t *from, const uint32_t *to,
                             uint32_t rows, int is_all, fp3_remembered *made, fp3_error *error) {
     rows = rows < list->own ? rows : list->own;
@@ -189,26 +189,55 @@ fp3_status fp3_lists_move(fp3_lists *lists, const uint32_t *rows, uint32_t count
 
 /* ---- the host ---- */
 
+void fp3_list_forget(fp3_list *list, const uint8_t *lives) {
+    const size_t fields = list->fields, bytes = fields * sizeof *list->field;
+    uint32_t count = 0, from = 0;
+    for (uint32_t i = 0; list->begin && i < list->own; i++) {
+        const uint32_t end = list->begin[i + 1];
+        list->begin[i] = count;
+        for (; from < end; from++) {
+            if (!lives[i] || !lives[list->other[from]])
+                continue;
+            list->other[count] = list->other[from];
+            memmove(&list->field[count++ * fields], fields_at(list, from), bytes);
+        }
+    }
+    if (list->begin)
+        list->begin[list->own] = count;
+}
+
+/* Fields of all links that the host gave, as the program has written them. */
+static size_t given_words(const fp3_list *list) {
+    const fp3_entries given = fp3_list_given(list);
+    return given.begin ? (size_t)given.begin[list->objects] * list->fields : 0;
+}
+
 fp3_status fp3_list_save(const fp3_list *list, const uint32_t *row, uint32_t objects,
                          fp3_remembered *saved, fp3_error *error) {
-    uint32_t *to = row ? inverse(row, objects) : NULL;
     *saved = (fp3_remembered){0};
+    if (!list->is_near) {
+        const size_t words = given_words(list);
+        fp3_list_carry(list, 1);
+        saved->field = words_of(words);
+        if (saved->field && words)
+            memcpy(saved->field, fp3_list_given(list).field, words * sizeof *saved->field);
+        return saved->field ? FP3_OK : fp3_no_memory(error);
+    }
+    uint32_t *to = row ? inverse(row, objects) : NULL;
     if (row && !to)
         return fp3_no_memory(error);
-    const fp3_status status = translate(list, row, to, objects, !list->is_near, saved, error);
+    const fp3_status status = translate(list, row, to, objects, 0, saved, error);
     free(to);
-    if (!list->is_near) {
-        free(saved->other);
-        saved->other = NULL;
-    }
     return status;
 }
 
 fp3_status fp3_list_restore(fp3_list *list, const uint32_t *row, uint32_t objects,
                             const fp3_remembered *saved, fp3_error *error) {
     if (!list->is_near) {
-        memcpy(list->field, saved->field,
-               (size_t)list->begin[list->own] * list->fields * sizeof *list->field);
+        const size_t words = given_words(list);
+        if (words)
+            memcpy(fp3_list_given(list).field, saved->field, words * sizeof *saved->field);
+        fp3_list_carry(list, 0);
         return FP3_OK;
     }
     fp3_list from = {.fields = list->fields,

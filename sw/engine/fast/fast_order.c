@@ -89,6 +89,8 @@ static fp3_status put_living_in_front(fp3_engine *engine, const fp3_living *livi
     for (uint32_t i = 0; !status && i < count; i++)
         rows[living->is[i] ? front++ : behind++] = i;
     if (!status)
+        status = fp3_lists_move(&engine->layout.groups[0].lists, rows, count, engine->def.error);
+    if (!status)
         move_rows(engine->self, engine, rows, count, scratch);
     free(rows);
     free(scratch);

@@ -386,7 +386,8 @@ fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
  * looks at each object. FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is
  * loaded. FP3_E_PROGRAM: the configuration interleaves but has no `sleep`, so it visits all its
  * objects, unless they see each other. After an error nothing is changed. Of objects that see each
- * other nobody sees one that does not live; a link is there while both of its ends live. */
+ * other nobody sees one that does not live; a link is there while both of its ends live, with what
+ * it remembers; near objects forget when one of them does not live. */
 #define FP3_FOREVER UINT64_MAX
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone);
