@@ -23,9 +23,12 @@ from fp3world import bodies
 from fp3world import chip
 from fp3world import combinations
 from fp3world import contact
+from fp3world import friction
 from fp3world import hashes as world_hashes
+from fp3world import memory
 from fp3world import physics as world_physics
 from fp3world import report
+from fp3world import rhythm
 from fp3world import scene
 from fp3world import speed as world_speed
 from fp3world import water
@@ -33,7 +36,9 @@ from fp3world import water
 PARTS = ("combinations", "hashes", "speed", "chip", "physics")
 # What theory says of the scenes: each a function of a Lab that yields rows.
 CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
-          bodies.planets, bodies.eight, bodies.plummer, bodies.free, contact.pair, contact.gas, contact.balls, contact.heap, water.dam]
+          bodies.planets, bodies.eight, bodies.plummer, bodies.free, contact.pair, contact.gas, contact.balls, contact.heap, water.dam,
+          contact.players, contact.cradle, friction.slope, friction.belt, friction.glancing, friction.pyramid, memory.breaking, memory.plastic, rhythm.clocks,
+          rhythm.neurons]
 
 
 def measure(options, part, folder, say):

@@ -294,3 +294,11 @@ def test_the_ends_of_the_range_are_told_on_every_engine(tmp_path):
         assert abs(states(fp3(*run, "--set", "x=1e34").stdout)["x"]/3e34 - 1) < 1e-13
         small = states(fp3(*run, "--set", "x=1e-38").stdout)["x"]
         assert abs(small - 3e-38) < 8*2**-149
+
+
+@pytest.mark.parametrize("engine", ["isa", "fast"])
+def test_what_stands_still_chooses_its_steps(tmp_path, engine):
+    """Its error is a known 0, which no float is beside."""
+    (tmp_path / "still.ode").write_text("state x = 3\nstep 0.1\nx' = 0\n")
+    out = fp3("run", tmp_path / "still.ode", "--double-single", "-c", "many_full", "-e", engine, "--tolerance", "1e-3", "--until", "2").stdout
+    assert states(out)["x"] == 3 and states(out)["t"] == 2

@@ -83,7 +83,7 @@ class Cell:
         said = self.call("run", "--scene", self.scene(), "--all", *self.options(), *self.feature.options, *options)
         if self.relation != "kinds":
             return ws.words_of(said)[0]
-        found = np.array([int(bits, 16) for _, bits, _ in ws.STATE.findall(said)], dtype=np.uint32)  # kinds have states of their own
+        found = ws.all_words(said)
         if len(found) < 2 * (OBJECTS + PEG_COUNT):
             raise ws.Failed("fp3 run --all prints no state of each object")
         return found

@@ -17,7 +17,12 @@ SCENES = """\
 | `bridge` | a girder of bars takes up its own weight |
 | `planets`, `eight`, `plummer`, `stars` | gravity: the solar system, three bodies on a figure of eight, a cluster in equilibrium, a collapse |
 | `pair`, `balls`, `heap`, `gas` | contact: two balls collide, 300 and 10,000 come to rest in a box, 300 fly about in one |
-| `dam` | a column of water in particles falls and runs along the floor |"""
+| `dam` | a column of water in particles falls and runs along the floor |
+| `players`, `train` | several kinds: players run through balls; couplings between the cars of a train have states of their own |
+| `cradle` | Newton's cradle, five balls that touch: what moves out |
+| `slope`, `belt`, `glancing`, `pyramid` | friction that remembers, on a floor of another kind: blocks that hold and slide, a belt, two balls that make each other turn, three in a heap |
+| `breaking`, `plastic` | links that remember: a girder whose bars break, rods that yield |
+| `clocks`, `neurons` | oscillators and a driver fall into step; neurons, and synapses that learn, fire in a ring |"""
 
 HASHES = """\
 All runs of a scene must give the same words in all states of all objects. The columns: the scene; its steps; the runs, by engine; the hash of all words;
@@ -79,7 +84,8 @@ others see."""
 
 PHYSICS = """\
 The columns: the scene; a quantity; what theory or an experiment says; what the objects do; the largest difference allowed, whose reason is `why` in the
-JSON file. The functions in `tools/fp3world/physics.py`, `bodies.py`, `contact.py` and `water.py` name the sources. `tests/world`
+JSON file. The functions in `tools/fp3world/physics.py`, `bodies.py`, `contact.py`, `friction.py`, `memory.py`, `rhythm.py`
+and `water.py` name the sources. `tests/world`
 changes each scene a little, and then a row no longer holds."""
 
 

@@ -131,7 +131,7 @@ static int operand_count(const dag_node *n) {
 }
 
 /* All values are floats, or known values or truth values beside a float. The condition of a choice
- * does not count. */
+ * does not count. Estimates are of known values alone where nothing moves: the error is 0 then. */
 static int is_of_floats(const doubling *d, const dag_node *n) {
     const uint32_t of[] = {n->a, n->b};
     int is_any = 0;
@@ -141,7 +141,7 @@ static int is_of_floats(const doubling *d, const dag_node *n) {
             return 0;
         is_any |= m->is_float;
     }
-    return is_any;
+    return is_any || (n->op >= FP3_OP_RCP && n->op <= FP3_OP_LOGB);
 }
 
 static made of_floats(const doubling *d, const dag_node *n) {
