@@ -536,8 +536,8 @@ world: all ## Objects that see each other: the same bits everywhere, speed, cycl
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
 
 combinations: all ## What goes with objects that see each other, each cell tried: the table of docs/relations.md
-	@$(PYTHON) tools/world.py --quick --output $(RESULTS)/combinations.json --parts combinations
-	@$(PYTHON) tools/world.py --input $(RESULTS)/combinations.json --relations docs/relations.md
+	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json --parts combinations
+	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --relations docs/relations.md
 
 .PHONY: four
 four: all | need-cluster ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4

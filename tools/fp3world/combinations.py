@@ -1,14 +1,22 @@
 """What goes with what: each relation with each feature, on each engine. A cell works if it gives the same words on each of them, or fp3 says why not."""
 
+import ctypes
+import importlib
+import os
 import re
+import shutil
 import subprocess
+import sys
 
 import numpy as np
+from fp3cluster.lab import environment
 from fp3gen.text import markdown
 from fp3world import scene as ws
 
 ENGINES = ("isa", "fast", "rtl")
-OBJECTS, STEPS, HALF, PEG_COUNT = 12, 8, 4, 3
+OBJECTS, STEPS, HALF, PEG_COUNT, RANKS = 12, 8, 4, 3, 2
+MPI = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}  # a rank that refuses ends the others at once
+NO_MPI = "not tried: needs MPI (`make setup-cluster all`)"
 # Of the model: the relation, and what an object feels of a neighbour. `several` has two relations, `kinds` sees a group of another model beside its own.
 RELATIONS = {"links": ("links ties(k = 8)", "sum(o in ties: o.k*(o.x - x))"), "near": ("near ties(x, 0.35)", "sum(o in ties: 4*(x - o.x))"),
              "all": ("all ties", "sum(o in ties: (o.x - x)/(1 + (o.x - x)^2))"),
@@ -47,6 +55,7 @@ class Cell:
 
     def __init__(self, fp3, folder, relation, feature, engine):
         self.fp3, self.folder, self.relation, self.feature, self.engine = fp3, folder, relation, feature, engine
+        self.before = []  # of the command
         declared, pull = RELATIONS[relation]
         if feature.field:
             declared = re.sub(r"(ties\([^)]*)", rf"\1, {feature.field}", declared)
@@ -67,7 +76,7 @@ class Cell:
     def call(self, *arguments):
         """What a command prints; Refused if it says why not."""
         try:
-            done = subprocess.run([self.fp3, *map(str, arguments)], capture_output=True, text=True)
+            done = subprocess.run([*self.before, self.fp3, *map(str, arguments)], capture_output=True, text=True, env=environment(RANKS) | MPI)
         except OSError as why:
             raise ws.Failed(f"{self.fp3}: {why.strerror}") from why
         if done.returncode == 2:
@@ -99,6 +108,7 @@ def reason(said, folder):
     text = lines[0] if lines else "no message"
     text = re.sub(rf"{re.escape(str(folder))}/\w+\.\w+", "", text)
     text = re.sub(r"model 'cell' has '\w+' \(line \d+\): |^.*objects of model 'cell' see each other \('\w+', line \d+\), and ", "", text)
+    text = re.sub(r" \(line \d+ of the model\)", "", text)
     text = re.sub(r"'(ties|bars)' needs", "the relation needs", re.sub(r"\bline \d+: ", "", text))
     return re.sub(r"^(fp3 \w+: |:(\d+:)* *|error: |group \d+: |engine '\w+': )+", "", text).strip()
 
@@ -116,14 +126,11 @@ def checkpoint(cell):
 
 
 def recording(cell):
-    """Its last snapshot, as numbers; fp3 verify agrees."""
-    output = cell.folder / "cell.csv"
-    output.unlink(missing_ok=True)
-    kinds = cell.relation == "kinds"
-    found = cell.words("--steps", STEPS, "--output", output, "--every", HALF, *(("--group", "cell") if kinds else ()))
+    """It has all snapshots."""
+    output, found = record(cell, "cell.csv")
     rows = [line for line in output.read_text().splitlines() if line][1:]
-    if len(rows) != 3 * (OBJECTS if kinds else len(found)):
-        raise ws.Failed(f"{cell.relation}: a recording has {len(rows)} rows, expected {3 * len(found)}")
+    if len(rows) != 3 * OBJECTS:
+        raise ws.Failed(f"{cell.relation}: a recording has {len(rows)} rows, expected {3 * OBJECTS}")
     return found
 
 
@@ -135,6 +142,97 @@ def checked(cell):
     return run(cell)
 
 
+def ranks(cell):
+    """Several processes, which Open MPI starts even where there are fewer processors."""
+    if not shutil.which("mpirun") or not (cell.fp3.absolute().parent / "lib/fp3/fp3_mpi.so").exists():
+        raise Refused(NO_MPI)
+    cell.before = ["mpirun", "--oversubscribe", "-n", str(RANKS)]
+    return run(cell)
+
+
+def package(cell):
+    """The package of Python from the sources, over the library and the engines beside the command."""
+    os.environ["FP3_HOME"] = str(cell.fp3.absolute().parent)
+    if str(ws.ROOT / "python") not in sys.path:
+        sys.path.insert(0, str(ws.ROOT / "python"))
+    return importlib.import_module("fp3")
+
+
+def in_python(use):
+    """What `use` does with the package and the cell; the package says why not."""
+    def trial(cell):
+        fp3 = package(cell)
+        try:
+            return use(fp3, cell)
+        except fp3.Error as why:
+            raise Refused(reason(str(why), cell.folder)) from why
+    return trial
+
+
+def batch(fp3, cell):
+    linked = re.search(r"^links (\w+)", RELATIONS[cell.relation][0], re.M)
+    links = {linked[1]: (np.arange(OBJECTS - 1), np.arange(1, OBJECTS))} if linked else None
+    return fp3.Batch(str(cell.model), OBJECTS, method=cell.feature.integrator, config=cell.feature.config, engine=cell.engine, threads=1, links=links)
+
+
+def batch_words(fp3, cell):
+    with batch(fp3, cell) as objects:
+        objects["x"] = 0.25 * np.arange(OBJECTS)
+        objects.run(STEPS)
+        return np.ascontiguousarray(objects.read(("x", "v"))).view(np.uint32)
+
+
+def column(fp3, cell):
+    """Whether what a batch shows is the engine's own memory."""
+    address = ctypes.c_void_p()
+    with batch(fp3, cell) as objects, objects._c() as c:  # pylint: disable=protected-access
+        if objects._lib.fp3_batch_column(c, b"x", address):  # pylint: disable=protected-access
+            raise ws.Failed(f"{cell.relation}: fp3_batch_column finds no 'x'")
+        if address.value is None:
+            raise Refused("`fp3_batch_column` is NULL: a step reads neighbours from one column and writes another; `fp3_batch_read` copies")
+    return run(cell)
+
+
+def scene_words(fp3, cell):
+    with fp3.Scene(str(cell.scene()), config=cell.feature.config, engine=cell.engine, threads=1) as scene:
+        scene.run(STEPS)
+        found = [np.stack([group["x"], group["v"]], -1) for group in scene.groups]
+    words = np.concatenate(found).view(np.uint32)
+    return words if len(found) == 1 else words.ravel()
+
+
+def record(cell, name):
+    """A recording of a run."""
+    path = cell.folder / name
+    path.unlink(missing_ok=True)
+    return path, cell.words("--steps", STEPS, "--output", path, "--every", HALF, *(("--group", "cell") if cell.relation == "kinds" else ()))
+
+
+def viewed(cell):
+    """A page of a recording."""
+    path, found = record(cell, "cell.csv")
+    page = path.with_suffix(".html")
+    cell.call("view", path, "--position", "time,x", "-o", page)
+    if page.stat().st_size < 1000:
+        raise ws.Failed(f"{cell.relation}: the page of fp3 view has {page.stat().st_size} bytes")
+    return found
+
+
+def verified_recording(cell):
+    """Run again by fp3 verify, with one hash after the other."""
+    path, found = record(cell, "cell.h5")
+    cell.call("verify", path)
+    return found
+
+
+def verified_checkpoint(cell):
+    file = cell.folder / "cell.checkpoint"
+    file.unlink(missing_ok=True)
+    found = cell.words("--steps", STEPS, "--checkpoint", file)
+    cell.call("verify", file)
+    return found
+
+
 def told(*command, what="scene"):
     """A command that prints what it finds out: there are no words to compare."""
     def tell(cell):
@@ -144,11 +242,12 @@ def told(*command, what="scene"):
 
 
 class Feature:
-    """more: lines of the model; field: of its relation; settings: of the group; options: of fp3 run. engines: where it is tried."""
+    """more: lines of the model; field: of its relation; settings: of the group; options: of fp3 run. engines: where it is tried. is_beside: its words are
+    those of fp3 run alone."""
 
-    def __init__(self, name, more="", field="", settings="", options=(), integrator="leapfrog", config="world", trial=run, engines=ENGINES):
+    def __init__(self, name, more="", field="", settings="", options=(), integrator="leapfrog", config="world", trial=run, engines=ENGINES, is_beside=False):
         self.name, self.more, self.field, self.settings, self.options = name, more, field, settings, list(options)
-        self.integrator, self.config, self.trial, self.engines = integrator, config, trial, engines
+        self.integrator, self.config, self.trial, self.engines, self.is_beside = integrator, config, trial, engines, is_beside
 
 
 INTEGRATORS = ("euler", "semi_implicit_euler", "leapfrog", "verlet", "heun", "rk4", "rk8", "yoshida6", "rkc8", "stoermer_verlet", "ros2")
@@ -174,6 +273,13 @@ FEATURES = [
     Feature("logarithmic arithmetic", config="world_log"),
     Feature("checkpoints", trial=checkpoint),
     Feature("recordings", trial=recording),
+    Feature("`fp3 view` of a recording", trial=viewed, engines=("fast",)),
+    Feature("`fp3 verify` of a recording", trial=verified_recording),
+    Feature("`fp3 verify` of a checkpoint", trial=verified_checkpoint),
+    Feature("two processes, `mpirun -n 2`", trial=ranks, engines=("fast",), is_beside=True),
+    Feature("a batch in Python", trial=in_python(batch_words), is_beside=True),
+    Feature("a column of a batch without a copy", trial=in_python(column), engines=("fast",)),
+    Feature("a scene in Python", trial=in_python(scene_words), is_beside=True),
     Feature("`fp3 run --check`", trial=checked),
     Feature("`fp3 bench` of a scene", trial=told("bench", "--steps", STEPS, "--quick"), engines=("fast",)),
     Feature("`fp3 tune`", trial=told("tune", "--tolerance", "1e-3"), engines=("fast",)),
@@ -187,7 +293,7 @@ def measure(fp3, folder, say, features=FEATURES):
     rows = []
     for relation in RELATIONS:
         for feature in features:
-            wanted = None
+            wanted = run(Cell(fp3, folder, relation, feature, feature.engines[0])) if feature.is_beside else None
             for engine in feature.engines:
                 try:
                     found = feature.trial(Cell(fp3, folder, relation, feature, engine))
@@ -221,7 +327,7 @@ def table(rows):
         return ", ".join(f"`{engine}` {state}" for engine, state in states.items())
     yield from markdown(["", *HEADS.values()], ([feature, *(cell(found[relation]) for relation in HEADS)] for feature, found in lines.items()))
     works = sum(row["state"] == "works" for row in rows)
-    yield from ("", f"{works} of {len(rows)} cells work ({len(ENGINES)} engines, or `fast` alone for commands that measure). The others are refused, in these words:", "")
+    yield from ("", f"{works} of {len(rows)} cells work ({len(ENGINES)} engines, or `fast` alone for commands that measure or draw, for processes and for columns). The others are refused, in these words:", "")
     yield from (f"{number}. {text}" for text, number in why.items())
 
 
