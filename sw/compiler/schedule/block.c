@@ -13,11 +13,6 @@ fp3_ref *fp3_node_operand_at(fp3_node *node, uint32_t i) {
     return i == 0 ? &node->op.a : i == 1 ? &node->op.b : &node->op.c;
 }
 
-fp3_ref fp3_node_operand(const fp3_node *node, uint32_t i) {
-    assert(i < 3);
-    return i == 0 ? node->op.a : i == 1 ? node->op.b : node->op.c;
-}
-
 int fp3_node_reads_variable(const fp3_node *node, uint32_t variable) {
     for (uint32_t k = 0; k < 3; k++) {
         const fp3_ref ref = fp3_node_operand(node, k);

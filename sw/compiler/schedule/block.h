@@ -10,6 +10,8 @@
 
 #include "code.h"
 
+#include <assert.h>
+
 typedef struct {
     fp3_op op; /* operands: FP3_AT_OP a node, FP3_AT_VARIABLE, FP3_AT_PARAM, FP3_AT_CONSTANT */
     uint32_t writes;         /* variable, or FP3_NONE_INDEX */
@@ -43,7 +45,10 @@ uint32_t fp3_block_add(fp3_block *block, const fp3_node *node);
 uint32_t fp3_block_add_copy(fp3_block *block, fp3_ref what);
 
 /* An operand of a node, 0 .. 2; its place is FP3_AT_NOWHERE where there is none. */
-fp3_ref fp3_node_operand(const fp3_node *node, uint32_t i);
+static inline fp3_ref fp3_node_operand(const fp3_node *node, uint32_t i) {
+    assert(i < 3);
+    return i == 0 ? node->op.a : i == 1 ? node->op.b : node->op.c;
+}
 fp3_ref *fp3_node_operand_at(fp3_node *node, uint32_t i);
 
 /* Whether it reads the variable as it was when the block began. */

@@ -11,7 +11,9 @@ struct fp3_interval {
     fp3_dependences graph; /* node block->count is the beginning of the step part */
     uint32_t nodes;
     int32_t
-        *height; /* cycles to the end of all that depends on a node, whole intervals taken off */
+        *height;    /* cycles to the end of all that depends on a node, whole intervals taken off */
+    uint32_t *next; /* the node after it on its longest way so far, or FP3_NONE_INDEX */
+    uint32_t *visited; /* by which walk along `next` */
 };
 
 /* ---- what has to hold beside the dependences of a step ---- */
@@ -44,7 +46,9 @@ fp3_status fp3_interval_make(const fp3_block *block, fp3_interval **found, fp3_e
         m->block = block;
         m->nodes = block->count + 1;
         m->height = calloc(m->nodes, sizeof *m->height);
-        if (m->height)
+        m->next = calloc(m->nodes, sizeof *m->next);
+        m->visited = calloc(m->nodes, sizeof *m->visited);
+        if (m->height && m->next && m->visited)
             status =
                 fp3_dependences_make(block, extra, list_extra(block, extra), 1, &m->graph, error);
     }
@@ -60,6 +64,8 @@ void fp3_interval_free(fp3_interval **found) {
         return;
     fp3_dependences_free(&(*found)->graph);
     free((*found)->height);
+    free((*found)->next);
+    free((*found)->visited);
     free(*found);
     *found = NULL;
 }
@@ -70,21 +76,35 @@ static int32_t span_of(const fp3_edge *e, uint32_t interval) {
     return (int32_t)e->weight - (int32_t)(e->distance * interval);
 }
 
+/* A way that comes back to a node has become longer on the way around, and will without end. */
+static int comes_back(const fp3_interval *m) {
+    memset(m->visited, 0, m->nodes * sizeof *m->visited);
+    for (uint32_t i = 0; i < m->nodes; i++) {
+        uint32_t at = i;
+        for (; at != FP3_NONE_INDEX && !m->visited[at]; at = m->next[at])
+            m->visited[at] = i + 1;
+        if (at != FP3_NONE_INDEX && m->visited[at] == i + 1)
+            return 1;
+    }
+    return 0;
+}
+
 /* 0: the dependences need a longer interval. */
 static int find_heights(const fp3_interval *m, uint32_t interval) {
-    uint32_t rounds = 0;
     memset(m->height, 0, m->nodes * sizeof *m->height);
-    for (int is_news = 1; is_news; rounds++) {
+    memset(m->next, 0xff, m->nodes * sizeof *m->next);
+    for (int is_news = 1; is_news;) {
         is_news = 0;
         for (uint32_t e = m->graph.edge_count; e-- > 0;) {
             const fp3_edge *edge = &m->graph.edges[e];
             const int32_t height = m->height[edge->to] + span_of(edge, interval);
             if (height > m->height[edge->from]) {
                 m->height[edge->from] = height;
+                m->next[edge->from] = edge->to;
                 is_news = 1;
             }
         }
-        if (rounds > m->nodes)
+        if (is_news && comes_back(m))
             return 0;
     }
     return 1;

@@ -20,9 +20,11 @@ typedef struct {
     const uint32_t *order;
     const fp3_spill_ends *ends;
     uint32_t owners, cells, registers;
+    uint32_t *used; /* cells of node i: used[4 i + k] of operand k, used[4 i + 3] of its result */
     uint32_t *begin,
         *access;          /* times at which cell c is in use: access[begin[c] .. begin[c + 1]) */
     uint32_t *cursor;     /* of each cell: the first of them that is still to come */
+    uint32_t *due;        /* of each cell: when it is needed next */
     uint32_t *reg, *word; /* of each cell: the register, the word that has its value, or NONE */
     uint32_t occupant[FP3_BANK_OBJECT_COUNT]; /* the cell in a register, or NONE */
     uint32_t guest[FP3_BANK_OBJECT_COUNT];    /* the cell in the word of one without an owner */
@@ -43,9 +45,19 @@ static uint32_t cell_of(const spiller *s, fp3_ref ref) {
                                      : NONE;
 }
 
-static uint32_t operand_cell(const spiller *s, uint32_t node, uint32_t k) {
-    return cell_of(s, fp3_node_operand(&s->block->nodes[node], k));
+static void find_cells(const spiller *s) {
+    for (uint32_t i = 0; i < s->block->count; i++) {
+        for (uint32_t k = 0; k < 3; k++)
+            s->used[4 * i + k] = cell_of(s, fp3_node_operand(&s->block->nodes[i], k));
+        s->used[4 * i + 3] = cell_of(s, (fp3_ref){FP3_AT_OP, i});
+    }
 }
+
+static uint32_t operand_cell(const spiller *s, uint32_t node, uint32_t k) {
+    return s->used[4 * node + k];
+}
+
+static uint32_t result_cell(const spiller *s, uint32_t node) { return s->used[4 * node + 3]; }
 
 /* ---- when a cell is needed ---- */
 
@@ -63,7 +75,7 @@ static void find_accesses(const spiller *s) {
         for (uint32_t p = 0; p < s->block->count; p++) {
             for (uint32_t k = 0; k < 3; k++)
                 note_access(s, operand_cell(s, s->order[p], k), 2 * p, is_filling);
-            note_access(s, cell_of(s, (fp3_ref){FP3_AT_OP, s->order[p]}), 2 * p + 1, is_filling);
+            note_access(s, result_cell(s, s->order[p]), 2 * p + 1, is_filling);
         }
         for (uint32_t c = 0; !is_filling && c < s->cells; c++)
             s->begin[c + 1] += s->begin[c];
@@ -82,7 +94,7 @@ static int is_out(const spiller *s, uint32_t cell) {
     return is_owner(s, cell) && (s->ends->is_open || s->ends->out >> cell & 1);
 }
 
-static uint32_t due(const spiller *s, uint32_t cell) {
+static uint32_t find_due(const spiller *s, uint32_t cell) {
     const uint32_t end = 2 * s->block->count;
     if (!is_over(s, cell))
         return s->access[s->cursor[cell]];
@@ -101,6 +113,7 @@ static int is_dead(const spiller *s, uint32_t cell) {
 static void pass_time(const spiller *s, uint32_t cell, uint32_t time) {
     while (!is_over(s, cell) && s->access[s->cursor[cell]] <= time)
         s->cursor[cell]++;
+    s->due[cell] = find_due(s, cell);
 }
 
 /* ---- instructions ---- */
@@ -191,9 +204,9 @@ static int ask_occupant(const spiller *s, uint32_t cell, offer *o) {
     const uint32_t reg = s->reg[cell];
     if (!is_owner(s, cell) && s->word[cell] == NONE && (is_owner(s, reg) || s->guest[reg] != NONE))
         return 0;
-    const int is_last = is_over(s, cell) && !is_out(s, cell); /* it has to be stored anyway */
+    const int is_last = s->due[cell] == FAR; /* it has to be stored anyway */
     o->cost += (s->word[cell] == NONE && !is_last) + !is_last;
-    be_due(o, due(s, cell));
+    be_due(o, s->due[cell]);
     return 1;
 }
 
@@ -205,7 +218,7 @@ static int ask_register(const spiller *s, uint32_t reg, uint32_t end, offer *o) 
         return 0;
     const uint32_t waiting = is_owner(s, reg) ? reg : s->guest[reg];
     if (waiting != NONE && waiting != cell)
-        be_due(o, due(s, waiting));
+        be_due(o, s->due[waiting]);
     o->cost += o->due <= end;
     return 1;
 }
@@ -291,10 +304,11 @@ static void fetch(spiller *s, uint32_t node) {
     }
 }
 
-static uint32_t code_of(const spiller *s, fp3_ref ref) {
+static uint32_t code_of(const spiller *s, uint32_t node, uint32_t k) {
+    const fp3_ref ref = fp3_node_operand(&s->block->nodes[node], k);
     if (ref.at == FP3_AT_CONSTANT)
         return FP3_BANK_SHARED_BASE + ref.index;
-    return ref.at == FP3_AT_NOWHERE ? 0 : s->reg[cell_of(s, ref)];
+    return ref.at == FP3_AT_NOWHERE ? 0 : s->reg[operand_cell(s, node, k)];
 }
 
 /* Until the result is written, its operands stay in their registers. The old value of an owner is
@@ -313,13 +327,13 @@ static void put_result(spiller *s, uint32_t cell) {
 }
 
 static void execute(spiller *s, uint32_t position) {
-    const uint32_t i = s->order[position], result = cell_of(s, (fp3_ref){FP3_AT_OP, i});
+    const uint32_t i = s->order[position], result = result_cell(s, i);
     const fp3_node *node = &s->block->nodes[i];
     fp3_line line = {.op = node->op.op, .note = node->op.note, .from = node->from};
     s->now = 2 * position;
     fetch(s, i);
     for (uint32_t k = 0; k < 3 && !s->is_stuck; k++)
-        line.operand[k] = code_of(s, fp3_node_operand(node, k));
+        line.operand[k] = code_of(s, i, k);
     for (uint32_t k = 0; k < 3 && !s->is_stuck; k++) {
         const uint32_t cell = operand_cell(s, i, k);
         if (cell == NONE)
@@ -341,8 +355,10 @@ static void execute(spiller *s, uint32_t position) {
 /* ---- the ends ---- */
 
 static void begin(spiller *s) {
-    for (uint32_t c = 0; c < s->cells; c++)
+    for (uint32_t c = 0; c < s->cells; c++) {
         s->reg[c] = s->word[c] = NONE;
+        s->due[c] = find_due(s, c);
+    }
     for (uint32_t reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         s->occupant[reg] = s->guest[reg] = NONE;
     for (uint32_t c = 0; c < s->owners; c++) {
@@ -376,15 +392,20 @@ static int open_spiller(spiller *s) {
     s->made->lines = calloc(s->room, sizeof *s->made->lines); /* a part may have none */
     s->begin = calloc(cells, sizeof *s->begin);
     s->cursor = calloc(cells, sizeof *s->cursor);
+    s->due = calloc(cells, sizeof *s->due);
+    s->used = calloc(4 * (size_t)s->block->count + 1, sizeof *s->used);
     s->access = calloc(4 * (size_t)s->block->count + 1, sizeof *s->access);
     s->reg = calloc(cells, sizeof *s->reg);
     s->word = calloc(cells, sizeof *s->word);
-    return s->made->lines && s->begin && s->cursor && s->access && s->reg && s->word;
+    return s->made->lines && s->begin && s->cursor && s->due && s->used && s->access && s->reg &&
+           s->word;
 }
 
 static void close_spiller(spiller *s) {
     free(s->begin);
     free(s->cursor);
+    free(s->due);
+    free(s->used);
     free(s->access);
     free(s->reg);
     free(s->word);
@@ -401,6 +422,7 @@ fp3_status fp3_spill(const fp3_block *block, const uint32_t *order, const fp3_sp
         return FP3_E_LIMIT;
     s.is_full = !open_spiller(&s);
     if (!s.is_full) {
+        find_cells(&s);
         find_accesses(&s);
         memcpy(s.cursor, s.begin, s.cells * sizeof *s.cursor);
         begin(&s);
