@@ -127,6 +127,7 @@ FP3_KINDS_MAX = 8
 FP3_LINKS = 0
 FP3_NAME_SIZE = 32
 FP3_NEAR = 1
+FP3_NOBODY = 4294967295
 FP3_NONE = 4294967295
 FP3_NO_OBJECT = 1
 FP3_NUMBER_TEXT_SIZE = 24
@@ -880,6 +881,7 @@ class fp3_batch_def(Structure):
         ("text_size", c_size_t),
         ("compiled", POINTER(fp3_compiled)),
         ("objects", c_size_t),
+        ("is_empty", c_int),
         ("integrator", c_char_p),
         ("adaptive", POINTER(fp3_adaptive_def)),
         ("compile", fp3_compile_def),
@@ -1065,10 +1067,17 @@ PROTOTYPES = {
     "fp3_batch_column": (c_int, (c_void_p, c_char_p, POINTER(c_void_p))),
     "fp3_batch_link": (c_int, (c_void_p, c_char_p, POINTER(fp3_links))),
     "fp3_batch_run": (c_int, (c_void_p, c_uint64)),
-    "fp3_batch_use": (c_int, (c_void_p, c_size_t)),
     "fp3_batch_time": (c_double, (c_void_p,)),
     "fp3_batch_restart": (c_int, (c_void_p,)),
     "fp3_batch_failure": (c_int, (c_void_p, POINTER(fp3_failure), c_char_p)),
+    "fp3_batch_add": (c_int, (c_void_p, c_size_t, c_void_p)),
+    "fp3_batch_remove": (c_int, (c_void_p, c_void_p, c_size_t)),
+    "fp3_batch_living": (c_size_t, (c_void_p,)),
+    "fp3_batch_numbers": (None, (c_void_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_batch_handles": (c_int, (c_void_p, c_size_t, c_size_t, c_void_p)),
+    "fp3_batch_write_of": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_batch_write_of_double": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_batch_read_of": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_batch_objects": (c_size_t, (c_void_p,)),
     "fp3_batch_engine": (c_void_p, (c_void_p,)),
     "fp3_batch_compiled": (POINTER(fp3_compiled), (c_void_p,)),

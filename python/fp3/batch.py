@@ -14,11 +14,12 @@ import numpy as np
 from . import _declarations as d
 from . import _library
 from ._library import Handle, Owner, check, name_bytes
-from .errors import ArgumentError, FailedError
-from .given import as_count, as_flag, as_mapping, as_number, as_values, links_of, split_links
+from .errors import ArgumentError, Error, FailedError
+from .given import as_count, as_flag, as_mapping, as_number, as_values, handles_of, links_of, split_links
 from .model import How, Model, Program, Source, as_model
 
 Value = Union[float, "np.ndarray[Any, Any]", Sequence[float]]
+NOBODY = d.FP3_NOBODY    # instead of an object's number
 STEPS_MOST = 2**32 - 1  # of a run
 PART_SECONDS = 0.2      # of a run, between two looks at the keyboard
 PART_FIRST = 64         # steps of the first part
@@ -88,7 +89,7 @@ class Batch(Owner):
                 drones.run()
                 draw(x, y)
 
-    objects is the most that are ever used (see use). method, h, arithmetic, config, engine and threads are the words of
+    objects is the most that live at the same time. empty: nobody lives at first (see add). method, h, arithmetic, config, engine and threads are the words of
     `fp3 run`. tolerance: each object chooses its own steps until the time in its param `until`; 0: steps are h long and are
     cut at events. may_compile: native code, which pays off in long runs and starts a C compiler. links: of each relation of
     links, (a, b) or (a, b, fields).
@@ -103,7 +104,7 @@ class Batch(Owner):
                  method: Optional[str] = None, h: Optional[float] = None, tolerance: Optional[float] = None,
                  absolute: float = 0.0, until: float = 0.0, maxstep: float = 0.0, arithmetic: str = "plain",
                  config: Optional[str] = None, engine: str = "fast", threads: int = 0, may_compile: bool = False,
-                 skin: float = 0.0, links: Optional[Mapping[str, Tuple[Any, ...]]] = None) -> None:
+                 skin: float = 0.0, links: Optional[Mapping[str, Tuple[Any, ...]]] = None, empty: bool = False) -> None:
         numbers = {"tolerance": 0.0 if tolerance is None else tolerance, "absolute": absolute, "until": until, "maxstep": maxstep, "skin": skin}
         numbers = {name: as_number(name, value) for name, value in numbers.items()}
         for name, number in numbers.items():
@@ -112,12 +113,13 @@ class Batch(Owner):
         self.model = as_model(model)
         adaptive = None if tolerance is None else (numbers["tolerance"], numbers["absolute"], numbers["until"], numbers["maxstep"])
         self._open(self.model.program(How(method, arithmetic, config, adaptive)), as_count("objects", objects, 1, 2**32 - 1), h, engine,
-                   as_count("threads", threads, 0, 1024), may_compile, numbers["skin"])
+                   as_count("threads", threads, 0, 1024), may_compile, numbers["skin"], empty)
         link_all(self, links)
         for name, value in as_mapping("params", params).items():
             self[name] = value
 
-    def _open(self, program: Program, objects: int, h: Optional[float], engine: str, threads: int, may_compile: bool, skin: float) -> None:
+    def _open(self, program: Program, objects: int, h: Optional[float], engine: str, threads: int, may_compile: bool, skin: float,
+              empty: bool = False) -> None:
         self._own()
         lib = self._lib
         definition = lib.default(d.fp3_batch_def)
@@ -126,6 +128,7 @@ class Batch(Owner):
         definition.objects, definition.threads, definition.skin = objects, threads, skin
         definition.may_fail = 1  # run looks by itself: a run may have many parts
         definition.may_compile = as_flag("may_compile", may_compile)
+        definition.is_empty = as_flag("empty", empty)
         definition.h = 0.0 if h is None else as_number("h", h)
         if h is not None and not definition.h > 0:
             raise ArgumentError(f"h: found {h}, expected a number above 0")
@@ -137,7 +140,7 @@ class Batch(Owner):
         self._handle = Handle(pointer, "fp3_batch_close", program, definition, self._error)
         #: Where columns are that the engine does not have in one piece, while somebody looks at them.
         self._copies: "weakref.WeakValueDictionary[str, _Memory]" = weakref.WeakValueDictionary()
-        self._program, self._objects, self._used = program, objects, objects
+        self._program, self._objects = program, objects
         self._part, self._is_adaptive = PART_FIRST, program.how.adaptive is not None
         self._is_wide = program.c.compiled.contents.arithmetic == d.FP3_DOUBLE_SINGLE
         self._dtype = np.float64 if self._is_wide else np.float32
@@ -290,10 +293,81 @@ class Batch(Owner):
         with self._c() as c:
             check(self._lib.fp3_batch_link(c, key, links), self._error)
 
+    # ---- objects that come and go ----
+
+    def add(self, count: int, /, **values: Value) -> "np.ndarray[Any, Any]":
+        """`count` objects are born, with the model's defaults; values: by name, a number or one for each of them.
+
+        Their handles: an object's own for as long as it lives. They get the lowest numbers that are free. LimitError: there
+        is no room for them. After an error nobody was born.
+        """
+        handles = np.zeros(as_count("count", count, 0, 2**32 - 1), np.uint64)
+        columns = {name: as_values(f"'{name}'", value) for name, value in values.items()}
+        for name, column in columns.items():
+            if column.shape not in ((), handles.shape):
+                raise ArgumentError(f"'{name}': found shape {column.shape}, expected a number or one for each of {count} objects")
+        with self._c() as c:
+            check(self._lib.fp3_batch_add(c, len(handles), handles.ctypes.data), self._error)
+            try:
+                for name, column in columns.items():
+                    self.write_of(name, handles, np.broadcast_to(column, handles.shape))
+            except Error:
+                check(self._lib.fp3_batch_remove(c, handles.ctypes.data, len(handles)), self._error)
+                raise
+            self._show(*self._copies)
+        return handles
+
+    def remove(self, handles: Any) -> None:
+        """Removes objects. Nobody sees them any more, and their links and what pairs remember of them are gone for good."""
+        column = handles_of(handles)
+        with self._c() as c:
+            check(self._lib.fp3_batch_remove(c, column.ctypes.data, column.size), self._error)
+
+    @property
+    def living(self) -> int:
+        """How many objects live."""
+        with self._c() as c:
+            return int(self._lib.fp3_batch_living(c))
+
+    @property
+    def handles(self) -> "np.ndarray[Any, Any]":
+        """The handle of each object number; 0: nobody lives there."""
+        found = np.empty(self._objects, np.uint64)
+        with self._c() as c:
+            check(self._lib.fp3_batch_handles(c, 0, self._objects, found.ctypes.data), self._error)
+        return found
+
+    def numbers(self, handles: Any) -> "np.ndarray[Any, Any]":
+        """The numbers of these objects, by which columns have them; NOBODY of who was removed."""
+        column = handles_of(handles)
+        found = np.empty(column.shape, np.uint32)
+        with self._c() as c:
+            self._lib.fp3_batch_numbers(c, column.ctypes.data, column.size, found.ctypes.data)
+        return found
+
+    def write_of(self, name: str, handles: Any, values: Value) -> None:
+        """Writes a number for all of these objects, or one for each."""
+        key, column, given = name_bytes("name", name), handles_of(handles), as_values(f"'{name}'", values)
+        if given.shape not in ((), column.shape):
+            raise ArgumentError(f"'{name}': found shape {given.shape}, expected a number or one for each of {column.size} objects")
+        is_single = given.dtype == np.float32
+        given = np.require(np.broadcast_to(given, column.shape), np.float32 if is_single else np.float64, ["C", "A"])
+        with self._c() as c:
+            call = self._lib.fp3_batch_write_of if is_single else self._lib.fp3_batch_write_of_double
+            check(call(c, key, column.ctypes.data, column.size, given.ctypes.data), self._error)
+            self._show(name)
+
+    def read_of(self, name: str, handles: Any) -> "np.ndarray[Any, Any]":
+        """The numbers of these objects."""
+        found = self.numbers(handles)
+        if (found == NOBODY).any():  # the library says of whom
+            self.write_of(name, handles, np.zeros(found.shape, np.float32))
+        return self.read(name)[found]
+
     # ---- steps ----
 
     def run(self, steps: int = 1, *, check_failures: bool = True) -> None:
-        """All used objects make this number of steps; with a tolerance, at most this number of attempts.
+        """All objects that live make this number of steps; with a tolerance, at most this number of attempts.
 
         FailedError: objects failed in these steps. The steps are made all the same, and values can be read. Who has made its
         attempts, and can go on to `until` in the next call, has not failed.
@@ -315,7 +389,7 @@ class Batch(Owner):
                     break
             if found is not None:
                 more = "at least " if now < steps and not self._is_adaptive else ""  # later parts may have others
-                raise FailedError(f"{more}{found.failed} of {self._used} objects failed, first {found.text}")
+                raise FailedError(f"{more}{found.failed} of {self.living} objects failed, first {found.text}")
 
     def _run_part(self, steps: int, is_new: bool) -> None:
         """A part of a run. is_new: its first one. Who chooses its steps and has reached the end sleeps on in the others."""
@@ -328,8 +402,8 @@ class Batch(Owner):
     def _is_over(self) -> bool:
         """Whether nobody goes on who chooses its steps: who can sleep does so where it ends or is stuck."""
         if self._lib.fp3_image_slept(self._program.c.image) >= 0:
-            return bool(self.status()["slept"][:self._used].all())
-        return all(self._end(i).end != d.FP3_ADAPTIVE_LIMITED for i in range(self._used))
+            return bool(self.status()["slept"][self.handles != 0].all())
+        return all(self._end(int(i)).end != d.FP3_ADAPTIVE_LIMITED for i in np.flatnonzero(self.handles))
 
     def _end(self, i: int) -> d.fp3_adaptive_object:
         found = d.fp3_adaptive_object()
@@ -337,23 +411,11 @@ class Batch(Owner):
             check(self._lib.fp3_adaptive_look(self._lib.fp3_batch_engine(c), i, found), self._error)
         return found
 
-    def use(self, count: int) -> None:
-        """From now on objects 0 .. count-1 make steps; the others keep what they hold."""
-        count = as_count("count", count, 0, 2**63)
-        with self._c() as c:
-            check(self._lib.fp3_batch_use(c, count), self._error)
-            self._used = count
-
     def restart(self) -> None:
-        """Goes back to the starts, at time 0. Params and h stay as they are."""
+        """Goes back to the starts, at time 0. Params, h, links and who lives stay as they are."""
         with self._c() as c, _library.loading:
             check(self._lib.fp3_batch_restart(c), self._error)
             self._show(*self._copies)
-
-    @property
-    def used(self) -> int:
-        """How many objects make steps."""
-        return self._used
 
     @property
     def time(self) -> float:
@@ -378,7 +440,7 @@ class Batch(Owner):
         """Who chooses its steps and has not reached `until`: failed, or without an attempt left."""
         found, text = d.fp3_adaptive_report(), ctypes.create_string_buffer(d.FP3_ADAPTIVE_TEXT_SIZE)
         with self._c() as c:
-            check(self._lib.fp3_adaptive_report_make(self._lib.fp3_batch_engine(c), 0, self._used, found), self._error)
+            check(self._lib.fp3_adaptive_report_make(self._lib.fp3_batch_engine(c), 0, self._objects, found), self._error)
         if not found.failed:
             return None
         self._lib.fp3_adaptive_text(found.first, found.why, text)

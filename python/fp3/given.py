@@ -92,6 +92,14 @@ def as_teller(progress: Union[None, bool, Callable[[float], None]], default: Cal
     return progress
 
 
+def handles_of(handles: Any) -> "np.ndarray[Any, Any]":
+    """A column of what Batch.add gave."""
+    column = np.asarray(handles)
+    if column.ndim > 1 or (column.size and column.dtype.kind not in "iu") or (column.size and column.min() < 0):
+        raise ArgumentError(f"handles: found {column.dtype} of shape {column.shape}, expected a column of handles as add gives them")
+    return np.ascontiguousarray(np.atleast_1d(column), np.uint64)
+
+
 # ---- links ----
 
 

@@ -30,7 +30,8 @@ static fp3_status look_at_state(fp3_engine *engine, const fp3_members *group, ui
         now = group->objects - n < COLUMN ? group->objects - n : COLUMN;
         status = fp3_engine_read_words(engine, fp3_members_begin(group) + n, now, reg, words);
         for (uint32_t i = 0; !status && i < now; i++)
-            if (!fp3_watch_is_finite(words[i]))
+            if (!fp3_watch_is_finite(words[i]) &&
+                fp3_life_took_part(engine, fp3_members_begin(group) + n + i))
                 *is_any = watched[fp3_members_begin(group) + n + i].is_astray = 1;
     }
     return status;
@@ -210,6 +211,15 @@ static fp3_status find_again(fp3_engine *engine, int is_suspect, fp3_failed **fa
     return status;
 }
 
+/* Who did not live in the run has not failed in it, whatever is left of it. */
+static void leave_out_the_dead(const fp3_engine *engine, fp3_failed *list, size_t *count) {
+    size_t left = 0;
+    for (size_t i = 0; i < *count; i++)
+        if (fp3_life_took_part(engine, list[i].object))
+            list[left++] = list[i];
+    *count = left;
+}
+
 fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect) {
     fp3_failed **list = &engine->failures.list;
     size_t *count = &engine->failures.count;
@@ -219,6 +229,8 @@ fp3_status fp3_engine_find_failures(fp3_engine *engine, int is_suspect) {
     if (status) {
         free(engine->failures.list);
         engine->failures.list = NULL;
+    } else {
+        leave_out_the_dead(engine, *list, count);
     }
     return status;
 }

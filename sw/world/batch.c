@@ -2,39 +2,21 @@
 /* batch.c - see fp3/batch.h. */
 #include "batch.h"
 
+#include "batch_own.h"
+
 #include "base/definition.h"
 #include "base/host.h"
 #include "compiler/start.h"
 #include "engine/common/inside.h"
-#include "fields.h"
-#include "relations.h"
 
 #include "machine/placement.h"
 
-#include <fp3/program.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define CONFIG "many_full" /* of objects that do not see each other */
-
-struct fp3_batch {
-    fp3_program *program; /* NULL: def.compiled is the caller's */
-    const fp3_compiled *compiled;
-    const fp3_image *image;
-    fp3_engine *engine;
-    fp3_fields *fields;
-    fp3_relations relations;
-    const char *config;
-    int is_reach_new; /* a shared param was written, of which reaches may be made */
-    fp3_error *error;
-    size_t objects, used; /* all; the first of them, which make steps */
-    uint64_t since;       /* steps with this h */
-    double before, h;     /* the time until then */
-    int is_adaptive, may_sleep, may_fail;
-    int is_suspect; /* an object may have a state that is not finite */
-};
 
 void fp3_batch_set_default(fp3_batch_def *def, size_t size) {
     if (!fp3_definition_begin(def, size, sizeof *def))
@@ -123,6 +105,12 @@ static fp3_status make(const fp3_batch_def *def, fp3_batch *b) {
     b->relations = (fp3_relations){.to = all, .skin = def->skin > 0 ? def->skin : FP3_NEAR_SKIN};
     b->is_reach_new = 1;
     if (!status)
+        status = fp3_births_open(b->objects, def->is_empty, &b->births, def->error);
+    if (!status && def->is_empty)
+        status = fp3_engine_can_bury(b->engine);
+    if (!status)
+        status = fp3_batch_tell_lives(b);
+    if (!status)
         status = fp3_relations_load(&b->relations, def->error);
     return status || def->h == 0 ? status : fp3_batch_set(b, FP3_NAME_STEP, def->h);
 }
@@ -138,7 +126,7 @@ fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch) {
         return fp3_no_memory(def->error);
     b->error = def->error;
     b->may_fail = def->may_fail;
-    b->objects = b->used = def->objects;
+    b->objects = def->objects;
     const fp3_status status = make(def, b);
     if (status)
         fp3_batch_close(&b);
@@ -151,6 +139,7 @@ void fp3_batch_close(fp3_batch **batch) {
     if (!b)
         return;
     fp3_fields_close(&b->fields);
+    fp3_births_close(&b->births);
     fp3_linked_free(&b->relations.linked);
     fp3_engine_close(&b->engine);
     fp3_program_close(&b->program);
@@ -289,6 +278,18 @@ fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const 
 
 /* ---- what objects see of others ---- */
 
+static fp3_status check_ends(const fp3_batch *b, const fp3_links *links) {
+    for (size_t i = 0; i < links->count; i++)
+        for (int end = 0; end < 2; end++) {
+            const uint32_t object = end ? links->b[i] : links->a[i];
+            if (object < b->objects && !b->births.lives[object])
+                return fp3_fail(b->error, FP3_E_ARGUMENT,
+                                "link %zu joins object %" PRIu32 ", which does not live", i,
+                                object);
+        }
+    return FP3_OK;
+}
+
 fp3_status fp3_batch_link(fp3_batch *b, const char *relation, const fp3_links *links) {
     FP3_HOST;
     if (!b)
@@ -296,6 +297,8 @@ fp3_status fp3_batch_link(fp3_batch *b, const char *relation, const fp3_links *l
     fp3_relations one = b->relations; /* with these links alone */
     one.linked = NULL;
     fp3_status status = fp3_linked_put(&one.linked, relation, links, 0, NULL, b->error);
+    if (!status)
+        status = check_ends(b, links);
     if (!status)
         status = fp3_relations_link(&one, b->error);
     if (!status)
@@ -335,12 +338,12 @@ static int has_failed(const fp3_adaptive_object *o) {
 static fp3_status find_failed(const fp3_batch *b, fp3_failure *found,
                               char text[FP3_ADAPTIVE_TEXT_SIZE]) {
     fp3_status status = FP3_OK;
-    for (size_t done = 0, now; !status && done < b->used; done += now) {
+    for (size_t done = 0, now; !status && done < b->objects; done += now) {
         fp3_adaptive_object o[BLOCK];
-        now = b->used - done < BLOCK ? b->used - done : BLOCK;
+        now = b->objects - done < BLOCK ? b->objects - done : BLOCK;
         status = fp3_adaptive_look_all(b->engine, done, now, o);
         for (size_t i = 0; !status && i < now; i++)
-            if (has_failed(&o[i]) && !found->failed++) {
+            if (b->births.lives[done + i] && has_failed(&o[i]) && !found->failed++) {
                 found->object = done + i;
                 found->step = o[i].accepted;
                 fp3_adaptive_text(found->object, &o[i], text);
@@ -356,7 +359,7 @@ static fp3_status tell_adaptive(const fp3_batch *b) {
     if (status || !found.failed)
         return status;
     return fp3_fail(b->error, FP3_E_FAILED, "%zu of %zu objects failed, first %s", found.failed,
-                    b->used, text);
+                    b->births.living, text);
 }
 
 /* Values of a model are finite when a run begins. Without a flag that can end this, states are not
@@ -373,7 +376,7 @@ static fp3_status tell_failures(fp3_batch *b) {
     if (status || !found.failed)
         return status;
     return fp3_fail(b->error, FP3_E_FAILED, "%zu of %zu objects failed, first %s", found.failed,
-                    b->used, text);
+                    b->births.living, text);
 }
 
 fp3_status fp3_batch_run(fp3_batch *b, uint64_t steps) {
@@ -386,40 +389,15 @@ fp3_status fp3_batch_run(fp3_batch *b, uint64_t steps) {
     if (!status)
         status = fp3_relations_check(&b->relations, "fp3_batch_link gives them", b->error);
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */
-        status = fp3_engine_wake(b->engine, 0, b->used);
-    if (!status && b->used)
+        status = fp3_engine_wake(b->engine, 0, b->objects);
+    if (!status && b->births.living)
         status = b->is_adaptive ? fp3_adaptive_run(b->engine, steps, NULL)
                                 : fp3_engine_run(b->engine, steps, NULL);
     if (status || !steps)
         return status;
     fp3_fields_moved(b->fields);
     b->since += steps;
-    return b->may_fail || !b->used ? FP3_OK : tell_failures(b);
-}
-
-/* Of objects that see each other those that are not used do not live: nobody sees them. were: those
- * that live until now. */
-static fp3_status use(fp3_batch *b, size_t were, size_t count) {
-    if (!fp3_relations_are(&b->relations)) {
-        fp3_engine_use(b->engine, 0, count);
-        return FP3_OK;
-    }
-    return count < were
-               ? fp3_engine_live(b->engine, count, were - count, FP3_FOREVER - 1, FP3_FOREVER)
-               : fp3_engine_live(b->engine, were, count - were, 0, FP3_FOREVER);
-}
-
-fp3_status fp3_batch_use(fp3_batch *b, size_t count) {
-    if (!b)
-        return FP3_E_ARGUMENT;
-    if (count > b->objects)
-        return fp3_fail(b->error, FP3_E_ARGUMENT, "%zu objects: there are %zu", count, b->objects);
-    const fp3_status status = use(b, b->used, count);
-    if (status)
-        return status;
-    b->used = count;
-    b->is_suspect = 1;
-    return FP3_OK;
+    return b->may_fail || !b->births.living ? FP3_OK : tell_failures(b);
 }
 
 double fp3_batch_time(const fp3_batch *b) { return b ? b->before + (double)b->since * b->h : 0; }
@@ -427,10 +405,9 @@ double fp3_batch_time(const fp3_batch *b) { return b ? b->before + (double)b->si
 fp3_status fp3_batch_restart(fp3_batch *b) {
     if (!b)
         return FP3_E_ARGUMENT;
-    fp3_engine_use(b->engine, 0, b->objects);
     fp3_status status = fp3_engine_load(b->engine, b->image); /* all live, always */
-    const fp3_status used = use(b, b->objects, b->used);
-    status = status ? status : used;
+    const fp3_status told = fp3_batch_tell_lives(b);
+    status = status ? status : told;
     if (status)
         return status;
     fp3_fields_restart(b->fields);
@@ -453,7 +430,8 @@ fp3_status fp3_batch_failure(fp3_batch *b, fp3_failure *failure, char text[FP3_F
             snprintf(text, FP3_FAILURE_TEXT_SIZE, "%.*s", FP3_FAILURE_TEXT_SIZE - 1, why);
         return status;
     }
-    const fp3_status status = b->used ? fp3_engine_failure(b->engine, 0, b->used, failure) : FP3_OK;
+    const fp3_status status =
+        b->births.living ? fp3_engine_failure(b->engine, 0, b->objects, failure) : FP3_OK;
     if (!status && text && failure->failed)
         fp3_engine_failure_text(b->engine, failure, text);
     return status;

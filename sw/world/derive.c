@@ -33,12 +33,14 @@ struct fp3_derive {
     const fp3_field_table *table;
     source *sources; /* of each input */
     portion uniform,
-        other; /* those that are the same for all objects; and those of marked objects */
+        other, /* those that are the same for all objects; and those of marked objects */
+        born;  /* all that an object has for itself */
     uint64_t params, states; /* that have changed */
     int has_h, has_restarted;
-    int has_moved;                 /* variables are the program's */
-    int is_first;                  /* not even what is always the same has been computed */
-    uint64_t *marks;               /* objects, a bit each */
+    int has_moved;             /* variables are the program's */
+    int is_first;              /* not even what is always the same has been computed */
+    uint64_t *marks, *newborn; /* objects, a bit each */
+    int is_any_born;
     int is_all;                    /* all are marked */
     double *params_of, *starts_of; /* columns of a block */
     float *block;                  /* likewise of all inputs */
@@ -106,15 +108,21 @@ fp3_status fp3_derive_open(const fp3_fields_def *def, const fp3_field_table *tab
     d->table = table;
     d->sources = calloc(inputs + 1u, sizeof *d->sources);
     d->marks = calloc(def->objects / 64 + 1, sizeof *d->marks);
+    d->newborn = calloc(def->objects / 64 + 1, sizeof *d->newborn);
     d->params_of = calloc((table->model->param_count + 1u) * BLOCK, sizeof *d->params_of);
     d->starts_of = malloc((table->model->state_count + 1u) * BLOCK * sizeof *d->starts_of);
     d->block = malloc(((size_t)inputs + 1) * BLOCK * sizeof *d->block);
-    if (!open_portion(&d->uniform, inputs) || !open_portion(&d->other, inputs) || !d->sources ||
-        !d->marks || !d->params_of || !d->starts_of || !d->block) {
+    if (!open_portion(&d->uniform, inputs) || !open_portion(&d->other, inputs) ||
+        !open_portion(&d->born, inputs) || !d->sources || !d->marks || !d->newborn ||
+        !d->params_of || !d->starts_of || !d->block) {
         fp3_derive_close(derive);
         return fp3_no_memory(error);
     }
     see_sources(d);
+    for (uint32_t i = 0; i < inputs; i++)
+        d->born.is_wanted[i] =
+            (char)(!d->sources[i].is_other && (!d->sources[i].is_shared ||
+                                               def->objects == 1)); /* who is alone has constants */
     d->is_first = 1;
     fp3_derive_restart(d);
     return FP3_OK;
@@ -126,8 +134,10 @@ void fp3_derive_close(fp3_derive **derive) {
         return;
     close_portion(&d->uniform);
     close_portion(&d->other);
+    close_portion(&d->born);
     free(d->sources);
     free(d->marks);
+    free(d->newborn);
     free(d->params_of);
     free(d->starts_of);
     free(d->block);
@@ -147,6 +157,11 @@ void fp3_derive_note(fp3_derive *d, const fp3_field *q, size_t first, size_t cou
         d->marks[i / 64] |= (uint64_t)1 << i % 64;
 }
 
+void fp3_derive_born(fp3_derive *d, size_t object) {
+    d->newborn[object / 64] |= (uint64_t)1 << object % 64;
+    d->is_any_born = 1;
+}
+
 void fp3_derive_restart(fp3_derive *d) {
     d->has_restarted = d->is_all = 1;
     d->has_moved = 0;
@@ -155,19 +170,19 @@ void fp3_derive_restart(fp3_derive *d) {
 
 void fp3_derive_moved(fp3_derive *d) { d->has_moved = 1; }
 
-/* The first marked object from here on, or the number of objects. */
-static size_t next_marked(const fp3_derive *d, size_t from) {
+/* The first object from here on with a mark, NULL: that all have, or the number of objects. */
+static size_t next_marked(const fp3_derive *d, const uint64_t *marks, size_t from) {
     const size_t objects = d->def.objects;
-    while (!d->is_all && from < objects && !(d->marks[from / 64] >> from % 64 & 1))
-        from = d->marks[from / 64] >> from % 64 ? from + 1 : (from / 64 + 1) * 64;
+    while (marks && from < objects && !(marks[from / 64] >> from % 64 & 1))
+        from = marks[from / 64] >> from % 64 ? from + 1 : (from / 64 + 1) * 64;
     return from < objects ? from : objects;
 }
 
 /* How many from here on are marked, up to a block. */
-static size_t marked_from(const fp3_derive *d, size_t from) {
+static size_t marked_from(const fp3_derive *d, const uint64_t *marks, size_t from) {
     const size_t most = d->def.objects - from < BLOCK ? d->def.objects - from : BLOCK;
     size_t count = 0;
-    while (count < most && (d->is_all || d->marks[(from + count) / 64] >> (from + count) % 64 & 1))
+    while (count < most && (!marks || marks[(from + count) / 64] >> (from + count) % 64 & 1))
         count++;
     return count;
 }
@@ -264,34 +279,37 @@ static fp3_status settle_uniform(fp3_derive *d, fp3_error *error) {
 }
 
 /* The error says which object it is only if it is one. */
-static fp3_status compute_block(fp3_derive *d, size_t first, size_t count, fp3_error *error) {
+static fp3_status compute_block(fp3_derive *d, const portion *p, size_t first, size_t count,
+                                fp3_error *error) {
     fp3_error why;
     const double h = fill_columns(d, first, count);
     fp3_status status =
-        fp3_start_values(d->other.start, d->params_of, d->starts_of, h, count, d->block, &why);
+        fp3_start_values(p->start, d->params_of, d->starts_of, h, count, d->block, &why);
     if (status && (count == 1 || status == FP3_E_SYSTEM))
         return fp3_fail(error, status, "object %zu: %s", d->def.number + first, why.text);
     return status;
 }
 
 /* A block that fails is computed again, object by object, to find which one it is. */
-static fp3_status compute(fp3_derive *d, size_t first, size_t count, fp3_error *error) {
-    fp3_status status = compute_block(d, first, count, error);
+static fp3_status compute(fp3_derive *d, const portion *p, size_t first, size_t count,
+                          fp3_error *error) {
+    fp3_status status = compute_block(d, p, first, count, error);
     if (!status || status == FP3_E_SYSTEM)
         return status;
     status = FP3_OK;
     for (size_t i = first; !status && i < first + count; i++)
-        status = compute_block(d, i, 1, error);
+        status = compute_block(d, p, i, 1, error);
     return status;
 }
 
 /* A configuration of one object has params among the constants. */
-static fp3_status write_block(const fp3_derive *d, size_t first, size_t count, fp3_error *error) {
+static fp3_status write_block(const fp3_derive *d, const portion *p, size_t first, size_t count,
+                              fp3_error *error) {
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < d->def.compiled->input_count; i++) {
         const source *s = &d->sources[i];
         const float *values = d->block + i * count;
-        if (!d->other.is_wanted[i])
+        if (!p->is_wanted[i])
             continue;
         if (s->is_shared && d->def.objects > 1)
             return fp3_fail(error, FP3_E_ARGUMENT,
@@ -305,31 +323,43 @@ static fp3_status write_block(const fp3_derive *d, size_t first, size_t count, f
     return status;
 }
 
-static fp3_status settle_other(fp3_derive *d, fp3_error *error) {
-    fp3_status status = prepare(d, &d->other, BLOCK, error);
-    for (size_t i = next_marked(d, 0); !status && i < d->def.objects;) {
-        const size_t count = marked_from(d, i);
-        status = compute(d, i, count, error);
+/* marks: NULL: all objects. */
+static fp3_status settle_marked(fp3_derive *d, portion *p, const uint64_t *marks,
+                                fp3_error *error) {
+    fp3_status status = prepare(d, p, BLOCK, error);
+    for (size_t i = next_marked(d, marks, 0); !status && i < d->def.objects;) {
+        const size_t count = marked_from(d, marks, i);
+        status = compute(d, p, i, count, error);
         if (!status)
-            status = write_block(d, i, count, error);
-        i = next_marked(d, i + count);
+            status = write_block(d, p, i, count, error);
+        i = next_marked(d, marks, i + count);
     }
     return status;
+}
+
+static fp3_status settle_born(fp3_derive *d, fp3_error *error) {
+    const fp3_status status =
+        d->is_any_born ? settle_marked(d, &d->born, d->newborn, error) : FP3_OK;
+    if (status || !d->is_any_born)
+        return status;
+    memset(d->newborn, 0, (d->def.objects / 64 + 1) * sizeof *d->newborn);
+    d->is_any_born = 0;
+    return FP3_OK;
 }
 
 fp3_status fp3_derive_settle(fp3_derive *d, fp3_error *error) {
     fp3_status status = FP3_OK;
     if (!d->is_first && !d->params && !d->states && !d->has_h && !d->has_restarted)
-        return FP3_OK;
+        return settle_born(d, error);
     choose(d);
     if (d->uniform.count)
         status = settle_uniform(d, error);
     if (!status && d->other.count)
-        status = settle_other(d, error);
+        status = settle_marked(d, &d->other, d->is_all ? NULL : d->marks, error);
     if (status)
         return status;
     d->params = d->states = 0;
     d->is_first = d->has_h = d->has_restarted = d->is_all = 0;
     memset(d->marks, 0, (d->def.objects / 64 + 1) * sizeof *d->marks);
-    return FP3_OK;
+    return settle_born(d, error);
 }

@@ -17,6 +17,8 @@ void fp3_derive_close(fp3_derive **derive);
 
 /* A kept field of objects first .. first+count-1 has another value. */
 void fp3_derive_note(fp3_derive *derive, const fp3_field *q, size_t first, size_t count);
+/* The object begins anew: all that is its own has to be computed, what it starts with, too. */
+void fp3_derive_born(fp3_derive *derive, size_t object);
 /* All objects begin again. */
 void fp3_derive_restart(fp3_derive *derive);
 /* A step was made: what an object starts with is no input any more. */

@@ -100,19 +100,19 @@ static void list_model(const fp3_compiled *c, double h, const uint64_t *params,
         fp3_field *q = add(t, model->params[i].name, FP3_FIELD_PARAM);
         q->index = i;
         q->is_shared = model->params[i].is_shared;
-        q->uniform = model->params[i].value;
+        q->uniform = q->usual = model->params[i].value;
         place_param(c, is_adapted, q);
     }
     for (uint32_t i = 0; i < model->state_count; i++) {
         fp3_field *q = add(t, model->states[i].name, FP3_FIELD_STATE);
         q->index = i;
         q->is_kept = 1;
-        q->uniform = model->states[i].value;
+        q->uniform = q->usual = model->states[i].value;
         q->place = place_of_role(c, ROLE_STATE, i);
         q->low = place_of_role(c, ROLE_LOW, i);
         q->lost = place_of_role(c, ROLE_LOST, i);
         if (model->states[i].start != FP3_NONE)
-            q->follows = params[model->states[i].start];
+            q->follows = q->followed = params[model->states[i].start];
     }
     t->has_before = has_before(c, model->state_count);
     const int count = fp3_image_steps(c->image);

@@ -36,11 +36,13 @@ typedef struct {
     int place;     /* the register, or shared constant, that holds it as it is; -1: there is none */
     int low, lost; /* of a state: registers of its second word, of what updates lose; -1: none */
     int is_kept;   /* the values are kept here, since inputs are computed from them */
-    int is_pending;   /* not kept, and `uniform` is not in the engine yet */
-    double uniform;   /* the value of all objects, unless there is a column */
-    double *column;   /* of each object; NULL: all have the same */
-    uint64_t follows; /* of a state: the params in its start, a bit each; 0: the start is written,
-                         or a number */
+    int is_pending;    /* not kept, and `uniform` is not in the engine yet */
+    double usual;      /* the model's default; of an image: 0 */
+    double uniform;    /* the value of all objects, unless there is a column */
+    double *column;    /* of each object; NULL: all have the same */
+    uint64_t follows;  /* of a state: the params in its start, a bit each; 0: the start is written,
+                          or a number */
+    uint64_t followed; /* ... at first, and of an object that is born */
     unsigned char *is_given; /* of a start that follows params: the objects whose start is written;
                                 NULL: none */
 } fp3_field;

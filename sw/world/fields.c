@@ -18,9 +18,12 @@
 struct fp3_fields {
     fp3_fields_def def;
     fp3_field_table table;
-    fp3_derive *derive; /* NULL: of an image */
-    int has_moved;      /* since the start */
-    uint64_t written;   /* params, a bit each, that starts do not follow yet */
+    fp3_derive *derive;    /* NULL: of an image */
+    int has_moved;         /* since the start */
+    uint64_t written;      /* params, a bit each, that starts do not follow yet */
+    unsigned char *is_new; /* of each object: born since the last step; NULL: no one ever was */
+    size_t new_count;      /* of these */
+    int is_start_due;      /* their starts do not follow params yet */
     float block[BLOCK];
 };
 
@@ -44,6 +47,7 @@ void fp3_fields_close(fp3_fields **fields) {
         return;
     fp3_derive_close(&q->derive);
     fp3_field_close(&q->table);
+    free(q->is_new);
     free(q);
     *fields = NULL;
 }
@@ -143,8 +147,8 @@ static fp3_status settle_one(fp3_fields *q, fp3_field *of, fp3_error *error) {
 /* ---- a state on its way ---- */
 
 /* It goes on from here: no step behind it has lost anything. */
-static fp3_status move(fp3_fields *q, const fp3_field *of, size_t first, size_t count,
-                       fp3_numbers values, fp3_error *error) {
+static fp3_status move(fp3_fields *q, fp3_field *of, size_t first, size_t count, fp3_numbers values,
+                       fp3_error *error) {
     if (q->table.has_before)
         return fp3_fail(
             error, FP3_E_ARGUMENT,
@@ -162,32 +166,49 @@ static fp3_status move(fp3_fields *q, const fp3_field *of, size_t first, size_t 
     return status;
 }
 
-static fp3_status move_all(fp3_fields *q, const fp3_field *of, double value, fp3_error *error) {
-    double same[BLOCK];
-    fp3_status status = FP3_OK;
-    for (size_t i = 0; i < BLOCK; i++)
-        same[i] = value;
-    for (size_t i = 0; !status && i < q->def.objects; i += BLOCK)
-        status = move(q, of, i, q->def.objects - i < BLOCK ? q->def.objects - i : BLOCK,
-                      (fp3_numbers){.wide = same}, error);
-    return status;
-}
-
 /* ---- writing ---- */
 
+/* Of objects that are not new. */
 static int is_on_its_way(const fp3_fields *q, const fp3_field *of) {
     return q->has_moved && q->table.model && of->kind == FP3_FIELD_STATE;
+}
+
+static int is_new(const fp3_fields *q, size_t object) { return q->new_count && q->is_new[object]; }
+
+/* How many objects from here on are new, or are not, like the first of them. */
+static size_t alike(const fp3_fields *q, size_t first, size_t count) {
+    size_t n = q->new_count && count ? 1 : count;
+    while (n < count && !q->is_new[first + n] == !q->is_new[first])
+        n++;
+    return n;
+}
+
+/* What objects start with that are born on the way is computed for them alone. */
+static void begin_anew(fp3_fields *q, size_t first, size_t count) {
+    for (size_t i = first; q->new_count && q->derive && i < first + count; i++)
+        if (q->is_new[i])
+            fp3_derive_born(q->derive, i);
 }
 
 static void note(fp3_fields *q, const fp3_field *of) {
     if (q->table.model && of->kind == FP3_FIELD_PARAM)
         q->written |= (uint64_t)1 << of->index;
+    q->is_start_due = 1;
 }
 
-/* Once objects have moved, the next start follows. */
-static fp3_status follow(fp3_fields *q, fp3_error *error) {
-    if (!q->written || q->has_moved)
+static fp3_status follow_new(fp3_fields *q, fp3_error *error) {
+    if (!q->new_count || !q->is_start_due)
         return FP3_OK;
+    begin_anew(q, 0, q->def.objects);
+    const fp3_status status = fp3_follow_new(&q->def, &q->table, q->is_new, error);
+    q->is_start_due = status != FP3_OK;
+    return status;
+}
+
+/* Once objects have moved, the next start follows, but for those that are new. */
+static fp3_status follow(fp3_fields *q, fp3_error *error) {
+    if (q->has_moved || !q->written)
+        return q->table.model ? follow_new(q, error) : FP3_OK;
     const fp3_status status = fp3_follow(&q->def, &q->table, q->written, q->derive, error);
     q->written = status ? q->written : 0;
     return status;
@@ -208,33 +229,6 @@ static fp3_status check_step(const fp3_fields *q, double h, fp3_error *error) {
                : FP3_OK;
 }
 
-fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_error *error) {
-    fp3_field *of = fp3_field_find(&q->table, name, error);
-    float word;
-    if (!of)
-        return FP3_E_ARGUMENT;
-    const char *expected = q->table.needs_finite && !isfinite(value) ? "a finite number"
-                           : of->kind == FP3_FIELD_STEP || !of->is_kept
-                               ? fp3_field_word(&q->table, of, value, &word)
-                               : NULL;
-    if (expected)
-        return refuse(of, 0, 1, value, expected, error);
-    fp3_status status = of->kind == FP3_FIELD_STEP ? check_step(q, value, error) : FP3_OK;
-    if (status || is_on_its_way(q, of))
-        return status ? status : move_all(q, of, value, error);
-    status = fp3_follow_not(of, 0, q->def.objects, q->def.objects, error);
-    if (status)
-        return status;
-    note(q, of);
-    free(of->column);
-    of->column = NULL;
-    of->uniform = value;
-    of->is_pending = !of->is_kept;
-    if (of->is_kept)
-        fp3_derive_note(q->derive, of, 0, q->def.objects);
-    return FP3_OK;
-}
-
 fp3_status fp3_fields_check(const fp3_fields *q, size_t first, size_t count, fp3_error *error) {
     if (first <= q->def.objects && count <= q->def.objects - first)
         return FP3_OK;
@@ -242,22 +236,54 @@ fp3_status fp3_fields_check(const fp3_fields *q, size_t first, size_t count, fp3
                     count, q->def.objects);
 }
 
+/* Each object has a place for its own value. */
+static fp3_status need_column(fp3_fields *q, fp3_field *of, fp3_error *error) {
+    if (of->column)
+        return FP3_OK;
+    of->column = malloc(q->def.objects * sizeof *of->column);
+    if (!of->column)
+        return fp3_no_memory(error);
+    for (size_t i = 0; i < q->def.objects; i++)
+        of->column[i] = of->uniform;
+    return FP3_OK;
+}
+
 static fp3_status keep(fp3_fields *q, fp3_field *of, size_t first, size_t count, fp3_numbers values,
                        fp3_error *error) {
     fp3_status status = check_finite(of, q->def.number + first, count, values, error);
+    if (!status)
+        status = need_column(q, of, error);
     if (status)
         return status;
-    if (!of->column) {
-        of->column = malloc(q->def.objects * sizeof *of->column);
-        if (!of->column)
-            return fp3_no_memory(error);
-        for (size_t i = 0; i < q->def.objects; i++)
-            of->column[i] = of->uniform;
-    }
     for (size_t i = 0; i < count; i++)
         of->column[first + i] = number_at(values, i);
     fp3_derive_note(q->derive, of, first, count);
+    begin_anew(q, first, count);
     return FP3_OK;
+}
+
+/* A start of objects that are new; where the engine has it alone, it has it at once. */
+static fp3_status start(fp3_fields *q, fp3_field *of, size_t first, size_t count,
+                        fp3_numbers values, fp3_error *error) {
+    fp3_status status = keep(q, of, first, count, values, error);
+    if (!status && of->place >= 0)
+        status = put_numbers(q, of, first, count, values, error);
+    return status ? status : fp3_follow_not(of, first, count, q->def.objects, error);
+}
+
+/* States of objects of which some are on their way, and others new. */
+static fp3_status write_states(fp3_fields *q, fp3_field *of, size_t first, size_t count,
+                               fp3_numbers values, fp3_error *error) {
+    fp3_status status =
+        q->new_count ? check_finite(of, q->def.number + first, count, values, error) : FP3_OK;
+    for (int is_last = 0; !status && is_last < 2; is_last++) /* those first that may be refused */
+        for (size_t i = 0, n; !status && i < count; i += n) {
+            n = alike(q, first + i, count - i);
+            if (is_new(q, first + i) == is_last)
+                status = (is_last ? start : move)(q, of, first + i, n, fp3_numbers_from(values, i),
+                                                  error);
+        }
+    return status;
 }
 
 fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_t count,
@@ -271,7 +297,7 @@ fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_
     if (of->is_shared)
         return fp3_fail(error, FP3_E_ARGUMENT, "'%s' is one number for all objects", name);
     if (is_on_its_way(q, of))
-        return move(q, of, first, count, values, error);
+        return write_states(q, of, first, count, values, error);
     if (of->is_kept)
         status = keep(q, of, first, count, values, error);
     else if (count < q->def.objects)
@@ -283,6 +309,46 @@ fp3_status fp3_fields_write(fp3_fields *q, const char *name, size_t first, size_
     of->is_pending = 0;
     note(q, of);
     return fp3_follow_not(of, first, count, q->def.objects, error);
+}
+
+/* A state of all objects. */
+static fp3_status set_states(fp3_fields *q, fp3_field *of, double value, fp3_error *error) {
+    double same[BLOCK];
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; i < BLOCK; i++)
+        same[i] = value;
+    for (size_t i = 0; !status && i < q->def.objects; i += BLOCK)
+        status = write_states(q, of, i, q->def.objects - i < BLOCK ? q->def.objects - i : BLOCK,
+                              (fp3_numbers){.wide = same}, error);
+    return status;
+}
+
+fp3_status fp3_fields_set(fp3_fields *q, const char *name, double value, fp3_error *error) {
+    fp3_field *of = fp3_field_find(&q->table, name, error);
+    float word;
+    if (!of)
+        return FP3_E_ARGUMENT;
+    const char *expected = q->table.needs_finite && !isfinite(value) ? "a finite number"
+                           : of->kind == FP3_FIELD_STEP || !of->is_kept
+                               ? fp3_field_word(&q->table, of, value, &word)
+                               : NULL;
+    if (expected)
+        return refuse(of, 0, 1, value, expected, error);
+    fp3_status status = of->kind == FP3_FIELD_STEP ? check_step(q, value, error) : FP3_OK;
+    if (status || is_on_its_way(q, of))
+        return status ? status : set_states(q, of, value, error);
+    status = fp3_follow_not(of, 0, q->def.objects, q->def.objects, error);
+    if (status)
+        return status;
+    note(q, of);
+    free(of->column);
+    of->column = NULL;
+    of->uniform = value;
+    of->is_pending = !of->is_kept;
+    if (of->is_kept)
+        fp3_derive_note(q->derive, of, 0, q->def.objects);
+    begin_anew(q, 0, q->def.objects);
+    return FP3_OK;
 }
 
 /* A field of each row, which has `width` numbers. */
@@ -340,6 +406,21 @@ static double as_words(const fp3_field *of, double value) {
     return (double)(float)value + (of->low >= 0 ? fp3_known_low(value) : 0);
 }
 
+static fp3_status read_part(fp3_fields *q, const fp3_field *of, size_t first, size_t count,
+                            float *single, double *wide, fp3_error *error) {
+    const int is_moved = is_on_its_way(q, of) && !is_new(q, first);
+    if (is_moved && of->place < 0)
+        return fp3_fail(error, FP3_E_ARGUMENT, "the program has no state '%s': it is not observed",
+                        of->name);
+    if (is_moved || !(of->is_kept || of->is_pending))
+        return read_engine(q, of, first, count, single, wide);
+    for (size_t i = 0; i < count; i++) {
+        const double value = as_words(of, fp3_field_at(of, first + i));
+        single ? (void)(single[i] = (float)value) : (void)(wide[i] = value);
+    }
+    return FP3_OK;
+}
+
 fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t count,
                            float *single, double *wide, fp3_error *error) {
     const fp3_field *of = fp3_field_find(&q->table, name, error);
@@ -348,9 +429,6 @@ fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t
     fp3_status status = fp3_fields_check(q, first, count, error);
     if (status || !count)
         return status;
-    if (is_on_its_way(q, of) && of->place < 0)
-        return fp3_fail(error, FP3_E_ARGUMENT, "the program has no state '%s': it is not observed",
-                        name);
     status = follow(q, error);
     if (status)
         return status;
@@ -362,13 +440,12 @@ fp3_status fp3_fields_read(fp3_fields *q, const char *name, size_t first, size_t
             single ? (void)(single[i] = word) : (void)(wide[i] = (double)word);
         return status;
     }
-    if (is_on_its_way(q, of) || !(of->is_kept || of->is_pending))
-        return read_engine(q, of, first, count, single, wide);
-    for (size_t i = 0; i < count; i++) {
-        const double value = as_words(of, fp3_field_at(of, first + i));
-        single ? (void)(single[i] = (float)value) : (void)(wide[i] = value);
+    for (size_t i = 0, n; !status && i < count; i += n) {
+        n = is_on_its_way(q, of) ? alike(q, first + i, count - i) : count;
+        status = read_part(q, of, first + i, n, single ? single + i : NULL, wide ? wide + i : NULL,
+                           error);
     }
-    return FP3_OK;
+    return status;
 }
 
 fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_error *error) {
@@ -398,14 +475,22 @@ fp3_status fp3_fields_column(fp3_fields *q, const char *name, const float **valu
     return status ? status : fp3_engine_column(q->def.engine, (uint32_t)of->place, values);
 }
 
+static void forget_new(fp3_fields *q) {
+    if (q->new_count)
+        memset(q->is_new, 0, q->def.objects);
+    q->new_count = 0;
+}
+
 void fp3_fields_moved(fp3_fields *q) {
     q->has_moved = 1;
+    forget_new(q);
     if (q->derive)
         fp3_derive_moved(q->derive);
 }
 
 void fp3_fields_restart(fp3_fields *q) {
     q->has_moved = 0;
+    forget_new(q);
     for (uint32_t i = 0; i < q->table.count; i++) {
         fp3_field *of = &q->table.list[i];
         if (!q->table.model || of->kind != FP3_FIELD_COUNT)
@@ -415,4 +500,49 @@ void fp3_fields_restart(fp3_fields *q) {
     }
     if (q->derive)
         fp3_derive_restart(q->derive);
+}
+
+/* ---- births ---- */
+
+/* These objects have the default. */
+static fp3_status begin_with_usual(fp3_fields *q, fp3_field *of, size_t first, size_t count,
+                                   fp3_error *error) {
+    double same[BLOCK];
+    fp3_status status = FP3_OK;
+    if (of->is_shared ||
+        (q->table.model && !of->is_kept && of->is_pending && of->uniform == of->usual))
+        return FP3_OK;
+    for (size_t i = 0; i < BLOCK && i < count; i++)
+        same[i] = of->usual;
+    if (of->is_kept)
+        status = of->uniform == of->usual && !of->column ? FP3_OK : need_column(q, of, error);
+    else
+        status = settle_one(q, of, error);
+    for (size_t i = 0, n; !status && i < count; i += n) {
+        n = count - i < BLOCK ? count - i : BLOCK;
+        if (of->column)
+            memcpy(of->column + first + i, same, n * sizeof *same);
+        if (of->place >= 0 && (of->kind == FP3_FIELD_STATE || !of->is_kept))
+            status = put(q, of, of->place, 0, first + i, n, (fp3_numbers){.wide = same}, error);
+    }
+    return status ? status : fp3_follow_again(of, first, count, q->def.objects, error);
+}
+
+fp3_status fp3_fields_born(fp3_fields *q, size_t first, size_t count, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    if (!q->is_new)
+        q->is_new = calloc(q->def.objects, 1);
+    if (!q->is_new)
+        return fp3_no_memory(error);
+    for (uint32_t i = 0; !status && i < q->table.count; i++)
+        status = begin_with_usual(q, &q->table.list[i], first, count, error);
+    for (size_t i = first; !status && i < first + count; i++) {
+        q->new_count += q->has_moved && !q->is_new[i];
+        q->is_new[i] = (unsigned char)q->has_moved;
+        if (q->derive)
+            fp3_derive_born(q->derive, i);
+    }
+    q->written = UINT64_MAX;
+    q->is_start_due = 1;
+    return status;
 }

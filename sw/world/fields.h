@@ -22,6 +22,11 @@ typedef struct {
     const double *wide;
 } fp3_numbers;
 
+static inline fp3_numbers fp3_numbers_from(fp3_numbers values, size_t i) {
+    return (fp3_numbers){.single = values.single ? values.single + i : NULL,
+                         .wide = values.single ? NULL : values.wide + i};
+}
+
 /* With a model all objects have the defaults; with an image the values in the engine. The caller
  * closes *fields, which is NULL on failure. */
 fp3_status fp3_fields_open(const fp3_fields_def *def, fp3_fields **fields, fp3_error *error);
@@ -51,6 +56,8 @@ fp3_status fp3_fields_get(fp3_fields *q, const char *name, double *value, fp3_er
 fp3_status fp3_fields_settle(fp3_fields *q, fp3_error *error);
 /* A step was made: states are where it has left them. */
 void fp3_fields_moved(fp3_fields *q);
+/* These objects have the defaults, and have made no step; the caller has wiped them. */
+fp3_status fp3_fields_born(fp3_fields *q, size_t first, size_t count, fp3_error *error);
 /* Back to the starts. The program is loaded again. */
 void fp3_fields_restart(fp3_fields *q);
 

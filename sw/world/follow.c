@@ -27,16 +27,33 @@ fp3_status fp3_follow_not(fp3_field *q, size_t first, size_t count, size_t objec
     return FP3_OK;
 }
 
+fp3_status fp3_follow_again(fp3_field *q, size_t first, size_t count, size_t objects,
+                            fp3_error *error) {
+    if (!q->followed)
+        return FP3_OK;
+    if (!q->follows) { /* all starts were written */
+        q->is_given = malloc(objects);
+        if (!q->is_given)
+            return fp3_no_memory(error);
+        memset(q->is_given, 1, objects);
+    }
+    q->follows = q->followed;
+    if (q->is_given)
+        memset(q->is_given + first, 0, count);
+    return FP3_OK;
+}
+
 /* ---- computing ---- */
 
 typedef struct {
     const fp3_fields_def *def;
     const fp3_field_table *table;
-    unsigned words;  /* of a param */
-    double *columns; /* of the params, a block each */
-    double *params;  /* of one object */
-    double *initial; /* the model's, which no start is made of */
-    double *values;  /* of all expressions */
+    unsigned words;              /* of a param */
+    double *columns;             /* of the params, a block each */
+    double *params;              /* of one object */
+    double *initial;             /* the model's, which no start is made of */
+    double *values;              /* of all expressions */
+    const unsigned char *is_new; /* whose starts are computed; NULL: all */
 } room;
 
 static int is_in(const fp3_field *q, uint64_t params) {
@@ -93,6 +110,8 @@ static fp3_status need_column(const room *r, fp3_field *q, fp3_error *error) {
 
 static void follow_each(const room *r, uint64_t written, size_t first, size_t count) {
     for (size_t i = 0; i < count; i++) {
+        if (r->is_new && !r->is_new[first + i])
+            continue;
         evaluate(r, i);
         for (uint32_t k = 0; k < r->table->count; k++) {
             fp3_field *q = &r->table->list[k];
@@ -119,6 +138,8 @@ static fp3_status follow_all(const room *r, uint64_t written, uint64_t params, i
             status = need_column(r, &r->table->list[k], error);
     for (size_t i = 0; !status && i < objects; i += BLOCK) {
         const size_t count = objects - i < BLOCK ? objects - i : BLOCK;
+        if (r->is_new && !memchr(r->is_new + i, 1, count))
+            continue;
         status = gather_all(r, params, i, count);
         if (!status && may_all_differ)
             follow_each(r, written, i, count);
@@ -129,11 +150,11 @@ static fp3_status follow_all(const room *r, uint64_t written, uint64_t params, i
     return status;
 }
 
-fp3_status fp3_follow(const fp3_fields_def *def, const fp3_field_table *table, uint64_t written,
-                      fp3_derive *derive, fp3_error *error) {
+static fp3_status follow_those(const fp3_fields_def *def, const fp3_field_table *table,
+                               uint64_t written, const unsigned char *is_new, fp3_error *error) {
     const fp3_model *model = table->model;
     uint64_t params = 0;
-    int may_all_differ = 0;
+    int may_all_differ = is_new != NULL;
     for (uint32_t k = 0; k < table->count; k++)
         params |= table->list[k].follows & written ? table->list[k].follows : 0;
     if (!params)
@@ -151,9 +172,21 @@ fp3_status fp3_follow(const fp3_fields_def *def, const fp3_field_table *table, u
                     .columns = all,
                     .params = all + columns,
                     .initial = all + columns + model->param_count,
-                    .values = all + columns + model->param_count + model->state_count};
+                    .values = all + columns + model->param_count + model->state_count,
+                    .is_new = is_new};
     const fp3_status status = follow_all(&r, written, params, may_all_differ, error);
     free(all);
+    return status;
+}
+
+fp3_status fp3_follow_new(const fp3_fields_def *def, const fp3_field_table *table,
+                          const unsigned char *is_new, fp3_error *error) {
+    return follow_those(def, table, UINT64_MAX, is_new, error);
+}
+
+fp3_status fp3_follow(const fp3_fields_def *def, const fp3_field_table *table, uint64_t written,
+                      fp3_derive *derive, fp3_error *error) {
+    const fp3_status status = follow_those(def, table, written, NULL, error);
     for (uint32_t k = 0; !status && k < table->count; k++)
         if (table->list[k].follows & written)
             fp3_derive_note(derive, &table->list[k], 0, def->objects);

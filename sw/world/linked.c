@@ -143,3 +143,23 @@ fp3_status fp3_linked_copy(const fp3_linked *from, fp3_linked **list, fp3_error 
         status = put(list, from->relation, &from->links, 0, from->place, error);
     return status;
 }
+
+static void drop(fp3_links *links, const uint8_t *stays) {
+    uint32_t *a = (uint32_t *)links->a, *b = (uint32_t *)links->b;
+    size_t count = 0;
+    for (size_t i = 0; i < links->count; i++) {
+        if (!stays[a[i]] || !stays[b[i]])
+            continue;
+        a[count] = a[i];
+        b[count] = b[i];
+        for (size_t k = 0; k < links->field_count; k++)
+            ((float *)links->fields[k])[count] = links->fields[k][i];
+        count++;
+    }
+    links->count = count;
+}
+
+void fp3_linked_drop(fp3_linked *list, const uint8_t *stays) {
+    for (; list; list = list->next)
+        drop(&list->links, stays);
+}

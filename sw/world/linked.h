@@ -18,6 +18,8 @@ typedef struct fp3_linked {
  */
 fp3_status fp3_linked_put(fp3_linked **list, const char *relation, const fp3_links *links,
                           int is_more, const char *place, fp3_error *error);
+/* Links of an object without stays[object] are gone. */
+void fp3_linked_drop(fp3_linked *list, const uint8_t *stays);
 /* All of another list. */
 fp3_status fp3_linked_copy(const fp3_linked *from, fp3_linked **list, fp3_error *error);
 /* NULL: there are none. */

@@ -332,10 +332,6 @@ fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error) {
     return status;
 }
 
-int fp3_relations_are(const fp3_relations *r) {
-    return fp3_engine_layout(r->to.engine)->groups[r->to.group].lists.shape.is_any;
-}
-
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
     const fp3_model *model = model_of(r);
     memset(r->reach, 0, sizeof r->reach);

@@ -28,8 +28,6 @@ typedef struct {
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error);
 /* The links alone. */
 fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error);
-/* Whether the program has any. */
-int fp3_relations_are(const fp3_relations *r);
 /* Gives the engine the reaches of `near` if params, as many as the model has, change them. Does
  * nothing for an image. */
 fp3_status fp3_relations_reach(fp3_relations *r, const double *params, fp3_error *error);

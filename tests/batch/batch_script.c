@@ -5,14 +5,16 @@
  *                              [-j THREADS] [-h H] [-t TOLERANCE] [-N NATIVE] [-m CONFIG] [-x] [-o]
  * [-f] set NAME VALUE             spread NAME FIRST LAST (every object its own, evenly between)
  *     write NAME FIRST VALUE...  double NAME FIRST VALUE...
- *     step N                     restart                     use COUNT
+ *     step N                     restart
+ *     add COUNT                  remove WHICH... (of all handles that were given)
+ *     numbers (of all handles, -1: nobody; which handle each number has; how many live)
  *     read NAME...               wide NAME... (in double); a line for each object
  *     beside STRIDE NAME...      move STRIDE NAME... (each object gets the numbers of the next one)
  *     column NAME                (where it is; "none" where there is no such place)
  *     time                       failure
  * What is refused is a line "error STATUS: TEXT". -x: MODEL is a text. -m: the same program is
  * compiled before, for this CONFIG, and handed over. -o: threads and memory are this program's own.
- * -f: a step of which objects fail is an error.
+ * -f: a step of which objects fail is an error. -z: nobody lives at first.
  */
 #include <fp3/batch.h>
 #include <fp3/program.h>
@@ -112,6 +114,41 @@ static void tell_failure(void) {
         printf("%zu failed: %s\n", failure.failed, text);
 }
 
+/* All handles, in the order in which they were given; those of the first objects before. */
+static uint64_t handles[4096];
+static size_t handle_count;
+
+static void add(size_t count) {
+    const fp3_status status = fp3_batch_add(batch, count, handles + handle_count);
+    say(status);
+    handle_count += status ? 0 : count;
+}
+
+static void remove_those(char **word, size_t count) {
+    uint64_t those[WORDS];
+    for (size_t i = 0; i < count; i++)
+        those[i] = handles[strtoull(word[i], NULL, 10)];
+    say(fp3_batch_remove(batch, those, count));
+}
+
+/* Of each handle, and who has each number. */
+static void tell_numbers(void) {
+    uint32_t numbers[4096];
+    uint64_t now[4096];
+    fp3_batch_numbers(batch, handles, handle_count, numbers);
+    for (size_t i = 0; i < handle_count; i++)
+        printf(i ? " %d" : "%d", (int)numbers[i]);
+    puts("");
+    say(fp3_batch_handles(batch, 0, def.objects, now));
+    for (size_t i = 0; i < def.objects; i++) {
+        size_t which = 0;
+        while (which < handle_count && handles[which] != now[i])
+            which++;
+        printf(i ? " %d" : "%d", which < handle_count ? (int)which : -1);
+    }
+    printf("\n%zu\n", fp3_batch_living(batch));
+}
+
 static void obey(char *line) {
     char *word[WORDS];
     int count = 0;
@@ -127,8 +164,12 @@ static void obey(char *line) {
         write_column(word, count, word[0][0] == 'd');
     else if (!strcmp(word[0], "step"))
         say(fp3_batch_run(batch, strtoull(word[1], NULL, 10)));
-    else if (!strcmp(word[0], "use"))
-        say(fp3_batch_use(batch, strtoull(word[1], NULL, 10)));
+    else if (!strcmp(word[0], "add"))
+        add(strtoull(word[1], NULL, 10));
+    else if (!strcmp(word[0], "remove"))
+        remove_those(word + 1, (size_t)count - 1);
+    else if (!strcmp(word[0], "numbers"))
+        tell_numbers();
     else if (!strcmp(word[0], "restart"))
         say(fp3_batch_restart(batch));
     else if (!strcmp(word[0], "read") || !strcmp(word[0], "wide"))
@@ -187,7 +228,7 @@ int main(int argc, char **argv) {
     def = fp3_batch_default();
     def.error = &error;
     def.may_fail = 1;
-    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:m:xof")) != -1)
+    while ((option = getopt(argc, argv, "n:i:a:e:c:j:h:t:N:m:xofz")) != -1)
         switch (option) {
         case 'n':
             def.objects = strtoull(optarg, NULL, 10);
@@ -225,6 +266,9 @@ int main(int argc, char **argv) {
         case 'f':
             def.may_fail = 0;
             break;
+        case 'z':
+            def.is_empty = 1;
+            break;
         case 'x':
             is_text = 1;
             break;
@@ -241,6 +285,10 @@ int main(int argc, char **argv) {
     if (!status)
         status = fp3_batch_open(&def, &batch);
     say(status);
+    if (!status && !def.is_empty && def.objects <= sizeof handles / sizeof *handles) {
+        handle_count = def.objects;
+        say(fp3_batch_handles(batch, 0, handle_count, handles));
+    }
     while (!status && fgets(line, sizeof line, stdin))
         obey(line);
     fp3_batch_close(&batch);

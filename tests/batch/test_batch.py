@@ -196,42 +196,37 @@ def test_restart_and_time(root, script):
 @pytest.mark.parametrize("engine", ["fast", "isa", "rtl"])
 @pytest.mark.parametrize("model, names", [("oscillator", "x v m"), ("duffing", "x v steps")])
 def test_objects_that_come_and_go(root, script, model, names, engine):
-    """Who is not used makes no step, and goes on from where it is. What is written after a step is no start."""
-    lines = ["spread x 1 2", "use 3", "step 5", f"read {names}", "write x 3 9", "use 5", "step 4", f"read {names}", "use 0", "step 2", "use 6",
-             "step 1", f"read {names}", "use 7", "restart", "use 2", "restart", "step 3", f"read {names}", "failure", "use 0", "failure"]
-    told = script(root / f"programs/{model}.ode", lines, "-n", 6, "-e", engine)
-    refused, failures = told.pop(18), [told.pop(), told.pop()]
-    assert "7 objects: there are 6" in refused and failures == ["0 failed: "]*2
-    for object in range(6):
-        spread, now = ["spread x 1 2"], []
-        for steps in ((5, 4, 1, 3), (5, 4, 1, 3), (5, 4, 1, 0), (0, 4, 1, 0), (0, 4, 1, 0), (0, 0, 1, 0))[object]:
-            if len(now) == 3:
-                spread = ["spread x 1 2", "restart"]
-            elif len(now) == 1 and object == 3:
-                spread += ["write x 3 9"]
-            spread += [f"step {steps}"]
-            now += [script(root / f"programs/{model}.ode", [*spread, f"read {names}"], "-n", 6)[object]]
-        assert told[object::6] == now, object
+    """Who is removed makes no step. Who is born has the lowest number and the defaults, and begins anew."""
+    lines = ["spread x 1 2", "remove 4 1", "step 5", f"read {names}", "add 1", "write x 1 9", "step 4", f"read {names}", "add 2", "numbers", "add 1", "remove 1", "remove 6 6",
+             "remove 0 2 3 5 6 7", "step 2", "add 2", "numbers", "restart", "step 3", f"read {names}", "failure", "remove 8 9", "step 1", "failure"]
+    program = root / f"programs/{model}.ode"
+
+    def ran(*lines):
+        return script(program, [*lines, f"read {names}"], "-n", 6)
+    told = script(program, lines, "-n", 6, "-e", engine)
+    old, new = ran("spread x 1 2", "step 9"), ran("write x 0 9", "step 4")
+    assert [told[i] for i in (0, 2, 3, 5)] == [ran("spread x 1 2", "step 5")[i] for i in (0, 2, 3, 5)]
+    assert [told[6 + i] for i in (0, 1, 2, 3, 5)] == [old[0], new[0], old[2], old[3], old[5]]
+    assert told[12:16] == ["error 3: 2 more objects: 5 of 6 live, and there is room for 1", "0 -1 2 3 -1 5 1", "0 6 2 3 -1 5", "5"]
+    assert told[16].endswith("its object, number 1, was removed, and another object has its number") and told[17].endswith("object 1 occurs twice")
+    assert told[18:21] == ["-1 -1 -1 -1 -1 -1 -1 -1 0 1", "8 9 -1 -1 -1 -1", "2"]
+    assert told[21:23] == ran("step 3")[:2] and told[27:] == ["0 failed: "]*2
 
 
-def test_who_is_not_used_does_not_fail(root, script):
+def test_who_is_removed_does_not_fail(script):
     model = "model m\nparam k = 0.01\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n"
-    lines = ["write k 1 1e9", "write k 3 1e9", "use 3", "step 2", "failure", "use 1", "failure", "step 2", "failure", "use 4", "step 1", "failure"]
+    lines = ["write k 1 1e9", "write k 3 1e9", "remove 3", "step 2", "failure", "remove 1", "failure", "step 2", "failure", "add 2", "step 1", "failure", "read k"]
     told = script(model, lines, "-n", 6, "-x")
-    assert told == [f"1 failed: {told[0].split(': ', 1)[1]}", "error 1: no complete run since the last write or load", "0 failed: ",
-                    told[3]]
-    assert told[0].startswith("1 failed: object 1 in step ") and told[3].startswith("2 failed: object 1 before its first step")
+    assert told == [f"1 failed: {told[0].split(': ', 1)[1]}", "error 1: no complete run since the last write or load", "0 failed: ", "0 failed: ", *[told[4]]*6]
+    assert told[0].startswith("1 failed: object 1 in step ") and single(float(told[4])) == single(0.01)
     assert told == script(model, lines, "-n", 6, "-x", "-e", "isa") == script(model, lines, "-n", 6, "-x", "-e", "rtl")
 
 
 def test_adaptive_objects_that_come_and_go(root, script):
-    def lines(*used):
-        return ["spread r_x 0.4 0.6"] + [line for i, n in enumerate(used) for line in (f"set until {i + 1}", f"use {n}", "step 100000", "read t r_x v_y")]
-    told = script(root / "programs/kepler.ode", lines(2, 3, 1), "-n", 3, "-t", 1e-4)
-    all_used = script(root / "programs/kepler.ode", lines(3, 3, 3), "-n", 3, "-t", 1e-4)
-    assert told == script(root / "programs/kepler.ode", lines(2, 3, 1), "-n", 3, "-t", 1e-4, "-e", "isa")
-    assert told[:2] + told[3:5] + told[6:7] == all_used[:2] + all_used[3:5] + all_used[6:7]
-    assert told[2].startswith("0 ") and told[5].startswith("2 ") and told[7:] == told[4:6]
+    lines = ["spread r_x 0.4 0.6", "set until 1", "step 100000", "remove 1", "set until 2", "step 100000", "add 1", "write until 1 1", "write r_x 1 0.5", "step 100000", "read t r_x v_y"]
+    told = script(root / "programs/kepler.ode", lines, "-n", 3, "-t", 1e-4)
+    others = script(root / "programs/kepler.ode", ["spread r_x 0.4 0.6", "set until 1", "step 100000", "read t r_x v_y", "set until 2", "step 100000", "read t r_x v_y"], "-n", 3, "-t", 1e-4)
+    assert told == [others[3], others[1], others[5]] == script(root / "programs/kepler.ode", lines, "-n", 3, "-t", 1e-4, "-e", "isa")
 
 
 def test_a_text_and_a_compiled_program(root, script):
@@ -359,7 +354,7 @@ def test_a_value_that_decays_ends_at_zero(script, own):
 def test_a_step_in_which_objects_fail_says_so(root, script):
     """In this step and in those that follow, as long as somebody has failed; all steps are made. With may_fail it does not."""
     model = "model m\nparam k = 2\nstate x = 1\nstep 1\nspan 1\nx' = k*x*x\n"
-    lines = ["write k 2 1e6", "step 2", "read x", "step 7", "step 1", "read x", "use 2", "step 1", "set k 0", "restart", "use 4", "step 1", "read x"]
+    lines = ["write k 2 1e6", "step 2", "read x", "step 7", "step 1", "read x", "remove 2 3", "step 1", "set k 0", "restart", "add 2", "set k 0", "step 1", "read x"]
     for engine in ("fast", "isa"):
         told = script(model, lines, "-n", 4, "-x", "-i", "euler", "-f", "-e", engine)
         assert told[:2] == ["21", "21"] and told[3:5] == ["21", "error 6: 4 of 4 objects failed, first object 2 in step 3: overflow"]

@@ -184,10 +184,10 @@ int main(void) {
            (int)fp3_batch_read_double(batch, (const char *[]){"x"}, 1, 0, 1,
                                       (double *[]){&(double){0}}),
            (int)fp3_batch_column(batch, "x", &(const float *){NULL}),
-           (int)fp3_batch_link(batch, "x", &(fp3_links){0}), (int)fp3_batch_use(batch, 1),
-           (int)fp3_batch_restart(batch), (int)fp3_batch_failure(batch, &failure, NULL),
-           fp3_batch_objects(batch), fp3_batch_engine(batch) || fp3_batch_compiled(batch),
-           fp3_batch_time(batch));
+           (int)fp3_batch_link(batch, "x", &(fp3_links){0}),
+           (int)fp3_batch_add(batch, 1, &(uint64_t){0}), (int)fp3_batch_restart(batch),
+           (int)fp3_batch_failure(batch, &failure, NULL), fp3_batch_objects(batch),
+           fp3_batch_engine(batch) || fp3_batch_compiled(batch), fp3_batch_time(batch));
     fp3_engine_close(&engine);
     fp3_params_free(&params);
     fp3_integrator_free(&integrator);

@@ -58,7 +58,7 @@ def test_what_solve_ivp_refuses(options, told):
     (lambda b: b.write("x", [1, 2], 3), "object 3"), (lambda b: b.write("x", [1], -1), "first"), (lambda b: b.write("x", [1], 2**63), "4 objects"), (lambda b: b.read("x", 5), "first"),
     (lambda b: b.read("x", 0, 5), "count"), (lambda b: b.read("x", out=np.zeros(3)), "out"), (lambda b: b.read("x", out=[0] * 4), "out"), (lambda b: b.read("x", out=np.zeros(4, int)), "out"),
     (lambda b: b.read("x", out=b["x"]), "out"), (lambda b: b.run(-1), "steps"), (lambda b: b.run(2**32), "steps"), (lambda b: b.run(1.5), "steps"),
-    (lambda b: b.use(5), "there are 4"), (lambda b: b.use(-1), "count"), (lambda b: b.link("near", [0], [1]), "near"), (lambda b: b.link("near", [0], [1, 2]), "one of each"),
+    (lambda b: b.add(-1), "count"), (lambda b: b.remove([5]), "no object"), (lambda b: b.link("near", [0], [1]), "near"), (lambda b: b.link("near", [0], [1, 2]), "one of each"),
     (lambda b: b.link("near", [0.5], [1]), "whole"), (lambda b: b.link("near", [-1], [1]), "-1"), (lambda b: b.link("near", [0], [1], f=[1, 2]), "shape")])
 def test_what_a_batch_refuses(misuse, told):
     with fp3.Batch(TEXT, 4) as batch:
@@ -81,7 +81,7 @@ CABLE = fp3.Model("param k = 1\nlinks rope(rest = 1)\nstate x[2] = (1, 0)\nstep 
 NUMBERS = {
     "set": lambda b, v: b.__setitem__("k", v), "write": lambda b, v: b.write("k", v), "write some": lambda b, v: b.write("k", [v]),
     "first": lambda b, v: b.write("k", [1.0], v),
-    "count": lambda b, v: b.read("k", 0, v), "from": lambda b, v: b.read("k", v), "use": lambda b, v: b.use(v), "run": lambda b, v: b.run(v),
+    "count": lambda b, v: b.read("k", 0, v), "from": lambda b, v: b.read("k", v), "add": lambda b, v: b.add(v), "add with": lambda b, v: (b.remove(b.handles), b.add(1, k=v)), "run": lambda b, v: b.run(v),
     "link": lambda b, v: b.link("rope", [0], v), "link one": lambda b, v: b.link("rope", [0], [v]), "field": lambda b, v: b.link("rope", [0], [1], rest=v),
     "fields": lambda b, v: b.link("rope", [0], [1], rest=[v]),
     **{name: lambda b, v, name=name: fp3.Batch(TEXT, **{name: v}) for name in ("objects", "h", "skin", "threads", "until")},
@@ -202,7 +202,7 @@ class ClosesAsNumber:
 
 CLOSING = [lambda b, v: b.__setitem__("x", v), lambda b, v: b.write("x", v), lambda b, v: b.write("x", [1.0], v), lambda b, v: b.read("x", v),
            lambda b, v: b.read("x", 0, v),
-           lambda b, v: b.use(v), lambda b, v: b.run(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]),
+           lambda b, v: b.add(v), lambda b, v: b.add(0, x=v), lambda b, v: b.remove(v), lambda b, v: b.write_of("x", b.handles, v), lambda b, v: b.run(v), lambda b, v: b.read(v), lambda b, v: b[v], lambda b, v: b.write(v, [1.0]),
            lambda b, v: b.link("near", v, v),
            lambda b, v: b.link("near", [0], [1], f=v), lambda b, v: b.link(v, [0], [1])]
 
@@ -229,7 +229,7 @@ def test_a_signal_handler_closes_the_batch():
                 while True:
                     batch.run()
                     batch["x"], batch["k"] = 0.5, x[:1].repeat(50)
-                    batch.use(50)
+                    batch.add(0)
             except fp3.ArgumentError as error:
                 refused += "closed" in str(error)
     finally:
@@ -309,7 +309,7 @@ fp3.Batch({TEXT!r}).run()
     assert told.split("\n")[0] == "[1, 2]"
 
 
-USES = [lambda b: b["x"], lambda b: b.run(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.use(1), lambda b: b.restart(), lambda b: b.time,
+USES = [lambda b: b["x"], lambda b: b.run(), lambda b: b.__setitem__("x", 1), lambda b: b.read("x"), lambda b: b.add(0), lambda b: b.living, lambda b: b.handles, lambda b: b.remove([]), lambda b: b.restart(), lambda b: b.time,
         lambda b: b.how, lambda b: b.failure(), lambda b: b.status(), lambda b: b.link("near", [0], [1])]
 
 

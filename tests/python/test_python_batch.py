@@ -116,34 +116,32 @@ def test_many_steps_at_once_are_the_same_steps(kepler, ran):
         batch.run(4000)
 
 
-def test_use_and_restart():
+def test_remove_and_restart():
     with fp3.Batch(DECAY, 4) as batch:
         batch.run(2)
-        batch.use(2)
-        assert batch.used == 2 and len(batch) == 4
+        batch.remove(batch.handles[2:])
+        assert batch.living == 2 and len(batch) == 4
         before = batch.read("x")
         batch.run(2)
         assert (batch["x"][:2] < before[:2]).all() and np.array_equal(batch["x"][2:], before[2:])
-        batch.use(0)
+        batch.remove(batch.handles[:2])
         batch.run(1)
-        batch.use(4)
+        batch.add(4)
         batch.restart()
         assert (batch["x"] == 1).all() and batch.time == 0
 
 
-def test_use_where_objects_see_each_other():
-    """Those that are not used are in nobody's sum, and a link waits for both of its ends."""
-    model = fp3.Model("state x = 0\nstate s = 0\nstate n = 0\nlinks ties(k = 1)\nall others\nstep 1\nx' = 0\n"
-                      "s' = sum(o in ties: o.k*o.x)\nn' = count(o in others)\n")
-    with fp3.Batch(model, 4, method="euler") as batch:
-        batch["x"] = [1, 10, 100, 1000]
-        batch.link("ties", [0, 1, 2], [3, 0, 1], k=[1, 2, 3])
-        batch.use(2)
-        batch.run(3)
-        assert batch["s"].tolist() == [60, 6, 0, 0] and batch["n"].tolist() == [3, 3, 0, 0]
-        batch.use(4)
+def test_columns_show_who_is_born():
+    with fp3.Batch(DECAY, 4, empty=True) as batch:
+        handles = batch.add(2, x=[5, 6])
+        x = batch["x"]
+        assert x[:2].tolist() == [5, 6] and batch.read("x", 0, 2).tolist() == [5, 6]
         batch.run()
-        assert batch["s"].tolist() == [1080, 308, 30, 1] and batch["n"].tolist() == [6, 6, 3, 3]
+        batch.remove(handles[:1])
+        batch.add(1)
+        assert x[0] == 1 and 5 < x[1] < 6
+        batch.write("x", [7], 0)
+        assert x[0] == 7
 
 
 def test_starts_follow_params():

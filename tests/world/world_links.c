@@ -110,39 +110,45 @@ static void run_chain(const char *engine) {
     fp3_batch_close(&made);
 }
 
-/* Those that are not used are seen by nobody, and keep what they hold; links to them wait. */
+/* Removes the objects from this number on. */
+static fp3_status remove_from(fp3_batch *made, size_t first, size_t end) {
+    uint64_t handles[N];
+    const fp3_status status = fp3_batch_handles(made, first, end - first, handles);
+    return status ? status : fp3_batch_remove(made, handles, end - first);
+}
+
+/* Nobody sees who is removed. Who gets the number has the defaults, and no links until the host
+ * gives some. */
 static void come_and_go(const char *engine) {
     fp3_links links = line();
     fp3_batch *made = opened(chain, engine);
+    uint64_t handles[N];
     float u[N], v[N] = {0}, found[N] = {0};
     memcpy(u, start, sizeof start);
     CHECK(!fp3_batch_link(made, "springs", &links) && !fp3_batch_write(made, "u", 0, N, start));
-    CHECK(!fp3_batch_use(made, 25) && !fp3_batch_run(made, 7) && !fp3_batch_run(made, 4));
+    CHECK(!remove_from(made, 25, N) && !fp3_batch_run(made, 7) && !fp3_batch_run(made, 4));
     steps_in_c(&links, 25, 11, u, v);
-    CHECK(!fp3_batch_use(made, N) && !fp3_batch_run(made, 5));
+    CHECK(!fp3_batch_add(made, N - 25, handles) && !fp3_batch_run(made, 2));
+    steps_in_c(&links, 25, 2, u, v); /* the others are linked no more: they stay */
+    CHECK(!fp3_batch_write_of(made, "u", handles, N - 25, &start[25]));
+    memcpy(u + 25, start + 25, (N - 25) * sizeof *u);
+    CHECK(!fp3_batch_link(made, "springs", &links) && !fp3_batch_run(made, 5));
     steps_in_c(&links, N, 5, u, v);
-    CHECK(!fp3_batch_use(made, 30) && !fp3_batch_run(made, 3));
+    CHECK(!remove_from(made, 30, N) && !fp3_batch_run(made, 3));
     steps_in_c(&links, 30, 3, u, v);
+    CHECK(fp3_batch_link(made, "springs", &links) == FP3_E_ARGUMENT);
+    CHECK(strstr(error.text, "link 29 joins object 30, which does not live"));
+    CHECK(!remove_from(made, 0, 30) && !fp3_batch_living(made) && !fp3_batch_run(made, 3));
+    CHECK(!fp3_batch_add(made, N, handles) && !fp3_batch_write(made, "u", 0, N, start));
+    CHECK(fp3_batch_add(made, 1, handles) == FP3_E_LIMIT && strstr(error.text, "40 of 40 live"));
     k[20] = 3;
-    links.count = 38; /* the last two of all are linked no more */
-    u[35] = 2;
-    CHECK(!fp3_batch_link(made, "springs", &links) && !fp3_batch_write(made, "u", 35, 1, &u[35]));
-    CHECK(!fp3_batch_run(made, 1) && !fp3_batch_use(made, 36) && !fp3_batch_run(made, 1));
-    steps_in_c(&links, 30, 1, u, v);
-    steps_in_c(&links, 36, 1, u, v);
-    CHECK(!fp3_batch_use(made, 0) && !fp3_batch_run(made, 3) && !fp3_batch_use(made, N));
-    CHECK(!fp3_batch_run(made, 1));
-    steps_in_c(&links, N, 1, u, v);
-    CHECK(!fp3_batch_read(made, (const char *[]){"u"}, 1, 0, N, (float *[]){found}));
-    CHECK(memcmp(u, found, sizeof u) == 0);
-    CHECK(!fp3_batch_use(made, 12) && !fp3_batch_restart(made) && !fp3_batch_run(made, 9));
+    CHECK(!fp3_batch_link(made, "springs", &links) && !remove_from(made, 12, N));
+    CHECK(!fp3_batch_restart(made) && !fp3_batch_run(made, 9));
     memcpy(u, start, sizeof start);
     memset(v, 0, sizeof v);
-    u[35] = 2;
     steps_in_c(&links, 12, 9, u, v);
-    CHECK(!fp3_batch_read(made, (const char *[]){"u"}, 1, 0, 35, (float *[]){found}));
-    CHECK(memcmp(u, found, 35 * sizeof *u) == 0);
-    CHECK(fp3_batch_use(made, N + 1) == FP3_E_ARGUMENT && strstr(error.text, "there are 40"));
+    CHECK(!fp3_batch_read(made, (const char *[]){"u"}, 1, 0, 12, (float *[]){found}));
+    CHECK(memcmp(u, found, 12 * sizeof *u) == 0);
     fp3_batch_close(&made);
 }
 

@@ -153,7 +153,7 @@ fp3_status fp3_cells_write(fp3_engine *engine, fp3_cells cells, const void *word
 fp3_status fp3_cells_fill(fp3_engine *engine, fp3_cells cells, uint32_t bits) {
     uint32_t same[BLOCK];
     fp3_status status = FP3_OK;
-    for (size_t i = 0; i < BLOCK; i++)
+    for (size_t i = 0; i < BLOCK && i < cells.count; i++)
         same[i] = bits;
     for (size_t left = cells.count; !status && left; left -= cells.count) {
         cells.count = left < BLOCK ? left : BLOCK;

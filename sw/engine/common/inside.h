@@ -85,6 +85,16 @@ fp3_prefix fp3_engine_prefix(size_t group, size_t count);
 int fp3_engine_has_lives(const fp3_engine *engine);
 /* What fp3_engine_live said of an object. */
 void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone);
+/* Births and ends between runs, of an engine with one group. What a pair remembers of one who is
+ * buried is gone with it, as are its links. FP3_E_PROGRAM, of can_bury: as of fp3_engine_live. */
+fp3_status fp3_engine_can_bury(fp3_engine *engine);
+/* Objects live no more, but for those with stays[object] != 0, which live or not, as before. */
+fp3_status fp3_engine_bury(fp3_engine *engine, const uint8_t *stays);
+/* Objects first .. first+count-1 live from here on, or do not live, as if they never had. */
+fp3_status fp3_engine_unborn(fp3_engine *engine, size_t first, size_t count);
+fp3_status fp3_engine_bear(fp3_engine *engine, size_t first, size_t count);
+/* All that these objects keep between runs is 0, as after an open; so is their status. */
+fp3_status fp3_engine_wipe(fp3_engine *engine, size_t first, size_t count);
 /* From here on as if the runs since the load had made so many steps; the caller writes what objects
  * held then. */
 void fp3_engine_resume(fp3_engine *engine, uint64_t made);

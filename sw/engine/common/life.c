@@ -2,7 +2,9 @@
 /* life.c - see life.h. */
 #include "life.h"
 
+#include "cells.h"
 #include "checks.h"
+#include "living.h"
 #include "origin.h"
 
 #include <inttypes.h>
@@ -88,10 +90,10 @@ static fp3_status check(fp3_engine *engine, size_t first, size_t count, uint64_t
     return status;
 }
 
-fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
-                           uint64_t gone) {
-    fp3_status status = check(engine, first, count, born, gone);
-    if (!status && !engine->lives.list && (born || gone != FP3_FOREVER))
+static fp3_status live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
+                       uint64_t gone) {
+    fp3_status status = FP3_OK;
+    if (!engine->lives.list && (born || gone != FP3_FOREVER))
         status = make_room(engine);
     if (status || !engine->lives.list)
         return status;
@@ -101,6 +103,63 @@ fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint6
     engine->lives.change = 0;
     engine->sleepers.is_listed = 0;
     return FP3_OK;
+}
+
+fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
+                           uint64_t gone) {
+    fp3_status status = check(engine, first, count, born, gone);
+    return status ? status : live(engine, first, count, born, gone);
+}
+
+/* ---- births and ends between runs ---- */
+
+fp3_status fp3_engine_can_bury(fp3_engine *engine) {
+    return check(engine, 0, engine->objects, 0, FP3_FOREVER);
+}
+
+fp3_status fp3_engine_bear(fp3_engine *engine, size_t first, size_t count) {
+    return live(engine, first, count, 0, FP3_FOREVER);
+}
+
+fp3_status fp3_engine_unborn(fp3_engine *engine, size_t first, size_t count) {
+    return live(engine, first, count, FP3_FOREVER - 1, FP3_FOREVER);
+}
+
+/* Those that stay live as before. */
+static fp3_status end_lives(fp3_engine *engine, const uint8_t *stays) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0, end; !status && i < engine->objects; i = end) {
+        for (end = i + 1; end < engine->objects && !stays[end] == !stays[i]; end++)
+            ;
+        if (!stays[i])
+            status = fp3_engine_unborn(engine, i, end - i);
+    }
+    return status;
+}
+
+fp3_status fp3_engine_bury(fp3_engine *engine, const uint8_t *stays) {
+    fp3_status status = end_lives(engine, stays);
+    if (!status && engine->layout.groups[0].rest >= 0)
+        status = engine->backend->list(engine); /* whoever leaned on them wakes */
+    return status ? status : fp3_living_forget(engine, stays);
+}
+
+/* The registers that a visit leaves, and the status: as before the first write. */
+fp3_status fp3_engine_wipe(fp3_engine *engine, size_t first, size_t count) {
+    const fp3_members *group = fp3_layout_group_of(&engine->layout, first);
+    const uint64_t kept = group->visit ? group->visit->kept : UINT64_MAX;
+    fp3_status status = FP3_OK;
+    for (uint32_t reg = 0; !status && reg < engine->config->registers; reg++)
+        if (kept >> reg & 1 && !(reg >> group->log2))
+            status = fp3_cells_fill(engine, (fp3_cells){FP3_CELLS_REGISTER, reg, first, count}, 0);
+    return status || !engine->config->status
+               ? status
+               : fp3_cells_fill(engine, (fp3_cells){FP3_CELLS_STATUS, 0, first, count}, 0);
+}
+
+int fp3_life_took_part(const fp3_engine *engine, size_t object) {
+    const fp3_life *life = engine->lives.list ? &engine->lives.list[object] : NULL;
+    return !life || (life->born <= engine->made && life->gone > engine->origin->made);
 }
 
 void fp3_engine_life_of(const fp3_engine *engine, size_t object, uint64_t *born, uint64_t *gone) {

@@ -15,6 +15,9 @@ uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps)
  * others live than in the last run, the objects are to be listed again. */
 uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any);
 
+/* Whether an object may have made steps in the last run. */
+int fp3_life_took_part(const fp3_engine *engine, size_t object);
+
 /* In another engine with as many objects, which has the same program. */
 fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to);
 /* From here on all objects live, always. */

@@ -2,6 +2,8 @@
 /* living.c - see living.h. */
 #include "living.h"
 
+#include "origin.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -160,5 +162,56 @@ fp3_status fp3_living_settle(fp3_engine *engine) {
         if (group->lists.shape.is_any && (engine->lives.list || group->lists.living))
             status = settle(engine, group);
     }
+    return status;
+}
+
+/* ---- gone for good ---- */
+
+/* Links of which an end does not stay. */
+static void drop(const fp3_list *list, fp3_entries of, const uint8_t *stays) {
+    const size_t fields = list->fields;
+    uint32_t count = 0, from = 0;
+    for (uint32_t i = 0; of.begin && i < list->objects; i++) {
+        const uint32_t end = of.begin[i + 1];
+        of.begin[i] = count;
+        for (; from < end; from++) {
+            if (!stays[i] || !stays[of.other[from]])
+                continue;
+            of.other[count] = of.other[from];
+            if (fields)
+                memmove(&of.field[count * fields], &of.field[from * fields],
+                        fields * sizeof *of.field);
+            count++;
+        }
+    }
+    if (of.begin)
+        of.begin[list->objects] = count;
+}
+
+static void drop_from(fp3_list *list, const uint8_t *stays) {
+    if (list->is_near)
+        fp3_near_close(&list->near);
+    if (list->is_near && fp3_list_remembers(list))
+        fp3_list_forget(list, stays);
+    if (list->is_near || list->is_all)
+        return;
+    drop(list, (fp3_entries){list->begin, list->other, list->field}, stays);
+    drop(list, list->whole, stays);
+}
+
+fp3_status fp3_living_forget(fp3_engine *engine, const uint8_t *stays) {
+    fp3_members *group = &engine->layout.groups[0];
+    const fp3_backend *backend = engine->backend;
+    fp3_status status = FP3_OK;
+    if (!group->lists.shape.is_any)
+        return FP3_OK;
+    if (backend->connect) /* objects stand in the order of their numbers then */
+        status = backend->connect(engine, group, NULL);
+    for (uint32_t i = 0; !status && i < group->lists.shape.list_count; i++)
+        drop_from(&group->lists.lists[i], stays);
+    engine->sleepers.is_listed = 0;
+    engine->origin->is_complete = 0;
+    if (!status && backend->connect)
+        status = backend->connect(engine, group, NULL);
     return status;
 }

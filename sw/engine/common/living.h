@@ -13,5 +13,8 @@
 /* Before a run, or a part of one: lists are those of the objects that live now. Nothing is done
  * where the same objects live as before. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_living_settle(fp3_engine *engine);
+/* See fp3_engine_bury: only objects with stays[object], of the engine's only group, keep links, and
+ * what pairs remember of each other. */
+fp3_status fp3_living_forget(fp3_engine *engine, const uint8_t *stays);
 
 #endif

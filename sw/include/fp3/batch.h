@@ -38,6 +38,8 @@ FP3_API_BEGIN
 
 typedef struct fp3_batch fp3_batch;
 
+#define FP3_NOBODY UINT32_MAX /* instead of an object's number */
+
 /* What to open. Always start from fp3_batch_default(). The caller owns everything that the
  * definition points to. `compiled`, `native`, `error` and whatever the two `user` pointers point to
  * must outlive the fp3_batch; the rest need only last until fp3_batch_open returns. */
@@ -50,7 +52,8 @@ typedef struct {
     const char *text;
     size_t text_size;
     const fp3_compiled *compiled;
-    size_t objects; /* 1 (default) to 2^25: the most that are ever used, see fp3_batch_use */
+    size_t objects; /* 1 (default) to 2^25: the most that live at the same time */
+    int is_empty;   /* 0 (default): all of them live from the start; 1: nobody does */
 
     /* The next three members apply to a model that is not compiled yet. integrator: a built-in
      * table or a file; NULL (default): rk4, or cash_karp if adaptive. The config of compile is NULL
@@ -87,10 +90,10 @@ static inline fp3_batch_def fp3_batch_default(void) {
     return def;
 }
 
-/* Opens an fp3_batch. All objects have the model's defaults and are at time 0. The caller closes
- * *batch, which is NULL on failure. Errors are those of fp3_program_open, fp3_compile and
- * fp3_engine_open. A call with NULL, after a failed open, does nothing and returns FP3_E_ARGUMENT,
- * 0 or NULL. */
+/* Opens an fp3_batch. All objects have the model's defaults and are at time 0. They have the
+ * numbers 0 .. objects-1. The caller closes *batch, which is NULL on failure. Errors are those of
+ * fp3_program_open, fp3_compile and fp3_engine_open. A call with NULL, after a failed open, does
+ * nothing and returns FP3_E_ARGUMENT, 0 or NULL. */
 fp3_status fp3_batch_open(const fp3_batch_def *def, fp3_batch **batch);
 /* Closes *batch and sets it to NULL. *batch may be NULL already. */
 void fp3_batch_close(fp3_batch **batch);
@@ -144,41 +147,68 @@ fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **va
  */
 
 /* Sets the links of a relation, before the first step and at any time later. The links are copied
- * and replace earlier links. For an image, `relation` is the name of a list's register, also for
- * near objects. FP3_E_ARGUMENT: no such relation or field; a link does not join two objects, or
- * joins the same two as another link; or a field is not finite. After an error the links are
- * unchanged. */
+ * and replace earlier links. Both ends have to live. For an image, `relation` is the name of a
+ * list's register, also for near objects. FP3_E_ARGUMENT: no such relation or field; a link does
+ * not join two objects, or joins the same two as another link; or a field is not finite. After an
+ * error the links are unchanged. */
 fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
 
 /* ---- steps ---- */
 
-/* All objects make this number of steps. With adaptive steps, each makes at most this number of
- * attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value is refused
- * as by fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed. FP3_E_FAILED: all steps
- * were made and values can be read, but objects failed in them (fp3_batch_failure); see may_fail.
- * An object that has made its attempts, and can go on to `until` in the next call, has not failed.
- * Other errors are those of fp3_engine_run. */
+/* All objects that live make this number of steps. With adaptive steps, each makes at most this
+ * number of attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value
+ * is refused as by fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed.
+ * FP3_E_FAILED: all steps were made and values can be read, but objects failed in them
+ * (fp3_batch_failure); see may_fail. An object that has made its attempts, and can go on to `until`
+ * in the next call, has not failed. Other errors are those of fp3_engine_run. */
 fp3_status fp3_batch_run(fp3_batch *batch, uint64_t steps);
-/* From now on objects 0 .. count-1 make steps; at first all objects do. The other objects cost
- * nothing. They keep their values, may be written and read, and go on from there when they are used
- * again. Each object counts its own steps, so an object that joins later is at its own t.
- * Of objects that see each other nobody sees those that are not used; a link to such an object is
- * there again when both of its ends are used. FP3_E_ARGUMENT: count is above the number of objects.
- */
-fp3_status fp3_batch_use(fp3_batch *batch, size_t count);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);
-/* Goes back to the starting states at time 0. Params, h and the number of objects that are used
- * stay as they are. */
+/* Goes back to the starting states at time 0. Params, h, links, and who lives stay as they are. */
 fp3_status fp3_batch_restart(fp3_batch *batch);
 
-/* Which of the used objects failed in the last fp3_batch_run, as fp3_engine_failure. text (may be
- * NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if a value was written, or
- * another number of objects used, since. With adaptive steps: which are stuck (FP3_ADAPTIVE_STUCK),
- * or have a state that is not finite; step is the number of accepted steps, and later members are
- * 0. */
+/* Which of the objects that live failed in the last fp3_batch_run, as fp3_engine_failure. text (may
+ * be NULL) gets a description, or "" if none failed. FP3_E_ARGUMENT: also if a value was written,
+ * or objects were added or removed, since. With adaptive steps: which are stuck
+ * (FP3_ADAPTIVE_STUCK), or have a state that is not finite; step is the number of accepted steps,
+ * and later members are 0. */
 fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
                              char text[FP3_FAILURE_TEXT_SIZE]);
+
+/* ---- objects that come and go ----
+ *
+ * An object that lives has a number, below `objects`, and a handle, which nobody else ever has; no
+ * handle is 0. Columns have a place for each
+ * number, also where nobody lives: what is written there no object ever sees. FP3_E_PROGRAM: the
+ * configuration has no `sleep`, so all its objects make all steps, unless they see each other.
+ */
+
+/* `count` objects are born: handles[i] receives the handle of each. They get the lowest numbers
+ * that are free, in ascending order, and the model's defaults: states, params, t, and `steps` 0;
+ * what the model starts from params follows those that are written before the next step. They have
+ * no links. FP3_E_LIMIT: there is no room for them. After an error nobody was born. */
+fp3_status fp3_batch_add(fp3_batch *batch, size_t count, uint64_t *handles);
+/* Removes objects: nobody sees them any more, and their links and what pairs remember of them are
+ * gone for good. Their numbers are free for others. FP3_E_ARGUMENT: an object was removed before,
+ * or occurs twice; nobody is removed. */
+fp3_status fp3_batch_remove(fp3_batch *batch, const uint64_t *handles, size_t count);
+/* How many live. */
+size_t fp3_batch_living(const fp3_batch *batch);
+/* The numbers of objects; FP3_NOBODY of a handle whose object was removed, and of 0. An object has
+ * one number as long as it lives. */
+void fp3_batch_numbers(const fp3_batch *batch, const uint64_t *handles, size_t count,
+                       uint32_t *numbers);
+/* The handles of objects first .. first+count-1; 0: nobody lives there. FP3_E_ARGUMENT: no such
+ * numbers. */
+fp3_status fp3_batch_handles(const fp3_batch *batch, size_t first, size_t count, uint64_t *handles);
+/* As fp3_batch_write, fp3_batch_write_double and fp3_batch_read, of these objects in this order.
+ * FP3_E_ARGUMENT: also if one was removed; nothing is changed then. */
+fp3_status fp3_batch_write_of(fp3_batch *batch, const char *name, const uint64_t *handles,
+                              size_t count, const float *values);
+fp3_status fp3_batch_write_of_double(fp3_batch *batch, const char *name, const uint64_t *handles,
+                                     size_t count, const double *values);
+fp3_status fp3_batch_read_of(fp3_batch *batch, const char *name, const uint64_t *handles,
+                             size_t count, float *values);
 
 /* ---- its parts, which belong to the fp3_batch ---- */
 
