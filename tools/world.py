@@ -81,7 +81,7 @@ def measure_all(options, folder):
         print(f"world: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr, flush=True)
     for part in options.parts:
         found = measure(options, part, folder, say)
-        measured[part] = {"date": about["date"], "revision": about["revision"], "rows": len(found[part])}
+        measured[part] = {"date": about["date"], "revision": about["revision"], "load": about["load"], "rows": len(found[part])}
         data |= {"about": about, "measured": measured} | found
         bench.write(options.output, json.dumps(data, indent=1) + "\n")
         yield from wrong(found)
