@@ -532,8 +532,8 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 # ---- objects that see each other ----------------------------------------------------------------
 
 .PHONY: world world-report combinations
-world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics"
-	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
+world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics", SCENES="belt slope"
+	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
 
 combinations: all ## What goes with objects that see each other, each cell tried: the table of docs/relations.md
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json --parts combinations

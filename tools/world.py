@@ -4,6 +4,7 @@
     tools/world.py                                     all of it, at its full length
     tools/world.py --quick                             the same in seconds, for the tests
     tools/world.py --parts hashes physics
+    tools/world.py --parts hashes --scenes belt slope                              of these scenes alone; the rows of others stay
     tools/world.py --input build/results/world.json --markdown docs/world.md       the page
     tools/world.py --input build/results/world.json --relations docs/relations.md  its table of combinations
 
@@ -14,6 +15,7 @@ not hold, or a peer fails.
 import argparse
 import json
 import pathlib
+import re
 import sys
 import tempfile
 import time
@@ -40,13 +42,15 @@ CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, worl
           contact.players, contact.cradle, friction.slope, friction.belt, friction.glancing, friction.pyramid, memory.breaking, memory.plastic, rhythm.clocks,
           rhythm.neurons]
 
+SCENES_OF = {bodies.free: {"stars", "net", "balls"}}  # of a check that has another name than its scene
+
 
 def measure(options, part, folder, say):
     """What a part adds to the file."""
     if part == "combinations":
         return {"combinations": combinations.measure(options.fp3, folder, say)}
     if part == "hashes":
-        rows, refused = world_hashes.measure(options.fp3, folder, options.quick, say)
+        rows, refused = world_hashes.measure(options.fp3, folder, options.quick, say, options.scenes)
         return {"hashes": rows, "refused": refused}
     if part == "speed":
         rows, failed = world_speed.measure(options, folder, say)
@@ -56,7 +60,9 @@ def measure(options, part, folder, say):
         return {"chip": rows, "refused_on_chip": refused}
     found, lab = [], world_physics.Lab(options.fp3, folder, options.quick)
     for check in CHECKS[:3] if options.quick else CHECKS:  # tests/world/test_world_physics.py has the quick form of each
-        rows = list(check(lab))
+        if options.scenes and not SCENES_OF.get(check, {check.__name__}) & set(options.scenes):
+            continue
+        rows = [row for row in check(lab) if not options.scenes or row["scene"] in options.scenes]
         found += rows
         say(f"physics of {check.__name__}: {sum(row['holds'] for row in rows)} of {len(rows)} rows hold")
     return {"physics": found}
@@ -71,6 +77,21 @@ def kept(options):
         return {}
 
 
+def joined(options, data, part, found, about):
+    """What is found of a part, and when; what is found of some scenes takes the place of their rows alone."""
+    when = {"date": about["date"], "revision": about["revision"], "load": about["load"]}
+    if not options.scenes:
+        return found, when | {"rows": len(found[part])}
+
+    def scene_of(row):
+        return re.match(r"\w+", row["scene"])[0]
+    joined = {key: sorted([row for row in data.get(key, []) if scene_of(row) not in options.scenes] + rows, key=scene_of if key == "hashes" else lambda row: 0)
+              for key, rows in found.items()}
+    before = data.get("measured", {}).get(part, when)
+    later = [one for one in before.get("later", []) if not set(one["scenes"]) <= set(options.scenes)]
+    return joined, before | {"rows": len(joined[part]), "later": later + [when | {"scenes": sorted(options.scenes)}]}
+
+
 def measure_all(options, folder):
     """Parts one by one, each written at once; yields what is wrong."""
     begin, data = time.monotonic(), kept(options)
@@ -81,8 +102,8 @@ def measure_all(options, folder):
         print(f"world: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr, flush=True)
     for part in options.parts:
         found = measure(options, part, folder, say)
-        measured[part] = {"date": about["date"], "revision": about["revision"], "load": about["load"], "rows": len(found[part])}
-        data |= {"about": about, "measured": measured} | found
+        rows, measured[part] = joined(options, data, part, found, about)
+        data |= {"about": about, "measured": measured} | rows
         bench.write(options.output, json.dumps(data, indent=1) + "\n")
         yield from wrong(found)
 
@@ -108,6 +129,7 @@ def main():
                         help="a Python that may have Taichi, Warp and other peers (default: that of make setup-bench)")
     parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
+    parser.add_argument("--scenes", nargs="+", choices=scene.names(), help="of hashes and physics, the rows of these scenes only")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
     parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
     parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
@@ -115,6 +137,8 @@ def main():
     options = parser.parse_args()
     if bool(options.input) != bool(options.markdown or options.relations):
         parser.error("expected --input together with --markdown or --relations")
+    if options.scenes and not set(options.parts) <= {"hashes", "physics"}:
+        parser.error("expected --parts hashes or physics beside --scenes")
     if options.relations:
         rows = json.loads(options.input.read_text(encoding="utf-8"))["combinations"]
         bench.write(options.relations, combinations.page(options.relations.read_text(encoding="utf-8"), rows))

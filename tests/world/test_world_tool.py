@@ -307,6 +307,22 @@ def test_the_page_has_all_rows(root, measured, tmp_path):
     assert text.count(": does not hold |") == 1 and text.count("` | 5 |") == 1
 
 
+def test_rows_stay_of_scenes_that_are_not_measured(root, build, tmp_path, measured):
+    """The others keep theirs, in their order; the page says which scenes were measured later."""
+    path, page = tmp_path / "world.json", tmp_path / "page.md"
+    rows = [row | {"hash": "0" * 16} if row["scene"] in ("train", "chain") else row for row in measured["hashes"]]
+    path.write_text(json.dumps(measured | {"hashes": rows}))
+    command = [sys.executable, root / "tools/world.py"]
+    done = subprocess.run([*command, "--fp3", build / "fp3", "--output", path, "--parts", "hashes", "--scenes", "train", "--quick"], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(path.read_text())
+    assert [row for row in found["hashes"] if row["scene"] == "train"] == [row for row in measured["hashes"] if row["scene"] == "train"]
+    assert sorted(map(str, found["hashes"])) == sorted(str(row | {"hash": "0" * 16} if row["scene"] == "chain" else row) for row in measured["hashes"])
+    assert subprocess.run([*command, "--input", path, "--markdown", page]).returncode == 0 and "; hashes of `train` " in page.read_text()
+    refused = subprocess.run([*command, "--parts", "chip", "--scenes", "train"], capture_output=True, text=True)
+    assert refused.returncode == 2 and "expected --parts hashes or physics beside --scenes" in refused.stderr
+
+
 @pytest.mark.long
 def test_parts_stay_that_are_not_measured(root, build, tmp_path, measured):
     path = tmp_path / "world.json"

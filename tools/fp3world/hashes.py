@@ -12,7 +12,7 @@ STEPS_RTL = {True: 4, False: 100}
 QUICK = ["balls", "chain", "cloth", "planets", "train"]
 SLOW = {"stars"}  # on engine isa
 ALONE = "one object at a time"
-NEAR = {"balls", "gas", "heap", "dam"}
+NEAR = {"balls", "gas", "heap", "dam", "cradle"}
 BIG = {"net", "heap", "dam"}  # as they are
 SKINS = (0, 0.02, 1, 10)
 # What is replaced in a scene, and by what. Small: it fits into the hardware. Large: several blocks of engine fast, one for a thread.
@@ -117,8 +117,8 @@ def on_skins(scene, text, skins=SKINS):
         scene.try_one("fast", f"skin {skin:g}, 2 threads", path=path, threads=2)
 
 
-def measure(fp3, folder, quick, say):
-    """The rows of all scenes, and what an engine has no room for."""
+def measure(fp3, folder, quick, say, names=None):
+    """The rows of all scenes, or of these, and what an engine has no room for."""
     rows, refused = [], []
 
     def make(name, forms, steps):
@@ -127,7 +127,7 @@ def measure(fp3, folder, quick, say):
     def keep(scene):
         rows.extend(scene.rows)
         refused.extend(scene.refused)
-    for name in QUICK if quick else ws.names():
+    for name in names or (QUICK if quick else ws.names()):
         scene = make(name, SMALL if quick or name in SLOW else {}, STEPS[quick] if quick else STEPS_OF.get(name, STEPS[quick]))
         scene.try_one("isa", ALONE)
         on_fast(scene, 4 if name in BIG else 1)
