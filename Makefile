@@ -377,8 +377,8 @@ sessions: $(BUILD)/fp3 ## Record programs/*.session again, after a change of cyc
 
 # ---- tests --------------------------------------------------------------------------------------
 
-# Tests that call make are not part of this one.
-PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $(JOBS) --dist loadgroup
+# Tests that call make are not part of this one. One test more than processors: some wait.
+PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $$(($(JOBS) + 1)) --dist loadgroup
 
 .PHONY: test smoke quick
 test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length

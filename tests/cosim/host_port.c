@@ -1,6 +1,6 @@
 /* host_port.c - every transfer on the bus is answered, and nonsense is refused without a change.
  *
- *     host_port [CONFIGURATION]    or all
+ *     host_port [CONFIGURATION]    or all, with three times as many addresses by chance
  *
  * Addresses of every kind, read and written, idle and running, on each configuration; expected is
  * what isa/registers.toml says, written once more by hand. Every channel waits 0 to 3 cycles in
@@ -28,6 +28,7 @@ typedef struct {
     chance c;
     unsigned failed;
     uint64_t transfers;
+    int probes; /* by chance */
 } bench;
 
 static const uint32_t start = 1u << FP3_CONTROL_START_LO, stop = 1u << FP3_CONTROL_STOP_LO;
@@ -251,7 +252,7 @@ static void sweep(bench *b, int is_running) {
         for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
             for (uint32_t word = ends[i] - 2; word != ends[i] + 2; word++)
                 probe(b, in_space(b, 0, space, word % words_of_space(b)), is_running);
-    for (int i = 0; i < 6000; i++)
+    for (int i = 0; i < b->probes; i++)
         probe(b, inside(b, (uint32_t)next64(&b->c)), is_running);
     for (uint32_t scheduler = 1; scheduler < 256 && !is_running; scheduler++) {
         probe(b, of_scheduler(b, scheduler, FP3_ADDR_ID), 0);
@@ -826,8 +827,9 @@ static void a_quick_master_streams(const fp3_config *config, const fp3_rtl_ops *
     b->transfers += quick.transfers;
 }
 
-static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, uint64_t *transfers) {
-    bench b = {.ops = ops, .config = config, .c = {.state = 1}};
+static unsigned check(const fp3_config *config, const fp3_rtl_ops *ops, int probes,
+                      uint64_t *transfers) {
+    bench b = {.ops = ops, .config = config, .c = {.state = 1}, .probes = probes};
     b.schedulers = fp3_config_schedulers(b.config);
     b.whole = FP3_BANK_OBJECT_COUNT;
     b.rtl = ops->open(&(fp3_rtl_watch){0}, 1);
@@ -866,7 +868,7 @@ int main(int argc, char **argv) {
             printf("%s\n", error.text);
             return 1;
         }
-        failed += check(&fp3_configs[i], hardware.ops, &transfers);
+        failed += check(&fp3_configs[i], hardware.ops, argc > 1 ? 2000 : 6000, &transfers);
         fp3_hardware_unload(&hardware);
     }
     printf("%" PRIu64 " transfers, %u failed\n", transfers, failed);

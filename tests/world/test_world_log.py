@@ -28,8 +28,9 @@ def skins(lines):
     return [[re.sub(r"^(near \S+ \S+) \S+", rf"\1 {skin}", line) for line in lines] for skin in ("0", "0.02", "3")]
 
 
-@pytest.mark.parametrize("config, integrator", [("world_log", "leapfrog"), ("world_log", "rk4"), ("world_bfloat", "leapfrog")])
-@pytest.mark.parametrize("name", LIVING)
+@pytest.mark.parametrize("name, config, integrator", [
+    pytest.param(name, config, integrator, marks=[pytest.mark.long] * (integrator == "rk4" and name in ("cloth", "stars", "balls")))
+    for name in LIVING for config, integrator in (("world_log", "leapfrog"), ("world_log", "rk4"), ("world_bfloat", "leapfrog"))])
 def test_engines_and_skins_have_the_same_words(script, name, config, integrator):  # noqa: F811
     """Links, near and all, one by one and together, with projections and every function."""
     model, lines, states = LIVING[name]
