@@ -193,6 +193,7 @@ FP3_PLACE_EVENTS = 44
 FP3_PLAIN = 0
 FP3_RELATIONS_MAX = 8
 FP3_REMOVED = 4294967295
+FP3_REMOVES = 2
 FP3_ROSENBROCK = 3
 FP3_RUNGE_KUTTA = 0
 FP3_SPLITTING = 1
@@ -200,6 +201,7 @@ FP3_STAGES_MAX = 24
 FP3_STANDSTILL_TEXT_SIZE = 192
 FP3_STEPS_LIMIT = 16777216
 FP3_STOERMER = 2
+FP3_STOPS = 1
 FP3_SYMBOL_CLASSES = 6
 FP3_SYMBOL_CONST = 4
 FP3_SYMBOL_LABEL = 5
@@ -918,6 +920,7 @@ PROTOTYPES = {
     "fp3_image_slept": (c_int, (POINTER(fp3_image),)),
     "fp3_image_steps": (c_int, (POINTER(fp3_image),)),
     "fp3_image_rest": (c_int, (POINTER(fp3_image),)),
+    "fp3_image_removed": (c_int, (POINTER(fp3_image),)),
     "fp3_class_name": (c_char_p, (c_int,)),
     "fp3_class_is_object": (c_int, (c_int,)),
     "fp3_name_valid": (c_int, (c_char_p,)),

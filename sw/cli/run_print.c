@@ -121,19 +121,21 @@ static void print_asleep(fp3_engine *engine, const part *of) {
     putchar('\n');
 }
 
-/* Where objects are born and gone: how many are in each stage at the end. */
-static void print_lives(const fp3_engine *engine, const fp3_scene_group *group) {
-    size_t of[FP3_GONE + 1] = {0};
-    int is_any = 0;
-    for (size_t i = 0; i < group->objects; i++) {
-        uint64_t born, gone;
-        fp3_scene_life(group, i, &born, &gone);
+/* Where objects may be born, gone or removed: how many are in each stage at the end. group: NULL:
+ * of no scene. */
+static void print_lives(const fp3_engine *engine, const part *of, const fp3_scene_group *group) {
+    size_t count[FP3_GONE + 1] = {0};
+    int is_any = of->image && fp3_image_removed(of->image) >= 0;
+    for (size_t i = 0; i < of->objects; i++) {
+        uint64_t born = 0, gone = FP3_FOREVER;
+        if (group)
+            fp3_scene_life(group, i, &born, &gone);
         is_any |= born || gone != FP3_FOREVER;
-        of[fp3_engine_life(engine, group->first + i)]++;
+        count[fp3_engine_life(engine, of->first + i)]++;
     }
     if (is_any)
-        printf("%-16s %zu of %zu, %zu not born yet, %zu gone\n", "alive", of[FP3_ALIVE],
-               group->objects, of[FP3_UNBORN], of[FP3_GONE]);
+        printf("%-16s %zu of %zu, %zu not born yet, %zu gone\n", "alive", count[FP3_ALIVE],
+               of->objects, count[FP3_UNBORN], count[FP3_GONE]);
 }
 
 /* text has room for both kinds. */
@@ -267,7 +269,7 @@ static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t numbe
     fp3_cli_line(stdout, "group %-10zu %s, objects %zu to %zu", number, group->path, group->first,
                  group->first + group->objects - 1);
     print_states(engine, &of, all);
-    print_lives(engine, group);
+    print_lives(engine, &of, group);
     print_status(engine, &of, cost);
     const uint64_t steps = scene->group_count == 1 ? cost->stats.object_steps
                            : cost->groups          ? cost->groups[number].object_steps
@@ -305,6 +307,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         part objects = part_of_all(engine, of->program, cost);
         objects.check = checks ? checks[0] : NULL;
         print_states(engine, &objects, all);
+        print_lives(engine, &objects, NULL);
         print_status(engine, &objects, cost);
     }
     for (size_t i = 0; of->scene && i < of->scene->group_count; i++)

@@ -249,7 +249,7 @@ const fp3_layout *fp3_engine_layout(const fp3_engine *engine) { return &engine->
 
 uint32_t *fp3_engine_clock(fp3_engine *engine) { return &engine->clock; }
 
-int fp3_engine_has_lives(const fp3_engine *engine) { return engine->lives.list != NULL; }
+int fp3_engine_has_lives(const fp3_engine *engine) { return fp3_lives_vary(engine); }
 
 const fp3_failed *fp3_engine_failures(const fp3_engine *engine, size_t *count) {
     *count = engine->failures.count;

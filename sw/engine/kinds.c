@@ -95,7 +95,7 @@ static fp3_status find_words(const fp3_engine *engine, const fp3_layout *layout,
 static fp3_status settle_stages(fp3_engine *engine) {
     const fp3_kinds *self = fp3_kinds_of(engine);
     fp3_status status = FP3_OK;
-    if (!engine->lives.list && !self->held && !self->rest.is_any)
+    if (!fp3_lives_vary(engine) && !self->held && !self->rest.is_any)
         return FP3_OK;
     uint8_t *stage = malloc(engine->objects + (size_t)1);
     if (!stage)

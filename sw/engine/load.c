@@ -161,6 +161,7 @@ static fp3_status prepare(fp3_engine *engine, const fp3_group *from, int check, 
     to->program = program_of(to->image, to->visit);
     to->counter = fp3_image_steps(to->image);
     to->rest = is_part ? -1 : fp3_image_rest(to->image);
+    to->removed = is_part ? -1 : fp3_image_removed(to->image);
     to->needs = to->visit && check ? to->visit->log2 : 0;
     return copy_foreign(engine, from, to);
 }
@@ -207,11 +208,34 @@ static void say_group(const fp3_engine *engine, fp3_status status, size_t i, siz
     fp3_fail(engine->def.error, status, "%s%s", fp3_engine_prefix(i, count).text, why.text);
 }
 
+/* Objects that are removed: those that are left are the only ones that a run visits. */
+static fp3_status check_removal(fp3_engine *engine, const fp3_layout *layout,
+                                const fp3_members *group) {
+    const int is_divided = fp3_kinds_usual(engine)->is_divided;
+    const int sees = fp3_layout_is_joined(layout) || group->lists.shape.is_any;
+    if (group->removed < 0)
+        return FP3_OK;
+    if (is_divided)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "the program removes objects: several ranks would have to agree on who is "
+                        "left");
+    if (engine->config->interleave && !engine->config->sleep && !sees)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "the program removes objects: configuration '%s' has no sleep: all its "
+                        "objects make all steps",
+                        engine->config->name);
+    return FP3_OK;
+}
+
 static fp3_status prepare_all(fp3_engine *engine, const fp3_group *groups, size_t count, int check,
                               int is_part, fp3_layout *layout) {
     fp3_status status = fp3_layout_make(engine->config, (uint32_t)count, layout, engine->def.error);
     for (size_t i = 0; !status && i < count; i++) {
         status = prepare(engine, &groups[i], check, is_part, &layout->groups[i]);
+        say_group(engine, status, i, count);
+    }
+    for (size_t i = 0; !status && i < count; i++) {
+        status = check_removal(engine, layout, &layout->groups[i]);
         say_group(engine, status, i, count);
     }
     if (!status && fp3_layout_is_joined(layout)) {
@@ -260,7 +284,8 @@ static fp3_status settle(fp3_engine *engine, fp3_layout *layout, fp3_luggage *l,
     *layout = old;
     engine->clock = 0;
     engine->made = 0;
-    fp3_life_forget(engine);
+    if (!status)
+        status = fp3_life_begin(engine);
     engine->sleepers.is_known = engine->sleepers.is_listed = engine->is_counted = 0;
     engine->is_touched = 1;
     if (!status)

@@ -9,6 +9,8 @@
 
 #include "base/number.h"
 
+#include <string.h>
+
 /* What is read is FP3_NONE after an error. */
 static ode_value number(ode_parser *p, ode_context context, const char *what) {
     const fp3_token at = p->in.next;
@@ -62,33 +64,69 @@ static void assignment(ode_parser *p, ode_event *event) {
             return;
 }
 
-/* `stop` is a name as well: what follows tells. */
-static int is_stop(const ode_parser *p) {
-    return fp3_ode_at(&p->in, "stop") && !is_followed_by(p, "=") && !is_followed_by(p, "[") &&
-           !is_followed_by(p, ".") && !is_followed_by(p, "'");
+/* A state that engines know by its name; no equation moves it. FP3_NONE after an error. */
+static uint32_t add_known(ode_parser *p, fp3_token keyword, const char *known, const char *doc) {
+    const ode_constant nothing = {.expr = {FP3_NONE}};
+    const uint32_t state = p->state_count;
+    fp3_token name = keyword;
+    name.text = known;
+    name.length = strlen(known);
+    const ode_symbol *other = fp3_ode_occupied(p, name, 1);
+    if (other) {
+        fp3_ode_wrong(&p->in, keyword, "no '%s' beside it (line %u declares this one)", known,
+                      other->at.location.line);
+        return FP3_NONE;
+    }
+    fp3_ode_add_quantity(p, name, ODE_STATE, 1, 0, &nothing, doc);
+    if (p->state_count == state)
+        return FP3_NONE;
+    const ode_value zero = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 0);
+    p->states[state].first = fp3_ode_equation(p, keyword, taken(zero));
+    return state;
 }
 
-/* After `stop` nothing changes, so it comes last. */
-static void stop(ode_parser *p, ode_event *event) {
+/* `stop` and `remove` are names as well: what follows tells. */
+static int is_end(const ode_parser *p) {
+    return (fp3_ode_at(&p->in, "stop") || fp3_ode_at(&p->in, "remove")) &&
+           !is_followed_by(p, "=") && !is_followed_by(p, "[") && !is_followed_by(p, ".") &&
+           !is_followed_by(p, "'");
+}
+
+/* Sets the state by which an engine knows; all events have one. */
+static void set_removed(ode_parser *p, fp3_token keyword, ode_event *event) {
+    if (!p->has_removed)
+        p->removed = add_known(p, keyword, FP3_NAME_REMOVED, "1: an event has removed the object");
+    p->has_removed = 1;
+    const ode_value one = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 1);
+    if (p->removed != FP3_NONE)
+        add(p, keyword, p->removed, taken(one), event);
+}
+
+/* After either of them nothing changes, so it comes last. */
+static void end_of_object(ode_parser *p, ode_event *event) {
+    const fp3_token keyword = p->in.next;
+    const int removes = fp3_token_is(keyword, "remove");
     fp3_ode_advance(&p->in);
-    event->stops = 1;
+    event->stops = removes ? FP3_REMOVES : FP3_STOPS;
     if (!fp3_ode_at_end(&p->in))
-        fp3_ode_lost(&p->in, "the end of the line (`stop` comes last)");
+        fp3_ode_lost(&p->in, "the end of the line (`%s` comes last)", removes ? "remove" : "stop");
+    else if (removes && !p->skipping)
+        set_removed(p, keyword, event);
 }
 
 static void assignments(ode_parser *p, ode_event *event) {
     do
         assignment(p, event);
-    while (fp3_ode_accept(&p->in, ",") && !is_stop(p));
+    while (fp3_ode_accept(&p->in, ",") && !is_end(p));
 }
 
 /* What follows the condition. */
 static void consequence(ode_parser *p, ode_event *event) {
     fp3_ode_expect(&p->in, ":", "an operator or ':', and then a new value, as in `x = 0`");
-    if (!is_stop(p))
+    if (!is_end(p))
         assignments(p, event);
-    if (is_stop(p))
-        stop(p, event);
+    if (is_end(p))
+        end_of_object(p, event);
 }
 
 static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t *count) {
@@ -100,8 +138,8 @@ static void add_event(ode_parser *p, ode_event event, ode_event *list, uint32_t 
         list[(*count)++] = event;
 }
 
-/* Whether the event keeps the object from leaving the root: it stops the object, or sets a state
- * that the expression is made of. */
+/* Whether the event keeps the object from leaving the root: it stops or removes the object, or sets
+ * a state that the expression is made of. */
 static int holds(const ode_parser *p, const ode_event *event, uint32_t expr) {
     char is_part[ODE_EXPRS] = {0};
     if (event->stops)
@@ -189,35 +227,14 @@ static void projection(ode_parser *p, fp3_token keyword) {
     p->is_in_projection = 1;
     assignments(p, &event);
     p->is_in_projection = 0;
-    if (is_stop(p))
-        fp3_ode_lost_at(&p->in, keyword, "an event (a projection stops nothing)");
+    if (is_end(p))
+        fp3_ode_lost_at(&p->in, keyword, "an event (a projection %s nothing)",
+                        fp3_ode_at(&p->in, "stop") ? "stops" : "removes");
     add_event(p, event, p->projections, &p->projection_count);
 }
 
 static int is_rest(const ode_parser *p, fp3_token first) {
     return fp3_token_is(first, "rest") && fp3_ode_at(&p->in, "when");
-}
-
-/* The state that engines know by its name; no equation moves it. FP3_NONE after an error. */
-static uint32_t add_rest(ode_parser *p, fp3_token keyword) {
-    const ode_constant nothing = {.expr = {FP3_NONE}};
-    const uint32_t state = p->state_count;
-    fp3_token name = keyword;
-    name.text = FP3_NAME_REST;
-    name.length = sizeof FP3_NAME_REST - 1;
-    const ode_symbol *other = fp3_ode_occupied(p, name, 1);
-    if (other) {
-        fp3_ode_wrong(&p->in, keyword, "no '%s' beside it (line %u declares this one)",
-                      FP3_NAME_REST, other->at.location.line);
-        return FP3_NONE;
-    }
-    fp3_ode_add_quantity(p, name, ODE_STATE, 1, 0, &nothing,
-                         "how long the object has been at rest");
-    if (p->state_count == state)
-        return FP3_NONE;
-    const ode_value zero = fp3_ode_leaf(p, keyword, FP3_EXPR_NUMBER, 0, 0);
-    p->states[state].first = fp3_ode_equation(p, keyword, taken(zero));
-    return state;
 }
 
 /* The time behind `for`. 0 after an error. */
@@ -250,7 +267,8 @@ static void rest(ode_parser *p, fp3_token keyword) {
     fp3_ode_expect(&p->in, "for", "an operator or `for`, and then a time");
     if (!read_rest(p, keyword) || condition.size != 1)
         return;
-    const uint32_t state = add_rest(p, keyword);
+    const uint32_t state =
+        add_known(p, keyword, FP3_NAME_REST, "how long the object has been at rest");
     if (state == FP3_NONE)
         return;
     event.first = p->assignment_count;

@@ -36,6 +36,11 @@ void fp3_model_free(fp3_model **model) {
 }
 
 fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error) {
+    if (fp3_model_removes(model))
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "line %" PRIu32 " of model '%s' removes objects, and this command needs "
+                        "objects that make all steps",
+                        fp3_model_removes(model), model->name);
     if (!model->relation_count)
         return FP3_OK;
     return fp3_fail(error, FP3_E_PROGRAM,

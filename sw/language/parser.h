@@ -106,7 +106,7 @@ typedef struct {
 
 typedef struct {
     uint32_t condition, first, count, armed; /* as of fp3_event */
-    int stops;
+    int stops;                               /* likewise */
     fp3_token at;
 } ode_event;
 
@@ -136,6 +136,8 @@ typedef struct {
     fp3_token model_at; /* if the source names the model */
     char model_name[FP3_NAME_SIZE];
     char *model_doc;
+    uint32_t removed; /* the state FP3_NAME_REMOVED, if it is there */
+    int has_removed;
     ode_time step, span, rest;
     char time_unit[FP3_UNIT_SIZE];
     ode_dimension_names dimension_names;

@@ -54,15 +54,16 @@ const uint32_t *fp3_image_value(const fp3_image *image, uint32_t index) {
     return NULL;
 }
 
-int fp3_image_steps(const fp3_image *image) {
-    const fp3_symbol *s = fp3_image_find(image, FP3_NAME_STEPS, FP3_CLASS(FP3_SYMBOL_STATE));
+static int find_state(const fp3_image *image, const char *name) {
+    const fp3_symbol *s = fp3_image_find(image, name, FP3_CLASS(FP3_SYMBOL_STATE));
     return s ? (int)s->index : -1;
 }
 
-int fp3_image_rest(const fp3_image *image) {
-    const fp3_symbol *s = fp3_image_find(image, FP3_NAME_REST, FP3_CLASS(FP3_SYMBOL_STATE));
-    return s ? (int)s->index : -1;
-}
+int fp3_image_steps(const fp3_image *image) { return find_state(image, FP3_NAME_STEPS); }
+
+int fp3_image_rest(const fp3_image *image) { return find_state(image, FP3_NAME_REST); }
+
+int fp3_image_removed(const fp3_image *image) { return find_state(image, FP3_NAME_REMOVED); }
 
 static int names_slept(const fp3_decoded *word) {
     return word->of && (word->in.op == FP3_OP_SLEEP || word->in.op == FP3_OP_LDS);

@@ -261,6 +261,7 @@ FEATURES = [
     Feature("events", more="when x > 1: v = -v"),
     Feature("events with sums", more="when {pull} > 0.1: v = 0.5*v"),
     Feature("events that stop an object", more="when x > 1: stop"),
+    Feature("events that remove an object", more="when x > 1: remove"),
     Feature("fixed steps cut at events", more="when root(x - 1) rising: v = -v", settings="until = 0.0625;", integrator="rk4"),
     Feature("lifetimes", settings="born = [0, 4]; gone = 7;"),
     Feature("lifetimes where pairs remember", more="remember o in ties: o.s = o.s + h*(o.v - v)", field="s = 0", settings="born = [0, 4]; gone = 7;"),

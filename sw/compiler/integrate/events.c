@@ -75,7 +75,7 @@ static void fire(fp3_advance *a, const fp3_event *event, lowering *l, occurrence
     for (uint32_t i = 0; i < event->count; i++)
         if (fp3_fit_is_live(a->fit, list[i].state))
             set(a, event, list[i].state, when, value[i]);
-    if (!event->stops)
+    if (event->stops != FP3_STOPS)
         return;
     a->step->values.note = fp3_note(&a->step->notes, "line %" PRIu32 ": stop", event->line);
     const term yes = fp3_term(num(&a->step->values, 1));

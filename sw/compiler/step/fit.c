@@ -138,6 +138,11 @@ static void find_live(const fitting *f, const fp3_options *options) {
         const uint32_t state = fp3_model_state(f->model, located[i]);
         *live |= state == FP3_NONE ? 0 : BIT(state);
     }
+    static const char *const known[] = {FP3_NAME_REST, FP3_NAME_REMOVED};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) { /* an engine looks at them */
+        const uint32_t state = fp3_model_state(f->model, known[i]);
+        *live |= state == FP3_NONE ? 0 : BIT(state);
+    }
     for (uint32_t i = 0; i < f->model->event_count; i++)
         if (f->model->events[i].stops)
             *live |= f->needs[f->model->events[i].condition];
@@ -155,7 +160,7 @@ static void find_live(const fitting *f, const fp3_options *options) {
 static int has_stop(const fp3_model *model) {
     int has = 0;
     for (uint32_t i = 0; i < model->event_count; i++)
-        has |= model->events[i].stops;
+        has |= model->events[i].stops == FP3_STOPS;
     return has;
 }
 
@@ -249,8 +254,13 @@ static fp3_status check_adaptive(const fitting *f, fp3_error *error) {
  * can choose its own end: then one that has stopped makes steps that change nothing. */
 static fp3_status check_stop(const fitting *f, fp3_error *error) {
     const int is_together = f->model->relation_count > 0;
+    if (f->fit->control && fp3_model_removes(f->model))
+        return fp3_fail(error, FP3_E_PROGRAM,
+                        "line %" PRIu32 ": `remove` ends a life after a step that all objects "
+                        "make: run with --steps, or let the event `stop` the object",
+                        fp3_model_removes(f->model));
     for (uint32_t i = 0; !f->fit->control && !is_together && i < f->model->event_count; i++)
-        if (f->model->events[i].stops)
+        if (f->model->events[i].stops == FP3_STOPS)
             return fp3_fail(error, FP3_E_PROGRAM,
                             "line %" PRIu32 ": `stop` needs each object to choose its own end: "
                             "run with --until or --tolerance instead of --steps",

@@ -74,10 +74,15 @@ typedef struct {
 } fp3_life;
 
 typedef struct {
-    fp3_life *list;  /* of each object; NULL: all live, always */
-    uint64_t change; /* the next step after which others live; not above `made`: unknown */
-    int is_any;      /* an object is alive until then */
+    fp3_life *list;   /* of each object; NULL: all live, always */
+    uint8_t *removed; /* of each object, a set of FP3_REMOVED_*; NULL: no program can */
+    int is_looked;    /* ... which is what objects hold */
+    uint64_t change;  /* the next step after which others live; not above `made`: unknown */
+    int is_any;       /* an object is alive until then */
 } fp3_lives;
+
+#define FP3_REMOVED_NOW 1    /* an event has removed it */
+#define FP3_REMOVED_BEFORE 2 /* ... before the last run */
 
 typedef struct {
     uint32_t *slept; /* of each object, what its sleep register held when it was last looked at */
@@ -120,6 +125,11 @@ struct fp3_engine {
     fp3_watched *watched; /* isa: of each object, filled by a run; NULL: not watched */
     void *self;           /* the backend's own */
 };
+
+/* Whether some objects may not live always. */
+static inline int fp3_lives_vary(const fp3_engine *engine) {
+    return engine->lives.list || engine->lives.removed;
+}
 
 /* Whether a run visits the object, now. */
 int fp3_engine_is_awake(const fp3_engine *engine, size_t object);

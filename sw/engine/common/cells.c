@@ -10,6 +10,7 @@
 #include "machine/format.h"
 #include "machine/storage.h"
 #include "origin.h"
+#include "removed.h"
 
 #include <fp3/isa.h>
 #include <inttypes.h>
@@ -52,6 +53,8 @@ static void follow(fp3_engine *engine, fp3_cells cells, const void *words) {
             memcpy(&engine->sleepers.slept[own.first], from, own.count * sizeof *from);
             engine->sleepers.is_listed = 0;
         }
+        if (own.count && group->removed == (int)own.number)
+            fp3_removed_note(engine, own.first, own.count, from);
         if (own.count && group->counter == (int)own.number)
             engine->is_counted = 0;
     }

@@ -34,6 +34,8 @@ fp3_life_stage fp3_engine_life(const fp3_engine *engine, size_t object) {
     if (object >= engine->objects)
         return FP3_GONE;
     const fp3_life *life = engine->lives.list ? &engine->lives.list[object] : NULL;
+    if (engine->lives.removed && engine->lives.removed[object] & FP3_REMOVED_NOW)
+        return FP3_GONE;
     return !life || (life->born <= engine->made && engine->made < life->gone) ? FP3_ALIVE
            : engine->made < life->born                                        ? FP3_UNBORN
                                                                               : FP3_GONE;

@@ -48,7 +48,7 @@ static fp3_status note(fp3_engine *engine, uint32_t number, size_t object, float
     if (!(fabsf(whole) <= (float)fp3_format_counts(engine->config) && fabsf(n - whole) <= off))
         return no_count(engine, object, n);
     group->counted = (int64_t)whole > group->counted ? (int64_t)whole : group->counted;
-    return engine->lives.list && lives ? check(engine, number, (int64_t)whole, lives) : FP3_OK;
+    return fp3_lives_vary(engine) && lives ? check(engine, number, (int64_t)whole, lives) : FP3_OK;
 }
 
 static fp3_status ask(fp3_engine *engine, uint32_t number, uint32_t steps) {
@@ -67,7 +67,7 @@ static fp3_status ask(fp3_engine *engine, uint32_t number, uint32_t steps) {
 }
 
 fp3_status fp3_engine_check_count(fp3_engine *engine, uint32_t steps) {
-    const int has_lives = engine->lives.list != NULL;
+    const int has_lives = fp3_lives_vary(engine);
     fp3_status status = FP3_OK;
     if (!steps)
         return FP3_OK;

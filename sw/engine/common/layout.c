@@ -14,7 +14,7 @@ fp3_status fp3_layout_make(const fp3_config *config, uint32_t count, fp3_layout 
                            .schedulers = calloc(schedulers, sizeof *layout->schedulers),
                            .duty = calloc(schedulers, sizeof *layout->duty)};
     for (uint32_t i = 0; layout->groups && i < count; i++)
-        layout->groups[i].rest = -1;
+        layout->groups[i].rest = layout->groups[i].removed = -1;
     if (layout->groups && layout->schedulers && layout->duty)
         return FP3_OK;
     if (!layout->groups)

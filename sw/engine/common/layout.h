@@ -29,6 +29,7 @@ typedef struct {
     uint64_t steps;             /* that its objects made in the last run */
     int counter;                /* register in which the program counts its steps, or -1 */
     int rest;                   /* the register of `at_rest` (kinds_rest.c), or -1 */
+    int removed;                /* the register of `is_removed` (removed.h), or -1 */
     uint64_t slept;  /* object-steps that those made who slept so, in this part of a run: none */
     int64_t counted; /* the most steps that an object has there */
     uint32_t log2;   /* interleaved: of the words of a record, as many as fit */

@@ -12,6 +12,8 @@
 #include <string.h>
 
 uint32_t fp3_life_steps(const fp3_engine *engine, size_t object, uint32_t steps) {
+    if (engine->lives.removed && engine->lives.removed[object] & FP3_REMOVED_NOW)
+        return 0;
     if (!engine->lives.list)
         return steps;
     const fp3_life *life = &engine->lives.list[object];
@@ -26,26 +28,41 @@ static void find_change(fp3_engine *engine) {
     engine->lives.change = FP3_FOREVER;
     engine->lives.is_any = 0;
     for (size_t i = 0; i < engine->objects; i++) {
-        const fp3_life *life = &engine->lives.list[i];
+        const fp3_life always = {0, FP3_FOREVER};
+        const fp3_life *life = engine->lives.list ? &engine->lives.list[i] : &always;
         const uint64_t change = engine->made < life->born ? life->born : life->gone;
         if (engine->made < change && change < engine->lives.change)
             engine->lives.change = change;
-        engine->lives.is_any |= life->born <= engine->made && engine->made < life->gone;
+        engine->lives.is_any |= fp3_engine_life(engine, i) == FP3_ALIVE;
     }
 }
 
 uint32_t fp3_life_part(fp3_engine *engine, uint32_t steps, int *is_any) {
     *is_any = 1;
-    if (!engine->lives.list)
+    if (!fp3_lives_vary(engine))
         return steps;
     if (engine->made >= engine->lives.change) {
         engine->sleepers.is_listed = 0;
         find_change(engine);
     }
     *is_any = engine->lives.is_any;
+    if (engine->lives.removed && *is_any)
+        return 1;
     return engine->lives.change - engine->made < steps
                ? (uint32_t)(engine->lives.change - engine->made)
                : steps;
+}
+
+/* ---- a load ---- */
+
+fp3_status fp3_life_begin(fp3_engine *engine) {
+    int is_any = 0;
+    fp3_life_forget(engine);
+    for (uint32_t i = 0; i < engine->layout.count; i++)
+        is_any |= engine->layout.groups[i].removed >= 0;
+    if (is_any)
+        engine->lives.removed = calloc(engine->objects, sizeof *engine->lives.removed);
+    return !is_any || engine->lives.removed ? FP3_OK : fp3_no_memory(engine->def.error);
 }
 
 /* ---- lifetimes ---- */
@@ -159,6 +176,8 @@ fp3_status fp3_engine_wipe(fp3_engine *engine, size_t first, size_t count) {
 
 int fp3_life_took_part(const fp3_engine *engine, size_t object) {
     const fp3_life *life = engine->lives.list ? &engine->lives.list[object] : NULL;
+    if (engine->lives.removed && engine->lives.removed[object] & FP3_REMOVED_BEFORE)
+        return 0;
     return !life || (life->born <= engine->made && life->gone > engine->origin->made);
 }
 
@@ -185,8 +204,8 @@ fp3_status fp3_life_copy(const fp3_engine *engine, fp3_engine *to) {
 
 void fp3_life_forget(fp3_engine *engine) {
     free(engine->lives.list);
-    engine->lives.list = NULL;
-    engine->lives.change = 0;
+    free(engine->lives.removed);
+    engine->lives = (fp3_lives){0};
 }
 
 void fp3_engine_use(fp3_engine *engine, size_t first, size_t count) {

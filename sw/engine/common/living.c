@@ -159,7 +159,7 @@ fp3_status fp3_living_settle(fp3_engine *engine) {
         return FP3_OK; /* the engine of each group has those alone that live */
     for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
         fp3_members *group = &engine->layout.groups[i];
-        if (group->lists.shape.is_any && (engine->lives.list || group->lists.living))
+        if (group->lists.shape.is_any && (fp3_lives_vary(engine) || group->lists.living))
             status = settle(engine, group);
     }
     return status;

@@ -96,7 +96,7 @@ static fp3_status check_kind(fp3_engine *engine, size_t group, const char *name,
 static fp3_status changed(fp3_engine *engine, size_t group, fp3_list *list) {
     fp3_status status = FP3_OK;
     engine->origin->is_complete = 0;
-    if (engine->lives.list)
+    if (fp3_lives_vary(engine))
         engine->sleepers.is_listed = 0;
     if (engine->backend->connect)
         status = engine->backend->connect(engine, &engine->layout.groups[group], list);

@@ -44,12 +44,18 @@ static size_t merge_all(const fp3_engine *engine, const fp3_failed *part, size_t
     return made;
 }
 
-/* An object whose state strayed on the way, and came back without an exception, has not failed. */
-static size_t leave_out(fp3_failed *list, size_t count, int has_flags) {
+/* An object whose state strayed on the way, and came back without an exception, has not failed, and
+ * neither has one that was removed before. */
+static size_t leave_out(const fp3_engine *engine, fp3_failed *list, size_t count) {
+    const uint8_t *removed = engine->lives.removed;
     size_t left = 0;
-    for (size_t i = 0; i < count; i++)
-        if (list[i].watched.is_astray || (has_flags && list[i].watched.raised != FP3_NEVER))
+    for (size_t i = 0; i < count; i++) {
+        const fp3_watched *w = &list[i].watched;
+        const int has_raised = engine->config->flags && w->raised != FP3_NEVER;
+        const int is_left = !removed || !(removed[list[i].object] & FP3_REMOVED_BEFORE);
+        if (is_left && (w->is_astray || has_raised))
             list[left++] = list[i];
+    }
     return left;
 }
 
@@ -65,8 +71,7 @@ fp3_status fp3_part_failures_add(fp3_engine *engine, uint32_t began) {
         part[i].watched.strayed = later(part[i].watched.strayed, began);
     }
     if (!status) {
-        engine->failures.count =
-            leave_out(all, merge_all(engine, part, count, all), engine->config->flags);
+        engine->failures.count = leave_out(engine, all, merge_all(engine, part, count, all));
         free(engine->failures.list);
         engine->failures.list = all;
     }

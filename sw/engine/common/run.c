@@ -6,6 +6,7 @@
 #include "living.h"
 #include "origin.h"
 #include "part_failures.h"
+#include "removed.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -29,7 +30,7 @@ static fp3_status look_who_sleeps(fp3_engine *engine) {
 }
 
 static int may_leave_out(const fp3_engine *engine, const fp3_members *group) {
-    return group->program.slept >= 0 || engine->lives.list;
+    return group->program.slept >= 0 || fp3_lives_vary(engine);
 }
 
 /* The host's own list, so that a run costs it as much as there are objects awake. */
@@ -213,6 +214,14 @@ fp3_status fp3_engine_make_phase(fp3_engine *engine, uint32_t phase, fp3_stats *
     return status;
 }
 
+/* Whether somebody may have failed in a part of n steps that nobody knows of yet. Where each step
+ * is a part, all objects are asked in the first one, and then not before something is raised. */
+static int is_suspect(const fp3_engine *engine, uint32_t made, const fp3_stats *stats) {
+    const uint32_t leads_astray = FP3_FLAGS_GRAVE | FP3_FLAG_DIVIDE_BY_ZERO;
+    return !engine->lives.removed || !made || engine->failures.count || !engine->config->flags ||
+           stats->flags & leads_astray;
+}
+
 /* If no object lives, a run of 0 steps, which executes nothing. */
 static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_status status = FP3_OK;
@@ -225,13 +234,15 @@ static fp3_status run_parts(fp3_engine *engine, uint32_t steps, fp3_stats *stats
         engine->part = steps ? (double)n / steps : 1;
         status = run_part(engine, is_any ? n : 0, stats);
         const int knows_failures = engine->backend->failures && !engine->origin->registers;
-        if (!status && n < steps && knows_failures)
+        if (!status && n < steps && knows_failures && is_suspect(engine, made, stats))
             status = fp3_part_failures_add(engine, made);
         if (!status) {
             made += n;
             engine->clock += n;
             engine->made += n;
         }
+        if (!status && is_any && n)
+            status = fp3_removed_look(engine);
     } while (!status && made < steps);
     take_sums(engine);
     return status;
@@ -252,7 +263,9 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     forget_counters(engine);
     for (uint32_t i = 0; i < engine->layout.count; i++)
         engine->layout.groups[i].steps = 0;
-    fp3_status status = fp3_engine_check_count(engine, steps);
+    fp3_status status = engine->lives.is_looked ? FP3_OK : fp3_removed_look(engine);
+    if (!status)
+        status = fp3_engine_check_count(engine, steps);
     if (!status)
         status = check_limit(engine, steps);
     if (!status)
@@ -269,6 +282,7 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     free(engine->failures.list);
     engine->failures.list = NULL;
     engine->failures.count = 0;
+    fp3_removed_run(engine);
     status = run_parts(engine, steps, stats);
     fp3_origin_end(engine, !status, stats->flags);
     if (!status) {
@@ -278,6 +292,7 @@ static fp3_status run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
         engine->clock = engine->began;
         engine->made = made;
         engine->lives.change = 0;
+        engine->lives.is_looked = 0;
         stats->object_steps = 0;
     }
     return status;

@@ -225,7 +225,7 @@ static fp3_status fast_column(fp3_engine *engine, uint32_t reg, const uint32_t *
 /* Whether some objects of a group may be left out of a run. */
 static int has_list(const fp3_engine *engine, uint32_t i) {
     return engine->config->interleave &&
-           (engine->layout.groups[i].program.slept >= 0 || engine->lives.list);
+           (engine->layout.groups[i].program.slept >= 0 || fp3_lives_vary(engine));
 }
 
 static fp3_status fast_list(fp3_engine *engine) {

@@ -387,7 +387,9 @@ fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
  * loaded. FP3_E_PROGRAM: the configuration interleaves but has no `sleep`, so it visits all its
  * objects, unless they see each other. After an error nothing is changed. Of objects that see each
  * other nobody sees one that does not live; a link is there while both of its ends live, with what
- * it remembers; near objects forget when one of them does not live. */
+ * it remembers; near objects forget when one of them does not live. An object whose state
+ * FP3_NAME_REMOVED (fp3/image.h) is not 0 does not live in any case: where a program has this
+ * state, each step is a part of its own. */
 #define FP3_FOREVER UINT64_MAX
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone);

@@ -58,7 +58,7 @@ typedef enum {
     (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_SHARED))
 #define FP3_CLASSES_ALL (FP3_CLASS(FP3_SYMBOL_CLASSES) - 1)
 
-/* Two names have the same meaning in every program. `h` is the time step of all objects: if the
+/* Some names have the same meaning in every program. `h` is the time step of all objects: if the
  * host writes `h`, it must be a .shared. `steps` is the number of steps that an object has made, as
  * an FP32 number: if the host writes `steps`, it must be a .state. A program with `steps` adds 1 in
  * each step, and an engine refuses to run the program beyond FP3_STEPS_LIMIT. */
@@ -67,6 +67,9 @@ typedef enum {
 /* A state of this name counts how long its object has been at rest: from 1 on the object may fall
  * asleep with its island, and while it sleeps the state is -1 (docs/relations.md). */
 #define FP3_NAME_REST "at_rest"
+/* A state of this name is 0 while its object lives, and 1 after a step that ended its life: the
+ * object makes no step then, and nobody sees it. The host may write 0 (docs/relations.md). */
+#define FP3_NAME_REMOVED "is_removed"
 #define FP3_STEPS_LIMIT 16777216 /* 2^24: FP32 cannot represent 2^24 + 1 */
 
 typedef struct {
@@ -171,6 +174,8 @@ int fp3_image_slept(const fp3_image *image);
 int fp3_image_steps(const fp3_image *image);
 /* The object register FP3_NAME_REST, or -1. */
 int fp3_image_rest(const fp3_image *image);
+/* The object register FP3_NAME_REMOVED, or -1. */
+int fp3_image_removed(const fp3_image *image);
 /* "state" and so on; "?" for an unknown class. */
 const char *fp3_class_name(fp3_symbol_class symbol_class);
 /* Whether the class names object registers. */

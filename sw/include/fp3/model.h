@@ -139,8 +139,12 @@ typedef struct {
      * whenever its condition is not 0. Of a root or a time, `condition` and `armed` compare the
      * same two numbers, the other way round. */
     uint32_t armed;
-    int stops; /* 1: from then on the object keeps its states and its time; it may set no state */
+    /* FP3_STOPS: from then on the object keeps its states and its time. FP3_REMOVES: its life ends;
+     * the event sets the state FP3_NAME_REMOVED (fp3/image.h) to 1. 0: neither. */
+    int stops;
 } fp3_event;
+#define FP3_STOPS 1
+#define FP3_REMOVES 2
 
 #define FP3_RELATIONS_MAX 8
 #define FP3_KINDS_MAX 8
@@ -246,9 +250,17 @@ int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double
                    double *states, double *values);
 
 /* FP3_E_PROGRAM: objects of this model see each other, so an object cannot be computed alone: in
- * fp3_model_evaluate expressions of neighbours are NaN. The message names the relation and its
- * line. */
+ * fp3_model_evaluate expressions of neighbours are NaN; or an event removes an object, which then
+ * makes no steps. The message names the relation and its line, or that of the event. */
 fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
+
+/* The line of the model's first event that removes an object, or 0. */
+static inline uint32_t fp3_model_removes(const fp3_model *model) {
+    for (uint32_t i = 0; i < model->event_count; i++)
+        if (model->events[i].stops == FP3_REMOVES)
+            return model->events[i].line;
+    return 0;
+}
 
 /* The line of the model's first `remember`, or 0. */
 static inline uint32_t fp3_model_remembers(const fp3_model *model) {

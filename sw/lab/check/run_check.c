@@ -365,7 +365,8 @@ fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *g
     if (!part->program->model)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: %s is no model, so its use of the step is unknown", group->path);
-    if (part->program->sees_others && group && fp3_lifetime_is_any(group))
+    if (part->program->sees_others &&
+        ((group && fp3_lifetime_is_any(group)) || fp3_model_removes(part->program->model)))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: it looks at forces between all objects, and some of these are "
                         "born or gone on the way");
