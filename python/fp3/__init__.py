@@ -13,7 +13,7 @@ import importlib
 from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
-    from .batch import NOBODY, Batch, Column, Failure
+    from .batch import NOBODY, Batch, Column, Contacts, Failure
     from .errors import (ArgumentError, DigitsWarning, Error, FailedError, FailedWarning, LimitError, MismatchError, ProgramError,
                          SystemFailure)
     from .model import Model, integrators
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .tables import Table, Tuning, bench, stress, tune
 
 _MODULES = {
-    "batch": ("NOBODY", "Batch", "Column", "Failure"),
+    "batch": ("NOBODY", "Batch", "Column", "Contacts", "Failure"),
     "errors": ("ArgumentError", "DigitsWarning", "Error", "FailedError", "FailedWarning", "LimitError", "MismatchError", "ProgramError", "SystemFailure"),
     "model": ("Model", "integrators"),
     "scene": ("Scene",),

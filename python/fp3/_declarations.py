@@ -900,6 +900,28 @@ class fp3_batch_def(Structure):
     ]
 
 
+class fp3_rays(Structure):
+    _fields_ = [
+        ("count", c_size_t),
+        ("origins", c_void_p),
+        ("directions", c_void_p),
+        ("radius_of", c_char_p),
+        ("radius", c_double),
+        ("length", c_double),
+    ]
+
+
+class fp3_contacts(Structure):
+    _fields_ = [
+        ("began", c_size_t),
+        ("ended", c_size_t),
+        ("began_a", c_void_p),
+        ("began_b", c_void_p),
+        ("ended_a", c_void_p),
+        ("ended_b", c_void_p),
+    ]
+
+
 # Of each function: what it returns, and what it takes.
 PROTOTYPES = {
     "fp3_version": (c_char_p, (c_void_p,)),
@@ -1081,6 +1103,14 @@ PROTOTYPES = {
     "fp3_batch_write_of": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_batch_write_of_double": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_batch_read_of": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_batch_dimensions": (c_int, (c_void_p, c_char_p, c_void_p)),
+    "fp3_batch_pairs": (c_int, (c_void_p, c_char_p, c_double, c_size_t, c_void_p, c_void_p, c_void_p)),
+    "fp3_batch_within": (c_int,
+        (c_void_p, c_char_p, c_void_p, c_void_p, c_size_t, c_size_t, c_void_p, c_void_p, c_void_p)),
+    "fp3_batch_nearest": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p, c_void_p)),
+    "fp3_batch_ray": (c_int, (c_void_p, c_char_p, POINTER(fp3_rays), c_void_p, c_void_p)),
+    "fp3_batch_contacts": (c_int, (c_void_p, c_char_p, c_double, POINTER(fp3_contacts))),
+    "fp3_batch_remembered": (c_int, (c_void_p, c_char_p, c_char_p, c_void_p, c_void_p, c_size_t, c_void_p)),
     "fp3_batch_objects": (c_size_t, (c_void_p,)),
     "fp3_batch_engine": (c_void_p, (c_void_p,)),
     "fp3_batch_compiled": (POINTER(fp3_compiled), (c_void_p,)),

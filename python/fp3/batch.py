@@ -34,6 +34,15 @@ class Failure(NamedTuple):
     text: str
 
 
+class Contacts(NamedTuple):
+    """The handles of both objects of each contact that began, and that ended, in the order of the objects' numbers."""
+
+    began_a: "np.ndarray[Any, Any]"
+    began_b: "np.ndarray[Any, Any]"
+    ended_a: "np.ndarray[Any, Any]"
+    ended_b: "np.ndarray[Any, Any]"
+
+
 class Column(np.ndarray):
     """A column of a batch: it shows what the objects hold after the last step, and cannot be written.
 
@@ -363,6 +372,96 @@ class Batch(Owner):
         if (found == NOBODY).any():  # the library says of whom
             self.write_of(name, handles, np.zeros(found.shape, np.float32))
         return self.read(name)[found]
+
+    # ---- who is where ----
+
+    def pairs(self, of: str, distance: float = 0.0) -> Tuple["np.ndarray[Any, Any]", "np.ndarray[Any, Any]"]:
+        """The numbers a < b of all pairs of objects within a distance of each other, ascending; 0: the reach of the relation.
+
+        of: a relation of near objects, or a state that is a position: `x`, of which the model has x[2], say.
+        """
+        key, far, room = name_bytes("of", of), as_number("distance", distance), 0
+        count = ctypes.c_size_t()
+        with self._c() as c:
+            while True:
+                found = np.empty((2, room), np.uint32)
+                check(self._lib.fp3_batch_pairs(c, key, far, room, found[0].ctypes.data, found[1].ctypes.data, ctypes.byref(count)), self._error)
+                if count.value <= room:
+                    return found[0, :count.value], found[1, :count.value]
+                room = count.value
+
+    def within(self, of: str, points: Any, radius: Value) -> Tuple["np.ndarray[Any, Any]", "np.ndarray[Any, Any]"]:
+        """All objects within a radius of a point, or of each of several: which point, and the number of the object."""
+        key, room, count = name_bytes("of", of), 0, ctypes.c_size_t()
+        with self._c() as c:
+            at = self._points(c, key, "points", points)
+            radii = as_values("radius", radius)
+            if radii.shape not in ((), (len(at),)):
+                raise ArgumentError(f"radius: found shape {radii.shape}, expected a number or one for each of {len(at)} points")
+            radii = np.require(np.broadcast_to(radii, len(at)), np.float64, ["C", "A"])
+            while True:
+                found = np.empty((2, room), np.uint32)
+                check(self._lib.fp3_batch_within(c, key, at.ctypes.data, radii.ctypes.data, len(at), room, found[0].ctypes.data, found[1].ctypes.data,
+                                                 ctypes.byref(count)), self._error)
+                if count.value <= room:
+                    return found[0, :count.value], found[1, :count.value]
+                room = count.value
+
+    def nearest(self, of: str, points: Any) -> Tuple["np.ndarray[Any, Any]", "np.ndarray[Any, Any]"]:
+        """The number of the object that is nearest to each point, and its distance; NOBODY and infinity where nobody lives."""
+        key = name_bytes("of", of)
+        with self._c() as c:
+            at = self._points(c, key, "points", points)
+            objects, distances = np.empty(len(at), np.uint32), np.empty(len(at))
+            check(self._lib.fp3_batch_nearest(c, key, at.ctypes.data, len(at), objects.ctypes.data, distances.ctypes.data), self._error)
+        return objects, distances
+
+    def ray(self, of: str, origins: Any, directions: Any, radius: Union[str, float] = 0.0,
+            length: float = 0.0) -> Tuple["np.ndarray[Any, Any]", "np.ndarray[Any, Any]"]:
+        """The number of the first object that each ray meets, and how far from its origin; NOBODY and infinity if it meets none.
+
+        Objects are balls; radius: a number, or the name of a param or state. length: how far rays go; 0: without end.
+        """
+        key, rays = name_bytes("of", of), d.fp3_rays()
+        rays.radius_of = name_bytes("radius", radius) if isinstance(radius, str) else None
+        rays.radius = 0.0 if isinstance(radius, str) else as_number("radius", radius)
+        rays.length = as_number("length", length)
+        with self._c() as c:
+            start, way = self._points(c, key, "origins", origins), self._points(c, key, "directions", directions)
+            if len(start) != len(way):
+                raise ArgumentError(f"directions: found {len(way)}, expected one for each of {len(start)} origins")
+            rays.count, rays.origins, rays.directions = len(start), start.ctypes.data, way.ctypes.data
+            objects, distances = np.empty(len(start), np.uint32), np.empty(len(start))
+            check(self._lib.fp3_batch_ray(c, key, rays, objects.ctypes.data, distances.ctypes.data), self._error)
+        return objects, distances
+
+    def contacts(self, of: str, distance: float = 0.0) -> Contacts:
+        """The contacts that began and ended since the last call with this `of`; at the first call all begin."""
+        key, far, found = name_bytes("of", of), as_number("distance", distance), d.fp3_contacts()
+        with self._c() as c:
+            check(self._lib.fp3_batch_contacts(c, key, far, ctypes.byref(found)), self._error)
+            return Contacts(*(np.array(np.ctypeslib.as_array(ctypes.cast(at, ctypes.POINTER(ctypes.c_uint64)), (count,))) if count else np.empty(0, np.uint64)
+                              for at, count in ((found.began_a, found.began), (found.began_b, found.began), (found.ended_a, found.ended),
+                                                (found.ended_b, found.ended))))
+
+    def remembered(self, relation: str, field: str, a: Any, b: Any) -> "np.ndarray[Any, Any]":
+        """What objects a remember of objects b, by their numbers, in a field of a relation of near objects; 0: nothing."""
+        ends = [np.ascontiguousarray(np.atleast_1d(as_values(name, end)), np.uint32) for name, end in (("a", a), ("b", b))]
+        if ends[0].ndim != 1 or ends[0].shape != ends[1].shape:
+            raise ArgumentError(f"b: found shape {ends[1].shape}, expected a column like a, of shape {ends[0].shape}")
+        values = np.empty(len(ends[0]), np.float32)
+        with self._c() as c:
+            check(self._lib.fp3_batch_remembered(c, name_bytes("relation", relation), name_bytes("field", field), ends[0].ctypes.data, ends[1].ctypes.data,
+                                                 len(values), values.ctypes.data), self._error)
+        return values
+
+    def _points(self, c: Any, of: bytes, what: str, points: Any) -> "np.ndarray[Any, Any]":
+        count, at = ctypes.c_uint32(), np.asarray(as_values(what, points), np.float64)
+        check(self._lib.fp3_batch_dimensions(c, of, ctypes.byref(count)), self._error)
+        at = at.reshape(1, -1) if at.ndim == 0 or (at.ndim == 1 and count.value > 1) else at.reshape(-1, 1) if at.ndim == 1 else at
+        if at.ndim != 2 or at.shape[1] != count.value:
+            raise ArgumentError(f"{what}: found shape {np.shape(points)}, expected {count.value} numbers for each point")
+        return np.require(at, np.float64, ["C", "A"])
 
     # ---- steps ----
 

@@ -245,6 +245,9 @@ fp3_status fp3_engine_hear(fp3_engine *engine, fp3_status status, fp3_error *err
 
 fp3_config *fp3_engine_config(fp3_engine *engine) { return &engine->own; }
 
+const uint32_t *fp3_engine_rows(const fp3_engine *engine) {
+    return engine->backend->rows ? engine->backend->rows(engine) : NULL;
+}
 const fp3_layout *fp3_engine_layout(const fp3_engine *engine) { return &engine->layout; }
 
 uint32_t *fp3_engine_clock(fp3_engine *engine) { return &engine->clock; }

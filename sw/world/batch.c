@@ -140,6 +140,7 @@ void fp3_batch_close(fp3_batch **batch) {
         return;
     fp3_fields_close(&b->fields);
     fp3_births_close(&b->births);
+    fp3_met_free(&b->met);
     fp3_linked_free(&b->relations.linked);
     fp3_engine_close(&b->engine);
     fp3_program_close(&b->program);
@@ -307,23 +308,6 @@ fp3_status fp3_batch_link(fp3_batch *b, const char *relation, const fp3_links *l
     return status;
 }
 
-/* Those near follow the shared params that their reach is made of. */
-static fp3_status settle_reach(fp3_batch *b) {
-    const fp3_model *model = b->compiled ? fp3_start_model(b->compiled) : NULL;
-    if (!b->is_reach_new || !model || !model->relation_count)
-        return FP3_OK;
-    double *params = calloc(model->param_count + 1u, sizeof *params);
-    fp3_status status = params ? FP3_OK : fp3_no_memory(b->error);
-    for (uint32_t i = 0; !status && i < model->param_count; i++)
-        if (model->params[i].is_shared)
-            status = fp3_fields_get(b->fields, model->params[i].name, &params[i], b->error);
-    if (!status)
-        status = fp3_relations_reach(&b->relations, params, b->error);
-    free(params);
-    b->is_reach_new = status != FP3_OK;
-    return status;
-}
-
 /* ---- steps ---- */
 
 #define BLOCK 64 /* objects that are looked at together */
@@ -385,7 +369,7 @@ fp3_status fp3_batch_run(fp3_batch *b, uint64_t steps) {
         return FP3_E_ARGUMENT;
     fp3_status status = fp3_fields_settle(b->fields, b->error);
     if (!status)
-        status = settle_reach(b);
+        status = fp3_batch_settle_reach(b);
     if (!status)
         status = fp3_relations_check(&b->relations, "fp3_batch_link gives them", b->error);
     if (!status && b->is_adaptive && b->may_sleep) /* `until` may be later now */

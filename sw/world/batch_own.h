@@ -17,6 +17,7 @@ struct fp3_batch {
     fp3_fields *fields;
     fp3_relations relations;
     fp3_births births;
+    struct fp3_met *met; /* contacts that were told (batch_contacts.c) */
     const char *config;
     int is_reach_new; /* a shared param was written, of which reaches may be made */
     fp3_error *error;
@@ -27,6 +28,10 @@ struct fp3_batch {
     int is_suspect; /* an object may have a state that is not finite */
 };
 
+/* Those near follow the shared params that their reach is made of. */
+fp3_status fp3_batch_settle_reach(fp3_batch *batch);
+/* Leaves NULL, which it may be already. */
+void fp3_met_free(struct fp3_met **list);
 /* After a load: those who do not live do not live there, either. */
 fp3_status fp3_batch_tell_lives(fp3_batch *batch);
 

@@ -210,6 +210,68 @@ fp3_status fp3_batch_write_of_double(fp3_batch *batch, const char *name, const u
 fp3_status fp3_batch_read_of(fp3_batch *batch, const char *name, const uint64_t *handles,
                              size_t count, float *values);
 
+/* ---- who is where ----
+ *
+ * Questions about the objects that live, where they are now: `of` names a relation of near objects,
+ * whose position is taken, or a state: a number, or a vector of 2 or 3 components. A position that
+ * is not finite is nowhere. Points have as many numbers as positions, point after point. Distances
+ * are computed in double; an object is within a distance if it is nearer than that. What is found
+ * is given by numbers, in ascending order. FP3_E_ARGUMENT: no such relation or state, a number that
+ * is not finite, or a negative radius.
+ *
+ * Where the number of answers is not known before, `room` is for how many there is room, and *count
+ * receives how many there are: those that have no room are left out.
+ */
+
+/* How many components these positions have. */
+fp3_status fp3_batch_dimensions(fp3_batch *batch, const char *of, uint32_t *dimensions);
+/* All pairs of objects within a distance of each other: a[i] below b[i], ascending by a and then b.
+ * distance: 0: the reach of the relation; else 2^-50 to 2^63. */
+fp3_status fp3_batch_pairs(fp3_batch *batch, const char *of, double distance, size_t room,
+                           uint32_t *a, uint32_t *b, size_t *count);
+/* All objects within radii[n] of point n, point after point: which[i] is the point. */
+fp3_status fp3_batch_within(fp3_batch *batch, const char *of, const double *points,
+                            const double *radii, size_t points_count, size_t room, uint32_t *which,
+                            uint32_t *objects, size_t *count);
+/* The object that is nearest to each point, and how far it is away; of several the lowest number.
+ * FP3_NOBODY and infinity: nobody lives. */
+fp3_status fp3_batch_nearest(fp3_batch *batch, const char *of, const double *points, size_t count,
+                             uint32_t *objects, double *distances);
+
+/* Rays, each from an origin in a direction of any length but 0. Objects are balls. */
+typedef struct {
+    size_t count;
+    const double *origins, *directions;
+    const char *radius_of; /* a param or state, the radius of each object; NULL: all have: */
+    double radius;         /* 0 or above */
+    double length;         /* how far rays go; 0: without end */
+} fp3_rays;
+/* The first object that each ray meets, and how far from the origin it meets it: 0 if the origin is
+ * inside. Of several the lowest number. FP3_NOBODY and infinity: it meets nobody. */
+fp3_status fp3_batch_ray(fp3_batch *batch, const char *of, const fp3_rays *rays, uint32_t *objects,
+                         double *distances);
+
+/* ---- contacts ---- */
+
+/* Pairs of handles, by the objects' numbers ascending, as of fp3_batch_pairs. They belong to the
+ * fp3_batch, and are valid until the next such call. */
+typedef struct {
+    size_t began, ended;
+    const uint64_t *began_a, *began_b; /* within the distance now, and not at the call before */
+    const uint64_t *ended_a, *ended_b; /* the reverse; objects may have been removed since */
+} fp3_contacts;
+/* The contacts that began and ended since the last call with this `of`; at the first call all
+ * begin. Only the moments of the calls count: who came and went between two of them is not told.
+ * of, distance: as of fp3_batch_pairs. Objects that are removed end their contacts, also if others
+ * have their numbers at once. */
+fp3_status fp3_batch_contacts(fp3_batch *batch, const char *of, double distance,
+                              fp3_contacts *contacts);
+/* What object a[i] remembers of b[i] in a field of a relation of near objects (`remember`), after
+ * the last step: the impulse of a contact, if the model keeps it; the library computes none. 0: the
+ * pair remembers nothing. FP3_E_ARGUMENT: no such relation or field, or no such objects. */
+fp3_status fp3_batch_remembered(fp3_batch *batch, const char *relation, const char *field,
+                                const uint32_t *a, const uint32_t *b, size_t count, float *values);
+
 /* ---- its parts, which belong to the fp3_batch ---- */
 
 size_t fp3_batch_objects(const fp3_batch *batch);
