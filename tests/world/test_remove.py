@@ -248,6 +248,16 @@ def test_checkpoints_and_recordings(shoot, tmp_path):
         assert int(first["life"]) == 1 + (float(first["is_removed"]) == 1)
 
 
+@pytest.mark.parametrize("config, near, pull", [("many_full", "", "0"), ("world", "near touch(x, 0.01)\n", "sum(o in touch: o.x)")])
+def test_a_batch(build, tmp_path, config, near, pull):
+    """An object that an event has removed keeps its handle; who gets its number afterwards, or starts again, lives."""
+    (tmp_path / "m.ode").write_text(f"state x = 0\nstate v = 0.5\n{near}step 0.125\nx' = v\nv' = {pull}\nwhen x > 1: remove\n")
+    lines = ["spread v 1 4", "step 4", "read x is_removed", "numbers", "remove 3", "add 1", "step 1", "read x is_removed", "restart", "step 4", "read x is_removed"]
+    done = subprocess.run([build / "tests/batch_script", tmp_path / "m.ode", "-n", "4", "-c", config], input="\n".join(lines), capture_output=True, text=True, check=True)
+    said = [line for line in done.stdout.splitlines() if re.fullmatch(r"[\d.]+ [01]", line)]
+    assert said == ["0.5 0", "1 0", "1.125 1", "1.5 1", "0.625 0", "1.25 1", "1.125 1", "0.0625 0", "0.5 0", "1 0", "1.125 1", "0.25 0"], done.stdout
+
+
 def test_what_is_refused(fp3, tmp_path, shoot):
     (tmp_path / "alone.ode").write_text("state x = 0\nstep 0.125\nx' = 1\nwhen x > 1: remove\n")
 
