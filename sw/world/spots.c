@@ -99,7 +99,7 @@ fp3_status fp3_spots_open(fp3_batch *b, const char *of, fp3_spots *p) {
                          : fp3_no_memory(b->error);
     }
     for (size_t i = 0; !status && i < b->objects; i++)
-        if (!b->births.lives[i])
+        if (!b->births.lives[i] || fp3_engine_life(b->engine, i) == FP3_GONE) /* by an event */
             p->x[0][i] = NAN;
     return status;
 }

@@ -77,6 +77,18 @@ def test_questions_are_answered_as_in_numpy(dimensions, engine):
             filled(batch, dimensions, random, 3)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_whom_an_event_has_removed_is_not_found(engine):
+    with fp3.Batch(fp3.Model(MODEL[1] + REST.format(v="0*v") + "when x > 1: remove\n"), 3, method="euler", engine=engine, empty=True) as batch:
+        batch.add(3, x=[0, 0.5, 1.25])
+        assert [end.tolist() for end in batch.pairs("touch")] == [[0, 1], [1, 2]]
+        batch.run(1)
+        assert [end.tolist() for end in batch.pairs("touch")] == [[0], [1]] and batch.nearest("x", [[9]])[0].tolist() == [1]
+        batch.remove(batch.handles[2])
+        batch.add(1, x=[0.75])
+        assert [end.tolist() for end in batch.pairs("touch")] == [[0, 0, 1], [1, 2, 2]]
+
+
 @pytest.mark.parametrize("engine, seeds", [("isa", 2), ("fast", 4), ("rtl", 1)])
 def test_contacts_begin_and_end(engine, seeds):
     """Also of who is removed, and of who gets the number of one who was; each name has contacts of its own."""
