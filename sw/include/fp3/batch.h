@@ -192,7 +192,7 @@ fp3_status fp3_batch_add(fp3_batch *batch, size_t count, uint64_t *handles);
  * gone for good. Their numbers are free for others. FP3_E_ARGUMENT: an object was removed before,
  * or occurs twice; nobody is removed. */
 fp3_status fp3_batch_remove(fp3_batch *batch, const uint64_t *handles, size_t count);
-/* How many live. */
+/* How many have a handle: those that an event removed, too. */
 size_t fp3_batch_living(const fp3_batch *batch);
 /* The numbers of objects; FP3_NOBODY of a handle whose object was removed, and of 0. An object has
  * one number as long as it lives. */
