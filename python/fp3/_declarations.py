@@ -138,6 +138,7 @@ FP3_OP_ADDH = 10
 FP3_OP_ADDL = 137
 FP3_OP_ADDN = 133
 FP3_OP_ADDT = 12
+FP3_OP_AGAIN = 143
 FP3_OP_EACH = 128
 FP3_OP_EXP2 = 23
 FP3_OP_FMADD = 25
@@ -159,6 +160,7 @@ FP3_OP_MULN = 136
 FP3_OP_NEXT = 129
 FP3_OP_PHASE = 132
 FP3_OP_RCP = 20
+FP3_OP_REPEAT = 142
 FP3_OP_RINT = 22
 FP3_OP_RSBL = 139
 FP3_OP_RSBN = 135
@@ -194,6 +196,7 @@ FP3_PLAIN = 0
 FP3_RELATIONS_MAX = 8
 FP3_REMOVED = 4294967295
 FP3_REMOVES = 2
+FP3_REPEAT_MAX = 63
 FP3_ROSENBROCK = 3
 FP3_RUNGE_KUTTA = 0
 FP3_SPLITTING = 1
@@ -342,6 +345,15 @@ class fp3_event(Structure):
     ]
 
 
+class fp3_repeat(Structure):
+    _fields_ = [
+        ("first", c_uint32),
+        ("count", c_uint32),
+        ("times", c_uint32),
+        ("line", c_uint32),
+    ]
+
+
 class fp3_kind(Structure):
     _fields_ = [
         ("name", c_char * 32),
@@ -396,6 +408,8 @@ class fp3_model(Structure):
         ("invariants", POINTER(fp3_definition)),
         ("events", POINTER(fp3_event)),
         ("projections", POINTER(fp3_event)),
+        ("repeat_count", c_uint32),
+        ("repeats", POINTER(fp3_repeat)),
         ("assignments", POINTER(fp3_assignment)),
         ("exprs", POINTER(fp3_expr)),
         ("relation_count", c_uint32),

@@ -43,7 +43,9 @@ module fp3_decode #(
     assign stl       = is_more && more == OP_STL;
     assign each      = is_more && more == OP_EACH;
     assign next      = is_more && more == OP_NEXT;
-    assign phase     = is_more && more == OP_PHASE;
+    assign repeats   = is_more && more == OP_REPEAT;
+    assign returns   = is_more && more == OP_AGAIN;
+    assign phase     = (is_more && more == OP_PHASE) || repeats || returns;
     assign takes     = takes_word || takes_field;
     assign flips     = is_more && (more == OP_RSBN || more == OP_RSBL);
     assign ldn       = loads_word || takes_word;

@@ -9,7 +9,8 @@
 //
 //           A phase is a round (rounds). At its end, which is a `phase` or the program's end, the
 //           next batch begins the same phase; after the last batch the next round begins behind the
-//           `phase`.
+//           `phase`. `repeat` and `again` are such ends, too: after `again` the next round begins
+//           behind `repeat`, until its phases have been made as often as it says.
 //
 //           An entry ends behind the last field that a turn has read or written, by `ldl` or by number.
 //
@@ -77,6 +78,8 @@ module fp3_loops #(
     reg                 entry_q, field_q;              // the word taken a cycle ago begins an entry; reads or writes a field ...
     reg [STORE_W-1:0]   offset_q;                      // ... at this offset
     reg [PROGRAM_W-1:0] loop_q, phase_q;               // where they begin
+    reg [PROGRAM_W-1:0] first_q;                       // where the phases begin that are repeated
+    reg [REGISTER_W-1:0] left_q;                       // how often they are still made after this
     reg                 jump_q, on_q, begins_q, partial_q, half_q;
     reg [PROGRAM_W-1:0] target_q;
 
@@ -85,6 +88,9 @@ module fp3_loops #(
     wire turns  = take_i && legal && next && !skips_q;
     wire back   = turns && !final_q;
     wire over   = take_i && ((legal && phase) || ends_i) && !back;
+    wire round = over && !more_i;                      // all batches have ended the phase
+    wire once_more = returns && left_q != {REGISTER_W{1'b0}};
+    wire [PROGRAM_W-1:0] ahead = once_more ? first_q : ends_i ? {PROGRAM_W{1'b0}} : behind;
     wire of_entry = ldl || stl;
     wire by_number = takes || stl;
     wire field  = take_i && legal && of_entry && !skips_q;
@@ -106,10 +112,10 @@ module fp3_loops #(
             else if (over || (take_i && next)) skips_q <= 1'b0;
             if (back)                         target_q <= loop_q;
             else if (over && more_i)          target_q <= phase_q;
-            else if (over)                    target_q <= ends_i ? {PROGRAM_W{1'b0}} : behind;
-            if (over && !more_i) begin
-                phase_q   <= ends_i ? {PROGRAM_W{1'b0}} : behind;
-                partial_q <= !ends_i;
+            else if (over)                    target_q <= ahead;
+            if (round) begin
+                phase_q   <= ahead;
+                partial_q <= once_more || !ends_i;
             end
         end
     always @(posedge clk_i) begin
@@ -130,6 +136,8 @@ module fp3_loops #(
             if (field && !by_number)             load_q <= load_q + 1'b1;
             if (field_q && offset_q >= end_q) end_q  <= offset_q + 1'b1;
         end
+        if (round && repeats) {first_q, left_q} <= {behind, d - 1'b1};
+        else if (round && returns) left_q <= left_q - 1'b1;
         if (start_i)          half_q <= setting_half;
         else if (round_end_i) half_q <= !half_q;
     end

@@ -40,10 +40,12 @@ fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *e
         m->invariants = again(model->invariants, model->invariant_count, sizeof *m->invariants);
         m->events = again(model->events, model->event_count, sizeof *m->events);
         m->projections = again(model->projections, model->projection_count, sizeof *m->projections);
+        m->repeats = again(model->repeats, model->repeat_count, sizeof *m->repeats);
         m->assignments = again(model->assignments, model->assignment_count, sizeof *m->assignments);
         m->exprs = again(model->exprs, model->expr_count, sizeof *m->exprs);
         is_whole &= m->doc && m->definitions && m->invariants && m->events && m->projections &&
-                    m->assignments && m->exprs && m->relations && m->memories && m->kinds;
+                    m->assignments && m->exprs && m->relations && m->memories && m->kinds &&
+                    m->repeats;
     }
     if (is_whole)
         return FP3_OK;

@@ -28,6 +28,7 @@ void fp3_model_free(fp3_model **model) {
     free(m->invariants);
     free(m->events);
     free(m->projections);
+    free(m->repeats);
     free(m->assignments);
     free(m->exprs);
     free(m->doc);

@@ -146,6 +146,9 @@ typedef struct {
     uint32_t state_count, param_count, definition_count, invariant_count;
 
     ode_event events[ODE_EVENTS], projections[ODE_EVENTS];
+    fp3_repeat repeats[ODE_EVENTS]; /* line: of those that have ended */
+    uint32_t repeat_count;
+    fp3_token repeat_at; /* the `repeat` without its `end` so far, if there is one */
     ode_assignment assignments[ODE_ASSIGNMENTS];
     uint32_t event_count, projection_count, assignment_count;
 

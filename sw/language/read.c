@@ -11,6 +11,7 @@
 #include "finish.h"
 #include "function.h"
 #include "keyword.h"
+#include "repeat.h"
 #include "statement.h"
 #include "symbol.h"
 
@@ -100,6 +101,8 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->events = take_events(p->events, p->event_count);
     m->projections = take_events(p->projections, p->projection_count);
     m->projection_count = p->projection_count;
+    m->repeats = copy(p->repeats, p->repeat_count, sizeof *p->repeats);
+    m->repeat_count = p->repeat_count;
     m->assignments = take_assignments(p);
     m->event_count = p->event_count;
     m->assignment_count = p->assignment_count;
@@ -114,7 +117,7 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->kind_count = p->kind_count;
     if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
         !m->projections || !m->assignments || !m->exprs || !m->relations || !m->fields ||
-        !m->memories || !m->kinds)
+        !m->memories || !m->kinds || !m->repeats)
         fp3_model_free(&m);
     return m;
 }
@@ -174,8 +177,10 @@ static void parse(ode_parser *p) {
         if (p->in.is_lost)
             fp3_ode_recover(&p->in, line);
     }
-    if (!fp3_report_full(&p->in.report))
-        fp3_ode_finish(p);
+    if (fp3_report_full(&p->in.report))
+        return;
+    fp3_ode_repeat_check(p);
+    fp3_ode_finish(p);
 }
 
 fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3_model **model,

@@ -14,6 +14,7 @@
 #include "quantity.h"
 #include "relation.h"
 #include "remember.h"
+#include "repeat.h"
 #include "side.h"
 #include "symbol.h"
 #include "utf8.h"
@@ -210,6 +211,8 @@ static void repeated_statement(ode_parser *p) {
     const fp3_token first = p->in.next;
     const int is_name = first.kind == FP3_TOKEN_NAME;
     fp3_ode_advance(&p->in);
+    if (!fp3_ode_may_repeat(p, first))
+        return;
     if (fp3_token_is(first, "exact"))
         exact_statement(p);
     else if (fp3_ode_is_event(p, first))
@@ -257,13 +260,16 @@ static void named_statement(ode_parser *p, fp3_token name) {
 void fp3_ode_statement(ode_parser *p) {
     fp3_token first = p->in.next;
     if (first.kind != FP3_TOKEN_NAME) {
-        fp3_ode_lost(&p->in,
-                     "a statement: model, param, shared, state, step, span, exact, invariant, "
-                     "when, for, project, rest, kind, links, near, all, remember, or an equation");
+        fp3_ode_lost(
+            &p->in,
+            "a statement: model, param, shared, state, step, span, exact, invariant, "
+            "when, for, project, repeat, rest, kind, links, near, all, remember, or an equation");
         return;
     }
     p->context = ODE_IN_EQUATION;
     fp3_ode_advance(&p->in);
+    if (!fp3_ode_may_repeat(p, first))
+        return;
     if (fp3_token_is(first, "model"))
         model_statement(p, first);
     else if (fp3_token_is(first, "param") || fp3_token_is(first, "shared"))
@@ -280,6 +286,8 @@ void fp3_ode_statement(ode_parser *p) {
         invariant_statement(p);
     else if (fp3_ode_is_event(p, first))
         fp3_ode_event(p, first);
+    else if (fp3_ode_is_repeat(p, first))
+        fp3_ode_repeat(p, first);
     else if (fp3_token_is(first, "for"))
         for_statement(p);
     else if (fp3_token_is(first, "kind"))

@@ -98,14 +98,16 @@ static void check_slept(asm_source *a, fp3_token t, uint32_t operand) {
 }
 
 /* Digits alone: it is no constant of the program. */
-static uint32_t number_of_field(asm_source *a, fp3_token t) {
+static uint32_t number_in(asm_source *a, fp3_token t, const fp3_operation *of) {
+    const int is_field = of->gives == FP3_GIVES_FIELD || of->takes_field;
     uint32_t number = 0;
     for (size_t i = 0; i < t.length && number < FP3_BANK_SHARED_BASE; i++)
         number = t.text[i] >= '0' && t.text[i] <= '9' ? 10 * number + (uint32_t)(t.text[i] - '0')
                                                       : FP3_BANK_SHARED_BASE;
-    if (number < FP3_BANK_SHARED_BASE)
+    if (number < FP3_BANK_SHARED_BASE && (is_field || number))
         return number;
-    fp3_report_expected(&a->report, t, "the number of a field, 0 to 63");
+    fp3_report_expected(&a->report, t,
+                        is_field ? "the number of a field, 0 to 63" : "a number of times, 1 to 63");
     return ASM_NOWHERE;
 }
 
@@ -119,7 +121,7 @@ static void encode(asm_source *a, uint32_t *code) {
                                       : s->operation->writes == FP3_WRITES_NEVER ? "to store"
                                                                                  : "as destination";
             uint32_t operand = fp3_operation_counts(s->operation, letter)
-                                   ? number_of_field(a, s->operands[j])
+                                   ? number_in(a, s->operands[j], s->operation)
                                    : resolve(a, s->operands[j], only_object);
             if (operand == ASM_NOWHERE)
                 continue;

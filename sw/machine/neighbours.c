@@ -19,6 +19,7 @@ typedef struct {
     uint64_t kept;                   /* fields that this loop writes */
     uint64_t written;                /* registers of lists whose fields this phase has written */
     int has_stored;                  /* in this phase */
+    uint32_t repeated, first;        /* how often phases are made; the first of them; 0: once */
     uint64_t stored;                 /* words that this phase stores */
     uint64_t stored_any, stored_all; /* by some phase; by all that have ended */
 } walk;
@@ -42,7 +43,7 @@ static int takes_field(const fp3_image *image, uint32_t at) {
 static int is_of_neighbours(const fp3_image *image, uint32_t at) {
     const uint32_t op = op_at(image, at);
     return gives_at(image, at) != FP3_GIVES_NOTHING || takes_field(image, at) ||
-           op == FP3_OP_EACH || op == FP3_OP_NEXT || op == FP3_OP_PHASE;
+           op == FP3_OP_EACH || op == FP3_OP_NEXT || fp3_ends_phase(&image->decoded[at]);
 }
 
 static fp3_status end_phase(walk *w) {
@@ -50,8 +51,34 @@ static fp3_status end_phase(walk *w) {
     w->stored_all &= w->stored;
     w->stored = w->written = 0;
     w->has_stored = 0;
+    w->found->distinct++;
     w->found->phases++;
     return FP3_OK;
+}
+
+static fp3_status begin_repetition(walk *w) {
+    w->first = w->found->distinct;
+    w->repeated = w->image->decoded[w->at].in.d;
+    return w->repeated ? FP3_OK : refuse(w, "'repeat' has phases made at least once");
+}
+
+static fp3_status end_repetition(walk *w) {
+    w->found->phases += (w->repeated - 1) * (w->found->distinct - w->first);
+    w->repeated = 0;
+    return FP3_OK;
+}
+
+/* A word that ends a phase, and may begin or end a repetition. */
+static fp3_status visit_end(walk *w) {
+    const uint32_t op = op_at(w->image, w->at);
+    if (w->repeated && op == FP3_OP_REPEAT)
+        return refuse(w, "a repetition ends, with 'again', before another begins");
+    if (!w->repeated && op == FP3_OP_AGAIN)
+        return refuse(w, "'again' ends a repetition, behind 'repeat'");
+    const fp3_status status = end_phase(w);
+    return status || op == FP3_OP_PHASE ? status
+           : op == FP3_OP_REPEAT        ? begin_repetition(w)
+                                        : end_repetition(w);
 }
 
 static fp3_status end_loop(walk *w) {
@@ -121,7 +148,7 @@ static fp3_status visit_word(walk *w) {
         return refuse(w, "a phase goes through a list before it writes its fields, not after");
     if (op == FP3_OP_SLEEP || op == FP3_OP_LDS)
         return refuse(w, "no object sleeps in a program with neighbours");
-    if ((op == FP3_OP_EACH || op == FP3_OP_PHASE) && w->loop >= 0)
+    if ((op == FP3_OP_EACH || fp3_ends_phase(&image->decoded[w->at])) && w->loop >= 0)
         return refuse(w, "a loop over neighbours ends before another, or a phase, begins or ends");
     if (op == FP3_OP_NEXT && w->loop < 0)
         return refuse(
@@ -139,7 +166,9 @@ static fp3_status visit_word(walk *w) {
     case FP3_OP_NEXT:
         return end_loop(w);
     case FP3_OP_PHASE:
-        return end_phase(w);
+    case FP3_OP_REPEAT:
+    case FP3_OP_AGAIN:
+        return visit_end(w);
     case FP3_OP_ST:
         w->stored |= BIT(in->d);
         w->has_stored = 1;
@@ -171,7 +200,9 @@ fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *fou
         status = visit_word(&w);
     if (!status && w.loop >= 0)
         status = refuse(&w, "the program ends within a loop over neighbours");
-    if (!status)
+    if (!status && w.repeated)
+        status = refuse(&w, "the program ends within a repetition, without 'again'");
+    if (!status && op_at(image, image->code_count - 1) != FP3_OP_AGAIN)
         status = end_phase(&w);
     if (status)
         return status;
@@ -192,16 +223,23 @@ uint32_t fp3_neighbourhood_end(const fp3_decoded *decoded, uint32_t each) {
     return each;
 }
 
+uint32_t fp3_neighbourhood_behind(const fp3_decoded *decoded, uint32_t at,
+                                  fp3_repetition *repetition) {
+    if (decoded[at].in.op == FP3_OP_REPEAT)
+        *repetition = (fp3_repetition){at + 1, decoded[at].in.d};
+    return decoded[at].in.op == FP3_OP_AGAIN && --repetition->left ? repetition->begin : at + 1;
+}
+
 int fp3_neighbourhood_phase(const fp3_code *program, uint32_t phase, uint32_t *first,
                             uint32_t *end) {
-    *first = 0;
-    for (*end = 0; *end <= program->count; (*end)++) {
-        const fp3_decoded *word = &program->decoded[*end];
-        if (*end < program->count && (!word->of || word->in.op != FP3_OP_PHASE))
-            continue;
+    fp3_repetition repetition = {0, 0};
+    for (*first = 0;; *first = fp3_neighbourhood_behind(program->decoded, *end, &repetition)) {
+        *end = *first;
+        while (*end < program->count && !fp3_ends_phase(&program->decoded[*end]))
+            (*end)++;
         if (!phase--)
             return *first < *end;
-        *first = *end + 1;
+        if (*end >= program->count)
+            return 0;
     }
-    return 0;
 }

@@ -26,11 +26,21 @@ typedef struct {
     fp3_list_shape lists[FP3_LISTS_MAX];
     uint32_t list_count;
     uint64_t published; /* words that neighbours read: bit r for register r */
-    uint32_t phases;    /* of a step */
+    uint32_t phases;    /* that a step makes */
+    uint32_t distinct;  /* ... each counted once, however often it is made */
     int is_any;         /* there is an instruction with neighbours */
 } fp3_neighbourhood;
 
-/* FP3_E_PROGRAM: a loop within a loop, or without its end; something that reads a neighbour outside
+/* Where `repeat` and `again` have brought a step to. */
+typedef struct {
+    uint32_t begin, left; /* the first word that is repeated; how often it is still made */
+} fp3_repetition;
+
+/* The word behind one that ends a phase. */
+uint32_t fp3_neighbourhood_behind(const struct fp3_decoded *decoded, uint32_t at,
+                                  fp3_repetition *repetition);
+
+/* FP3_E_PROGRAM: a loop within a loop, or without its end; a repetition likewise; something that reads a neighbour outside
  * of a loop; a phase within a loop; a first or a last part; a store in a loop; a load behind a
  * store of the same phase; a field read behind an `stl` of the same phase; a phase that does not
  * store a word which neighbours read and another phase stores; loops over one list with different
@@ -39,7 +49,7 @@ typedef struct {
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 
-/* The words of a phase of a program, from 0, without the one that ends it; 0: there is no such
+/* The words of a phase that a step makes, from 0, without the one that ends it; 0: there is no such
  * phase. */
 int fp3_neighbourhood_phase(const fp3_code *program, uint32_t phase, uint32_t *first,
                             uint32_t *end);

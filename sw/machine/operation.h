@@ -71,9 +71,16 @@ fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code);
  * must not, or NULL. As in rtl/front/fp3_decode.v. */
 const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction *word);
 
-/* Whether this operand is the number of a field, and so stands in assembly as one. */
+/* Whether this operand is the number of a field, or how often phases are made, and so stands in
+ * assembly as a number. */
 static inline int fp3_operation_counts(const fp3_operation *of, char letter) {
-    return (of->gives == FP3_GIVES_FIELD || of->takes_field) && letter == of->number;
+    return of->gives != FP3_GIVES_WORD && letter == of->number;
+}
+
+/* Whether a phase ends with this word of the program. */
+static inline int fp3_ends_phase(const fp3_decoded *word) {
+    return word->of && (word->in.op == FP3_OP_PHASE || word->in.op == FP3_OP_REPEAT ||
+                        word->in.op == FP3_OP_AGAIN);
 }
 
 /* Of an operation that computes with what a neighbour gives: its operands a and b as those of

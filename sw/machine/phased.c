@@ -20,7 +20,7 @@ static uint32_t loop_wait(const fp3_config *config) {
 }
 
 static uint32_t end_of(const fp3_phased *program, uint32_t begin) {
-    while (begin < program->count && op_at(program, begin) != FP3_OP_PHASE)
+    while (begin < program->count && !fp3_ends_phase(&program->code[begin]))
         begin++;
     return begin;
 }

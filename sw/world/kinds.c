@@ -3,6 +3,7 @@
  * of all of them. */
 #include <fp3/program.h>
 
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -168,6 +169,9 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
     const fp3_program *a = g->program, *b = other->program;
     const int is_adaptive =
         fp3_model_adapted(a->model) != FP3_NONE || fp3_model_adapted(b->model) != FP3_NONE;
+    const fp3_model *repeats = a->model->repeat_count   ? a->model
+                               : b->model->repeat_count ? b->model
+                                                        : NULL;
     const int is_double = a->compiled->arithmetic == FP3_DOUBLE_SINGLE ||
                           b->compiled->arithmetic == FP3_DOUBLE_SINGLE;
     if (is_adaptive)
@@ -175,6 +179,12 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
                       other->name);
     if (is_double)
         return refuse(g, line, error, "double-single has no sums over neighbours, as of group '%s'",
+                      other->name);
+    if (repeats && !never_moves(b->model))
+        return refuse(g, line, error,
+                      "`repeat` in line %" PRIu32 " of the model of group '%s': phases that are "
+                      "repeated see no other kind that moves, as group '%s'",
+                      repeats->repeats[0].line, repeats == a->model ? g->name : other->name,
                       other->name);
     return is_same_method(a->integrator, b->integrator) || never_moves(b->model)
                ? FP3_OK

@@ -8,6 +8,7 @@
 #include "engine/common/inside.h"
 #include "gen/timing.h"
 #include "machine/cycles.h"
+#include "machine/neighbours.h"
 #include "machine/phased.h"
 
 /* `phase` is taken a cycle after the last sweep has begun, and ends the round a cycle later. */
@@ -85,6 +86,7 @@ static uint64_t run_cycles(const fp3_config *config, const fp3_phased *program,
                            const foreseen_run *run, uint32_t steps) {
     const uint32_t most = config->contexts;
     uint64_t cycles = 0;
+    fp3_repetition repetition = {0, 0};
     for (uint32_t begin = 0; begin < program->count;) {
         const fp3_phase_cost phase = fp3_phase_cost_of(config, program, begin);
         issues s = {.gap = fp3_cycles_gap(config)};
@@ -92,11 +94,13 @@ static uint64_t run_cycles(const fp3_config *config, const fp3_phased *program,
             const uint32_t left = run->rows - first;
             issue_batch(program, run, &s, &phase, first, left < most ? left : most);
         }
-        const int is_last = phase.end == program->count;
+        const int is_last = phase.end + 1 >= program->count; /* or an `again` ends the program */
         cycles += fp3_cycles_copies(config, run->copies, run->words) + s.start +
                   (!is_last && s.count < PHASE_ENDS ? PHASE_ENDS : s.count) +
                   fp3_cycles_around_round(config);
-        begin = phase.end + 1;
+        begin = phase.end == program->count
+                    ? program->count
+                    : fp3_neighbourhood_behind(program->code, phase.end, &repetition);
     }
     return steps * cycles + fp3_cycles_settle(config) + FP3_TIMING_RUN;
 }

@@ -4,11 +4,11 @@
  *     given [SEED [CONFIGURATION [PROGRAMS [OBJECTS]]]]    engines fast (native, interpreter) and
  * rtl; at most so many objects
  *
- * Programs of one phase or two, with loops over two lists. What they load, what they compute with a
- * word or a field of a neighbour, and what they do between, is random, and so are the lists; the
- * words are numbers of any size, zeros of both signs, infinities, NaNs and subnormal numbers. Every
- * word must be that of the isa engine, and so must the flags; the hardware's cycles are those that
- * are foreseen.
+ * Programs of one phase or two, the second of which may be repeated, with loops over two lists.
+ * What they load, what they compute with a word or a field of a neighbour, and what they do
+ * between, is random, and so are the lists; the words are numbers of any size, zeros of both signs,
+ * infinities, NaNs and subnormal numbers. Every word must be that of the isa engine, and so must
+ * the flags; the hardware's cycles are those that are foreseen.
  */
 #include "chance.h"
 #include "foreseen.h"
@@ -134,12 +134,15 @@ static void put_sums(program *p, uint32_t list) {
 
 static void make(program *p) {
     const uint32_t phases = 1 + below(p->c, 2), kind = below(p->c, 3);
+    const int is_repeated = (int)below(p->c, 2);
     p->used = 0;
     for (uint32_t i = 0; i < LISTS; i++)
         p->fields[i] = below(p->c, FIELDS_MAX + 1);
     put(p, ".state x0 x1 x2 x3 x4 x5 x6 x7\n.param p\n.temp l0 l1 t0 t1 s\nstep:\n");
     for (uint32_t phase = 0; phase < phases; phase++) {
-        put(p, "%sld p\nld l0\nld l1\n", phase ? "phase\n" : "");
+        if (phase && is_repeated)
+            put(p, "repeat %" PRIu32 "\n", 1 + below(p->c, 3));
+        put(p, "%sld p\nld l0\nld l1\n", phase && !is_repeated ? "phase\n" : "");
         for (uint32_t i = 0; i < WORDS; i++)
             put(p, "ld x%" PRIu32 "\n", i);
         for (uint32_t list = 0; list < LISTS; list++)
@@ -150,6 +153,8 @@ static void make(program *p) {
         for (uint32_t i = 0; i < WORDS; i++)
             put(p, "st x%" PRIu32 "\n", i);
     }
+    if (phases > 1 && is_repeated)
+        put(p, "again\n");
 }
 
 /* ---- engines ---- */

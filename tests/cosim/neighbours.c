@@ -200,6 +200,21 @@ static const struct {
      "b, b, a\nadd t, t, a\nstl t, 0\nstl b, 1\nnext\nst a\nst b\nphase\nld l\nld a\nld b\neach "
      "l\nmull t, a, 1\nadd b, b, t\nnext\nst a\nst b\n",
      "l", 2},
+    /* Phases that are made several times: two of them, then one; the first with a field that grows.
+     */
+    {"s.state a\n.state b\n.temp l\n.temp t\nstep:\nld l\nld a\nadd a, a, a\nst a\nrepeat 3\nld "
+     "l\nld "
+     "a\nld b\neach l\nldl t\naddn b, b, a\nadd t, t, b\nstl t, 0\nnext\nst a\nst b\nphase\nld "
+     "l\nld "
+     "a\neach l\nmull t, a, 0\nadd a, a, t\nnext\nst a\nagain\nld a\nld b\nadd a, a, b\nst "
+     "a\nrepeat "
+     "5\nld l\nld a\nld b\neach l\naddn b, b, a\naddl a, a, 0\nnext\nst a\nst b\nagain\n",
+     "l", 1},
+    /* Once, and a step without anything behind. */
+    {"s.state a\n.state b\n.temp l\n.temp t\nstep:\nld a\nld l\nadd a, a, a\nst a\nrepeat 1\nld "
+     "l\nld a\nld "
+     "b\neach l\naddn b, b, a\nnext\nst a\nst b\nagain\nld a\nld b\nadd a, a, b\nst a\n",
+     "l", 0},
     {"s.state a\n.temp l\n.temp t\nstep:\nld l\nld a\nadd a, a, a\nst a\nphase\nld a\nld l\nst "
      "a\nphase\nld l\nld a\nst a\n",
      NULL, 0},

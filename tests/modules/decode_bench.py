@@ -17,7 +17,7 @@ KEYS = {"interleave": 0, "dual": 0, "chain": 0, "fused": 0, "scale": 0, "select"
         **json.loads(os.environ["FP3_KEYS"])}
 ROWS = {row["code"]: row for row in ISA["op"]}
 SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "stl", "takes",
-          "flips", "phase", "twice", "halve")
+          "flips", "phase", "repeats", "returns", "twice", "halve")
 MORE = 31                                                  # as op: the code is 128 and field c
 
 
@@ -56,7 +56,8 @@ def expected(word):
     return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"], ["store", "adder"])), "to_mul": int(path in (["multiplier"], ["store", "multiplier"])),
             "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
             "subtract": int(name in ("sub", "msub", "fmsub", "subh", "subt", "subn", "subl")), "st": int(name in ("st", "stl")), "lds": int(name == "lds"),
-            **{other: int(name == other) for other in ("each", "next", "phase", "stl")},
+            **{other: int(name == other) for other in ("each", "next", "stl")},
+            "phase": int(name in ("phase", "repeat", "again")), "repeats": int(name == "repeat"), "returns": int(name == "again"),
             "ldn": int(gives == "word"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
             "twice": int(name in ("addt", "subt")), "halve": int(name in ("addh", "subh")), "d": d,
             **({"a": a, "b": b, "c": c} if name == "sel" else {x: value for x, value in zip("abc", (a, b, c)) if x in row["operands"] and

@@ -25,7 +25,7 @@ F = 2*x
 LINE = BEFORE.count("\n") + 1
 
 NAME_OF_ITS_OWN = "expected a name ('{}' has a meaning of its own)"
-STATEMENT = ("expected a statement: model, param, shared, state, step, span, exact, invariant, when, for, project, rest, kind, links, near, "
+STATEMENT = ("expected a statement: model, param, shared, state, step, span, exact, invariant, when, for, project, repeat, rest, kind, links, near, "
              "all, remember, or an equation")
 END = "expected an operator or the end of the line"
 OPERAND = "expected a number, a name or '('"

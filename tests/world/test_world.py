@@ -689,6 +689,13 @@ step:
     ("each list\n muln d, d, k3\n next\n st x", "code word 3: a word of a neighbour's record is read, not a shared constant"),
     ("each list\n addn d, d, x\n next\n st x\n phase\n ld x", "word r0 is read by neighbours: each phase stores it, or none does"),
     ("each list\n mull d, d, 1\n next\n each list\n ldl d\n next\n st x", "code word 7: two loops over one list read different numbers of fields"),
+    ("st x\n repeat 2\n ld x\n st x", "code word 6: the program ends within a repetition, without 'again'"),
+    ("st x\n again\n ld x\n st x", "code word 3: 'again' ends a repetition, behind 'repeat'"),
+    ("st x\n repeat 2\n ld x\n st x\n repeat 2\n ld x\n st x\n again", "code word 6: a repetition ends, with 'again', before another begins"),
+    ("each list\n again\n next", "code word 3: a loop over neighbours ends before another, or a phase, begins or ends"),
+    ("st x\n repeat 0\n ld x\n st x\n again", "expected a number of times, 1 to 63"),
+    ("st x\n repeat 64\n ld x\n st x\n again", "expected a number of times, 1 to 63"),
+    ("st x\n repeat x\n ld x\n st x\n again", "expected a number of times, 1 to 63"),
     ("each list\n mull d, d, 64\n next\n st x", "expected the number of a field, 0 to 63"),
     ("each list\n mull d, d, x\n next\n st x", "expected the number of a field, 0 to 63")])
 def test_programs_that_cannot_be(fp3, tmp_path, body, expected):

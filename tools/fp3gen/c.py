@@ -74,7 +74,7 @@ def isa_c(isa, regs):
 def operations_c(isa, flags):
     def row(op):
         return [("code", f"FP3_OP_{op['name'].upper()}"), ("name", quote(op["name"])),
-                ("operands", quote("".join(op["operands"]))), ("sources", max(0, len(op["operands"]) - 1) - ("number" in op)),
+                ("operands", quote("".join(op["operands"]))), ("sources", max(0, len(op["operands"]) - 1 - ("number" in op))),
                 ("path", " | ".join(f"FP3_UNIT_{unit.upper()}" for unit in op["path"])),
                 ("counter", f"FP3_COUNTER_{counter_of(op).upper()}"),
                 ("needs", f"FP3_KEY_{op.get('needs', 'none').upper()}"),

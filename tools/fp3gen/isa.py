@@ -74,7 +74,8 @@ def check_given(op, ops):
     need(op.get("gives", "nothing") in GIVES, FILE, f"{where}: gives '{op.get('gives')}' is not one of {', '.join(GIVES)}")
     need(op.get("takes", TAKES[0]) in TAKES, FILE, f"{where}: takes '{op.get('takes')}' is not one of {', '.join(TAKES)}")
     need(not {"gives", "takes"} <= op.keys(), FILE, f"{where}: gives and takes exclude each other")
-    need({"gives", "takes"} & op.keys() or not {"number", "computes", "stands"} & op.keys(), FILE,
+    counts = op["path"] == ["sequence"]                       # what is numbered is how often
+    need({"gives", "takes"} & op.keys() or not {"computes", "stands"} & op.keys() and (counts or "number" not in op), FILE,
          f"{where}: gives nothing that it could number or compute with")
     need("takes" not in op or not {"computes", "stands"} & op.keys(), FILE, f"{where}: takes a field, and computes nothing with it")
     need("number" not in op or op["operands"][-1:] == [op["number"]], FILE,

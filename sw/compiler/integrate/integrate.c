@@ -10,6 +10,7 @@
 #include "events.h"
 #include "project.h"
 #include "remember.h"
+#include "repeat.h"
 #include "rosenbrock.h"
 #include "runge_kutta.h"
 #include "splitting.h"
@@ -27,12 +28,8 @@ static int add_variables(const fp3_advance *a, role role, int positions, int oth
     return 1;
 }
 
-/* With adaptive steps `stop` ends the object's own time; with fixed steps it makes steps that
- * change nothing. */
-static int may_stop(const fp3_advance *a) { return a->fit->has_stop && !a->is_adaptive; }
-
 /* States first: the host finds them where the model has them. */
-static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
+static fp3_status make_variables(fp3_advance *a, fp3_error *error) {
     const int is_stoermer = a->integrator->kind == FP3_STOERMER;
     const int has_lost = a->options->arithmetic == FP3_COMPENSATED;
     if (!add_variables(a, ROLE_STATE, 1, 1) ||
@@ -42,23 +39,15 @@ static fp3_status make_variables(const fp3_advance *a, fp3_error *error) {
         (a->fit->has_time && !a->is_adaptive && !fp3_step_add(a->step, ROLE_STEPS, FP3_NONE)) ||
         (a->is_adaptive && a->options->arithmetic != FP3_DOUBLE_SINGLE &&
          !fp3_step_add(a->step, ROLE_LOW, fp3_model_adapted(a->step->model))) ||
-        (may_stop(a) && !fp3_step_add(a->step, ROLE_STOPPED, FP3_NONE)))
+        (fp3_advance_may_stop(a) && !fp3_step_add(a->step, ROLE_STOPPED, FP3_NONE)))
         return fp3_no_memory(error);
-    if (may_stop(a))
-        a->step->sight.stopped = fp3_advance_held(a, &a->step->values, ROLE_STOPPED, FP3_NONE).node;
-    for (uint32_t i = 0; i < a->step->variable_count; i++) {
-        const variable *v = &a->step->variables[i];
-        if (v->role == ROLE_STATE) {
-            a->now[v->state] = fp3_advance_held(a, &a->step->values, v->role, v->state);
-            a->step->sight.start[v->state] = a->now[v->state].node;
-        }
-        if (v->role == ROLE_LOST)
-            a->lost[v->state] = fp3_advance_held(a, &a->step->values, v->role, v->state);
-    }
-    return FP3_OK;
+    fp3_advance_begin(a);
+    return fp3_repeat_prepare(a, error);
 }
 
-static term next_of(const fp3_advance *a, const variable *v) {
+/* What a variable has after the step. */
+static term next_of(const fp3_advance *a, uint32_t i) {
+    const variable *v = &a->step->variables[i];
     dag *g = &a->step->values;
     switch (v->role) {
     case ROLE_STATE:
@@ -70,7 +59,8 @@ static term next_of(const fp3_advance *a, const variable *v) {
         return fp3_term_add(g, fp3_advance_held(a, g, v->role, v->state),
                             fp3_term(fp3_dag_number(g, 1)));
     case ROLE_SLEPT:
-        return fp3_advance_held(a, g, v->role, v->state);
+    case ROLE_CARRIED:
+        return fp3_term(fp3_dag_variable(g, i));
     case ROLE_STOPPED:
         g->note = fp3_note(&a->step->notes, "whether an event has stopped the object");
         return fp3_term(a->stops == FP3_NONE ? fp3_dag_number(g, 0)
@@ -93,17 +83,6 @@ static fp3_status advance(fp3_advance *a, fp3_error *error) {
     default:
         return fp3_stoermer(a, error);
     }
-}
-
-/* What a variable has after the step: in an object that has stopped, what it had before. */
-static uint32_t after(const fp3_advance *a, uint32_t i) {
-    const variable *v = &a->step->variables[i];
-    dag *g = &a->step->values;
-    const uint32_t next = fp3_term_value(g, next_of(a, v));
-    if (!may_stop(a))
-        return next;
-    g->note = fp3_note(&a->step->notes, "nothing changes in an object that has stopped");
-    return sel(g, a->step->sight.stopped, fp3_dag_variable(g, i), next);
 }
 
 /* Whether nothing ever gives the state another value. */
@@ -173,7 +152,7 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
         status = fp3_adaptive_accept(&a, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++)
         if (step->variables[i].next == FP3_NONE) /* else fp3_adaptive_accept has made it */
-            step->variables[i].next = after(&a, i);
+            step->variables[i].next = fp3_advance_next(&a, i, next_of(&a, i));
     if (!status && step->coupling)
         couple(step);
     for (uint32_t i = 0; i < a.place_count; i++)
@@ -185,6 +164,7 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     free(a.lost);
     free(a.error);
     free(a.slope);
+    free(a.previous);
     if (!status)
         status = fp3_step_check(step, error);
     if (status || options->arithmetic != FP3_DOUBLE_SINGLE)

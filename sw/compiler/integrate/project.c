@@ -9,6 +9,7 @@
 #include "project.h"
 
 #include "lu.h"
+#include "repeat.h"
 
 #include <inttypes.h>
 
@@ -58,10 +59,10 @@ static void project(const fp3_advance *a, const fp3_event *event, lowering *l) {
     }
 }
 
-fp3_status fp3_project(fp3_advance *a, fp3_error *error) {
+static fp3_status project_all(fp3_advance *a, uint32_t first, uint32_t end, fp3_error *error) {
     const fp3_model *model = a->step->model;
     fp3_status status = FP3_OK;
-    for (uint32_t i = 0; !status && i < model->projection_count; i++) {
+    for (uint32_t i = first; !status && i < end; i++) {
         lowering l;
         if (!fp3_fit_has_event(a->fit, model, &model->projections[i]))
             continue;
@@ -73,4 +74,32 @@ fp3_status fp3_project(fp3_advance *a, fp3_error *error) {
         fp3_lower_close(&l);
     }
     return status;
+}
+
+static fp3_status repeat(fp3_advance *a, const fp3_repeat *r, fp3_error *error) {
+    const uint32_t end = r->first + r->count;
+    int is_live = 0;
+    for (uint32_t i = r->first; i < end; i++)
+        is_live |= fp3_fit_has_event(a->fit, a->step->model, &a->step->model->projections[i]);
+    if (!is_live)
+        return FP3_OK;
+    const int loops = fp3_repeat_loops(a) && r->times > 1;
+    fp3_status status = loops ? fp3_repeat_cut(a, 0, error) : FP3_OK;
+    for (uint32_t i = 0; !status && i < (loops ? 1 : r->times); i++)
+        status = project_all(a, r->first, end, error);
+    return status || !loops ? status : fp3_repeat_cut(a, r->times, error);
+}
+
+fp3_status fp3_project(fp3_advance *a, fp3_error *error) {
+    const fp3_model *model = a->step->model;
+    fp3_status status = FP3_OK;
+    uint32_t made = 0;
+    for (uint32_t i = 0; !status && i < model->repeat_count; i++) {
+        const fp3_repeat *r = &model->repeats[i];
+        status = project_all(a, made, r->first, error);
+        if (!status)
+            status = repeat(a, r, error);
+        made = r->first + r->count;
+    }
+    return status ? status : project_all(a, made, model->projection_count, error);
 }

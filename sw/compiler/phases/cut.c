@@ -2,8 +2,6 @@
 /* cut.c - the sections of a step, as the plan has them. */
 #include "cut.h"
 
-#include "plan.h"
-
 #include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
@@ -219,7 +217,8 @@ static fp3_status make_sections(fp3_cut_plan *c, fp3_cut *cut, fp3_error *error)
 static void make_lists(fp3_cut_plan *c, fp3_cut *cut) {
     for (uint32_t r = 0; r < c->step->model->relation_count; r++) {
         int is_used = 0;
-        cut->list[r] = FP3_NONE;
+        if (cut->list[r] != FP3_NONE)
+            continue;
         for (uint32_t i = 0; i < c->g->count; i++)
             is_used |= c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
                        fp3_dag_relation(c->g, i) == r;
@@ -251,19 +250,79 @@ static int needs_unused(const fp3_cut *cut) {
 
 /* ---- the interface ---- */
 
-fp3_status fp3_cut_make(fp3_step *step, fp3_cut *cut, fp3_error *error) {
-    fp3_cut_plan plan = {.step = step};
-    *cut = (fp3_cut){0};
-    fp3_status status = fp3_cut_plan_make(&plan, error);
-    cut->published = plan.published;
-    cut->phase_count = plan.phase_count;
+/* What the step has is the segment's, and the other way round. */
+static void exchange(fp3_step *step, fp3_segment *s, uint32_t variables) {
+    const dag values = step->values;
+    const fp3_sight sight = step->sight;
+    step->values = s->values;
+    step->sight = s->sight;
+    s->values = values;
+    s->sight = sight;
+    for (uint32_t i = 0; i < variables; i++) {
+        const uint32_t next = step->variables[i].next;
+        step->variables[i].next = s->next[i];
+        s->next[i] = next;
+    }
+}
+
+/* Whether nothing is left for the end of a step in segments. */
+static int is_nothing(const fp3_cut_plan *plan) {
+    const fp3_step *step = plan->step;
+    int is = step->segment_count && !step->kept_count && !step->sight.count;
+    for (uint32_t i = 0; is && i < plan->own; i++)
+        is = step->variables[i].next == FP3_NONE ||
+             step->variables[i].next == fp3_dag_find(plan->g, NODE_VARIABLE, i, FP3_NONE, FP3_NONE);
+    return is;
+}
+
+/* What the step has now: its phases behind those that were cut before. times: as of fp3_segment. */
+static fp3_status cut_part(fp3_cut_plan *plan, uint32_t times, fp3_cut *cut, fp3_error *error) {
+    const uint32_t first = cut->section_count;
+    plan->base = cut->phase_count;
+    fp3_status status = fp3_cut_plan_make(plan, error);
     if (!status)
-        status = make_sections(&plan, cut, error);
-    if (!status) {
-        make_lists(&plan, cut);
+        status = make_sections(plan, cut, error);
+    if (status)
+        return status;
+    for (uint32_t i = first; i < cut->section_count; i++)
+        cut->sections[i].phase += plan->base;
+    make_lists(plan, cut);
+    cut->published |= plan->published;
+    cut->phase_count += plan->phase_count;
+    if (times) {
+        cut->times[plan->base] = (uint8_t)times;
+        cut->returns |= UINT64_C(1) << (cut->phase_count - 1);
+    }
+    return FP3_OK;
+}
+
+static fp3_status cut_segments(fp3_cut_plan *plan, fp3_cut *cut, fp3_error *error) {
+    fp3_step *step = plan->step;
+    const uint32_t kept_count = step->kept_count;
+    fp3_status status = FP3_OK;
+    step->kept_count = 0; /* what entries remember comes last */
+    for (uint32_t i = 0; !status && i < step->segment_count; i++) {
+        fp3_segment *s = &step->segments[i];
+        exchange(step, s, plan->own);
+        status = cut_part(plan, s->times, cut, error);
+        exchange(step, s, plan->own);
+        fp3_cut_plan_close(plan);
+    }
+    step->kept_count = kept_count;
+    return status;
+}
+
+fp3_status fp3_cut_make(fp3_step *step, fp3_cut *cut, fp3_error *error) {
+    fp3_cut_plan plan = {.step = step, .g = &step->values, .own = step->variable_count};
+    *cut = (fp3_cut){0};
+    for (uint32_t r = 0; r < FP3_RELATIONS_MAX; r++)
+        cut->list[r] = FP3_NONE;
+    fp3_status status = cut_segments(&plan, cut, error);
+    if (!status && !is_nothing(&plan))
+        status = cut_part(&plan, 0, cut, error);
+    if (!status)
         cut->unused =
             needs_unused(cut) ? fp3_cut_variable(&plan, ROLE_CARRIED, FP3_NONE) : FP3_NONE;
-    }
     if (!status && plan.has_failed)
         status = fp3_fail(error, FP3_E_LIMIT,
                           "a step keeps more than %d values from one part to another",

@@ -9,11 +9,15 @@
  *
  * A section is a step of its own: it reads variables as they were when it began, and writes some.
  * The cut adds variables for values that go from section to section, or from phase to phase.
+ *
+ * Of a step in segments (compiler/step/step.h) each is cut for itself: their phases follow each
+ * other, and those of a segment that is repeated are the body of a loop.
  */
 #ifndef FP3_CUT_H
 #define FP3_CUT_H
 
 #include "compiler/step/step.h"
+#include "plan.h"
 
 /* A word of the neighbour, or of the link to it, that a loop loads before anything else. */
 typedef struct {
@@ -36,6 +40,8 @@ typedef struct {
 typedef struct {
     fp3_section *sections;
     uint32_t section_count, phase_count;
+    uint8_t times[FP3_CUT_PHASES];    /* of each phase with which a repetition begins, else 0 */
+    uint64_t returns;                 /* phases with which one ends */
     uint64_t published;               /* states of the model that neighbours read */
     uint32_t list[FP3_RELATIONS_MAX]; /* of each relation: its variable, or FP3_NONE: no sum over
                                          this relation */

@@ -47,6 +47,8 @@ static int shows_more(const fp3_step *step) {
 }
 
 int fp3_phases_are_needed(const fp3_step *step) {
+    if (step->segment_count)
+        return 1;
     for (uint32_t i = 0; i < step->values.count; i++)
         if (fp3_dag_is_fold(step->values.nodes[i].op))
             return 1;
@@ -241,17 +243,36 @@ static void find_use(const maker *m, phase *p) {
     }
 }
 
-/* The phases of a step follow each other, and the first one of the next step the last. */
-static void find_after(phase *phases, uint32_t count) {
+static uint64_t needed_by(const phase *p) { return p->reads | (p->after & ~p->surely); }
+
+/* The phases of a step follow each other, and the first one of the next step the last; behind the
+ * last one of a repetition the first one may come again. */
+static void find_after(const fp3_cut *cut, phase *phases) {
+    const uint32_t count = cut->phase_count;
     for (int is_new = 1; is_new;) {
         is_new = 0;
         for (uint32_t i = count; i-- > 0;) {
-            const phase *next = &phases[(i + 1) % count];
-            const uint64_t after = next->reads | (next->after & ~next->surely);
+            uint64_t after = needed_by(&phases[(i + 1) % count]);
+            uint32_t first = i;
+            while (cut->returns >> i & 1 && !cut->times[first])
+                first--;
+            if (cut->returns >> i & 1)
+                after |= needed_by(&phases[first]);
             is_new |= phases[i].after != after;
             phases[i].after = after;
         }
     }
+}
+
+/* The word between two phases, or behind the last one. */
+static void put_end(maker *m, uint32_t p) {
+    const uint32_t next = p + 1 < m->cut.phase_count ? m->cut.times[p + 1] : 0;
+    if (m->cut.returns >> p & 1)
+        put_word(m, FP3_OP_AGAIN, 0, 0);
+    else if (next)
+        put_word(m, FP3_OP_REPEAT, next, 0);
+    else if (p + 1 < m->cut.phase_count)
+        put_word(m, FP3_OP_PHASE, 0, 0);
 }
 
 /* Registers of states, which the host reads, and words that neighbours see. */
@@ -285,8 +306,7 @@ static void put_phases(maker *m, const fp3_line *lines, const phase *phases) {
         for (uint32_t r = 0; r < FP3_BANK_OBJECT_COUNT; r++)
             if (stored & BIT(r))
                 put_word(m, FP3_OP_ST, r, 0);
-        if (p + 1 < m->cut.phase_count)
-            put_word(m, FP3_OP_PHASE, 0, 0);
+        put_end(m, p);
     }
 }
 
@@ -302,7 +322,7 @@ static fp3_status make_lines(maker *m, fp3_error *error) {
         if (!m->has_failed)
             find_use(m, &phases[p]);
     }
-    find_after(phases, m->cut.phase_count);
+    find_after(&m->cut, phases);
     fp3_line *lines = m->lines;
     m->lines = NULL;
     m->line_count = m->line_room = 0;

@@ -4,6 +4,7 @@
 
 #include <fp3/isa.h>
 #include <stdlib.h>
+#include <string.h>
 
 uint32_t *fp3_cut_filled(size_t count) {
     uint32_t *list = malloc((count + 1) * sizeof *list);
@@ -81,7 +82,9 @@ static fp3_status too_many(fp3_error *error) {
 /* The earliest phase for what is seen at this place, as other kinds ask for it. */
 static uint32_t least_phase(const fp3_cut_plan *c, uint32_t place) {
     const uint32_t number = fp3_step_place(c->step, place);
-    return c->step->coupling && number != FP3_NONE ? c->step->coupling->phase[number] : 0;
+    const uint32_t asked =
+        c->step->coupling && number != FP3_NONE ? c->step->coupling->phase[number] : 0;
+    return asked > c->base ? asked - c->base : 0;
 }
 
 /* The first time from `when` on for loops at a place; 0: there is none. What has no slot in a phase
@@ -250,17 +253,18 @@ static int look(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
     if (number == FP3_NONE)
         return 0;
     c->step->looks |= UINT64_C(1) << number;
-    if (phase > c->step->phase[number])
-        c->step->phase[number] = (uint8_t)phase;
+    if (c->base + phase > c->step->phase[number])
+        c->step->phase[number] = (uint8_t)(c->base + phase);
     return 1;
 }
 
 static fp3_status tell(fp3_cut_plan *c, fp3_error *error) {
     fp3_step *step = c->step;
     int is_good = 1;
-    step->phases = c->phase_count;
+    step->phases = c->base + c->phase_count;
     for (uint32_t i = 0; i < FP3_PLACES; i++)
-        step->phase[i] = c->handled >> i & 1 ? (uint8_t)c->phase_of[i] : 0;
+        if (c->handled >> i & 1)
+            step->phase[i] = (uint8_t)(c->base + c->phase_of[i]);
     for (uint32_t i = 0; i < c->g->count; i++)
         if (c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
             is_of_kind(c, fp3_dag_relation(c->g, i)))
@@ -472,6 +476,8 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     if (status)
         return status;
     find_needed(c);
+    if (c->base + c->phase_count > FP3_CUT_PHASES)
+        return too_many(error);
     status = tell(c, error);
     if (status)
         return status;
@@ -490,7 +496,8 @@ fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
     c->g = &c->step->values;
     const size_t nodes = c->g->count;
     c->states = c->step->model->state_count;
-    c->own = c->step->variable_count;
+    c->published = c->handled = 0;
+    memset(c->slots, 0, sizeof c->slots);
     c->when = calloc(nodes + 1, sizeof *c->when);
     c->is_body = calloc(nodes + 1, 1);
     c->is_needed = calloc(nodes + 1, 1);
@@ -515,4 +522,6 @@ void fp3_cut_plan_close(fp3_cut_plan *c) {
     free(c->until);
     free(c->shown);
     free(c->held);
+    c->when = c->holder = c->until = c->shown = c->held = NULL;
+    c->is_body = c->is_needed = c->is_held = c->in_kept = NULL;
 }

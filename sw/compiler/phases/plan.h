@@ -14,8 +14,8 @@
 typedef struct {
     fp3_step *step;
     const dag *g;
-    uint64_t published; /* states of the model that neighbours read */
-    uint32_t phase_count;
+    uint64_t published;         /* states of the model that neighbours read */
+    uint32_t base, phase_count; /* phases of the step before these; these */
     uint32_t states;
     /* Of each node: */
     uint32_t *when; /* of one in a loop: of what it reads from outside */
@@ -36,8 +36,8 @@ typedef struct {
     int has_failed;
 } fp3_cut_plan;
 
-/* Fills the plan, whose step is given. FP3_E_LIMIT: too many phases.
- * The caller closes, after a failure too. */
+/* Fills the plan, whose step, base and own are given; its pool may be that of an earlier plan.
+ * FP3_E_LIMIT: too many phases. The caller closes, after a failure too. */
 fp3_status fp3_cut_plan_make(fp3_cut_plan *plan, fp3_error *error);
 void fp3_cut_plan_close(fp3_cut_plan *plan);
 

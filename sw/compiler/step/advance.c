@@ -2,6 +2,8 @@
 /* advance.c - places, coefficients and updates. */
 #include "advance.h"
 
+#include "compiler/value/ops.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -36,6 +38,30 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
         a->place_count = i + 1;
     }
     return status;
+}
+
+void fp3_advance_begin(fp3_advance *a) {
+    fp3_step *step = a->step;
+    if (fp3_advance_may_stop(a))
+        step->sight.stopped = fp3_advance_held(a, &step->values, ROLE_STOPPED, FP3_NONE).node;
+    for (uint32_t i = 0; i < step->variable_count; i++) {
+        const variable *v = &step->variables[i];
+        if (v->role == ROLE_STATE) {
+            a->now[v->state] = fp3_term(fp3_dag_variable(&step->values, i));
+            step->sight.start[v->state] = a->now[v->state].node;
+        }
+        if (v->role == ROLE_LOST)
+            a->lost[v->state] = fp3_term(fp3_dag_variable(&step->values, i));
+    }
+}
+
+uint32_t fp3_advance_next(const fp3_advance *a, uint32_t variable, term next) {
+    dag *g = &a->step->values;
+    const uint32_t node = fp3_term_value(g, next);
+    if (!fp3_advance_may_stop(a))
+        return node;
+    g->note = fp3_note(&a->step->notes, "nothing changes in an object that has stopped");
+    return sel(g, a->step->sight.stopped, fp3_dag_variable(g, variable), node);
 }
 
 static int has_slope(const fp3_model *model, uint32_t state) {
@@ -144,7 +170,8 @@ static term state_after(lowering *l, uint32_t state) {
 
 static term state_before(lowering *l, uint32_t state) {
     const fp3_advance *a = l->user;
-    return fp3_advance_held(a, l->g, ROLE_STATE, state);
+    return a->step->segment_count ? fp3_term(fp3_dag_variable(l->g, a->previous[state]))
+                                  : fp3_advance_held(a, l->g, ROLE_STATE, state);
 }
 
 /* Neighbours see at each event, and at each projection, what those before it left of all objects;

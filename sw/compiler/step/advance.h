@@ -41,6 +41,8 @@ typedef struct {
     uint32_t is_in_time, next, before, behind;
     uint32_t root_before, root_behind; /* the nearest root there; FP3_NONE: not needed */
     uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
+    uint32_t *previous; /* of each state: the variable that has what it was when the step began,
+                           behind the step's first segment; FP3_NONE: not needed */
 } fp3_advance;
 
 /* Opens a step's places: `state` gives the value of a state at a place, and gets `user`; the names
@@ -52,6 +54,18 @@ fp3_status fp3_advance_places(fp3_advance *a, uint32_t count, const char *prefix
 static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state) {
     return a->step->model->states[state].name;
 }
+
+/* With adaptive steps `stop` ends the object's own time; with fixed steps it makes steps that
+ * change nothing. */
+static inline int fp3_advance_may_stop(const fp3_advance *a) {
+    return a->fit->has_stop && !a->is_adaptive;
+}
+
+/* States, and what is lost of them, are what their variables hold: a step or a segment begins. */
+void fp3_advance_begin(fp3_advance *a);
+
+/* What a variable gets, if this is its new value: an object that has stopped keeps what it has. */
+uint32_t fp3_advance_next(const fp3_advance *a, uint32_t variable, term next);
 
 /* Whether only events and projections change the state: its derivative is the number 0. Always
  * false without the pass `zero`. */

@@ -5,6 +5,16 @@
 #include <assert.h>
 #include <stdlib.h>
 
+/* Empty, with the rules of another one. */
+static void open_like(dag *made, const dag *g, known_table *known) {
+    fp3_dag_open(made, known, g->passes);
+    made->is_flushed = g->is_flushed;
+    made->is_finite = g->is_finite;
+    made->terms = g->terms;
+    made->is_abstract = g->is_abstract;
+    made->is_direct = g->is_direct;
+}
+
 fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_options *options,
                          fp3_error *error) {
     *step = (fp3_step){.model = model,
@@ -27,7 +37,32 @@ fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_optio
     return step->known.has_failed ? fp3_no_memory(error) : FP3_OK;
 }
 
+int fp3_step_cut(fp3_step *step, uint32_t times) {
+    fp3_segment *more = realloc(step->segments, (step->segment_count + 1u) * sizeof *more);
+    uint32_t *next = malloc((step->variable_count + 1u) * sizeof *next);
+    if (more)
+        step->segments = more;
+    if (!more || !next) {
+        free(next);
+        return 0;
+    }
+    for (uint32_t i = 0; i < step->variable_count; i++) {
+        next[i] = step->variables[i].next;
+        step->variables[i].next = FP3_NONE;
+    }
+    more[step->segment_count++] = (fp3_segment){step->values, next, step->sight, times};
+    open_like(&step->values, &step->last, &step->known);
+    step->sight = (fp3_sight){.stopped = FP3_NONE};
+    return 1;
+}
+
 void fp3_step_close(fp3_step *step) {
+    for (uint32_t i = 0; i < step->segment_count; i++) {
+        fp3_dag_close(&step->segments[i].values);
+        free(step->segments[i].next);
+        free(step->segments[i].sight.list);
+    }
+    free(step->segments);
     fp3_known_close(&step->known);
     fp3_dag_close(&step->values);
     fp3_dag_close(&step->last);
@@ -60,10 +95,16 @@ uint32_t fp3_step_find(const fp3_step *step, role role, uint32_t state) {
 }
 
 fp3_status fp3_step_check(const fp3_step *step, fp3_error *error) {
-    if (step->notes.has_failed || step->sight.has_failed || step->known.has_failed ||
-        step->values.has_failed || step->last.has_failed)
+    int has_failed = step->notes.has_failed || step->sight.has_failed || step->known.has_failed ||
+                     step->values.has_failed || step->last.has_failed;
+    int is_full = step->values.is_full || step->last.is_full;
+    for (uint32_t i = 0; i < step->segment_count; i++) {
+        has_failed |= step->segments[i].values.has_failed || step->segments[i].sight.has_failed;
+        is_full |= step->segments[i].values.is_full;
+    }
+    if (has_failed)
         return fp3_no_memory(error);
-    if (step->values.is_full || step->last.is_full)
+    if (is_full)
         return fp3_fail(error, FP3_E_LIMIT,
                         "a step needs more than %u operations: no instruction memory holds them",
                         FP3_DAG_LIMIT);

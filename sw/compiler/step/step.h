@@ -42,11 +42,22 @@ typedef struct {
     uint32_t node;
 } fp3_kept;
 
+/* The beginning of a step that goes on with other values of the same variables, behind a repetition
+ * of phases: it begins with what its variables hold, and ends with `next` in them. */
+typedef struct {
+    dag values;
+    uint32_t *next; /* of each variable that there is then; FP3_NONE: it stays */
+    fp3_sight sight;
+    uint32_t times; /* how often it is made; 0: once, and no repetition */
+} fp3_segment;
+
 typedef struct {
     const fp3_model *model;
     uint32_t words; /* that the program is made for, as fp3_image has them */
     known_table known;
-    dag values; /* of a step */
+    fp3_segment *segments; /* before `values` */
+    uint32_t segment_count;
+    dag values; /* of a step, or of what follows its segments */
     dag last;   /* of the last part: its variables are those after the step */
     variable *variables;
     uint32_t variable_count, variable_room;
@@ -72,6 +83,9 @@ typedef struct {
 fp3_status fp3_step_open(fp3_step *step, const fp3_model *model, const fp3_options *options,
                          fp3_error *error);
 void fp3_step_close(fp3_step *step);
+
+/* What was made so far becomes a segment; values and sight begin anew. 0: out of memory. */
+int fp3_step_cut(fp3_step *step, uint32_t times);
 
 /* A variable, whose nodes are FP3_NONE so far; 0: out of memory. */
 int fp3_step_add(fp3_step *step, role role, uint32_t state);

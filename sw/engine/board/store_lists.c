@@ -56,7 +56,7 @@ static fp3_status check_lists(fp3_engine *engine, const fp3_code *program) {
                             "engine '%s': word %" PRIu32 ": the register r%" PRIu32
                             " of a list is not loaded in this phase, or overwritten",
                             engine->backend->is.name, i, word->in.d);
-        if (word->in.op == FP3_OP_PHASE)
+        if (fp3_ends_phase(word))
             loaded = 0;
         else if (word->in.op == FP3_OP_LD)
             loaded |= BIT(word->in.d);
@@ -355,7 +355,7 @@ static int has_written(const fp3_engine *engine) {
         const fp3_decoded *word = &program->decoded[i];
         if (word->of && word->of->takes_field)
             return 1;
-        if (is_by_phase && word->of && word->in.op == FP3_OP_PHASE)
+        if (is_by_phase && fp3_ends_phase(word))
             return 0;
     }
     return 0;

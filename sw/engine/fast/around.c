@@ -20,8 +20,14 @@ size_t fp3_fast_records(const fp3_fast *fast, uint32_t objects) {
 }
 
 uint32_t fp3_fast_phases(const fp3_fast *fast) {
+    return fast->plan.around.is_any ? fast->plan.around.distinct : 0;
+}
+
+uint32_t fp3_fast_made(const fp3_fast *fast) {
     return fast->plan.around.is_any ? fast->plan.around.phases : 0;
 }
+
+uint32_t fp3_fast_phase_at(const fp3_fast *fast, uint32_t n) { return fast->plan.order[n]; }
 
 uint64_t fp3_fast_doubled(const fp3_fast *fast) {
     return fast->plan.around.published & fast->plan.stored;
@@ -167,7 +173,7 @@ static void interpret(const interpreter *in, uint32_t phase) {
         in->lanes->records[reg] = in->lanes->own[reg];
     point(in, in->group->own, read);
     for (uint32_t pc = plan->phase[phase], loop; pc < plan->phase[phase + 1]; pc++) {
-        if (plan->code[pc].in.op == FP3_OP_PHASE)
+        if (plan->code[pc].ends_phase)
             break;
         for (loop = 0; loop < plan->loop_count && plan->loops[loop].first != pc + 1; loop++)
             ;

@@ -22,6 +22,9 @@ typedef struct {
 /* Of its vectors; 0: it is interpreted. */
 unsigned fp3_fast_native_lanes(const fp3_fast *fast);
 uint32_t fp3_fast_phases(const fp3_fast *fast);
+/* How many phases a step makes, and which is the n-th of them. */
+uint32_t fp3_fast_made(const fp3_fast *fast);
+uint32_t fp3_fast_phase_at(const fp3_fast *fast, uint32_t n);
 /* Words that change and that neighbours read: they have two columns. */
 uint64_t fp3_fast_doubled(const fp3_fast *fast);
 /* Floats that the records of so many objects take. */

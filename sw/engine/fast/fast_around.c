@@ -351,7 +351,7 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     if (!status)
         fill_halves(engine, members, g);
     for (uint32_t step = 0; !status && step < steps; step++) {
-        const uint32_t end = engine->only ? engine->only : fp3_fast_phases(g->program);
+        const uint32_t end = engine->only ? engine->only : fp3_fast_made(g->program);
         for (uint32_t phase = engine->only ? end - 1 : 0; !status && phase < end; phase++) {
             status = fp3_engine_exchange_begin(engine);
             if (!status && !is_in_pieces(engine, members))
@@ -359,7 +359,7 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
             if (!status)
                 status = follow(engine, members, g);
             if (!status)
-                status = make_phase(engine, members, g, phase);
+                status = make_phase(engine, members, g, fp3_fast_phase_at(g->program, phase));
         }
         fp3_engine_tell(engine, (uint64_t)(engine->expected * (step + 1) / steps));
     }

@@ -121,6 +121,7 @@ static fp3_status decode(const fp3_code *code, fp3_fast_plan *plan, fp3_error *e
         status = check(plan, pc, code->in_front, error);
         if (status)
             break;
+        plan->code[pc].ends_phase = fp3_ends_phase(&code->decoded[pc]);
         find_given(&plan->code[pc], code->decoded[pc].of, &loaded);
         note(plan, pc);
     }
@@ -286,11 +287,21 @@ static void follow_part(fp3_fast_plan *plan, fp3_fast_part_number part, unsigned
 
 /* ---- loops and phases ---- */
 
-static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
+/* Which phases a step makes. */
+static void find_order(const fp3_code *code, fp3_fast_plan *plan) {
+    for (uint32_t i = 0, first, end; i < plan->around.phases; i++) {
+        fp3_neighbourhood_phase(code, i, &first, &end);
+        while (plan->phase[plan->order[i]] < first)
+            plan->order[i]++;
+    }
+}
+
+static fp3_status find_loops(const fp3_code *code, fp3_fast_plan *plan, fp3_error *error) {
     uint32_t phases = 0;
     plan->loops = calloc(plan->count + 1u, sizeof *plan->loops);
-    plan->phase = calloc(plan->around.phases + 2u, sizeof *plan->phase);
-    if (!plan->loops || !plan->phase)
+    plan->phase = calloc(plan->around.distinct + 2u, sizeof *plan->phase);
+    plan->order = calloc(plan->around.phases + 1u, sizeof *plan->order);
+    if (!plan->loops || !plan->phase || !plan->order)
         return fp3_no_memory(error);
     for (uint32_t pc = 0; pc < plan->count; pc++) {
         const fp3_instruction *in = &plan->code[pc].in;
@@ -302,11 +313,12 @@ static fp3_status find_loops(fp3_fast_plan *plan, fp3_error *error) {
         } else if (in->op == FP3_OP_NEXT) {
             loop->end = pc;
             plan->loop_count++;
-        } else if (in->op == FP3_OP_PHASE) {
+        } else if (plan->code[pc].ends_phase) {
             plan->phase[++phases] = pc + 1;
         }
     }
     plan->phase[++phases] = plan->count;
+    find_order(code, plan);
     return FP3_OK;
 }
 
@@ -410,7 +422,7 @@ fp3_status fp3_fast_plan_make(const fp3_config *config, const fp3_code *code, ui
     plan->part[FP3_PART_LAST].end = code->count;
     fp3_status status = plan->code ? decode(code, plan, error) : fp3_no_memory(error);
     if (!status && around->is_any)
-        status = find_loops(plan, error);
+        status = find_loops(code, plan, error);
     if (status) {
         fp3_fast_plan_free(plan);
         return status;
@@ -426,5 +438,6 @@ void fp3_fast_plan_free(fp3_fast_plan *plan) {
     free(plan->code);
     free(plan->loops);
     free(plan->phase);
+    free(plan->order);
     *plan = (fp3_fast_plan){0};
 }

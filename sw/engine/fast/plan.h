@@ -33,6 +33,7 @@ typedef struct {
         in; /* arithmetic with what a neighbour gives: of registers, one of them FP3_FAST_GIVEN */
     fp3_gives gives; /* what a neighbour gives: to register d, or as that operand */
     uint32_t number; /* ... of the word or of the field; of `stl` that of the field */
+    int ends_phase;
     int is_dead;     /* nothing reads its result: it counts for its flags alone */
     int is_unread;   /* no step reads its result: in all steps but the last one it counts for its
                         flags alone */
@@ -77,6 +78,7 @@ typedef struct {
     uint32_t loop_count;
     int are_folds;     /* what loops keep: native code has no other loops */
     uint32_t *phase;   /* where each phase begins, and where the last one ends */
+    uint32_t *order;   /* which of these a step makes, one after the other */
     int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
     int has_lds;       /* objects whose word for sleep is not 0 make no visit */
 } fp3_fast_plan;

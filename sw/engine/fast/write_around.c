@@ -361,7 +361,7 @@ static void phase(const writer *w, uint32_t number) {
         else if (p->in.op == FP3_OP_EACH) {
             loop_around(w, &plan->loops[next]);
             pc = plan->loops[next].end;
-        } else if (p->in.op != FP3_OP_PHASE)
+        } else if (!p->ends_phase)
             fp3_write_arithmetic(w, p, 0);
     }
     fprintf(w->to, "    }\n");
@@ -374,7 +374,7 @@ static void publish(const writer *w) {
     fprintf(w->to,
             "    if (phase == %" PRIu32 ")\n    for (unsigned long j = first; j < end; j++) {\n"
             "        fp3_v v[4] = {0};\n",
-            w->plan->around.phases);
+            w->plan->around.distinct);
     FP3_EACH_REGISTER (published, reg) {
         fprintf(w->to, "        v[%" PRIu32 "] = (fp3_v)o%" PRIu32 "[j - p->bias];\n", words % 4,
                 reg);
@@ -393,7 +393,7 @@ void fp3_write_phases(const writer *w) {
     fprintf(w->to, "void " FP3_FAST_NAME
                    "(const fp3_fast_around *p, unsigned phase, unsigned first, unsigned end) {\n");
     declare(w);
-    for (uint32_t i = 0; i < w->plan->around.phases; i++)
+    for (uint32_t i = 0; i < w->plan->around.distinct; i++)
         phase(w, i);
     publish(w);
     fprintf(w->to, "}\n");

@@ -57,6 +57,7 @@ typedef struct {
     uint32_t number, end; /* of the step now; of the last one */
     int is_ahead;         /* the instruction now works for the step that follows */
     loop loop;
+    fp3_repetition repetition;
 } round_of;
 
 static size_t words(const fp3_engine *engine) {
@@ -346,7 +347,8 @@ static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
         return l->begin + 1;
     }
     l->list = NULL;
-    return pc + 1;
+    return fp3_ends_phase(&program[pc]) ? fp3_neighbourhood_behind(program, pc, &r->repetition)
+                                        : pc + 1;
 }
 
 /* When a phase begins: lists of those that are near. */
@@ -383,7 +385,7 @@ static fp3_status make_round(round_of *r) {
         if (pc == program->step)
             begin_step(r);
         if (members(r)->lists.shape.is_any &&
-            (pc == program->step || program->decoded[pc - 1].in.op == FP3_OP_PHASE)) {
+            (pc == program->step || fp3_ends_phase(&program->decoded[pc - 1]))) {
             const fp3_status status = begin_phase(r);
             if (status)
                 return status;

@@ -146,6 +146,14 @@ typedef struct {
 #define FP3_STOPS 1
 #define FP3_REMOVES 2
 
+/* These projections happen `times` times, one after the other. */
+typedef struct {
+    uint32_t first, count; /* of fp3_model.projections; at least one */
+    uint32_t times;        /* 1 .. FP3_REPEAT_MAX */
+    uint32_t line;
+} fp3_repeat;
+#define FP3_REPEAT_MAX 63
+
 #define FP3_RELATIONS_MAX 8
 #define FP3_KINDS_MAX 8
 
@@ -197,6 +205,8 @@ typedef struct {
     /* Projections have no condition: they happen after every step, before events. The truth solver
      * ignores projections. */
     fp3_event *projections;
+    uint32_t repeat_count;
+    fp3_repeat *repeats; /* in the order of the text; none overlaps another */
     fp3_assignment *assignments;
     fp3_expr *exprs;
     /* How objects see others; the fields of links have a value (default), a unit and no

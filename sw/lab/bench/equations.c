@@ -169,6 +169,20 @@ static void write_event(writer *w, const fp3_event *event) {
     fputs("    }\n", w->to);
 }
 
+static void write_projections(writer *w) {
+    const fp3_model *m = w->model;
+    const fp3_repeat *r = m->repeats, *end = r + m->repeat_count;
+    for (uint32_t i = 0; i < m->projection_count; i++) {
+        if (r < end && i == r->first)
+            fprintf(w->to, "    for (int n = 0; n < %" PRIu32 "; n++) {\n", r->times);
+        write_event(w, &m->projections[i]);
+        if (r < end && i + 1 == r->first + r->count) {
+            fputs("    }\n", w->to);
+            r++;
+        }
+    }
+}
+
 static void write_model(writer *w) {
     const fp3_model *m = w->model;
     if (is_python(w)) {
@@ -185,8 +199,7 @@ static void write_model(writer *w) {
           "*was, real t, real *y, const real *p) {\n    (void)began, (void)was, (void)t, (void)y, "
           "(void)p;\n",
           w->to);
-    for (uint32_t i = 0; i < m->projection_count; i++)
-        write_event(w, &m->projections[i]);
+    write_projections(w);
     for (uint32_t i = 0; i < m->event_count; i++)
         write_event(w, &m->events[i]);
     fputs("}\n", w->to);
