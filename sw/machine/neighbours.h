@@ -40,12 +40,12 @@ typedef struct {
 uint32_t fp3_neighbourhood_behind(const struct fp3_decoded *decoded, uint32_t at,
                                   fp3_repetition *repetition);
 
-/* FP3_E_PROGRAM: a loop within a loop, or without its end; a repetition likewise; something that reads a neighbour outside
- * of a loop; a phase within a loop; a first or a last part; a store in a loop; a load behind a
- * store of the same phase; a field read behind an `stl` of the same phase; a phase that does not
- * store a word which neighbours read and another phase stores; loops over one list with different
- * numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of an entry; `sleep`
- * beside all this. */
+/* FP3_E_PROGRAM: a loop within a loop, or without its end; a repetition likewise; something that
+ * reads a neighbour outside of a loop; a phase within a loop; a first or a last part; a store in a
+ * loop; a load behind a store of the same phase; a field read behind an `stl` of the same phase; a
+ * phase that does not store a word which neighbours read and another phase stores; loops over one
+ * list with different numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of
+ * an entry; `sleep` beside all this. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 

@@ -94,7 +94,7 @@ def test_single_words(run, word, text):
         ("0x38404000", "ld has no operand a, but the field holds 1 instead of 0"),
         ("0x40400080", "lds has no operand b, but the field holds 1 instead of 0"),
         ("0x4840007f", "st has no operand c, but the field holds 127 instead of 0"),
-        ("0xf800000e", "0xf800000e is no instruction: opcode 142 is unknown"),
+        ("0xf8000010", "0xf8000010 is no instruction: opcode 144 is unknown"),
         ("0xf8200001", "next has no operand d, but the field holds 1 instead of 0"),
         ("0xf8004080", "each has no operand a, but the field holds 1 instead of 0"),
         ("08000000", "expected a word as 0x and one to eight hexadecimal digits"),

@@ -257,6 +257,7 @@ FEATURES = [
     Feature("double-single", settings="double_single = true;"),
     Feature("adaptive steps", settings="tolerance = 1e-4; until = 0.0625;", integrator="cash_karp"),
     Feature("projections with sums, `h`, `prev`", more="project v = (x - prev(x))/h + 0.01*({pull})"),
+    Feature("projections that are repeated", more="repeat 3\nproject v = v + 0.001*({pull})\nend\nproject v = v + prev(v)/64"),
     Feature("pairs that remember", more="remember o in ties: o.s = o.s + h*(o.v - v)", field="s = 0"),
     Feature("events", more="when x > 1: v = -v"),
     Feature("events with sums", more="when {pull} > 0.1: v = 0.5*v"),

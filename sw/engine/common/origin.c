@@ -140,6 +140,33 @@ static fp3_status read_register(fp3_engine *engine, const fp3_members *group, ui
     return status;
 }
 
+/* Most registers are known of all objects of a group or of none: only the others are looked at
+ * object by object. */
+static fp3_status read_group(fp3_engine *engine, const fp3_members *group, uint64_t wanted) {
+    const fp3_origin *o = engine->origin;
+    const size_t begin = fp3_members_begin(group), end = fp3_members_end(group);
+    uint64_t of_all = UINT64_MAX, of_any = 0;
+    for (size_t i = begin; i < end; i++) {
+        of_all &= o->known[i];
+        of_any |= o->known[i];
+    }
+    const uint64_t whole = wanted & ~of_any;
+    fp3_status status = FP3_OK;
+    for (uint64_t left = wanted & ~of_all; !status && left; left &= left - 1) {
+        const uint32_t reg = (uint32_t)__builtin_ctzll(left);
+        const fp3_cells cells = {FP3_CELLS_REGISTER, reg, begin, end - begin};
+        status = whole >> reg & 1 ? engine->backend->read(engine, cells, find(engine, cells))
+                                  : read_register(engine, group, reg);
+    }
+    for (size_t i = begin; !status && whole && i < end; i++)
+        o->known[i] |= whole;
+    return status;
+}
+
+static uint64_t below(uint32_t count) {
+    return count < 64 ? ((uint64_t)1 << count) - 1 : UINT64_MAX;
+}
+
 static fp3_status read_all(fp3_engine *engine) {
     fp3_origin *o = engine->origin;
     fp3_status status = FP3_OK;
@@ -153,9 +180,7 @@ static fp3_status read_all(fp3_engine *engine) {
                                 (slept < 0 ? 0 : (uint64_t)1 << slept);
         const uint32_t room = 1u << group->log2, has = engine->config->registers;
         const fp3_cells constants = {FP3_CELLS_CONSTANT, i, 0, has};
-        for (uint32_t reg = 0; !status && reg < room && reg < has; reg++)
-            if (wanted >> reg & 1)
-                status = read_register(engine, group, reg);
+        status = read_group(engine, group, wanted & below(room < has ? room : has));
         if (!status && !o->has_constants)
             status = engine->backend->read(engine, constants, find(engine, constants));
     }
@@ -222,6 +247,8 @@ void fp3_origin_end(fp3_engine *engine, int is_complete, uint32_t flags) {
     fp3_origin *o = engine->origin;
     for (uint32_t i = 0; o->known && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
+        if (is_complete && !group->steps)
+            continue; /* all slept */
         const uint64_t changed = named_by(engine, group, FP3_OP_ST, FP3_OP_ST);
         for (uint32_t n = fp3_members_begin(group); n < fp3_members_end(group); n++)
             o->known[n] &= ~changed;

@@ -34,14 +34,14 @@ typedef struct {
     fp3_gives gives; /* what a neighbour gives: to register d, or as that operand */
     uint32_t number; /* ... of the word or of the field; of `stl` that of the field */
     int ends_phase;
-    int is_dead;     /* nothing reads its result: it counts for its flags alone */
-    int is_unread;   /* no step reads its result: in all steps but the last one it counts for its
-                        flags alone */
-    int is_rounded;  /* a store to a record of 16 bits, of another register than that of `sleep` */
-    int is_masked;   /* objects that sleep keep what is in d */
-    int is_one_nan;  /* what is written is seen as it is: a NaN is made the one of the machine */
-    int is_behind;   /* an operand may be a NaN that the host wrote, or the operation makes one: see
-                        fp3_behind in lanes.h */
+    int is_dead;    /* nothing reads its result: it counts for its flags alone */
+    int is_unread;  /* no step reads its result: in all steps but the last one it counts for its
+                       flags alone */
+    int is_rounded; /* a store to a record of 16 bits, of another register than that of `sleep` */
+    int is_masked;  /* objects that sleep keep what is in d */
+    int is_one_nan; /* what is written is seen as it is: a NaN is made the one of the machine */
+    int is_behind;  /* an operand may be a NaN that the host wrote, or the operation makes one: see
+                       fp3_behind in lanes.h */
 } fp3_fast_word;
 
 typedef enum { FP3_PART_FIRST, FP3_PART_STEP, FP3_PART_LAST, FP3_PARTS } fp3_fast_part_number;
