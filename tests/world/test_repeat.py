@@ -125,13 +125,22 @@ groups = ( { program = "rope.ode"; integrator = "semi_implicit_euler"; grid = { 
 """
 
 
-def test_the_rope_of_the_page(fp3, root, tmp_path):
+@pytest.mark.parametrize("is_coloured", [False, True])
+def test_the_rope_of_the_page(fp3, root, tmp_path, is_coloured):
     """How far rods are stretched, and what a step costs on the hardware, as the page has it: half of the stretch for twice the repetitions."""
     page = (root / "docs/relations.md").read_text()
     lines = re.search(r'^    model rope(?:.*\n)+?    project v.*\n', page, re.M)[0].replace("\n    ", "\n")
-    (tmp_path / "rope.scene").write_text(ROPE)
-    table = [[cell.strip() for cell in re.search(rf"^\| {name} \|(.*)\|$", page, re.M)[1].split("|")]
-             for name in ("`repeat`", "largest stretch of a rod then", "cycles of a step on `world`")]
+    links, loop = re.search(r"^((?:    links .*\n)+)(    repeat 8\n(?:.*\n)+?    end\n)\nA repetition", page, re.M).groups()
+    rows = ("largest stretch of a rod then", "cycles of a step on `world`")
+    scene = ROPE
+    if is_coloured:
+        lines = re.sub(r"links.*\n", lambda _: links, re.sub(r"repeat 8\n(?:.*\n)+?end\n", lambda _: loop, lines))
+        rows = ("the same with two colours: stretch", r"\.\.\. cycles")
+        scene = re.sub(r"links = .*?}", 'links = ( { relation = "even"; file = "0.csv"; }, { relation = "odd"; file = "1.csv"; } )', ROPE)
+        for first in (0, 1):
+            (tmp_path / f"{first}.csv").write_text("a,b\n" + "".join(f"{i},{i + 1}\n" for i in range(first, 20, 2)))
+    (tmp_path / "rope.scene").write_text(scene)
+    table = [[cell.strip() for cell in re.search(rf"^\| {name} \|(.*)\|$", page, re.M)[1].split("|")] for name in ("`repeat`", *rows)]
     for times, stretch, cycles in zip(*table):
         (tmp_path / "rope.ode").write_text(lines.replace("repeat 8", f"repeat {times}"))
         hardware = subprocess.run([fp3, "run", "--scene", "rope.scene", "-e", "rtl", "--steps", "10"], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=True).stdout
