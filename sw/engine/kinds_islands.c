@@ -92,13 +92,14 @@ static fp3_status read_awake(fp3_engine *engine, uint32_t group, uint32_t reg, u
 /* Whether rows are nearer than the reach; a program tells by FP32, which may differ in the last
  * places. */
 static int is_near(const fp3_near_rule *rule, const fp3_where_they_are *w, uint32_t a, uint32_t b) {
+    const double most = rule->reach * rule->reach;
     double sum = 0;
-    for (uint32_t k = 0; k < w->dimensions; k++) {
+    for (uint32_t k = 0; k < w->dimensions && !(sum >= most); k++) {
         const double way =
             fp3_near_number(rule, w->position[k][a]) - fp3_near_number(rule, w->position[k][b]);
         sum += way * way;
     }
-    return sum < rule->reach * rule->reach;
+    return sum < most;
 }
 
 /* The columns of `near` as they are now: own rows, and then those of the kind. */
@@ -156,6 +157,42 @@ static fp3_status list_near(fp3_engine *engine, const fp3_near_rule *rule, struc
     return status;
 }
 
+/* Up to this number of pairs a look at each costs less than a list. */
+#define FEW_PAIRS 0x10000u
+
+static uint32_t count(const fp3_rest *r, const fp3_members *group, uint8_t flags) {
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < group->objects; i++)
+        found += (r->flags[group->first + i] & flags) != 0;
+    return found;
+}
+
+/* Whose pairs are looked for: rows of a group, and behind them those of another kind, if there is
+ * one. */
+typedef struct {
+    const fp3_members *group, *theirs;
+    const fp3_near_rule *rule;
+    const fp3_where_they_are *now;
+} sides;
+
+static void meet_one(fp3_rest *r, const sides *s, uint32_t i, uint32_t with) {
+    const uint32_t own = s->group->objects;
+    if (with != i && s->now->lives[with] && is_near(s->rule, s->now, i, with))
+        meet(r, s->group->first + i,
+             with < own ? s->group->first + with : s->theirs->first + with - own);
+}
+
+/* Most rows are too far in the first component already. */
+static void meet_all_near(fp3_rest *r, const sides *s, uint32_t i) {
+    const float *x = (const float *)(const void *)s->now->position[0];
+    const double at = (double)x[i], most = s->rule->reach * s->rule->reach;
+    for (uint32_t with = s->theirs ? s->group->objects : 0; with < s->now->objects; with++) {
+        const double way = (double)x[with] - at;
+        if (s->rule->format || way * way < most)
+            meet_one(r, s, i, with);
+    }
+}
+
 /* is_brief: only pairs matter of which one sleeps and the other moves. */
 static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_number,
                             int is_brief) {
@@ -181,15 +218,18 @@ static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_n
         lives[i] =
             r->flags[i < group->objects ? group->first + i : theirs->first + i - group->objects] !=
             0;
-    if (!status)
+    const int are_few = is_brief && (uint64_t)rows * count(r, group, whose) <= FEW_PAIRS;
+    if (!status && !are_few)
         status = list_near(engine, &list->near, n, &now);
-    for (uint32_t i = 0; !status && i < group->objects; i++)
-        for (uint32_t e = n->begin[i]; r->flags[group->first + i] & whose && e < n->begin[i + 1];
-             e++)
-            if (lives[i] && lives[n->other[e]] && is_near(&list->near, &now, i, n->other[e]))
-                meet(r, group->first + i,
-                     n->other[e] < group->objects ? group->first + n->other[e]
-                                                  : theirs->first + n->other[e] - group->objects);
+    for (uint32_t i = 0; !status && i < group->objects; i++) {
+        if (!lives[i] || !(r->flags[group->first + i] & whose))
+            continue;
+        if (are_few)
+            meet_all_near(r, &(sides){group, theirs, &list->near, &now}, i);
+        else
+            for (uint32_t e = n->begin[i]; e < n->begin[i + 1]; e++)
+                meet_one(r, &(sides){group, theirs, &list->near, &now}, i, n->other[e]);
+    }
     free(lives);
     return status;
 }

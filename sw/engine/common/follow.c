@@ -6,9 +6,9 @@
 
 #include <stdlib.h>
 
-fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *const *words,
-                            const uint32_t *row, size_t stride, const fp3_crew *crew, int *is_new,
-                            fp3_error *error) {
+fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, uint32_t seekers,
+                            const uint32_t *const *words, const uint32_t *row, size_t stride,
+                            const fp3_crew *crew, int *is_new, fp3_error *error) {
     fp3_status status = FP3_OK;
     *is_new = 0;
     for (uint32_t i = 0; !status && i < lists->shape.list_count; i++) {
@@ -30,6 +30,8 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, const uint32_t *
             now.from = list->first;
             now.objects = list->end;
         }
+        if (!list->kind && !list->fields) /* pairs that remember do so on both sides */
+            now.own = !now.own || seekers < now.own ? seekers : now.own;
         if (!list->is_near || !fp3_near_is_stale(&list->near, &now))
             continue;
         status = fp3_near_make(&list->near, &now, &begin, &other, error);

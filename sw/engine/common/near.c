@@ -438,6 +438,11 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
     grid g;
     search s = {.g = &g};
     *begin = *other = NULL;
+    if (fp3_near_are_few(now)) {
+        const fp3_status made = fp3_near_make_few(rule, now, begin, other, error);
+        rule->looks = (uint64_t)now->own * now->objects;
+        return made ? made : remember(rule, now, error);
+    }
     fp3_status status = open_grid(rule, now, 0, &g, error);
     if (!status)
         status = find_pairs(&s, error);

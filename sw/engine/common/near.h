@@ -29,7 +29,8 @@
 typedef struct {
     const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* words */
     /* Positions of objects of another kind, in rows from..objects-1. Lists are then of the rows
-     * before `own`, with those as neighbours. NULLs: lists are of all rows, with all rows. */
+     * before `own`, with those as neighbours. NULLs: lists are of all rows, with all rows; nobody
+     * needs those from row `own` on, unless it is 0. */
     const uint32_t *theirs[FP3_NEAR_DIMENSIONS];
     uint32_t own, from;
     const uint32_t *row;   /* of each object; NULL: its number */
@@ -68,6 +69,12 @@ fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *n
 void fp3_near_close(fp3_near_rule *rule);
 
 /* ---- for the files of near.c ---- */
+
+/* Whether lists are needed of so few rows that a look at each pair costs less than a grid; and
+ * these lists, the others empty, likewise. */
+int fp3_near_are_few(const fp3_where_they_are *now);
+fp3_status fp3_near_make_few(const fp3_near_rule *rule, const fp3_where_they_are *now,
+                             uint32_t **begin, uint32_t **other, fp3_error *error);
 
 /* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong
  * by some units in the last place, for which the list reaches a little farther. Of words that are

@@ -204,11 +204,12 @@ static fp3_status follow(fp3_engine *engine, fp3_members *members, group *g) {
     const uint32_t *words[FP3_BANK_OBJECT_COUNT];
     int is_new = 0;
     fp3_status status = fp3_order_follow(engine, members);
+    const uint32_t rows = fp3_order_rows(members);
     for (int reg = 0; reg < FP3_BANK_OBJECT_COUNT; reg++)
         words[reg] = self->column[reg] ? self->column[reg] + members->first : NULL;
     if (!status)
-        status = fp3_lists_follow(&members->lists, fp3_order_rows(members), words, self->row, 1,
-                                  &crew, &is_new, engine->def.error);
+        status = fp3_lists_follow(&members->lists, rows, members->from ? rows : end_of(members),
+                                  words, self->row, 1, &crew, &is_new, engine->def.error);
     if (is_new)
         fp3_around_forget(g);
     if (!status)

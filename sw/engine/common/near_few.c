@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* near_few.c - lists of a few rows among many: each looks at all. */
+#include "near.h"
+
+#include <stdlib.h>
+
+/* Up to this number of pairs a look at each costs less than a grid of all objects. */
+#define FEW_PAIRS 0x10000u
+
+int fp3_near_are_few(const fp3_where_they_are *now) {
+    return !now->theirs[0] && now->own && (uint64_t)now->own * now->objects <= FEW_PAIRS;
+}
+
+/* Who is near one row, in the order of lists, as `find` has it; there is room for all. */
+static uint32_t seek(const fp3_where_they_are *now, uint32_t own, float far, uint32_t *found) {
+    const uint32_t y = now->dimensions > 1, z = now->dimensions > 2 ? 2 : 0;
+    const float *x[FP3_NEAR_DIMENSIONS], has_y = y > 0, has_z = z > 0;
+    const uint32_t of[FP3_NEAR_DIMENSIONS] = {0, y, z};
+    float at[FP3_NEAR_DIMENSIONS];
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+        x[k] = (const float *)(const void *)now->position[of[k]];
+        at[k] = x[k][own * now->stride];
+    }
+    for (uint32_t i = 0; i < now->objects; i++) {
+        const uint32_t object = now->order ? now->order[i] : i;
+        const uint32_t j = now->row ? now->row[object] : object;
+        const size_t place = j * now->stride;
+        const float a = x[0][place] - at[0], b = x[1][place] - at[1], c = x[2][place] - at[2];
+        found[count] = j;
+        count += (uint32_t)(a * a + has_y * (b * b) + has_z * (c * c) < far && j != own &&
+                            (!now->lives || now->lives[j]));
+    }
+    return count;
+}
+
+/* Words that are no floats. */
+static uint32_t seek_exact(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t own,
+                           float far, uint32_t *found) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < now->objects; i++) {
+        const uint32_t object = now->order ? now->order[i] : i;
+        const uint32_t j = now->row ? now->row[object] : object;
+        double sum = 0;
+        for (uint32_t k = 0; k < now->dimensions; k++) {
+            const double way = fp3_near_at(rule, now, k, j) - fp3_near_at(rule, now, k, own);
+            sum += way * way;
+        }
+        found[count] = j;
+        count += sum < (double)far && j != own;
+    }
+    return count;
+}
+
+fp3_status fp3_near_make_few(const fp3_near_rule *rule, const fp3_where_they_are *now,
+                             uint32_t **begin, uint32_t **other, fp3_error *error) {
+    const double reach = fp3_near_reach(rule);
+    const float far = (float)(reach * reach);
+    uint32_t count = 0;
+    *begin = malloc((now->objects + 2u) * sizeof **begin);
+    *other = malloc(((size_t)now->own * now->objects + 1u) * sizeof **other);
+    if (!*begin || !*other)
+        return fp3_no_memory(error);
+    for (uint32_t own = 0; own < now->own; own++) {
+        (*begin)[own] = count;
+        if (now->lives && !now->lives[own])
+            continue;
+        count += rule->format ? seek_exact(rule, now, own, far, *other + count)
+                              : seek(now, own, far, *other + count);
+    }
+    for (uint32_t i = now->own; i <= now->objects; i++)
+        (*begin)[i] = count;
+    return FP3_OK;
+}
