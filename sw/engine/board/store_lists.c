@@ -295,8 +295,8 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
             next += group->rows;
         }
     if (!status)
-        status = fp3_lists_follow(&group->lists, group->rows, group->rows, words, NULL, 1, NULL, is_new,
-                                  engine->def.error);
+        status = fp3_lists_follow(&group->lists, group->rows, group->rows, words, NULL, 1, NULL,
+                                  is_new, engine->def.error);
     free(all);
     return status;
 }

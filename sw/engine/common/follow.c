@@ -2,6 +2,7 @@
 /* follow.c - see follow.h. */
 #include "follow.h"
 
+#include "near_few.h"
 #include "remember.h"
 
 #include <stdlib.h>
@@ -20,7 +21,7 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, uint32_t seekers
                                   .objects = objects,
                                   .dimensions = list->near.dimensions,
                                   .crew = crew};
-        uint32_t *begin, *other, *field = NULL;
+        uint32_t *begin = NULL, *other = NULL, *field = NULL;
         for (uint32_t k = 0; list->is_near && k < now.dimensions; k++) {
             now.position[k] = words[list->near.regs[k]];
             now.theirs[k] = list->kind ? words[list->near.theirs[k]] : NULL;
@@ -34,7 +35,8 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, uint32_t seekers
             now.own = !now.own || seekers < now.own ? seekers : now.own;
         if (!list->is_near || !fp3_near_is_stale(&list->near, &now))
             continue;
-        status = fp3_near_make(&list->near, &now, &begin, &other, error);
+        status = (fp3_near_are_few(&now) ? fp3_near_make_few
+                                         : fp3_near_make)(&list->near, &now, &begin, &other, error);
         if (!status && list->fields)
             status = fp3_list_merge(list, &now, &begin, &other, &field, error);
         if (status && list->fields) { /* what is remembered stays */

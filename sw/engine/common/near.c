@@ -401,7 +401,7 @@ static fp3_status enter_theirs(const search *s, uint32_t **begin, uint32_t **oth
     return FP3_OK;
 }
 
-static fp3_status remember(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
+fp3_status fp3_near_note(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
     for (uint32_t k = 0; k < now->dimensions; k++) {
         if (!rule->made[k])
             rule->made[k] = malloc((now->objects + 1u) * sizeof *rule->made[k]);
@@ -438,18 +438,13 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
     grid g;
     search s = {.g = &g};
     *begin = *other = NULL;
-    if (fp3_near_are_few(now)) {
-        const fp3_status made = fp3_near_make_few(rule, now, begin, other, error);
-        rule->looks = (uint64_t)now->own * now->objects;
-        return made ? made : remember(rule, now, error);
-    }
     fp3_status status = open_grid(rule, now, 0, &g, error);
     if (!status)
         status = find_pairs(&s, error);
     if (!status)
         status = (now->theirs[0] ? enter_theirs : enter)(&s, begin, other, error);
     if (!status)
-        status = remember(rule, now, error);
+        status = fp3_near_note(rule, now, error);
     rule->looks = 0;
     for (uint32_t i = 0; s.part && i < s.count; i++) {
         rule->looks += s.part[i].looks;

@@ -70,11 +70,8 @@ void fp3_near_close(fp3_near_rule *rule);
 
 /* ---- for the files of near.c ---- */
 
-/* Whether lists are needed of so few rows that a look at each pair costs less than a grid; and
- * these lists, the others empty, likewise. */
-int fp3_near_are_few(const fp3_where_they_are *now);
-fp3_status fp3_near_make_few(const fp3_near_rule *rule, const fp3_where_they_are *now,
-                             uint32_t **begin, uint32_t **other, fp3_error *error);
+/* A list has been made of what is so now. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_near_note(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error);
 
 /* Distances are computed in FP32, here as by the program, each in its own way. Either may be wrong
  * by some units in the last place, for which the list reaches a little farther. Of words that are

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* near_few.c - lists of a few rows among many: each looks at all. */
-#include "near.h"
+/* near_few.c - see near_few.h. */
+#include "near_few.h"
 
 #include <stdlib.h>
 
@@ -52,8 +52,8 @@ static uint32_t seek_exact(const fp3_near_rule *rule, const fp3_where_they_are *
     return count;
 }
 
-fp3_status fp3_near_make_few(const fp3_near_rule *rule, const fp3_where_they_are *now,
-                             uint32_t **begin, uint32_t **other, fp3_error *error) {
+fp3_status fp3_near_make_few(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
+                             uint32_t **other, fp3_error *error) {
     const double reach = fp3_near_reach(rule);
     const float far = (float)(reach * reach);
     uint32_t count = 0;
@@ -70,5 +70,6 @@ fp3_status fp3_near_make_few(const fp3_near_rule *rule, const fp3_where_they_are
     }
     for (uint32_t i = now->own; i <= now->objects; i++)
         (*begin)[i] = count;
-    return FP3_OK;
+    rule->looks = (uint64_t)now->own * now->objects;
+    return fp3_near_note(rule, now, error);
 }

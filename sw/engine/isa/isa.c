@@ -363,8 +363,8 @@ static fp3_status begin_phase(round_of *r) {
         return status;
     for (uint32_t reg = 0; reg < engine->config->registers; reg++)
         words[reg] = &self->store[(size_t)group->first * engine->config->registers + reg];
-    return fp3_lists_follow(&group->lists, group->rows, group->rows, words, NULL, engine->config->registers,
-                            NULL, &is_new, engine->def.error);
+    return fp3_lists_follow(&group->lists, group->rows, group->rows, words, NULL,
+                            engine->config->registers, NULL, &is_new, engine->def.error);
 }
 
 /* All visits of a round. Where nothing interleaves a run is one round. */
