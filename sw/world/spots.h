@@ -26,9 +26,9 @@ static inline double fp3_spots_square(const fp3_spots *p, const double *point, s
     return sum;
 }
 
-/* Pairs within a distance, or 0: the reach, by numbers: *a and *b, which the caller frees, also
- * after a failure. */
-fp3_status fp3_spots_pairs(fp3_batch *batch, const char *of, double distance, uint32_t **a,
-                           uint32_t **b, size_t *count);
+/* Pairs within a distance, or 0: the reach, by numbers: *first and *second, which the caller frees,
+ * also after a failure. */
+fp3_status fp3_spots_pairs(fp3_batch *batch, const char *of, double distance, uint32_t **first,
+                           uint32_t **second, size_t *count);
 
 #endif

@@ -266,11 +266,12 @@ typedef struct {
  * have their numbers at once. */
 fp3_status fp3_batch_contacts(fp3_batch *batch, const char *of, double distance,
                               fp3_contacts *contacts);
-/* What object a[i] remembers of b[i] in a field of a relation of near objects (`remember`), after
- * the last step: the impulse of a contact, if the model keeps it; the library computes none. 0: the
- * pair remembers nothing. FP3_E_ARGUMENT: no such relation or field, or no such objects. */
+/* What object a[i] remembers of other[i] in a field of a relation of near objects (`remember`),
+ * after the last step: the impulse of a contact, if the model keeps it; the library computes none.
+ * 0: the pair remembers nothing. FP3_E_ARGUMENT: no such relation or field, or no such objects. */
 fp3_status fp3_batch_remembered(fp3_batch *batch, const char *relation, const char *field,
-                                const uint32_t *a, const uint32_t *b, size_t count, float *values);
+                                const uint32_t *a, const uint32_t *other, size_t count,
+                                float *values);
 
 /* ---- its parts, which belong to the fp3_batch ---- */
 
