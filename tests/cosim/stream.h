@@ -197,8 +197,9 @@ static inline uint32_t illegal_word(chance *c, stream *s) {
         switch (below(c, 6)) {
         case 0:
             return low; /* code 0 */
-        case 1:
-            if (!fp3_operation_find(random >> FP3_FIELD_OP_LO))
+        case 1:         /* a code that no instruction has, also none of those with neighbours */
+            if (!fp3_operation_find(random >> FP3_FIELD_OP_LO) &&
+                !fp3_operation_find(FP3_CODE_MORE + (random >> FP3_FIELD_C_LO & 127)))
                 return random;
             break;
         case 2: { /* an operand too many */

@@ -203,7 +203,7 @@ meaning  = "d = a + b"
 """
 
 
-@pytest.mark.parametrize("code", [142, 143, 255])
+@pytest.mark.parametrize("code", [144, 145, 255])
 def test_an_instruction_may_have_its_code_in_field_c(root, copy, code):
     with open(copy / "isa/isa.toml", "a", encoding="utf-8") as file:
         file.write(OP.format(code=code))

@@ -232,7 +232,7 @@ def test_addresses_have_the_bits_of_their_port(trace):
 def test_each_scheduler_has_its_text(trace, tmp_path):
     assert trace("w ffffff00 00000008\nr 00000000 ffffffff\n", f"+waves={tmp_path / 'x.vcd'}").returncode == 0
     text = texts_in_waves((tmp_path / "x.vcd").read_text())
-    assert "madd  r00 r00 r33 r03" in text and "msub  r00 r00 r33 r03" in text and re.search(r"r\d+=[0-9a-f]{8}", text)
+    assert "madd   r00 r00 r33 r03" in text and "msub   r00 r00 r33 r03" in text and re.search(r"r\d+=[0-9a-f]{8}", text)
 
 
 def test_committed_sessions_are_what_the_host_sends(root, fp3, tmp_path):
@@ -276,7 +276,7 @@ def test_icarus_agrees_and_the_wave_preset_names_signals_that_exist(root, fp3, i
     shown = {line for line in (root / f"sim/{preset}.gtkw").read_text().splitlines() if line.startswith("replay.")}
     missing = shown - names_in_waves(dump)
     assert len(shown) > 30 and not missing, sorted(missing)
-    assert "madd  r" in texts_in_waves(dump), "no mnemonic to be read"
+    assert "madd   r" in texts_in_waves(dump), "no mnemonic to be read"
 
 
 @pytest.mark.long

@@ -247,8 +247,8 @@ void fp3_origin_end(fp3_engine *engine, int is_complete, uint32_t flags) {
     fp3_origin *o = engine->origin;
     for (uint32_t i = 0; o->known && i < engine->layout.count; i++) {
         const fp3_members *group = &engine->layout.groups[i];
-        if (is_complete && !group->steps)
-            continue; /* all slept */
+        if (is_complete && !group->steps && group->lists.shape.is_any)
+            continue; /* all were asleep: such a program has no part but its step */
         const uint64_t changed = named_by(engine, group, FP3_OP_ST, FP3_OP_ST);
         for (uint32_t n = fp3_members_begin(group); n < fp3_members_end(group); n++)
             o->known[n] &= ~changed;
