@@ -2,6 +2,8 @@
 /* kinds_islands.c - which objects are linked or near each other, directly or by others. */
 #include "kinds_islands.h"
 
+#include "engine/common/near_few.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -157,9 +159,6 @@ static fp3_status list_near(fp3_engine *engine, const fp3_near_rule *rule, struc
     return status;
 }
 
-/* Up to this number of pairs a look at each costs less than a list. */
-#define FEW_PAIRS 0x10000u
-
 static uint32_t count(const fp3_rest *r, const fp3_members *group, uint8_t flags) {
     uint32_t found = 0;
     for (uint32_t i = 0; i < group->objects; i++)
@@ -218,7 +217,7 @@ static fp3_status meet_near(fp3_engine *engine, uint32_t number, uint32_t list_n
         lives[i] =
             r->flags[i < group->objects ? group->first + i : theirs->first + i - group->objects] !=
             0;
-    const int are_few = is_brief && (uint64_t)rows * count(r, group, whose) <= FEW_PAIRS;
+    const int are_few = is_brief && (uint64_t)rows * count(r, group, whose) <= FP3_NEAR_FEW;
     if (!status && !are_few)
         status = list_near(engine, &list->near, n, &now);
     for (uint32_t i = 0; !status && i < group->objects; i++) {

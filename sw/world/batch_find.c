@@ -28,20 +28,25 @@ fp3_status fp3_batch_pairs(fp3_batch *batch, const char *of, double distance, si
 
 /* ---- points ---- */
 
-static fp3_status check_finite(const fp3_batch *b, const char *what, const double *points,
+/* Squares of what is larger, or of a radius that is smaller, are no numbers of their own. */
+#define MOST 0x1p500
+#define LEAST 0x1p-500
+
+static fp3_status check_points(const fp3_batch *b, const char *what, const double *points,
                                uint32_t dimensions, size_t count) {
     for (size_t i = 0; i < count * dimensions; i++)
-        if (!isfinite(points[i]))
-            return fp3_fail(b->error, FP3_E_ARGUMENT, "%s %zu: found %g, expected a finite number",
-                            what, i / dimensions, points[i]);
+        if (!(fabs(points[i]) <= MOST))
+            return fp3_fail(b->error, FP3_E_ARGUMENT,
+                            "%s %zu: found %g, expected a number from -2^500 to 2^500", what,
+                            i / dimensions, points[i]);
     return FP3_OK;
 }
 
 static fp3_status check_radius(const fp3_batch *b, const char *what, size_t n, double radius) {
-    return radius >= 0 && radius < INFINITY
+    return radius == 0 || (radius >= LEAST && radius <= MOST)
                ? FP3_OK
                : fp3_fail(b->error, FP3_E_ARGUMENT,
-                          "%s %zu: the radius is %g, expected a finite number, 0 or above", what, n,
+                          "%s %zu: the radius is %g, expected 0, or 2^-500 to 2^500", what, n,
                           radius);
 }
 
@@ -55,7 +60,7 @@ fp3_status fp3_batch_within(fp3_batch *b, const char *of, const double *points, 
         return FP3_E_ARGUMENT;
     fp3_status status = fp3_spots_open(b, of, &p);
     if (!status)
-        status = check_finite(b, "point", points, p.dimensions, points_count);
+        status = check_points(b, "point", points, p.dimensions, points_count);
     for (size_t n = 0; !status && n < points_count; n++)
         status = check_radius(b, "point", n, radii[n]);
     for (size_t n = 0; !status && n < points_count; n++)
@@ -80,7 +85,7 @@ fp3_status fp3_batch_nearest(fp3_batch *b, const char *of, const double *points,
         return FP3_E_ARGUMENT;
     fp3_status status = fp3_spots_open(b, of, &p);
     if (!status)
-        status = check_finite(b, "point", points, p.dimensions, count);
+        status = check_points(b, "point", points, p.dimensions, count);
     for (size_t n = 0; !status && n < count; n++) {
         double least = INFINITY;
         objects[n] = FP3_NOBODY;
@@ -139,9 +144,9 @@ static void shoot(const fp3_spots *p, const fp3_rays *rays, size_t n, const floa
 }
 
 static fp3_status check_rays(const fp3_batch *b, const fp3_spots *p, const fp3_rays *rays) {
-    fp3_status status = check_finite(b, "ray", rays->origins, p->dimensions, rays->count);
+    fp3_status status = check_points(b, "ray", rays->origins, p->dimensions, rays->count);
     if (!status)
-        status = check_finite(b, "ray", rays->directions, p->dimensions, rays->count);
+        status = check_points(b, "ray", rays->directions, p->dimensions, rays->count);
     for (size_t n = 0; !status && n < rays->count; n++) {
         const double *way = &rays->directions[n * p->dimensions];
         const double square = dot(way, way, p->dimensions);

@@ -144,9 +144,10 @@ def test_who_has_no_position_is_nowhere():
 @pytest.mark.parametrize("ask, told", [
     (lambda b: b.pairs("y", 1), "no relation of near objects, and no state"), (lambda b: b.pairs("x"), "expected a distance"), (lambda b: b.pairs("touch", -1), "2\\^-50"),
     (lambda b: b.pairs("touch", np.nan), "2\\^-50"), (lambda b: b.pairs("touch", 1e30), "2\\^63"), (lambda b: b.within("x", [0, 0], -1), "radius is -1"),
-    (lambda b: b.within("x", [0, np.inf], 1), "point 0: found inf"), (lambda b: b.within("x", [[0, 0], [0, np.nan]], 1), "point 1"), (lambda b: b.within("x", [0, 0, 0], 1), "2 numbers"),
+    (lambda b: b.within("x", [0, np.inf], 1), "point 0: found inf"), (lambda b: b.nearest("x", [0, 1e200]), "2\\^500"), (lambda b: b.within("x", [0, 0], 1e-200), "2\\^-500"),
+    (lambda b: b.ray("x", [0, -1e200], [1, 0], 1), "2\\^500"), (lambda b: b.within("x", [[0, 0], [0, np.nan]], 1), "point 1"), (lambda b: b.within("x", [0, 0, 0], 1), "2 numbers"),
     (lambda b: b.within("x", [0, 0], np.nan), "radius"), (lambda b: b.within("x", [0, 0], [1, 2]), "shape"), (lambda b: b.nearest("touch", [0]), "2 numbers"),
-    (lambda b: b.nearest("x", [np.nan, 0]), "finite"), (lambda b: b.ray("x", [0, 0], [0, 0]), "ray 0: its direction"), (lambda b: b.ray("x", [0, 0], [1, np.inf]), "finite"),
+    (lambda b: b.nearest("x", [np.nan, 0]), "found nan, expected a number from"), (lambda b: b.ray("x", [0, 0], [0, 0]), "ray 0: its direction"), (lambda b: b.ray("x", [0, 0], [1, np.inf]), "found inf, expected a number from"),
     (lambda b: b.ray("x", [0, 0], [1, 0], -0.5), "radius"), (lambda b: b.ray("x", [0, 0], [1, 0], "q"), "no 'q'"), (lambda b: b.ray("x", [0, 0], [1, 0], "v_x"), "object 2: the radius is -3"),
     (lambda b: b.ray("x", [0, 0], [1, 0], length=-1), "length"), (lambda b: b.ray("x", [[0, 0]], [[1, 0], [0, 1]]), "one for each"), (lambda b: b.contacts("y"), "no state"),
     (lambda b: b.contacts("touch", np.inf), "2\\^63")])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from fp3world import scene as ws
-from fp3world.physics import relative, row
+from fp3world.physics import relative, row, runge_kutta
 
 R = 0.05
 M = 0.01
@@ -49,14 +49,7 @@ def struck(v, places, steps, h):
         into = np.maximum(0, y[0, :-1] - y[0, 1:])  # y: out of where it hangs
         push = k * into * np.sqrt(into / 0.0625) / m
         return np.stack([y[1], np.concatenate([[0], push]) - np.concatenate([push, [0]]) - over * y[0]])
-    y, found = np.stack([np.zeros(places), np.eye(places)[0] * v]), []
-    for _ in range(steps):
-        a = slopes(y)
-        b = slopes(y + h / 2 * a)
-        c = slopes(y + h / 2 * b)
-        y = y + h / 6 * (a + 2 * b + 2 * c + slopes(y + h * c))
-        found.append(y)
-    return np.array(found)
+    return runge_kutta(slopes, np.stack([np.zeros(places), np.eye(places)[0] * v]), steps, h)
 
 
 def cradle(lab):

@@ -6,7 +6,7 @@ import numpy as np
 from fp3world import scene as ws
 from fp3world.contact import with_values
 from fp3world.friction import least
-from fp3world.physics import row
+from fp3world.physics import row, runge_kutta
 
 N, CENTRE, SLOW, H = 20, 0.5, np.linspace(-0.5, 0.5, 20), 2.0 ** -4
 
@@ -68,14 +68,7 @@ def nerves(count, steps, h):
         v, w, s, g = y
         fires = 1 / (1 + np.exp(-8 * v))
         return np.stack([v - v * v * v / 3 - w + (2 - v) * (g * s)[before], 0.08 * (v + 0.7 - 0.8 * w), 0.5 * fires * (1 - s) - 0.25 * s, 0.02 * fires * fires[after] * (1 - g)])
-    y, found = np.stack([v, w, s, g]), []
-    for _ in range(steps):
-        a = slopes(y)
-        b = slopes(y + h / 2 * a)
-        c = slopes(y + h / 2 * b)
-        y = y + h / 6 * (a + 2 * b + 2 * c + slopes(y + h * c))
-        found.append(y)
-    return np.array(found)
+    return runge_kutta(slopes, np.stack([v, w, s, g]), steps, h)
 
 
 def neurons(lab):

@@ -4,11 +4,8 @@
 
 #include <stdlib.h>
 
-/* Up to this number of pairs a look at each costs less than a grid of all objects. */
-#define FEW_PAIRS 0x10000u
-
 int fp3_near_are_few(const fp3_where_they_are *now) {
-    return !now->theirs[0] && now->own && (uint64_t)now->own * now->objects <= FEW_PAIRS;
+    return !now->theirs[0] && now->own && (uint64_t)now->own * now->objects <= FP3_NEAR_FEW;
 }
 
 /* Who is near one row, in the order of lists, as `find` has it; there is room for all. */

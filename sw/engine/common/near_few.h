@@ -5,6 +5,9 @@
 
 #include "near.h"
 
+/* Up to this number of pairs a look at each costs less than lists of all objects. */
+#define FP3_NEAR_FEW 0x10000u
+
 /* Whether lists are needed of so few rows that a look at each pair costs less than a grid. */
 int fp3_near_are_few(const fp3_where_they_are *now);
 /* As fp3_near_make; lists of the other rows are empty. */

@@ -216,8 +216,8 @@ fp3_status fp3_batch_read_of(fp3_batch *batch, const char *name, const uint64_t 
  * whose position is taken, or a state: a number, or a vector of 2 or 3 components. A position that
  * is not finite is nowhere. Points have as many numbers as positions, point after point. Distances
  * are computed in double; an object is within a distance if it is nearer than that. What is found
- * is given by numbers, in ascending order. FP3_E_ARGUMENT: no such relation or state, a number that
- * is not finite, or a negative radius.
+ * is given by numbers, in ascending order. FP3_E_ARGUMENT: no such relation or state, a number
+ * beyond 2^500, or a radius that is neither 0 nor from 2^-500 to 2^500.
  *
  * Where the number of answers is not known before, `room` is for how many there is room, and *count
  * receives how many there are: those that have no room are left out.
