@@ -243,21 +243,14 @@ static void find_use(const maker *m, phase *p) {
     }
 }
 
-static uint64_t needed_by(const phase *p) { return p->reads | (p->after & ~p->surely); }
-
-/* The phases of a step follow each other, and the first one of the next step the last; behind the
- * last one of a repetition the first one may come again. */
-static void find_after(const fp3_cut *cut, phase *phases) {
-    const uint32_t count = cut->phase_count;
+/* The phases of a step follow each other, and the first one of the next step the last. From one
+ * repetition to the next nothing goes but states, which are stored anyway. */
+static void find_after(phase *phases, uint32_t count) {
     for (int is_new = 1; is_new;) {
         is_new = 0;
         for (uint32_t i = count; i-- > 0;) {
-            uint64_t after = needed_by(&phases[(i + 1) % count]);
-            uint32_t first = i;
-            while (cut->returns >> i & 1 && !cut->times[first])
-                first--;
-            if (cut->returns >> i & 1)
-                after |= needed_by(&phases[first]);
+            const phase *next = &phases[(i + 1) % count];
+            const uint64_t after = next->reads | (next->after & ~next->surely);
             is_new |= phases[i].after != after;
             phases[i].after = after;
         }
@@ -322,7 +315,7 @@ static fp3_status make_lines(maker *m, fp3_error *error) {
         if (!m->has_failed)
             find_use(m, &phases[p]);
     }
-    find_after(&m->cut, phases);
+    find_after(phases, m->cut.phase_count);
     fp3_line *lines = m->lines;
     m->lines = NULL;
     m->line_count = m->line_room = 0;

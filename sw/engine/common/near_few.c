@@ -5,7 +5,8 @@
 #include <stdlib.h>
 
 int fp3_near_are_few(const fp3_where_they_are *now) {
-    return !now->theirs[0] && now->own && (uint64_t)now->own * now->objects <= FP3_NEAR_FEW;
+    return !now->theirs[0] && now->own && now->own < now->objects &&
+           (uint64_t)now->own * now->objects <= FP3_NEAR_FEW;
 }
 
 /* Who is near one row, in the order of lists, as `find` has it; there is room for all. */
