@@ -3,10 +3,11 @@
  *
  * In one to three dimensions, where squares are ordinary numbers and where FP32 has none of them,
  * and also if the caller has the processor flush what is subnormal. And what lists are made of
- * where some objects are far away: the same, at a cost that does not depend on how far.
+ * where some objects are far away: the same, at a cost that does not depend on how far; and of a
+ * few rows.
  */
 #include <base/threads.h>
-#include <engine/common/near.h>
+#include <engine/common/near_few.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -261,6 +262,82 @@ static void logarithms(void) {
     }
 }
 
+/* ---- a few among many ---- */
+
+enum { CROWD = 300 };
+
+static uint32_t below(uint32_t *random, uint32_t end) {
+    *random = *random * 1664525u + 1013904223u;
+    return (uint32_t)((uint64_t)*random * end >> 32);
+}
+
+static void shuffle(uint32_t *random, uint32_t *list) {
+    for (uint32_t i = 0; i < CROWD; i++)
+        list[i] = i;
+    for (uint32_t i = CROWD - 1; i > 0; i--) {
+        const uint32_t k = below(random, i + 1), was = list[i];
+        list[i] = list[k];
+        list[k] = was;
+    }
+}
+
+/* Lists of the first rows are those that are made of all rows, in the same order; the others are
+ * empty. */
+static uint32_t compare_few(uint32_t seed, uint32_t dimensions, const fp3_config *format) {
+    static uint32_t place[FP3_NEAR_DIMENSIONS][2 * CROWD];
+    uint32_t random = seed, row[CROWD], order[CROWD], *all[2], *few[2];
+    uint8_t lives[CROWD];
+    fp3_error error;
+    const size_t stride = 1 + seed % 2;
+    fp3_near_rule rule = {.dimensions = dimensions, .format = format, .reach = 2.5, .skin = 0.5};
+    fp3_where_they_are now = {.stride = stride, .objects = CROWD, .dimensions = dimensions};
+    for (uint32_t k = 0; k < dimensions; k++) {
+        for (uint32_t i = 0; i < CROWD; i++) {
+            const float x = (float)below(&random, 8000) / 1000;
+            if (fp3_format_word(format ? format : fp3_config_find("world"), x,
+                                &place[k][i * stride]))
+                exit(1);
+        }
+        now.position[k] = place[k];
+    }
+    for (uint32_t i = 0; i < CROWD; i++)
+        lives[i] = below(&random, 8) > 0;
+    shuffle(&random, row);
+    shuffle(&random, order);
+    now.row = seed & 2 ? row : NULL;
+    now.order = seed & 4 ? order : NULL;
+    now.lives = seed & 8 ? lives : NULL;
+    if (fp3_near_make(&rule, &now, &all[0], &all[1], &error))
+        exit(1);
+    now.own = 1 + below(&random, 9);
+    if (!fp3_near_are_few(&now) || fp3_near_make_few(&rule, &now, &few[0], &few[1], &error))
+        exit(1);
+    int is_wrong = 0;
+    for (uint32_t i = 0; i < CROWD; i++) {
+        const uint32_t count = i < now.own ? all[0][i + 1] - all[0][i] : 0;
+        is_wrong |= few[0][i + 1] - few[0][i] != count ||
+                    memcmp(&few[1][few[0][i]], &all[1][all[0][i]], count * sizeof *few[1]);
+    }
+    expect("lists of a few rows", seed, dimensions, is_wrong, 0);
+    const uint32_t found = few[0][now.own];
+    for (int i = 0; i < 2; i++) {
+        free(all[i]);
+        free(few[i]);
+    }
+    fp3_near_close(&rule);
+    return found;
+}
+
+static void a_few(void) {
+    uint32_t found = 0;
+    for (uint32_t seed = 0; seed < 64; seed++)
+        for (uint32_t dimensions = 1; dimensions <= 3; dimensions++) {
+            found += compare_few(seed, dimensions, NULL);
+            found += compare_few(seed, dimensions, fp3_config_find("world_log"));
+        }
+    expect("a few rows have neighbours", 0, 3, found > 10000, 1);
+}
+
 int main(void) {
     const double skins[] = {0x1p-10, 1, 0x1p40, 2e-19, 1e-21, 1e-30};
     const unsigned callers = _mm_getcsr();
@@ -281,6 +358,7 @@ int main(void) {
         for (uint32_t outside = 1; outside <= 64; outside *= 8)
             expect("few candidates for each object", (double)fars[i], outside,
                    look_around(fars[i], outside, NULL) < 100, 1);
+    a_few();
     many_threads();
     logarithms();
     printf("%u checked, %u wrong\n", checked, wrong);
