@@ -42,6 +42,8 @@ enum { FP3_STAGE_NONE, FP3_STAGE_AWAKE, FP3_STAGE_ASLEEP };
 typedef struct {
     int is_any;              /* the program of some group lets them */
     uint8_t *told, *touched; /* what the caller wrote since the last run: `at_rest`; another word */
+    uint64_t clock; /* of the engine when that run ended. Another one: the words that were written
+                       are a start, where nobody is touched or gone */
     uint8_t *flags;
     uint8_t *moved; /* those of groups that never rest whose words have changed in this step */
     uint32_t *root; /* a tree for each island: of each object, the next towards its root */

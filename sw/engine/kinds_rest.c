@@ -22,6 +22,7 @@ fp3_status fp3_rest_open(const fp3_engine *engine, const fp3_layout *layout, fp3
     const size_t objects = engine->objects + (size_t)1;
     for (uint32_t i = 0; i < layout->count; i++)
         r->is_any |= layout->groups[i].rest >= 0;
+    r->clock = UINT64_MAX;
     if (!r->is_any)
         return FP3_OK;
     r->told = calloc(objects, 1);
@@ -206,7 +207,7 @@ static fp3_status settle(fp3_engine *engine, uint8_t *before, uint8_t *stage) {
         return status;
     memset(r->moved, 0, engine->objects);
     begin_flags(engine, stage);
-    for (uint32_t i = 0; i < engine->objects; i++) {
+    for (uint32_t i = 0; r->clock == engine->clock && i < engine->objects; i++) {
         if (stage[i] == FP3_STAGE_NONE && self->stage[i] != FP3_STAGE_NONE)
             r->flags[i] = MOVES;
         else if (stage[i] != FP3_STAGE_NONE && r->touched[i] && !r->told[i])

@@ -254,8 +254,10 @@ fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
         status = fp3_kinds_take_memories(engine);
     stats->schedulers = 1;
     fp3_kinds_count_bus(engine);
-    if (!status)
+    if (!status) {
+        fp3_kinds_of(engine)->rest.clock = (uint64_t)engine->clock + steps;
         return FP3_OK;
+    }
     const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};
     const fp3_status undone = undo(engine);
     if (!undone && engine->def.error)

@@ -66,6 +66,8 @@ fp3_status fp3_checkpoint_lives(const fp3_state *state, fp3_digest *lives, fp3_e
 enum { FP3_CHECKPOINT_NAME = 32, FP3_FAILURE_WORDS = 9 };
 /* "words:3" */
 void fp3_checkpoint_name(char name[FP3_CHECKPOINT_NAME], const char *what, uint32_t group);
+/* "pairs:3:17": of group 3 and the list of register 17 */
+void fp3_checkpoint_list_name(char name[FP3_CHECKPOINT_NAME], uint32_t group, uint32_t reg);
 void fp3_failure_pack(const fp3_failure *failure, uint32_t words[FP3_FAILURE_WORDS]);
 fp3_failure fp3_failure_unpack(const uint32_t words[FP3_FAILURE_WORDS]);
 

@@ -127,13 +127,19 @@ const char *fp3_checkpoint_command(const fp3_checkpoint *c) { return c->command;
 
 /* ---- datasets ---- */
 
-/* Its number; -1: there is none of this size. */
+/* Its number; -1: there is none. */
+static int look_up(const fp3_checkpoint *c, const char *name, fp3_hdf5_table *table) {
+    for (int i = 0; i < c->calls->count(c->file); i++)
+        if (!c->calls->describe(c->file, i, table) && !strcmp(table->name, name))
+            return i;
+    return -1;
+}
+
+/* -1: there is none of this size. */
 static int find(const fp3_checkpoint *c, const char *name, uint64_t rows, uint64_t columns) {
     fp3_hdf5_table table;
-    for (int i = 0; i < c->calls->count(c->file); i++)
-        if (!c->calls->describe(c->file, i, &table) && !strcmp(table.name, name))
-            return table.rows == rows && table.columns == columns ? i : -1;
-    return -1;
+    const int dataset = look_up(c, name, &table);
+    return dataset >= 0 && table.rows == rows && table.columns == columns ? dataset : -1;
 }
 
 static fp3_status take_list(const fp3_checkpoint *c, const char *name, uint32_t *words,
@@ -271,6 +277,68 @@ static fp3_status restore_group(const fp3_checkpoint *c, fp3_state *state, uint3
     return status;
 }
 
+/* Words of pairs, as of fp3_state_row, to what a list gets; 0: they are no list of these objects.
+ */
+static int are_pairs(const fp3_list *list, uint32_t others, const uint32_t *words, uint32_t pairs,
+                     fp3_remembered *to) {
+    const uint32_t fields = list->fields, names = list->is_near ? 2 : 0;
+    uint32_t before = 0;
+    for (uint32_t i = 0; i < pairs; i++, words += names + fields) {
+        if (names && (words[0] >= list->own || words[0] < before || words[1] >= others))
+            return 0;
+        if (names) {
+            before = words[0];
+            to->begin[before + 1]++;
+            to->other[i] = words[1];
+        }
+        memcpy(&to->field[(size_t)i * fields], &words[names], fields * sizeof *words);
+    }
+    for (uint32_t i = 0; names && i < list->own; i++)
+        to->begin[i + 1] += to->begin[i];
+    return 1;
+}
+
+static fp3_status restore_pairs(const fp3_checkpoint *c, fp3_state *state, uint32_t group,
+                                uint32_t which, fp3_error *error) {
+    const fp3_list *list = &state->layout->groups[group].lists.lists[which];
+    const uint32_t others = state->layout->groups[list->kind ? list->kind - 1 : group].objects;
+    char name[FP3_CHECKPOINT_NAME];
+    fp3_hdf5_table table = {0};
+    fp3_checkpoint_list_name(name, group, list->reg);
+    const int dataset = look_up(c, name, &table);
+    const uint64_t links = list->is_near ? 0 : fp3_list_given(list).begin[list->objects],
+                   pairs = dataset < 0 ? 0 : table.rows;
+    const uint32_t each = list->fields + (list->is_near ? 2 : 0);
+    if (pairs > INT32_MAX || (!list->is_near && pairs != links) ||
+        (dataset >= 0 && table.columns != each))
+        return foreign(c, name, error);
+    uint32_t *words = calloc(pairs * each + 1, sizeof *words);
+    fp3_remembered to = {calloc(list->own + (size_t)1, sizeof *to.begin),
+                         calloc(pairs + 1, sizeof *to.other),
+                         calloc(pairs * list->fields + 1, sizeof *to.field)};
+    const fp3_hdf5_part part = {.rows = pairs, .columns = each};
+    fp3_status status = words && to.begin && to.other && to.field ? FP3_OK : fp3_no_memory(error);
+    if (!status && pairs && c->calls->read(c->file, dataset, FP3_HDF5_UINT32, &part, words))
+        status = failed(c, error);
+    if (!status && !are_pairs(list, others, words, (uint32_t)pairs, &to))
+        status = foreign(c, name, error);
+    if (!status)
+        status = fp3_engine_write_remembered(state->engine, group, which, &to);
+    free(words);
+    fp3_remembered_free(&to);
+    return status;
+}
+
+static fp3_status restore_memory(const fp3_checkpoint *c, fp3_state *state, uint32_t group,
+                                 fp3_error *error) {
+    const fp3_lists *lists = &state->layout->groups[group].lists;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < lists->shape.list_count; i++)
+        if (fp3_list_remembers(&lists->lists[i]))
+            status = restore_pairs(c, state, group, i, error);
+    return status;
+}
+
 static fp3_status restore_status(const fp3_checkpoint *c, fp3_state *state, fp3_error *error) {
     if (!fp3_engine_config(state->engine)->status)
         return FP3_OK;
@@ -304,6 +372,8 @@ fp3_status fp3_checkpoint_restore(fp3_checkpoint *c, fp3_state *state, fp3_past 
     fp3_status status = compare(c, state, past, error);
     for (uint32_t i = 0; !status && i < state->layout->count; i++)
         status = restore_group(c, state, i, error);
+    for (uint32_t i = 0; !status && i < state->layout->count; i++)
+        status = restore_memory(c, state, i, error);
     if (!status)
         status = restore_status(c, state, error);
     if (!status)

@@ -102,9 +102,23 @@ static fp3_status put_group(writer *w, uint32_t group, fp3_error *error) {
 
 /* ---- words of objects ---- */
 
+/* No dataset is there where no pair remembers. */
+static fp3_status put_pairs(writer *w, const fp3_state_row *row, fp3_error *error) {
+    const fp3_hdf5_part part = {.rows = row->pairs, .columns = row->each, .data = row->words};
+    char name[FP3_CHECKPOINT_NAME];
+    int dataset = 0;
+    if (!row->pairs)
+        return FP3_OK;
+    fp3_checkpoint_list_name(name, row->group, row->reg);
+    const fp3_status status = add(w, name, row->pairs, row->each, &dataset, error);
+    return !status && w->state->calls->write(w->file, dataset, &part) ? failed(w, error) : status;
+}
+
 /* An fp3_state_fn. */
 static fp3_status put_row(void *user, const fp3_state_row *row, fp3_error *error) {
     writer *w = user;
+    if (!row->count)
+        return put_pairs(w, row, error);
     const fp3_hdf5_part part = {
         .row = row->row, .rows = 1, .columns = row->count, .data = row->words};
     char name[FP3_CHECKPOINT_NAME];

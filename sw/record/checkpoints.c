@@ -18,16 +18,6 @@ static fp3_status refuse_adaptive(const fp3_engine *engine, fp3_error *error) {
     return FP3_OK;
 }
 
-static fp3_status refuse_remembered(const fp3_engine *engine, fp3_error *error) {
-    const fp3_layout *layout = fp3_engine_layout(engine);
-    for (uint32_t i = 0; i < layout->count; i++)
-        if (fp3_lists_remember(&layout->groups[i].lists))
-            return fp3_fail(error, FP3_E_ARGUMENT,
-                            "checkpoints: pairs of objects remember (`remember` in the model), and "
-                            "a checkpoint has only what objects keep");
-    return FP3_OK;
-}
-
 static fp3_status open_restart(fp3_checkpoints *c, const char *path, fp3_error *error) {
     const fp3_status status = fp3_checkpoint_open(path, &c->from, error);
     if (status || fp3_checkpoint_step(c->from) <= c->steps)
@@ -47,8 +37,6 @@ fp3_status fp3_checkpoints_open(const fp3_recording_def *def, fp3_engine *engine
     fp3_status status = fp3_past_open(engine, &c->past, error);
     if (!status && (def->checkpoint || def->restart || def->expected))
         status = refuse_adaptive(engine, error);
-    if (!status && (def->checkpoint || def->restart))
-        status = refuse_remembered(engine, error);
     c->is_there = def->checkpoint || def->restart || def->expected || c->is_recorded;
     if (status || !c->is_there)
         return status;

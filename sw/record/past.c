@@ -22,6 +22,10 @@ void fp3_checkpoint_name(char name[FP3_CHECKPOINT_NAME], const char *what, uint3
     snprintf(name, FP3_CHECKPOINT_NAME, "%s:%u", what, (unsigned)group);
 }
 
+void fp3_checkpoint_list_name(char name[FP3_CHECKPOINT_NAME], uint32_t group, uint32_t reg) {
+    snprintf(name, FP3_CHECKPOINT_NAME, "pairs:%u:%u", (unsigned)group, (unsigned)reg);
+}
+
 void fp3_failure_pack(const fp3_failure *failure, uint32_t words[FP3_FAILURE_WORDS]) {
     const uint64_t failed = failure->failed, object = failure->object;
     const uint32_t all[FP3_FAILURE_WORDS] = {
@@ -55,7 +59,7 @@ fp3_failure fp3_failure_unpack(const uint32_t words[FP3_FAILURE_WORDS]) {
 /* ---- what the engine was loaded with ---- */
 
 /* A list of those that are near is made as objects move: its rule counts, but not its skin, which
- * changes no bit. */
+ * changes no bit. Fields that the program writes are part of the state. */
 static void add_list(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const fp3_list *list) {
     const uint32_t head[] = {
         list->reg,     list->fields,         (uint32_t)list->is_all, (uint32_t)list->is_near,
@@ -69,7 +73,9 @@ static void add_list(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const fp3_lis
         const size_t entries = all.begin[list->objects];
         calls->sum_add(sum, all.begin, (list->objects + (size_t)1) * sizeof *all.begin);
         calls->sum_add(sum, all.other, entries * sizeof *all.other);
-        calls->sum_add(sum, all.field, entries * list->fields * sizeof *all.field);
+        for (size_t i = 0; i < entries * list->fields; i++)
+            if (!(list->kept >> i % list->fields & 1))
+                calls->sum_add(sum, &all.field[i], sizeof *all.field);
     }
 }
 

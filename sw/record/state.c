@@ -72,10 +72,54 @@ static void add_words(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const uint32
     }
 }
 
+/* Pairs of near objects that remember nothing are left out: which of these are in a list depends on
+ * its skin. *words is the caller's to free. */
+static fp3_status find_pairs(const fp3_list *list, const fp3_remembered *from, fp3_state_row *row,
+                             uint32_t **words, fp3_error *error) {
+    const uint32_t fields = list->fields, names = list->is_near ? 2 : 0;
+    row->pairs = list->is_near ? from->begin[list->own] : fp3_list_given(list).begin[list->objects];
+    row->each = names + fields;
+    uint32_t *made = *words = malloc(((size_t)row->pairs * row->each + 1) * sizeof *made);
+    if (!made)
+        return fp3_no_memory(error);
+    row->words = made;
+    for (uint32_t i = 0, object = 0; i < row->pairs; i++, made += row->each) {
+        while (names && from->begin[object + 1] <= i)
+            object++;
+        if (names) {
+            made[0] = object;
+            made[1] = from->other[i];
+        }
+        memcpy(&made[names], &from->field[(size_t)i * fields], fields * sizeof *made);
+    }
+    return FP3_OK;
+}
+
+static fp3_status look_at_pairs(fp3_state *state, uint32_t number, uint32_t which,
+                                fp3_hdf5_sum *sum, fp3_state_fn *tell, void *user,
+                                fp3_error *error) {
+    const fp3_list *list = &state->layout->groups[number].lists.lists[which];
+    fp3_state_row row = {.group = number, .row = which, .reg = list->reg};
+    fp3_remembered saved = {0};
+    uint32_t *words = NULL;
+    fp3_status status = fp3_engine_read_remembered(state->engine, number, which, &saved);
+    if (!status)
+        status = find_pairs(list, &saved, &row, &words, error);
+    if (!status)
+        add_words(state->calls, sum, &row.pairs, 1);
+    if (!status)
+        add_words(state->calls, sum, words, (size_t)row.pairs * row.each);
+    if (!status && tell)
+        status = tell(user, &row, error);
+    free(words);
+    fp3_remembered_free(&saved);
+    return status;
+}
+
 static fp3_status look_at_group(fp3_state *state, uint32_t number, fp3_hdf5_sum *sum,
                                 fp3_state_fn *tell, void *user, fp3_error *error) {
     const fp3_members *group = &state->layout->groups[number];
-    fp3_state_row row = {number, 0, 0, group->objects, state->words};
+    fp3_state_row row = {.group = number, .count = group->objects, .words = state->words};
     fp3_status status = FP3_OK;
     for (; !status && row.reg < 64; row.reg++) {
         if (!(state->kept[number] >> row.reg & 1))
@@ -89,6 +133,9 @@ static fp3_status look_at_group(fp3_state *state, uint32_t number, fp3_hdf5_sum 
             status = tell(user, &row, error);
         row.row++;
     }
+    for (uint32_t i = 0; !status && i < group->lists.shape.list_count; i++)
+        if (fp3_list_remembers(&group->lists.lists[i]))
+            status = look_at_pairs(state, number, i, sum, tell, user, error);
     return status;
 }
 

@@ -39,15 +39,18 @@ void fp3_state_free(fp3_state *state);
 /* How many registers a group keeps. */
 uint32_t fp3_state_registers(const fp3_state *state, uint32_t group);
 
-/* The words of one register of a group's objects; row: which of the kept registers it is. */
+/* The words of one register of a group's objects; row: which of the kept registers it is. Or, with
+ * count 0, what the pairs of list `row`, whose register is reg, remember: `pairs` have `each`
+ * words. A pair of near objects has both of them, a row for each that has the other in its list,
+ * and the fields; a link has its fields alone, and stands where the host gave it. */
 typedef struct {
-    uint32_t group, row, reg, count;
+    uint32_t group, row, reg, count, pairs, each;
     const uint32_t *words;
 } fp3_state_row;
 typedef fp3_status fp3_state_fn(void *user, const fp3_state_row *row, fp3_error *error);
-/* Calls `tell`, unless it is NULL, with each row, group by group in ascending order of registers,
- * and makes the hash of docs/checkpoints.md: SHA-256 of the step, 64 bits, and of these words, each
- * with its lowest byte first. */
+/* Calls `tell`, unless it is NULL, with each row, group by group: registers in ascending order,
+ * then the lists whose pairs remember. Makes the hash of docs/checkpoints.md: SHA-256 of the step,
+ * 64 bits, and of these words, each with its lowest byte first. */
 fp3_status fp3_state_look(fp3_state *state, uint64_t step, fp3_state_fn *tell, void *user,
                           fp3_digest *hash, fp3_error *error);
 static inline fp3_status fp3_state_hash(fp3_state *state, uint64_t step, fp3_digest *hash,

@@ -25,6 +25,10 @@ def lives(root, tmp_path):
     return ("--scene", "lives.scene")
 
 
+def digest(words):
+    return hashlib.sha256(words).digest()
+
+
 def contents(path):
     """All but what says where the run was made."""
     with h5py.File(path) as file:
@@ -62,6 +66,58 @@ def test_births_and_ends_among_objects_that_see_each_other(start, root, name, tm
     assert re.search(r"^alive +\d\d of 8., 0 not born yet, [34]\d gone$", whole.stdout, re.M), whole.stdout
     (tmp_path / "x.scene").write_text(text.replace("[0, 30]", "[0, 29]"))
     assert "lifetimes" in start("run", *run, "-e", "fast", "--restart", "a.ck.1", code=2).stderr
+
+
+@pytest.mark.parametrize("name, steps", [("pyramid", 60), ("plastic", 40), ("breaking", 40)])
+def test_what_pairs_remember(start, world, name, steps, tmp_path):
+    """Of near objects, of another kind, of links. The hash has it, too."""
+    run = (*world(name), "--steps", steps)
+    whole = agree(start, tmp_path, run, steps // 2 + 3, [("isa", 1), ("fast", 1)])
+    assert start("run", *run, "-e", "rtl", "--restart", "a.ck.1").hash == whole.hash
+    assert "agrees" in start("verify", "a.ck", "-e", "isa").stdout
+    with h5py.File(tmp_path / "a.ck") as file:
+        step, words = int(file.attrs["step"]), b""
+        for name in sorted((name for name in file if name.startswith("words:")), key=lambda name: int(name[6:])):
+            pairs = sorted((int(at.split(":")[2]), file[at][()]) for at in file if at.startswith(f"pairs:{name[6:]}:"))
+            words += file[name][()].astype("<u4").tobytes() + b"".join(struct.pack("<I", len(p)) + p.astype("<u4").tobytes() for _, p in pairs)
+        assert digest(struct.pack("<Q", step) + words).hex() == file.attrs["hash"]
+
+
+DROPS = """model drops
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+kind plates(x[2])
+links ties(k = 8)
+near rests(x, plates.x, 0.3, s = 0)
+step 0.0078125
+x' = v
+v' = sum(o in ties: o.k*(o.x - x)) + sum(o in rests: (15 + o.s)*(x - o.x)) - v
+remember o in rests: o.s = o.s + h
+rest when norm(v) < 30 for 0.0625
+"""
+PLATES = """model plates
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+step 0.0078125
+x' = v
+v' = 0*v
+"""
+
+
+def test_who_sleeps_beside_one_that_is_not_born_yet(start, tmp_path):
+    """What a restart writes touches nobody, and nobody has just gone: who sleeps at the checkpoint sleeps on."""
+    (tmp_path / "drops.ode").write_text(DROPS)
+    (tmp_path / "plates.ode").write_text(PLATES)
+    (tmp_path / "ties.csv").write_text("a,b\n0,1\n2,3\n0,5\n")
+    (tmp_path / "x.scene").write_text("""config = "world"; steps = 60; groups = (
+        { program = "drops.ode"; integrator = "semi_implicit_euler"; objects = 6; spread = { x_x = [0, 1]; v_y = [0.1, 0.2]; };
+          links = { relation = "ties"; file = "ties.csv"; }; born = [0, 50]; },
+        { program = "plates.ode"; integrator = "semi_implicit_euler"; objects = 3; spread = { x_x = [0.1, 0.9]; }; } );
+""")
+    run = ("--scene", "x.scene")
+    agree(start, tmp_path, run, 40, [("isa", 1), ("fast", 1)])
+    with h5py.File(tmp_path / "a.ck.1") as file:
+        assert struct.pack("<f", -1) in [word.tobytes() for word in file["words:0"][()].ravel()]  # somebody sleeps
 
 
 def test_sleepers_keep_their_steps(start, root, tmp_path):
@@ -156,10 +212,6 @@ def test_a_recording_goes_on_with_the_chain_of_the_checkpoint(start, world, tmp_
 
 
 # ---- anyone can make the hashes again ----
-
-def digest(words):
-    return hashlib.sha256(words).digest()
-
 
 def test_hashes_are_those_of_the_words(start, world, tmp_path):
     """As docs/checkpoints.md defines them, from the file alone."""

@@ -234,6 +234,32 @@ def test_more_objects_than_an_order_takes(words, folder):
     assert len(found[0]) == 4 * 510 and found[0] == found[1] == found[2]
 
 
+GRAIN = """model grain
+kind ground(x)
+state x = 0
+state v = 0
+near on(x, ground.x, 0.3, s = 0)
+step 0.0078125
+x' = v
+v' = sum(o in on: 60*(x - o.x) + o.s)
+project x = x + 0.01*sum(o in on: x - o.x)
+when any(o in on: o.x > x): v = 0.99*v
+remember o in on: o.s = o.s + h*v
+"""
+
+
+@pytest.mark.parametrize("integrator", ["semi_implicit_euler", "rk4"])
+def test_near_ground_that_never_moves(words, folder, integrator):
+    """Lists are made when a phase begins. So a grain that has moved since, in a step or by a projection, needs another one to look for the ground."""
+    (folder / "grain.ode").write_text(GRAIN)
+    (folder / "ground.ode").write_text("model ground\nstate x = 0\nstate v = 0\nstep 0.0078125\nx' = v\nv' = 0*v\n")
+    found = [words(put(folder, f"""steps = 60; groups = (
+        {{ program = "grain.ode"; integrator = "{integrator}"; objects = 9; spread = {{ x = [-3, 4]; v = [60, -40]; }}; skin = {skin}; }},
+        {{ program = "ground.ode"; integrator = "{integrator}"; objects = 8; spread = {{ x = [-5, 5]; }}; }} );"""), engine, "world", 1)
+             for engine, skin in (("isa", 30.0), ("isa", 0.3), ("fast", 0.0), ("rtl", 0.3))]
+    assert found[0] == found[1] == found[2] == found[3]
+
+
 def test_who_is_not_born_is_not_seen(words, rods, folder):
     """A run in which one pin and one nut live has the words of a scene that has no others."""
     text = rods().read_text().replace("steps = 24;", "steps = 9;")

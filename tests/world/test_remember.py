@@ -314,7 +314,6 @@ def test_a_scene_runs_and_is_recorded(fp3, tmp_path, engine):
 
 
 @pytest.mark.parametrize("options, expected", [
-    (("--checkpoint", "x.check"), "checkpoints: pairs of objects remember"),
     (("--check",), "what its pairs remember (line 8 of the model)"),
     (("--strict",), "digits that FP32 loses are not looked for"),
 ])

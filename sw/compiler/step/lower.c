@@ -262,11 +262,24 @@ void fp3_lower_show(lowering *l, uint64_t states) {
             add_seen(l, s, fp3_term_value(l->g, l->state(l, s)));
 }
 
+void fp3_lower_look(lowering *l, uint32_t relation) {
+    const fp3_relation *r = &l->model->relations[relation];
+    if (r->kind == FP3_NEAR)
+        fp3_lower_show(l, ((UINT64_C(1) << r->dimensions) - 1) << r->position);
+}
+
 /* What the neighbour has there, objects see of each other. */
 static term others_state(lowering *l, uint32_t state) {
     if (!is_seen(l, state))
         add_seen(l, state, fp3_term_value(l->g, l->state(l, state)));
     return fp3_term(fp3_dag_neighbour(l->g, NODE_OTHER_STATE, state, l->index, FP3_NONE));
+}
+
+static term fold(lowering *l, const fp3_expr *e) {
+    const uint32_t over = value(l, e->operand[0]), start = value(l, e->operand[1]);
+    fp3_lower_look(l, e->index);
+    return fp3_term(fp3_dag_neighbour(l->g, NODE_TOTAL + (uint32_t)(e->op - FP3_EXPR_TOTAL), over,
+                                      start, fp3_dag_seen(e->index, l->index)));
 }
 
 static term lower(lowering *l, uint32_t expr) {
@@ -297,9 +310,7 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_TOTAL:
     case FP3_EXPR_LEAST:
     case FP3_EXPR_MOST:
-        return fp3_term(fp3_dag_neighbour(g, NODE_TOTAL + (uint32_t)(e->op - FP3_EXPR_TOTAL),
-                                          value(l, o[0]), value(l, o[1]),
-                                          fp3_dag_seen(e->index, l->index)));
+        return fold(l, e);
     case FP3_EXPR_NEGATE:
         return fp3_term_negated(at(l, o[0]));
     case FP3_EXPR_ADD:

@@ -55,5 +55,8 @@ term fp3_lower(lowering *l, uint32_t expr);
 
 /* Others see these states there. */
 void fp3_lower_show(lowering *l, uint64_t states);
+/* There objects look for those that are near: the list is made from positions as the phase begins,
+ * so the own position has to be that of the place. */
+void fp3_lower_look(lowering *l, uint32_t relation);
 
 #endif

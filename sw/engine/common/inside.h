@@ -98,8 +98,15 @@ fp3_status fp3_engine_bear(fp3_engine *engine, size_t first, size_t count);
 /* All that these objects keep between runs is 0, as after an open; so is their status. */
 fp3_status fp3_engine_wipe(fp3_engine *engine, size_t first, size_t count);
 /* From here on as if the runs since the load had made so many steps; the caller writes what objects
- * held then. */
+ * held then, and what pairs remembered. */
 void fp3_engine_resume(fp3_engine *engine, uint64_t made);
+/* What pairs of a group remember in one of its lists, of which fp3_list_remembers is true. The
+ * caller frees *saved with fp3_remembered_free, also after a failure. Written, it is of objects of
+ * the group, and nobody wakes. FP3_E_SYSTEM: out of memory. */
+fp3_status fp3_engine_read_remembered(fp3_engine *engine, uint32_t group, uint32_t list,
+                                      fp3_remembered *saved);
+fp3_status fp3_engine_write_remembered(fp3_engine *engine, uint32_t group, uint32_t list,
+                                       const fp3_remembered *saved);
 /* What the configuration keeps of the status of all objects, one word each. FP3_E_ARGUMENT: it
  * keeps none. */
 fp3_status fp3_engine_read_status(fp3_engine *engine, uint32_t *words);
