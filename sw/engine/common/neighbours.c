@@ -193,18 +193,21 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
     return status ? status : changed(engine, group, list);
 }
 
+static const uint32_t *rows(const fp3_engine *engine) {
+    return engine->backend->rows ? engine->backend->rows(engine) : NULL;
+}
+
 fp3_status fp3_engine_read_remembered(fp3_engine *engine, uint32_t group, uint32_t list,
                                       fp3_remembered *saved) {
     const fp3_members *of = &engine->layout.groups[group];
-    return fp3_list_save(&of->lists.lists[list], fp3_engine_rows(engine), of->rows, saved,
-                         engine->def.error);
+    return fp3_list_save(&of->lists.lists[list], rows(engine), of->rows, saved, engine->def.error);
 }
 
 fp3_status fp3_engine_write_remembered(fp3_engine *engine, uint32_t group, uint32_t list,
                                        const fp3_remembered *saved) {
     fp3_members *of = &engine->layout.groups[group];
-    fp3_status status = fp3_list_restore(&of->lists.lists[list], fp3_engine_rows(engine), of->rows,
-                                         saved, engine->def.error);
+    fp3_status status =
+        fp3_list_restore(&of->lists.lists[list], rows(engine), of->rows, saved, engine->def.error);
     engine->origin->is_complete = 0;
     if (!status && engine->backend->connect)
         status = engine->backend->connect(engine, of, NULL);
