@@ -6,7 +6,7 @@
 #include <new>
 
 #include "Vfp_bench.h"
-#include "verilated.h"
+#include <verilated.h>
 
 struct fp3_bench {
     VerilatedContext context;

@@ -5,7 +5,7 @@
 #include <new>
 
 #include "Vlns_bench.h"
-#include "verilated.h"
+#include <verilated.h>
 
 struct fp3_lns_bench {
     VerilatedContext context;

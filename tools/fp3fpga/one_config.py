@@ -81,10 +81,14 @@ def make_hardware(name, tree, made):
              for word in ("-y", rtl / room.name)]
     run("verilator", f"+incdir+{rtl}", f"+incdir+{rtl / 'gen'}", "-y", rtl, *rooms, "+libext+.v", "-DFP3_CHECK", "-DFP3_ZEROS", "-DFP3_TRACE",
         "-Wno-lint", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", f"V{top}",
-        "--top-module", top, "--Mdir", tree / "cc", "-CFLAGS", "-fPIC", tree / f"{top}.v")
-    run("make", "-s", "-C", tree / "cc", "-f", f"V{top}.mk", "VM_PARALLEL_BUILDS=0", "OPT_FAST=-O1", f"V{top}__ALL.a")
+        "--top-module", top, "--Mdir", tree / "cc", tree / f"{top}.v")
+    # In one file, as Makefile has it: headers are read once, and what runs once is compiled as it stands.
+    files = sorted((tree / "cc").glob("*.cpp"), key=lambda path: (path.name.endswith("Slow.cpp"), path.name))
+    first = next(i for i, path in enumerate(files) if path.name.endswith("Slow.cpp"))
+    lines = [f'#include "{path}"\n' for path in [ROOT / "sim/fp3_shim.cpp", *files]]
+    lines.insert(1 + first, '#pragma GCC optimize ("O0")\n')
+    (tree / "all.cc").write_text("".join(lines))
     include = verilator_root()
-    run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-fPIC", "-isystem", tree / "cc", "-isystem", include,
-        "-isystem", include / "vltstd", "-c", "-o", tree / "shim.o", ROOT / "sim/fp3_shim.cpp")
-    run("g++", "-shared", "-o", tree / f"{top}.so", tree / "shim.o", tree / f"cc/V{top}__ALL.a",
+    run("g++", "-std=c++17", *CFLAGS, *includes(tree), f"-DFP3_CONFIG={name}", "-fPIC", "-shared", "-isystem", tree / "cc", "-isystem", include,
+        "-isystem", include / "vltstd", "-o", tree / f"{top}.so", tree / "all.cc",
         made / "obj/verilator/verilated.o", made / "obj/verilator/verilated_threads.o")
