@@ -77,7 +77,7 @@ static fp3_status parse(ode_parser *p, const char *text, ode_context context, fp
 
 static fp3_status read(const char *text, ode_context context, fp3_formula **formula,
                        fp3_error *error) {
-    ode_parser *p = calloc(1, sizeof *p);
+    ode_parser *p = fp3_ode_make();
     *formula = NULL;
     if (!p)
         return fp3_no_memory(error);

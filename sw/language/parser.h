@@ -142,8 +142,7 @@ typedef struct {
     char time_unit[FP3_UNIT_SIZE];
     ode_dimension_names dimension_names;
     ode_quantity states[ODE_QUANTITIES], params[ODE_QUANTITIES];
-    fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];
-    uint32_t state_count, param_count, definition_count, invariant_count;
+    uint32_t state_count, param_count;
 
     ode_event events[ODE_EVENTS], projections[ODE_EVENTS];
     fp3_repeat repeats[ODE_EVENTS]; /* line: of those that have ended */
@@ -162,12 +161,14 @@ typedef struct {
     int is_in_sum;      /* over neighbours */
     int is_in_remember; /* of a `remember`: the right side */
 
-    ode_symbol symbols[ODE_SYMBOLS];
-    uint32_t symbol_count;
     fp3_token undefined[FP3_REPORT_LIMIT]; /* each is reported once */
     unsigned undefined_count;
 
-    uint32_t expr_count;
+    uint32_t definition_count, invariant_count, symbol_count, expr_count;
+    /* From here on fp3_ode_make clears nothing: an entry is written as a whole when it is counted.
+     */
+    fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];
+    ode_symbol symbols[ODE_SYMBOLS];
     fp3_expr exprs[ODE_EXPRS];
     /* Of each expression: where it is written, for which indices, its dimension once checked,
      * whether it depends on a state, and on t; whether it is made of numbers alone, which have
@@ -179,5 +180,8 @@ typedef struct {
     double values[ODE_EXPRS]; /* of numbers; of all, while a constant is read */
     char is_lost[ODE_EXPRS];  /* of values: language/loss.h */
 } ode_parser;
+
+/* In front of a source, for free(). NULL: no memory. */
+ode_parser *fp3_ode_make(void);
 
 #endif

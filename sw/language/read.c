@@ -189,7 +189,7 @@ fp3_status fp3_model_read(const char *source, size_t size, const char *name, fp3
     *report = NULL;
     if (size > ODE_SOURCE_MAX)
         return too_long(name, size, report, error);
-    ode_parser *p = calloc(1, sizeof *p);
+    ode_parser *p = fp3_ode_make();
     if (!p)
         return fp3_no_memory(error);
     FP3_HOST;

@@ -12,7 +12,7 @@ int fp3_units_fit(const char *one, const char *other) {
     ode_dimension a, b;
     if (!*one || !*other || strcmp(one, other) == 0)
         return 1;
-    ode_parser *p = calloc(1, sizeof *p);
+    ode_parser *p = fp3_ode_make();
     if (!p)
         return -1;
     snprintf(text, sizeof text, "[%s] [%s]", one, other);

@@ -34,7 +34,9 @@ static fp3_expr *new_expr(ode_parser *p, fp3_token at, fp3_expr_op op) {
     }
     uint32_t i = p->expr_count++;
     p->expr_at[i] = at;
-    p->has_state[i] = p->has_time[i] = p->is_number[i] = 0;
+    p->has_state[i] = p->has_time[i] = p->is_number[i] = p->is_lost[i] = 0;
+    p->values[i] = 0;
+    p->dimensions[i] = (ode_dimension){0};
     memcpy(p->expr_note[i], p->in.note, sizeof p->in.note);
     p->exprs[i] = (fp3_expr){.op = op,
                              .operand = {FP3_NONE, FP3_NONE, FP3_NONE},
