@@ -274,7 +274,7 @@ class Batch(Owner):
         key, address = name_bytes("name", name), ctypes.c_void_p()
         with self._c() as c:
             check(self._lib.fp3_batch_column(c, key, address), self._error)
-            if address.value is not None:
+            if address.value is not None and not self.model.relations:  # of objects that see each other it is another one after a step
                 return np.asarray(_Memory(self._handle, address.value, (self._objects,), "<f4")).view(Column)
             name = key.decode(errors="surrogateescape")
             memory = self._copies.get(name)

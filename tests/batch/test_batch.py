@@ -454,7 +454,38 @@ def test_where_there_is_no_column(root, script):
     program = root / "programs/oscillator.ode"
     lines = ["column x"]
     assert script(program, lines, "-n", 3, "-e", "isa") == ["none"] and script(program, lines, "-n", 3, "-a", "double_single") == ["none"]
-    assert script(root / "programs/world/balls.ode", ["column x_x"], "-n", 3) == ["none"], "objects that see each other move"
     assert script(root / "programs/kepler.ode", ["column mu", "column h"], "-n", 3) == ["none", "none"], "what all share"
     assert script(program, ["column y"], "-n", 3)[0].startswith("error 1: the model has no 'y'")
     assert "1/m" in script(program, ["write m 1 0", "column x"], "-n", 3)[0]
+
+
+SEEN = "param k = 4\nstate x = 0\nstate v = 0\n{relation}\n{rest}\nstep 0.03125\nx' = v\nv' = {term}\n"
+NEAR = "near ties(x, 0.6)", "sum(o in ties: k*(x - o.x))"
+
+
+def seen(tmp_path, relation, term, rest=""):
+    path = tmp_path / "seen.ode"
+    path.write_text(SEEN.format(relation=relation, term=term, rest=rest))
+    return path
+
+
+@pytest.mark.parametrize("method", ["semi_implicit_euler", "leapfrog"])  # one phase a step, and two: in another column after each step, or not
+@pytest.mark.parametrize("relation, term", [NEAR, ("all ties", NEAR[1])])
+def test_a_column_of_objects_that_see_each_other_is_asked_for_again(tmp_path, script, method, relation, term):
+    lines = ["spread x 0 2", "column x", "step 1", "column x", "read x", "column k", "step 2", "column x", "read x", "column v", "read v", "write x 1 7",
+             "column x", "restart", "column x", "step 3", "column v", "read v"]
+    told = script(seen(tmp_path, relation, term), lines, "-n", 5, "-i", method)
+    start, one, one_read, k, three, three_read, v, v_read, written, again, last, last_read = (told[5 * i:5 * i + 5] for i in range(12))
+    assert start == again == ["0", "0.5", "1", "1.5", "2"] and k == ["4"] * 5
+    assert one == one_read and three == three_read and v == v_read == last == last_read and len({tuple(x) for x in (start, one, three)}) == 3
+    assert written == three[:1] + ["7"] + three[2:]
+
+
+def test_objects_in_another_order_have_no_column(tmp_path, script):
+    """Those who do not live, lists of many, and sleep."""
+    near = seen(tmp_path, *NEAR)
+    assert script(near, ["spread x 0 2", "step 1", "remove 1", "step 1", "column x"], "-n", 3)[-1] == "none"
+    for count, is_there in ((256, True), (257, False)):
+        told = script(near, ["spread x 0 100", "step 1", "column x", "read x"], "-n", count)
+        assert told[:-count] == (told[-count:] if is_there else ["none"]), count
+    assert script(seen(tmp_path, *NEAR, rest="rest when abs(v) < 0.1 for 0.5"), ["step 1", "column x"], "-n", 3) == ["none"]

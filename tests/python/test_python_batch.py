@@ -217,6 +217,19 @@ def test_links(root):
         assert np.array_equal(again["x_x"], moved)
 
 
+@pytest.mark.parametrize("sees", ["links ties", "near ties(x, 2)", "all ties"])
+def test_columns_of_objects_that_see_each_other_follow_them(sees):
+    """Though each step leaves their words in another place."""
+    model = fp3.Model(f"state x = 0\n{sees}\nstep 0.0625\nx' = sum(o in ties: o.x - x)\n")
+    with fp3.Batch(model, 4, method="euler", links={"ties": ([0, 1, 2], [1, 2, 3])} if "links" in sees else None) as batch:
+        batch["x"] = [0, 1, 2, 4]
+        x = batch["x"]
+        for _ in range(3):
+            before = x.copy()
+            batch.run()
+            assert np.array_equal(x, batch.read("x")) and not np.array_equal(x, before)
+
+
 def test_near(root):
     with fp3.Batch(root / "programs/world/balls.ode", 500) as batch:
         batch["x_x"] = np.linspace(0.1, 3, 500)

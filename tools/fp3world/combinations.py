@@ -183,14 +183,18 @@ def batch_words(fp3, cell):
 
 
 def column(fp3, cell):
-    """Whether what a batch shows is the engine's own memory."""
-    address = ctypes.c_void_p()
+    """What stands in the engine's own memory."""
+    found, address = [], ctypes.c_void_p()
     with batch(fp3, cell) as objects, objects._c() as c:  # pylint: disable=protected-access
-        if objects._lib.fp3_batch_column(c, b"x", address):  # pylint: disable=protected-access
-            raise ws.Failed(f"{cell.relation}: fp3_batch_column finds no 'x'")
-        if address.value is None:
-            raise Refused("`fp3_batch_column` is NULL: a step reads neighbours from one column and writes another; `fp3_batch_read` copies")
-    return run(cell)
+        objects["x"] = 0.25 * np.arange(OBJECTS)
+        objects.run(STEPS)
+        for name in (b"x", b"v"):
+            if objects._lib.fp3_batch_column(c, name, address):  # pylint: disable=protected-access
+                raise ws.Failed(f"{cell.relation}: fp3_batch_column finds no '{name.decode()}'")
+            if address.value is None:
+                raise Refused("`fp3_batch_column` is NULL; `fp3_batch_read` copies")
+            found.append(np.copy(np.ctypeslib.as_array(ctypes.cast(address, ctypes.POINTER(ctypes.c_uint32)), (OBJECTS,))))
+    return np.stack(found, -1)
 
 
 def scene_words(fp3, cell):
@@ -280,7 +284,7 @@ FEATURES = [
     Feature("`fp3 verify` of a checkpoint", trial=verified_checkpoint),
     Feature("two processes, `mpirun -n 2`", trial=ranks, engines=("fast",), is_beside=True),
     Feature("a batch in Python", trial=in_python(batch_words), is_beside=True),
-    Feature("a column of a batch without a copy", trial=in_python(column), engines=("fast",)),
+    Feature("a column of a batch without a copy", trial=in_python(column), engines=("fast",), is_beside=True),
     Feature("a scene in Python", trial=in_python(scene_words), is_beside=True),
     Feature("`fp3 run --check`", trial=checked),
     Feature("`fp3 bench` of a scene", trial=told("bench", "--steps", STEPS, "--quick"), engines=("fast",)),

@@ -210,10 +210,10 @@ static void fast_gather(const fp3_engine *engine, uint32_t reg, const uint32_t *
         words[i] = !from ? 0 : from[self->row ? self->row[objects[i]] : objects[i]];
 }
 
-/* Those of objects that see each other move. */
+/* NULL: they stand in another order. */
 static fp3_status fast_column(fp3_engine *engine, uint32_t reg, const uint32_t **words) {
     const fast *self = engine->self;
-    if (fp3_around_is_any(engine))
+    if (self->row)
         return FP3_OK;
     const fp3_status status = need_column(engine, reg);
     *words = self->column[reg];

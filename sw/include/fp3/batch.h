@@ -134,7 +134,9 @@ fp3_status fp3_batch_write_strided(fp3_batch *batch, const char *const *names, s
                                    size_t first, size_t count, const float *values, size_t stride);
 
 /* Read-only pointer to the column of a state, or of a param of each object, as fp3_engine_column.
- * *values stays valid until the fp3_batch is closed, and changes with each step. The column shows
+ * *values stays valid until the fp3_batch is closed, and changes with each step. Of objects that
+ * see each other it shows them until the next fp3_batch_run, fp3_batch_add, fp3_batch_remove,
+ * fp3_batch_link or fp3_batch_restart only: ask again after each. The column shows
  * values that were written before the first step from this call on, states that were written later
  * at once, and params after the next step at the latest. NULL: no such column; fp3_batch_read gives
  * a copy. FP3_E_ARGUMENT: no such name, or a value computed from written values is refused

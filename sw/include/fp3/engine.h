@@ -272,9 +272,11 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
                            float *values);
 
 /* Read-only pointer to the column of register reg: one word of each object, without a copy. Valid
- * until the engine is closed or another program is loaded; *values changes with each run. NULL: the
- * engine is not "fast", words are not floats, or objects see each other and are stored in another
- * order. FP3_E_ARGUMENT: no such register. */
+ * until the engine is closed or another program is loaded; *values changes with each run. Where
+ * objects see each other a run may leave the words in another column: then the pointer shows them
+ * until the next run or change of a list alone, and the caller asks again. NULL: the engine is not
+ * "fast", words are not floats, or objects stand in another order or in several engines
+ * (docs/batch.md#values). FP3_E_ARGUMENT: no such register. */
 fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values);
 
 /* Shared constants first .. first+count-1. Written in all groups, read from group 0. */
