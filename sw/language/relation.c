@@ -96,7 +96,8 @@ static int is_kind_next(ode_parser *p, const fp3_relation *r) {
     ode_lexer ahead = p->in.lexer;
     const fp3_token behind = fp3_ode_next(&ahead);
     return p->in.next.kind == FP3_TOKEN_NAME &&
-           (r->kind == FP3_ALL || fp3_token_is(behind, ",") || fp3_token_is(behind, ")") ||
+           ((r->kind == FP3_ALL && !fp3_token_is(behind, "=") && !fp3_token_is(behind, "[")) ||
+            fp3_token_is(behind, ",") || fp3_token_is(behind, ")") ||
             fp3_ode_kind_named(p, p->in.next) != FP3_NONE);
 }
 
@@ -121,7 +122,10 @@ static void fields(ode_parser *p, fp3_relation *r) {
         }
     }
     if (r->kind == FP3_ALL)
-        fp3_ode_lost(&p->in, "a kind, as in all suns(planets)");
+        fp3_ode_lost(&p->in,
+                     "a kind, as in all suns(planets): `all` keeps no fields; near with a reach "
+                     "that takes all does, as in near %s(x, 1000, s = 0)",
+                     r->name);
     do
         field(p, r);
     while (fp3_ode_accept(&p->in, ","));

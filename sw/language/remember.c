@@ -79,6 +79,13 @@ void fp3_ode_remember(ode_parser *p) {
     fp3_ode_advance(&p->in);
     fp3_ode_expect(&p->in, "in", "in");
     const uint32_t relation = fp3_ode_find(p, p->in.next)->first;
+    if (p->relations[relation].kind == FP3_ALL) {
+        fp3_ode_lost(&p->in,
+                     "links or near objects: `all` keeps nothing; near with a reach that takes "
+                     "all does, as in near %s(x, 1000, s = 0)",
+                     p->relations[relation].name);
+        return;
+    }
     fp3_ode_advance(&p->in);
     fp3_ode_expect(&p->in, ":", "':' and a field, as in o.s = 0");
     uint32_t neighbour = FP3_NONE;

@@ -235,6 +235,18 @@ def test_lists_that_are_given_again(script):  # noqa: F811
         assert [list(floats(line))[0] for line in script(BREAKING, ties, engine, "euler")] == [4, 4, 4 + (16 - 4) / 4]
 
 
+@pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
+def test_near_with_a_reach_that_takes_all_is_all_with_fields(script, engine):  # noqa: F811
+    """The same sums in every bit; what a pair remembers counts beside."""
+    stars = "state x = 0\nstate v = 0\nstate met = 0\n{}\nstep 0.125\nx' = v\nv' = sum(o in others: (o.x - x)/(1 + (o.x - x)^2))\nmet' = {}\n{}\n"
+    lines = ["objects 9", row("state", "x", [0.37*i*i - 5 for i in range(9)])]
+    wanted = script(stars.format("all others", "1", ""), [*lines, "all others", "run 5", "print x v met"], engine)
+    remember = stars.format("near others(x, 1000, n = 0)", "sum(o in others: o.n)", "remember o in others: o.n = o.n + 1")
+    found = script(remember, [*lines, "near others 1000 0 x", "run 5", "print x v met"], engine)
+    assert found[:-1] == wanted[:-1] and len(found) == len(wanted)
+    assert list(floats(found[-1])) == [8*sum(range(5))/8]*9
+
+
 # ---- what is refused ----
 
 NEAR, LINK = "state x = 0\nnear touch(x, 1, n = 0 [s])\nstep 1 [s]\nx' = 0*x/h_\n", "state x = 0\nlinks ties(w = 1)\nstep 1\nx' = sum(o in ties: o.w*o.x)\n"
@@ -251,6 +263,9 @@ KEEP = "remember o in touch: o.n = 1, o.s = v\n"
     (HEAD + KEEP + "remember p in ties: o.w = 2\n", "10:21", "a field of the neighbour"),
     (HEAD + KEEP + "remember p in ties: w = 2\n", "10:21", "a field of the neighbour"),
     (HEAD + KEEP + "remember p in others: p.w = 2\n", "10:10", "neighbours, as in"),
+    (HEAD + KEEP + "remember p in rest: p.w = 2\n", "10:15", "links or near objects: `all` keeps nothing; near with a reach that takes all does, as in near rest(x, 1000, s = 0)"),
+    (HEAD.replace("all rest", "all rest(s = 0)") + KEEP, "5:10", "a kind, as in all suns(planets): `all` keeps no fields; near with a reach"),
+    (HEAD.replace("all rest", "all rest(s[2] = (0, 0))") + KEEP, "5:10", "a kind, as in all suns(planets): `all` keeps no fields"),
     (HEAD + KEEP + "remember x in ties: x.w = 2\n", "10:10", "a new name"),
     (HEAD + KEEP + "remember p in ties: p.w = v\n", "10:25", "a number on both sides"),
     (HEAD + KEEP + "remember p in ties: p.w = sum(q in rest: q.x)\n", "10:27", "a term without another sum over neighbours"),
