@@ -640,7 +640,6 @@ def test_the_language_says_what_it_expects(compile_, line, place, expected):
 
 
 @pytest.mark.parametrize("options, expected", [
-    (("-i", "ros2"), "a linearly implicit integrator needs derivatives of sums over neighbours"),
     (("-i", "stoermer_verlet"), "an integrator that starts from the positions of two steps needs neighbours before the first"),
     (("--double-single",), "double-single has no sums over neighbours"),
     (("--tolerance", "1e-3"), "adaptive steps: objects that see each other make their steps together")])

@@ -136,6 +136,23 @@ static uint32_t of_power(differentiation *k, uint32_t a, uint32_t n, uint32_t da
     return product(k, product(k, n, lower), da);
 }
 
+static int is_minus_zero(const differentiation *k, uint32_t expr) {
+    return is_number(k, expr, 0) && signbit(k->model->exprs[expr].number);
+}
+
+/* Each term moves with the object's own states; neighbours stay where they are. One that is too far
+ * adds -0, as it does to the sum itself: else bits would tell who is in the list. */
+static uint32_t of_total(differentiation *k, const fp3_expr *total, uint32_t da) {
+    const fp3_expr term = k->model->exprs[total->operand[0]];
+    if (da == FP3_NONE)
+        return da;
+    if (term.op == FP3_EXPR_SELECT && is_minus_zero(k, term.operand[2]))
+        da = make(k, FP3_EXPR_SELECT, term.operand[0], k->d[term.operand[1]], term.operand[2]);
+    return put(k, (fp3_expr){.op = FP3_EXPR_TOTAL,
+                             .operand = {da, total->operand[1], FP3_NONE},
+                             .index = total->index});
+}
+
 static uint32_t derivative_of(differentiation *k, uint32_t f) {
     const fp3_expr e = k->model->exprs[f]; /* a copy: expressions move as others are added */
     uint32_t d[3];
@@ -166,6 +183,8 @@ static uint32_t derivative_of(differentiation *k, uint32_t f) {
         return SLOPE;
         FP3_FUNCTION_ROWS(X)
 #undef X
+    case FP3_EXPR_TOTAL:
+        return of_total(k, &e, da);
     case FP3_EXPR_LESS: /* steps */
     case FP3_EXPR_LESS_EQUAL:
     case FP3_EXPR_EQUAL:
@@ -177,11 +196,10 @@ static uint32_t derivative_of(differentiation *k, uint32_t f) {
     case FP3_EXPR_STATE:
     case FP3_EXPR_TIME:
     case FP3_EXPR_INITIAL:
-    case FP3_EXPR_OTHER_STATE: /* of neighbours: a step that needs derivatives has none */
+    case FP3_EXPR_OTHER_STATE: /* of neighbours */
     case FP3_EXPR_OTHER_PARAM:
     case FP3_EXPR_FIELD:
-    case FP3_EXPR_TOTAL:
-    case FP3_EXPR_LEAST:
+    case FP3_EXPR_LEAST: /* which of them it is of is not kept: derivative.h */
     case FP3_EXPR_MOST:
     case FP3_EXPR_STEP: /* of projections, which have no derivatives */
     case FP3_EXPR_BEFORE:

@@ -13,8 +13,10 @@ typedef struct {
 } fp3_differentiated;
 
 /* By each state and, last, by t. A selection is differentiated on the chosen side, and a comparison
- * is constant. has_partial: 0: only rates are computed, and all of `partial` is FP3_NONE.
- * FP3_E_SYSTEM: out of memory. The caller closes, after a failure too. */
+ * is constant. Of a sum over neighbours it is the sum of derivatives by the object's own
+ * states; a least or a most over neighbours counts as constant. has_partial: 0: only rates are
+ * computed, and all of `partial` is FP3_NONE. FP3_E_SYSTEM: out of memory. The caller closes, after
+ * a failure too. */
 fp3_status fp3_differentiate(const fp3_model *model, int has_partial, fp3_differentiated *made,
                              fp3_error *error);
 void fp3_differentiated_close(fp3_differentiated *made);

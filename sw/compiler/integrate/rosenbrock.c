@@ -49,6 +49,16 @@ static void invert(const fp3_integrator *t, double inverse[FP3_STAGES_MAX][FP3_S
         }
 }
 
+/* Of the conditions of order 2 one has the matrix in it: sum b_i gamma_ij = 0 leaves it out
+ * (Verwer, Spee, Blom and Hundsdorfer, 1999). */
+int fp3_rosenbrock_is_free(const fp3_integrator *t) {
+    double sum = 0;
+    for (unsigned i = 0; i < t->stages; i++)
+        for (unsigned j = 0; j < t->stages; j++)
+            sum += t->b[i] * t->gamma[i][j];
+    return t->kind != FP3_ROSENBROCK || t->order < 2 || (t->order == 2 && fabs(sum) < NOTHING);
+}
+
 static double tidy(double x) { return fabs(x) < NOTHING ? 0 : x; }
 
 static void find_coefficients(rosenbrock *r) {
@@ -253,8 +263,10 @@ fp3_status fp3_rosenbrock(fp3_advance *a, const uint32_t *partial, fp3_error *er
         r.over_h = over_own_step(a);
     for (unsigned i = 0; a->fit->has_time && i < stages; i++)
         a->places[i].time = fp3_advance_time(a, values(&r), a->integrator->c[i]);
-    for (unsigned i = 0; i < stages; i++)
+    for (unsigned i = 0; i < stages; i++) {
         solve_stage(&r, i);
+        fp3_advance_show(a, &a->places[i]);
+    }
     for (uint32_t s = 0; s < r.count; s++)
         advance_state(&r, s);
     return FP3_OK;

@@ -4,6 +4,7 @@
 #include "phases.h"
 
 #include "compiler/code/check.h"
+#include "compiler/integrate/rosenbrock.h"
 #include "compiler/schedule/schedule.h"
 #include "cut.h"
 #include "fold.h"
@@ -58,16 +59,17 @@ int fp3_phases_are_needed(const fp3_step *step) {
 fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integrator,
                             const fp3_options *options, fp3_error *error) {
     static const char *const why[] = {
-        "a linearly implicit integrator needs derivatives of sums over neighbours",
+        ("this linearly implicit integrator needs derivatives by states of neighbours, too; 'ros2' "
+         "has its order without them"),
         "adaptive steps: objects that see each other make their steps together",
         "double-single has no sums over neighbours",
         ("an integrator that starts from the positions of two steps needs neighbours before the "
          "first")};
-    const int wrong = integrator->kind == FP3_ROSENBROCK         ? 0
-                      : fp3_model_adapted(model) != FP3_NONE     ? 1
-                      : options->arithmetic == FP3_DOUBLE_SINGLE ? 2
-                      : integrator->kind == FP3_STOERMER         ? 3
-                                                                 : -1;
+    const int wrong = model->relation_count && !fp3_rosenbrock_is_free(integrator) ? 0
+                      : fp3_model_adapted(model) != FP3_NONE                       ? 1
+                      : options->arithmetic == FP3_DOUBLE_SINGLE                   ? 2
+                      : integrator->kind == FP3_STOERMER                           ? 3
+                                                                                   : -1;
     const int is_seen = options->coupling && (options->coupling->seen || options->coupling->params);
     if ((!model->relation_count && !is_seen) || wrong < 0)
         return FP3_OK;
