@@ -172,7 +172,7 @@ def test_bug_is_found(root, build, tmp_path, objects, bug):
     (tmp_path / bug.file).write_text(text.replace(bug.right, bug.wrong))
 
     small = bug.row < BINARY16
-    succeeds("verilator", "--cc", "-Wno-lint", f"-GSMALL_ONLY={int(small)}", "-y", tmp_path / "rtl/fp", "-y",
+    succeeds("verilator", "--cc", "-Wno-lint", f"-GONLY={bug.row}", "-y", tmp_path / "rtl/fp", "-y",
              tmp_path / "rtl/lib", "-f", "rtl/fp3.f", "--top-module", "fp_bench", "--Mdir", tmp_path / "cc",
              "tests/fp/fp_bench.v", cwd=root)
     # One file, unoptimised: the shortest way to a program that runs for a tenth of a second.
