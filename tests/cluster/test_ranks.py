@@ -39,18 +39,49 @@ def test_a_failure_on_one_rank_is_told_as_by_one_process(mpirun, fp3, root, tmp_
     assert said[0].stderr.splitlines()[0] in said[1].stderr
 
 
-def test_runs_go_on_after_a_failure(mpirun, fp3, root, tmp_path):
-    """Object 7 overflows after some 70 steps, in a state that nobody sees. The run is made again then, with the guests of those steps; the steps
-    that come need those of now."""
-    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "state e = 0\nnear touch") + "\ne' = 1e4*e\n"
+# Links stand at rows, which change as others come near; and what pairs remember goes with them.
+MIXED = {"more": [("near touch(x, 2*R)", "shared drag = 1e-4 [N*s/m]\nshared knot = 1 [N/m]\nshared pull = 0.01 [N]\nlinks rods(k = 1 [N/m], w = 1)\nnear touch(x, 2*R, n = 0)\nnear far(x, 5*R)"),
+                  ("\nx' = v\nv' = g + (", "\nx' = v\nremember o in touch: o.n = o.n + 1\nremember o in rods: o.w = norm(o.x - x) < 9*R ? o.w : 0.5\n"
+                                "K = sum(o in rods: o.w*o.k*(o.x - x)) - sum(o in far: drag*(v - o.v)) - sum(o in touch: o.n*knot*(o.x - x))\nv' = g + (K + ")]}
+MIXED["all"] = [*MIXED["more"], ("links rods", "all others\nlinks rods"), ("K = ", "K = sum(o in others: pull*(o.x - x)/(R + norm(o.x - x))) + ")]
+
+
+def mixed(root, folder, name):
+    """Gas whose balls are in several relations."""
+    model, text = ((root / f"programs/world/{file}").read_text() for file in ("balls.ode", "gas.scene"))
+    for old, new in MIXED.get(name, []):
+        assert old in model
+        model = model.replace(old, new)
+    (folder / "balls.ode").write_text(model)
+    (folder / "rods.csv").write_text("a,b\n" + "".join(f"{i},{(7 * i + 3) % 240}\n" for i in range(0, 240, 2)))
+    text = text.replace("objects = 300", "objects = 240").replace("integrator", 'links = { relation = "rods"; file = "rods.csv"; };\n        integrator', 1) if name in MIXED else text
+    (folder / "gas.scene").write_text(text)
+    return folder / "gas.scene"
+
+
+@pytest.mark.parametrize("name", MIXED)
+def test_several_relations_and_what_pairs_remember(hash_of, mpirun, fp3, root, tmp_path, name):
+    scene = mixed(root, tmp_path, name)
+    one = hash_of(scene, 1, "fast", 300)
+    assert all(hash_of(scene, *of, 300) == one for of in ((2, "fast"), (3, "isa")))
+    done = mpirun(2, fp3, "run", "--scene", scene, "-e", "fast", "--steps", 133, "--checkpoint", tmp_path / "x.ck")
+    assert done.returncode == 0, done.stderr
+    assert hash_of(scene, 3, "fast", 300, "--restart", tmp_path / "x.ck")[1] == one[1]
+
+
+@pytest.mark.parametrize("name", ["near", "more"])
+def test_runs_go_on_after_a_failure(mpirun, fp3, root, tmp_path, name):
+    """Object 7 overflows after some 70 steps, in a state that nobody sees. The run is made again then, with the guests of those steps, and with what
+    pairs remembered; the steps that come need those of now."""
+    text = mixed(root, tmp_path, name).read_text()
+    model = (tmp_path / "balls.ode").read_text().replace("near touch", "state e = 0\nnear touch") + "\ne' = 1e4*e\n"
     (tmp_path / "balls.ode").write_text(model)
-    text = (root / "programs/world/gas.scene").read_text()
     (tmp_path / "gas.scene").write_text(re.sub("only .*", "only = ( { objects = [7]; set = { e = 1.0; }; } );", text))
     left = []
     for ranks in (1, 3):
         out = tmp_path / f"{ranks}.csv"
-        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 1000, "--allow-failures", "--output", out)
-        assert done.returncode == 0 and "1 of 300, first object 7 in step " in done.stdout, done.stdout + done.stderr
+        done = mpirun(ranks, fp3, "run", "--scene", tmp_path / "gas.scene", "-e", "fast", "--steps", 300, "--allow-failures", "--output", out)
+        assert done.returncode == 0 and re.search("1 of (300|240), first object 7 in step ", done.stdout), done.stdout + done.stderr
         left.append((out.read_bytes(), re.search(r"failed +.*", done.stdout)[0]))
     assert left[0] == left[1]
 
@@ -146,28 +177,15 @@ def test_births_where_objects_see_each_other_are_refused(mpirun, fp3, root, tmp_
     assert done.returncode == 2 and "cannot be neighbours in several ranks" in done.stderr, done.stderr
 
 
-def test_relations_of_several_kinds_are_refused(mpirun, fp3, root, tmp_path):
-    """Links stand at rows, which change as others come near."""
-    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "links rods(k = 10 [N/m])\nnear touch")
-    force = "K = sum(o in rods: o.k*(o.x - x))\nx' = v\nv' = g + (F + K"
-    (tmp_path / "balls.ode").write_text(model.replace("x' = v\nv' = g + (F", force))
-    (tmp_path / "x.scene").write_text('steps = 2;\ngroups = ( { program = "balls.ode"; integrator = "euler"; '
-                                      'grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.2; }; '
-                                      'links = { relation = "rods"; grid = ["structural"]; }; } );\n')
-    one, two = (mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--allow-failures") for ranks in (1, 2))
-    assert one.returncode == 0, one.stderr
-    assert two.returncode == 2 and "several ranks: a model with relations of more than one kind" in two.stderr, two.stderr
-
-
-def test_pairs_that_remember_are_refused(mpirun, fp3, root, tmp_path):
-    """What a pair remembers would have to move with its object."""
-    model = (root / "programs/world/balls.ode").read_text().replace("near touch(x, 2*R", "near touch(x, 2*R, n = 0")
-    (tmp_path / "balls.ode").write_text(model + "\nremember o in touch: o.n = o.n + 1\n")
+def test_near_objects_of_two_positions_are_refused(mpirun, fp3, root, tmp_path):
+    """Ranks divide the objects by one."""
+    model = (root / "programs/world/balls.ode").read_text().replace("near touch", "shared fast = 1 [m/s]\nnear other(v, fast)\nnear touch") + "when any(o in other): v = 0.5*v\n"
+    (tmp_path / "balls.ode").write_text(model)
     (tmp_path / "x.scene").write_text('steps = 2;\ngroups = ( { program = "balls.ode"; integrator = "euler"; '
                                       'grid = { position = "x"; along = "xz"; count = [6, 6]; spacing = 0.2; }; } );\n')
     one, two = (mpirun(ranks, fp3, "run", "--scene", tmp_path / "x.scene", "-e", "fast", "--allow-failures") for ranks in (1, 2))
     assert one.returncode == 0, one.stderr
-    assert two.returncode == 2 and "several ranks: entries of the model remember" in two.stderr, two.stderr
+    assert two.returncode == 2 and "several ranks: relations `near` of different positions" in two.stderr, two.stderr
 
 
 LIVES = 'config = "many_full"; steps = 60; groups = ( { program = "kepler.ode"; objects = 24; born = [0, 0]; gone = [30, 76]; } );\n'

@@ -168,19 +168,24 @@ static void bisect(const fp3_positions *p, placed *list, uint32_t count, uint32_
     bisect(p, list + cut, count - cut, first + low, ranks - low, whose);
 }
 
-/* By how many are near each now. */
+/* By how many are near each now, and linked with it. */
 static fp3_status weigh(fp3_engine *engine, const fp3_positions *p, placed *list) {
     fp3_members *group = &engine->layout.groups[0];
     const cost each = cost_of(group);
-    uint32_t near = 0, *begin = NULL, *other = NULL;
-    while (!group->lists.lists[near].is_near)
-        near++;
-    const fp3_status status = fp3_positions_pairs(engine, &group->lists.lists[near].near, p,
-                                                  engine->objects, &begin, &other);
-    for (uint32_t i = 0; !status && i < engine->objects; i++)
-        list[i] = (placed){0, i, each.once + (uint64_t)each.turn[near] * (begin[i + 1] - begin[i])};
-    free(begin);
-    free(other);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; i < engine->objects; i++)
+        list[i] = (placed){0, i, each.once};
+    for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++) {
+        const fp3_list *of = &group->lists.lists[k];
+        uint32_t *made = NULL, *other = NULL;
+        if (of->is_near)
+            status = fp3_positions_pairs(engine, &of->near, p, engine->objects, &made, &other);
+        const uint32_t *begin = of->is_near ? made : of->begin;
+        for (uint32_t i = 0; !status && begin && i < engine->objects; i++)
+            list[i].weight += (uint64_t)each.turn[k] * (begin[i + 1] - begin[i]);
+        free(made);
+        free(other);
+    }
     return status;
 }
 

@@ -6,6 +6,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 /* Whether some object has moved by more than half the skin since guests were chosen: then another
@@ -14,7 +15,8 @@ static fp3_status look_who_moved(fp3_engine *engine, uint64_t *has_moved) {
     const fp3_ranked *self = engine->self;
     const fp3_near_rule *rule = fp3_positions_rule(&engine->layout.groups[0]);
     const uint32_t own = self->share[fp3_ranks_here(self)];
-    const double most = rule->skin * rule->skin / 4 * (1 - 1e-5);
+    const double skin = fp3_positions_skin(&engine->layout.groups[0]),
+                 most = skin * skin / 4 * (1 - 1e-5);
     uint32_t *words = malloc((own + (size_t)1) * sizeof *words);
     double *way = calloc(own + (size_t)1, sizeof *way);
     unsigned char *astray = calloc(own + (size_t)1, 1); /* bit 0: it is; bit 1: it was */
@@ -57,9 +59,16 @@ static fp3_status bring_constants(fp3_engine *engine) {
 
 static fp3_status choose_again(fp3_engine *engine) {
     fp3_ranked *self = engine->self;
-    uint32_t *numbers = malloc((self->room + (size_t)1) * sizeof *numbers);
-    fp3_status status =
-        numbers ? fp3_ranks_choose_guests(engine, self) : fp3_ranks_no_memory(engine);
+    uint32_t **names = self->standing ? &self->again : &self->names,
+             *numbers = malloc((self->room + (size_t)1) * sizeof *numbers),
+             *row = malloc(engine->objects * sizeof *row);
+    const uint32_t rows = self->own ? self->own->layout.groups[0].rows : 0;
+    fp3_remembered saved[FP3_LISTS_MAX] = {{0}};
+    fp3_status status = numbers && row ? FP3_OK : fp3_ranks_no_memory(engine);
+    if (!status && self->own)
+        status = fp3_ranks_keep(self, saved);
+    if (!status)
+        status = fp3_ranks_choose_guests(engine, self);
     if (!status && self->own && self->share[fp3_ranks_here(self)] + self->guest_count > self->room)
         status = fp3_fail(engine->def.error, FP3_E_PROGRAM,
                           "rank %u has %" PRIu32 " objects of its own and needs %" PRIu32
@@ -70,9 +79,16 @@ static fp3_status choose_again(fp3_engine *engine) {
     if (!status && self->own) {
         self->own->layout.groups[0].rows = self->share[fp3_ranks_here(self)] + self->guest_count;
         fp3_ranks_number_rows(self, numbers);
+        fp3_ranks_rename_links(self, self->is_new ? self->names : *names, numbers, row);
         status = fp3_engine_set_numbers(self->own, numbers);
+        if (!status)
+            status = fp3_ranks_rename(self, rows, *names, numbers, saved);
     }
-    free(numbers);
+    for (uint32_t k = 0; k < FP3_LISTS_MAX; k++)
+        fp3_remembered_free(&saved[k]);
+    free(row);
+    free(*names);
+    *names = numbers;
     return status ? status : bring_constants(engine);
 }
 
@@ -145,7 +161,13 @@ static fp3_status stand_in(fp3_engine *engine, fp3_engine *own,
     fp3_engine *usual = self->own;
     const fp3_rank_use before = self->use;
     const uint64_t began = now();
+    self->is_new = own != usual && self->standing != own && self->made[0];
     self->own = own;
+    self->standing = own != usual ? own : NULL;
+    if (self->is_new) {
+        memcpy(self->again, self->began, self->room * sizeof *self->again);
+        self->is_stale = 1;
+    }
     const fp3_status status = part(engine);
     self->own = usual;
     self->use.exchange += now() - began;

@@ -178,7 +178,7 @@ fp3_status fp3_ranks_choose_guests(fp3_engine *engine, fp3_ranked *self) {
     if (!status)
         note_links(engine, self, place, &n);
     for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
-        if (group->lists.lists[k].is_near)
+        if (group->lists.lists[k].is_near && self->made[0])
             status = note_near(engine, self, &group->lists.lists[k].near, place, &n);
     if (!status && fp3_ranks_is_all(group))
         note_all(engine, self, &n);

@@ -43,6 +43,12 @@ typedef struct {
     fp3_rank_use use;    /* without the bus of the open engine, which use.c adds */
     fp3_traffic out, in;
     fp3_mpi_plan *plan;
+    /* Where pairs remember: the numbers of all rows, as lists of the own engine have them; ... as
+     * they had them when the run began; and as those have them of `standing`, the engine that makes
+     * the run again. */
+    uint32_t *names, *began, *again;
+    const fp3_engine *standing;
+    int is_new;                          /* it has made no exchange yet */
     uint32_t *made[FP3_NEAR_DIMENSIONS]; /* where own objects were when guests were chosen; NULL:
                                          they do not depend on it */
 } fp3_ranked;
@@ -113,6 +119,24 @@ void fp3_ranks_forget_traffic(fp3_ranked *self);
 /* An fp3_exchange of the own engine, whose user is the engine. */
 fp3_status fp3_ranks_send(void *user, fp3_engine *own);
 fp3_status fp3_ranks_receive(void *user, fp3_engine *own);
+
+/* ---- memory.c: what pairs remember ---- */
+
+/* To list k of to->own, of near objects; rows: of each number, UINT32_MAX: it has none. */
+fp3_status fp3_ranks_give_near(fp3_engine *engine, const fp3_ranked *to, uint32_t k,
+                               const uint32_t *rows);
+/* Around a choice of guests: what the own engine's pairs of near objects remember, by rows; and to
+ * their new rows. rows: how many there were. The caller frees all of `saved`, {0} at first. */
+fp3_status fp3_ranks_keep(const fp3_ranked *self, fp3_remembered saved[FP3_LISTS_MAX]);
+fp3_status fp3_ranks_rename(const fp3_ranked *self, uint32_t rows, const uint32_t *before,
+                            const uint32_t *now, const fp3_remembered saved[FP3_LISTS_MAX]);
+/* Who is linked is always a guest. row: room for a word of each object. */
+void fp3_ranks_rename_links(const fp3_ranked *self, const uint32_t *before, const uint32_t *now,
+                            uint32_t *row);
+/* Before a run: self->began. */
+fp3_status fp3_ranks_note_names(fp3_engine *engine);
+/* After a run, to the lists of all objects, on all ranks. */
+fp3_status fp3_ranks_take_memory(fp3_engine *engine);
 
 /* ---- place.c ---- */
 

@@ -2,12 +2,14 @@
 /* place.c - an engine for what a rank has, and objects that move from one rank to another. */
 #include "engine/common/cells.h"
 #include "inside.h"
+#include "positions.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define ROOM_MORE 256 /* for guests, as objects move */
+#define APART 0.3     /* of the reach: how far pairs that remember may part within a step */
 
 static int count_near(const fp3_members *group) {
     int count = 0;
@@ -68,12 +70,13 @@ static fp3_status give_list(fp3_engine *engine, const fp3_ranked *to, const fp3_
     float *field = malloc((entries * list->fields + 1) * sizeof *field);
     fp3_status status = begin && other && field ? FP3_OK : fp3_ranks_no_memory(engine);
     for (uint32_t i = 0; !status && i < to->room; i++) {
-        const uint32_t length = i < count ? fp3_list_length(list, to->mine[i]) : 0;
+        const uint32_t at = i - to->first, mine = at < count ? to->mine[at] : 0;
+        const uint32_t length = at < count ? fp3_list_length(list, mine) : 0;
         for (uint32_t turn = 0; turn < length; turn++, n++) {
-            other[n] = rows[fp3_list_entry(list, to->mine[i], turn)];
+            other[n] = rows[fp3_list_entry(list, mine, turn)];
             if (list->fields) /* all others have none */
                 memcpy(&field[(size_t)n * list->fields],
-                       &list->field[((size_t)list->begin[to->mine[i]] + turn) * list->fields],
+                       &list->field[((size_t)list->begin[mine] + turn) * list->fields],
                        list->fields * sizeof *field);
         }
         begin[i + 1] = n;
@@ -96,6 +99,7 @@ static fp3_status give_lists(fp3_engine *engine, fp3_ranked *to) {
     fp3_status status = rows && numbers ? FP3_OK : fp3_ranks_no_memory(engine);
     if (!status) {
         fp3_ranks_number_rows(to, numbers);
+        memset(rows, 0xff, engine->objects * sizeof *rows);
         for (uint32_t i = 0; i < to->room; i++)
             if (numbers[i] != UINT32_MAX)
                 rows[numbers[i]] = i;
@@ -103,9 +107,11 @@ static fp3_status give_lists(fp3_engine *engine, fp3_ranked *to) {
     for (uint32_t k = 0; !status && k < lists->shape.list_count; k++) {
         const fp3_list *list = &lists->lists[k];
         fp3_list *own = &group->lists.lists[k];
-        if (list->is_near)
+        if (list->is_near) {
             fp3_list_take_near(own, &list->near, list->kind);
-        else if (to->sees_all && list->is_all)
+            if (fp3_list_remembers(list))
+                status = fp3_ranks_give_near(engine, to, k, rows);
+        } else if (to->sees_all && list->is_all)
             status = fp3_list_take(own, &(fp3_neighbours){0}, engine->def.error);
         else if (list->is_there)
             status = give_list(engine, to, list, rows, own);
@@ -115,7 +121,7 @@ static fp3_status give_lists(fp3_engine *engine, fp3_ranked *to) {
     if (!status)
         status = fp3_engine_set_numbers(to->own, numbers);
     free(rows);
-    free(numbers);
+    to->names = numbers;
     return status;
 }
 
@@ -198,6 +204,9 @@ void fp3_ranks_forget(fp3_ranked *self) {
     free(self->mine);
     free(self->share);
     free(self->guests);
+    free(self->names);
+    free(self->began);
+    free(self->again);
     for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++)
         free(self->made[k]);
 }
@@ -228,25 +237,19 @@ static fp3_status move(fp3_engine *engine, fp3_ranked *before, fp3_ranked *to) {
     return status;
 }
 
-/* Guests of objects that are near change in the middle of a run, and those of all others have
- * places of their own. */
+/* Objects that move are divided by one position. */
 static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
     const fp3_members *group = &engine->layout.groups[0];
     const int near = count_near(group);
-    int linked = 0, all = 0;
+    const fp3_near_rule *rule = near ? fp3_positions_rule(group) : NULL;
     for (uint32_t k = 0; k < group->lists.shape.list_count; k++) {
-        all |= group->lists.lists[k].is_all;
-        linked |= !group->lists.lists[k].is_all && !group->lists.lists[k].is_near;
+        const fp3_near_rule *other = &group->lists.lists[k].near;
+        if (group->lists.lists[k].is_near &&
+            (other->dimensions != rule->dimensions ||
+             memcmp(other->regs, rule->regs, rule->dimensions * sizeof *rule->regs) != 0))
+            return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                            "several ranks: relations `near` of different positions");
     }
-    if (fp3_lists_remember(&group->lists))
-        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
-                        "several ranks: entries of the model remember (`remember`), and what a "
-                        "pair remembers does not move from rank to rank with its object; one "
-                        "process with --threads runs the model");
-    if (near > 1 || (near != 0) + linked + all > 1)
-        return fp3_fail(engine->def.error, FP3_E_PROGRAM, "several ranks: a model with %s",
-                        near > 1 ? "more than one relation `near`"
-                                 : "relations of more than one kind: `links`, `near` or `all`");
     if (near && engine->objects < to->ranks->count)
         return fp3_fail(
             engine->def.error, FP3_E_ARGUMENT,
@@ -260,21 +263,33 @@ static fp3_status divide(fp3_engine *engine, fp3_ranked *to) {
     const fp3_status status = check_relations(engine, to);
     if (status)
         return status;
-    if (count_near(group))
-        return fp3_ranks_divide_by_place(engine, to);
     if (!fp3_ranks_is_all(group))
-        return fp3_ranks_divide_by_links(engine, to);
+        return count_near(group) ? fp3_ranks_divide_by_place(engine, to)
+                                 : fp3_ranks_divide_by_links(engine, to);
     fp3_ranks_divide_group(to, group);
     return FP3_OK;
 }
 
+/* Where all others are guests, none comes or goes. */
 static fp3_status remember(fp3_engine *engine, fp3_ranked *to) {
-    for (int k = 0; k < FP3_NEAR_DIMENSIONS && count_near(&engine->layout.groups[0]); k++) {
+    const fp3_members *group = &engine->layout.groups[0];
+    const int moves = count_near(group) && !fp3_ranks_is_all(group);
+    for (int k = 0; k < FP3_NEAR_DIMENSIONS && moves; k++) {
         to->made[k] = malloc((to->share[fp3_ranks_here(to)] + (size_t)1) * sizeof *to->made[k]);
         if (!to->made[k])
             return fp3_ranks_no_memory(engine);
     }
     return FP3_OK;
+}
+
+/* A skin changes no bit, and keeps guests whose pairs remember until a step has ended. */
+static void widen_skins(fp3_engine *engine) {
+    fp3_lists *lists = &engine->layout.groups[0].lists;
+    for (uint32_t k = 0; k < lists->shape.list_count; k++) {
+        fp3_list *list = &lists->lists[k];
+        if (list->is_near && fp3_list_remembers(list) && list->near.skin < APART * list->near.reach)
+            list->near.skin = APART * list->near.reach;
+    }
 }
 
 fp3_status fp3_ranks_tell_lives(fp3_engine *engine) {
@@ -312,7 +327,9 @@ fp3_status fp3_ranks_place(fp3_engine *engine) {
     to.sees_all = fp3_ranks_is_all(&engine->layout.groups[0]) && !self->backend.begins_at_0;
     to.is_placed = 1;
     to.is_stale = 0;
+    to.names = to.began = to.again = NULL;
     memset(to.made, 0, sizeof to.made);
+    widen_skins(engine);
     memset(to.held, 0, sizeof to.held);
     fp3_status status = to.whose && to.mine && to.share ? FP3_OK : fp3_ranks_no_memory(engine);
     if (!status)

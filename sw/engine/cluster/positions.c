@@ -11,6 +11,14 @@ const fp3_near_rule *fp3_positions_rule(const fp3_members *group) {
     return &group->lists.lists[i].near;
 }
 
+double fp3_positions_skin(const fp3_members *group) {
+    double least = INFINITY;
+    for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
+        if (group->lists.lists[i].is_near)
+            least = fmin(least, group->lists.lists[i].near.skin);
+    return least;
+}
+
 fp3_status fp3_positions_read(fp3_engine *engine, const fp3_near_rule *rule, fp3_positions *p) {
     fp3_status status = FP3_OK;
     *p = (fp3_positions){.dimensions = rule->dimensions, .rule = rule};

@@ -14,8 +14,9 @@ typedef struct {
     const fp3_near_rule *rule;
 } fp3_positions;
 
-/* The rule of the first relation `near`: there is one. */
+/* The rule of the first relation `near`; all have its position. And the least skin of all. */
 const fp3_near_rule *fp3_positions_rule(const fp3_members *group);
+double fp3_positions_skin(const fp3_members *group);
 /* Who is near whom among the first `objects`, by this rule: a list of each, itself not in it. The
  * caller frees *begin and *other. */
 fp3_status fp3_positions_pairs(fp3_engine *engine, const fp3_near_rule *rule,

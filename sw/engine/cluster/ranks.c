@@ -129,6 +129,9 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
     if (!status && !self->is_placed)
         status = fp3_ranks_place(engine);
     fp3_stats own = {0};
+    self->standing = NULL;
+    if (!status)
+        status = fp3_ranks_note_names(engine);
     if (!status && self->own) {
         self->own->clock = engine->clock;
         self->own->made = engine->made;
@@ -136,6 +139,8 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
         status = fp3_engine_run(self->own, steps, &own);
     }
     self->use.steps += (uint64_t)(own.seconds * 1e9);
+    if (!status)
+        status = fp3_ranks_take_memory(engine);
     if (status) /* the others wait for words that do not come */
         return status;
     stats->flags |= own.flags;

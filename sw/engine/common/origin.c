@@ -11,7 +11,9 @@ static void forget_remembered(fp3_origin *o) {
         for (uint32_t k = 0; k < FP3_LISTS_MAX; k++)
             fp3_remembered_free(&o->remembered[i][k]);
     free(o->remembered);
+    free(o->rows);
     o->remembered = NULL;
+    o->rows = NULL;
     o->groups = 0;
 }
 
@@ -202,11 +204,13 @@ static fp3_status save_remembered(fp3_engine *engine) {
     if (!is_any)
         return FP3_OK;
     o->remembered = calloc(layout->count, sizeof *o->remembered);
-    if (!o->remembered)
+    o->rows = calloc(layout->count, sizeof *o->rows);
+    if (!o->remembered || !o->rows)
         return fp3_no_memory(engine->def.error);
     o->groups = layout->count;
     for (uint32_t i = 0; i < layout->count; i++) {
         const fp3_members *group = &layout->groups[i];
+        o->rows[i] = group->rows;
         for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
             if (fp3_list_remembers(&group->lists.lists[k]))
                 status = fp3_list_save(&group->lists.lists[k], row, group->rows,
@@ -221,6 +225,7 @@ fp3_status fp3_origin_remember(const fp3_engine *engine, const uint32_t *row, fp
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < o->groups; i++) {
         fp3_members *group = &layout->groups[i];
+        group->rows = o->rows[i];
         for (uint32_t k = 0; !status && k < group->lists.shape.list_count; k++)
             if (fp3_list_remembers(&group->lists.lists[k]))
                 status = fp3_list_restore(&group->lists.lists[k], row, group->rows,

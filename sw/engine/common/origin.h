@@ -16,8 +16,10 @@ struct fp3_origin {
     uint32_t *constants; /* of all groups */
     uint64_t *known;     /* of each object: the registers that are as they are here */
     uint64_t *began;     /* ... that were when the last run began */
-    /* Of each group and list: what entries remembered when the last run began. */
+    /* Of each group and list: what entries remembered when the last run began, and how many rows
+     * the group had: guests may have come since. */
     fp3_remembered (*remembered)[FP3_LISTS_MAX];
+    uint32_t *rows;
     uint32_t groups;   /* of these */
     int has_constants; /* the constants are as they are here */
     /* The last run. is_complete: it came to its end, and nothing was written or loaded since. */
@@ -37,7 +39,8 @@ void fp3_origin_write(fp3_engine *engine, fp3_cells cells, const void *words);
 fp3_status fp3_origin_load(fp3_engine *engine, int is_moved);
 
 /* Gives the lists of another engine, which was loaded likewise, what entries remembered when the
- * last run began; row: as of fp3_list_restore. FP3_E_SYSTEM: out of memory. */
+ * last run began, and its groups as many rows; row: as of fp3_list_restore. FP3_E_SYSTEM: out of
+ * memory. */
 fp3_status fp3_origin_remember(const fp3_engine *engine, const uint32_t *row, fp3_layout *layout,
                                fp3_error *error);
 
