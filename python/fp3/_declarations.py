@@ -1105,6 +1105,8 @@ PROTOTYPES = {
         (c_void_p, POINTER(c_char_p), c_size_t, c_size_t, c_size_t, c_void_p, c_size_t)),
     "fp3_batch_column": (c_int, (c_void_p, c_char_p, POINTER(c_void_p))),
     "fp3_batch_link": (c_int, (c_void_p, c_char_p, POINTER(fp3_links))),
+    "fp3_batch_link_more": (c_int, (c_void_p, c_char_p, POINTER(fp3_links))),
+    "fp3_batch_unlink": (c_int, (c_void_p, c_char_p, c_void_p, c_void_p, c_size_t)),
     "fp3_batch_run": (c_int, (c_void_p, c_uint64)),
     "fp3_batch_time": (c_double, (c_void_p,)),
     "fp3_batch_restart": (c_int, (c_void_p,)),

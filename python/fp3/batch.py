@@ -302,6 +302,20 @@ class Batch(Owner):
         with self._c() as c:
             check(self._lib.fp3_batch_link(c, key, links), self._error)
 
+    def link_more(self, relation: str, a: Any, b: Any, **fields: Any) -> None:
+        """Gives a relation more links. Those that it has stay, with what their pairs remember."""
+        keep: List[Any] = []
+        key, links = name_bytes("relation", relation), links_of(a, b, fields, keep)
+        with self._c() as c:
+            check(self._lib.fp3_batch_link_more(c, key, links), self._error)
+
+    def unlink(self, relation: str, a: Any, b: Any) -> None:
+        """Removes the links of these pairs of objects, whose ends may be in either order. The others stay, with what their pairs remember."""
+        keep: List[Any] = []
+        key, links = name_bytes("relation", relation), links_of(a, b, {}, keep)
+        with self._c() as c:
+            check(self._lib.fp3_batch_unlink(c, key, links.a, links.b, links.count), self._error)
+
     # ---- objects that come and go ----
 
     def add(self, count: int, /, **values: Value) -> "np.ndarray[Any, Any]":

@@ -277,37 +277,6 @@ fp3_status fp3_batch_write_rows(fp3_batch *b, size_t first, size_t count, const 
     return fp3_fields_write_rows(b->fields, first, count, params, initial, b->error);
 }
 
-/* ---- what objects see of others ---- */
-
-static fp3_status check_ends(const fp3_batch *b, const fp3_links *links) {
-    for (size_t i = 0; i < links->count; i++)
-        for (int end = 0; end < 2; end++) {
-            const uint32_t object = end ? links->b[i] : links->a[i];
-            if (object < b->objects && !b->births.lives[object])
-                return fp3_fail(b->error, FP3_E_ARGUMENT,
-                                "link %zu joins object %" PRIu32 ", which does not live", i,
-                                object);
-        }
-    return FP3_OK;
-}
-
-fp3_status fp3_batch_link(fp3_batch *b, const char *relation, const fp3_links *links) {
-    FP3_HOST;
-    if (!b)
-        return FP3_E_ARGUMENT;
-    fp3_relations one = b->relations; /* with these links alone */
-    one.linked = NULL;
-    fp3_status status = fp3_linked_put(&one.linked, relation, links, 0, NULL, b->error);
-    if (!status)
-        status = check_ends(b, links);
-    if (!status)
-        status = fp3_relations_link(&one, b->error);
-    if (!status)
-        status = fp3_linked_put(&b->relations.linked, relation, links, 0, NULL, b->error);
-    fp3_linked_free(&one.linked);
-    return status;
-}
-
 /* ---- steps ---- */
 
 #define BLOCK 64 /* objects that are looked at together */

@@ -2,6 +2,7 @@
 /* linked.c - see linked.h. */
 #include "linked.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -137,29 +138,93 @@ fp3_status fp3_linked_put(fp3_linked **list, const char *relation, const fp3_lin
     return status ? status : put(list, relation, links, is_more, place, error);
 }
 
+fp3_status fp3_linked_copy_one(const fp3_linked *from, fp3_linked **list, fp3_error *error) {
+    return put(list, from->relation, &from->links, 0, from->place, error);
+}
+
 fp3_status fp3_linked_copy(const fp3_linked *from, fp3_linked **list, fp3_error *error) {
     fp3_status status = FP3_OK;
     for (; !status && from; from = from->next)
-        status = put(list, from->relation, &from->links, 0, from->place, error);
+        status = fp3_linked_copy_one(from, list, error);
     return status;
 }
 
-static void drop(fp3_links *links, const uint8_t *stays) {
-    uint32_t *a = (uint32_t *)links->a, *b = (uint32_t *)links->b;
-    size_t count = 0;
-    for (size_t i = 0; i < links->count; i++) {
-        if (!stays[a[i]] || !stays[b[i]])
-            continue;
-        a[count] = a[i];
-        b[count] = b[i];
-        for (size_t k = 0; k < links->field_count; k++)
-            ((float *)links->fields[k])[count] = links->fields[k][i];
-        count++;
-    }
-    links->count = count;
+/* Link i takes the place `to`. */
+static void move(fp3_links *links, size_t i, size_t to) {
+    ((uint32_t *)links->a)[to] = links->a[i];
+    ((uint32_t *)links->b)[to] = links->b[i];
+    for (size_t k = 0; k < links->field_count; k++)
+        ((float *)links->fields[k])[to] = links->fields[k][i];
 }
 
 void fp3_linked_drop(fp3_linked *list, const uint8_t *stays) {
-    for (; list; list = list->next)
-        drop(&list->links, stays);
+    for (; list; list = list->next) {
+        fp3_links *links = &list->links;
+        size_t count = 0;
+        for (size_t i = 0; i < links->count; i++)
+            if (stays[links->a[i]] && stays[links->b[i]])
+                move(links, i, count++);
+        links->count = count;
+    }
+}
+
+/* ---- single links ---- */
+
+/* The ends in either order. */
+static uint64_t pair_of(uint32_t a, uint32_t b) {
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+static int compare_pairs(const void *one, const void *other) {
+    const uint64_t a = *(const uint64_t *)one, b = *(const uint64_t *)other;
+    return (a > b) - (a < b);
+}
+
+/* The place of a link's pair in the list of those that go; count: it stays. */
+static size_t find_pair(const fp3_links *links, size_t i, const uint64_t *pairs, size_t count) {
+    const uint64_t wanted = pair_of(links->a[i], links->b[i]);
+    const uint64_t *found = bsearch(&wanted, pairs, count, sizeof *pairs, compare_pairs);
+    return found ? (size_t)(found - pairs) : count;
+}
+
+static fp3_status refuse_pair(const fp3_linked *l, uint64_t pair, const char *why,
+                              fp3_error *error) {
+    return fp3_fail(error, FP3_E_ARGUMENT, "links of '%s': objects %" PRIu32 " and %" PRIu32 " %s",
+                    l->relation, (uint32_t)(pair >> 32), (uint32_t)pair, why);
+}
+
+/* Each of the pairs is one, and has a link. has_link: count + 1 zeros. */
+static fp3_status check_gone(const fp3_linked *l, const uint64_t *pairs, size_t count,
+                             uint8_t *has_link, fp3_error *error) {
+    for (size_t k = 1; k < count; k++)
+        if (pairs[k] == pairs[k - 1])
+            return refuse_pair(l, pairs[k], "are given twice", error);
+    for (size_t i = 0; i < l->links.count; i++)
+        has_link[find_pair(&l->links, i, pairs, count)] = 1;
+    for (size_t k = 0; k < count; k++)
+        if (!has_link[k])
+            return refuse_pair(l, pairs[k], "have none", error);
+    return FP3_OK;
+}
+
+fp3_status fp3_linked_remove(fp3_linked *list, const uint32_t *a, const uint32_t *b, size_t count,
+                             fp3_error *error) {
+    fp3_links *links = &list->links;
+    uint64_t *pairs = malloc((count + 1) * sizeof *pairs);
+    uint8_t *has_link = calloc(count + 1, 1);
+    fp3_status status = pairs && has_link ? FP3_OK : fp3_no_memory(error);
+    for (size_t k = 0; !status && k < count; k++)
+        pairs[k] = pair_of(a[k], b[k]);
+    if (!status) {
+        qsort(pairs, count, sizeof *pairs, compare_pairs);
+        status = check_gone(list, pairs, count, has_link, error);
+    }
+    size_t stay = 0;
+    for (size_t i = 0; !status && i < links->count; i++)
+        if (find_pair(links, i, pairs, count) == count)
+            move(links, i, stay++);
+    links->count = status ? links->count : stay;
+    free(pairs);
+    free(has_link);
+    return status;
 }

@@ -20,8 +20,13 @@ fp3_status fp3_linked_put(fp3_linked **list, const char *relation, const fp3_lin
                           int is_more, const char *place, fp3_error *error);
 /* Links of an object without stays[object] are gone. */
 void fp3_linked_drop(fp3_linked *list, const uint8_t *stays);
-/* All of another list. */
+/* The links of these pairs, of which either end may be `a`, are gone from the first of the list.
+ * FP3_E_ARGUMENT: a pair has no link, or occurs twice; the list is then unchanged. */
+fp3_status fp3_linked_remove(fp3_linked *list, const uint32_t *a, const uint32_t *b, size_t count,
+                             fp3_error *error);
+/* All of another list, or its first. */
 fp3_status fp3_linked_copy(const fp3_linked *from, fp3_linked **list, fp3_error *error);
+fp3_status fp3_linked_copy_one(const fp3_linked *from, fp3_linked **list, fp3_error *error);
 /* NULL: there are none. */
 const fp3_linked *fp3_linked_find(const fp3_linked *list, const char *relation);
 /* Leaves NULL, which may be freed as well. */

@@ -28,6 +28,12 @@ static const fp3_list *list_named(const fp3_relations *r, const char *name) {
     return NULL;
 }
 
+int fp3_relations_list(const fp3_relations *r, const char *name) {
+    const fp3_list *found = list_named(r, name);
+    return found ? (int)(found - fp3_engine_layout(r->to.engine)->groups[r->to.group].lists.lists)
+                 : -1;
+}
+
 __attribute__((format(printf, 3, 4))) static fp3_status
 refuse(const fp3_linked *l, fp3_error *error, const char *format, ...) {
     char text[400];

@@ -28,6 +28,8 @@ typedef struct {
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error);
 /* The links alone. */
 fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error);
+/* Which of the lists of the engine's group it is; -1: the program has none of this name. */
+int fp3_relations_list(const fp3_relations *r, const char *name);
 /* Gives the engine the reaches of `near` if params, as many as the model has, change them. Does
  * nothing for an image. */
 fp3_status fp3_relations_reach(fp3_relations *r, const double *params, fp3_error *error);

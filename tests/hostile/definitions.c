@@ -177,14 +177,17 @@ int main(void) {
     fp3_batch *batch = NULL; /* could not be opened */
     float x = 0;
     fp3_failure failure;
-    printf("NULL: %d %d %d %d %d %d %d %d %d %d %d, %zu %d %g\n", (int)fp3_batch_run(batch, 1),
-           (int)fp3_batch_set(batch, "x", 1), (int)fp3_batch_write(batch, "x", 0, 1, &x),
+    printf("NULL: %d %d %d %d %d %d %d %d %d %d %d %d %d, %zu %d %g\n",
+           (int)fp3_batch_run(batch, 1), (int)fp3_batch_set(batch, "x", 1),
+           (int)fp3_batch_write(batch, "x", 0, 1, &x),
            (int)fp3_batch_write_double(batch, "x", 0, 1, &(double){0}),
            (int)fp3_batch_read(batch, (const char *[]){"x"}, 1, 0, 1, (float *[]){&x}),
            (int)fp3_batch_read_double(batch, (const char *[]){"x"}, 1, 0, 1,
                                       (double *[]){&(double){0}}),
            (int)fp3_batch_column(batch, "x", &(const float *){NULL}),
            (int)fp3_batch_link(batch, "x", &(fp3_links){0}),
+           (int)fp3_batch_link_more(batch, "x", &(fp3_links){0}),
+           (int)fp3_batch_unlink(batch, "x", NULL, NULL, 0),
            (int)fp3_batch_add(batch, 1, &(uint64_t){0}), (int)fp3_batch_restart(batch),
            (int)fp3_batch_failure(batch, &failure, NULL), fp3_batch_objects(batch),
            fp3_batch_engine(batch) || fp3_batch_compiled(batch), fp3_batch_time(batch));

@@ -154,6 +154,14 @@ fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **va
  * not join two objects, or joins the same two as another link; or a field is not finite. After an
  * error the links are unchanged. */
 fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
+/* Some more, behind those that the relation has; these keep what their pairs remember. Otherwise as
+ * fp3_batch_link. fp3_batch_numbers gives the numbers of handles. */
+fp3_status fp3_batch_link_more(fp3_batch *batch, const char *relation, const fp3_links *links);
+/* Removes the links of pairs of objects, whose ends may be in either order; the others stay as they
+ * are. FP3_E_ARGUMENT: a pair has no link of this relation, or is given twice; nothing is changed.
+ */
+fp3_status fp3_batch_unlink(fp3_batch *batch, const char *relation, const uint32_t *ends_a,
+                            const uint32_t *ends_b, size_t count);
 
 /* ---- steps ---- */
 
