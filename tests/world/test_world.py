@@ -640,7 +640,7 @@ def test_the_language_says_what_it_expects(compile_, line, place, expected):
 
 
 @pytest.mark.parametrize("options, expected", [
-    (("-i", "stoermer_verlet"), "an integrator that starts from the positions of two steps needs neighbours before the first"),
+    (("-i", "stoermer_verlet"), "the positions one step before the first need sums over neighbours there; 'leapfrog' has the same order"),
     (("--double-single",), "double-single has no sums over neighbours"),
     (("--tolerance", "1e-3"), "adaptive steps: objects that see each other make their steps together")])
 def test_what_does_not_go_with_neighbours(compile_, options, expected):

@@ -63,8 +63,8 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
          "has its order without them"),
         "adaptive steps: objects that see each other make their steps together",
         "double-single has no sums over neighbours",
-        ("an integrator that starts from the positions of two steps needs neighbours before the "
-         "first")};
+        ("the positions one step before the first need sums over neighbours there; 'leapfrog' has "
+         "the same order in fewer cycles, 'verlet' makes the same positions")};
     const int wrong = model->relation_count && !fp3_rosenbrock_is_free(integrator) ? 0
                       : fp3_model_adapted(model) != FP3_NONE                       ? 1
                       : options->arithmetic == FP3_DOUBLE_SINGLE                   ? 2
