@@ -109,20 +109,13 @@ static void free_checks(const fp3_run_task *of, fp3_run_check ***checks) {
 /* An fp3_run_say_fn. */
 static void say(const char *path, const char *warning) { fp3_cli_warn("run", path, warning); }
 
-/* Neighbours in double are all objects, also those that do not live, and what pairs remember is not
- * among what these warnings look at, and neither are objects of other groups. */
-static int is_unseen(const fp3_run_part *part) {
-    return fp3_model_remembers(part->program->model) || part->program->model->kind_count ||
-           (part->program->sees_others && fp3_engine_has_lives(part->engine));
-}
-
 /* warnings: NULL after a run in which objects failed. */
 static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const fp3_run_part *part,
                                size_t *warnings, fp3_error *error) {
     fp3_run_loss *loss = NULL;
     if (!part->program->model)
         return FP3_OK;
-    if (is_unseen(part)) {
+    if (fp3_run_loss_is_blind(part)) {
         if (warnings && o->check.is_strict) {
             say(path,
                 "digits that FP32 loses are not looked for where pairs remember, where objects "

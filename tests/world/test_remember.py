@@ -1,6 +1,7 @@
 """Entries that remember: the same words on every engine and with every skin, what they are in double, and what is refused."""
 
 import itertools
+import re
 import subprocess
 
 import numpy
@@ -328,8 +329,40 @@ def test_a_scene_runs_and_is_recorded(fp3, tmp_path, engine):
     assert len(ends) == 1 and ends.pop().count("object") == 18
 
 
+LASTING = """
+state x = 0
+state v = 0
+{relation}
+step {h}
+x' = v
+v' = sum(o in ties: 4*(x - o.x)/(1 + (x - o.x)^2){pull})
+{more}
+"""
+STATE = re.compile(r"^(\w+) +(\S+) +0x\w+ +object (\d+)(?: +error (\S+), relative .*)?$", re.M)
+
+
+@pytest.mark.parametrize("integrator", ["euler", "leapfrog"])
+@pytest.mark.parametrize("relation, pull, more, lives", [
+    ("near ties(x, 20, s = 0)", " - 3*o.s", "remember o in ties: o.s = o.s + h*(o.v - v)", ""), ("near ties(x, 20)", "", "", "born = {0}; gone = {1};"),
+    ("near ties(x, 20)", "", "", "born = [0, {0}];"), ("near ties(x, 20, s = 0)", " - 3*o.s", "remember o in ties: o.s = o.s + h*(o.v - v)", "born = {0}; gone = {1};")])
+def test_the_estimate_of_check_is_the_distance_from_short_steps(fp3, tmp_path, integrator, relation, pull, more, lives):
+    """What pairs remember is of first order in h, also where the method is of a higher one; births and ends are at the same times."""
+    found, part = [], 16 if more else 8
+    for k in (1, 16):
+        (tmp_path / "m.ode").write_text(LASTING.format(relation=relation, pull=pull, more=more, h=(2.0**-8 if more else 2.0**-6)/k))
+        (tmp_path / "m.scene").write_text(f'steps = {4*part*k}; groups = ( {{ program = "m.ode"; integrator = "{integrator}"; spread = {{ v = [0.0, 0.5]; }}; '
+                                          f'grid = {{ position = "x"; count = 9; spacing = 0.3; }}; {lives.format(part*k, 3*part*k)} }} );\n')
+        done = subprocess.run([fp3, "run", "--scene", "m.scene", "-e", "isa", "--all", *(["--check"] if k == 1 else [])], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0 and (k > 1 or "\nnot looked at " in done.stdout), done.stdout + done.stderr
+        found.append({(name, int(number)): (float(value), float(error or 0)) for name, value, number, error in STATE.findall(done.stdout)})
+    off = {key: abs(value - found[1][key][0]) for key, (value, _) in found[0].items()}
+    largest = max(off.values())
+    assert len(off) == 18 and largest > 1e-5
+    for key, (_, error) in found[0].items():
+        assert off[key] < 0.1*largest or 0.75*off[key] < error < 1.35*off[key], (key, off[key], error)
+
+
 @pytest.mark.parametrize("options, expected", [
-    (("--check",), "what its pairs remember (line 8 of the model)"),
     (("--strict",), "digits that FP32 loses are not looked for"),
 ])
 def test_what_does_not_go_with_it_yet(fp3, tmp_path, options, expected):

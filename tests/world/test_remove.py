@@ -269,8 +269,16 @@ def test_what_is_refused(fp3, tmp_path, shoot):
     for option, value in (("--until", "1"), ("--tolerance", "1e-3")):
         assert "line 4: `remove` ends a life after a step that all objects make" in said("run", "alone.ode", "-i", "cash_karp", option, value)
     assert "births and ends of objects split the run" in said("run", "alone.ode", "--steps", "9", "--cycle-limit", "99999", "-e", "rtl", "-c", "many_full")
-    (tmp_path / "near.ode").write_text("state x = 0\nnear touch(x, 1)\nstep 0.125\nx' = sum(o in touch: x - o.x)\nwhen x > 1: remove\n")
-    assert "--check: it looks at forces between all objects, and some of these are born or gone on the way" in said("run", "near.ode", "--objects", "3", "--check")
+
+
+def test_check_compares_runs_on_which_objects_are_removed(fp3, tmp_path):
+    """One of two is removed at the end of the step in which it goes beyond 1: half the step leaves it nearer to 1."""
+    (tmp_path / "near.ode").write_text("state x = 0\nnear touch(x, 9)\nstep 0.125\nx' = sum(o in touch: (x - o.x)/4)\nwhen x > 1: remove\n")
+    done = subprocess.run([fp3, "run", "near.ode", "--objects", "2", "--spread", "x=0:0.9", "--steps", "16", "-i", "rk4", "-e", "isa", "--all", "--check"],
+                          cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and "\nnot looked at " in done.stdout and "1 of 2" in done.stdout, done.stdout + done.stderr
+    error = [float(found) for found in re.findall(r"^x .* error (\S+),", done.stdout, re.M)]
+    assert len(error) == 2 and 0.02 < min(error) and max(error) < 0.05, done.stdout
 
 
 @pytest.mark.parametrize("line, message", [

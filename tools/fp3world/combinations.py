@@ -287,6 +287,8 @@ FEATURES = [
     Feature("a column of a batch without a copy", trial=in_python(column), engines=("fast",), is_beside=True),
     Feature("a scene in Python", trial=in_python(scene_words), is_beside=True),
     Feature("`fp3 run --check`", trial=checked),
+    Feature("`fp3 run --check` where pairs remember", trial=checked, more="remember o in ties: o.s = o.s + h*(o.v - v)", field="s = 0"),
+    Feature("`fp3 run --check` with lifetimes", trial=checked, settings="born = 2; gone = 7;"),
     Feature("`fp3 bench` of a scene", trial=told("bench", "--steps", STEPS, "--quick"), engines=("fast",)),
     Feature("`fp3 tune`", trial=told("tune", "--tolerance", "1e-3"), engines=("fast",)),
     Feature("`fp3 stress`", trial=told("stress", what="model"), engines=("fast",)),

@@ -6,7 +6,6 @@
 #include "world/apply.h"
 #include "world/values_own.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -187,20 +186,6 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
     fp3_object_values values = {0};
     if (!o)
         return fp3_no_memory(error);
-    if (fp3_model_remembers(program->model)) {
-        fp3_others_close(others);
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "the check looks at one object for a time, and what its pairs remember "
-                        "(line %" PRIu32 " of the model) is not part of its state",
-                        fp3_model_remembers(program->model));
-    }
-    if (program->model->kind_count) {
-        fp3_others_close(others);
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "the check looks at the objects of one group, and these see objects of "
-                        "another (kind '%s', line %" PRIu32 " of the model)",
-                        program->model->kinds[0].name, program->model->kinds[0].line);
-    }
     o->model = program->model;
     o->columns = columns;
     o->objects = objects;

@@ -8,6 +8,7 @@
  *     fp3_others_close(&o);
  *
  * It shares no code with the compiler. A model without relations is the case without neighbours.
+ * Pairs remember nothing, and relations see objects of the own group.
  */
 #ifndef FP3_CHECK_OTHERS_H
 #define FP3_CHECK_OTHERS_H

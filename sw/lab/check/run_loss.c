@@ -5,6 +5,7 @@
 #include "others.h"
 #include "run_growth.h"
 
+#include "engine/common/inside.h"
 #include "language/evaluate.h"
 #include "machine/config.h"
 #include "world/apply.h"
@@ -129,6 +130,11 @@ static fp3_status find_common(fp3_run_loss *l, fp3_error *error) {
         l->common[s] = size[s * l->seen];
     free(size);
     return FP3_OK;
+}
+
+int fp3_run_loss_is_blind(const fp3_run_part *part) {
+    return fp3_model_remembers(part->program->model) || part->program->model->kind_count ||
+           (part->program->sees_others && fp3_engine_has_lives(part->engine));
 }
 
 fp3_status fp3_run_loss_open(const fp3_run_part *part, fp3_run_loss **loss, fp3_error *error) {

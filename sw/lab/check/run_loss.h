@@ -27,6 +27,10 @@ fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, ui
  * that of a rounding. */
 void fp3_run_common_size(const fp3_model *model, uint32_t states, size_t objects, double *size);
 
+/* Whether it cannot look at this part: neighbours in double are all objects of the group, also
+ * those that do not live, and know nothing of what pairs remember or of other groups. */
+int fp3_run_loss_is_blind(const fp3_run_part *part);
+
 typedef struct fp3_run_loss fp3_run_loss;
 
 /* The caller closes *loss, which is NULL on failure. */
