@@ -372,6 +372,8 @@ class fp3_relation(Structure):
         ("position", c_uint32),
         ("dimensions", c_uint32),
         ("reach", c_uint32),
+        ("radius", c_uint32),
+        ("their_radius", c_uint32),
         ("line", c_uint32),
         ("of_kind", c_uint32),
         ("theirs", c_uint32),
@@ -737,6 +739,9 @@ class fp3_near(Structure):
         ("skin", c_double),
         ("kind", c_size_t),
         ("theirs", c_char_p * 3),
+        ("radius", c_char_p),
+        ("their_radius", c_char_p),
+        ("share", c_double),
     ]
 
 

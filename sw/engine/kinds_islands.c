@@ -94,7 +94,7 @@ static fp3_status read_awake(fp3_engine *engine, uint32_t group, uint32_t reg, u
 /* Whether rows are nearer than the reach; a program tells by FP32, which may differ in the last
  * places. */
 static int is_near(const fp3_near_rule *rule, const fp3_where_they_are *w, uint32_t a, uint32_t b) {
-    const double most = rule->reach * rule->reach;
+    const double reach = fp3_near_reach_of(rule, w, a, b), most = reach * reach;
     double sum = 0;
     for (uint32_t k = 0; k < w->dimensions && !(sum >= most); k++) {
         const double way =
@@ -104,29 +104,50 @@ static int is_near(const fp3_near_rule *rule, const fp3_where_they_are *w, uint3
     return sum < most;
 }
 
-/* The columns of `near` as they are now: own rows, and then those of the kind. */
+#define NOTHING UINT32_MAX
+
+/* A column of `near`: own rows, and then those of the kind. NOTHING: nothing of these. */
+static fp3_status look_at_column(fp3_engine *engine, uint32_t number, const fp3_list *list,
+                                 uint32_t reg, uint32_t theirs, int is_first, uint32_t *column) {
+    const fp3_kinds *self = fp3_kinds_of(engine);
+    const uint32_t own = engine->layout.groups[number].objects,
+                   from = list->kind ? list->kind - 1 : number;
+    const fp3_foreign_word *f = theirs != NOTHING ? foreign(&self->kinds[number], theirs) : NULL;
+    fp3_status status = FP3_OK;
+    if (reg != NOTHING)
+        status = is_first ? read_word(engine, number, reg, 0, column)
+                          : read_awake(engine, number, reg, column);
+    if (!status && f && is_first)
+        status = read_word(engine, from, f->of, f->is_shared, column + own);
+    else if (!status && f && !f->is_shared)
+        status = read_awake(engine, from, f->of, column + own);
+    return status;
+}
+
+/* The columns of `near` as they are now. */
 static fp3_status look_where(fp3_engine *engine, uint32_t number, const fp3_list *list,
                              struct fp3_rest_near *n, fp3_where_they_are *now) {
-    const fp3_kinds *self = fp3_kinds_of(engine);
-    const uint32_t from = list->kind ? list->kind - 1 : number;
+    const fp3_near_rule *rule = &list->near;
     const int is_first = !n->words;
     fp3_status status = FP3_OK;
     if (is_first)
-        n->words = malloc((now->objects * (size_t)now->dimensions + 1) * sizeof *n->words);
+        n->words = calloc(now->objects * (now->dimensions + (size_t)1) + 1, sizeof *n->words);
     if (!n->words)
         return fp3_no_memory(engine->def.error);
     for (uint32_t k = 0; !status && k < now->dimensions; k++) {
         uint32_t *column = n->words + (size_t)k * now->objects;
-        const fp3_foreign_word *f =
-            list->kind ? foreign(&self->kinds[number], list->near.theirs[k]) : NULL;
-        status = is_first ? read_word(engine, number, list->near.regs[k], 0, column)
-                          : read_awake(engine, number, list->near.regs[k], column);
-        if (!status && f && is_first)
-            status = read_word(engine, from, f->of, f->is_shared, column + now->own);
-        else if (!status && f && !f->is_shared)
-            status = read_awake(engine, from, f->of, column + now->own);
+        status = look_at_column(engine, number, list, rule->regs[k],
+                                list->kind ? rule->theirs[k] : NOTHING, is_first, column);
         now->position[k] = column;
-        now->theirs[k] = f ? column : NULL;
+        now->theirs[k] = list->kind ? column : NULL;
+    }
+    const int has_theirs = list->kind && rule->their_radius;
+    if (!status && (rule->radius || has_theirs)) {
+        uint32_t *column = n->words + (size_t)now->dimensions * now->objects;
+        status = look_at_column(engine, number, list, rule->radius ? rule->radius - 1 : NOTHING,
+                                has_theirs ? rule->their_radius - 1 : NOTHING, is_first, column);
+        now->radius = rule->radius ? column : NULL;
+        now->their_radius = has_theirs ? column : NULL;
     }
     if (status) {
         free(n->words);
@@ -140,10 +161,7 @@ static fp3_status list_near(fp3_engine *engine, const fp3_near_rule *rule, struc
                             const fp3_where_they_are *now) {
     uint32_t *begin = NULL, *other = NULL;
     if (!n->begin)
-        n->rule = (fp3_near_rule){.dimensions = rule->dimensions,
-                                  .format = rule->format,
-                                  .reach = rule->reach,
-                                  .skin = rule->skin};
+        n->rule = fp3_near_without_list(rule);
     else if (!fp3_near_is_stale(&n->rule, now))
         return FP3_OK;
     const fp3_status status = fp3_near_make(&n->rule, now, &begin, &other, engine->def.error);
@@ -184,10 +202,10 @@ static void meet_one(fp3_rest *r, const sides *s, uint32_t i, uint32_t with) {
 /* Most rows are too far in the first component already. */
 static void meet_all_near(fp3_rest *r, const sides *s, uint32_t i) {
     const float *x = (const float *)(const void *)s->now->position[0];
-    const double at = (double)x[i], most = s->rule->reach * s->rule->reach;
+    const double at = (double)x[i];
     for (uint32_t with = s->theirs ? s->group->objects : 0; with < s->now->objects; with++) {
-        const double way = (double)x[with] - at;
-        if (s->rule->format || way * way < most)
+        const double way = (double)x[with] - at, most = fp3_near_reach_of(s->rule, s->now, i, with);
+        if (s->rule->format || way * way < most * most)
             meet_one(r, s, i, with);
     }
 }

@@ -25,8 +25,8 @@ static fp3_status bring_sleepers(fp3_engine *engine, uint32_t number) {
     uint64_t seen = lists->shape.is_any ? lists->shape.published : 0;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < lists->shape.list_count; i++)
-        for (uint32_t d = 0; lists->lists[i].is_near && d < lists->lists[i].near.dimensions; d++)
-            seen |= UINT64_C(1) << lists->lists[i].near.regs[d];
+        if (lists->lists[i].is_near)
+            seen |= fp3_near_registers(&lists->lists[i].near, 0);
     for (uint32_t reg = 0; !status && reg < FP3_BANK_OBJECT_COUNT; reg++) {
         const fp3_cells here = {FP3_CELLS_REGISTER, reg, k->awake, k->living - k->awake};
         if (!(seen >> reg & 1))

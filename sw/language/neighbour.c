@@ -32,6 +32,21 @@ int fp3_ode_at_neighbours(ode_parser *p) {
     return relation_named(p, fp3_ode_next(&ahead)) != NULL;
 }
 
+/* The radii of both are added first, and then what is the same for all pairs: so both objects of a
+ * pair find the same reach. */
+static ode_value reach_of(ode_parser *p, fp3_token at, const fp3_relation *r) {
+    const ode_value own = fp3_ode_leaves(p, at, FP3_EXPR_PARAM, r->radius, r->radius != FP3_NONE),
+                    theirs = fp3_ode_foreign(p, at, r->their_radius, r->their_radius != FP3_NONE),
+                    rest = {1, {(uint16_t)r->reach}};
+    const int has_rest = p->exprs[r->reach].op != FP3_EXPR_NUMBER || p->exprs[r->reach].number != 0;
+    ode_value sum = own;
+    if (theirs.size)
+        sum = sum.size ? fp3_ode_binary(p, at, FP3_EXPR_ADD, sum, theirs) : theirs;
+    if (!sum.size)
+        return rest;
+    return has_rest ? fp3_ode_binary(p, at, FP3_EXPR_ADD, sum, rest) : sum;
+}
+
 /* The square of the distance to the neighbour is below that of the reach. */
 static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
     const ode_value theirs =
@@ -40,7 +55,7 @@ static ode_value is_near(ode_parser *p, fp3_token at, const fp3_relation *r) {
             : fp3_ode_foreign(p, at, r->theirs, r->dimensions);
     const ode_value own = fp3_ode_leaves(p, at, FP3_EXPR_STATE, r->position, r->dimensions);
     const ode_value way = fp3_ode_binary(p, at, FP3_EXPR_SUB, theirs, own);
-    const ode_value far = {1, {(uint16_t)r->reach}};
+    const ode_value far = reach_of(p, at, r);
     const ode_value square = r->dimensions > 1 ? fp3_ode_dot(p, at, way, way)
                                                : fp3_ode_binary(p, at, FP3_EXPR_MUL, way, way);
     return fp3_ode_binary(p, at, FP3_EXPR_LESS, square,

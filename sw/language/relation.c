@@ -8,6 +8,7 @@
 
 #include "constant.h"
 #include "dimension_check.h"
+#include "evaluate.h"
 #include "expression.h"
 #include "neighbour.h"
 #include "symbol.h"
@@ -132,19 +133,123 @@ static void fields(ode_parser *p, fp3_relation *r) {
     fp3_ode_expect(&p->in, ")", "',' or ')'");
 }
 
-static int is_shared(const ode_parser *p, uint32_t from) {
-    for (uint32_t i = from; i < p->expr_count; i++)
-        if (p->exprs[i].op == FP3_EXPR_PARAM && !p->params[p->exprs[i].index].quantity.is_shared)
-            return 0;
-    return 1;
-}
+/* ---- the reach ---- */
+
+/* How a reach calls the neighbour, unless the model calls something else so. */
+#define NEIGHBOUR "o"
 
 /* Of what is not declared, a name with a dot is meant to be such a position. */
 static int is_position_next(ode_parser *p) {
     const fp3_token name = p->in.next;
-    return name.kind == FP3_TOKEN_NAME &&
-           (fp3_ode_kind_named(p, name) != FP3_NONE ||
-            (memchr(name.text, '.', name.length) && !fp3_ode_find(p, name)));
+    const char *dot = name.kind == FP3_TOKEN_NAME ? memchr(name.text, '.', name.length) : NULL;
+    if (name.kind != FP3_TOKEN_NAME || fp3_ode_kind_named(p, name) != FP3_NONE)
+        return name.kind == FP3_TOKEN_NAME;
+    const int is_neighbour = dot == name.text + strlen(NEIGHBOUR) && *name.text == *NEIGHBOUR;
+    return dot && !is_neighbour && !fp3_ode_find(p, name);
+}
+
+/* Reads an expression in which o.R is a param of the neighbour. */
+static ode_value of_both(ode_parser *p, const fp3_relation *r) {
+    fp3_token name = p->in.next;
+    name.kind = FP3_TOKEN_NAME;
+    name.text = NEIGHBOUR;
+    name.length = strlen(NEIGHBOUR);
+    if (fp3_ode_occupied(p, name, 1) || p->relation_count == FP3_RELATIONS_MAX)
+        return fp3_ode_expression(p, ODE_IN_START);
+    p->relations[p->relation_count] = *r;
+    const uint32_t symbol =
+        fp3_ode_declare(p, name, ODE_NEIGHBOUR, p->relation_count, (ode_value){.size = 1});
+    const ode_value value = fp3_ode_expression(p, ODE_IN_START);
+    if (symbol != FP3_NONE)
+        fp3_ode_undeclare(p, symbol);
+    return value;
+}
+
+typedef struct {
+    ode_parser *p;
+    fp3_token at;
+    uint32_t from;
+    const char *varies;         /* of each expression from there on: with the object */
+    uint32_t own, theirs, rest; /* params, and an expression; FP3_NONE: none yet */
+    int is_good;
+} addends;
+
+/* What is the same for all objects, and at most one param of each of the two. */
+static void add(addends *a, uint32_t expr) {
+    const fp3_expr e = a->p->exprs[expr];
+    const int varies = expr >= a->from && a->varies[expr - a->from];
+    uint32_t *param = e.op == FP3_EXPR_OTHER_PARAM ? &a->theirs : &a->own;
+    if (!varies) {
+        ode_value sum = {1, {(uint16_t)expr}};
+        if (a->rest != FP3_NONE)
+            sum =
+                fp3_ode_binary(a->p, a->at, FP3_EXPR_ADD, (ode_value){1, {(uint16_t)a->rest}}, sum);
+        a->rest = sum.size ? sum.expr[0] : a->rest;
+    } else if (e.op == FP3_EXPR_PARAM || e.op == FP3_EXPR_OTHER_PARAM) {
+        a->is_good &= *param == FP3_NONE;
+        *param = e.index;
+    } else {
+        a->is_good = 0;
+    }
+}
+
+static void split(addends *a, uint32_t expr) {
+    while (expr >= a->from && a->varies[expr - a->from] && a->p->exprs[expr].op == FP3_EXPR_ADD) {
+        split(a, a->p->exprs[expr].operand[1]);
+        expr = a->p->exprs[expr].operand[0];
+    }
+    add(a, expr);
+}
+
+/* Of each expression from `from` on, whether objects have different values of it. NULL: out of
+ * memory. */
+static char *find_what_varies(const ode_parser *p, uint32_t from) {
+    char *varies = calloc(p->expr_count - from + 1u, 1);
+    for (uint32_t i = from; varies && i < p->expr_count; i++) {
+        const fp3_expr *e = &p->exprs[i];
+        varies[i - from] = e->op == FP3_EXPR_OTHER_PARAM || e->op == FP3_EXPR_OTHER_STATE ||
+                           e->op == FP3_EXPR_FIELD ||
+                           (e->op == FP3_EXPR_PARAM && !p->params[e->index].quantity.is_shared);
+        for (unsigned k = 0; k < fp3_ode_operands(e->op); k++)
+            if (e->operand[k] >= from)
+                varies[i - from] |= varies[e->operand[k] - from];
+    }
+    return varies;
+}
+
+/* Whether it is made of states of the neighbour. */
+static int refuse_states(ode_parser *p, uint32_t from) {
+    for (uint32_t i = from; i < p->expr_count; i++)
+        if (p->exprs[i].op == FP3_EXPR_OTHER_STATE) {
+            fp3_ode_wrong(
+                &p->in, p->expr_at[i],
+                "a param of the neighbour ('%s' is a state: who is near is found before a "
+                "step, by what the step does not change)",
+                p->states[p->exprs[i].index].quantity.name);
+            return 1;
+        }
+    return 0;
+}
+
+/* The parts of a reach; 0: it has no such parts. */
+static int take_reach(ode_parser *p, fp3_token at, uint32_t from, uint32_t expr, fp3_relation *r) {
+    char *varies = find_what_varies(p, from);
+    addends a = {p, at, from, varies, FP3_NONE, FP3_NONE, FP3_NONE, 1};
+    if (varies)
+        split(&a, expr);
+    else
+        p->out_of_memory = 1;
+    free(varies);
+    if (!varies || !a.is_good || (r->of_kind == FP3_NONE && a.own != a.theirs))
+        return 0;
+    if (a.rest == FP3_NONE) {
+        const ode_value none = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, 0);
+        a.rest = none.size ? none.expr[0] : FP3_NONE;
+    }
+    r->radius = a.own;
+    r->their_radius = a.theirs;
+    r->reach = a.rest;
+    return 1;
 }
 
 /* ", balls.x": the position of those of another kind. */
@@ -175,7 +280,7 @@ static void their_position(ode_parser *p, fp3_relation *r, const ode_symbol *own
                       p->states[own->first + start].quantity.name);
 }
 
-/* "(x, 0.2)": a state, and the distance up to which others count. */
+/* "(x, 0.2)" or "(x, R + o.R)": a state, and the distance up to which others count. */
 static void reach(ode_parser *p, fp3_relation *r) {
     unsigned start = 0, size = 0;
     fp3_ode_expect(&p->in, "(", "'(', the position and the reach, as in near touch(x, 0.2)");
@@ -189,20 +294,28 @@ static void reach(ode_parser *p, fp3_relation *r) {
         their_position(p, r, s, start, size);
     const fp3_token at = p->in.next;
     const uint32_t from = p->expr_count;
-    const ode_value value = fp3_ode_expression(p, ODE_IN_START);
+    const ode_value value = of_both(p, r);
     while (!p->in.is_lost && fp3_ode_accept(&p->in, ","))
         field(p, r);
     fp3_ode_expect(&p->in, ")", "an operator, ',' or ')'");
     if (!s || !value.size || p->in.is_lost)
         return;
     fp3_ode_check_dimensions(p, from);
-    if (value.size > 1 || !is_shared(p, from) ||
-        !fp3_ode_dimension_fits(&p->dimensions[value.expr[0]], &p->states[s->first].dimension)) {
-        fp3_ode_wrong(&p->in, at, "a distance in the unit of '%.*s', of numbers and shared params",
-                      (int)name.length, name.text);
+    if (refuse_states(p, from))
+        return;
+    const uint32_t more = p->expr_count;
+    if (value.size > 1 ||
+        !fp3_ode_dimension_fits(&p->dimensions[value.expr[0]], &p->states[s->first].dimension) ||
+        !take_reach(p, at, from, value.expr[0], r)) {
+        fp3_ode_wrong(&p->in, at,
+                      "a distance in the unit of '%.*s', of numbers and shared params, to which %s",
+                      (int)name.length, name.text,
+                      r->of_kind == FP3_NONE
+                          ? "one param of both objects may be added, as in R + o.R"
+                          : "a param of either object may be added, as in R + o.R");
         return;
     }
-    r->reach = value.expr[0];
+    fp3_ode_check_dimensions(p, more);
     r->position = s->first + start;
     r->dimensions = size;
 }
@@ -212,6 +325,8 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
     fp3_relation made = {.kind = kinds[kind_of(word)].kind,
                          .first_field = p->field_count,
                          .reach = FP3_NONE,
+                         .radius = FP3_NONE,
+                         .their_radius = FP3_NONE,
                          .line = word.location.line,
                          .of_kind = FP3_NONE,
                          .theirs = FP3_NONE};

@@ -38,7 +38,7 @@ static fp3_status find_links(const fp3_list *list, fp3_around_list *found, fp3_e
 
 static void find_reach(const fp3_list *list, const fp3_image *image, fp3_around_list *found) {
     size_t used = 0;
-    found->reach = list->near.reach;
+    found->reach = list->near.radius ? 0 : list->near.reach; /* radii are in the record */
     for (uint32_t k = 0; k < list->near.dimensions; k++) {
         const char *name = fp3_image_name(image, list->near.regs[k]);
         used += (size_t)snprintf(found->position + used, sizeof found->position - used, "%s%s",

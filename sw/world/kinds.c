@@ -137,6 +137,14 @@ static fp3_status check_word(const fp3_joined *g, const fp3_kind *kind, uint32_t
                       (int)(strrchr(word, '_') - word), word, other->name);
     if (!theirs)
         return no_word(g, own->line, other, word, error);
+    for (uint32_t i = 0; i < m->relation_count; i++)
+        if (m->relations[i].kind == FP3_NEAR && m->relations[i].their_radius == param &&
+            fp3_model_state(model_of(other), word) != FP3_NONE)
+            return refuse(
+                g, m->relations[i].line, error,
+                "'%s' is a state in the model of group '%s', and a reach changes with "
+                "params alone: who is near is found before a step, by what stays as it is",
+                word, other->name);
     const int fits = fp3_units_fit(own->dimension, theirs->dimension);
     return fits < 0 ? fp3_no_memory(error)
            : fits   ? FP3_OK

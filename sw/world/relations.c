@@ -340,7 +340,7 @@ fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error) {
 
 fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
     const fp3_model *model = model_of(r);
-    memset(r->reach, 0, sizeof r->reach);
+    memset(r->is_given, 0, sizeof r->is_given);
     fp3_status status = fp3_relations_link(r, error);
     for (uint32_t i = 0; !status && model && i < model->relation_count; i++) {
         const fp3_relation *of = &model->relations[i];
@@ -360,10 +360,11 @@ fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
 static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3_error *error) {
     const fp3_model *model = model_of(r);
     const fp3_relation *of = &model->relations[number];
+    const int has_radii = of->radius != FP3_NONE || of->their_radius != FP3_NONE;
     fp3_near near = {.dimensions = of->dimensions, .reach = reach, .skin = reach * r->skin};
-    if (reach == r->reach[number] || !list_named(r, of->name))
+    if ((reach == r->reach[number] && r->is_given[number]) || !list_named(r, of->name))
         return FP3_OK;
-    if (!(reach >= FP3_NEAR_LEAST && reach <= FP3_NEAR_MOST))
+    if (!has_radii && !(reach >= FP3_NEAR_LEAST && reach <= FP3_NEAR_MOST))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "the reach of '%s' is %g, expected a distance from 2^-50 to 2^63", of->name,
                         reach);
@@ -371,11 +372,20 @@ static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3
         near.position[k] = model->states[of->position + k].name;
     for (uint32_t k = 0; of->of_kind != FP3_NONE && k < of->dimensions; k++)
         near.theirs[k] = model->params[of->theirs + k].name;
+    if (has_radii) {
+        near.radius = of->radius == FP3_NONE ? NULL : model->params[of->radius].name;
+        near.their_radius = of->of_kind == FP3_NONE || of->their_radius == FP3_NONE
+                                ? NULL
+                                : model->params[of->their_radius].name;
+        near.skin = 0;
+        near.share = r->skin;
+    }
     fp3_status status = kind_of(r, of, &near.kind, error);
     if (!status)
         status = fp3_engine_set_near(r->to.engine, r->to.group, of->name, &near);
     if (!status)
         r->reach[number] = reach;
+    r->is_given[number] = !status;
     return status;
 }
 

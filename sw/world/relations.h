@@ -16,10 +16,12 @@
 #define FP3_NEAR_SKIN 0.3 /* of the reach: how much farther lists of those near go */
 
 typedef struct {
-    fp3_fields_def to;               /* the program is loaded */
-    fp3_linked *linked;              /* by relation of the model, or by list of the image */
-    double skin;                     /* of the reach; default FP3_NEAR_SKIN */
-    double reach[FP3_RELATIONS_MAX]; /* of the model's relations, that the engine knows; 0: none */
+    fp3_fields_def to;  /* the program is loaded */
+    fp3_linked *linked; /* by relation of the model, or by list of the image */
+    double skin;        /* of the reach; default FP3_NEAR_SKIN */
+    /* Of the model's relations, that the engine knows; radii of objects are added to it. */
+    double reach[FP3_RELATIONS_MAX];
+    int is_given[FP3_RELATIONS_MAX];
 } fp3_relations;
 
 /* After a load: gives the engine all links, and the lists of `all` and `near`. FP3_E_ARGUMENT:

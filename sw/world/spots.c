@@ -4,8 +4,9 @@
 
 #include "base/host.h"
 #include "compiler/start.h"
-#include "engine/common/near.h"
+#include "engine/common/radii.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +69,8 @@ static fp3_status name_relation(fp3_batch *b, const char *of, fp3_spots *p) {
         if (r->kind != FP3_NEAR || strcmp(r->name, of) != 0)
             continue;
         const fp3_status status = fp3_batch_settle_reach(b);
+        if (r->of_kind == FP3_NONE && r->radius != FP3_NONE)
+            p->radius = model->params[r->radius].name;
         p->reach = b->relations.reach[i];
         p->dimensions = r->dimensions;
         for (uint32_t k = 0; k < r->dimensions; k++)
@@ -107,10 +110,26 @@ fp3_status fp3_spots_open(fp3_batch *b, const char *of, fp3_spots *p) {
 void fp3_spots_close(fp3_spots *p) {
     for (int k = 0; k < 3; k++)
         free(p->x[k]);
+    free(p->radii);
     *p = (fp3_spots){0};
 }
 
 /* ---- pairs ---- */
+
+/* The reach, with the radii of all objects. */
+static fp3_status read_radii(const fp3_batch *b, fp3_spots *p) {
+    p->radii = malloc((b->objects + 1) * sizeof *p->radii);
+    fp3_status status =
+        p->radii ? fp3_fields_read(b->fields, p->radius, 0, b->objects, p->radii, NULL, b->error)
+                 : fp3_no_memory(b->error);
+    for (uint32_t i = 0; !status && i < p->objects; i++)
+        if (!fp3_is_radius((double)p->radii[i]))
+            status = fp3_fail(b->error, FP3_E_ARGUMENT,
+                              "'%s' of object %" PRIu32 " is %g: expected 0, or 2^-50 to 2^61, "
+                              "which is added to the reach",
+                              p->radius, i, (double)p->radii[i]);
+    return status;
+}
 
 static fp3_status check_distance(const fp3_batch *b, const char *of, double reach,
                                  double *distance) {
@@ -126,13 +145,15 @@ static fp3_status check_distance(const fp3_batch *b, const char *of, double reac
 }
 
 /* A list has some that are farther away. */
-static size_t choose(const fp3_spots *p, double distance, const uint32_t *begin,
-                     const uint32_t *other, uint32_t *a, uint32_t *b) {
+static size_t choose(const fp3_spots *p, double reach, const uint32_t *begin, const uint32_t *other,
+                     uint32_t *a, uint32_t *b) {
     size_t count = 0;
     for (uint32_t i = 0; i < p->objects; i++) {
         const double at[] = {(double)p->x[0][i], p->x[1] ? (double)p->x[1][i] : 0,
                              p->x[2] ? (double)p->x[2][i] : 0};
         for (uint32_t e = begin[i]; e < begin[i + 1]; e++) {
+            const double distance =
+                p->radii ? (double)p->radii[i] + (double)p->radii[other[e]] + reach : reach;
             if (other[e] <= i || !(fp3_spots_square(p, at, other[e]) < distance * distance))
                 continue;
             a[count] = i;
@@ -144,11 +165,13 @@ static size_t choose(const fp3_spots *p, double distance, const uint32_t *begin,
 
 static fp3_status find_pairs(const fp3_batch *b, const fp3_spots *p, double distance,
                              uint32_t **first, uint32_t **second, size_t *count) {
-    fp3_near_rule rule = {.dimensions = p->dimensions, .reach = distance};
+    fp3_near_rule rule = {
+        .dimensions = p->dimensions, .reach = distance, .radius = p->radii != NULL};
     fp3_where_they_are now = {.stride = 1, .objects = p->objects, .dimensions = p->dimensions};
     uint32_t *begin = NULL, *other = NULL;
     for (uint32_t k = 0; k < p->dimensions; k++)
         now.position[k] = (const uint32_t *)(const void *)p->x[k];
+    now.radius = (const uint32_t *)(const void *)p->radii;
     fp3_status status = fp3_near_make(&rule, &now, &begin, &other, b->error);
     if (!status) {
         *first = malloc((begin[p->objects] / 2 + (size_t)1) * sizeof **first);
@@ -169,8 +192,12 @@ fp3_status fp3_spots_pairs(fp3_batch *b, const char *of, double distance, uint32
     *first = *second = NULL;
     *count = 0;
     fp3_status status = fp3_spots_open(b, of, &p);
+    if (!status && distance == 0 && p.radius)
+        status = read_radii(b, &p);
     if (!status)
-        status = check_distance(b, of, p.reach, &distance);
+        status = p.radii ? FP3_OK : check_distance(b, of, p.reach, &distance);
+    if (p.radii)
+        distance = p.reach;
     if (!status)
         status = find_pairs(b, &p, distance, first, second, count);
     fp3_spots_close(&p);

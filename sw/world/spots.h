@@ -9,7 +9,9 @@ typedef struct {
     uint32_t dimensions, objects;
     float *x[3];          /* columns of all numbers; NaN: nobody is there */
     const char *names[3]; /* of the states */
-    double reach;         /* of the relation; 0: there is none */
+    double reach;         /* of the relation, to which radii are added; 0: there is none */
+    const char *radius;   /* the param; NULL: nothing is added */
+    float *radii;         /* where they are asked for */
 } fp3_spots;
 
 /* of: as in fp3/batch.h. The caller closes, after a failure too. */

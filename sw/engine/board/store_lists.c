@@ -279,10 +279,7 @@ static fp3_status follow(fp3_engine *engine, int *is_new) {
     uint32_t count = 0;
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; i < group->lists.shape.list_count; i++)
-        for (uint32_t k = 0; k < group->lists.lists[i].near.dimensions; k++) {
-            const fp3_list *list = &group->lists.lists[i];
-            regs |= BIT(list->near.regs[k]) | (list->kind ? BIT(list->near.theirs[k]) : 0);
-        }
+        regs |= fp3_near_registers(&group->lists.lists[i].near, group->lists.lists[i].kind);
     for (uint64_t left = regs; left; left &= left - 1)
         count++;
     if (!(all = malloc(((size_t)count * group->rows + 1) * sizeof *all)))

@@ -26,6 +26,10 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, uint32_t seekers
             now.position[k] = words[list->near.regs[k]];
             now.theirs[k] = list->kind ? words[list->near.theirs[k]] : NULL;
         }
+        if (list->is_near && list->near.radius)
+            now.radius = words[list->near.radius - 1];
+        if (list->is_near && list->kind && list->near.their_radius)
+            now.their_radius = words[list->near.their_radius - 1];
         if (list->own < list->objects) { /* behind them stand objects of other kinds */
             now.own = list->own;
             now.from = list->first;

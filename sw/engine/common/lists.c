@@ -108,12 +108,7 @@ void fp3_list_take_near(fp3_list *to, const fp3_near_rule *rule, uint32_t kind) 
         fp3_near_close(&to->near);
     else
         forget(to);
-    to->near = (fp3_near_rule){.dimensions = rule->dimensions,
-                               .format = rule->format,
-                               .reach = rule->reach,
-                               .skin = rule->skin};
-    memcpy(to->near.regs, rule->regs, sizeof rule->regs);
-    memcpy(to->near.theirs, rule->theirs, sizeof rule->theirs);
+    to->near = fp3_near_without_list(rule);
     to->kind = kind;
     to->is_there = to->is_near = 1;
     to->is_placed = 0;

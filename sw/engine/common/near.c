@@ -1,325 +1,72 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* near.c - objects are sorted into cells as large as they see; neighbours are in the cells around.
- *
- * Cells fill a box, where all objects are in a box of not many more cells than there are objects.
- * Where some are far away, only cells with objects in them are kept, by a hash of where they are:
- * then the cost does not depend on the box.
- */
+/* near.c - lists of those that are near: each object looks around, and enters itself in the lists
+ * of those that it has found. */
 #include "near.h"
+
+#include "near_levels.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 
-#define CELLS_PER_OBJECT 4.0
-#define LARGER 2.0 /* cells of a box are at most this much larger than a list reaches */
-
-/* From this cell on numbers of FP32 are farther apart than a cell is wide: those that are near have
- * the same number. */
-#define LAST_CELL 0x1p25
-
-/* From this number of objects on threads are asked for help. */
-#define FIND_TOGETHER 1024u
-
-/* ---- the grid ---- */
-
+/* A part of the rows: row i has found[first[i]] .., in the order of the cells. */
 typedef struct {
-    const fp3_near_rule *rule;
-    const fp3_where_they_are *now;
-    uint32_t objects;                        /* the first rows: those that are in the grid */
-    double least[FP3_NEAR_DIMENSIONS], size; /* of a cell */
-    uint32_t cells[FP3_NEAR_DIMENSIONS];     /* of the box */
-    uint32_t mask;                           /* 0: there is a box; else hashes are cut with it */
-    uint32_t *cell;                          /* of each of them; of a hash: what is left of it */
-    uint32_t *first;                         /* of each cell, in `order` */
-    uint32_t *order;                         /* rows, cell by cell, ascending */
-    float *place[FP3_NEAR_DIMENSIONS];       /* of each row, in this order; NULLs: ... */
-    double *exact[FP3_NEAR_DIMENSIONS];      /* ... where words are no floats */
-    float far;                               /* square of how far the list reaches */
-    uint32_t parts;                          /* in which the cells of rows are found */
-} grid;
-
-/* Where a number is not finite, the object is nowhere. */
-static void find_box(grid *g, double extent[FP3_NEAR_DIMENSIONS]) {
-    for (uint32_t k = 0; k < g->now->dimensions; k++) {
-        double least = INFINITY, most = -INFINITY;
-        for (uint32_t i = 0; i < g->objects; i++) {
-            const double x = fp3_near_at(g->rule, g->now, k, i), size = fabs(x);
-            least = x < least && size < INFINITY ? x : least;
-            most = x > most && size < INFINITY ? x : most;
-        }
-        g->least[k] = least <= most ? least : 0;
-        extent[k] = least <= most ? most - least : 0;
-    }
-}
-
-/* Cells at least as large as the list reaches, and not many more than there are objects. is_box:
- * nothing but a box will do. */
-static void measure(grid *g, double reach, int is_box) {
-    double extent[FP3_NEAR_DIMENSIONS] = {0}, count;
-    find_box(g, extent);
-    g->size = reach;
-    do {
-        count = 1;
-        for (uint32_t k = 0; k < g->now->dimensions; k++)
-            count *= floor(extent[k] / g->size) + 1;
-        if (count > CELLS_PER_OBJECT * g->objects + 64)
-            g->size *= 1.25;
-    } while (count > CELLS_PER_OBJECT * g->objects + 64);
-    if (!is_box && g->size > LARGER * reach) {
-        g->size = reach *
-                  (1 + FP3_NEAR_ROUNDING); /* so that no rounding puts who is near two cells away */
-        for (g->mask = 1; g->mask < 2.0 * g->objects;)
-            g->mask = 2 * g->mask + 1;
-    }
-    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++)
-        g->cells[k] =
-            !g->mask && k < g->now->dimensions ? (uint32_t)floor(extent[k] / g->size) + 1 : 1;
-}
-
-static int is_astray(const grid *g, uint32_t row) {
-    int is = 0;
-    for (uint32_t k = 0; k < g->now->dimensions; k++)
-        is |= !isfinite(fp3_near_at(g->rule, g->now, k, row));
-    return is;
-}
-
-static uint32_t column(const grid *g, uint32_t k, uint32_t row) {
-    if (k >= g->now->dimensions)
-        return 0;
-    const double c = (fp3_near_at(g->rule, g->now, k, row) - g->least[k]) / g->size;
-    return !(c >= 0) ? 0 : c < g->cells[k] ? (uint32_t)c : g->cells[k] - 1;
-}
-
-/* The cell of a number; without a box. */
-static double cell_at(const grid *g, double x) { return floor(x / g->size) + 0.0; }
-
-/* What is left of the hash of a cell. */
-static uint32_t hash(const grid *g, const double cell[FP3_NEAR_DIMENSIONS]) {
-    uint64_t sum = 0;
-    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
-        uint64_t bits;
-        memcpy(&bits, &cell[k], sizeof bits);
-        sum = (sum ^ bits >> 32 ^ bits) *
-              0x9e3779b97f4a7c15u; /* of small numbers the lower half is 0 */
-        sum ^= sum >> 32;
-    }
-    return (uint32_t)sum & g->mask;
-}
-
-static uint32_t find_cell(const grid *g, uint32_t row) {
-    double cell[FP3_NEAR_DIMENSIONS] = {0};
-    if (!g->mask)
-        return (column(g, 2, row) * g->cells[1] + column(g, 1, row)) * g->cells[0] +
-               column(g, 0, row);
-    for (uint32_t k = 0; k < g->now->dimensions; k++)
-        cell[k] = cell_at(g, fp3_near_at(g->rule, g->now, k, row));
-    return hash(g, cell);
-}
-
-static void find_cells(void *of, uint32_t part) {
-    const grid *g = of;
-    const fp3_row_range own = fp3_near_part((fp3_row_range){0, g->objects}, part, g->parts);
-    for (uint32_t i = own.first; i < own.end; i++)
-        g->cell[i] = find_cell(g, i);
-}
-
-static fp3_status sort(grid *g, fp3_error *error) {
-    const uint32_t objects = g->objects;
-    const size_t cells =
-        g->mask ? (size_t)g->mask + 1 : (size_t)g->cells[0] * g->cells[1] * g->cells[2];
-    g->cell = malloc((objects + 2u) * sizeof *g->cell);
-    g->order = malloc((objects + 1u) * sizeof *g->order);
-    g->first = calloc(cells + 2, sizeof *g->first);
-    const size_t places = (size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS;
-    if (g->rule->format)
-        g->exact[0] = calloc(places, sizeof(double));
-    else
-        g->place[0] = calloc(places, sizeof(float));
-    if (!g->cell || !g->order || !g->first || !(g->exact[0] || g->place[0]))
-        return fp3_no_memory(error);
-    for (uint32_t k = 1; k < FP3_NEAR_DIMENSIONS; k++) {
-        g->place[k] = g->place[0] ? g->place[k - 1] + objects + 1 : NULL;
-        g->exact[k] = g->exact[0] ? g->exact[k - 1] + objects + 1 : NULL;
-    }
-    g->parts = fp3_near_parts(g->now, FIND_TOGETHER);
-    fp3_parts_make(g->now->crew, find_cells, g, g->parts);
-    for (uint32_t i = 0; i < objects; i++)
-        g->first[g->cell[i] + 2]++;
-    for (size_t c = 2; c < cells + 2; c++)
-        g->first[c] += g->first[c - 1];
-    for (uint32_t i = 0; i < objects; i++) {
-        const uint32_t n = g->first[g->cell[i] + 1]++;
-        g->order[n] = i;
-        for (uint32_t k = 0; k < g->now->dimensions; k++)
-            if (g->place[0])
-                g->place[k][n] = (float)fp3_near_at(g->rule, g->now, k, i);
-            else
-                g->exact[k][n] = fp3_near_at(g->rule, g->now, k, i);
-    }
-    return FP3_OK;
-}
-
-/* Pairs of rows that are near, from the side of each: row i has found[first[i]] .. of them, in the
- * order of the cells. A part of the rows. */
-typedef struct {
-    uint32_t *first; /* of all rows; each has one more behind it */
-    uint32_t *found;
-    size_t count, room;
-    uint64_t looks; /* at how many objects it took to find them */
+    fp3_near_found all;
     uint32_t begin, end;
     fp3_status status;
     fp3_error error;
 } pairs;
 
-/* ---- those that are near ---- */
+/* All parts, where each row's begin in its part, and who has found a row that has not found them:
+ * met[met_first[i]] .. of row i; NULLs: nobody has. */
+typedef struct {
+    fp3_near_levels levels;
+    const fp3_where_they_are *now;
+    pairs *part;
+    uint32_t *first, count;
+    uint32_t *met_first, *met;
+} search;
 
-/* Of the rows order[from] .. order[end - 1] those that are near one at this place; itself, too.
- * There is room for all. */
-static uint32_t find(const grid *g, const double *place, uint32_t from, uint32_t end,
-                     uint32_t *found) {
-    const float at[] = {(float)place[0], (float)place[1], (float)place[2]};
-    uint32_t count = 0;
-    for (uint32_t n = from; n < end; n++) {
-        const float x = g->place[0][n] - at[0], y = g->place[1][n] - at[1],
-                    z = g->place[2][n] - at[2];
-        found[count] = g->order[n];
-        count += x * x + y * y + z * z < g->far;
-    }
-    return count;
-}
-
-static uint32_t find_exact(const grid *g, const double *place, uint32_t from, uint32_t end,
-                           uint32_t *found) {
-    uint32_t count = 0;
-    for (uint32_t n = from; n < end; n++) {
-        const double x = g->exact[0][n] - place[0], y = g->exact[1][n] - place[1],
-                     z = g->exact[2][n] - place[2];
-        found[count] = g->order[n];
-        count += x * x + y * y + z * z < (double)g->far;
-    }
-    return count;
-}
-
-static fp3_status need_room(pairs *p, size_t more, fp3_error *error) {
-    if (p->count + more <= p->room)
-        return FP3_OK;
-    const size_t room = 2 * p->room + more + 4096;
-    uint32_t *found = realloc(p->found, room * sizeof *found);
-    if (!found)
-        return fp3_no_memory(error);
-    p->found = found;
-    p->room = room;
-    return FP3_OK;
-}
-
-/* Those of order[from] .. order[end - 1]. */
-static fp3_status take(const grid *g, const double *place, uint32_t from, uint32_t end, pairs *p,
-                       fp3_error *error) {
-    const fp3_status status = need_room(p, end - from + (size_t)1, error);
-    p->looks += end - from;
-    if (!status)
-        p->count += (g->exact[0] ? find_exact : find)(g, place, from, end, p->found + p->count);
-    return status;
-}
-
-/* The cells around a row's, and its own, a line of them at a time. */
-static fp3_status find_in_box(const grid *g, uint32_t row, const double *place, pairs *p,
-                              fp3_error *error) {
-    uint32_t low[FP3_NEAR_DIMENSIONS], high[FP3_NEAR_DIMENSIONS];
-    fp3_status status = FP3_OK;
-    for (uint32_t k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
-        const uint32_t c = column(g, k, row);
-        low[k] = c ? c - 1 : 0;
-        high[k] = c + 1 < g->cells[k] ? c + 1 : c;
-    }
-    for (uint32_t z = low[2]; !status && z <= high[2]; z++)
-        for (uint32_t y = low[1]; !status && y <= high[1]; y++) {
-            const size_t line = ((size_t)z * g->cells[1] + y) * g->cells[0];
-            status =
-                take(g, place, g->first[line + low[0]], g->first[line + high[0] + 1], p, error);
-        }
-    return status;
-}
-
-/* The same cells, each by itself; those that have one hash are looked at once. */
-static fp3_status find_by_hash(const grid *g, const double *place, pairs *p, fp3_error *error) {
-    uint32_t hashes[27], count = 0;
-    double own[FP3_NEAR_DIMENSIONS] = {0};
-    int wide[FP3_NEAR_DIMENSIONS] = {0};
-    fp3_status status = FP3_OK;
-    for (uint32_t k = 0; k < g->now->dimensions; k++) {
-        own[k] = cell_at(g, place[k]);
-        wide[k] = fabs(own[k]) < LAST_CELL;
-    }
-    for (int z = -wide[2]; z <= wide[2]; z++)
-        for (int y = -wide[1]; y <= wide[1]; y++)
-            for (int x = -wide[0]; x <= wide[0]; x++)
-                hashes[count++] =
-                    hash(g, (const double[]){own[0] + x + 0.0, own[1] + y + 0.0, own[2] + z + 0.0});
-    for (uint32_t i = 0; !status && i < count; i++) {
-        uint32_t n = 0;
-        while (hashes[n] != hashes[i])
-            n++;
-        if (n == i)
-            status = take(g, place, g->first[hashes[i]], g->first[hashes[i] + 1], p, error);
-    }
-    return status;
-}
-
-/* An object whose position is not finite has found no object but itself. */
-static fp3_status find_itself(uint32_t row, pairs *p, fp3_error *error) {
-    const fp3_status status = need_room(p, 1, error);
-    if (!status)
-        p->found[p->count++] = row;
-    return status;
-}
-
-static fp3_status too_many(const grid *g, fp3_error *error) {
+static fp3_status too_many(const fp3_where_they_are *now, fp3_error *error) {
     return fp3_fail(error, FP3_E_LIMIT,
                     "the lists of near objects have more than 2147483647 entries: the %" PRIu32
                     " objects are too many, or the reach is too long",
-                    g->now->objects);
+                    now->objects);
 }
-
-static fp3_status find_around(const grid *g, uint32_t row, pairs *p, fp3_error *error) {
-    double place[FP3_NEAR_DIMENSIONS] = {0};
-    for (uint32_t k = 0; k < g->now->dimensions; k++)
-        place[k] = fp3_near_at(g->rule, g->now, k, row);
-    p->first[row] = (uint32_t)p->count;
-    fp3_status status = is_astray(g, row)
-                            ? (g->now->theirs[0] ? FP3_OK : find_itself(row, p, error))
-                        : g->mask ? find_by_hash(g, place, p, error)
-                                  : find_in_box(g, row, place, p, error);
-    return !status && p->count > INT32_MAX ? too_many(g, error) : status;
-}
-
-/* All parts, and where each row's begin in its part. */
-typedef struct {
-    const grid *g;
-    pairs *part;
-    uint32_t *first, count;
-} search;
 
 static void find_part(void *of, uint32_t number) {
     const search *s = of;
+    const fp3_where_they_are *now = s->now;
     pairs *p = &s->part[number];
-    for (uint32_t i = p->begin; !p->status && i < p->end; i++)
-        p->status = find_around(s->g, i, p, &p->error);
+    for (uint32_t i = p->begin; !p->status && i < p->end; i++) {
+        s->first[i] = (uint32_t)p->all.count;
+        if (now->theirs[0] && i >= now->own && i < now->from) /* of a third kind */
+            continue;
+        p->status = fp3_near_levels_find(&s->levels, i, &p->all, &p->error);
+        if (!p->status && p->all.count > INT32_MAX)
+            p->status = too_many(now, &p->error);
+    }
+}
+
+/* Who looks: of two kinds the other one, and both if there are several levels. */
+static fp3_row_range seekers(const search *s) {
+    fp3_row_range range = fp3_near_sought(s->now);
+    if (s->levels.count > 1)
+        range.first = 0;
+    return range;
 }
 
 static fp3_status find_pairs(search *s, fp3_error *error) {
-    const fp3_row_range theirs = fp3_near_sought(s->g->now);
-    s->count = fp3_near_parts(s->g->now, FIND_TOGETHER);
+    const fp3_row_range range = seekers(s);
+    s->count = fp3_near_parts(s->now, FP3_NEAR_TOGETHER);
     s->part = calloc(s->count, sizeof *s->part);
-    s->first = malloc((theirs.end + 2u) * sizeof *s->first);
+    s->first = malloc((range.end + 2u) * sizeof *s->first);
     if (!s->part || !s->first)
         return fp3_no_memory(error);
     for (uint32_t i = 0; i < s->count; i++) {
-        s->part[i].first = s->first;
-        s->part[i].begin = fp3_near_part(theirs, i, s->count).first;
-        s->part[i].end = fp3_near_part(theirs, i, s->count).end;
+        s->part[i].begin = fp3_near_part(range, i, s->count).first;
+        s->part[i].end = fp3_near_part(range, i, s->count).end;
     }
-    fp3_parts_make(s->g->now->crew, find_part, s, s->count);
+    fp3_parts_make(s->now->crew, find_part, s, s->count);
     size_t all = 0;
     for (uint32_t i = 0; i < s->count; i++) {
         const pairs *p = &s->part[i];
@@ -327,78 +74,105 @@ static fp3_status find_pairs(search *s, fp3_error *error) {
             *error = p->error;
         if (p->status)
             return p->status;
-        all += p->count;
+        all += p->all.count;
     }
-    return all > INT32_MAX ? too_many(s->g, error) : FP3_OK;
+    if (s->levels.count > 1) /* what is found across them is in two lists */
+        all *= 2;
+    return all > INT32_MAX ? too_many(s->now, error) : FP3_OK;
 }
 
-static uint32_t end_of(const pairs *p, uint32_t row) {
-    return row + 1 < p->end ? p->first[row + 1] : (uint32_t)p->count;
+static uint32_t end_of(const pairs *p, const search *s, uint32_t row) {
+    return row + 1 < p->end ? s->first[row + 1] : (uint32_t)p->all.count;
 }
 
 /* The part that has this row. */
-static uint32_t part_with(const search *s, uint32_t row) {
-    uint32_t part = (uint32_t)((uint64_t)row * s->count / s->g->now->objects);
-    while (row >= s->part[part].end)
-        part++;
-    return part;
+static const pairs *part_with(const search *s, uint32_t row) {
+    const fp3_row_range range = seekers(s);
+    const pairs *p = &s->part[(uint64_t)(row - range.first) * s->count / (range.end - range.first)];
+    while (row >= p->end)
+        p++;
+    return p;
 }
 
-/* Each object is near those that are near it. So if objects come in the order of their numbers, and
- * each enters itself in the lists of those that it has found, all lists have that order. Each has
- * found itself, too. */
-static fp3_status enter(const search *s, uint32_t **begin, uint32_t **other, fp3_error *error) {
-    const grid *g = s->g;
-    const uint32_t objects = g->now->objects;
-    uint32_t *next = g->cell, count = 0; /* `cell` has served */
-    *begin = malloc((objects + 2u) * sizeof **begin);
-    for (uint32_t k = 0; *begin && k < s->count; k++)
-        for (uint32_t i = s->part[k].begin; i < s->part[k].end; i++) {
-            (*begin)[i] = count;
-            count += end_of(&s->part[k], i) - s->first[i] - 1;
-        }
-    *other = malloc((count + (size_t)1) * sizeof **other);
-    if (!*begin || !*other)
-        return fp3_no_memory(error);
-    (*begin)[objects] = count;
-    memcpy(next, *begin, objects * sizeof *next);
-    for (uint32_t i = 0; i < objects; i++) {
-        const uint32_t object = g->now->order ? g->now->order[i] : i;
-        const uint32_t j = g->now->row ? g->now->row[object] : object;
-        const pairs *p = &s->part[part_with(s, j)];
-        for (uint32_t n = s->first[j], end = end_of(p, j); n < end; n++)
-            if (p->found[n] != j)
-                (*other)[next[p->found[n]]++] = j;
-    }
-    return FP3_OK;
-}
-
-/* Each object of another kind enters itself in the lists of those that it has found. */
-static fp3_status enter_theirs(const search *s, uint32_t **begin, uint32_t **other,
-                               fp3_error *error) {
-    const uint32_t own = s->g->objects;
-    uint32_t *next = s->g->cell; /* which has served */
-    *begin = calloc(s->g->now->objects + 2u, sizeof **begin);
-    if (!*begin)
-        return fp3_no_memory(error);
+/* Goes through what has been found across levels: counts, or puts. */
+static void meet_all(const search *s, uint32_t *at, int is_put) {
     for (uint32_t k = 0; k < s->count; k++)
-        for (size_t n = 0; n < s->part[k].count; n++)
-            (*begin)[s->part[k].found[n] + 1]++;
-    for (uint32_t i = 0; i < s->g->now->objects; i++)
-        (*begin)[i + 1] += (*begin)[i];
-    memcpy(next, *begin, (own + 1u) * sizeof *next);
-    *other = malloc(((*begin)[own] + (size_t)1) * sizeof **other);
-    if (!*other)
+        for (uint32_t i = s->part[k].begin; i < s->part[k].end; i++)
+            for (uint32_t n = s->first[i], end = fp3_near_looks_across(&s->levels, i)
+                                                     ? end_of(&s->part[k], s, i)
+                                                     : n;
+                 n < end; n++) {
+                const uint32_t found = s->part[k].all.found[n];
+                if (!fp3_near_is_across(&s->levels, i, found))
+                    continue;
+                if (is_put)
+                    s->met[at[found]] = i;
+                at[found]++;
+            }
+}
+
+static fp3_status find_met(search *s, fp3_error *error) {
+    if (s->levels.count < 2)
+        return FP3_OK;
+    const uint32_t objects = s->now->objects;
+    s->met_first = calloc(objects + 2u, sizeof *s->met_first);
+    if (!s->met_first)
         return fp3_no_memory(error);
-    for (uint32_t i = s->g->now->from; i < s->g->now->objects; i++) {
-        const uint32_t j = s->g->now->order ? s->g->now->order[i] : i;
-        const pairs *p = s->part;
-        while (j >= p->end)
-            p++;
-        for (uint32_t n = s->first[j], end = end_of(p, j); n < end; n++)
-            (*other)[next[p->found[n]]++] = j;
-    }
+    meet_all(s, s->met_first + 2, 0);
+    for (uint32_t i = 2; i < objects + 2u; i++)
+        s->met_first[i] += s->met_first[i - 1];
+    s->met = malloc((s->met_first[objects + 1] + (size_t)1) * sizeof *s->met);
+    if (!s->met)
+        return fp3_no_memory(error);
+    meet_all(s, s->met_first + 1, 1);
     return FP3_OK;
+}
+
+/* Object j enters itself in the lists of those that it has found, or that have found it. */
+static void enter_one(const search *s, uint32_t j, uint32_t *next, uint32_t *other) {
+    const pairs *p = part_with(s, j);
+    for (uint32_t n = s->first[j], end = end_of(p, s, j); n < end; n++)
+        if (p->all.found[n] != j)
+            other[next[p->all.found[n]]++] = j;
+    for (uint32_t n = s->met ? s->met_first[j] : 0; s->met && n < s->met_first[j + 1]; n++)
+        other[next[s->met[n]]++] = j;
+}
+
+/* How long lists are: begin[i + 1] of row i. */
+static void count_entries(const search *s, uint32_t *begin) {
+    for (uint32_t k = 0; k < s->count; k++)
+        for (uint32_t i = s->part[k].begin; i < s->part[k].end; i++) {
+            const uint32_t end = end_of(&s->part[k], s, i);
+            if (!s->now->theirs[0])
+                begin[i + 1] += end - s->first[i] - 1; /* each has found itself, too */
+            else if (i < s->now->own)
+                begin[i + 1] += end - s->first[i];
+            for (uint32_t n = s->first[i]; s->now->theirs[0] && i >= s->now->own && n < end; n++)
+                begin[s->part[k].all.found[n] + 1]++;
+            if (s->met && !s->now->theirs[0])
+                begin[i + 1] += s->met_first[i + 1] - s->met_first[i];
+        }
+}
+
+/* Objects come in the order of their numbers, so all lists have that order. */
+static fp3_status enter(const search *s, uint32_t **begin, uint32_t **other, fp3_error *error) {
+    const fp3_where_they_are *now = s->now;
+    const uint32_t objects = now->objects;
+    uint32_t *next = malloc((objects + 1u) * sizeof *next);
+    *begin = calloc(objects + 2u, sizeof **begin);
+    if (*begin && next) {
+        count_entries(s, *begin);
+        for (uint32_t i = 0; i < objects; i++)
+            (*begin)[i + 1] += (*begin)[i];
+        memcpy(next, *begin, objects * sizeof *next);
+        *other = malloc(((*begin)[objects] + (size_t)1) * sizeof **other);
+    }
+    for (uint32_t i = fp3_near_sought(now).first; *other && i < objects; i++) {
+        const uint32_t object = now->order ? now->order[i] : i;
+        enter_one(s, now->row && !now->theirs[0] ? now->row[object] : object, next, *other);
+    }
+    free(next);
+    return *other ? FP3_OK : fp3_no_memory(error);
 }
 
 fp3_status fp3_near_note(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
@@ -410,59 +184,53 @@ fp3_status fp3_near_note(fp3_near_rule *rule, const fp3_where_they_are *now, fp3
         for (uint32_t i = 0; i < now->objects; i++)
             rule->made[k][i] = fp3_near_word(now, k, i);
     }
+    if (fp3_near_has_radii(now) && !rule->radii &&
+        !(rule->radii = malloc((now->objects + 1u) * sizeof *rule->radii)))
+        return fp3_no_memory(error);
+    for (uint32_t i = 0; rule->radii && i < now->objects; i++)
+        rule->radii[i] = fp3_near_radius_word(now, i);
     rule->lists++;
     return FP3_OK;
 }
 
-static fp3_status open_grid(const fp3_near_rule *rule, const fp3_where_they_are *now, int is_box,
-                            grid *g, fp3_error *error) {
-    const double reach = fp3_near_reach(rule);
-    *g = (grid){.rule = rule,
-                .now = now,
-                .objects = fp3_near_seekers(now).end,
-                .far = (float)(reach * reach)};
-    measure(g, reach, is_box);
-    return sort(g, error);
-}
-
-static void close_grid(grid *g) {
-    free(g->cell);
-    free(g->order);
-    free(g->first);
-    free(g->place[0]);
-    free(g->exact[0]);
-}
-
 fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                          uint32_t **other, fp3_error *error) {
-    grid g;
-    search s = {.g = &g};
+    search s = {.now = now};
     *begin = *other = NULL;
-    fp3_status status = open_grid(rule, now, 0, &g, error);
+    fp3_near_find_skin(rule, now);
+    fp3_status status = fp3_near_levels_open(rule, now, &s.levels, error);
     if (!status)
         status = find_pairs(&s, error);
     if (!status)
-        status = (now->theirs[0] ? enter_theirs : enter)(&s, begin, other, error);
+        status = find_met(&s, error);
+    if (!status)
+        status = enter(&s, begin, other, error);
     if (!status)
         status = fp3_near_note(rule, now, error);
     rule->looks = 0;
     for (uint32_t i = 0; s.part && i < s.count; i++) {
-        rule->looks += s.part[i].looks;
-        free(s.part[i].found);
+        rule->looks += s.part[i].all.looks;
+        free(s.part[i].all.found);
     }
     free(s.part);
     free(s.first);
-    close_grid(&g);
+    free(s.met_first);
+    free(s.met);
+    fp3_near_levels_close(&s.levels);
     return status;
 }
 
 fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t *rows,
                           fp3_error *error) {
-    grid g;
-    const fp3_status status = open_grid(rule, now, 1, &g, error);
+    fp3_near_grid g;
+    const double reach =
+        fp3_near_has_radii(now) ? fp3_near_middle(rule, now) + rule->skin : fp3_near_reach(rule);
+    const fp3_near_members of = {
+        .count = now->objects, .reach = fmax(reach, FP3_NEAR_LEAST), .is_box = 1};
+    const fp3_status status = fp3_near_grid_open(rule, now, &of, &g, error);
     if (!status)
         memcpy(rows, g.order, now->objects * sizeof *rows);
-    close_grid(&g);
+    fp3_near_grid_close(&g);
     return status;
 }
 
@@ -471,4 +239,6 @@ void fp3_near_close(fp3_near_rule *rule) {
         free(rule->made[k]);
         rule->made[k] = NULL;
     }
+    free(rule->radii);
+    rule->radii = NULL;
 }

@@ -2,6 +2,8 @@
 /* near_few.c - see near_few.h. */
 #include "near_few.h"
 
+#include "near_levels.h"
+
 #include <stdlib.h>
 
 int fp3_near_are_few(const fp3_where_they_are *now) {
@@ -50,22 +52,52 @@ static uint32_t seek_exact(const fp3_near_rule *rule, const fp3_where_they_are *
     return count;
 }
 
+/* How far those reach differs. */
+static uint32_t seek_each(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t own,
+                          const float *shares, uint32_t *found) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < now->objects; i++) {
+        const uint32_t object = now->order ? now->order[i] : i;
+        const uint32_t j = now->row ? now->row[object] : object;
+        const float reach = shares[j] + shares[own];
+        float sum = 0;
+        double exact = 0;
+        for (uint32_t k = 0; k < now->dimensions; k++) {
+            const double to = fp3_near_at(rule, now, k, j), at = fp3_near_at(rule, now, k, own);
+            const float way = (float)to - (float)at;
+            sum += way * way;
+            exact += (to - at) * (to - at);
+        }
+        found[count] = j;
+        count += (rule->format ? exact < (double)(reach * reach) : sum < reach * reach) && j != own;
+    }
+    return count;
+}
+
 fp3_status fp3_near_make_few(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                              uint32_t **other, fp3_error *error) {
+    fp3_near_find_skin(rule, now);
     const double reach = fp3_near_reach(rule);
     const float far = (float)(reach * reach);
+    float *shares = fp3_near_has_radii(now) ? malloc((now->objects + 1u) * sizeof *shares) : NULL;
     uint32_t count = 0;
     *begin = malloc((now->objects + 2u) * sizeof **begin);
     *other = malloc(((size_t)now->own * now->objects + 1u) * sizeof **other);
-    if (!*begin || !*other)
+    if (!*begin || !*other || (fp3_near_has_radii(now) && !shares)) {
+        free(shares);
         return fp3_no_memory(error);
+    }
+    for (uint32_t i = 0; shares && i < now->objects; i++)
+        shares[i] = fp3_near_share(rule, now, i);
     for (uint32_t own = 0; own < now->own; own++) {
         (*begin)[own] = count;
         if (now->lives && !now->lives[own])
             continue;
-        count += rule->format ? seek_exact(rule, now, own, far, *other + count)
-                              : seek(now, own, far, *other + count);
+        count += shares         ? seek_each(rule, now, own, shares, *other + count)
+                 : rule->format ? seek_exact(rule, now, own, far, *other + count)
+                                : seek(now, own, far, *other + count);
     }
+    free(shares);
     for (uint32_t i = now->own; i <= now->objects; i++)
         (*begin)[i] = count;
     rule->looks = (uint64_t)now->own * now->objects;

@@ -71,12 +71,20 @@ static int has_moved(const look *l, uint32_t first, uint32_t last) {
     return 0;
 }
 
+/* Whether some of these rows add something else to the reach. */
+static int has_grown(const look *l, fp3_row_range range) {
+    for (uint32_t i = range.first; l->rule->radii && i < range.end; i++)
+        if (fp3_near_radius_word(l->now, i) != l->rule->radii[i])
+            return 1;
+    return 0;
+}
+
 static void look_at(void *of, uint32_t part) {
     look *l = of;
     const fp3_row_range own = fp3_near_part(fp3_near_seekers(l->now), part, l->parts),
                         theirs = fp3_near_part(fp3_near_sought(l->now), part, l->parts);
     if (!atomic_load(&l->is_stale) &&
-        (has_moved(l, own.first, own.end) ||
+        (has_moved(l, own.first, own.end) || has_grown(l, own) || has_grown(l, theirs) ||
          (l->now->theirs[0] && has_moved(l, theirs.first, theirs.end))))
         atomic_store(&l->is_stale, 1);
 }

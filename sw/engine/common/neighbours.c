@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "machine/format.h"
 #include "origin.h"
+#include "radii.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -116,12 +117,19 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
                         is_given ? "list '%s': entries have fields, but none are given"
                                  : "list '%s': a position has 1 to 3 components",
                         name);
-    if (!(near->reach >= FP3_NEAR_LEAST && near->reach <= FP3_NEAR_MOST && near->skin >= 0 &&
-          near->skin <= FP3_NEAR_MOST))
+    const int has_radii = near->radius || near->their_radius;
+    if (!(has_radii ? fp3_is_radius(near->reach)
+                    : near->reach >= FP3_NEAR_LEAST && near->reach <= FP3_NEAR_MOST) ||
+        !(near->skin >= 0 && near->skin <= FP3_NEAR_MOST))
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "list '%s': reach %g, skin %g: expected a reach from 2^-50 to 2^63 and a "
-                        "skin from 0 to 2^63",
-                        name, near->reach, near->skin);
+                        "list '%s': reach %g, skin %g: expected a reach from 2^-50 to 2^6%c%s and "
+                        "a skin from 0 to 2^63",
+                        name, near->reach, near->skin, has_radii ? '1' : '3',
+                        has_radii ? ", or 0" : "");
+    if (!(near->share >= 0 && near->share <= FP3_NEAR_MOST))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "list '%s': a skin of %g of the reach: expected 0 to 2^63", name,
+                        near->share);
     for (uint32_t k = 0; k < near->dimensions; k++) {
         const fp3_symbol *s = fp3_image_find(image, near->position[k], FP3_CLASS(FP3_SYMBOL_STATE));
         if (!s)
@@ -161,6 +169,8 @@ fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *nam
         status = check_kind(engine, group, name, near->kind);
     if (!status)
         status = find_theirs(engine, group, name, near, rule.theirs);
+    if (!status)
+        status = fp3_radii_find(engine, group, name, near, &rule);
     if (status)
         return status;
     fp3_list_take_near(list, &rule, (uint32_t)near->kind);
@@ -230,5 +240,5 @@ fp3_status fp3_engine_check_neighbours(fp3_engine *engine) {
                             "objects that are born or gone cannot be neighbours in several ranks: "
                             "ranks agree once, before a run, whose words each of them needs");
     }
-    return FP3_OK;
+    return fp3_radii_check(engine);
 }

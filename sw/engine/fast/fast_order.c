@@ -162,6 +162,8 @@ fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members) {
     now.row = self->row;
     for (uint32_t k = 0; k < now.dimensions; k++)
         now.position[k] = self->column[rule->regs[k]];
+    if (rule->radius && !members->lists.lists[0].kind)
+        now.radius = self->column[rule->radius - 1];
     if (!fp3_near_is_stale(rule, &now))
         return FP3_OK;
     return put_in_order(engine, members, &now);

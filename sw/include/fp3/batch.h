@@ -145,7 +145,7 @@ fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **va
 
 /* ---- links (docs/relations.md) ----
  *
- * Relations `all` and `near` need no call. The reach of `near` follows its shared params.
+ * Relations `all` and `near` need no call. The reach of `near` follows its params.
  */
 
 /* Sets the links of a relation, before the first step and at any time later. The links are copied
@@ -236,7 +236,8 @@ fp3_status fp3_batch_read_of(fp3_batch *batch, const char *name, const uint64_t 
 /* How many components these positions have. */
 fp3_status fp3_batch_dimensions(fp3_batch *batch, const char *of, uint32_t *dimensions);
 /* All pairs of objects within a distance of each other: a[i] below b[i], ascending by a and then b.
- * distance: 0: the reach of the relation; else 2^-50 to 2^63. */
+ * distance: 0: the reach of the relation, of each pair its own if objects have radii; else 2^-50 to
+ * 2^63. */
 fp3_status fp3_batch_pairs(fp3_batch *batch, const char *of, double distance, size_t room,
                            uint32_t *a, uint32_t *b, size_t *count);
 /* All objects within radii[n] of point n, point after point: which[i] is the point. */

@@ -443,16 +443,23 @@ typedef struct {
     size_t field_count;
 } fp3_links;
 
-/* Near objects: all others whose distance is below reach when a phase begins. */
+/* Near objects: all others whose distance is below the reach of the pair when a phase begins. */
 typedef struct {
     const char *position[3]; /* states, the components of the position */
     uint32_t dimensions;     /* the number of components */
-    double reach;            /* 2^-50 to 2^63 */
+    double reach;            /* 2^-50 to 2^63; 0, or 2^-50 to 2^61, if there are radii */
     /* Lists reach farther by this distance, so they stay valid until an object has moved by half of
      * the skin. 0: lists are made in each phase. At most 2^63. The skin changes no bit. */
     double skin;
     size_t kind;           /* as of fp3_neighbours */
     const char *theirs[3]; /* of another group: params of this program that are its position */
+    /* Params that are added to the reach of a pair, one of the object and one of the neighbour; of
+     * the own group `radius` of both. NULL: nothing is added. A run ends with FP3_E_ARGUMENT if an
+     * object has a value that is neither 0 nor from 2^-50 to 2^61. */
+    const char *radius, *their_radius;
+    /* With radii: above 0: instead of `skin`, this share of what two objects with the middle radius
+     * reach. */
+    double share;
 } fp3_near;
 
 /* Lets the engine make a list, and renew it before a pair could be missed. Lists may contain

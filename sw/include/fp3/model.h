@@ -179,6 +179,9 @@ typedef struct {
     /* near: the first state of the position, its number of components, and the reach, an expression
      * of shared params. */
     uint32_t position, dimensions, reach;
+    /* near: params that are added to the reach, one of the object and one of the neighbour; of the
+     * own group both are the same. FP3_NONE: none. */
+    uint32_t radius, their_radius;
     uint32_t line;
     uint32_t of_kind; /* index of fp3_model.kinds; FP3_NONE: it sees objects of its own group */
     uint32_t theirs;  /* near of another kind: the first param of their position */

@@ -33,7 +33,14 @@ struct fp3_others {
 
 /* ---- who sees whom ---- */
 
-static int is_near(const fp3_others *o, const fp3_relation *of, double reach, size_t i, size_t j) {
+/* Of near objects: the distance, and what each object adds to it; NULL: nothing. */
+typedef struct {
+    double same;
+    const double *radii;
+} range;
+
+static int is_near(const fp3_others *o, const fp3_relation *of, range r, size_t i, size_t j) {
+    const double reach = r.radii ? r.radii[i] + r.radii[j] + r.same : r.same;
     double sum = 0;
     for (uint32_t k = 0; k < of->dimensions; k++) {
         const double *x = o->columns + (of->position + k) * o->objects;
@@ -52,7 +59,7 @@ static void put(sight *s, size_t object, size_t other, size_t link) {
 }
 
 static void put_all(const fp3_others *o, const fp3_relation *of, const fp3_links *links,
-                    double reach, sight *s) {
+                    range reach, sight *s) {
     for (size_t i = 0; links && i < links->count; i++)
         for (int end = 0; end < 2; end++) {
             const size_t object = end ? links->b[i] : links->a[i];
@@ -77,7 +84,7 @@ static size_t begin_from_counts(sight *s, size_t looked) {
 }
 
 static fp3_status see_by(const fp3_others *o, const fp3_relation *of, const fp3_links *links,
-                         double reach, sight *s, fp3_error *error) {
+                         range reach, sight *s, fp3_error *error) {
     s->begin = calloc(o->looked + 1, sizeof *s->begin);
     if (!s->begin)
         return fp3_no_memory(error);
@@ -100,7 +107,20 @@ static void find_fields(fp3_others *o, const fp3_relation *of, const fp3_links *
                 o->fields[k] = links->fields[i];
 }
 
-static fp3_status see(fp3_others *o, const fp3_params *params, const fp3_object_values *values,
+/* A param of each object. */
+static fp3_status read_radii(const fp3_others *o, fp3_object_values *values, uint32_t param,
+                             double **radii, fp3_error *error) {
+    const size_t last = o->objects - 1;
+    *radii = malloc((o->objects + 1) * sizeof **radii);
+    fp3_status status = *radii ? FP3_OK : fp3_no_memory(error);
+    for (size_t i = 0; !status && i < o->objects; i++) {
+        status = fp3_object_values_at(values, last ? (double)i / (double)last : 0, error);
+        (*radii)[i] = status ? 0 : values->params[param];
+    }
+    return status;
+}
+
+static fp3_status see(fp3_others *o, const fp3_params *params, fp3_object_values *values,
                       fp3_error *error) {
     const fp3_model *m = o->model;
     double *of_params = calloc(m->expr_count + m->state_count + 1u, sizeof *of_params);
@@ -115,8 +135,13 @@ static fp3_status see(fp3_others *o, const fp3_params *params, const fp3_object_
             of->kind == FP3_LINKS ? fp3_linked_find(params->linked, of->name) : NULL;
         const fp3_links *links = linked ? &linked->links : NULL;
         find_fields(o, of, links);
-        status = see_by(o, of, links, of->kind == FP3_NEAR ? of_params[of->reach] : 0,
-                        &o->sights[r], error);
+        double *radii = NULL;
+        if (of->kind == FP3_NEAR && of->radius != FP3_NONE)
+            status = read_radii(o, values, of->radius, &radii, error);
+        const range reach = {of->kind == FP3_NEAR ? of_params[of->reach] : 0, radii};
+        if (!status)
+            status = see_by(o, of, links, reach, &o->sights[r], error);
+        free(radii);
     }
     free(of_params);
     return status;
