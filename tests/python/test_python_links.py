@@ -112,7 +112,8 @@ def test_what_is_refused_changes_nothing():
         gone = batch.handles[3:]
         batch.remove(gone)
         for name, a, b, expected in (
-                ("ties", [3], [0], "link 2 joins object 3, which does not live"), ("ties", batch.numbers(gone), [0], "'a' has 4294967295, expected numbers of objects"),
+                ("ties", [3], [0], "link 2 joins object 3, which does not live"),
+                ("ties", batch.numbers(gone), [0], "'a' has 4294967295, expected numbers of objects"),
                 ("ties", [2], [1], "link 2 joins objects 2 and 1, as link 1 does"), ("ties", [2], [2], "link 2 joins object 2 with 2"),
                 ("touch", [2], [0], "the model finds the objects of 'touch' by itself"), ("tie", [2], [0], "no relation 'tie'")):
             with pytest.raises(fp3.ArgumentError, match=expected):
@@ -121,7 +122,8 @@ def test_what_is_refused_changes_nothing():
             batch.link_more("ties", [2], [0], u=1)
         with pytest.raises(fp3.ArgumentError, match="has w = inf"):
             batch.link_more("ties", [2], [0], w=np.inf)
-        for a, b, expected in (([0, 2], [1, 0], "objects 0 and 2 have none"), ([0, 1], [1, 0], "objects 0 and 1 are given twice"), ([9], [9], "objects 9 and 9 have none")):
+        for a, b, expected in (([0, 2], [1, 0], "objects 0 and 2 have none"), ([0, 1], [1, 0], "objects 0 and 1 are given twice"),
+                               ([9], [9], "objects 9 and 9 have none")):
             with pytest.raises(fp3.ArgumentError, match=expected):
                 batch.unlink("ties", a, b)
         batch.unlink("ties", [], [])

@@ -264,7 +264,7 @@ KEEP = "remember o in touch: o.n = 1, o.s = v\n"
     (HEAD + KEEP + "remember p in ties: o.w = 2\n", "10:21", "a field of the neighbour"),
     (HEAD + KEEP + "remember p in ties: w = 2\n", "10:21", "a field of the neighbour"),
     (HEAD + KEEP + "remember p in others: p.w = 2\n", "10:10", "neighbours, as in"),
-    (HEAD + KEEP + "remember p in rest: p.w = 2\n", "10:15", "links or near objects: `all` keeps nothing; near with a reach that takes all does, as in near rest(x, 1000, s = 0)"),
+    (HEAD + KEEP + "remember p in rest: p.w = 2\n", "10:15", "`all` keeps nothing; near with a reach that takes all does, as in near rest(x, 1000, s = 0)"),
     (HEAD.replace("all rest", "all rest(s = 0)") + KEEP, "5:10", "a kind, as in all suns(planets): `all` keeps no fields; near with a reach"),
     (HEAD.replace("all rest", "all rest(s[2] = (0, 0))") + KEEP, "5:10", "a kind, as in all suns(planets): `all` keeps no fields"),
     (HEAD + KEEP + "remember x in ties: x.w = 2\n", "10:10", "a new name"),
@@ -344,7 +344,8 @@ STATE = re.compile(r"^(\w+) +(\S+) +0x\w+ +object (\d+)(?: +error (\S+), relativ
 @pytest.mark.parametrize("integrator", ["euler", "leapfrog"])
 @pytest.mark.parametrize("relation, pull, more, lives", [
     ("near ties(x, 20, s = 0)", " - 3*o.s", "remember o in ties: o.s = o.s + h*(o.v - v)", ""), ("near ties(x, 20)", "", "", "born = {0}; gone = {1};"),
-    ("near ties(x, 20)", "", "", "born = [0, {0}];"), ("near ties(x, 20, s = 0)", " - 3*o.s", "remember o in ties: o.s = o.s + h*(o.v - v)", "born = {0}; gone = {1};")])
+    ("near ties(x, 20)", "", "", "born = [0, {0}];"),
+    ("near ties(x, 20, s = 0)", " - 3*o.s", "remember o in ties: o.s = o.s + h*(o.v - v)", "born = {0}; gone = {1};")])
 def test_the_estimate_of_check_is_the_distance_from_short_steps(fp3, tmp_path, integrator, relation, pull, more, lives):
     """What pairs remember is of first order in h, also where the method is of a higher one; births and ends are at the same times."""
     found, part = [], 16 if more else 8
@@ -352,7 +353,8 @@ def test_the_estimate_of_check_is_the_distance_from_short_steps(fp3, tmp_path, i
         (tmp_path / "m.ode").write_text(LASTING.format(relation=relation, pull=pull, more=more, h=(2.0**-8 if more else 2.0**-6)/k))
         (tmp_path / "m.scene").write_text(f'steps = {4*part*k}; groups = ( {{ program = "m.ode"; integrator = "{integrator}"; spread = {{ v = [0.0, 0.5]; }}; '
                                           f'grid = {{ position = "x"; count = 9; spacing = 0.3; }}; {lives.format(part*k, 3*part*k)} }} );\n')
-        done = subprocess.run([fp3, "run", "--scene", "m.scene", "-e", "isa", "--all", *(["--check"] if k == 1 else [])], cwd=tmp_path, capture_output=True, text=True)
+        check = ["--check"] if k == 1 else []
+        done = subprocess.run([fp3, "run", "--scene", "m.scene", "-e", "isa", "--all", *check], cwd=tmp_path, capture_output=True, text=True)
         assert done.returncode == 0 and (k > 1 or "\nnot looked at " in done.stdout), done.stdout + done.stderr
         found.append({(name, int(number)): (float(value), float(error or 0)) for name, value, number, error in STATE.findall(done.stdout)})
     off = {key: abs(value - found[1][key][0]) for key, (value, _) in found[0].items()}
