@@ -99,6 +99,7 @@ static int print_image(const char *path) {
     print_names(image, FP3_SYMBOL_PARAM, "param");
     print_names(image, FP3_SYMBOL_SHARED, "shared");
     print_names(image, FP3_SYMBOL_LABEL, "label");
+    print_names(image, FP3_SYMBOL_WORST, "worst");
     fp3_neighbourhood around = {0};
     fp3_neighbourhood_find(image, &around,
                            NULL); /* one that is no program with neighbours has none */

@@ -77,7 +77,8 @@ fp3_status fp3_before_start(const fp3_step *step, const double *params, const do
         status = follow_all(step, params, initial, h, count, before, error);
     for (uint32_t i = 0; !status && i < step->variable_count; i++) {
         const variable *v = &step->variables[i];
-        const int is_of_state = v->state != FP3_NONE && v->role != ROLE_LIST;
+        const int is_of_state =
+            v->state != FP3_NONE && v->role != ROLE_LIST && v->role != ROLE_WORST;
         const size_t column = is_of_state ? v->state * count : 0;
         for (size_t n = 0; n < count; n++)
             start[i * count + n] = start_of(v->role, initial[column + n], before[column + n]);

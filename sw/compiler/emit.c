@@ -105,6 +105,8 @@ static void put_declarations(const fp3_step *step, const conversion *c,
                  names->object[i], i);
         if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role == ROLE_LIST)
             put_declaration(out, ".temp", name, "the list of neighbours");
+        else if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role == ROLE_WORST)
+            put_declaration(out, ".worst", name, "of all objects");
         else if (of.at == FP3_AT_VARIABLE && step->variables[of.index].role != ROLE_CARRIED)
             put_state(step, out, &step->variables[of.index], name);
         else if (of.at == FP3_AT_VARIABLE)

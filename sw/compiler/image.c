@@ -76,6 +76,8 @@ static fp3_symbol_class class_of(const builder *b, uint32_t reg) {
     const int is_kept = of.at == FP3_AT_VARIABLE &&
                         b->step->variables[of.index].role != ROLE_CARRIED &&
                         b->step->variables[of.index].role != ROLE_LIST;
+    if (of.at == FP3_AT_VARIABLE && b->step->variables[of.index].role == ROLE_WORST)
+        return FP3_SYMBOL_WORST;
     return is_kept ? FP3_SYMBOL_STATE : of.at == FP3_AT_PARAM ? FP3_SYMBOL_PARAM : FP3_SYMBOL_TEMP;
 }
 

@@ -9,7 +9,7 @@
 #include <string.h>
 
 int fp3_inputs_has_variable(const variable *v) {
-    return v->role != ROLE_CARRIED && v->role != ROLE_LIST &&
+    return v->role != ROLE_CARRIED && v->role != ROLE_WORST && v->role != ROLE_LIST &&
            v->role != ROLE_SLEPT; /* awake, without a word */
 }
 

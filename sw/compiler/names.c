@@ -127,6 +127,8 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
         snprintf(wanted, sizeof wanted, "stopped");
     else if (v->role == ROLE_CARRIED)
         snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
+    else if (v->role == ROLE_WORST)
+        snprintf(wanted, sizeof wanted, "worst%" PRIu32, i);
     else if (v->role == ROLE_LIST)
         snprintf(wanted, sizeof wanted, "%s", step->model->relations[v->state].name);
     else

@@ -2,12 +2,14 @@
 /* adaptive.c - runs of adaptive steps, and what became of their objects. */
 #include <fp3/engine.h>
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/host.h"
+#include "engine/common/backend.h"
 #include "engine/common/cells.h"
 #include "engine/common/checks.h"
 
@@ -182,7 +184,8 @@ static uint64_t attempts_of(const fp3_adaptive_object *o, uint64_t made) {
     return wanted < RUN_LEAST ? RUN_LEAST : wanted > (float)most ? most : (uint64_t)wanted;
 }
 
-/* One object that cannot sleep: runs, and a look after each. */
+/* One object that cannot sleep, or one of those that make their steps together: runs, and a look
+ * after each. */
 static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats *sum) {
     fp3_adaptive_object o;
     fp3_status status = fp3_adaptive_look(engine, 0, &o);
@@ -205,13 +208,45 @@ static int is_adaptive(const fp3_members *group) {
 /* Else it would go on making attempts that change nothing. */
 static fp3_status check_sleep(const fp3_engine *engine, const fp3_members *group) {
     const uint32_t count = engine->layout.count;
-    if (!engine->config->interleave || fp3_image_slept(group->image) >= 0)
+    if (!engine->config->interleave || group->lists.shape.is_any ||
+        fp3_image_slept(group->image) >= 0)
         return FP3_OK;
     return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                     "%sadaptive steps of many objects need 'sleep': expected a program that is "
                     "compiled for configuration '%s'",
                     fp3_engine_prefix((uint32_t)(group - engine->layout.groups), count).text,
                     engine->config->name);
+}
+
+/* ---- objects that see each other ---- */
+
+/* What all objects of a run have in common, by the words of the first: then they make the same
+ * steps. */
+static fp3_status check_common(fp3_engine *engine, const fp3_members *group) {
+    static const char *const names[] = {"t",           "t_low",    "h_next",   "until",
+                                        "h_cut",       "h_before", "h_behind", "root_before",
+                                        "root_behind", "maxstep"};
+    if (fp3_lives_vary(engine))
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "objects that see each other make the same adaptive steps: expected "
+                        "objects that live from the first step to the last");
+    uint32_t *words = malloc((group->objects + (size_t)1) * sizeof *words);
+    fp3_status status = words ? FP3_OK : fp3_no_memory(engine->def.error);
+    for (size_t k = 0; !status && k < sizeof names / sizeof *names; k++) {
+        const fp3_symbol *s = fp3_image_find(group->image, names[k], FP3_CLASSES_OBJECT);
+        if (!s)
+            continue;
+        status = engine->backend->read(
+            engine, (fp3_cells){FP3_CELLS_REGISTER, s->index, group->first, group->objects}, words);
+        for (uint32_t i = 1; !status && i < group->objects; i++)
+            if (words[i] != words[0])
+                status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                                  "object %" PRIu32 " has another '%s' than object %" PRIu32
+                                  ": objects that see each other make the same adaptive steps",
+                                  group->first + i, names[k], group->first);
+    }
+    free(words);
+    return status;
 }
 
 /* Objects with fixed steps are gone after the last of them, and the others go on. */
@@ -232,18 +267,23 @@ fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t most, fp3_stats *stats)
     fp3_stats sum = {0};
     fp3_status status = FP3_OK;
     uint32_t adaptive = 0;
+    int is_awake = !engine->config->interleave;
     for (uint32_t i = 0; !status && i < engine->layout.count; i++)
         if (is_adaptive(&engine->layout.groups[i])) {
             status = check_sleep(engine, &engine->layout.groups[i]);
             adaptive++;
+            if (!status && engine->layout.groups[i].lists.shape.is_any) {
+                status = check_common(engine, &engine->layout.groups[i]);
+                is_awake = 1;
+            }
         }
     if (!status && adaptive && adaptive < engine->layout.count) {
         status = end_fixed(engine, most);
         most = most > FP3_ADAPTIVE_ATTEMPTS ? most : FP3_ADAPTIVE_ATTEMPTS;
     }
     if (!status)
-        status = adaptive && !engine->config->interleave ? run_and_look(engine, most, &sum)
-                                                         : fp3_engine_run(engine, most, &sum);
+        status = adaptive && is_awake ? run_and_look(engine, most, &sum)
+                                      : fp3_engine_run(engine, most, &sum);
     if (stats)
         *stats = sum;
     return status;

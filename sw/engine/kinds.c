@@ -131,6 +131,13 @@ const fp3_backend *fp3_kinds_usual(const fp3_engine *engine) {
 }
 
 /* ---- made ---- */
+static int is_adaptive(const fp3_layout *layout) {
+    for (uint32_t i = 0; i < layout->count; i++)
+        if (fp3_adaptive_is(layout->groups[i].image))
+            return 1;
+    return 0;
+}
+
 static int has_sleep(const fp3_layout *layout) {
     for (uint32_t i = 0; i < layout->count; i++)
         if (layout->groups[i].program.slept >= 0)
@@ -150,6 +157,8 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual,
         : def->cycle_limit  ? "a cycle limit is kept by one engine"
         : usual->is_divided ? is_of_several ? "several ranks have one kind of objects"
                                             : "several ranks would have to agree on who sleeps"
+        : is_adaptive(layout) && !is_of_several
+            ? "adaptive steps are those of all objects that see each other, and none is left out"
         : !engine->config->interleave ? "a configuration that interleaves is needed"
         : usual == &fp3_backend_board ? "a board is one engine"
                                       : NULL;

@@ -11,7 +11,8 @@
 /* Names. */
 
 const char *fp3_class_name(fp3_symbol_class symbol_class) {
-    static const char *const names[] = {"state", "param", "temp", "shared", "const", "label"};
+    static const char *const names[] = {"state", "param", "temp", "shared",
+                                        "const", "label", "worst"};
     return symbol_class < FP3_SYMBOL_CLASSES ? names[symbol_class] : "?";
 }
 

@@ -22,6 +22,7 @@ typedef struct {
     uint32_t repeated, first;        /* how often phases are made; the first of them; 0: once */
     uint64_t stored;                 /* words that this phase stores */
     uint64_t stored_any, stored_all; /* by some phase; by all that have ended */
+    uint64_t stored_last;            /* by the one that has ended last */
 } walk;
 
 static fp3_status refuse(const walk *w, const char *what) {
@@ -49,6 +50,7 @@ static int is_of_neighbours(const fp3_image *image, uint32_t at) {
 static fp3_status end_phase(walk *w) {
     w->stored_any |= w->stored;
     w->stored_all &= w->stored;
+    w->stored_last = w->stored;
     w->stored = w->written = 0;
     w->has_stored = 0;
     w->found->distinct++;
@@ -185,13 +187,35 @@ static int uses_neighbours(const fp3_image *image) {
     return 0;
 }
 
+static uint64_t find_worst(const fp3_image *image) {
+    uint64_t worst = 0;
+    for (uint32_t i = 0; i < image->symbol_count; i++)
+        if (image->symbols[i].symbol_class == FP3_SYMBOL_WORST)
+            worst |= BIT(image->symbols[i].index);
+    return worst;
+}
+
+/* What the last phase stores is compared by nobody. */
+static fp3_status check_worst(const walk *w) {
+    const uint64_t worst = w->found->worst, wrong = worst & (~w->stored_any | w->stored_last);
+    uint32_t reg = 0;
+    while (wrong && !(wrong >> reg & 1))
+        reg++;
+    if (!wrong)
+        return FP3_OK;
+    return fp3_fail(w->error, FP3_E_PROGRAM,
+                    "r%" PRIu32 " is a .worst, which all objects compare behind the phase that "
+                    "stores it: expected a phase, and not the last one, that does",
+                    reg);
+}
+
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error) {
     walk w = {.image = image, .found = found, .error = error, .loop = -1, .stored_all = UINT64_MAX};
     fp3_status status = FP3_OK;
-    *found = (fp3_neighbourhood){.is_any = uses_neighbours(image)};
+    *found = (fp3_neighbourhood){.is_any = uses_neighbours(image), .worst = find_worst(image)};
     if (!found->is_any)
-        return FP3_OK;
+        return check_worst(&w);
     if (image->step != 0 || image->last != image->code_count)
         return fp3_fail(
             error, FP3_E_PROGRAM,
@@ -204,6 +228,8 @@ fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *fou
         status = refuse(&w, "the program ends within a repetition, without 'again'");
     if (!status && op_at(image, image->code_count - 1) != FP3_OP_AGAIN)
         status = end_phase(&w);
+    if (!status)
+        status = check_worst(&w);
     if (status)
         return status;
     const uint64_t missed = found->published & w.stored_any & ~w.stored_all;
@@ -215,6 +241,17 @@ fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *fou
             error, FP3_E_PROGRAM,
             "word r%" PRIu32 " is read by neighbours: each phase stores it, or none does", reg);
     return FP3_OK;
+}
+
+uint64_t fp3_neighbourhood_compared(const fp3_neighbourhood *shape, const fp3_code *program,
+                                    uint32_t begin) {
+    uint64_t stored = 0;
+    if (!shape->worst || !begin)
+        return 0;
+    for (uint32_t i = begin - 1; i-- > 0 && !fp3_ends_phase(&program->decoded[i]);)
+        if (program->decoded[i].of && program->decoded[i].in.op == FP3_OP_ST)
+            stored |= BIT(program->decoded[i].in.d);
+    return stored & shape->worst;
 }
 
 uint32_t fp3_neighbourhood_end(const fp3_decoded *decoded, uint32_t each) {

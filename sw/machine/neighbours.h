@@ -26,6 +26,7 @@ typedef struct {
     fp3_list_shape lists[FP3_LISTS_MAX];
     uint32_t list_count;
     uint64_t published; /* words that neighbours read: bit r for register r */
+    uint64_t worst;     /* words that are compared over all objects: each `.worst` */
     uint32_t phases;    /* that a step makes */
     uint32_t distinct;  /* ... each counted once, however often it is made */
     int is_any;         /* there is an instruction with neighbours */
@@ -45,7 +46,7 @@ uint32_t fp3_neighbourhood_behind(const struct fp3_decoded *decoded, uint32_t at
  * loop; a load behind a store of the same phase; a field read behind an `stl` of the same phase; a
  * phase that does not store a word which neighbours read and another phase stores; loops over one
  * list with different numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of
- * an entry; `sleep` beside all this. */
+ * an entry; `sleep` beside all this; a `.worst` that no phase, or the last one, stores. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 
@@ -53,6 +54,12 @@ fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *fou
  * phase. */
 int fp3_neighbourhood_phase(const fp3_code *program, uint32_t phase, uint32_t *first,
                             uint32_t *end);
+
+/* Those of `worst` that the phase has stored which comes before the one that begins at this word:
+ * before that one begins, every object gets the largest of them all, and a NaN is larger than any
+ * number. */
+uint64_t fp3_neighbourhood_compared(const fp3_neighbourhood *shape, const fp3_code *program,
+                                    uint32_t begin);
 
 /* Index of the `next` of the loop that begins at `each`. */
 uint32_t fp3_neighbourhood_end(const struct fp3_decoded *decoded, uint32_t each);

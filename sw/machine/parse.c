@@ -194,10 +194,10 @@ static void parse_directive(asm_source *a) {
         parse_words(a, directive);
         return;
     }
-    for (fp3_symbol_class symbol_class = 0; symbol_class < FP3_SYMBOL_LABEL; symbol_class++) {
+    for (fp3_symbol_class symbol_class = 0; symbol_class < FP3_SYMBOL_CLASSES; symbol_class++) {
         char text[16];
         snprintf(text, sizeof text, ".%s", fp3_class_name(symbol_class));
-        if (!fp3_token_is(directive, text))
+        if (symbol_class == FP3_SYMBOL_LABEL || !fp3_token_is(directive, text))
             continue;
         do
             if (!parse_declaration(a, symbol_class))
@@ -205,7 +205,8 @@ static void parse_directive(asm_source *a) {
         while (a->next.kind != FP3_TOKEN_END && !fp3_report_full(&a->report) && !a->out_of_memory);
         return;
     }
-    fp3_report_expected(&a->report, directive, ".state, .param, .temp, .shared, .const or .words");
+    fp3_report_expected(&a->report, directive,
+                        ".state, .param, .temp, .shared, .const, .worst or .words");
 }
 
 static void parse_label(asm_source *a, fp3_token name) {

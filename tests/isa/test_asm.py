@@ -54,7 +54,7 @@ def constants_of(words):
 
 def symbols_of(words):
     at = 9 + words[3] + 2 * words[6]
-    kinds = ["state", "param", "temp", "shared", "const", "label"]
+    kinds = ["state", "param", "temp", "shared", "const", "label", "worst"]
     found = []
     for i in range(words[7]):
         head, *name = words[at + 9 * i : at + 9 * i + 9]
@@ -271,7 +271,7 @@ REFUSED = [
     ("const without value", ".const c\n" + STEP, ["1:9: error: found end of line, expected a number"]),
     ("const with a name for value", ".const c x\n" + STEP, ["1:10: error: found 'x', expected a number"]),
     ("raw const of the wrong bank", ".const %r1 0.5\n" + STEP, ["1:8: error: found '%r1', expected a shared constant %k0 to %k63"]),
-    ("unknown directive", ".stat v\n" + STEP, ["1:1: error: found '.stat', expected .state, .param, .temp, .shared, .const or .words"]),
+    ("unknown directive", ".stat v\n" + STEP, ["1:1: error: found '.stat', expected .state, .param, .temp, .shared, .const, .worst or .words"]),
     ("directive without a name", ".state # none\n" + STEP, ["1:8: error: found end of line, expected a name"]),
     ("directive with a number", ".state v 3\n" + STEP, ["1:10: error: found '3', expected a name"]),
     ("reserved name", ".state step\n.temp inf\n" + STEP, ["1:8: error: found 'step', expected a name ('step' has a meaning of its own)", "2:7: error: found 'inf'"]),

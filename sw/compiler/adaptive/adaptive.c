@@ -75,6 +75,7 @@ static void add_limit(fp3_advance *a, uint32_t known) {
 static void find_limit(fp3_advance *a) {
     known_table *known = &a->step->known;
     uint32_t times[2 * FP3_SWITCHINGS_MOST], count = 0;
+    int is_own = 0; /* a time is one of the object's own params */
     for (uint32_t i = 0; i < a->switchings.count; i++) {
         const char kind = a->switchings.kind[a->switchings.expr[i]];
         const uint32_t time = fp3_switching_time(known, &a->switchings, i);
@@ -96,7 +97,10 @@ static void find_limit(fp3_advance *a) {
             k++;
         if (k == i)
             add_limit(a, times[i]);
+        is_own |= !known->list[times[i]].is_shared;
     }
+    if (is_own)
+        a->limit = fp3_advance_least(a, a->limit);
 }
 
 /* A condition in t is computed once, in the middle of the step: the value holds within the step,
@@ -202,7 +206,7 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     if (!a->is_adaptive)
         return FP3_OK;
-    if (config->interleave && !config->sleep)
+    if (config->interleave && !config->sleep && !a->is_common)
         return fp3_fail(error, FP3_E_PROGRAM,
                         "adaptive steps need `sleep`, which configuration '%s' does not have",
                         config->name);
@@ -286,7 +290,8 @@ static uint32_t factor(const fp3_advance *a, uint32_t x) {
 
 static uint32_t is_small_enough(fp3_advance *a) {
     dag *g = &a->step->values;
-    const uint32_t x = squares(a);
+    const uint32_t own = fp3_advance_moving(a, squares(a), num(g, 0));
+    const uint32_t x = fp3_advance_worst(a, own);
     a->by = factor(a, x);
     note(a, "is the error small enough");
     return op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
@@ -403,7 +408,7 @@ static uint32_t next_fixed(const fp3_advance *a) {
 /* None, if an event stops the object at the end of this step. */
 static uint32_t stopped(const fp3_advance *a, uint32_t h) {
     dag *g = &a->step->values;
-    if (a->stops == FP3_NONE)
+    if (a->stops == FP3_NONE || a->is_common)
         return h;
     note(a, "no step any more, if an event stops the object");
     return sel(g, a->is_good, sel(g, a->stops, num(g, STOPPED), h), h);
@@ -452,6 +457,8 @@ fp3_status fp3_adaptive_accept(fp3_advance *a, fp3_error *error) {
     if (!g->is_abstract)
         a->step->variables[fp3_step_find(a->step, ROLE_LOW, state_of(a, T))].next = low;
     count(a);
+    if (a->is_common) /* nobody sleeps, and a step in phases begins with what objects hold */
+        return FP3_OK;
     const fp3_status status = keep_tested(a, t, low, h, error);
     return status ? status : fp3_keep_stages(a, error);
 }

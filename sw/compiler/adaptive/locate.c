@@ -181,6 +181,26 @@ static uint32_t next_end(fp3_advance *a, const sight *seen, const attempt *is, u
     return sel(g, is_good, add(g, h, by), middle);
 }
 
+/* ---- objects that make the same steps ---- */
+
+/* All objects see what any of them does, but for those that have stopped. */
+static void share(const fp3_advance *a, sight *seen) {
+    dag *g = &a->step->values;
+    if (!a->is_common)
+        return;
+    note(a, "does an object see an event");
+    if (seen->is_ahead != FP3_NONE)
+        seen->is_ahead = fp3_advance_least(a, fp3_advance_moving(a, seen->is_ahead, num(g, 1)));
+    if (seen->late != FP3_NONE)
+        seen->late = fp3_advance_worst(a, fp3_advance_moving(a, seen->late, since(a)));
+    if (seen->begins != FP3_NONE)
+        seen->begins = fp3_advance_worst(a, fp3_advance_moving(a, seen->begins, num(g, 0)));
+    if (seen->to == FP3_NONE)
+        return;
+    seen->from = fp3_advance_least(a, fp3_advance_moving(a, seen->from, num(g, FP3_ROOT_FAR)));
+    seen->to = fp3_advance_least(a, fp3_advance_moving(a, seen->to, num(g, FP3_ROOT_FAR)));
+}
+
 static void judge(fp3_advance *a, const sight *seen) {
     dag *g = &a->step->values;
     const uint32_t h = fp3_dag_first(g, a->h.node);
@@ -227,6 +247,8 @@ fp3_status fp3_locate(fp3_advance *a, fp3_error *error) {
         fp3_lower_close(&before);
         fp3_lower_close(&after);
     }
+    if (!status)
+        share(a, &seen);
     if (!status && (seen.is_ahead != FP3_NONE || seen.begins != FP3_NONE))
         judge(a, &seen);
     return status;

@@ -6,9 +6,6 @@
 
 #include <inttypes.h>
 
-#define FAR                                                                                        \
-    0x1p100 /* a root at which nothing can happen in this step, where the nearest is looked for */
-
 /* Steps that are not adaptive end where they do: there nothing is looked for. */
 int fp3_root_is(const fp3_advance *a, const fp3_event *event) {
     const fp3_model *model = a->step->model;
@@ -58,7 +55,7 @@ fp3_reach fp3_root_reach(const fp3_advance *a, const fp3_event *event, lowering 
     const uint32_t zero = num(g, 0);
     const uint32_t begin = side(a, event, before, from, is_falling);
     const uint32_t is_armed = is_falling ? op2(g, op, zero, begin) : op2(g, op, begin, zero);
-    const double far = (a->is_chosen ? FAR : 1) * (is_falling ? 1 : -1);
+    const double far = (a->is_chosen ? FP3_ROOT_FAR : 1) * (is_falling ? 1 : -1);
     return (fp3_reach){from, sel(g, is_armed, to, num(g, far)), is_armed, is_falling};
 }
 
@@ -77,7 +74,7 @@ void fp3_root_nearest(const fp3_advance *a, const fp3_event *event, const fp3_re
                       uint32_t *from, uint32_t *to) {
     dag *g = &a->step->values;
     g->note = fp3_note(&a->step->notes, "line %" PRIu32 ": is this root the nearest", event->line);
-    const uint32_t begin = sel(g, r->is_armed, above_zero(g, r, r->from), num(g, FAR));
+    const uint32_t begin = sel(g, r->is_armed, above_zero(g, r, r->from), num(g, FP3_ROOT_FAR));
     const uint32_t end = above_zero(g, r, r->to);
     *from = *from == FP3_NONE ? begin : op2(g, FP3_OP_MIN, *from, begin);
     *to = *to == FP3_NONE ? end : op2(g, FP3_OP_MIN, *to, end);

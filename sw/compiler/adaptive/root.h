@@ -5,6 +5,9 @@
 
 #include "compiler/step/advance.h"
 
+/* A root at which nothing can happen in this step, where the nearest is looked for. */
+#define FP3_ROOT_FAR 0x1p100
+
 /* Whether the event is at a root that has to be looked for: a time is the end of a step. */
 int fp3_root_is(const fp3_advance *a, const fp3_event *event);
 

@@ -45,6 +45,11 @@ static fp3_status make_variables(fp3_advance *a, fp3_error *error) {
     return fp3_repeat_prepare(a, error);
 }
 
+/* Whether the step is one, and no attempt that is rejected. */
+static uint32_t is_made(const fp3_advance *a) {
+    return a->is_adaptive ? a->is_good : num(&a->step->values, 1);
+}
+
 /* What a variable has after the step. */
 static term next_of(const fp3_advance *a, uint32_t i) {
     const variable *v = &a->step->variables[i];
@@ -60,11 +65,11 @@ static term next_of(const fp3_advance *a, uint32_t i) {
                             fp3_term(fp3_dag_number(g, 1)));
     case ROLE_SLEPT:
     case ROLE_CARRIED:
+    case ROLE_WORST:
         return fp3_term(fp3_dag_variable(g, i));
     case ROLE_STOPPED:
         g->note = fp3_note(&a->step->notes, "whether an event has stopped the object");
-        return fp3_term(a->stops == FP3_NONE ? fp3_dag_number(g, 0)
-                                             : sel(g, a->stops, num(g, 1), num(g, 0)));
+        return fp3_term(a->stops == FP3_NONE ? num(g, 0) : sel(g, a->stops, is_made(a), num(g, 0)));
     default:
         return fp3_advance_held(a, g, v->role == ROLE_BEFORE ? ROLE_STATE : ROLE_LOST, v->state);
     }
@@ -123,6 +128,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     a.slope = calloc(model->state_count + 1u, sizeof *a.slope);
     a.is_adaptive = fit->control != 0;
     a.is_chosen = fp3_model_chooses_steps(model);
+    const fp3_coupling *c = options->coupling;
+    a.is_common = a.is_adaptive && (model->relation_count || (c && (c->seen || c->params)));
     a.is_in_time = a.next = a.root_before = a.root_behind = a.stops = FP3_NONE;
     a.error_scale = fp3_term(FP3_NONE);
     fp3_status status = fp3_step_open(step, model, options, error);

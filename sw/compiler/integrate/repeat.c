@@ -10,7 +10,7 @@ int fp3_repeat_loops(const fp3_advance *a) {
     int is_fold = 0;
     for (uint32_t e = 0; e < model->expr_count; e++)
         is_fold |= fp3_expr_is_fold(model->exprs[e].op);
-    return is_fold && model->repeat_count;
+    return is_fold && model->repeat_count && !a->is_adaptive;
 }
 
 /* What the armed expressions of events are made of. */

@@ -2,6 +2,8 @@
 /* cut.c - the sections of a step, as the plan has them. */
 #include "cut.h"
 
+#include "sink.h"
+
 #include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
@@ -30,7 +32,7 @@ static uint32_t from_outside(builder *b, uint32_t node) {
 static int is_here(const builder *b, uint32_t node) {
     const fp3_cut_plan *c = b->c;
     const uint32_t op = fp3_cut_node(c, node)->op;
-    if (fp3_dag_is_leaf(c->g, node) || fp3_dag_is_fold(op))
+    if (fp3_dag_is_leaf(c->g, node) || fp3_dag_is_fold(op) || op == NODE_WORST)
         return 0;
     return b->s->relation != FP3_NONE ? c->is_body[node]
                                       : c->when[node] == b->s->phase * FP3_CUT_SLOTS + b->slot;
@@ -95,7 +97,10 @@ static fp3_status straight(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32
             continue;
         if (is_total && c->when[i] == phase * FP3_CUT_SLOTS + slot + 1)
             write(&b, c->holder[i], put(&b, fp3_cut_node(c, i)->b));
-        else if (!is_total && is_here(&b, i))
+        else if (fp3_cut_node(c, i)->op == NODE_WORST) {
+            if (slot == c->slots[phase] && c->when[i] == (phase + 1) * FP3_CUT_SLOTS)
+                write(&b, c->holder[i], put(&b, fp3_cut_node(c, i)->a));
+        } else if (!is_total && is_here(&b, i))
             write(&b, c->holder[i], put(&b, i));
         else if (fp3_cut_node(c, i)->op == NODE_VARIABLE && phase == 0 && slot == c->slots[0])
             write(&b, c->holder[i], fp3_dag_variable(&b.s->values, fp3_cut_node(c, i)->a));
@@ -314,6 +319,8 @@ static fp3_status cut_segments(fp3_cut_plan *plan, fp3_cut *cut, fp3_error *erro
 
 fp3_status fp3_cut_make(fp3_step *step, fp3_cut *cut, fp3_error *error) {
     fp3_cut_plan plan = {.step = step, .g = &step->values, .own = step->variable_count};
+    if (fp3_model_adapted(step->model) != FP3_NONE)
+        plan.refine = fp3_cut_sink;
     *cut = (fp3_cut){0};
     for (uint32_t r = 0; r < FP3_RELATIONS_MAX; r++)
         cut->list[r] = FP3_NONE;

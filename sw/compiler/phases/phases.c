@@ -51,7 +51,7 @@ int fp3_phases_are_needed(const fp3_step *step) {
     if (step->segment_count)
         return 1;
     for (uint32_t i = 0; i < step->values.count; i++)
-        if (fp3_dag_is_fold(step->values.nodes[i].op))
+        if (fp3_dag_is_fold(step->values.nodes[i].op) || step->values.nodes[i].op == NODE_WORST)
             return 1;
     return step->kept_count > 0 || shows_more(step);
 }
@@ -61,14 +61,12 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
     static const char *const why[] = {
         ("this linearly implicit integrator needs derivatives by states of neighbours, too; 'ros2' "
          "has its order without them"),
-        "adaptive steps: objects that see each other make their steps together",
         "double-single has no sums over neighbours",
         ("the positions one step before the first need sums over neighbours there; 'leapfrog' has "
          "the same order in fewer cycles, 'verlet' makes the same positions")};
     const int wrong = model->relation_count && !fp3_rosenbrock_is_free(integrator) ? 0
-                      : fp3_model_adapted(model) != FP3_NONE                       ? 1
-                      : options->arithmetic == FP3_DOUBLE_SINGLE                   ? 2
-                      : integrator->kind == FP3_STOERMER                           ? 3
+                      : options->arithmetic == FP3_DOUBLE_SINGLE                   ? 1
+                      : integrator->kind == FP3_STOERMER                           ? 2
                                                                                    : -1;
     const int is_seen = options->coupling && (options->coupling->seen || options->coupling->params);
     if ((!model->relation_count && !is_seen) || wrong < 0)
@@ -277,7 +275,7 @@ static uint64_t lasting(const maker *m, uint64_t *published) {
     for (uint32_t i = 0; i < m->step->variable_count; i++) {
         const variable *v = &m->step->variables[i];
         const uint32_t reg = fp3_code_variable(&m->code->code, i);
-        if (v->role != ROLE_CARRIED && v->role != ROLE_LIST)
+        if (v->role != ROLE_CARRIED && v->role != ROLE_WORST && v->role != ROLE_LIST)
             states |= BIT(reg);
         if (v->role == ROLE_STATE && m->cut.published >> v->state & 1)
             *published |= BIT(reg);

@@ -44,6 +44,11 @@ static uint32_t ready(const fp3_cut_plan *c, uint32_t node) {
     return c->when[node] + (uint32_t)fp3_dag_is_fold(fp3_cut_node(c, node)->op);
 }
 
+/* It comes from all objects, when the phase begins. */
+static int is_worst(const fp3_cut_plan *c, uint32_t node) {
+    return fp3_cut_node(c, node)->op == NODE_WORST;
+}
+
 /* ---- when ---- */
 
 static int is_start(const fp3_cut_plan *c, uint32_t node, uint32_t state) {
@@ -146,6 +151,10 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
             c->when[i] = then > c->when[i] ? then : c->when[i];
             c->is_body[i] |= c->is_body[list[k]];
         }
+        if (is_worst(c, i))
+            c->when[i] = (phase_of(c, i) + 1) * FP3_CUT_SLOTS;
+        if (phase_of(c, i) >= FP3_CUT_PHASES)
+            return too_many(error);
         if (!fp3_dag_is_fold(fp3_cut_node(c, i)->op))
             continue;
         const uint32_t place = fp3_dag_place(c->g, i);
@@ -229,6 +238,9 @@ static void find_needed(fp3_cut_plan *c) {
             if (c->step->sight.list[k].place == fp3_dag_place(c->g, i))
                 need(c, c->step->sight.list[k].node); /* it comes before the sum */
     }
+}
+
+static void count_all(fp3_cut_plan *c) {
     c->phase_count = 1;
     for (uint32_t i = 0; i < c->g->count; i++) {
         if (!c->is_needed[i] || c->is_body[i])
@@ -351,7 +363,8 @@ uint32_t fp3_cut_holds(const fp3_cut_plan *c, uint32_t node, uint32_t phase) {
  * variable has to keep it. */
 static void use(fp3_cut_plan *c, uint32_t node, uint32_t when) {
     const uint32_t op = fp3_cut_node(c, node)->op, phase = when / FP3_CUT_SLOTS;
-    const int is_here = op != NODE_VARIABLE && !fp3_dag_is_fold(op) && c->when[node] == when;
+    const int is_here =
+        op != NODE_VARIABLE && op != NODE_WORST && !fp3_dag_is_fold(op) && c->when[node] == when;
     if (op == NODE_KNOWN || is_here || fp3_cut_holds(c, node, phase) != FP3_NONE)
         return;
     c->is_held[node] = 1;
@@ -390,6 +403,15 @@ static uint32_t end_of(const fp3_cut_plan *c, uint32_t phase) {
     return phase * FP3_CUT_SLOTS + c->slots[phase];
 }
 
+/* The section that writes the variable which keeps a node: a sum begins before its loop, and the
+ * value of a variable at the beginning of the step is copied at the end of the first phase. */
+static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
+    return fp3_dag_is_fold(fp3_cut_node(c, node)->op)   ? c->when[node] - 1
+           : fp3_cut_node(c, node)->op == NODE_VARIABLE ? end_of(c, 0)
+           : is_worst(c, node)                          ? end_of(c, phase_of(c, node) - 1)
+                                                        : c->when[node];
+}
+
 static void find_uses(fp3_cut_plan *c) {
     for (uint32_t i = 0; i < c->g->count; i++) {
         uint32_t list[3];
@@ -405,7 +427,7 @@ static void find_uses(fp3_cut_plan *c) {
         }
         const unsigned count = fp3_cut_operands(c, i, list);
         for (unsigned k = 0; k < count; k++)
-            use(c, list[k], c->when[i]);
+            use(c, list[k], is_worst(c, i) ? written(c, i) : c->when[i]);
     }
     for (uint32_t k = 0; k < c->step->kept_count; k++)
         use_outside(c, c->step->kept[k].node, c->kept);
@@ -413,14 +435,6 @@ static void find_uses(fp3_cut_plan *c) {
         for (uint32_t v = 0; v < c->own; v++)
             if (fp3_cut_gets(c, p, v) != FP3_NONE)
                 use(c, fp3_cut_gets(c, p, v), end_of(c, p));
-}
-
-/* The section that writes the variable which keeps a node: a sum begins before its loop, and the
- * value of a variable at the beginning of the step is copied at the end of the first phase. */
-static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
-    return fp3_dag_is_fold(fp3_cut_node(c, node)->op)   ? c->when[node] - 1
-           : fp3_cut_node(c, node)->op == NODE_VARIABLE ? end_of(c, 0)
-                                                        : c->when[node];
 }
 
 int fp3_cut_is_taken(const fp3_cut_plan *c, uint32_t variable, uint32_t from, uint32_t to) {
@@ -450,7 +464,8 @@ static void find_holders(fp3_cut_plan *c) {
     for (uint32_t when = 0; when < FP3_CUT_PHASES * FP3_CUT_SLOTS; when++)
         for (uint32_t i = 0; !c->has_failed && i < c->g->count; i++)
             if (c->is_held[i] && written(c, i) == when)
-                c->holder[i] = free_one(c, when, c->until[i]);
+                c->holder[i] = is_worst(c, i) ? fp3_cut_variable(c, ROLE_WORST, i)
+                                              : free_one(c, when, c->until[i]);
 }
 
 /* Params of neighbours are words of their records, so they are params of the program. */
@@ -476,6 +491,11 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     if (status)
         return status;
     find_needed(c);
+    if (c->refine)
+        status = c->refine(c, error);
+    if (status)
+        return status;
+    count_all(c);
     if (c->base + c->phase_count > FP3_CUT_PHASES)
         return too_many(error);
     status = tell(c, error);

@@ -11,7 +11,7 @@
 #define FP3_CUT_SLOTS 16u
 #define FP3_CUT_PHASES 64u
 
-typedef struct {
+typedef struct fp3_cut_plan {
     fp3_step *step;
     const dag *g;
     uint64_t published;         /* states of the model that neighbours read */
@@ -34,6 +34,8 @@ typedef struct {
     uint32_t slots[FP3_CUT_PHASES];                /* the last slot of each phase, an even one */
     uint32_t pool[2 * FP3_STATES_MAX], pool_count; /* the variables that keep nodes */
     int has_failed;
+    /* May move nodes to later times, once it is known what is needed; NULL: they stay. */
+    fp3_status (*refine)(struct fp3_cut_plan *plan, fp3_error *error);
 } fp3_cut_plan;
 
 /* Fills the plan, whose step, base and own are given; its pool may be that of an earlier plan.

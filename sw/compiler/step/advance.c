@@ -58,7 +58,8 @@ void fp3_advance_begin(fp3_advance *a) {
 uint32_t fp3_advance_next(const fp3_advance *a, uint32_t variable, term next) {
     dag *g = &a->step->values;
     const uint32_t node = fp3_term_value(g, next);
-    if (!fp3_advance_may_stop(a))
+    const struct variable *v = &a->step->variables[variable];
+    if (!fp3_advance_may_stop(a) || (v->role == ROLE_STATE && a->fit->control >> v->state & 1))
         return node;
     g->note = fp3_note(&a->step->notes, "nothing changes in an object that has stopped");
     return sel(g, a->step->sight.stopped, fp3_dag_variable(g, variable), node);
@@ -117,6 +118,20 @@ term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
     }
     g->note = outside;
     return t;
+}
+
+uint32_t fp3_advance_worst(const fp3_advance *a, uint32_t node) {
+    return a->is_common ? fp3_dag_worst(&a->step->values, node) : node;
+}
+
+uint32_t fp3_advance_least(const fp3_advance *a, uint32_t node) {
+    dag *g = &a->step->values;
+    return a->is_common ? sub(g, num(g, 0), fp3_advance_worst(a, sub(g, num(g, 0), node))) : node;
+}
+
+uint32_t fp3_advance_moving(const fp3_advance *a, uint32_t node, uint32_t stopped) {
+    return fp3_advance_may_stop(a) ? sel(&a->step->values, a->step->sight.stopped, stopped, node)
+                                   : node;
 }
 
 /* coefficient * h^n where the object has its own h. */

@@ -21,6 +21,7 @@ typedef struct {
     /* Adaptive steps (adaptive.h): the step is a value of the object. */
     int is_adaptive;
     int is_chosen;         /* by an estimate of its error */
+    int is_common;         /* all objects make the same steps, as they see each other */
     term begin, begin_low; /* t is the sum of two words */
     term h, end;           /* the step that is made, the first word of t + h */
     uint32_t end_low;      /* node: the second */
@@ -55,10 +56,10 @@ static inline const char *fp3_advance_name(const fp3_advance *a, uint32_t state)
     return a->step->model->states[state].name;
 }
 
-/* With adaptive steps `stop` ends the object's own time; with fixed steps it makes steps that
- * change nothing. */
+/* Where steps are its own, `stop` ends the object's time; where they are those of all objects, it
+ * makes steps that change nothing. */
 static inline int fp3_advance_may_stop(const fp3_advance *a) {
-    return a->fit->has_stop && !a->is_adaptive;
+    return a->fit->has_stop && (!a->is_adaptive || a->is_common);
 }
 
 /* States, and what is lost of them, are what their variables hold: a step or a segment begins. */
@@ -77,6 +78,13 @@ term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state);
 /* t at the time c h after the beginning of the step of dag g. In the last part c is 0: its
  * variables are those after the step. Call this only if fit->has_time. */
 term fp3_advance_time(const fp3_advance *a, dag *g, double c);
+
+/* The largest that all objects have, where they make the same steps, and the least; else the node.
+ * A NaN is either. */
+uint32_t fp3_advance_worst(const fp3_advance *a, uint32_t node);
+uint32_t fp3_advance_least(const fp3_advance *a, uint32_t node);
+/* The node, or `stopped` where the object has stopped. */
+uint32_t fp3_advance_moving(const fp3_advance *a, uint32_t node, uint32_t stopped);
 
 /* coefficient * h^n as a known value, its sign outside. */
 term fp3_advance_scaled_step(const fp3_advance *a, double coefficient, unsigned n);

@@ -25,10 +25,11 @@ typedef enum {
     ROLE_LOW, /* the second word of a state: of all in double-single, of t with adaptive steps */
     ROLE_LOW_BEFORE, /* and of the state one step ago */
     ROLE_CARRIED,    /* a value that the next step needs again; the host does not see it */
+    ROLE_WORST,      /* a value that all objects compare between two phases */
     ROLE_LIST        /* where the object's list of neighbours is; `state`: which relation */
 } role;
 
-typedef struct {
+typedef struct variable {
     role role;
     uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE */
     uint32_t next;  /* node: its value after the step */

@@ -29,6 +29,7 @@ enum {
     NODE_TOTAL,         /* b, and node a for each one added to it */
     NODE_LEAST,         /* the least of b and of a for each one */
     NODE_MOST,          /* the most */
+    NODE_WORST,         /* of a over all objects: in a later phase (machine/neighbours.h) */
     NODE_FUNCTION = 512 /* + FP3_EXPR_...: a function of a, or of a and b; of a power b is known */
 };
 
@@ -83,6 +84,9 @@ static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
     const uint32_t op = g->nodes[node].op;
     return op == NODE_KNOWN || op == NODE_VARIABLE;
 }
+
+/* The worst of what all objects have. */
+uint32_t fp3_dag_worst(dag *g, uint32_t node);
 
 /* Whether a value is made of all neighbours, in a loop over them. */
 static inline int fp3_dag_is_fold(uint32_t op) { return op >= NODE_TOTAL && op <= NODE_MOST; }

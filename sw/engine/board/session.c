@@ -235,7 +235,8 @@ static fp3_status run_step(fp3_engine *engine, fp3_store_lists *lists, uint32_t 
          !status && (!only || phase < only) &&
          fp3_neighbourhood_phase(program, phase, &first, &end);
          phase++) {
-        if (!is_one)
+        status = fp3_engine_compare(engine, &engine->layout.groups[0], first);
+        if (!status && !is_one)
             status = fp3_memory_load_phase(engine, first, end);
         if (!status)
             status = run_phases(engine, lists, 1, clock, sums, stats);

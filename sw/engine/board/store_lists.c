@@ -33,7 +33,8 @@ static int is_near(const fp3_engine *engine) {
 }
 
 int fp3_store_lists_is_by_phase(const fp3_engine *engine) {
-    return is_near(engine) || engine->exchange.end || engine->only;
+    return is_near(engine) || engine->exchange.end || engine->only ||
+           group_of(engine)->lists.shape.worst;
 }
 
 /* ---- what the hardware cannot run ---- */

@@ -178,6 +178,12 @@ static fp3_status stand_in(fp3_engine *engine, fp3_engine *own,
     return status;
 }
 
+uint64_t fp3_ranks_worst(void *user, uint64_t key) {
+    const fp3_engine *engine = user;
+    const fp3_ranks *ranks = ((const fp3_ranked *)engine->self)->ranks;
+    return ranks->calls->most(ranks->world, key);
+}
+
 fp3_status fp3_ranks_send(void *user, fp3_engine *own) { return stand_in(user, own, send_words); }
 
 fp3_status fp3_ranks_receive(void *user, fp3_engine *own) {

@@ -119,6 +119,7 @@ void fp3_ranks_forget_traffic(fp3_ranked *self);
 /* An fp3_exchange of the own engine, whose user is the engine. */
 fp3_status fp3_ranks_send(void *user, fp3_engine *own);
 fp3_status fp3_ranks_receive(void *user, fp3_engine *own);
+uint64_t fp3_ranks_worst(void *user, uint64_t key);
 
 /* ---- memory.c: what pairs remember ---- */
 

@@ -129,7 +129,8 @@ static void use_rows(fp3_engine *engine, fp3_ranked *to) {
     fp3_engine_use(to->own, to->first, to->share[fp3_ranks_here(to)]);
     to->own->layout.groups[0].rows =
         to->sees_all ? engine->objects : to->share[fp3_ranks_here(to)] + to->guest_count;
-    fp3_engine_set_exchange(to->own, &(fp3_exchange){fp3_ranks_send, fp3_ranks_receive, engine});
+    fp3_engine_set_exchange(
+        to->own, &(fp3_exchange){fp3_ranks_send, fp3_ranks_receive, engine, fp3_ranks_worst});
 }
 
 /* In the host there is room for as many guests as there may be: what nobody has written to costs

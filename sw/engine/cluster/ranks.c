@@ -121,6 +121,18 @@ static fp3_status agree_ranked(fp3_engine *engine, const void *words, size_t siz
                                     "read their own files, which have to be the same");
 }
 
+/* A rank without objects makes no phases, and the others would wait for what it has. */
+static fp3_status check_shares(fp3_engine *engine) {
+    const fp3_ranked *self = engine->self;
+    for (unsigned r = 0; engine->layout.groups[0].lists.shape.worst && r < self->ranks->count; r++)
+        if (!self->share[r])
+            return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                            "rank %u has no objects: adaptive steps of objects that see each "
+                            "other are those of all ranks, so each needs one",
+                            r);
+    return FP3_OK;
+}
+
 static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
     fp3_ranked *self = engine->self;
     fp3_status status = agree_ranked(engine, &steps, sizeof steps);
@@ -128,6 +140,8 @@ static fp3_status run_ranked(fp3_engine *engine, uint32_t steps, fp3_stats *stat
         status = fp3_ranks_wander(engine);
     if (!status && !self->is_placed)
         status = fp3_ranks_place(engine);
+    if (!status)
+        status = check_shares(engine);
     fp3_stats own = {0};
     self->standing = NULL;
     if (!status)

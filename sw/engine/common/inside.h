@@ -135,6 +135,8 @@ typedef fp3_status fp3_exchange_fn(void *user, fp3_engine *engine);
 typedef struct {
     fp3_exchange_fn *begin, *end; /* begin may be NULL */
     void *user;
+    /* Of numbers that engines have, the largest; NULL: the own one. */
+    uint64_t (*worst)(void *user, uint64_t key);
 } fp3_exchange;
 void fp3_engine_set_exchange(fp3_engine *engine, const fp3_exchange *exchange);
 /* Sums over those that are near go by these numbers, one for each object and guest, all different:

@@ -344,6 +344,14 @@ static void fill_halves(const fp3_engine *engine, const fp3_members *members, co
         }
 }
 
+static fp3_status compare(fp3_engine *engine, const fp3_members *members, uint32_t phase) {
+    uint32_t begin, end;
+    if (!members->lists.shape.worst)
+        return FP3_OK;
+    fp3_neighbourhood_phase(&members->program, phase, &begin, &end);
+    return fp3_engine_compare(engine, members, begin);
+}
+
 fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     fast *self = engine->self;
     group *g = &self->groups[0];
@@ -354,7 +362,9 @@ fp3_status fp3_around_run(fp3_engine *engine, uint32_t steps) {
     for (uint32_t step = 0; !status && step < steps; step++) {
         const uint32_t end = engine->only ? engine->only : fp3_fast_made(g->program);
         for (uint32_t phase = engine->only ? end - 1 : 0; !status && phase < end; phase++) {
-            status = fp3_engine_exchange_begin(engine);
+            status = compare(engine, members, phase);
+            if (!status)
+                status = fp3_engine_exchange_begin(engine);
             if (!status && !is_in_pieces(engine, members))
                 status = fp3_engine_exchange_end(engine);
             if (!status)

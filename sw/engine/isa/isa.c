@@ -352,13 +352,15 @@ static uint32_t follow(round_of *r, const fp3_decoded *program, uint32_t pc) {
 }
 
 /* When a phase begins: lists of those that are near. */
-static fp3_status begin_phase(round_of *r) {
+static fp3_status begin_phase(round_of *r, uint32_t begin) {
     const fp3_engine *engine = r->engine;
     const isa *self = engine->self;
     fp3_members *group = &r->engine->layout.groups[r->group];
     const uint32_t *words[FP3_BANK_OBJECT_COUNT];
     int is_new;
-    const fp3_status status = fp3_engine_exchange(r->engine);
+    fp3_status status = fp3_engine_compare(r->engine, group, begin);
+    if (!status)
+        status = fp3_engine_exchange(r->engine);
     if (status)
         return status;
     for (uint32_t reg = 0; reg < engine->config->registers; reg++)
@@ -386,7 +388,7 @@ static fp3_status make_round(round_of *r) {
             begin_step(r);
         if (members(r)->lists.shape.is_any &&
             (pc == program->step || fp3_ends_phase(&program->decoded[pc - 1]))) {
-            const fp3_status status = begin_phase(r);
+            const fp3_status status = begin_phase(r, pc);
             if (status)
                 return status;
         }

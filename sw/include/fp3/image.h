@@ -46,13 +46,16 @@ typedef enum {
     FP3_SYMBOL_SHARED, /* shared constant whose value the host writes */
     FP3_SYMBOL_CONST,  /* shared constant whose value is in the image */
     FP3_SYMBOL_LABEL,  /* index of a code word, or code_count */
+    FP3_SYMBOL_WORST,  /* object register: behind a phase that stores it all objects have the worst
+                        */
     FP3_SYMBOL_CLASSES
 } fp3_symbol_class;
 
 /* Sets of classes, for fp3_image_find. */
 #define FP3_CLASS(symbol_class) (1u << (symbol_class))
 #define FP3_CLASSES_OBJECT                                                                         \
-    (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_TEMP))
+    (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_TEMP) |      \
+     FP3_CLASS(FP3_SYMBOL_WORST))
 #define FP3_CLASSES_SHARED (FP3_CLASS(FP3_SYMBOL_SHARED) | FP3_CLASS(FP3_SYMBOL_CONST))
 #define FP3_CLASSES_HOST                                                                           \
     (FP3_CLASS(FP3_SYMBOL_STATE) | FP3_CLASS(FP3_SYMBOL_PARAM) | FP3_CLASS(FP3_SYMBOL_SHARED))
