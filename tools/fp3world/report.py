@@ -90,7 +90,10 @@ changes each scene a little, and then a row no longer holds.
 
 *LAMMPS* has the law of [grains.ode](../programs/world/grains.ode), `pair_style gran/hooke/history`, in double. `make granular` asks it, and
 `tools/fp3world/lammps.json` keeps what it says with its version, so the rows need no LAMMPS. Its velocity Verlet with speeds of half a step, as the forces see them,
-is `semi_implicit_euler`; so the same steps are compared, in an arithmetic of 24 bits with compensated sums."""
+is `semi_implicit_euler`; so the same steps are compared, in an arithmetic of 24 bits with compensated sums.
+
+Heaps of 608 balls, which fall on a row of 41 balls that are held, are compared by their angle: six of them, from the same starts. The angle is that of a line from the plate's end up, by least
+squares of who is highest in each of 30 strips. No ball's place can be compared, as each contact multiplies what differs; one standard deviation of LAMMPS's six angles is 0.42 degrees, and of ours 0.31."""
 
 
 def number(value):
