@@ -123,8 +123,7 @@ def links_of(a: Any, b: Any, fields: Mapping[str, Any], keep: List[Any]) -> d.fp
         values = as_values(f"links: '{name}'", given)
         if values.shape not in ((), ends[0].shape):
             raise ArgumentError(f"links: '{name}' has the shape {values.shape}, expected a number or one for each of {len(ends[0])} links")
-        with np.errstate(over="ignore"):  # the library refuses what is infinite in FP32, and says which
-            columns.append(np.ascontiguousarray(np.broadcast_to(values.astype(np.float32), ends[0].shape)))
+        columns.append(np.ascontiguousarray(np.broadcast_to(values.astype(np.float64), ends[0].shape)))
     names = (ctypes.c_char_p * len(fields))(*(name_bytes("links", name) for name in fields))
     pointers = (ctypes.c_void_p * len(fields))(*(column.ctypes.data for column in columns))
     keep += [*ends, *columns, names, pointers]

@@ -272,12 +272,23 @@ const fp3_model *fp3_start_model(const fp3_compiled *compiled) {
     return ((const fp3_compilation *)compiled->self)->p.step.model;
 }
 
-uint32_t fp3_start_param(const fp3_compiled *compiled, uint32_t input) {
-    const fp3_compilation *k = compiled->self;
-    const origin o = origin_of(k, input);
-    const known *value = o.known == FP3_NONE ? NULL : &k->p.step.known.list[o.known];
+/* The param of the model that a known value is; FP3_NONE: it is none. */
+static uint32_t param_of(const fp3_compilation *k, uint32_t id) {
+    const known *value = id == FP3_NONE ? NULL : &k->p.step.known.list[id];
     if (!value || value->op != KNOWN_MODEL)
         return FP3_NONE;
     const fp3_expr *e = &k->p.step.model->exprs[value->a];
     return e->op == FP3_EXPR_PARAM ? e->index : FP3_NONE;
+}
+
+uint32_t fp3_start_param(const fp3_compiled *compiled, uint32_t input) {
+    const fp3_compilation *k = compiled->self;
+    return param_of(k, origin_of(k, input).known);
+}
+
+uint32_t fp3_start_low_param(const fp3_compiled *compiled, uint32_t input) {
+    const fp3_compilation *k = compiled->self;
+    const origin o = origin_of(k, input);
+    const known *value = o.known == FP3_NONE ? NULL : &k->p.step.known.list[o.known];
+    return value && value->op == KNOWN_LOW ? param_of(k, value->a) : FP3_NONE;
 }

@@ -33,5 +33,7 @@ int fp3_start_vanishes(double value, double usual);
 const fp3_model *fp3_start_model(const fp3_compiled *compiled);
 /* The param of the model that the input is a copy of; FP3_NONE: it is another value. */
 uint32_t fp3_start_param(const fp3_compiled *compiled, uint32_t input);
+/* The param of which it is the second word, in double-single; likewise. */
+uint32_t fp3_start_low_param(const fp3_compiled *compiled, uint32_t input);
 
 #endif

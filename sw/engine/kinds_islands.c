@@ -97,8 +97,7 @@ static int is_near(const fp3_near_rule *rule, const fp3_where_they_are *w, uint3
     const double reach = fp3_near_reach_of(rule, w, a, b), most = reach * reach;
     double sum = 0;
     for (uint32_t k = 0; k < w->dimensions && !(sum >= most); k++) {
-        const double way =
-            fp3_near_number(rule, w->position[k][a]) - fp3_near_number(rule, w->position[k][b]);
+        const double way = fp3_near_at(rule, w, k, a) - fp3_near_at(rule, w, k, b);
         sum += way * way;
     }
     return sum < most;
@@ -131,10 +130,12 @@ static fp3_status look_where(fp3_engine *engine, uint32_t number, const fp3_list
     const int is_first = !n->words;
     fp3_status status = FP3_OK;
     if (is_first)
-        n->words = calloc(now->objects * (now->dimensions + (size_t)1) + 1, sizeof *n->words);
+        n->words = calloc(now->objects * (FP3_NEAR_COLUMNS + (size_t)1) + 1, sizeof *n->words);
     if (!n->words)
         return fp3_no_memory(engine->def.error);
-    for (uint32_t k = 0; !status && k < now->dimensions; k++) {
+    for (uint32_t k = 0; !status && k < FP3_NEAR_COLUMNS; k++) {
+        if (!fp3_near_has(rule, k))
+            continue;
         uint32_t *column = n->words + (size_t)k * now->objects;
         status = look_at_column(engine, number, list, rule->regs[k],
                                 list->kind ? rule->theirs[k] : NOTHING, is_first, column);
@@ -143,7 +144,7 @@ static fp3_status look_where(fp3_engine *engine, uint32_t number, const fp3_list
     }
     const int has_theirs = list->kind && rule->their_radius;
     if (!status && (rule->radius || has_theirs)) {
-        uint32_t *column = n->words + (size_t)now->dimensions * now->objects;
+        uint32_t *column = n->words + (size_t)FP3_NEAR_COLUMNS * now->objects;
         status = look_at_column(engine, number, list, rule->radius ? rule->radius - 1 : NOTHING,
                                 has_theirs ? rule->their_radius - 1 : NOTHING, is_first, column);
         now->radius = rule->radius ? column : NULL;

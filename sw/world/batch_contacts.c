@@ -157,7 +157,8 @@ static fp3_status find_field(const fp3_batch *b, const char *relation, const cha
                 for (uint32_t n = 0; n < lists->shape.list_count; n++)
                     if (lists->lists[n].reg == s->index) {
                         *list = &lists->lists[n];
-                        *word = k; /* all fields of near objects are words of their entries */
+                        /* All fields of near objects are in their entries. */
+                        *word = k * (lists->lists[n].fields / r->field_count);
                     }
     }
     return *list ? FP3_OK

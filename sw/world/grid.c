@@ -93,7 +93,7 @@ fp3_status fp3_grid_link(const fp3_grid *grid, unsigned kinds, fp3_grid_links *m
                 continue;
             made->ends[count] = (uint32_t)i;
             made->ends[most + count] = (uint32_t)end;
-            made->length[count++] = (float)ways[n].length;
+            made->length[count++] = ways[n].length;
         }
     made->links = (fp3_links){.count = count, .a = made->ends, .b = made->ends + most};
     return FP3_OK;

@@ -31,7 +31,7 @@ void fp3_grid_at(const fp3_grid *grid, size_t object, uint32_t at[FP3_GRID_AXES]
 typedef struct {
     fp3_links links; /* without fields */
     uint32_t *ends;  /* all a, then all b */
-    float *length;   /* of each link */
+    double *length;  /* of each link */
 } fp3_grid_links;
 
 /* Links of these kinds, a set of bits, object by object. The caller frees *made, after a failure

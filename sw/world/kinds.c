@@ -180,14 +180,15 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
     const fp3_model *repeats = a->model->repeat_count   ? a->model
                                : b->model->repeat_count ? b->model
                                                         : NULL;
-    const int is_double = a->compiled->arithmetic == FP3_DOUBLE_SINGLE ||
-                          b->compiled->arithmetic == FP3_DOUBLE_SINGLE;
+    const int is_double = a->compiled->arithmetic == FP3_DOUBLE_SINGLE;
     if (is_adaptive)
         return refuse(g, line, error, "adaptive steps: it and group '%s' make their steps together",
                       other->name);
-    if (is_double)
-        return refuse(g, line, error, "double-single has no sums over neighbours, as of group '%s'",
-                      other->name);
+    if (is_double != (b->compiled->arithmetic == FP3_DOUBLE_SINGLE))
+        return refuse(g, line, error,
+                      "group '%s' is in double-single, and group '%s' is not: kinds that see each "
+                      "other have words of one form",
+                      is_double ? g->name : other->name, is_double ? other->name : g->name);
     if (repeats && !never_moves(b->model))
         return refuse(g, line, error,
                       "`repeat` in line %" PRIu32 " of the model of group '%s': phases that are "
@@ -202,10 +203,11 @@ static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_join
                         a->integrator->name, other->name, b->integrator->name);
 }
 
-/* The word of the program that is this param and nothing else; NULL: the program has none. */
-static const char *param_word(const fp3_compiled *c, uint32_t param) {
+/* The word of the program that is this param and nothing else; is_low: its second word, in
+ * double-single. NULL: the program has none. */
+static const char *param_word(const fp3_compiled *c, uint32_t param, int is_low) {
     for (uint32_t i = 0; i < c->input_count; i++)
-        if (fp3_start_param(c, i) == param)
+        if ((is_low ? fp3_start_low_param : fp3_start_param)(c, i) == param)
             return c->inputs[i].name;
     return NULL;
 }
@@ -220,7 +222,7 @@ static fp3_status check_reads(const fp3_joined *g, const fp3_kind *kind, fp3_err
             fp3_image_find(c->image, m->relations[i].name, FP3_CLASSES_OBJECT))
             of = &m->relations[i];
     for (uint32_t p = kind->first; p < kind->first + kind->count; p++)
-        if (param_word(c, p))
+        if (param_word(c, p, 0))
             of = NULL;
     return of ? refuse(g, of->line, error,
                        "sums over '%s' read no word of '%s': expected one that does, as "
@@ -241,9 +243,9 @@ static fp3_status check_kind(const fp3_joined *list, size_t count, size_t of, co
 
 /* ---- who reads what ---- */
 
-static const char *state_word(const fp3_compiled *c, uint32_t state) {
+static const char *state_word(const fp3_compiled *c, uint32_t state, int is_low) {
     for (uint32_t i = 0; i < c->input_count; i++)
-        if (c->inputs[i].state == state)
+        if ((is_low ? c->inputs[i].low_of : c->inputs[i].state) == state)
             return c->inputs[i].name;
     return NULL;
 }
@@ -263,7 +265,7 @@ static void note_words(const fp3_joined *list, size_t of, member *members) {
         for (uint32_t p = kind->first; group != NONE && p < kind->first + kind->count; p++) {
             const fp3_model *other = model_of(&list[group]);
             const uint32_t state = fp3_model_state(other, word_of(m, kind, p));
-            if (!param_word(list[of].program->compiled, p))
+            if (!param_word(list[of].program->compiled, p, 0))
                 continue; /* no loop reads it */
             if (state != FP3_NONE)
                 members[group].coupling.seen |= UINT64_C(1) << state;
@@ -453,13 +455,22 @@ fp3_status fp3_programs_join(const fp3_joined *list, size_t count, fp3_error *er
 
 /* ---- for the engine ---- */
 
+/* A word of the other group's program that is this state or param. */
+static const char *their_word(const fp3_program *other, const char *name, int is_low) {
+    const uint32_t state = fp3_model_state(other->model, name);
+    const uint32_t param = fp3_model_param(other->model, name);
+    return state != FP3_NONE   ? state_word(other->compiled, state, is_low)
+           : param != FP3_NONE ? param_word(other->compiled, param, is_low)
+                               : NULL;
+}
+
 fp3_status fp3_program_foreign(const fp3_joined *list, size_t count, size_t of,
                                fp3_foreign **foreign, size_t *foreign_count, fp3_error *error) {
     const fp3_program *program = list[of].program;
     const fp3_model *m = program->model;
     fp3_status status = FP3_OK;
     *foreign_count = 0;
-    *foreign = calloc((m ? m->param_count : 0) + 1u, sizeof **foreign);
+    *foreign = calloc(2u * (m ? m->param_count : 0) + 1u, sizeof **foreign);
     if (!*foreign)
         return fp3_no_memory(error);
     for (uint32_t k = 0; !status && m && k < m->kind_count; k++) {
@@ -467,15 +478,10 @@ fp3_status fp3_program_foreign(const fp3_joined *list, size_t count, size_t of,
         size_t group = NONE;
         if (is_used(m, k))
             status = find_group(list, count, of, kind, &group, error);
-        for (uint32_t p = kind->first; !status && group != NONE && p < kind->first + kind->count;
-             p++) {
-            const fp3_program *other = list[group].program;
-            const char *word = param_word(program->compiled, p), *name = word_of(m, kind, p);
-            const uint32_t state = fp3_model_state(other->model, name);
-            const uint32_t param = fp3_model_param(other->model, name);
-            const char *theirs = state != FP3_NONE   ? state_word(other->compiled, state)
-                                 : param != FP3_NONE ? param_word(other->compiled, param)
-                                                     : NULL;
+        for (uint32_t n = 0; !status && group != NONE && n < 2 * kind->count; n++) {
+            const uint32_t p = kind->first + n / 2;
+            const char *word = param_word(program->compiled, p, n % 2), *name = word_of(m, kind, p);
+            const char *theirs = their_word(list[group].program, name, n % 2);
             if (word && !theirs)
                 status = refuse(&list[of], kind->line, error,
                                 "the program of group '%s' has no word '%s': join the programs",

@@ -52,10 +52,10 @@ static fp3_status check(const char *relation, const fp3_links *links, fp3_error 
                 error, FP3_E_ARGUMENT, "links of '%s': field '%s' %s", relation, links->names[i],
                 column_of(links, links->names[i]) < i ? "has two columns" : "is no name");
         for (size_t k = 0; k < links->count; k++)
-            if (!isfinite(links->fields[i][k]))
+            if (!isfinite((float)links->fields[i][k]))
                 return fp3_fail(error, FP3_E_ARGUMENT,
                                 "links of '%s': link %zu has %s = %g, expected a finite number",
-                                relation, k, links->names[i], (double)links->fields[i][k]);
+                                relation, k, links->names[i], links->fields[i][k]);
     }
     return FP3_OK;
 }
@@ -71,9 +71,9 @@ static uint32_t *joined(const uint32_t *first, size_t count, const uint32_t *mor
 }
 
 /* Likewise; those of a set without the column are NaN. */
-static float *joined_fields(const fp3_links *first, const fp3_links *more, const char *name) {
+static double *joined_fields(const fp3_links *first, const fp3_links *more, const char *name) {
     const size_t of = column_of(first, name), in = column_of(more, name);
-    float *made = malloc((first->count + more->count + 1) * sizeof *made);
+    double *made = malloc((first->count + more->count + 1) * sizeof *made);
     for (size_t i = 0; made && i < first->count; i++)
         made[i] = of < first->field_count ? first->fields[of][i] : NAN;
     for (size_t i = 0; made && i < more->count; i++)
@@ -84,7 +84,7 @@ static float *joined_fields(const fp3_links *first, const fp3_links *more, const
 static int join(const fp3_links *first, const fp3_links *more, fp3_links *made) {
     const size_t most = first->field_count + more->field_count;
     const char **names = calloc(most + 1, sizeof *names);
-    const float **fields = calloc(most + 1, sizeof *fields);
+    const double **fields = calloc(most + 1, sizeof *fields);
     *made = (fp3_links){.count = first->count + more->count,
                         .a = joined(first->a, first->count, more->a, more->count),
                         .b = joined(first->b, first->count, more->b, more->count),
@@ -154,7 +154,7 @@ static void move(fp3_links *links, size_t i, size_t to) {
     ((uint32_t *)links->a)[to] = links->a[i];
     ((uint32_t *)links->b)[to] = links->b[i];
     for (size_t k = 0; k < links->field_count; k++)
-        ((float *)links->fields[k])[to] = links->fields[k][i];
+        ((double *)links->fields[k])[to] = links->fields[k][i];
 }
 
 void fp3_linked_drop(fp3_linked *list, const uint8_t *stays) {

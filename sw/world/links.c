@@ -21,14 +21,14 @@
 /* Columns that a block of settings adds to its links. */
 typedef struct {
     const char *names[FIELDS];
-    const float *fields[FIELDS];
+    const double *fields[FIELDS];
     size_t count;
-    float *made[FIELDS]; /* to be freed */
+    double *made[FIELDS]; /* to be freed */
     size_t made_count;
 } columns;
 
 static fp3_status add(const fp3_settings *s, const config_setting_t *at, columns *c,
-                      const char *name, const float *field) {
+                      const char *name, const double *field) {
     if (c->count == FIELDS)
         return fp3_setting_wrong(s, at, "found more than %d fields of links", FIELDS);
     c->names[c->count] = name;
@@ -52,11 +52,11 @@ static fp3_status read_set(const fp3_settings *s, const config_setting_t *from, 
         const char *expected = status ? NULL : fp3_number_written(number, &word);
         if (expected)
             status = fp3_setting_expected(s, at, name, expected);
-        float *column = status ? NULL : malloc((links + 1) * sizeof *column);
+        double *column = status ? NULL : malloc((links + 1) * sizeof *column);
         if (!status && !column)
             status = fp3_no_memory(s->error);
         for (size_t k = 0; column && k < links; k++)
-            column[k] = word;
+            column[k] = number;
         if (!status)
             status = add(s, at, c, name, column);
         if (status)

@@ -47,6 +47,11 @@ refuse(const fp3_linked *l, fp3_error *error, const char *format, ...) {
 
 /* ---- fields ---- */
 
+/* How many words a program has of a value. */
+static uint32_t words_of(const fp3_relations *r) {
+    return r->to.compiled && r->to.compiled->arithmetic == FP3_DOUBLE_SINGLE ? 2 : 1;
+}
+
 /* The fields that equations read, or that entries remember, a bit each: the words of an entry. */
 static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_error *error) {
     char *is_needed = calloc(model->expr_count + 1u, 1);
@@ -81,8 +86,8 @@ static fp3_status fields_read(const fp3_model *model, uint64_t *fields, fp3_erro
 
 /* Where the words of an entry come from. */
 typedef struct {
-    const float *column; /* NULL: there is none */
-    float missing;       /* where the column has a NaN, or is missing */
+    const double *column; /* NULL: there is none */
+    double missing;       /* where the column has a NaN, or is missing */
 } source;
 
 static size_t column_named(const fp3_links *links, const char *name) {
@@ -108,7 +113,7 @@ static fp3_status check_names(const fp3_linked *l, const fp3_model *model, const
     return FP3_OK;
 }
 
-static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
+static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list, uint32_t words,
                                    const fp3_model *model, const fp3_relation *of,
                                    source sources[FP3_FIELDS_MAX], fp3_error *error) {
     uint64_t read;
@@ -118,20 +123,22 @@ static fp3_status sources_of_model(const fp3_linked *l, const fp3_list *list,
         return status;
     for (uint32_t k = of->first_field; k < of->first_field + of->field_count; k++) {
         const size_t i = column_named(&l->links, model->fields[k].name);
-        source made = {i < l->links.field_count ? l->links.fields[i] : NULL, 0};
-        const char *expected = fp3_number_single(model->fields[k].value, &made.missing);
+        float single;
+        source made = {i < l->links.field_count ? l->links.fields[i] : NULL,
+                       model->fields[k].value};
+        const char *expected = fp3_number_single(model->fields[k].value, &single);
         if (expected)
             return refuse(l, error, "field '%s' is %g, expected %s", model->fields[k].name,
                           model->fields[k].value, expected);
         if (read >> k & 1)
             sources[count++] = made;
     }
-    return count == list->fields
+    return count * words == list->fields
                ? FP3_OK
                : refuse(l, error,
                         "the program reads %" PRIu32 " of the %" PRIu32 " fields that the "
                         "equations have: remove from the model what no observed state needs",
-                        list->fields, count);
+                        list->fields / words, count);
 }
 
 static fp3_status sources_of_image(const fp3_linked *l, const fp3_list *list,
@@ -201,17 +208,30 @@ static fp3_status check_objects(const fp3_linked *l, size_t objects, fp3_error *
     return links->count <= INT32_MAX ? FP3_OK : refuse(l, error, "more than 2^31 links");
 }
 
+/* The words of an entry: so many of each of its fields. */
+typedef struct {
+    uint32_t fields, words;
+} entry_form;
+
+/* What rounding has taken off a number is its second word. */
+static void put_number(double number, uint32_t count, float *words) {
+    words[0] = (float)number;
+    if (count > 1)
+        words[1] = (float)(number - (double)words[0]);
+}
+
 /* begin[i + 1] counts on as entries of object i are put; ends: 1 of a link to another group, which
  * has its own relation. */
-static void put_entries(const fp3_links *links, const source *sources, uint32_t fields, int ends,
-                        uint32_t *begin, uint32_t *other, float *words) {
+static void put_entries(const fp3_links *links, const source *sources, const entry_form *form,
+                        int ends, uint32_t *begin, uint32_t *other, float *words) {
     for (size_t i = 0; i < links->count; i++)
         for (int end = 0; end < ends; end++) {
             const uint32_t at = begin[(end ? links->b[i] : links->a[i]) + 1]++;
             other[at] = end ? links->a[i] : links->b[i];
-            for (uint32_t k = 0; k < fields; k++) {
-                const float word = sources[k].column ? sources[k].column[i] : NAN;
-                words[(size_t)at * fields + k] = isnan(word) ? sources[k].missing : word;
+            for (uint32_t k = 0; k < form->fields; k++) {
+                const double number = sources[k].column ? sources[k].column[i] : NAN;
+                put_number(isnan(number) ? sources[k].missing : number, form->words,
+                           &words[((size_t)at * form->fields + k) * form->words]);
             }
         }
 }
@@ -270,13 +290,13 @@ static fp3_status check_pairs_across(const fp3_linked *l, size_t others, const u
 }
 
 static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source *sources,
-                       uint32_t fields, size_t kind, fp3_error *error) {
+                       const entry_form *form, size_t kind, fp3_error *error) {
     const fp3_links *links = &l->links;
     const size_t objects = r->to.objects, entries = 2 * links->count;
     const int ends = kind ? 1 : 2;
     uint32_t *begin = calloc(objects + 2, sizeof *begin);
     uint32_t *other = malloc((entries + 1) * sizeof *other);
-    float *words = malloc((entries * fields + 1) * sizeof *words);
+    float *words = malloc((entries * form->fields * form->words + 1) * sizeof *words);
     fp3_status status = begin && other && words ? FP3_OK : fp3_no_memory(error);
     for (size_t i = 0; !status && i < links->count; i++) {
         begin[links->a[i] + 2]++;
@@ -286,7 +306,7 @@ static fp3_status give(const fp3_relations *r, const fp3_linked *l, const source
     for (size_t i = 2; !status && i < objects + 2; i++)
         begin[i] += begin[i - 1];
     if (!status) {
-        put_entries(links, sources, fields, ends, begin, other, words);
+        put_entries(links, sources, form, ends, begin, other, words);
         if (kind)
             status = check_pairs_across(l, others_of(r, kind), begin, other, error);
         else if (model_of(r))
@@ -326,9 +346,11 @@ static fp3_status link_one(const fp3_relations *r, const fp3_linked *l, fp3_erro
         status = check_names(l, model, of, error);
     if (status || !list) /* no equation has the relation */
         return status;
-    status = of ? sources_of_model(l, list, model, of, sources, error)
+    const uint32_t words = words_of(r);
+    const entry_form form = {list->fields / words, words};
+    status = of ? sources_of_model(l, list, words, model, of, sources, error)
                 : sources_of_image(l, list, sources, error);
-    return status ? status : give(r, l, sources, list->fields, kind, error);
+    return status ? status : give(r, l, sources, &form, kind, error);
 }
 
 fp3_status fp3_relations_link(const fp3_relations *r, fp3_error *error) {
@@ -357,6 +379,17 @@ fp3_status fp3_relations_load(fp3_relations *r, fp3_error *error) {
 
 /* ---- near ---- */
 
+/* The second words of positions that are sums of two. */
+static void name_low(const fp3_compiled *c, const fp3_relation *of, fp3_near *near) {
+    for (uint32_t i = 0; i < c->input_count; i++)
+        for (uint32_t k = 0; k < of->dimensions; k++) {
+            if (c->inputs[i].low_of == of->position + k)
+                near->low[k] = c->inputs[i].name;
+            if (of->of_kind != FP3_NONE && fp3_start_low_param(c, i) == of->theirs + k)
+                near->their_low[k] = c->inputs[i].name;
+        }
+}
+
 static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3_error *error) {
     const fp3_model *model = model_of(r);
     const fp3_relation *of = &model->relations[number];
@@ -380,6 +413,7 @@ static fp3_status set_reach(fp3_relations *r, uint32_t number, double reach, fp3
         near.skin = 0;
         near.share = r->skin;
     }
+    name_low(r->to.compiled, of, &near);
     fp3_status status = kind_of(r, of, &near.kind, error);
     if (!status)
         status = fp3_engine_set_near(r->to.engine, r->to.group, of->name, &near);

@@ -157,7 +157,9 @@ static fp3_status take_row(const fp3_table *t, size_t row, const fp3_table_ends 
                      made->ends[row]);
     for (size_t i = 2; !status && i < t->columns; i++) {
         const double number = t->number[i * t->rows + row];
-        const char *expected = fp3_number_written(number, &made->words[(i - 2) * t->rows + row]);
+        float word;
+        const char *expected = fp3_number_written(number, &word);
+        made->numbers[(i - 2) * t->rows + row] = number;
         if (expected)
             return wrong(t, row, i, error, "%s is %.9g, expected %s", t->names[i], number,
                          expected);
@@ -174,17 +176,17 @@ fp3_status fp3_table_link(const fp3_table *t, const fp3_table_ends *ends, fp3_ta
                            "link, and its values");
     const size_t fields = t->columns - 2;
     made->ends = malloc((2 * t->rows + 1) * sizeof *made->ends);
-    made->words = malloc((fields * t->rows + 1) * sizeof *made->words);
+    made->numbers = malloc((fields * t->rows + 1) * sizeof *made->numbers);
     made->names = calloc(fields + 1, sizeof *made->names);
     made->fields = calloc(fields + 1, sizeof *made->fields);
-    if (!made->ends || !made->words || !made->names || !made->fields)
+    if (!made->ends || !made->numbers || !made->names || !made->fields)
         return fp3_no_memory(error);
     fp3_status status = FP3_OK;
     for (size_t row = 0; !status && row < t->rows; row++)
         status = take_row(t, row, ends, made, error);
     for (size_t i = 0; i < fields; i++) {
         made->names[i] = t->names[i + 2];
-        made->fields[i] = &made->words[i * t->rows];
+        made->fields[i] = &made->numbers[i * t->rows];
     }
     made->links = (fp3_links){.count = t->rows,
                               .a = made->ends,
@@ -197,7 +199,7 @@ fp3_status fp3_table_link(const fp3_table *t, const fp3_table_ends *ends, fp3_ta
 
 void fp3_table_links_free(fp3_table_links *made) {
     free(made->ends);
-    free(made->words);
+    free(made->numbers);
     free(made->names);
     free(made->fields);
     *made = (fp3_table_links){0};

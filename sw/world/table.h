@@ -32,9 +32,9 @@ void fp3_table_close(fp3_table *table);
 typedef struct {
     fp3_links links;
     uint32_t *ends; /* all a, then all b */
-    float *words;
+    double *numbers;
     const char **names;
-    const float **fields;
+    const double **fields;
     size_t objects; /* one more than the highest number of an object; 0: no links */
 } fp3_table_links;
 

@@ -19,15 +19,16 @@ enum { N = 40, STEPS = 50 };
 static fp3_error error;
 static char chain[4096], balls[4096];
 static uint32_t a[N], b[N];
-static float k[N], start[N];
+static double k[N];
+static float start[N];
 
 static fp3_links line(void) {
     static const char *const names[] = {"k"};
-    static const float *const fields[] = {k};
+    static const double *const fields[] = {k};
     for (uint32_t i = 0; i + 1 < N; i++) {
         a[i] = i;
         b[i] = i + 1;
-        k[i] = 100 + (float)i;
+        k[i] = 100 + i;
     }
     for (uint32_t i = 0; i < N; i++)
         start[i] = (float)(i * 7919 % 101) / 101;
@@ -56,7 +57,7 @@ static void steps_in_c(const fp3_links *links, uint32_t used, int steps, float *
             force[i] = -0.0f;
         for (size_t n = 0; n < links->count; n++) {
             const float stretch = u[links->b[n]] - u[links->a[n]];
-            const float to_a = links->fields[0][n] * stretch, to_b = links->fields[0][n] * -stretch;
+            const float of = (float)links->fields[0][n], to_a = of * stretch, to_b = of * -stretch;
             if (links->a[n] >= used || links->b[n] >= used)
                 continue;
             force[links->a[n]] += to_a;

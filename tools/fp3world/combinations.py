@@ -67,10 +67,12 @@ class Cell:
         declared, feature = RELATIONS[self.relation][0], self.feature
         linked = re.search(r"^links (\w+)", declared, re.M)
         links = f'links = {{ relation = "{linked[1]}"; grid = "structural"; }};' if linked else ""
-        groups = [GROUP.format(model=self.model, integrator=feature.integrator, objects=OBJECTS, links=links, settings=feature.settings)]
+        groups = [GROUP.format(model=self.model, integrator=feature.integrator, objects=OBJECTS, links=links,
+                               settings=feature.settings + feature.both)]
         if self.relation == "kinds":
             (self.folder / "pegs.ode").write_text(PEGS)
-            groups.append(f'{{ program = "{self.folder}/pegs.ode"; integrator = "{feature.integrator}"; objects = {PEG_COUNT}; spread = {{ x = [0.1, 2.1]; }}; }}')
+            groups.append(f'{{ program = "{self.folder}/pegs.ode"; integrator = "{feature.integrator}"; objects = {PEG_COUNT}; '
+                          f'spread = {{ x = [0.1, 2.1]; }}; {feature.both} }}')
         return ws.put(self.folder, f"steps = {STEPS};\ngroups = ( {', '.join(groups)} );\n", "cell")
 
     def call(self, *arguments):
@@ -246,11 +248,11 @@ def told(*command, what="scene"):
 
 
 class Feature:
-    """more: lines of the model; field: of its relation; settings: of the group; options: of fp3 run. engines: where it is tried. is_beside: its words are
-    those of fp3 run alone."""
+    """more: lines of the model; field: of its relation; settings: of the group; both: of the other group, too; options: of fp3 run. engines: where it is tried.
+    is_beside: its words are those of fp3 run alone."""
 
-    def __init__(self, name, more="", field="", settings="", options=(), integrator="leapfrog", config="world", trial=run, engines=ENGINES, is_beside=False):
-        self.name, self.more, self.field, self.settings, self.options = name, more, field, settings, list(options)
+    def __init__(self, name, more="", field="", settings="", both="", options=(), integrator="leapfrog", config="world", trial=run, engines=ENGINES, is_beside=False):
+        self.name, self.more, self.field, self.settings, self.both, self.options = name, more, field, settings, both, list(options)
         self.integrator, self.config, self.trial, self.engines, self.is_beside = integrator, config, trial, engines, is_beside
 
 
@@ -258,7 +260,7 @@ INTEGRATORS = ("euler", "semi_implicit_euler", "leapfrog", "verlet", "heun", "rk
 FEATURES = [
     *(Feature(f"integrator `{name}`", integrator=name) for name in INTEGRATORS),
     Feature("compensated", settings="compensated = true;"),
-    Feature("double-single", settings="double_single = true;"),
+    Feature("double-single", both="double_single = true;"),
     Feature("adaptive steps", settings="tolerance = 1e-4; until = 0.0625;", integrator="cash_karp"),
     Feature("projections with sums, `h`, `prev`", more="project v = (x - prev(x))/h + 0.01*({pull})"),
     Feature("projections that are repeated", more="repeat 3\nproject v = v + 0.001*({pull})\nend\nproject v = v + prev(v)/64"),

@@ -12,7 +12,7 @@ import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "programs/world"
-STATE = re.compile(r"^(\S+) +\S+ +0x([0-9a-f]{8})   object (\d+)$", re.M)
+STATE = re.compile(r"^(\S+) +\S+ +((?:0x[0-9a-f]{8} )+)  object (\d+)$", re.M)  # two words in double-single
 
 
 # What an engine cannot do, and says so: no error of the scene.
@@ -69,9 +69,10 @@ def call(fp3, path, *options, fast=None):
 def words_of(said):
     """[object, state] in the order of the program, and the states' names."""
     columns, count = {}, {}
-    for name, bits, number in STATE.findall(said):
-        columns.setdefault(name, []).append(int(bits, 16))
-        count.setdefault(name, []).append(int(number))
+    for name, words, number in STATE.findall(said):
+        for word, bits in enumerate(words.split()):
+            columns.setdefault(name + word * "_low", []).append(int(bits, 16))
+            count.setdefault(name + word * "_low", []).append(int(number))
     if not columns or any(numbers != list(range(len(numbers))) for numbers in count.values()) or len({len(c) for c in columns.values()}) != 1:
         raise Failed("fp3 run --all prints no state of each object")
     return np.array(list(columns.values()), dtype=np.uint32).T, list(columns)
@@ -80,10 +81,10 @@ def words_of(said):
 def all_words(said):
     """All words of a scene of several groups, whose objects hold states of their own, in the order of the objects."""
     found = STATE.findall(said)
-    numbers = [int(number) for _, _, number in found]
+    numbers = [int(number) for *_, number in found]
     if not found or sorted(set(numbers)) != list(range(numbers[-1] + 1)) or numbers != sorted(numbers):
         raise Failed("fp3 run --all prints no state of each object")
-    return np.array([int(bits, 16) for _, bits, _ in found], dtype=np.uint32)
+    return np.array([int(bits, 16) for _, words, _ in found for bits in words.split()], dtype=np.uint32)
 
 
 def words(fp3, path, engine, steps, threads=1, fast=None, config=None):

@@ -235,8 +235,8 @@ void fp3_convert_end(const fp3_step *step, conversion *made) {
 
 void fp3_convert_seen(const fp3_step *step, const fp3_options *options, conversion *all) {
     for (uint32_t p = 0; step->coupling && p < step->model->param_count; p++)
-        if (step->coupling->params >> p & 1)
-            fp3_convert_param(step, options, all, p);
+        for (uint32_t word = 0; step->coupling->params >> p & 1 && word < step->known.words; word++)
+            fp3_convert_param(step, options, all, p, word);
 }
 
 fp3_status fp3_convert(const fp3_step *step, const fp3_options *options, chain_policy policy,
@@ -294,13 +294,15 @@ fp3_status fp3_convert_section(const fp3_step *section, const fp3_options *optio
 }
 
 uint32_t fp3_convert_param(const fp3_step *step, const fp3_options *options, conversion *all,
-                           uint32_t param) {
+                           uint32_t param, uint32_t word) {
     const converter c = of_section(step, options, all);
+    const known *list = step->known.list;
     uint32_t id = 0; /* the cut has made it known */
-    while (step->known.list[id].op != KNOWN_MODEL ||
-           step->model->exprs[step->known.list[id].a].op != FP3_EXPR_PARAM ||
-           step->model->exprs[step->known.list[id].a].index != param)
+    while (list[id].op != KNOWN_MODEL || step->model->exprs[list[id].a].op != FP3_EXPR_PARAM ||
+           step->model->exprs[list[id].a].index != param)
         id++;
+    for (uint32_t first = id; word && (list[id].op != KNOWN_LOW || list[id].a != first);)
+        id = (id + 1) % step->known.count;
     return known_ref(&c, id).index;
 }
 

@@ -41,9 +41,10 @@ void fp3_convert_close(conversion *made);
 fp3_status fp3_convert_open(const fp3_step *step, conversion *made, fp3_error *error);
 fp3_status fp3_convert_section(const fp3_step *section, const fp3_options *options, conversion *all,
                                fp3_step_code *code, fp3_error *error);
-/* Which of the params a param of the model is; it becomes one if it is none. */
+/* Which of the params a word of a param of the model is (0, or 1 of the second word of a pair); it
+ * becomes one if it is none. */
 uint32_t fp3_convert_param(const fp3_step *step, const fp3_options *options, conversion *all,
-                           uint32_t param);
+                           uint32_t param, uint32_t word);
 void fp3_convert_end(const fp3_step *step, conversion *all);
 
 #endif

@@ -106,7 +106,7 @@ static void couple(fp3_step *step) {
     const fp3_coupling *c = step->coupling;
     for (uint32_t e = 0; e < model->expr_count; e++)
         if (model->exprs[e].op == FP3_EXPR_PARAM && c->params >> model->exprs[e].index & 1)
-            fp3_known_model(&step->known, e);
+            fp3_known_seen(&step->known, e);
     step->is_still = 1;
     for (uint32_t i = 0; i < step->variable_count; i++) {
         const variable *v = &step->variables[i];

@@ -26,7 +26,7 @@ fp3_status fp3_remember(fp3_advance *a, fp3_error *error) {
         const fp3_memory *m = &model->memories[i];
         step->kept[step->kept_count++] =
             (fp3_kept){m->relation, m->field,
-                       kept(a, m->field, fp3_term_value(&step->values, fp3_lower(&l, m->expr)))};
+                       kept(a, m->field, fp3_term_value(&step->values, fp3_lower(&l, m->expr))), 0};
         fp3_lower_look(&l, m->relation);
     }
     fp3_lower_close(&l);

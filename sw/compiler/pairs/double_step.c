@@ -25,6 +25,7 @@ fp3_status fp3_double_check(const fp3_options *options, fp3_error *error) {
 typedef struct {
     fp3_loose value;
     int is_whole, is_truth, is_float, is_known;
+    int is_others; /* a word of a neighbour */
 } made;
 
 typedef struct {
@@ -50,7 +51,7 @@ static made of_known(const doubling *d, uint32_t known) {
     const int is_zero = fp3_known_is(d->to->known, known, 0);
     const int is_one = fp3_known_is(d->to->known, known, 1);
     return (made){.value = fp3_loose_of(pair),
-                  .is_whole = is_zero || is_one,
+                  .is_whole = is_zero || is_one || fp3_known_is(d->to->known, known, -0.0),
                   .is_truth = is_zero || is_one,
                   .is_known = 1};
 }
@@ -67,13 +68,50 @@ static made of_variable(const doubling *d, uint32_t variable) {
         fp3_loose_of((fp3_pair){fp3_dag_variable(d->to, variable),
                                 low == FP3_NONE ? FP3_NONE : fp3_dag_variable(d->to, low)}),
         d->step->variables[variable].role == ROLE_STEPS, 0,
-        is_control(d->step, &d->step->variables[variable]), 0};
+        is_control(d->step, &d->step->variables[variable]), 0, 0};
+}
+
+/* Whether a node is a zero of any sign. */
+static int is_zero(const doubling *d, uint32_t node) {
+    return fp3_dag_is_number(d->from, node, 0) || fp3_dag_is_number(d->from, node, -0.0);
+}
+
+/* A word of a neighbour, or of its entry. */
+static uint32_t others_word(const doubling *d, const dag_node *n, uint32_t word) {
+    return fp3_dag_neighbour(d->to, n->op, n->a, n->b, word);
+}
+
+static made of_neighbour(const doubling *d, const dag_node *n) {
+    const fp3_pair words = {others_word(d, n, 0), others_word(d, n, 1)};
+    return (made){.value = fp3_loose_of(words), .is_others = 1};
+}
+
+/* A sum of exact floats is one, and so is the largest of truth values. All other folds have two
+ * words, which are nodes side by side: what they begin with, and their terms, come before both. A
+ * sum begins at +0: a term of zeros of any sign leaves such a pair alone in every bit, as one
+ * leaves a float that begins at -0. */
+static made of_fold(const doubling *d, const dag_node *n) {
+    const made *a = &d->made[n->a], *b = &d->made[n->b];
+    const int is_total = n->op == NODE_TOTAL;
+    if (a->is_whole && b->is_whole)
+        return (made){.value = single(fp3_dag_neighbour(d->to, n->op, high_of(d, n->a),
+                                                        high_of(d, n->b), n->c)),
+                      .is_whole = 1,
+                      .is_truth = !is_total && a->is_truth && b->is_truth};
+    const fp3_pair term = pair_of(d, n->a), start = pair_of(d, n->b);
+    const uint32_t low = fp3_pair_low(d->to, term), start_low = fp3_pair_low(d->to, start);
+    const uint32_t begin = is_total && is_zero(d, n->b) ? fp3_dag_number(d->to, 0) : start.high;
+    const uint32_t fold = fp3_dag_make(d->to, n->op, term.high, begin, n->c);
+    return (made){.value = fp3_loose_of(
+                      (fp3_pair){fold, fp3_dag_make(d->to, NODE_SECOND, low, start_low, n->c)})};
 }
 
 static uint32_t of_highs(const doubling *d, const dag_node *n) {
     return fp3_pair_op(d->to, n->op, high_of(d, n->a), high_of(d, n->b), FP3_NONE);
 }
 
+/* A difference with what a neighbour has mostly cancels, and what is made of it is small: it is as
+ * exact as it is small. */
 static made of_sum(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     if (a->is_whole && b->is_whole && !(a->is_known && b->is_known))
@@ -82,6 +120,9 @@ static made of_sum(const doubling *d, const dag_node *n) {
         return (made){.value = fp3_loose_add(d->to, a->value, b->value)};
     if (fp3_dag_is_number(d->from, n->a, -0.0))
         return (made){.value = fp3_loose_negated(d->to, b->value)};
+    if (a->is_others || b->is_others)
+        return (made){.value =
+                          fp3_loose_of(fp3_pair_sub(d->to, pair_of(d, n->a), pair_of(d, n->b)))};
     return (made){.value = fp3_loose_sub(d->to, a->value, b->value)};
 }
 
@@ -96,7 +137,7 @@ static made of_choice(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     return (made){
         fp3_loose_of(fp3_pair_select(d->to, high_of(d, n->c), pair_of(d, n->a), pair_of(d, n->b))),
-        a->is_whole && b->is_whole, a->is_truth && b->is_truth, 0, 0};
+        a->is_whole && b->is_whole, a->is_truth && b->is_truth, 0, 0, 0};
 }
 
 /* min(a, b) is a where a < b, max(a, b) is a where b < a. */
@@ -149,7 +190,7 @@ static made of_floats(const doubling *d, const dag_node *n) {
     const uint32_t c = n->c == FP3_NONE ? FP3_NONE : high_of(d, n->c);
     const int is_truth = n->op == FP3_OP_LT || n->op == FP3_OP_LE;
     return (made){single(fp3_pair_op(d->to, n->op, high_of(d, n->a), b, c)), is_truth, is_truth,
-                  !is_truth, 0};
+                  !is_truth, 0, 0};
 }
 
 /* Of two pairs as they come: their order, or the larger. */
@@ -187,6 +228,14 @@ static made of_node(const doubling *d, const dag_node *n) {
         return of_known(d, n->a);
     case NODE_VARIABLE:
         return of_variable(d, n->a);
+    case NODE_OTHER_STATE:
+    case NODE_OTHER_PARAM:
+    case NODE_FIELD:
+        return of_neighbour(d, n);
+    case NODE_TOTAL:
+    case NODE_LEAST:
+    case NODE_MOST:
+        return of_fold(d, n);
     case NODE_FIRST:
         return (made){.value = single(fp3_loose_first(d->to, d->made[n->a].value)), .is_float = 1};
     case FP3_OP_ADD:
@@ -206,19 +255,41 @@ static made of_node(const doubling *d, const dag_node *n) {
 
 /* ---- the step ---- */
 
-/* The nodes that variables come from, by `root`. */
-static void find_reached(const doubling *d, uint32_t (*root)(const variable *v)) {
-    for (uint32_t i = 0; i < d->step->variable_count; i++) {
-        const variable *v = &d->step->variables[i];
-        if (root(v) != FP3_NONE)
-            d->is_reached[root(v)] = 1;
-        if (d->from == &d->step->values && v->first != FP3_NONE)
-            d->is_reached[v->first] = 1;
+/* A dag, and what refers to its nodes. */
+typedef struct {
+    dag *values;
+    uint32_t *next, *first; /* of each variable: a node, or FP3_NONE; first may be NULL */
+    fp3_sight *sight;       /* NULL: nobody sees anything */
+    fp3_kept *kept;         /* what entries remember */
+    uint32_t *kept_count;   /* NULL: nothing */
+} part;
+
+static void reach(const doubling *d, uint32_t node) {
+    if (node != FP3_NONE)
+        d->is_reached[node] = 1;
+}
+
+static int operand_nodes(const dag *g, uint32_t node) {
+    const uint32_t op = g->nodes[node].op;
+    if (fp3_dag_is_leaf(g, node) || (op >= NODE_OTHER_STATE && op <= NODE_FIELD))
+        return 0;
+    return fp3_dag_is_fold(op) ? 2 : 3;
+}
+
+/* The nodes that something comes from. */
+static void find_reached(const doubling *d, const part *p, uint32_t variables) {
+    for (uint32_t i = 0; i < variables; i++) {
+        reach(d, p->next[i]);
+        if (p->first)
+            reach(d, p->first[i]);
     }
+    for (uint32_t i = 0; p->sight && i < p->sight->count; i++)
+        reach(d, p->sight->list[i].node);
+    for (uint32_t i = 0; p->kept_count && i < *p->kept_count; i++)
+        reach(d, p->kept[i].node);
     for (uint32_t i = d->from->count; i-- > 0;)
-        for (int j = 0; d->is_reached[i] && !fp3_dag_is_leaf(d->from, i) && j < 3; j++)
-            if (fp3_dag_operand(d->from, i, j) != FP3_NONE)
-                d->is_reached[fp3_dag_operand(d->from, i, j)] = 1;
+        for (int j = 0; d->is_reached[i] && j < operand_nodes(d->from, i); j++)
+            reach(d, fp3_dag_operand(d->from, i, j));
 }
 
 static void double_nodes(const doubling *d) {
@@ -231,16 +302,56 @@ static void double_nodes(const doubling *d) {
     }
 }
 
-static uint32_t next_root(const variable *v) { return v->next; }
-static uint32_t last_root(const variable *v) { return v->last; }
-static uint32_t *next_place(variable *v) { return &v->next; }
-static uint32_t *last_place(variable *v) { return &v->last; }
+/* The pair of a node, with the note that this had. */
+static fp3_pair noted(const doubling *d, uint32_t node) {
+    d->to->note = d->from->nodes[node].note;
+    return pair_of(d, node);
+}
+
+static void double_variables(const doubling *d, const part *p, uint32_t variables) {
+    for (uint32_t i = 0; i < variables; i++) {
+        if (p->first && p->first[i] != FP3_NONE)
+            p->first[i] = pair_of(d, p->first[i]).high;
+        if (p->next[i] == FP3_NONE)
+            continue;
+        const fp3_pair pair = noted(d, p->next[i]);
+        p->next[i] = pair.high;
+        if (d->low[i] != FP3_NONE)
+            p->next[d->low[i]] = fp3_pair_low(d->to, pair);
+    }
+}
+
+/* Others see both words of a state at once. */
+static fp3_status double_sight(const doubling *d, fp3_sight *sight, fp3_error *error) {
+    fp3_seen *list = malloc((2 * sight->count + 1u) * sizeof *list);
+    if (!list)
+        return fp3_no_memory(error);
+    for (uint32_t i = 0; i < sight->count; i++) {
+        const fp3_seen seen = sight->list[i];
+        const fp3_pair pair = noted(d, seen.node);
+        list[2 * i] = (fp3_seen){seen.place, seen.state, pair.high, 0};
+        list[2 * i + 1] = (fp3_seen){seen.place, seen.state, fp3_pair_low(d->to, pair), 1};
+    }
+    free(sight->list);
+    sight->list = list;
+    sight->count = sight->room = 2 * sight->count;
+    return FP3_OK;
+}
+
+static void double_kept(const doubling *d, fp3_kept *kept, uint32_t *count) {
+    for (uint32_t i = *count; i-- > 0;) {
+        const fp3_kept one = kept[i];
+        const fp3_pair pair = noted(d, one.node);
+        kept[2 * i] = (fp3_kept){one.relation, one.field, pair.high, 0};
+        kept[2 * i + 1] = (fp3_kept){one.relation, one.field, fp3_pair_low(d->to, pair), 1};
+    }
+    *count *= 2;
+}
 
 /* A dag to one of pairs, which takes its place. */
-static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uint32_t variables,
-                             uint32_t (*root)(const variable *v), uint32_t *(*place)(variable *v),
+static fp3_status double_dag(fp3_step *step, const part *p, const uint32_t *low, uint32_t variables,
                              fp3_error *error) {
-    dag to;
+    dag to, *from = p->values;
     fp3_dag_open(&to, &step->known, from->passes & ~FP3_PASS(FP3_PASS_FOLD_PRODUCT));
     const doubling d = {.step = step,
                         .from = from,
@@ -250,21 +361,13 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
                         .is_reached = calloc(from->count + 1u, 1)};
     fp3_status status = d.made && d.is_reached ? FP3_OK : fp3_no_memory(error);
     if (!status) {
-        find_reached(&d, root);
+        find_reached(&d, p, variables);
         double_nodes(&d);
-    }
-    for (uint32_t i = 0; !status && i < variables; i++) {
-        const uint32_t node = root(&step->variables[i]);
-        uint32_t *first = &step->variables[i].first;
-        if (from == &step->values && *first != FP3_NONE)
-            *first = pair_of(&d, *first).high;
-        if (node == FP3_NONE)
-            continue;
-        to.note = from->nodes[node].note;
-        const fp3_pair pair = pair_of(&d, node);
-        *place(&step->variables[i]) = pair.high;
-        if (low[i] != FP3_NONE)
-            *place(&step->variables[low[i]]) = fp3_pair_low(&to, pair);
+        double_variables(&d, p, variables);
+        if (p->kept_count)
+            double_kept(&d, p->kept, p->kept_count);
+        if (p->sight)
+            status = double_sight(&d, p->sight, error);
     }
     free(d.made);
     free(d.is_reached);
@@ -273,15 +376,73 @@ static fp3_status double_dag(fp3_step *step, dag *from, const uint32_t *low, uin
     return status;
 }
 
+static uint32_t *next_place(variable *v) { return &v->next; }
+static uint32_t *first_place(variable *v) { return &v->first; }
+static uint32_t *last_place(variable *v) { return &v->last; }
+
+/* A member of all variables, as a list, which the caller frees. */
+static uint32_t *list_of(fp3_step *step, uint32_t *(*place)(variable *v)) {
+    uint32_t *list = malloc((step->variable_count + 1u) * sizeof *list);
+    for (uint32_t i = 0; list && i < step->variable_count; i++)
+        list[i] = *place(&step->variables[i]);
+    return list;
+}
+
+static void put_back(fp3_step *step, const uint32_t *list, uint32_t *(*place)(variable *v)) {
+    for (uint32_t i = 0; i < step->variable_count; i++)
+        *place(&step->variables[i]) = list[i];
+}
+
+/* The values of the step, or its last part. */
+static fp3_status double_own(fp3_step *step, int is_last, const uint32_t *low, uint32_t variables,
+                             fp3_error *error) {
+    uint32_t *next = list_of(step, is_last ? last_place : next_place);
+    uint32_t *first = list_of(step, first_place);
+    const part of = {.values = is_last ? &step->last : &step->values,
+                     .next = next,
+                     .first = is_last ? NULL : first,
+                     .sight = is_last ? NULL : &step->sight,
+                     .kept = step->kept,
+                     .kept_count = is_last ? NULL : &step->kept_count};
+    fp3_status status = next && first ? FP3_OK : fp3_no_memory(error);
+    if (!status) {
+        status = double_dag(step, &of, low, variables, error);
+        put_back(step, next, is_last ? last_place : next_place);
+        put_back(step, first, first_place);
+    }
+    free(next);
+    free(first);
+    return status;
+}
+
+static fp3_status double_segment(fp3_step *step, fp3_segment *s, const uint32_t *low,
+                                 uint32_t variables, fp3_error *error) {
+    uint32_t *next = realloc(s->next, (step->variable_count + 1u) * sizeof *next);
+    if (!next)
+        return fp3_no_memory(error);
+    s->next = next;
+    for (uint32_t i = variables; i < step->variable_count; i++)
+        next[i] = FP3_NONE;
+    const part of = {.values = &s->values, .next = next, .sight = &s->sight};
+    return double_dag(step, &of, low, variables, error);
+}
+
+/* What the second word of a variable is; ROLE_STATE: it has none. */
+static role low_role(const fp3_step *step, const variable *v) {
+    if (v->role == ROLE_STATE && !is_control(step, v))
+        return ROLE_LOW;
+    if (v->role == ROLE_BEFORE)
+        return ROLE_LOW_BEFORE;
+    return v->role == ROLE_CARRIED && v->state != FP3_NONE ? ROLE_CARRIED : ROLE_STATE;
+}
+
 static fp3_status add_low_words(fp3_step *step, uint32_t *low, fp3_error *error) {
     const uint32_t count = step->variable_count;
     for (uint32_t i = 0; i < count; i++) {
         const variable v = step->variables[i];
-        low[i] = FP3_NONE;
-        if ((v.role != ROLE_STATE && v.role != ROLE_BEFORE) || is_control(step, &v))
-            continue;
-        low[i] = step->variable_count;
-        if (!fp3_step_add(step, v.role == ROLE_STATE ? ROLE_LOW : ROLE_LOW_BEFORE, v.state))
+        const role role = low_role(step, &v);
+        low[i] = role == ROLE_STATE ? FP3_NONE : step->variable_count;
+        if (role != ROLE_STATE && !fp3_step_add(step, role, v.state))
             return fp3_no_memory(error);
     }
     return FP3_OK;
@@ -291,10 +452,10 @@ fp3_status fp3_double_step(fp3_step *step, fp3_error *error) {
     const uint32_t variables = step->variable_count;
     uint32_t *low = calloc(variables + 1u, sizeof *low);
     fp3_status status = low ? add_low_words(step, low, error) : fp3_no_memory(error);
-    if (!status)
-        status = double_dag(step, &step->values, low, variables, next_root, next_place, error);
-    if (!status)
-        status = double_dag(step, &step->last, low, variables, last_root, last_place, error);
+    for (uint32_t i = 0; !status && i < step->segment_count; i++)
+        status = double_segment(step, &step->segments[i], low, variables, error);
+    for (int is_last = 0; !status && is_last < 2; is_last++)
+        status = double_own(step, is_last, low, variables, error);
     free(low);
     return status;
 }

@@ -2,6 +2,7 @@
 /* cut.c - the sections of a step, as the plan has them. */
 #include "cut.h"
 
+#include "compiler/pairs/double_single.h"
 #include "sink.h"
 
 #include <assert.h>
@@ -114,13 +115,13 @@ static fp3_status straight(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32
 
 /* The variable that a word of the neighbour is loaded to: nothing is kept there while the loop
  * runs. */
-static uint32_t loaded(builder *b, uint32_t op, uint32_t index) {
+static uint32_t loaded(builder *b, uint32_t op, uint32_t index, uint32_t word) {
     fp3_cut_plan *c = b->c;
     fp3_section *s = b->s;
     const uint32_t now = s->phase * FP3_CUT_SLOTS + b->slot;
     uint32_t at = 0;
     for (uint32_t i = 0; i < s->load_count; i++)
-        if (s->loads[i].op == op && s->loads[i].index == index)
+        if (s->loads[i].op == op && s->loads[i].index == index && s->loads[i].word == word)
             return s->loads[i].variable;
     for (uint32_t used = 0; at < c->pool_count; at++, used = 0) {
         for (uint32_t i = 0; i < s->load_count; i++)
@@ -129,7 +130,7 @@ static uint32_t loaded(builder *b, uint32_t op, uint32_t index) {
             break;
     }
     const uint32_t variable = at < c->pool_count ? c->pool[at] : fp3_cut_pool(c);
-    s->loads[s->load_count++] = (fp3_loaded){variable, op, index};
+    s->loads[s->load_count++] = (fp3_loaded){variable, op, index, word};
     return variable;
 }
 
@@ -141,9 +142,47 @@ static int keeps(const fp3_cut_plan *c, const fp3_kept *kept, uint32_t when, uin
 /* The variable to which a field is loaded becomes what is written. */
 static void keep(builder *b, const fp3_kept *kept) {
     fp3_section *s = b->s;
-    const uint32_t variable = loaded(b, NODE_FIELD, kept->field);
+    const uint32_t variable = loaded(b, NODE_FIELD, kept->field, kept->word);
     write(b, variable, put(b, kept->node));
-    s->stores[s->store_count++] = (fp3_loaded){variable, NODE_FIELD, kept->field};
+    s->stores[s->store_count++] = (fp3_loaded){variable, NODE_FIELD, kept->field, kept->word};
+}
+
+/* What a fold has when a term has joined it. */
+static void grow(builder *b, uint32_t fold) {
+    const fp3_cut_plan *c = b->c;
+    dag *g = &b->s->values;
+    const uint32_t sum = fp3_dag_variable(g, c->holder[fold]);
+    const uint32_t term = put(b, fp3_cut_node(c, fold)->a);
+    g->note = fp3_cut_node(c, fold)->note;
+    /* A least or a most is operand b: a term that is equal or a NaN leaves it alone, in every
+     * bit. */
+    const uint32_t op = fp3_cut_fold_op(c, fold);
+    write(b, c->holder[fold],
+          op == FP3_OP_ADD ? fp3_dag_make(g, op, sum, term, FP3_NONE)
+                           : fp3_dag_make(g, op, term, sum, FP3_NONE));
+}
+
+/* Likewise, of pairs. */
+static void grow_pair(builder *b, uint32_t fold) {
+    const fp3_cut_plan *c = b->c;
+    dag *g = &b->s->values;
+    const fp3_pair sum = {fp3_dag_variable(g, c->holder[fold]),
+                          fp3_dag_variable(g, c->holder[fold + 1])};
+    const uint32_t low = put(b, fp3_cut_node(c, fold + 1)->a);
+    const fp3_pair term = {put(b, fp3_cut_node(c, fold)->a),
+                           fp3_dag_is_number(g, low, 0) ? FP3_NONE : low};
+    const uint32_t op = fp3_cut_fold_op(c, fold);
+    fp3_pair now;
+    g->note = fp3_cut_node(c, fold)->note;
+    if (op == FP3_OP_ADD)
+        now = fp3_pair_add(g, sum, term);
+    else
+        now = fp3_pair_select(g,
+                              op == FP3_OP_MIN ? fp3_pair_less(g, term, sum).high
+                                               : fp3_pair_less(g, sum, term).high,
+                              term, sum);
+    write(b, c->holder[fold], now.high);
+    write(b, c->holder[fold + 1], now.low);
 }
 
 static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t slot,
@@ -158,7 +197,7 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
         if (keeps(c, &c->step->kept[k], now, relation))
             is_in[c->step->kept[k].node] = 1;
     for (uint32_t i = c->g->count; !status && i-- > 0;) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         const dag_node *n = fp3_cut_node(c, i);
         const int is_total = fp3_dag_is_fold(n->op);
         if (is_total && c->is_needed[i] && c->when[i] == phase * FP3_CUT_SLOTS + slot &&
@@ -171,21 +210,16 @@ static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t s
     for (uint32_t i = 0; !status && i < c->g->count; i++) {
         const dag_node *n = fp3_cut_node(c, i);
         if (is_in[i] && fp3_cut_is_neighbours(n->op))
-            b.made[i] = fp3_dag_variable(&b.s->values, loaded(&b, n->op, n->a));
+            b.made[i] = fp3_dag_variable(&b.s->values, loaded(&b, n->op, n->a, n->c));
         else if (is_in[i] && c->is_body[i])
             put(&b, i);
-        if (!fp3_dag_is_fold(n->op) || !c->is_needed[i] ||
+        if (!fp3_dag_is_fold(n->op) || n->op == NODE_SECOND || !c->is_needed[i] ||
             c->when[i] != phase * FP3_CUT_SLOTS + slot || fp3_dag_relation(c->g, i) != relation)
             continue;
-        const uint32_t sum = fp3_dag_variable(&b.s->values, c->holder[i]);
-        const uint32_t term = put(&b, n->a);
-        b.s->values.note = n->note;
-        /* A least or a most is operand b: a term that is equal or a NaN leaves it alone, in every
-         * bit. */
-        const uint32_t op = fp3_cut_fold_op(c, i);
-        write(&b, c->holder[i],
-              op == FP3_OP_ADD ? fp3_dag_make(&b.s->values, op, sum, term, FP3_NONE)
-                               : fp3_dag_make(&b.s->values, op, term, sum, FP3_NONE));
+        if (fp3_dag_has_second(c->g, i))
+            grow_pair(&b, i);
+        else
+            grow(&b, i);
     }
     for (uint32_t k = 0; !status && k < c->step->kept_count; k++)
         if (keeps(c, &c->step->kept[k], now, relation))
@@ -234,21 +268,22 @@ static void make_lists(fp3_cut_plan *c, fp3_cut *cut) {
     }
 }
 
-static int has_field(const fp3_section *s, uint32_t field) {
+/* How many of the words of a field it loads. */
+static uint32_t has_field(const fp3_section *s, uint32_t field) {
+    uint32_t words = 0;
     for (uint32_t i = 0; i < s->load_count; i++)
-        if (s->loads[i].op == NODE_FIELD && s->loads[i].index == field)
-            return 1;
-    return 0;
+        words += s->loads[i].op == NODE_FIELD && s->loads[i].index == field;
+    return words;
 }
 
-/* A loop leaves out a field that another one over the same list reads. */
-static int needs_unused(const fp3_cut *cut) {
+/* A loop leaves out a field that another one over the same list reads, or a word of one. */
+static int needs_unused(const fp3_cut *cut, uint32_t words) {
     for (uint32_t i = 0; i < cut->section_count; i++)
         for (uint32_t j = 0; j < cut->section_count; j++)
             for (uint32_t k = 0; k < cut->sections[j].load_count; k++)
                 if (cut->sections[i].relation == cut->sections[j].relation &&
                     cut->sections[j].loads[k].op == NODE_FIELD &&
-                    !has_field(&cut->sections[i], cut->sections[j].loads[k].index))
+                    has_field(&cut->sections[i], cut->sections[j].loads[k].index) < words)
                     return 1;
     return 0;
 }
@@ -328,8 +363,9 @@ fp3_status fp3_cut_make(fp3_step *step, fp3_cut *cut, fp3_error *error) {
     if (!status && !is_nothing(&plan))
         status = cut_part(&plan, 0, cut, error);
     if (!status)
-        cut->unused =
-            needs_unused(cut) ? fp3_cut_variable(&plan, ROLE_CARRIED, FP3_NONE) : FP3_NONE;
+        cut->unused = needs_unused(cut, step->known.words)
+                          ? fp3_cut_variable(&plan, ROLE_CARRIED, FP3_NONE)
+                          : FP3_NONE;
     if (!status && plan.has_failed)
         status = fp3_fail(error, FP3_E_LIMIT,
                           "a step keeps more than %d values from one part to another",

@@ -24,6 +24,7 @@ typedef struct {
     uint32_t variable; /* that it becomes */
     uint32_t op;       /* NODE_OTHER_STATE, NODE_OTHER_PARAM or NODE_FIELD */
     uint32_t index;    /* of the model's states, params or fields */
+    uint32_t word;     /* 0; 1: the second word of a pair */
 } fp3_loaded;
 
 typedef struct {

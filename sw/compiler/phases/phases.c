@@ -41,7 +41,7 @@ static int shows_more(const fp3_step *step) {
     for (uint32_t i = 0; step->shown && i < step->sight.count; i++) {
         const fp3_seen *s = &step->sight.list[i];
         const dag_node *n = &step->values.nodes[s->node];
-        if (n->op != NODE_VARIABLE || n->a != fp3_step_find(step, ROLE_STATE, s->state))
+        if (n->op != NODE_VARIABLE || n->a != fp3_step_word(step, s->state, s->word))
             return 1;
     }
     return 0;
@@ -61,11 +61,12 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
     static const char *const why[] = {
         ("this linearly implicit integrator needs derivatives by states of neighbours, too; 'ros2' "
          "has its order without them"),
-        "double-single has no sums over neighbours",
+        "adaptive steps in double-single: what all objects compare is one word",
         ("the positions one step before the first need sums over neighbours there; 'leapfrog' has "
          "the same order in fewer cycles, 'verlet' makes the same positions")};
+    const int is_double = options->arithmetic == FP3_DOUBLE_SINGLE;
     const int wrong = model->relation_count && !fp3_rosenbrock_is_free(integrator) ? 0
-                      : options->arithmetic == FP3_DOUBLE_SINGLE                   ? 1
+                      : fp3_model_adapted(model) != FP3_NONE && is_double          ? 1
                       : integrator->kind == FP3_STOERMER                           ? 2
                                                                                    : -1;
     const int is_seen = options->coupling && (options->coupling->seen || options->coupling->params);
@@ -109,7 +110,8 @@ static fp3_status convert_all(maker *m, fp3_error *error) {
     for (uint32_t i = 0; !status && i < m->cut.section_count; i++)
         for (uint32_t k = 0; k < m->cut.sections[i].load_count; k++)
             if (m->cut.sections[i].loads[k].op == NODE_OTHER_PARAM)
-                fp3_convert_param(m->step, m->options, m->code, m->cut.sections[i].loads[k].index);
+                fp3_convert_param(m->step, m->options, m->code, m->cut.sections[i].loads[k].index,
+                                  m->cut.sections[i].loads[k].word);
     if (!status) {
         fp3_convert_seen(m->step, m->options, m->code);
         fp3_convert_end(m->step, m->code);
@@ -157,22 +159,30 @@ static void put_word(maker *m, uint32_t op, uint32_t d, uint32_t a) {
 static uint32_t word_of(const maker *m, const fp3_loaded *l) {
     const fp3_step_code *code = &m->code->code;
     if (l->op == NODE_OTHER_STATE)
-        return fp3_code_variable(code, fp3_step_find(m->step, ROLE_STATE, l->index));
-    return fp3_code_param(code, fp3_convert_param(m->step, m->options, m->code, l->index));
+        return fp3_code_variable(code, fp3_step_word(m->step, l->index, l->word));
+    return fp3_code_param(code, fp3_convert_param(m->step, m->options, m->code, l->index, l->word));
+}
+
+/* Of a word of a field, in an entry that has these fields. */
+static uint32_t number_of(const maker *m, uint64_t fields, uint32_t field, uint32_t word) {
+    return (uint32_t)__builtin_popcountll(fields & (BIT(field) - 1)) * m->step->known.words + word;
+}
+
+/* The variable to which a section loads a word of a field. */
+static uint32_t loaded_to(const fp3_section *s, uint32_t field, uint32_t word, uint32_t unused) {
+    for (uint32_t k = 0; k < s->load_count; k++)
+        if (s->loads[k].op == NODE_FIELD && s->loads[k].index == field && s->loads[k].word == word)
+            return s->loads[k].variable;
+    return unused;
 }
 
 /* Every loop over links reads the same fields, in the order of the model, so that an entry has one
  * form. */
 static void put_fields(maker *m, const fp3_section *s, uint64_t fields, uint32_t unused) {
-    for (uint32_t f = 0; f < m->step->model->field_count; f++) {
-        uint32_t to = unused;
-        if (!(fields >> f & 1))
-            continue;
-        for (uint32_t k = 0; k < s->load_count; k++)
-            if (s->loads[k].op == NODE_FIELD && s->loads[k].index == f)
-                to = s->loads[k].variable;
-        put_word(m, FP3_OP_LDL, fp3_code_variable(&m->code->code, to), 0);
-    }
+    for (uint32_t f = 0; f < m->step->model->field_count; f++)
+        for (uint32_t word = 0; fields >> f & 1 && word < m->step->known.words; word++)
+            put_word(m, FP3_OP_LDL,
+                     fp3_code_variable(&m->code->code, loaded_to(s, f, word, unused)), 0);
 }
 
 static uint64_t fields_of(const maker *m, uint32_t relation) {
@@ -183,11 +193,6 @@ static uint64_t fields_of(const maker *m, uint32_t relation) {
                 m->cut.sections[i].loads[k].op == NODE_FIELD)
                 fields |= BIT(m->cut.sections[i].loads[k].index);
     return fields;
-}
-
-/* Of a field, in an entry that has these. */
-static uint32_t number_of(uint64_t fields, uint32_t field) {
-    return (uint32_t)__builtin_popcountll(fields & (BIT(field) - 1));
 }
 
 static void put_section(maker *m, uint32_t i) {
@@ -208,7 +213,7 @@ static void put_section(maker *m, uint32_t i) {
         put(m, schedule->step[k]);
     for (uint32_t k = 0; k < s->store_count; k++)
         put_word(m, FP3_OP_STL, fp3_code_variable(&m->code->code, s->stores[k].variable),
-                 number_of(fields_of(m, s->relation), s->stores[k].index));
+                 number_of(m, fields_of(m, s->relation), s->stores[k].index, s->stores[k].word));
     if (s->relation == FP3_NONE)
         return;
     if (!m->has_failed)
@@ -277,7 +282,7 @@ static uint64_t lasting(const maker *m, uint64_t *published) {
         const uint32_t reg = fp3_code_variable(&m->code->code, i);
         if (v->role != ROLE_CARRIED && v->role != ROLE_WORST && v->role != ROLE_LIST)
             states |= BIT(reg);
-        if (v->role == ROLE_STATE && m->cut.published >> v->state & 1)
+        if ((v->role == ROLE_STATE || v->role == ROLE_LOW) && m->cut.published >> v->state & 1)
             *published |= BIT(reg);
     }
     return states;

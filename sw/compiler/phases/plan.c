@@ -23,7 +23,7 @@ uint32_t fp3_cut_fold_op(const fp3_cut_plan *c, uint32_t fold) {
 }
 
 /* Operands that are nodes. */
-unsigned fp3_cut_operands(const fp3_cut_plan *c, uint32_t node, uint32_t list[3]) {
+unsigned fp3_cut_operands(const fp3_cut_plan *c, uint32_t node, uint32_t list[FP3_CUT_OPERANDS]) {
     const dag_node *n = fp3_cut_node(c, node);
     unsigned count = 0;
     if (fp3_dag_is_leaf(c->g, node) || fp3_cut_is_neighbours(n->op))
@@ -32,6 +32,8 @@ unsigned fp3_cut_operands(const fp3_cut_plan *c, uint32_t node, uint32_t list[3]
     for (int i = 0; i <= last; i++)
         if (fp3_dag_operand(c->g, node, i) != FP3_NONE)
             list[count++] = fp3_dag_operand(c->g, node, i);
+    for (int i = 0; fp3_dag_is_fold(n->op) && fp3_dag_has_second(c->g, node) && i <= last; i++)
+        list[count++] = fp3_dag_operand(c->g, node + 1, i);
     return count;
 }
 
@@ -51,19 +53,23 @@ static int is_worst(const fp3_cut_plan *c, uint32_t node) {
 
 /* ---- when ---- */
 
-static int is_start(const fp3_cut_plan *c, uint32_t node, uint32_t state) {
-    return fp3_cut_node(c, node)->op == NODE_VARIABLE &&
-           fp3_cut_node(c, node)->a == fp3_step_find(c->step, ROLE_STATE, state);
+static int is_start(const fp3_cut_plan *c, const fp3_seen *s) {
+    return fp3_cut_node(c, s->node)->op == NODE_VARIABLE &&
+           fp3_cut_node(c, s->node)->a == fp3_step_word(c->step, s->state, s->word);
+}
+
+/* The node that neighbours see of a word of a state in this phase. */
+static uint32_t *shown(const fp3_cut_plan *c, uint32_t phase, uint32_t state, uint32_t word) {
+    return &c->shown[phase * c->words + word * c->step->model->state_count + state];
 }
 
 /* Whether neighbours can see at this place in this phase what they have to. */
 static int fits(const fp3_cut_plan *c, uint32_t place, uint32_t phase) {
     for (uint32_t i = 0; i < c->step->sight.count; i++) {
         const fp3_seen *s = &c->step->sight.list[i];
-        const uint32_t there = c->shown[phase * c->states + s->state];
-        const int is_there = phase == 0 ? is_start(c, s->node, s->state)
-                                        : is_start(c, s->node, s->state) ||
-                                              ready(c, s->node) / FP3_CUT_SLOTS < phase;
+        const uint32_t there = *shown(c, phase, s->state, s->word);
+        const int is_there =
+            is_start(c, s) || (phase > 0 && ready(c, s->node) / FP3_CUT_SLOTS < phase);
         if (s->place == place && (!is_there || (there != FP3_NONE && there != s->node)))
             return 0;
     }
@@ -74,7 +80,7 @@ static void show(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
     for (uint32_t i = 0; i < c->step->sight.count; i++) {
         const fp3_seen *s = &c->step->sight.list[i];
         if (s->place == place) {
-            c->shown[phase * c->states + s->state] = s->node;
+            *shown(c, phase, s->state, s->word) = s->node;
             c->published |= UINT64_C(1) << s->state;
         }
     }
@@ -143,9 +149,13 @@ static fp3_status show_until(fp3_cut_plan *c, uint32_t end, uint32_t before, fp3
 
 static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
     for (uint32_t i = 0; i < c->g->count; i++) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         const unsigned count = fp3_cut_operands(c, i, list);
         c->is_body[i] = (char)fp3_cut_is_neighbours(fp3_cut_node(c, i)->op);
+        if (fp3_cut_node(c, i)->op == NODE_SECOND) {
+            c->when[i] = c->when[i - 1];
+            continue;
+        }
         for (unsigned k = 0; k < count; k++) {
             const uint32_t then = c->is_body[list[k]] ? c->when[list[k]] : ready(c, list[k]);
             c->when[i] = then > c->when[i] ? then : c->when[i];
@@ -203,7 +213,7 @@ static void mark_kept(fp3_cut_plan *c) {
     for (uint32_t k = 0; k < c->step->kept_count; k++)
         c->in_kept[c->step->kept[k].node] = 1;
     for (uint32_t i = c->g->count; i-- > 0;) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         const unsigned count = c->in_kept[i] && c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
         for (unsigned k = 0; k < count; k++)
             c->in_kept[list[k]] = 1;
@@ -229,10 +239,14 @@ static void find_needed(fp3_cut_plan *c) {
             need(c, c->step->sight.list[k].node);
     }
     for (uint32_t i = c->g->count; i-- > 0;) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         const unsigned count = c->is_needed[i] ? fp3_cut_operands(c, i, list) : 0;
         for (unsigned k = 0; k < count; k++)
             need(c, list[k]);
+        if (count && fp3_cut_node(c, i)->op == NODE_SECOND)
+            need(c, i - 1); /* a fold of pairs needs both words */
+        else if (count && fp3_dag_is_fold(fp3_cut_node(c, i)->op) && fp3_dag_has_second(c->g, i))
+            need(c, i + 1);
         for (uint32_t k = 0;
              count && fp3_dag_is_fold(fp3_cut_node(c, i)->op) && k < c->step->sight.count; k++)
             if (c->step->sight.list[k].place == fp3_dag_place(c->g, i))
@@ -305,9 +319,10 @@ static uint32_t *held(const fp3_cut_plan *c, uint32_t phase, uint32_t variable) 
     return &c->held[phase * c->own + variable];
 }
 
+/* Of a word that neighbours may see. */
 static uint32_t state_of(const fp3_cut_plan *c, uint32_t variable) {
-    return c->step->variables[variable].role == ROLE_STATE ? c->step->variables[variable].state
-                                                           : FP3_NONE;
+    const role role = c->step->variables[variable].role;
+    return role == ROLE_STATE || role == ROLE_LOW ? c->step->variables[variable].state : FP3_NONE;
 }
 
 static int is_published(const fp3_cut_plan *c, uint32_t variable) {
@@ -320,7 +335,7 @@ static uint32_t last_use(const fp3_cut_plan *c, uint32_t variable) {
     uint32_t last = 0;
     const uint32_t start = fp3_dag_find(c->g, NODE_VARIABLE, variable, FP3_NONE, FP3_NONE);
     for (uint32_t i = 0; start != FP3_NONE && i < c->g->count; i++) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         const unsigned count = c->is_needed[i] && !c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
         for (unsigned k = 0; k < count; k++)
             if ((list[k] == start || c->is_body[list[k]]) && phase_of(c, i) > last)
@@ -341,8 +356,12 @@ static void find_held(fp3_cut_plan *c) {
         const uint32_t next = c->step->variables[v].next;
         const uint32_t ends = is_published(c, v) || next == FP3_NONE ? phases : last_use(c, v);
         for (uint32_t p = 0; p < phases; p++) {
-            if (is_published(c, v) && p > 0 && c->shown[p * c->states + state_of(c, v)] != FP3_NONE)
-                now = c->shown[p * c->states + state_of(c, v)];
+            const uint32_t seen =
+                is_published(c, v)
+                    ? *shown(c, p, state_of(c, v), c->step->variables[v].role == ROLE_LOW)
+                    : FP3_NONE;
+            if (p > 0 && seen != FP3_NONE)
+                now = seen;
             if (!is_published(c, v) && next != FP3_NONE && p > ends &&
                 ready(c, next) / FP3_CUT_SLOTS < p)
                 now = next;
@@ -381,7 +400,7 @@ static void use_outside(fp3_cut_plan *c, uint32_t term, uint32_t when) {
     }
     is_in[term] = 1;
     for (uint32_t i = term + 1; i-- > 0;) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         if (is_in[i] && !c->is_body[i] && !fp3_cut_is_neighbours(fp3_cut_node(c, i)->op))
             use(c, i, when);
         const unsigned count = is_in[i] && c->is_body[i] ? fp3_cut_operands(c, i, list) : 0;
@@ -414,7 +433,7 @@ static uint32_t written(const fp3_cut_plan *c, uint32_t node) {
 
 static void find_uses(fp3_cut_plan *c) {
     for (uint32_t i = 0; i < c->g->count; i++) {
-        uint32_t list[3];
+        uint32_t list[FP3_CUT_OPERANDS];
         if (!c->is_needed[i] || c->is_body[i])
             continue;
         if (fp3_dag_is_fold(fp3_cut_node(c, i)->op)) {
@@ -478,7 +497,7 @@ static void know_params(fp3_cut_plan *c) {
         while (model->exprs[e].op != FP3_EXPR_PARAM ||
                model->exprs[e].index != fp3_cut_node(c, i)->a)
             e++; /* the language has made one beside that of the neighbour */
-        fp3_known_model(&c->step->known, e);
+        fp3_known_seen(&c->step->known, e);
     }
 }
 
@@ -515,7 +534,7 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
 fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
     c->g = &c->step->values;
     const size_t nodes = c->g->count;
-    c->states = c->step->model->state_count;
+    c->words = 2 * c->step->model->state_count;
     c->published = c->handled = 0;
     memset(c->slots, 0, sizeof c->slots);
     c->when = calloc(nodes + 1, sizeof *c->when);
@@ -525,7 +544,7 @@ fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {
     c->in_kept = calloc(nodes + 1, 1);
     c->holder = fp3_cut_filled(nodes);
     c->until = calloc(nodes + 1, sizeof *c->until);
-    c->shown = fp3_cut_filled((size_t)FP3_CUT_PHASES * c->states);
+    c->shown = fp3_cut_filled((size_t)FP3_CUT_PHASES * c->words);
     return c->when && c->is_body && c->is_needed && c->is_held && c->holder && c->until &&
                    c->shown && c->in_kept
                ? make(c, error)

@@ -10,13 +10,14 @@
 
 #define FP3_CUT_SLOTS 16u
 #define FP3_CUT_PHASES 64u
+#define FP3_CUT_OPERANDS 4 /* of a fold of pairs */
 
 typedef struct fp3_cut_plan {
     fp3_step *step;
     const dag *g;
     uint64_t published;         /* states of the model that neighbours read */
     uint32_t base, phase_count; /* phases of the step before these; these */
-    uint32_t states;
+    uint32_t words;             /* of states: word * states + state */
     /* Of each node: */
     uint32_t *when; /* of one in a loop: of what it reads from outside */
     char *is_body;  /* it depends on a neighbour */
@@ -26,7 +27,7 @@ typedef struct fp3_cut_plan {
     uint32_t *until;  /* ... up to this `when`, of the last section that reads it */
     char *in_kept;    /* the loops that write fields read it */
     uint32_t kept;    /* `when` of these loops */
-    uint32_t *shown;  /* [phase * states + state]: node that neighbours see; or FP3_NONE */
+    uint32_t *shown;  /* [phase * words + word]: node that neighbours see; or FP3_NONE */
     uint32_t *held;   /* [phase * own + variable]: node whose value it has, from begin to end */
     uint32_t own;     /* variables that the step had before */
     uint64_t handled; /* places that the step shows (fp3_coupling), as far as ... */
@@ -47,8 +48,8 @@ void fp3_cut_plan_close(fp3_cut_plan *plan);
 uint32_t fp3_cut_fold_op(const fp3_cut_plan *plan, uint32_t fold);
 /* Whether it is a leaf of a neighbour. */
 int fp3_cut_is_neighbours(uint32_t op);
-/* Operands that are nodes. */
-unsigned fp3_cut_operands(const fp3_cut_plan *plan, uint32_t node, uint32_t list[3]);
+/* Operands that are nodes; those of both words of a fold of pairs are of each. */
+unsigned fp3_cut_operands(const fp3_cut_plan *plan, uint32_t node, uint32_t list[FP3_CUT_OPERANDS]);
 /* The variable that holds a node in this phase because it is its own; or FP3_NONE. */
 uint32_t fp3_cut_holds(const fp3_cut_plan *plan, uint32_t node, uint32_t phase);
 /* Which node a variable of the step gets at the end of a phase; FP3_NONE: it keeps what it has. */

@@ -253,7 +253,7 @@ static void add_seen(lowering *l, uint32_t state, uint32_t node) {
     }
     if (sight->stopped != FP3_NONE && node != sight->start[state])
         node = sel(l->g, sight->stopped, sight->start[state], node);
-    sight->list[sight->count++] = (fp3_seen){l->index, state, node};
+    sight->list[sight->count++] = (fp3_seen){l->index, state, node, 0};
 }
 
 void fp3_lower_show(lowering *l, uint64_t states) {
@@ -272,7 +272,7 @@ void fp3_lower_look(lowering *l, uint32_t relation) {
 static term others_state(lowering *l, uint32_t state) {
     if (!is_seen(l, state))
         add_seen(l, state, fp3_term_value(l->g, l->state(l, state)));
-    return fp3_term(fp3_dag_neighbour(l->g, NODE_OTHER_STATE, state, l->index, FP3_NONE));
+    return fp3_term(fp3_dag_neighbour(l->g, NODE_OTHER_STATE, state, l->index, 0));
 }
 
 static term fold(lowering *l, const fp3_expr *e) {
@@ -304,9 +304,9 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_OTHER_STATE:
         return others_state(l, e->index);
     case FP3_EXPR_OTHER_PARAM:
-        return fp3_term(fp3_dag_neighbour(g, NODE_OTHER_PARAM, e->index, FP3_NONE, FP3_NONE));
+        return fp3_term(fp3_dag_neighbour(g, NODE_OTHER_PARAM, e->index, FP3_NONE, 0));
     case FP3_EXPR_FIELD:
-        return fp3_term(fp3_dag_neighbour(g, NODE_FIELD, e->index, FP3_NONE, FP3_NONE));
+        return fp3_term(fp3_dag_neighbour(g, NODE_FIELD, e->index, FP3_NONE, 0));
     case FP3_EXPR_TOTAL:
     case FP3_EXPR_LEAST:
     case FP3_EXPR_MOST:

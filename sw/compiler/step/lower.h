@@ -11,9 +11,11 @@
 #include "notes.h"
 #include "options.h"
 
-/* What neighbours see of an object at a place: a state, and the node of its value there. */
+/* What neighbours see of an object at a place: a word of a state, and the node of its value there.
+ */
 typedef struct {
     uint32_t place, state, node;
+    uint32_t word; /* 0; 1: the second word of a pair */
 } fp3_seen;
 
 typedef struct {

@@ -37,10 +37,11 @@ typedef struct variable {
     uint32_t last;  /* node of `last` that the state is at the end; FP3_NONE: none */
 } variable;
 
-/* A field of each entry of a relation gets the value of a node. */
+/* A word of a field of each entry of a relation gets the value of a node. */
 typedef struct {
     uint32_t relation, field; /* of the model's fields */
     uint32_t node;
+    uint32_t word; /* 0; 1: the second word of a pair */
 } fp3_kept;
 
 /* The beginning of a step that goes on with other values of the same variables, behind a repetition
@@ -67,7 +68,7 @@ typedef struct {
     uint32_t rest_note;
     fp3_sight sight; /* what neighbours see */
     /* What entries remember: each of these fields, at once, at a place of their own. */
-    fp3_kept kept[FP3_FIELDS_MAX];
+    fp3_kept kept[2 * FP3_FIELDS_MAX];
     uint32_t kept_count, kept_place; /* kept_place: FP3_NONE without a `remember` */
     /* Of objects of other kinds: what they ask for (NULL: nothing); places at which the seen states
      * are shown, at which this step sees others; of these the phases; whether no seen state moves,
@@ -92,6 +93,11 @@ int fp3_step_cut(fp3_step *step, uint32_t times);
 int fp3_step_add(fp3_step *step, role role, uint32_t state);
 /* Which variable has this role for a state of the model; FP3_NONE: none. */
 uint32_t fp3_step_find(const fp3_step *step, role role, uint32_t state);
+
+/* The variable of a word of a state: 0, or 1 of the second word of a pair. */
+static inline uint32_t fp3_step_word(const fp3_step *step, uint32_t state, uint32_t word) {
+    return fp3_step_find(step, word ? ROLE_LOW : ROLE_STATE, state);
+}
 
 /* The number of a place as fp3_coupling has it; FP3_NONE: it has no room there. */
 #define FP3_LAST_PLACE (FP3_PLACES - 1)

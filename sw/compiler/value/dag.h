@@ -21,7 +21,7 @@ enum {
     NODE_INVERSE_ROOT, /* 1 / its root */
     NODE_FIRST,        /* the first word of a: what is made of it and of known values is a float */
     /* Words of the current neighbour of a sum. Leaves; b is the place (lowering) whose values the
-     * neighbour shows. */
+     * neighbour shows, c the word of a pair: 0, or 1 of its second word. */
     NODE_OTHER_STATE, /* a: of the model's states */
     NODE_OTHER_PARAM, /* a: of its params; b: FP3_NONE */
     NODE_FIELD,       /* a: of its fields; b: FP3_NONE */
@@ -29,6 +29,7 @@ enum {
     NODE_TOTAL,         /* b, and node a for each one added to it */
     NODE_LEAST,         /* the least of b and of a for each one */
     NODE_MOST,          /* the most */
+    NODE_SECOND,        /* the second word of the fold that stands before it: a and b are, too */
     NODE_WORST,         /* of a over all objects: in a later phase (machine/neighbours.h) */
     NODE_FUNCTION = 512 /* + FP3_EXPR_...: a function of a, or of a and b; of a power b is known */
 };
@@ -89,7 +90,12 @@ static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
 uint32_t fp3_dag_worst(dag *g, uint32_t node);
 
 /* Whether a value is made of all neighbours, in a loop over them. */
-static inline int fp3_dag_is_fold(uint32_t op) { return op >= NODE_TOTAL && op <= NODE_MOST; }
+static inline int fp3_dag_is_fold(uint32_t op) { return op >= NODE_TOTAL && op <= NODE_SECOND; }
+
+/* Whether the fold is one of pairs, whose second word is the node behind it. */
+static inline int fp3_dag_has_second(const dag *g, uint32_t fold) {
+    return fold + 1 < g->count && g->nodes[fold + 1].op == NODE_SECOND;
+}
 
 /* Operand c of a fold: by which relation, and at which place, neighbours are seen. */
 static inline uint32_t fp3_dag_seen(uint32_t relation, uint32_t place) {

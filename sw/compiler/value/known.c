@@ -125,6 +125,12 @@ uint32_t fp3_known_model(known_table *table, uint32_t expr) {
         (known){.op = KNOWN_MODEL, .a = table->same[expr], .is_shared = table->is_shared[expr]});
 }
 
+void fp3_known_seen(known_table *table, uint32_t expr) {
+    const uint32_t param = fp3_known_model(table, expr);
+    if (table->words > 1)
+        fp3_known_make(table, KNOWN_LOW, param, 0);
+}
+
 uint32_t fp3_known_param(known_table *table, const char *name) {
     const fp3_model *model = table->model;
     const uint32_t param = fp3_model_param(model, name);

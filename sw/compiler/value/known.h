@@ -54,6 +54,8 @@ uint32_t fp3_known_number(known_table *table, double number);
 void fp3_known_stands_for(known_table *table, double number, double exact);
 uint32_t fp3_known_step(known_table *table);
 uint32_t fp3_known_model(known_table *table, uint32_t expr);
+/* An expression that is a param of which neighbours read all words. */
+void fp3_known_seen(known_table *table, uint32_t expr);
 /* A param of the model that an expression reads. */
 uint32_t fp3_known_param(known_table *table, const char *name);
 uint32_t fp3_known_make(known_table *table, known_op op, uint32_t a, uint32_t b);

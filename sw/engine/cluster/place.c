@@ -251,6 +251,11 @@ static fp3_status check_relations(fp3_engine *engine, const fp3_ranked *to) {
             return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                             "several ranks: relations `near` of different positions");
     }
+    if (near && rule->is_pair)
+        return fp3_fail(engine->def.error, FP3_E_PROGRAM,
+                        "several ranks: positions of near objects are sums of two words "
+                        "(double-single), and ranks look at the first of them alone; one process "
+                        "with --threads runs the model");
     if (near && engine->objects < to->ranks->count)
         return fp3_fail(
             engine->def.error, FP3_E_ARGUMENT,

@@ -22,7 +22,9 @@ fp3_status fp3_lists_follow(fp3_lists *lists, uint32_t objects, uint32_t seekers
                                   .dimensions = list->near.dimensions,
                                   .crew = crew};
         uint32_t *begin = NULL, *other = NULL, *field = NULL;
-        for (uint32_t k = 0; list->is_near && k < now.dimensions; k++) {
+        for (uint32_t k = 0; list->is_near && k < FP3_NEAR_COLUMNS; k++) {
+            if (!fp3_near_has(&list->near, k))
+                continue;
             now.position[k] = words[list->near.regs[k]];
             now.theirs[k] = list->kind ? words[list->near.theirs[k]] : NULL;
         }

@@ -149,8 +149,10 @@ uint32_t fp3_list_same_place(const fp3_list *list, const uint32_t *words, size_t
     if (!list || !list->is_near)
         return 0;
     const uint32_t other = first + fp3_list_entry(list, object - first, turn);
-    for (uint32_t k = 0; k < list->near.dimensions; k++) {
+    for (uint32_t k = 0; k < FP3_NEAR_COLUMNS; k++) {
         float x, y;
+        if (!fp3_near_has(&list->near, k))
+            continue;
         memcpy(&x, &words[object * each + list->near.regs[k]], sizeof x);
         memcpy(&y, &words[other * each + (list->kind ? list->near.theirs : list->near.regs)[k]],
                sizeof y);

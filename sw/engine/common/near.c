@@ -176,7 +176,9 @@ static fp3_status enter(const search *s, uint32_t **begin, uint32_t **other, fp3
 }
 
 fp3_status fp3_near_note(fp3_near_rule *rule, const fp3_where_they_are *now, fp3_error *error) {
-    for (uint32_t k = 0; k < now->dimensions; k++) {
+    for (uint32_t k = 0; k < FP3_NEAR_COLUMNS; k++) {
+        if (!fp3_near_has(rule, k))
+            continue;
         if (!rule->made[k])
             rule->made[k] = malloc((now->objects + 1u) * sizeof *rule->made[k]);
         if (!rule->made[k])
@@ -197,7 +199,7 @@ fp3_status fp3_near_make(fp3_near_rule *rule, const fp3_where_they_are *now, uin
                          uint32_t **other, fp3_error *error) {
     search s = {.now = now};
     *begin = *other = NULL;
-    fp3_near_find_skin(rule, now);
+    fp3_near_find_margins(rule, now);
     fp3_status status = fp3_near_levels_open(rule, now, &s.levels, error);
     if (!status)
         status = find_pairs(&s, error);
@@ -235,7 +237,7 @@ fp3_status fp3_near_order(const fp3_near_rule *rule, const fp3_where_they_are *n
 }
 
 void fp3_near_close(fp3_near_rule *rule) {
-    for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++) {
+    for (int k = 0; k < FP3_NEAR_COLUMNS; k++) {
         free(rule->made[k]);
         rule->made[k] = NULL;
     }

@@ -34,7 +34,7 @@ static uint32_t seek(const fp3_where_they_are *now, uint32_t own, float far, uin
     return count;
 }
 
-/* Words that are no floats. */
+/* In double. */
 static uint32_t seek_exact(const fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t own,
                            float far, uint32_t *found) {
     uint32_t count = 0;
@@ -69,14 +69,16 @@ static uint32_t seek_each(const fp3_near_rule *rule, const fp3_where_they_are *n
             exact += (to - at) * (to - at);
         }
         found[count] = j;
-        count += (rule->format ? exact < (double)(reach * reach) : sum < reach * reach) && j != own;
+        count +=
+            (fp3_near_is_exact(rule) ? exact < (double)(reach * reach) : sum < reach * reach) &&
+            j != own;
     }
     return count;
 }
 
 fp3_status fp3_near_make_few(fp3_near_rule *rule, const fp3_where_they_are *now, uint32_t **begin,
                              uint32_t **other, fp3_error *error) {
-    fp3_near_find_skin(rule, now);
+    fp3_near_find_margins(rule, now);
     const double reach = fp3_near_reach(rule);
     const float far = (float)(reach * reach);
     float *shares = fp3_near_has_radii(now) ? malloc((now->objects + 1u) * sizeof *shares) : NULL;
@@ -93,9 +95,9 @@ fp3_status fp3_near_make_few(fp3_near_rule *rule, const fp3_where_they_are *now,
         (*begin)[own] = count;
         if (now->lives && !now->lives[own])
             continue;
-        count += shares         ? seek_each(rule, now, own, shares, *other + count)
-                 : rule->format ? seek_exact(rule, now, own, far, *other + count)
-                                : seek(now, own, far, *other + count);
+        count += shares                    ? seek_each(rule, now, own, shares, *other + count)
+                 : fp3_near_is_exact(rule) ? seek_exact(rule, now, own, far, *other + count)
+                                           : seek(now, own, far, *other + count);
     }
     free(shares);
     for (uint32_t i = now->own; i <= now->objects; i++)

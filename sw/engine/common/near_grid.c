@@ -103,7 +103,7 @@ static fp3_status sort(fp3_near_grid *g, fp3_error *error) {
     g->order = malloc((objects + 1u) * sizeof *g->order);
     g->first = calloc(cells + 2, sizeof *g->first);
     const size_t places = (size_t)(objects + 1u) * FP3_NEAR_DIMENSIONS;
-    if (g->rule->format)
+    if (fp3_near_is_exact(g->rule))
         g->exact[0] = calloc(places, sizeof(double));
     else
         g->place[0] = calloc(places, sizeof(float));
@@ -246,7 +246,7 @@ static fp3_status find_by_hash(const fp3_near_grid *g, const fp3_near_seeker *s,
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; k < g->now->dimensions; k++) {
         own[k] = cell_at(g, s->place[k]);
-        wide[k] = fabs(own[k]) < LAST_CELL;
+        wide[k] = g->rule->is_pair || fabs(own[k]) < LAST_CELL;
     }
     for (int z = -wide[2]; z <= wide[2]; z++)
         for (int y = -wide[1]; y <= wide[1]; y++)

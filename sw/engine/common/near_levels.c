@@ -35,6 +35,23 @@ double fp3_near_middle(const fp3_near_rule *rule, const fp3_where_they_are *now)
     return rule->reach + (count ? 2 * radius[count / 2] : 0);
 }
 
+/* The largest component of a position that is a number. */
+static double farthest(const fp3_near_rule *rule, const fp3_where_they_are *now) {
+    double most = 0;
+    for (uint32_t k = 0; k < now->dimensions; k++)
+        for (uint32_t i = 0; i < now->objects; i++) {
+            const double size = fabs(fp3_near_at(rule, now, k, i));
+            most = size > most && size < INFINITY ? size : most;
+        }
+    return most;
+}
+
+void fp3_near_find_margins(fp3_near_rule *rule, const fp3_where_they_are *now) {
+    if (rule->share > 0)
+        rule->skin = fmin(rule->share * fp3_near_middle(rule, now), FP3_NEAR_MOST);
+    rule->rounding = rule->is_pair ? FP3_NEAR_PAIR_ROUNDING * farthest(rule, now) : 0;
+}
+
 /* ---- levels ---- */
 
 static int is_in(const fp3_where_they_are *w, uint32_t row) {

@@ -13,11 +13,9 @@
 
 /* What two objects with the middle radius of all those that have one reach, without the skin. */
 double fp3_near_middle(const fp3_near_rule *rule, const fp3_where_they_are *now);
-/* Before a list is made: finds the skin, where it is a share. */
-static inline void fp3_near_find_skin(fp3_near_rule *rule, const fp3_where_they_are *now) {
-    if (rule->share > 0)
-        rule->skin = fmin(rule->share * fp3_near_middle(rule, now), FP3_NEAR_MOST);
-}
+/* Before a list is made: finds the skin, where it is a share, and what rounding of positions adds.
+ */
+void fp3_near_find_margins(fp3_near_rule *rule, const fp3_where_they_are *now);
 
 #define FP3_NEAR_LEVELS 16 /* the last one has all that reach less than those before it */
 

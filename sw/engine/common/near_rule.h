@@ -19,6 +19,8 @@
 #include <string.h>
 
 #define FP3_NEAR_DIMENSIONS 3
+/* Columns of words: of each component, and behind them the second words, if it is a sum of two. */
+#define FP3_NEAR_COLUMNS (2 * FP3_NEAR_DIMENSIONS)
 
 /* How far a list may reach. A program compares squares in FP32: below, a square could lose too many
  * digits to underflow; above, it could overflow. */
@@ -28,13 +30,13 @@
  */
 #define FP3_NEAR_RADIUS_MOST 0x1p61
 
-/* Positions of objects: component k of the object at row i is position[k][i * stride]. */
+/* Positions of objects: column k of the object at row i is position[k][i * stride]. */
 typedef struct {
-    const uint32_t *position[FP3_NEAR_DIMENSIONS]; /* words */
+    const uint32_t *position[FP3_NEAR_COLUMNS]; /* words */
     /* Positions of objects of another kind, in rows from..objects-1. Lists are then of the rows
      * before `own`, with those as neighbours. NULLs: lists are of all rows, with all rows; nobody
      * needs those from row `own` on, unless it is 0. */
-    const uint32_t *theirs[FP3_NEAR_DIMENSIONS];
+    const uint32_t *theirs[FP3_NEAR_COLUMNS];
     uint32_t own, from;
     /* What an object adds to the reach, likewise, of own rows and of those of another kind; NULL:
      * 0.
@@ -49,24 +51,32 @@ typedef struct {
 } fp3_where_they_are;
 
 typedef struct {
-    uint32_t regs[FP3_NEAR_DIMENSIONS];   /* of the position */
-    uint32_t theirs[FP3_NEAR_DIMENSIONS]; /* of that of another kind */
+    uint32_t regs[FP3_NEAR_COLUMNS];   /* of the position */
+    uint32_t theirs[FP3_NEAR_COLUMNS]; /* of that of another kind */
     uint32_t dimensions;
+    int is_pair;                   /* components are sums of two words */
     uint32_t radius, their_radius; /* 1 + the register of what an object adds; 0: nothing */
     const fp3_config *format;      /* whose words positions are; NULL: FP32 */
     double reach, skin;
     double share; /* above 0: the skin is this share of what objects with the middle radius reach */
-    uint32_t *made[FP3_NEAR_DIMENSIONS]; /* where the object of each row was when the list was made;
+    double rounding; /* of sums of two words: how much farther a list reaches for it */
+    uint32_t *made[FP3_NEAR_COLUMNS]; /* where the object of each row was when the list was made;
                                             NULL: there is none */
-    uint32_t *radii;                     /* ... and what it added; NULL: nothing */
-    uint64_t lists;                      /* how many were made */
-    uint64_t looks;                      /* at how many candidates the last of them took */
+    uint32_t *radii;                  /* ... and what it added; NULL: nothing */
+    uint64_t lists;                   /* how many were made */
+    uint64_t looks;                   /* at how many candidates the last of them took */
 } fp3_near_rule;
+
+/* Whether the rule has this column. */
+static inline int fp3_near_has(const fp3_near_rule *rule, uint32_t column) {
+    return column % FP3_NEAR_DIMENSIONS < rule->dimensions &&
+           (rule->is_pair || column < FP3_NEAR_DIMENSIONS);
+}
 
 /* The same rule; there is no list. */
 static inline fp3_near_rule fp3_near_without_list(const fp3_near_rule *rule) {
     fp3_near_rule same = *rule;
-    for (int k = 0; k < FP3_NEAR_DIMENSIONS; k++)
+    for (int k = 0; k < FP3_NEAR_COLUMNS; k++)
         same.made[k] = NULL;
     same.radii = NULL;
     same.lists = same.looks = 0;
@@ -78,8 +88,9 @@ static inline uint64_t fp3_near_registers(const fp3_near_rule *rule, uint32_t ki
     uint64_t all = rule->radius ? UINT64_C(1) << (rule->radius - 1) : 0;
     if (kind && rule->their_radius)
         all |= UINT64_C(1) << (rule->their_radius - 1);
-    for (uint32_t k = 0; k < rule->dimensions; k++)
-        all |= UINT64_C(1) << rule->regs[k] | (kind ? UINT64_C(1) << rule->theirs[k] : 0);
+    for (uint32_t k = 0; k < FP3_NEAR_COLUMNS; k++)
+        if (fp3_near_has(rule, k))
+            all |= UINT64_C(1) << rule->regs[k] | (kind ? UINT64_C(1) << rule->theirs[k] : 0);
     return all;
 }
 
@@ -88,6 +99,17 @@ static inline uint64_t fp3_near_registers(const fp3_near_rule *rule, uint32_t ki
  * no floats distances are computed in double here: a position rounded to a float would be wrong by
  * units of its own last place, which may be more than the whole reach. */
 #define FP3_NEAR_ROUNDING 1e-5
+
+/* Sums of two words are added in double here. That is off by 2^-53 of the largest component, and so
+ * is the number of its cell, which must be known to less than FP3_NEAR_ROUNDING: a list reaches
+ * farther by this share of the largest component, and a cell is as wide. A program's differences,
+ * squares, their sum and the bound are off by some 2^-48 of themselves. */
+#define FP3_NEAR_PAIR_ROUNDING 0x1p-35
+
+/* Whether distances are computed in double here. */
+static inline int fp3_near_is_exact(const fp3_near_rule *rule) {
+    return rule->format || rule->is_pair;
+}
 
 /* A program that computes with fewer bits is wrong by more: each difference, square, sum and the
  * bound may be by a last place of theirs, which is less than 4 of a distance, and with the sum of
@@ -99,7 +121,7 @@ static inline double fp3_near_slack(const fp3_near_rule *rule) {
 
 /* How far a list reaches, but for radii. */
 static inline double fp3_near_reach(const fp3_near_rule *rule) {
-    return (rule->reach + rule->skin) * fp3_near_slack(rule);
+    return (rule->reach + rule->skin) * fp3_near_slack(rule) + rule->rounding;
 }
 
 /* Rows first .. end-1. */
@@ -135,7 +157,15 @@ static inline double fp3_near_number(const fp3_near_rule *rule, uint32_t word) {
 
 static inline double fp3_near_at(const fp3_near_rule *rule, const fp3_where_they_are *w, uint32_t k,
                                  size_t row) {
-    return fp3_near_number(rule, fp3_near_word(w, k, row));
+    const double x = fp3_near_number(rule, fp3_near_word(w, k, row));
+    return rule->is_pair ? x + fp3_near_number(rule, fp3_near_word(w, k + FP3_NEAR_DIMENSIONS, row))
+                         : x;
+}
+
+/* Where it was when the list was made. */
+static inline double fp3_near_was(const fp3_near_rule *rule, uint32_t k, size_t row) {
+    const double x = fp3_near_number(rule, rule->made[k][row]);
+    return rule->is_pair ? x + fp3_near_number(rule, rule->made[k + FP3_NEAR_DIMENSIONS][row]) : x;
 }
 
 static inline int fp3_near_has_radii(const fp3_where_they_are *w) {

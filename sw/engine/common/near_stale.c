@@ -37,8 +37,7 @@ static double way_of(const fp3_near_rule *rule, const fp3_where_they_are *now, u
     double way = 0;
     int is_astray = 0, was_astray = 0;
     for (uint32_t k = 0; k < now->dimensions; k++) {
-        const double x = fp3_near_at(rule, now, k, i),
-                     made = fp3_near_number(rule, rule->made[k][i]);
+        const double x = fp3_near_at(rule, now, k, i), made = fp3_near_was(rule, k, i);
         is_astray |= !isfinite(x);
         was_astray |= !isfinite(made);
         way += (x - made) * (x - made);
@@ -61,7 +60,7 @@ static int has_moved(const look *l, uint32_t first, uint32_t last) {
     const float near_home = (float)(most * (1 - FP3_NEAR_ROUNDING));
     for (uint32_t i = first, end; i < last; i = end) {
         end = last - i < BLOCK ? last : i + BLOCK;
-        if (!l->rule->format && most >= LEAST_LOOK &&
+        if (!fp3_near_is_exact(l->rule) && most >= LEAST_LOOK &&
             are_near_home(l->rule, l->now, i, end, near_home))
             continue;
         for (uint32_t k = i; k < end; k++)

@@ -106,6 +106,14 @@ static fp3_status changed(fp3_engine *engine, size_t group, fp3_list *list) {
     return status;
 }
 
+/* The name of a column of a position (near.h), first words and then the second ones; NULL: it has
+ * no such column. */
+static const char *column_of(const fp3_near *near, const char *const first[3],
+                             const char *const low[3], uint32_t column) {
+    const uint32_t k = column % FP3_NEAR_DIMENSIONS;
+    return k >= near->dimensions ? NULL : column < FP3_NEAR_DIMENSIONS ? first[k] : low[k];
+}
+
 static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *list,
                              const char *name, const fp3_near *near, uint32_t *regs) {
     const fp3_image *image = engine->layout.groups[group].image;
@@ -130,11 +138,14 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "list '%s': a skin of %g of the reach: expected 0 to 2^63", name,
                         near->share);
-    for (uint32_t k = 0; k < near->dimensions; k++) {
-        const fp3_symbol *s = fp3_image_find(image, near->position[k], FP3_CLASS(FP3_SYMBOL_STATE));
+    for (uint32_t k = 0; k < FP3_NEAR_COLUMNS; k++) {
+        const char *state = column_of(near, near->position, near->low, k);
+        if (!state)
+            continue;
+        const fp3_symbol *s = fp3_image_find(image, state, FP3_CLASS(FP3_SYMBOL_STATE));
         if (!s)
             return fp3_fail(error, FP3_E_ARGUMENT, "list '%s': the program has no state '%s'", name,
-                            near->position[k]);
+                            state);
         regs[k] = s->index;
     }
     return FP3_OK;
@@ -142,8 +153,12 @@ static fp3_status check_near(fp3_engine *engine, size_t group, const fp3_list *l
 
 static fp3_status find_theirs(fp3_engine *engine, size_t group, const char *name,
                               const fp3_near *near, uint32_t *regs) {
-    for (uint32_t k = 0; near->kind && k < near->dimensions; k++) {
-        const char *of = near->theirs[k] ? near->theirs[k] : "";
+    for (uint32_t k = 0; near->kind && k < FP3_NEAR_COLUMNS; k++) {
+        const char *given = column_of(near, near->theirs, near->their_low, k);
+        const char *of = given ? given : "";
+        if (k % FP3_NEAR_DIMENSIONS >= near->dimensions ||
+            (k >= FP3_NEAR_DIMENSIONS && !near->low[0]))
+            continue;
         const fp3_symbol *s =
             fp3_image_find(engine->layout.groups[group].image, of, FP3_CLASS(FP3_SYMBOL_PARAM));
         if (!s || !is_foreign(&engine->layout.groups[group], near->kind, of))
@@ -158,6 +173,7 @@ static fp3_status find_theirs(fp3_engine *engine, size_t group, const char *name
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
                                const fp3_near *near) {
     fp3_near_rule rule = {.dimensions = near->dimensions,
+                          .is_pair = near->low[0] != NULL,
                           .format = fp3_format_is_float(engine->config) ? NULL : engine->config,
                           .reach = near->reach,
                           .skin = near->skin};

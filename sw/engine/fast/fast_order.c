@@ -160,8 +160,9 @@ fp3_status fp3_order_follow(fp3_engine *engine, fp3_members *members) {
     if (status || rule->lists < self->order_due)
         return status;
     now.row = self->row;
-    for (uint32_t k = 0; k < now.dimensions; k++)
-        now.position[k] = self->column[rule->regs[k]];
+    for (uint32_t k = 0; k < FP3_NEAR_COLUMNS; k++)
+        if (fp3_near_has(rule, k))
+            now.position[k] = self->column[rule->regs[k]];
     if (rule->radius && !members->lists.lists[0].kind)
         now.radius = self->column[rule->radius - 1];
     if (!fp3_near_is_stale(rule, &now))

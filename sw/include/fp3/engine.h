@@ -435,11 +435,12 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
 typedef struct {
     size_t count;
     const uint32_t *a, *b; /* of each link: its objects, counted in their group */
-    /* Columns of fields, one number for each link, by the fields' names. A field without a column
-     * has the model's default. An image has no names and no defaults: its columns are in the order
-     * in which the program reads the fields. */
+    /* Columns of fields, one number for each link, by the fields' names. A program has them as it
+     * has params: rounded to FP32, or in double-single to a sum of two words. A field without a
+     * column has the model's default. An image has no names and no defaults: its columns are in the
+     * order in which the program reads the fields. */
     const char *const *names;
-    const float *const *fields;
+    const double *const *fields;
     size_t field_count;
 } fp3_links;
 
@@ -460,6 +461,9 @@ typedef struct {
     /* With radii: above 0: instead of `skin`, this share of what two objects with the middle radius
      * reach. */
     double share;
+    /* Positions that are sums of two words, as in double-single: the second words of each, by which
+     * those above are completed. NULLs: positions are one word. */
+    const char *low[3], *their_low[3];
 } fp3_near;
 
 /* Lets the engine make a list, and renew it before a pair could be missed. Lists may contain

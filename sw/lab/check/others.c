@@ -2,6 +2,7 @@
 /* others.c - see others.h. */
 #include "others.h"
 
+#include "base/number.h"
 #include "language/evaluate.h"
 #include "world/apply.h"
 #include "world/values_own.h"
@@ -20,8 +21,9 @@ struct fp3_others {
     const fp3_model *model;
     const double *columns;
     size_t objects, looked;
+    unsigned words; /* of which the program makes a field */
     sight sights[FP3_RELATIONS_MAX];
-    const float *
+    const double *
         *fields;    /* of each field of the model, its column; NULL: all links have the default */
     double *params; /* rows of objects that are seen */
     uint32_t
@@ -215,6 +217,7 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
     o->columns = columns;
     o->objects = objects;
     o->looked = looked;
+    o->words = fp3_program_words(program);
     o->terms = calloc(2u * o->model->expr_count + 1u, 1);
     o->fields = calloc(o->model->field_count + 1u, sizeof *o->fields);
     fp3_status status = o->terms && o->fields
@@ -266,8 +269,8 @@ size_t fp3_others_within(const fp3_others *o, size_t neighbours) {
 /* ---- values ---- */
 
 static double field_of(const fp3_others *o, uint32_t field, uint32_t link) {
-    const float given = o->fields[field] ? o->fields[field][link] : NAN;
-    return (double)(isnan(given) ? (float)o->model->fields[field].value : given);
+    const double given = o->fields[field] ? o->fields[field][link] : NAN;
+    return fp3_number_given(isnan(given) ? o->model->fields[field].value : given, o->words);
 }
 
 /* Of one expression of the term, for an entry. */
