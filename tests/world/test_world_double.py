@@ -9,7 +9,7 @@ import subprocess
 import numpy
 import pytest
 
-ENGINES = [("isa", 1), ("fast", 1), ("fast", 2), ("rtl", 1)]
+ENGINES = [("isa", 1), ("fast", 2), ("rtl", 1)]    # beside fast with one thread
 LONG = numpy.longdouble
 DOUBLE = "double_single = true;"
 SPRINGS = """
@@ -49,7 +49,8 @@ def words(start, folder):
     def words(model, points, *options, engine="fast", threads=1, settings="", steps=64, integrator="leapfrog", every=None):
         (folder / "m.ode").write_text(model)
         (folder / "points.csv").write_text(points)
-        (folder / "x.scene").write_text(f'steps = {steps};\ngroups = ( {{ program = "m.ode"; integrator = "{integrator}"; points = "points.csv"; {settings} }} );\n')
+        (folder / "x.scene").write_text(f'steps = {steps};\n'
+                                        f'groups = ( {{ program = "m.ode"; integrator = "{integrator}"; points = "points.csv"; {settings} }} );\n')
         done = start("--scene", "x.scene", "-e", engine, *(["--threads", threads] if engine == "fast" else []), "--all", "--output", "x.csv",
                      *(["--every", every] if every else []), *options)
         assert done.returncode == 0, done.stderr
@@ -121,7 +122,7 @@ def test_the_error_is_that_of_48_bits(words, folder, model, force, count, integr
         if settings.endswith(DOUBLE):
             momentum = (m[:, None]*(found[:, 2:] - begin[:, 2:])).sum(0)
             assert (abs(momentum) < 64*3*2.0**-48*(m[:, None]*abs(found[:, 2:])).sum(0)).all(), momentum
-            for engine, threads in ENGINES:
+            for engine, threads in ENGINES[:3 if integrator == "leapfrog" else 1]:
                 assert words(model, points, engine=engine, threads=threads, settings=settings, integrator=integrator) == expected, engine
     assert error[links + DOUBLE] < 1e-4*error[links] and error[links + DOUBLE] < 1e-12, error
 
@@ -161,8 +162,10 @@ def test_folds_of_a_hundred_terms(words):
             assert abs(float(sum(others) - fractions.Fraction(float(row["total"])))) <= bound, (name, i)
             assert float(row["least"]) == min(q) and float(row["most"]) == max(q)
             assert int(float(row["many"])) == (q > q[i]).sum() and float(row["is"]) == (q > q[i]).any()
-        for engine, threads in ENGINES[::3]:
-            assert words(SUMS, points, engine=engine, threads=threads, settings=DOUBLE, steps=1, integrator="euler") == expected, engine
+        assert words(SUMS, points, engine="isa", settings=DOUBLE, steps=1, integrator="euler") == expected
+        few = csv_of(["q"], q[40:60, None])
+        found = [words(SUMS, few, engine=engine, threads=threads, settings=DOUBLE, steps=1, integrator="euler") for engine, threads in ENGINES]
+        assert all(one == found[0] for one in found)
 
 
 NEAR = """
@@ -202,7 +205,7 @@ def test_nobody_within_the_reach_is_missed(words, skin):
             assert int(float(row["n"])) == near, (i, step)
             changes.add((i, near))
     assert len(changes) > len(begin)    # some come, some go
-    for engine, threads in ENGINES:
+    for engine, threads in ENGINES if skin == 0.3 else ENGINES[:1]:
         assert words(NEAR, points, engine=engine, threads=threads, settings=f"{DOUBLE} skin = {float(skin)};", steps=6, integrator="euler", every=1) == expected
 
 
@@ -210,7 +213,8 @@ def test_who_is_in_the_list_beyond_the_reach_changes_no_bit(words):
     """Of an object alone a sum is +0, and it is with others in its list."""
     model = NEAR.replace("v' = 0", "v' = sum(o in touch: o.x - x)").replace("0.0001", "0.5")
     points = csv_of(["x", "v"], [[0, -0.0], [0.7, -0.0], [1.6, 0], [1.9, -0.0], [9, -0.0]])
-    found = {tuple(words(model, points, engine=engine, settings=f"{DOUBLE} skin = {skin};", steps=8)[0]) for skin in ("0.0", "0.5", "100.0") for engine, _ in ENGINES}
+    found = {tuple(words(model, points, engine=engine, settings=f"{DOUBLE} skin = {skin};", steps=8)[0])
+             for skin, engine in (("0.0", "isa"), ("0.5", "fast"), ("100.0", "rtl"), ("100.0", "fast"))}
     assert len(found) == 1
 
 
@@ -229,7 +233,7 @@ w' = 0
 repeat 3
     project w = w + 0.25*sum(o in ties: o.w - w) + 0.1*h*(x - prev(x))
 end
-when sum(o in ties: o.x) > 0.4: v = 0.75*v
+when sum(o in ties: o.x) > 0.34: v = 0.75*v
 remember o in ties: o.s = o.s + h*(o.v - v)
 """
 
@@ -240,19 +244,19 @@ def test_what_pairs_remember_and_what_is_repeated_has_48_bits(words):
     points = csv_of(names, rows)
     x, v, w = (numpy.array([given(value) for value in column]) for column in rows.T)
     h, s = LONG(2)**-10, given(0.1)*numpy.ones(2, LONG)
-    for _ in range(200):
+    for _ in range(48):
         before = x
         x = x + h/2*v
         v = v + h*(given(7.3)*(x[::-1] - x) + s)/given(1.1)
         x = x + h/2*v
         for _ in range(3):
             w = w + (w[::-1] - w)/4 + given(0.1)*h*(x - before)
-        v = numpy.where(x[::-1] > given(0.4), LONG(0.75)*v, v)
+        v = numpy.where(x[::-1] > given(0.34), LONG(0.75)*v, v)
         s = s + h*(v[::-1] - v)
     settings = DOUBLE + 'links = { relation = "ties"; file = "ties.csv"; };'
 
     def run(engine, threads):
-        return words(MEMORY, points, engine=engine, threads=threads, settings=settings, steps=200)
+        return words(MEMORY, points, engine=engine, threads=threads, settings=settings, steps=48)
     expected = run("fast", 1)
     assert abs(numbers(expected[1], names, 2) - numpy.array([x, v, w]).T).max() < 1e-12
     assert all(run(engine, threads) == expected for engine, threads in ENGINES)
@@ -301,7 +305,8 @@ def test_kinds_read_both_words_of_each_other(start, folder):
 
 def test_kinds_of_one_form(start, folder):
     done = kinds(folder, start, "fast", (DOUBLE, ""))
-    assert done.returncode == 2 and "group 'suns' is in double-single, and group 'moons' is not: kinds that see each other have words of one form" in done.stderr
+    expected = "group 'suns' is in double-single, and group 'moons' is not: kinds that see each other have words of one form"
+    assert done.returncode == 2 and expected in done.stderr
 
 
 def test_what_does_not_fit(fp3, tmp_path):

@@ -67,8 +67,11 @@ static made of_variable(const doubling *d, uint32_t variable) {
     return (made){
         fp3_loose_of((fp3_pair){fp3_dag_variable(d->to, variable),
                                 low == FP3_NONE ? FP3_NONE : fp3_dag_variable(d->to, low)}),
-        d->step->variables[variable].role == ROLE_STEPS, 0,
-        is_control(d->step, &d->step->variables[variable]), 0, 0};
+        d->step->variables[variable].role == ROLE_STEPS,
+        0,
+        is_control(d->step, &d->step->variables[variable]),
+        0,
+        0};
 }
 
 /* Whether a node is a zero of any sign. */
@@ -137,7 +140,11 @@ static made of_choice(const doubling *d, const dag_node *n) {
     const made *a = &d->made[n->a], *b = &d->made[n->b];
     return (made){
         fp3_loose_of(fp3_pair_select(d->to, high_of(d, n->c), pair_of(d, n->a), pair_of(d, n->b))),
-        a->is_whole && b->is_whole, a->is_truth && b->is_truth, 0, 0, 0};
+        a->is_whole && b->is_whole,
+        a->is_truth && b->is_truth,
+        0,
+        0,
+        0};
 }
 
 /* min(a, b) is a where a < b, max(a, b) is a where b < a. */
@@ -189,8 +196,12 @@ static made of_floats(const doubling *d, const dag_node *n) {
     const uint32_t b = n->b == FP3_NONE ? FP3_NONE : high_of(d, n->b);
     const uint32_t c = n->c == FP3_NONE ? FP3_NONE : high_of(d, n->c);
     const int is_truth = n->op == FP3_OP_LT || n->op == FP3_OP_LE;
-    return (made){single(fp3_pair_op(d->to, n->op, high_of(d, n->a), b, c)), is_truth, is_truth,
-                  !is_truth, 0, 0};
+    return (made){single(fp3_pair_op(d->to, n->op, high_of(d, n->a), b, c)),
+                  is_truth,
+                  is_truth,
+                  !is_truth,
+                  0,
+                  0};
 }
 
 /* Of two pairs as they come: their order, or the larger. */
