@@ -740,6 +740,9 @@ class fp3_near(Structure):
         ("skin", c_double),
         ("kind", c_size_t),
         ("theirs", c_char_p * 3),
+        ("radius", c_char_p),
+        ("their_radius", c_char_p),
+        ("share", c_double),
         ("low", c_char_p * 3),
         ("their_low", c_char_p * 3),
     ]

@@ -217,7 +217,7 @@ static void list_logarithms(double x, float far) {
     static uint32_t place[2][SOME];
     fp3_near_rule rule = {.dimensions = 2, .format = config, .reach = 0.01, .skin = 1e-9};
     fp3_where_they_are now = {.stride = 1, .objects = SOME, .dimensions = 2};
-    const double reach = fp3_near_reach(&rule, NULL);
+    const double reach = fp3_near_reach(&rule);
     uint32_t *begin, *other, random = 7, pairs = 0;
     fp3_error error;
     int is_wrong = 0;
