@@ -25,7 +25,7 @@ static void pin(const sinker *s, uint32_t node) {
 
 /* The operands of a node are read when it is computed. */
 static void read(const sinker *s, uint32_t node) {
-    uint32_t list[3];
+    uint32_t list[FP3_CUT_OPERANDS];
     const unsigned count = fp3_cut_operands(s->c, node, list);
     const uint32_t when = s->c->when[node];
     for (unsigned k = 0; k < count; k++) {
@@ -52,7 +52,7 @@ static uint32_t phase_of(uint32_t when) { return when / FP3_CUT_SLOTS; }
 /* How many values have to be kept longer, if the node is computed then; what it is made of may be
  * computed then, too. */
 static unsigned longer(const sinker *s, uint32_t node, uint32_t then, int depth) {
-    uint32_t list[3];
+    uint32_t list[FP3_CUT_OPERANDS];
     const unsigned count = fp3_cut_operands(s->c, node, list);
     unsigned found = 0;
     for (unsigned k = 0; k < count; k++) {
