@@ -206,7 +206,7 @@ static void meet_all_near(fp3_rest *r, const sides *s, uint32_t i) {
     const double at = (double)x[i];
     for (uint32_t with = s->theirs ? s->group->objects : 0; with < s->now->objects; with++) {
         const double way = (double)x[with] - at, most = fp3_near_reach_of(s->rule, s->now, i, with);
-        if (s->rule->format || way * way < most * most)
+        if (fp3_near_is_exact(s->rule) || way * way < most * most)
             meet_one(r, s, i, with);
     }
 }

@@ -31,11 +31,15 @@ static fp3_status add(writer *w, const char *name, uint64_t rows, uint64_t colum
                       fp3_error *error) {
     const uint64_t width = columns ? columns : rows;
     const uint64_t chunk = width < CHUNK_WORDS ? width : CHUNK_WORDS;
+    const uint64_t together = columns ? CHUNK_WORDS / columns : 0; /* short rows */
     const fp3_hdf5_table table = {.name = name,
                                   .type = FP3_HDF5_UINT32,
                                   .rows = rows,
                                   .columns = columns,
-                                  .chunk_rows = columns ? 1 : chunk,
+                                  .chunk_rows = !columns          ? chunk
+                                                : together < 2    ? 1
+                                                : together < rows ? together
+                                                                  : rows,
                                   .chunk_columns = columns ? chunk : 0};
     if (w->state->calls->add(w->file, &table))
         return failed(w, error);

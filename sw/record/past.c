@@ -68,8 +68,9 @@ static void add_list(const fp3_hdf5_ops *calls, fp3_hdf5_sum *sum, const fp3_lis
     if (list->is_near) {
         calls->sum_add(sum, list->near.regs, list->near.dimensions * sizeof *list->near.regs);
         calls->sum_add(sum, &list->near.reach, sizeof list->near.reach);
-        if (list->near.radius)
-            calls->sum_add(sum, &list->near.radius, sizeof list->near.radius);
+        const uint32_t more[] = {list->near.radius, list->near.their_radius, list->kind};
+        if (more[0] || more[1] || more[2])
+            calls->sum_add(sum, more, sizeof more);
     } else if (!list->is_all && list->begin) {
         const fp3_entries all = fp3_list_given(list); /* whoever lives now */
         const size_t entries = all.begin[list->objects];

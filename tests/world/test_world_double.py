@@ -309,6 +309,31 @@ def test_kinds_of_one_form(start, folder):
     assert done.returncode == 2 and expected in done.stderr
 
 
+SPEEDS = """
+model speeds
+state x = 0
+state v = 0
+state m = 0
+all others
+step 2^-7
+x' = v
+v' = sum(o in others: o.x - x)
+m' = 0
+project m = sum(o in others: o.v)
+"""
+
+
+@pytest.mark.parametrize("integrator", ["leapfrog", "rk4"])
+@pytest.mark.parametrize("engine", ["isa", "rtl"])
+def test_what_others_see_is_made_before_they_read_it(words, integrator, engine):
+    """A speed that nobody needs as a pair until others see it; of three objects two see the sum of all speeds but their own."""
+    points = csv_of(["x", "v"], [[0.1, 1], [0.5, -0.3], [1.7, 0.2]])
+    lines, rows = words(SPEEDS, points, settings=DOUBLE, integrator=integrator, engine=engine)
+    assert lines == words(SPEEDS, points, settings=DOUBLE, integrator=integrator)[0]
+    v, m = (numpy.array([float(row[name]) for row in rows[-3:]]) for name in "vm")
+    assert abs(m - (v.sum() - v)).max() < 1e-13 and abs(v - [1, -0.3, 0.2]).min() > 0.01
+
+
 def test_what_does_not_fit(fp3, tmp_path):
     (tmp_path / "cloth.ode").write_text(SPRINGS.replace("[2] = (0, 0)", "[3] = (0, 0, 0)"))
     done = subprocess.run([fp3, "compile", "cloth.ode", "--double-single", "-i", "rk4"], cwd=tmp_path, capture_output=True, text=True, timeout=60)

@@ -35,6 +35,7 @@ typedef struct {
     const uint32_t *low; /* of each variable: its second word, or FP3_NONE */
     made *made;          /* of each node */
     char *is_reached;
+    fp3_seen *seen; /* of each value that others see both words; FP3_NONE: not made yet */
 } doubling;
 
 static uint32_t high_of(const doubling *d, uint32_t node) { return d->made[node].value.words.high; }
@@ -303,20 +304,35 @@ static void find_reached(const doubling *d, const part *p, uint32_t variables) {
             reach(d, fp3_dag_operand(d->from, i, j));
 }
 
-static void double_nodes(const doubling *d) {
-    for (uint32_t i = 0; i < d->from->count; i++) {
-        const dag_node *n = &d->from->nodes[i];
-        if (!d->is_reached[i])
-            continue;
-        d->to->note = n->note;
-        d->made[i] = of_node(d, n);
-    }
-}
-
 /* The pair of a node, with the note that this had. */
 static fp3_pair noted(const doubling *d, uint32_t node) {
     d->to->note = d->from->nodes[node].note;
     return pair_of(d, node);
+}
+
+/* What others see at a place; FP3_NONE: at all places. */
+static void double_seen(const doubling *d, const fp3_sight *sight, uint32_t place) {
+    for (uint32_t i = 0; sight && i < sight->count; i++) {
+        const fp3_seen seen = sight->list[i];
+        if (d->seen[2 * i].node != FP3_NONE || (place != FP3_NONE && seen.place != place))
+            continue;
+        const fp3_pair pair = noted(d, seen.node);
+        d->seen[2 * i] = (fp3_seen){seen.place, seen.state, pair.high, 0};
+        d->seen[2 * i + 1] = (fp3_seen){seen.place, seen.state, fp3_pair_low(d->to, pair), 1};
+    }
+}
+
+/* What a fold reads of others comes before it: the plan goes through the nodes in their order. */
+static void double_nodes(const doubling *d, const fp3_sight *sight) {
+    for (uint32_t i = 0; i < d->from->count; i++) {
+        const dag_node *n = &d->from->nodes[i];
+        if (!d->is_reached[i])
+            continue;
+        if (fp3_dag_is_fold(n->op))
+            double_seen(d, sight, fp3_dag_place(d->from, i));
+        d->to->note = n->note;
+        d->made[i] = of_node(d, n);
+    }
 }
 
 static void double_variables(const doubling *d, const part *p, uint32_t variables) {
@@ -333,20 +349,11 @@ static void double_variables(const doubling *d, const part *p, uint32_t variable
 }
 
 /* Others see both words of a state at once. */
-static fp3_status double_sight(const doubling *d, fp3_sight *sight, fp3_error *error) {
-    fp3_seen *list = malloc((2 * sight->count + 1u) * sizeof *list);
-    if (!list)
-        return fp3_no_memory(error);
-    for (uint32_t i = 0; i < sight->count; i++) {
-        const fp3_seen seen = sight->list[i];
-        const fp3_pair pair = noted(d, seen.node);
-        list[2 * i] = (fp3_seen){seen.place, seen.state, pair.high, 0};
-        list[2 * i + 1] = (fp3_seen){seen.place, seen.state, fp3_pair_low(d->to, pair), 1};
-    }
+static void take_seen(doubling *d, fp3_sight *sight) {
     free(sight->list);
-    sight->list = list;
+    sight->list = d->seen;
     sight->count = sight->room = 2 * sight->count;
-    return FP3_OK;
+    d->seen = NULL;
 }
 
 static void double_kept(const doubling *d, fp3_kept *kept, uint32_t *count) {
@@ -364,22 +371,28 @@ static fp3_status double_dag(fp3_step *step, const part *p, const uint32_t *low,
                              fp3_error *error) {
     dag to, *from = p->values;
     fp3_dag_open(&to, &step->known, from->passes & ~FP3_PASS(FP3_PASS_FOLD_PRODUCT));
-    const doubling d = {.step = step,
-                        .from = from,
-                        .to = &to,
-                        .low = low,
-                        .made = calloc(from->count + 1u, sizeof *d.made),
-                        .is_reached = calloc(from->count + 1u, 1)};
-    fp3_status status = d.made && d.is_reached ? FP3_OK : fp3_no_memory(error);
+    const uint32_t seen = p->sight ? 2 * p->sight->count : 0;
+    doubling d = {.step = step,
+                  .from = from,
+                  .to = &to,
+                  .low = low,
+                  .made = calloc(from->count + 1u, sizeof *d.made),
+                  .is_reached = calloc(from->count + 1u, 1),
+                  .seen = malloc((seen + 1u) * sizeof *d.seen)};
+    fp3_status status = d.made && d.is_reached && d.seen ? FP3_OK : fp3_no_memory(error);
     if (!status) {
+        for (uint32_t i = 0; i < seen; i++)
+            d.seen[i].node = FP3_NONE;
         find_reached(&d, p, variables);
-        double_nodes(&d);
+        double_nodes(&d, p->sight);
         double_variables(&d, p, variables);
         if (p->kept_count)
             double_kept(&d, p->kept, p->kept_count);
+        double_seen(&d, p->sight, FP3_NONE);
         if (p->sight)
-            status = double_sight(&d, p->sight, error);
+            take_seen(&d, p->sight);
     }
+    free(d.seen);
     free(d.made);
     free(d.is_reached);
     fp3_dag_close(from);

@@ -85,7 +85,7 @@ static void put_all(builder *b) {
 
 static fp3_status straight(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t slot,
                            fp3_error *error) {
-    builder b;
+    builder b = {0};
     fp3_status status = open_section(&b, c, cut, phase, slot, FP3_NONE, error);
     if (status) {
         free(b.made);
@@ -187,7 +187,7 @@ static void grow_pair(builder *b, uint32_t fold) {
 
 static fp3_status loop(fp3_cut_plan *c, fp3_cut *cut, uint32_t phase, uint32_t slot,
                        uint32_t relation, fp3_error *error) {
-    builder b;
+    builder b = {0};
     fp3_status status = open_section(&b, c, cut, phase, slot, relation, error);
     char *is_in = calloc(c->g->count + 1u, 1);
     if (!is_in && !status)

@@ -2,6 +2,9 @@
 /* plan.c - see plan.h. */
 #include "plan.h"
 
+#include "tell.h"
+
+#include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
 #include <string.h>
@@ -168,6 +171,7 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
         if (!fp3_dag_is_fold(fp3_cut_node(c, i)->op))
             continue;
         const uint32_t place = fp3_dag_place(c->g, i);
+        assert(is_made(c, place, i)); /* else nothing is known of when that is there */
         const fp3_status status = show_until(c, place, i, error);
         if (status)
             return status;
@@ -266,43 +270,6 @@ static void count_all(fp3_cut_plan *c) {
     for (uint32_t i = 0; i < FP3_PLACES; i++)
         if (c->handled >> i & 1) /* else the end of the step would be there already */
             count_phases(c, c->phase_of[i] * FP3_CUT_SLOTS);
-}
-
-/* ---- what others have to know ---- */
-
-static int is_of_kind(const fp3_cut_plan *c, uint32_t relation) {
-    return c->step->model->relations[relation].of_kind != FP3_NONE;
-}
-
-static int look(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
-    const uint32_t number = fp3_step_place(c->step, place);
-    if (number == FP3_NONE)
-        return 0;
-    c->step->looks |= UINT64_C(1) << number;
-    if (c->base + phase > c->step->phase[number])
-        c->step->phase[number] = (uint8_t)(c->base + phase);
-    return 1;
-}
-
-static fp3_status tell(fp3_cut_plan *c, fp3_error *error) {
-    fp3_step *step = c->step;
-    int is_good = 1;
-    step->phases = c->base + c->phase_count;
-    for (uint32_t i = 0; i < FP3_PLACES; i++)
-        if (c->handled >> i & 1)
-            step->phase[i] = (uint8_t)(c->base + c->phase_of[i]);
-    for (uint32_t i = 0; i < c->g->count; i++)
-        if (c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
-            is_of_kind(c, fp3_dag_relation(c->g, i)))
-            is_good &= look(c, fp3_dag_place(c->g, i), phase_of(c, i));
-    for (uint32_t k = 0; k < step->kept_count; k++)
-        if (is_of_kind(c, step->kept[k].relation))
-            is_good &= look(c, step->kept_place, c->kept / FP3_CUT_SLOTS);
-    return is_good ? FP3_OK
-                   : fp3_fail(error, FP3_E_LIMIT,
-                              "too many projections and events: a sum over another kind is at one "
-                              "of the first %d places of a step",
-                              FP3_LAST_PLACE);
 }
 
 /* ---- where ---- */
@@ -517,7 +484,7 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     count_all(c);
     if (c->base + c->phase_count > FP3_CUT_PHASES)
         return too_many(error);
-    status = tell(c, error);
+    status = fp3_cut_tell(c, error);
     if (status)
         return status;
     mark_kept(c);

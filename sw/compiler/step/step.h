@@ -31,7 +31,7 @@ typedef enum {
 
 typedef struct variable {
     role role;
-    uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE */
+    uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE; WORST: the node that is compared */
     uint32_t next;  /* node: its value after the step */
     uint32_t first; /* CARRIED: node that computes it when a visit begins */
     uint32_t last;  /* node of `last` that the state is at the end; FP3_NONE: none */

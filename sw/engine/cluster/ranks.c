@@ -54,6 +54,10 @@ static fp3_status load_ranked(fp3_engine *engine) {
 }
 
 static void note_list(fp3_ranked *self, const fp3_list *list) {
+    if (list && list->is_near) {
+        fp3_ranks_note(self, list->near.regs, list->near.dimensions);
+        fp3_ranks_note(self, &list->near.reach, sizeof list->near.reach / sizeof(uint32_t));
+    }
     if (!list || !list->begin || list->is_near)
         return;
     const size_t entries = list->begin[list->objects];

@@ -7,7 +7,8 @@
 /* Objects of a level reach at least this share of what the first of them does. */
 #define WIDTH 0.5f
 
-/* So that no rounding of a sum in FP32 puts who is near two cells away. */
+/* So that no rounding of a sum in FP32 puts who is near two cells away; where levels are far apart,
+ * FP3_NEAR_ROUNDING in each share does. */
 #define ROUNDING 1e-6
 
 /* ---- the middle radius ---- */
