@@ -4,7 +4,8 @@
  * Objects stand in the order of a grid's cells, and each has a record of 32 bytes: those of
  * neighbours are loaded whole and transposed. Lists reach a skin farther than contact; they are
  * made again when somebody has moved by half of it. An entry's place in the order of a sum is the
- * neighbour's number, wherever it stands.
+ * neighbour's number, wherever it stands. Of two kinds each ball has a sum over its own and one
+ * over the other kind, so it has two lists; all balls stand among each other.
  */
 #include "hand.h"
 #include "vector.h"
@@ -15,9 +16,10 @@
 #define SKIN 0.3 /* of the reach */
 #define FAR 1e9f /* where nobody is: what fills up lists */
 enum { RECORD = 8, CELLS_MOST = 1 << 24 };
+enum { OWN, OTHER, LISTS };
 
 typedef struct {
-    size_t objects, blocks;
+    size_t objects, first_kind, blocks;
     hand_contact c;
     float h, limit; /* of a square: who has moved farther needs a new list */
     float *memory, *x[3], *v[3], *since[3];
@@ -25,7 +27,7 @@ typedef struct {
     int half;
     uint32_t *number, *place; /* of whom stands where; where who stands */
     int32_t *entries;         /* WIDTH for each turn of a block */
-    size_t *first;            /* of each block, in turns */
+    size_t *first;            /* of each block's lists, one after the other, in turns */
     size_t room;              /* in turns */
 } balls;
 
@@ -192,17 +194,15 @@ static uint32_t find(const balls *b, const grid *g, size_t i, double within, uin
 
 enum { NEIGHBOURS_MOST = 256 };
 
-static int list_block(balls *b, const grid *g, size_t block, double within) {
-    uint32_t found[WIDTH][NEIGHBOURS_MOST], count[WIDTH] = {0}, most = 0;
-    for (size_t i = 0; i < WIDTH && block * WIDTH + i < b->objects; i++) {
-        count[i] = find(b, g, block * WIDTH + i, within, found[i], NEIGHBOURS_MOST);
-        most = count[i] > most ? count[i] : most;
-    }
-    if (most == NEIGHBOURS_MOST)
-        return 0;
-    b->first[block + 1] = b->first[block] + most;
-    if (b->first[block + 1] > b->room) {
-        b->room = 2 * b->first[block + 1] + 64;
+/* Those of WIDTH balls whose numbers are in found[i][from[i] .. end[i] - 1]; n: of the list. */
+static int put_turns(balls *b, size_t n, uint32_t found[WIDTH][NEIGHBOURS_MOST],
+                     const uint32_t from[WIDTH], const uint32_t end[WIDTH]) {
+    uint32_t most = 0;
+    for (size_t i = 0; i < WIDTH; i++)
+        most = end[i] - from[i] > most ? end[i] - from[i] : most;
+    b->first[n + 1] = b->first[n] + most;
+    if (b->first[n + 1] > b->room) {
+        b->room = 2 * b->first[n + 1] + 64;
         int32_t *more = realloc(b->entries, b->room * WIDTH * sizeof *more);
         if (!more)
             return 0;
@@ -210,9 +210,28 @@ static int list_block(balls *b, const grid *g, size_t block, double within) {
     }
     for (uint32_t k = 0; k < most; k++)
         for (size_t i = 0; i < WIDTH; i++)
-            b->entries[(b->first[block] + k) * WIDTH + i] =
-                k < count[i] ? (int32_t)b->place[found[i][k]] : (int32_t)(b->blocks * WIDTH);
+            b->entries[(b->first[n] + k) * WIDTH + i] =
+                k < end[i] - from[i] ? (int32_t)b->place[found[i][from[i] + k]]
+                                     : (int32_t)(b->blocks * WIDTH);
     return 1;
+}
+
+static int list_block(balls *b, const grid *g, size_t block, double within) {
+    uint32_t found[WIDTH][NEIGHBOURS_MOST], from[LISTS][WIDTH] = {{0}}, end[LISTS][WIDTH] = {{0}};
+    for (size_t i = 0; i < WIDTH && block * WIDTH + i < b->objects; i++) {
+        const size_t at = block * WIDTH + i;
+        const uint32_t count = find(b, g, at, within, found[i], NEIGHBOURS_MOST);
+        const int is_first = b->number[at] < b->first_kind;
+        uint32_t middle = 0; /* in the order of numbers the first kind comes first */
+        if (count == NEIGHBOURS_MOST)
+            return 0;
+        while (middle < count && found[i][middle] < b->first_kind)
+            middle++;
+        end[is_first ? OWN : OTHER][i] = from[is_first ? OTHER : OWN][i] = middle;
+        end[is_first ? OTHER : OWN][i] = count;
+    }
+    return put_turns(b, LISTS * block + OWN, found, from[OWN], end[OWN]) &&
+           put_turns(b, LISTS * block + OTHER, found, from[OTHER], end[OTHER]);
 }
 
 /* 0: no memory, or somebody is far away or has too many neighbours. */
@@ -235,6 +254,7 @@ static void *balls_open(const hand_world *w) {
     if (!b)
         return NULL;
     b->objects = w->objects;
+    b->first_kind = w->first_kind;
     b->blocks = (w->objects + WIDTH - 1) / WIDTH;
     b->c = w->contact;
     b->h = w->h;
@@ -245,7 +265,7 @@ static void *balls_open(const hand_world *w) {
     b->records[0] = aligned_alloc(64, 2 * records * sizeof *b->memory);
     b->number = calloc(room, sizeof *b->number);
     b->place = calloc(room, sizeof *b->place);
-    b->first = calloc(b->blocks + 1, sizeof *b->first);
+    b->first = calloc(LISTS * b->blocks + 1, sizeof *b->first);
     if (!b->memory || !b->records[0] || !b->number || !b->place || !b->first) {
         balls_close(b);
         return NULL;
@@ -301,24 +321,32 @@ INLINE void push_by(const hand_contact *c, const float *records, const int32_t *
 #endif
 }
 
-/* The largest square of how far one of the block has moved. */
-static float step_block(balls *b, size_t block) {
-    const hand_contact *c = &b->c;
-    const size_t at = block * WIDTH;
-    const float *records = b->records[b->half];
-    vec x[3], v[3], sum_x = all(-0.0f), sum_y = sum_x, sum_z = sum_x;
-    for (int k = 0; k < 3; k++) {
-        x[k] = load(b->x[k] + at);
-        v[k] = load(b->v[k] + at);
-    }
-    for (size_t t = b->first[block]; t < b->first[block + 1]; t++) {
+/* The sums over list n. */
+INLINE void sum_over(const balls *b, size_t n, const vec x[3], const vec v[3], vec to[3]) {
+    vec sum_x = all(-0.0f), sum_y = sum_x, sum_z = sum_x;
+    for (size_t t = b->first[n]; t < b->first[n + 1]; t++) {
         vec sum[3] = {sum_x, sum_y, sum_z};
-        push_by(c, records, b->entries + t * WIDTH, x, v, sum);
+        push_by(&b->c, b->records[b->half], b->entries + t * WIDTH, x, v, sum);
         sum_x = sum[0];
         sum_y = sum[1];
         sum_z = sum[2];
     }
-    const vec sum[3] = {sum_x, sum_y, sum_z};
+    to[0] = sum_x;
+    to[1] = sum_y;
+    to[2] = sum_z;
+}
+
+/* The largest square of how far one of the block has moved. */
+static float step_block(balls *b, size_t block) {
+    const hand_contact *c = &b->c;
+    const size_t at = block * WIDTH;
+    vec x[3], v[3], sum[3], others[3];
+    for (int k = 0; k < 3; k++) {
+        x[k] = load(b->x[k] + at);
+        v[k] = load(b->v[k] + at);
+    }
+    sum_over(b, LISTS * block + OWN, x, v, sum);
+    sum_over(b, LISTS * block + OTHER, x, v, others); /* of one kind -0, which changes no sum */
     vec low[3], high[3], moved = all(0);
     for (int k = 0; k < 3; k++) {
         low[k] = above_0(c->radius - x[k]);
@@ -329,7 +357,7 @@ static float step_block(balls *b, size_t block) {
     float *to = b->records[1 - b->half] + RECORD * at;
     for (int k = 0; k < 3; k++) {
         const vec wall = c->damp * choose(is_deep, v[k], 0.0f * v[k]);
-        const vec force = sum[k] + c->stiff * (low[k] - high[k]) - wall;
+        const vec force = sum[k] + others[k] + c->stiff * (low[k] - high[k]) - wall;
         v[k] = madd(all(b->h), madd(force, all(c->over_m), all(c->g[k])), v[k]);
         x[k] = madd(all(b->h), v[k], x[k]);
         store(b->v[k] + at, v[k]);

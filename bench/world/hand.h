@@ -19,6 +19,7 @@ typedef struct {
 /* Objects as columns; x and v are advanced. */
 typedef struct {
     size_t objects;
+    size_t first_kind; /* how many of them are of the first kind; the others are of another one */
     float *x[3], *v[3];
     float *weight; /* of each object: the inverse of its mass, or its mass */
     float h;

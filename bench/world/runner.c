@@ -33,9 +33,15 @@ static fp3_status make_columns(runner *r, size_t objects, fp3_error *error) {
 }
 
 static fp3_status read_column(const runner *r, const char *name, float *to, fp3_error *error) {
-    const fp3_symbol *s = fp3_image_find(r->image, name, FP3_CLASSES_OBJECT);
-    return s ? fp3_engine_read(r->engine, 0, r->now.objects, s->index, to)
-             : fp3_fail(error, FP3_E_ARGUMENT, "the scene's program has no '%s'", name);
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < r->scene->group_count; i++) {
+        const fp3_scene_group *group = &r->scene->groups[i];
+        const fp3_symbol *s = fp3_image_find(group->program->image, name, FP3_CLASSES_OBJECT);
+        status = s ? fp3_engine_read(r->engine, group->first, group->objects, s->index,
+                                     to + group->first)
+                   : fp3_fail(error, FP3_E_ARGUMENT, "the scene's program has no '%s'", name);
+    }
+    return status;
 }
 
 static fp3_status read_states(runner *r, fp3_error *error) {
@@ -50,13 +56,11 @@ static fp3_status read_states(runner *r, fp3_error *error) {
 
 fp3_status runner_open_fast(runner *r, const fp3_scene *scene, unsigned threads, fp3_error *error) {
     fp3_engine_def def = fp3_scene_engine(scene);
-    if (scene->group_count != 1)
-        return fp3_fail(error, FP3_E_ARGUMENT, "%s: expected one group", scene->path);
     def.engine = "fast";
     def.threads = threads;
     def.error = error;
     r->threads = threads;
-    r->image = scene->groups[0].program->image;
+    r->scene = scene;
     fp3_status status = make_columns(r, scene->objects, error);
     if (!status)
         status = fp3_engine_open(&def, &r->engine);
@@ -176,8 +180,11 @@ fp3_status runner_open_hand(runner *r, const fp3_scene *scene, const char *loop,
             loop);
     if (!found->is_exact())
         return fp3_fail(error, FP3_E_MISMATCH, "loop '%s': an estimate is not that of FP3", loop);
-    fp3_status status = runner_open_fast(r, scene, 1, error); /* where objects are at first */
     const int is_net = !strcmp(loop, "net"), is_stars = !strcmp(loop, "stars");
+    if (scene->group_count > (is_net || is_stars ? 1 : 2))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s: loop '%s' has one kind of objects, balls have two", scene->path, loop);
+    fp3_status status = runner_open_fast(r, scene, 1, error); /* where objects are at first */
     if (!status)
         status = read_states(r, error);
     if (!status && (is_net || is_stars))
@@ -185,6 +192,7 @@ fp3_status runner_open_hand(runner *r, const fp3_scene *scene, const char *loop,
     if (!status)
         status = number_of(&scene->groups[0], "h", &h, error);
     r->now.h = (float)h;
+    r->now.first_kind = scene->groups[0].objects;
     if (!status)
         status = is_net     ? read_net(&scene->groups[0], &r->now, error)
                  : is_stars ? read_stars(&scene->groups[0], &r->now, error)

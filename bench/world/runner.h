@@ -1,4 +1,4 @@
-/* runner.h - who makes the steps of a scene of one group: engine fast, or a loop written by hand.
+/* runner.h - who makes the steps of a scene: engine fast, or a loop written by hand.
  */
 #ifndef BENCH_WORLD_RUNNER_H
 #define BENCH_WORLD_RUNNER_H
@@ -11,7 +11,7 @@ typedef struct {
     const hand_loop *loop; /* NULL: the engine */
     void *state;
     fp3_engine *engine;
-    const fp3_image *image;
+    const fp3_scene *scene;
     unsigned threads;
     double seconds;  /* the shortest turn; 0: none yet */
     hand_world now;  /* where objects are, after runner_read */

@@ -44,6 +44,11 @@ int main(void) {
         }
         wrong += (_mm_getcsr() & FLAGS) != 0;
     }
+    wrong += !fp3_are_estimates_exact(table);
+    table[1024 + 700] ^= 1;
+    wrong += FP3_LANES > 4 && fp3_are_estimates_exact(table); /* a processor whose own is another */
+    table[FP3_AT_ABOVE] = 0;
+    wrong += !fp3_are_estimates_exact(table); /* ... looks it up */
     printf("%lu wrong\n", wrong);
     return wrong != 0;
 }

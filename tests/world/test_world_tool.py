@@ -66,7 +66,7 @@ def test_the_chip_has_cycles(measured):
 def test_loops_by_hand_have_the_same_words(measured):
     rows = [row for row in measured["speed"] if row["engine"] in ("hand", "fast")]  # not those that are measured where they are installed
     assert {(row["scene"], row["engine"], row["threads"]) for row in rows} == {
-        (scene, engine, n) for scene in ("net, small", "heap, small", "stars, 1024, small") for engine, n in (("hand", 1), ("fast", 1), ("fast", 2))}
+        (scene, engine, n) for scene in ("net, small", "heap, small", "heap of two kinds, small", "stars, 1024, small") for engine, n in (("hand", 1), ("fast", 1), ("fast", 2))}
     for row in rows:
         assert row["words_differing"] == 0 and 0.1 < row["ns_per_object_step"] < 1e5 and 0.01 < row["ratio_to_hand"] < 1000
         assert row["engine"] == "fast" or row["ratio_to_hand"] == 1
@@ -247,6 +247,7 @@ def test_what_the_bench_program_tells(root, tmp_path, bench):
     scene = scene_of(root, tmp_path, "stars", ("objects = 300", "objects = 20"))
     assert [row["words_differing"] for row in bench("--scene", scene, "--loop", "stars", "--flip", "--threads", 1)[1]] == [0, 1]
     assert "no loop 'moons'" in bench("--scene", scene, "--loop", "moons")[0].stderr
+    assert "loop 'stars' has one kind of objects" in bench("--scene", root / "programs/world/players.scene", "--loop", "stars")[0].stderr
     assert "the scene's program has no 'w'" in bench("--scene", scene, "--loop", "net")[0].stderr
     assert bench("--scene", scene, "--steps", "0")[0].returncode != 0 and bench()[0].returncode != 0
     scene = scene_of(root, tmp_path, "balls", ("objects = 300;", "objects = 300; only = { objects = 7; set = { x_x = -1e8; }; };"))
@@ -293,7 +294,7 @@ def test_the_page_has_all_rows(root, measured, tmp_path):
     text = page(measured)
     for row in measured["physics"]:
         assert row["what"] in text
-    assert text.count("| `world` |") == text.count("| `fabric` |") == len(measured["chip"]) / 2 and text.count("| by hand |") == 3 and ": does not hold" not in text
+    assert text.count("| `world` |") == text.count("| `fabric` |") == len(measured["chip"]) / 2 and text.count("| by hand |") == 4 and ": does not hold" not in text
     assert all(f"| `{row['hash']}` | 0 |" in text for row in measured["hashes"])
     hand = next(row for row in measured["speed"] if row["engine"] == "hand")
     assert f"| 1.00 | {hand['error']:.2g} |\n" in text and "| of the loop by hand | error |\n" in text

@@ -44,6 +44,8 @@ time for several, which says nothing if the load is above the number of processo
   objects do nothing.
 - *Contact.* Objects are in the order of the cells of a grid, and each has a record of 32 bytes. The records of 16 neighbours are loaded whole and
   transposed. Sums keep the order of the objects' numbers.
+- *Two kinds.* `heap of two kinds` is `heap` with its balls dealt in turn to two kinds that see each other by the same law. By hand all balls stand among each
+  other, and each has two lists, as it has two sums.
 - *All pairs.* Two vectors of 16 objects meet all others, one at a time.
 - *Estimates.* FP3 takes the estimate of a root from a table with 1,024 entries: 1/sqrt of an interval's end, cut to 9 or 10 bits. Computing it is cheaper
   than a gather: the processor's `vrsqrt14ps` and one step of Newton have an error below 22 units of 2^-23, on the side where no cut is near. When a loop is

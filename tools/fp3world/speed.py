@@ -5,6 +5,7 @@ import math
 import subprocess
 
 from fp3world import cases
+from fp3world import kinds
 from fp3world import scene as ws
 from fp3world import truth
 from fp3world.physics import Lab
@@ -33,7 +34,7 @@ def beside_hand(row, rows):
 def of_case(case, program, lab):
     """By hand and by engine fast."""
     output = lab.folder / "speed.json"
-    path = ws.put(lab.folder, case.text(lab.quick), "speed")
+    path = kinds.put(lab, case) if case.kinds == 2 else ws.put(lab.folder, case.text(lab.quick), "speed")
     turns = ["--steps", 5, "--repeats", 3] if lab.quick else ["--steps", case.steps, "--before", case.before, "--repeats", 15]
     run([program, "--scene", path, "--json", output, *turns, *(["--loop", case.loop] if case.loop else [])], case.label)
     error = truth.of_fp3(lab, case)

@@ -283,10 +283,10 @@ void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fas
     worker->now.seen = worker->aside.seen = 0;
     fp3_fast_wake(&worker->now);
     fp3_fast_wake(&worker->aside);
-    if (!fast->native.library)
+    const int is_phase = phase < fp3_fast_phases(fast);
+    if (is_phase && !fp3_fast_native_for(fast, group->constants))
         interpret(&in, phase);
-    else if (FP3_FPU_IS_EARLY && !(worker->confirmed & FP3_FLAG_UNDERFLOW) &&
-             phase < fp3_fast_phases(fast))
+    else if (is_phase && FP3_FPU_IS_EARLY && !(worker->confirmed & FP3_FLAG_UNDERFLOW))
         run_or_interpret(&in, phase);
     else
         run_native(&in, phase);

@@ -34,6 +34,13 @@ static void number(fp3_fast_lanes *l, const uint32_t *status) {
         l->object[i] = l->object[l->count - 1];
 }
 
+int fp3_fast_native_for(const fp3_fast *fast, const uint32_t *constants) {
+    int is = fast->native.library != NULL;
+    FP3_EACH_REGISTER (fast->plan.constants, k)
+        is &= (constants[k] & 0x7fffffffu) <= 0x7f800000u;
+    return is;
+}
+
 fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
                                  const fp3_fast *fast) {
     const unsigned wide = fast->sweep->lanes;

@@ -75,6 +75,9 @@ void fp3_fast_count(fp3_fast_lanes *lanes, const uint32_t *status);
 uint32_t fp3_fast_object(const fp3_fast_lanes *lanes, uint32_t lane);
 void fp3_fast_wake(fp3_fast_lanes *lanes);
 
+/* Whether there is native code and it may run: it takes no shared constant for a NaN. */
+int fp3_fast_native_for(const fp3_fast *fast, const uint32_t *constants);
+
 /* A place of these lanes, for an executor. */
 fp3_fast_place fp3_fast_place_of(fp3_fast_lanes *lanes, const fp3_fast_run *run,
                                  const fp3_fast *fast);

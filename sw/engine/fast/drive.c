@@ -37,7 +37,7 @@ static void execute(const fp3_drive *d, fp3_fast_lanes *lanes, const stretch *s)
     lanes->is_awake &= !f->plan.sleeps;
 #define MAKE(part, steps, number)                                                                  \
     (lanes->is_tiny ? f->sweep->run_tiny : f->sweep->run)(&f->plan, &place, part, steps, number)
-    if (!lanes->is_tiny && f->native.library)
+    if (!lanes->is_tiny && fp3_fast_native_for(f, d->run->constants))
         f->native.stretch(&place, s->parts, s->steps, s->before);
     else {
         EACH_PART(s, MAKE);

@@ -120,6 +120,8 @@ fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *er
     f->watch = (fp3_watch_plan){&f->plan, def->is_ahead, def->states, fp3_live_between(def->code)};
     fp3_estimate_table(f->table);
     fp3_table_finish(f->table);
+    if (!f->sweep->are_estimates_exact(f->table))
+        f->table[FP3_AT_ABOVE] = 0; /* they are looked up */
     open_native(f, def->is_interpreted || w.is_interpreted, !def->is_without_compiler);
     return FP3_OK;
 }

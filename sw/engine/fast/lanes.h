@@ -394,6 +394,37 @@ FP3_OPERATION fp3_v fp3_rsqrt_ordinary(fp3_v a, const int *table) {
     const fp3_i cut = (((fp3_i)a >> 10) & FP3_NUMBER(RSQRT_ODD)) | FP3_NUMBER(RSQRT_CUT);
     return (fp3_v)((fp3_i)FP3_QUIET_MADD(y, off, y) & ~cut);
 }
+#elif FP3_LANES == 8 && defined __FMA__
+/* The processor's estimate is wrong by 1.5/4096 at most; 1.41/4096 is asked for here, so each
+ * processor is looked at (fp3_are_estimates_exact). So the nearest number with an entry's bits is
+ * that entry or the next one: it is the next one if its product with u is above 1. These products
+ * are exact, so they raise nothing, in any mode.
+ */
+#define FP3_NUMBER(of) fp3_all(table[FP3_AT_##of])
+FP3_OPERATION int fp3_are_ordinary(fp3_i a, fp3_i least, const int *table) {
+    const fp3_i is = (fp3_u)(a - least) < (fp3_u)FP3_NUMBER(ABOVE);
+    return __builtin_ia32_movmskps256((fp3_v)is) == 255;
+}
+FP3_OPERATION int fp3_rcp_is_ordinary(fp3_v a, const int *table) {
+    return fp3_are_ordinary(fp3_magnitude(a), FP3_NUMBER(RCP_LEAST), table);
+}
+FP3_OPERATION int fp3_rsqrt_is_ordinary(fp3_v a, const int *table) {
+    return fp3_are_ordinary((fp3_i)a, FP3_NUMBER(RSQRT_LEAST), table);
+}
+FP3_OPERATION fp3_v fp3_rcp_ordinary(fp3_v a, const int *table) {
+    const fp3_v u = (fp3_v)(((fp3_i)a | FP3_NUMBER(RCP_END)) + FP3_NUMBER(NEXT));
+    const fp3_i y = (fp3_i)__builtin_ia32_rcpps256(u) + FP3_NUMBER(RSQRT_ODD);
+    const fp3_v next = (fp3_v)(y & FP3_NUMBER(RCP_CUT));
+    return (fp3_v)((fp3_i)next + (FP3_COMPARE((fp3_v)fp3_all(FP3_ONE), u * next, 17) << 14));
+}
+FP3_OPERATION fp3_v fp3_rsqrt_ordinary(fp3_v a, const int *table) {
+    const fp3_v u = (fp3_v)(((fp3_i)a | FP3_NUMBER(RSQRT_END)) + FP3_NUMBER(NEXT));
+    const fp3_i odd = ((fp3_i)a >> 10) & FP3_NUMBER(RSQRT_ODD), unit = odd + FP3_NUMBER(RSQRT_ODD);
+    const fp3_i y = (fp3_i)__builtin_ia32_rsqrtps256(u) + (unit >> 1);
+    const fp3_v next = (fp3_v)(y & -unit);
+    const fp3_v left = __builtin_ia32_vfmaddps256(-(u * next), next, (fp3_v)fp3_all(FP3_ONE));
+    return (fp3_v)((fp3_i)next - (((fp3_i)left >> 31) & unit));
+}
 #else
 #define fp3_rcp_is_ordinary(a, table) 0
 #define fp3_rsqrt_is_ordinary(a, table) 0
@@ -437,6 +468,23 @@ FP3_OPERATION fp3_v fp3_rcp_behind(fp3_v a, const int *table) {
 }
 FP3_OPERATION fp3_v fp3_rsqrt_behind(fp3_v a, const int *table) {
     return FP3_ESTIMATE(rsqrt, a, table, fp3_behind);
+}
+
+/* 1: what is computed is what the table has, in each interval, with an even exponent and an odd
+ * one.
+ */
+FP3_OPERATION int fp3_are_estimates_exact(const int *table) {
+    fp3_i is_wrong = fp3_all(0), a = fp3_all(FP3_ONE);
+    for (int i = 0; i < FP3_LANES; i++)
+        a[i] += i << 13;
+    for (int i = 0; i < 2048; i += FP3_LANES, a += FP3_LANES << 13) {
+        const fp3_v of = (fp3_v)a;
+        is_wrong |= (fp3_i)fp3_rcp(of, table) != (fp3_i)fp3_rcp_any(of, table);
+        is_wrong |= (fp3_i)fp3_rsqrt(of, table) != (fp3_i)fp3_rsqrt_any(of, table);
+    }
+    for (int i = 1; i < FP3_LANES; i++)
+        is_wrong[0] |= is_wrong[i];
+    return !is_wrong[0];
 }
 
 /* In integers: the fraction's bits that go, and half of the last that stays. */

@@ -30,7 +30,7 @@ enum {
 };
 static inline void fp3_table_finish(int table[FP3_TABLE]) {
     const int numbers[FP3_TABLE - FP3_AT_RCP_LEAST] = {
-        0x00800000,     0x01000000, 252 << 23, 0x1fff, 0x3fff,     1,
+        0x00800000,     0x01000000, 251 << 23, 0x1fff, 0x3fff,     1,
         1 - 0x00800000, ~0x3fff,    0x1fff,    0x2000, 0x3f000004, 0x3f800002};
     for (int i = FP3_AT_RCP_LEAST; i < FP3_TABLE; i++)
         table[i] = numbers[i - FP3_AT_RCP_LEAST];

@@ -224,6 +224,10 @@ static void find_live(fp3_fast_plan *plan, uint64_t states) {
 
 enum { OF_HOST = 1, OF_ADDER = 2 };
 
+static int is_constant(uint32_t operand) {
+    return operand >= FP3_BANK_SHARED_BASE && operand != FP3_FAST_GIVEN;
+}
+
 /* What a value may have come from; shared constants come from the host. */
 static int origin(const unsigned char *from, uint32_t operand) {
     return operand < FP3_BANK_SHARED_BASE ? from[operand] : OF_HOST;
@@ -256,8 +260,14 @@ static void follow(fp3_fast_word *p, const fp3_config *config, unsigned char *fr
     /* Without infinities, a zero of any sign becomes +0 there. */
     p->is_behind = in->op == FP3_OP_RSQRT || (!config->subnormal && makes_subnormal(in->op)) ||
                    (config->finite && !is_sum(in->op));
-    for (uint32_t i = 0; !is_sum(in->op) && i < sources_of(in); i++)
-        p->is_behind |= origin(from, fp3_operand(in, "abc"[i])) & OF_HOST;
+    p->is_behind_words = p->is_behind;
+    for (uint32_t i = 0; !is_sum(in->op) && i < sources_of(in); i++) {
+        const uint32_t operand = fp3_operand(in, "abc"[i]);
+        const int is_of_host = origin(from, operand) & OF_HOST;
+        p->is_behind |= is_of_host;
+        if (!config->subnormal || !is_constant(operand)) /* one below the normal ones is flushed */
+            p->is_behind_words |= is_of_host;
+    }
     from[in->d] = OF_ADDER;
 }
 

@@ -42,6 +42,7 @@ typedef struct {
     int is_one_nan; /* what is written is seen as it is: a NaN is made the one of the machine */
     int is_behind;  /* an operand may be a NaN that the host wrote, or the operation makes one: see
                        fp3_behind in lanes.h */
+    int is_behind_words; /* the same where no shared constant is a NaN: fp3_fast_native_for */
 } fp3_fast_word;
 
 typedef enum { FP3_PART_FIRST, FP3_PART_STEP, FP3_PART_LAST, FP3_PARTS } fp3_fast_part_number;

@@ -497,5 +497,7 @@ static void watch(const fp3_watch_plan *w, const fp3_fast_place *place, fp3_fast
     }
 }
 
-const fp3_sweep FP3_SWEEP = {FP3_LANES, FP3_SWEEP_NAME,   run, run_tiny, watch,
-                             run_words, fp3_is_any_astray};
+static int are_estimates_exact(const int *table) { return fp3_are_estimates_exact(table); }
+
+const fp3_sweep FP3_SWEEP = {FP3_LANES,         FP3_SWEEP_NAME,     run, run_tiny, watch, run_words,
+                             fp3_is_any_astray, are_estimates_exact};

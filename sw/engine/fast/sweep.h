@@ -64,6 +64,8 @@ typedef struct {
                       uint32_t end);
     /* 0: none of these values is infinite or a NaN. */
     int (*is_any_astray)(const float *row, unsigned count);
+    /* 0: this processor cannot compute the estimates of the table. */
+    int (*are_estimates_exact)(const int *table);
 } fp3_sweep;
 
 /* For this processor and this arithmetic. most: no better kind than this; "": any. */

@@ -24,13 +24,13 @@ static int compares(uint32_t op) {
 
 static int is_estimate(uint32_t op) { return op == FP3_OP_RCP || op == FP3_OP_RSQRT; }
 
-/* With what is_behind asks for. */
+/* With what is_behind_words asks for. */
 static void value(const writer *w, const fp3_fast_word *p, unsigned vector) {
     const fp3_instruction *in = &p->in;
     const fp3_operation *of = fp3_operation_find(in->op);
-    const int is_around = p->is_behind && !is_estimate(in->op);
+    const int is_around = p->is_behind_words && !is_estimate(in->op);
     fprintf(w->to, "%sfp3_%s%s(", is_around ? "fp3_behind(" : "", of->name,
-            !p->is_behind         ? ""
+            !p->is_behind_words   ? ""
             : compares(in->op)    ? "_raw"
             : is_estimate(in->op) ? "_behind"
                                   : "");
