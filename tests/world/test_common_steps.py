@@ -109,6 +109,12 @@ def test_a_rejected_attempt_is_not_remembered(run):
             "project n = sum(o in ties: o.s)\nremember o in ties: o.s = o.s + 1\n"
     _, found = run(model, 2, "--tolerance", "1e-4", "--until", 1)
     assert found["rejected"][0] > 0 and list(found["n"]) == list(found["accepted"] - 1)
+    late = model.replace("step 0.5", "step 0.01").replace("cos(20*t)", "t^6*cos(60*t)")  # attempts are rejected when much is remembered
+    _, found = run(late, 2, "--tolerance", "1e-6", "--until", 1)
+    assert found["rejected"][0] > 0 and found["accepted"][0] > 20 and list(found["n"]) == list(found["accepted"] - 1)
+    for engine in ("isa", "fast"):
+        _, found = run(late + "when root(x - 1e-3) any: x = x\n", 2, "--tolerance", "1e-6", "--until", 1, engine=engine)
+        assert found["rejected"][0] > 3 and list(found["n"]) == list(found["accepted"] - 1)
 
 
 @pytest.mark.parametrize("options", [(), ("--tolerance", "1e-4")])

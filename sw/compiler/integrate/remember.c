@@ -8,7 +8,7 @@
 static uint32_t kept(const fp3_advance *a, uint32_t field, uint32_t node) {
     dag *g = &a->step->values;
     return a->is_adaptive ? sel(g, a->is_good, node,
-                                fp3_dag_neighbour(g, NODE_FIELD, field, FP3_NONE, FP3_NONE))
+                                fp3_dag_neighbour(g, NODE_FIELD, field, FP3_NONE, 0))
                           : node;
 }
 
