@@ -67,10 +67,11 @@ def call(fp3, path, *options, fast=None):
 
 
 def words_of(said):
-    """[object, state] in the order of the program, and the states' names."""
-    columns, count = {}, {}
-    for name, words, number in STATE.findall(said):
-        for word, bits in enumerate(words.split()):
+    """[object, state] in the order of the program, and the states' names. Recorded hashes are without the one state of two words that adaptive steps have, t."""
+    columns, count, found = {}, {}, [(name, words.split(), number) for name, words, number in STATE.findall(said)]
+    least = min((len(words) for _, words, _ in found), default=0)
+    for name, words, number in found:
+        for word, bits in enumerate(words if len(words) == least else ()):
             columns.setdefault(name + word * "_low", []).append(int(bits, 16))
             count.setdefault(name + word * "_low", []).append(int(number))
     if not columns or any(numbers != list(range(len(numbers))) for numbers in count.values()) or len({len(c) for c in columns.values()}) != 1:

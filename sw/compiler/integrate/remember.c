@@ -7,9 +7,9 @@
 /* An attempt that is rejected changes nothing. */
 static uint32_t kept(const fp3_advance *a, uint32_t field, uint32_t node) {
     dag *g = &a->step->values;
-    return a->is_adaptive ? sel(g, a->is_good, node,
-                                fp3_dag_neighbour(g, NODE_FIELD, field, FP3_NONE, 0))
-                          : node;
+    return a->is_adaptive
+               ? sel(g, a->is_good, node, fp3_dag_neighbour(g, NODE_FIELD, field, FP3_NONE, 0))
+               : node;
 }
 
 fp3_status fp3_remember(fp3_advance *a, fp3_error *error) {

@@ -4,6 +4,7 @@
 
 #include "compiler/pairs/double_single.h"
 #include "sink.h"
+#include "tell.h"
 
 #include <assert.h>
 #include <fp3/isa.h>
@@ -320,6 +321,8 @@ static fp3_status cut_part(fp3_cut_plan *plan, uint32_t times, fp3_cut *cut, fp3
     const uint32_t first = cut->section_count;
     plan->base = cut->phase_count;
     fp3_status status = fp3_cut_plan_make(plan, error);
+    if (!status)
+        status = fp3_cut_tell(plan, error);
     if (!status)
         status = make_sections(plan, cut, error);
     if (status)

@@ -2,8 +2,6 @@
 /* plan.c - see plan.h. */
 #include "plan.h"
 
-#include "tell.h"
-
 #include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
@@ -484,9 +482,6 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     count_all(c);
     if (c->base + c->phase_count > FP3_CUT_PHASES)
         return too_many(error);
-    status = fp3_cut_tell(c, error);
-    if (status)
-        return status;
     mark_kept(c);
     know_params(c);
     c->held = fp3_cut_filled((size_t)c->phase_count * c->own);
