@@ -2,7 +2,6 @@
 /* plan.c - see plan.h. */
 #include "plan.h"
 
-#include <assert.h>
 #include <fp3/isa.h>
 #include <stdlib.h>
 #include <string.h>
@@ -169,7 +168,6 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
         if (!fp3_dag_is_fold(fp3_cut_node(c, i)->op))
             continue;
         const uint32_t place = fp3_dag_place(c->g, i);
-        assert(is_made(c, place, i)); /* else nothing is known of when that is there */
         const fp3_status status = show_until(c, place, i, error);
         if (status)
             return status;
