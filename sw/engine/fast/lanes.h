@@ -359,6 +359,7 @@ FP3_OPERATION fp3_i fp3_entry(const int *table, fp3_i index) {
  * entry. A step of Newton's is wrong by 2 units at most. Its 1 (or 1/2) is 2^-22 more than that,
  * which makes the result 2 to 4 units larger, so that it may be cut. These instructions raise no
  * flag, and round to nearest in any mode. */
+#define FP3_NUMBER(of) fp3_all(table[FP3_AT_##of])
 #if FP3_LANES == 16 && !defined __clang__
 #define FP3_ALL_LANES ((unsigned short)-1)
 #define FP3_QUIETLY 8 /* to nearest, no exceptions */
@@ -367,18 +368,10 @@ FP3_OPERATION fp3_i fp3_entry(const int *table, fp3_i index) {
     __builtin_ia32_vfmaddps512_mask((a), (b), (c), FP3_ALL_LANES, FP3_QUIETLY)
 #define FP3_QUIET_MSUB(a, b, c)                                                                    \
     __builtin_ia32_vfnmaddps512_mask((a), (b), (c), FP3_ALL_LANES, FP3_QUIETLY)
-#define FP3_NUMBER(of) fp3_all(table[FP3_AT_##of])
 
-/* Exponents 1 to 252 of any sign; 2 to 253, as the step takes half of one. */
 FP3_OPERATION int fp3_are_ordinary(fp3_i a, fp3_i least, const int *table) {
     return __builtin_ia32_ucmpd512_mask(a - least, FP3_NUMBER(ABOVE), 1, FP3_ALL_LANES) ==
            FP3_ALL_LANES;
-}
-FP3_OPERATION int fp3_rcp_is_ordinary(fp3_v a, const int *table) {
-    return fp3_are_ordinary(fp3_magnitude(a), FP3_NUMBER(RCP_LEAST), table);
-}
-FP3_OPERATION int fp3_rsqrt_is_ordinary(fp3_v a, const int *table) {
-    return fp3_are_ordinary((fp3_i)a, FP3_NUMBER(RSQRT_LEAST), table);
 }
 FP3_OPERATION fp3_v fp3_rcp_ordinary(fp3_v a, const int *table) {
     const fp3_v u = (fp3_v)(((fp3_i)a | FP3_NUMBER(RCP_END)) + FP3_NUMBER(NEXT));
@@ -400,16 +393,9 @@ FP3_OPERATION fp3_v fp3_rsqrt_ordinary(fp3_v a, const int *table) {
  * that entry or the next one: it is the next one if its product with u is above 1. These products
  * are exact, so they raise nothing, in any mode.
  */
-#define FP3_NUMBER(of) fp3_all(table[FP3_AT_##of])
 FP3_OPERATION int fp3_are_ordinary(fp3_i a, fp3_i least, const int *table) {
     const fp3_i is = (fp3_u)(a - least) < (fp3_u)FP3_NUMBER(ABOVE);
     return __builtin_ia32_movmskps256((fp3_v)is) == 255;
-}
-FP3_OPERATION int fp3_rcp_is_ordinary(fp3_v a, const int *table) {
-    return fp3_are_ordinary(fp3_magnitude(a), FP3_NUMBER(RCP_LEAST), table);
-}
-FP3_OPERATION int fp3_rsqrt_is_ordinary(fp3_v a, const int *table) {
-    return fp3_are_ordinary((fp3_i)a, FP3_NUMBER(RSQRT_LEAST), table);
 }
 FP3_OPERATION fp3_v fp3_rcp_ordinary(fp3_v a, const int *table) {
     const fp3_v u = (fp3_v)(((fp3_i)a | FP3_NUMBER(RCP_END)) + FP3_NUMBER(NEXT));
@@ -426,11 +412,18 @@ FP3_OPERATION fp3_v fp3_rsqrt_ordinary(fp3_v a, const int *table) {
     return (fp3_v)((fp3_i)next - (((fp3_i)left >> 31) & unit));
 }
 #else
-#define fp3_rcp_is_ordinary(a, table) 0
-#define fp3_rsqrt_is_ordinary(a, table) 0
+#define fp3_are_ordinary(a, least, table) ((void)(a), (void)(table), 0)
 #define fp3_rcp_ordinary(a, table) (a)
 #define fp3_rsqrt_ordinary(a, table) (a)
 #endif
+
+/* Exponents 1 to 251 of any sign; 2 to 252, as a step of Newton's takes half of one. */
+FP3_OPERATION int fp3_rcp_is_ordinary(fp3_v a, const int *table) {
+    return fp3_are_ordinary(fp3_magnitude(a), FP3_NUMBER(RCP_LEAST), table);
+}
+FP3_OPERATION int fp3_rsqrt_is_ordinary(fp3_v a, const int *table) {
+    return fp3_are_ordinary((fp3_i)a, FP3_NUMBER(RSQRT_LEAST), table);
+}
 
 FP3_OPERATION fp3_v fp3_rcp_any(fp3_v a, const int *table) {
     const fp3_i sign = (fp3_i)a & FP3_SIGN, e = fp3_exponent(a);
