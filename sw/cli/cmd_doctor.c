@@ -77,8 +77,8 @@ static fp3_status check_cache(finding *f) {
     }
     if (directory)
         closedir(directory);
-    snprintf(f->text, sizeof f->text, "%s: %u program%s, %.1f MB", cache.directory, programs,
-             programs == 1 ? "" : "s", bytes / 1e6);
+    snprintf(f->text, sizeof f->text, "%s: %u program%s, %.0f kB", cache.directory, programs,
+             programs == 1 ? "" : "s", bytes / 1e3);
     return status;
 }
 
