@@ -24,9 +24,13 @@ FP3_BANK_SHARED_COUNT = 64
 FP3_BITS_MINUS_ZERO = 2147483648
 FP3_BITS_NAN = 2143289344
 FP3_BITS_ONE = 1065353216
+FP3_BOX = 2
+FP3_CAPSULE = 1
 FP3_CHEBYSHEV = 4
+FP3_CIRCLE = 0
 FP3_CODE_MORE = 128
 FP3_COMPENSATED = 1
+FP3_CORNERS = 8
 FP3_COUNTER_COUNT = 14
 FP3_COUNTER_CYCLES = 0
 FP3_COUNTER_ISSUED_ADD = 1
@@ -43,6 +47,7 @@ FP3_COUNTER_STALL_FETCH = 7
 FP3_COUNTER_STALL_UNIT = 9
 FP3_COUNTER_STALL_WRITEBACK = 10
 FP3_DOUBLE_SINGLE = 3
+FP3_DYNAMIC = 0
 FP3_EXECUTED = 3
 FP3_EXPR_ABS = 16
 FP3_EXPR_ACOS = 29
@@ -124,6 +129,7 @@ FP3_IMAGE_LABEL_LIMIT = 1024
 FP3_IMAGE_MAGIC = 1228099654
 FP3_ISA_REVISION = 3
 FP3_KINDS_MAX = 8
+FP3_KINEMATIC = 1
 FP3_LINKS = 0
 FP3_NAME_SIZE = 32
 FP3_NEAR = 1
@@ -193,6 +199,7 @@ FP3_PASS_ZERO = 9
 FP3_PLACES = 64
 FP3_PLACE_EVENTS = 44
 FP3_PLAIN = 0
+FP3_POLYGON = 3
 FP3_RELATIONS_MAX = 8
 FP3_REMOVED = 4294967295
 FP3_REMOVES = 2
@@ -202,6 +209,7 @@ FP3_RUNGE_KUTTA = 0
 FP3_SPLITTING = 1
 FP3_STAGES_MAX = 24
 FP3_STANDSTILL_TEXT_SIZE = 192
+FP3_STATIC = 2
 FP3_STEPS_LIMIT = 16777216
 FP3_STOERMER = 2
 FP3_STOPS = 1
@@ -944,6 +952,59 @@ class fp3_contacts(Structure):
     ]
 
 
+class fp3_bodies_def(Structure):
+    _fields_ = [
+        ("cookie", c_uint32),
+        ("error", POINTER(fp3_error)),
+        ("gravity", c_double * 2),
+        ("h", c_double),
+        ("substeps", c_uint32),
+        ("size", c_double),
+        ("engine", c_char_p),
+        ("laws", c_char_p),
+        ("push", c_double),
+        ("bounce", c_double),
+        ("rest_speed", c_double),
+        ("rest_time", c_double),
+    ]
+
+
+class fp3_body_def(Structure):
+    _fields_ = [
+        ("type", c_int),
+        ("x", c_double * 2),
+        ("angle", c_double),
+        ("v", c_double * 2),
+        ("w", c_double),
+        ("damping", c_double),
+        ("spin_damping", c_double),
+        ("gravity", c_double),
+        ("may_not_turn", c_int),
+        ("may_not_sleep", c_int),
+        ("user", c_uint64),
+    ]
+
+
+class fp3_shape_def(Structure):
+    _fields_ = [
+        ("type", c_int),
+        ("centre", c_double * 2),
+        ("angle", c_double),
+        ("half", c_double * 2),
+        ("corner", ((c_double * 2) * 8)),
+        ("corners", c_uint32),
+        ("radius", c_double),
+        ("density", c_double),
+        ("friction", c_double),
+        ("restitution", c_double),
+        ("rolling", c_double),
+        ("belt", c_double),
+        ("category", c_uint32),
+        ("mask", c_uint32),
+        ("is_sensor", c_int),
+    ]
+
+
 # Of each function: what it returns, and what it takes.
 PROTOTYPES = {
     "fp3_version": (c_char_p, (c_void_p,)),
@@ -1138,4 +1199,22 @@ PROTOTYPES = {
     "fp3_batch_objects": (c_size_t, (c_void_p,)),
     "fp3_batch_engine": (c_void_p, (c_void_p,)),
     "fp3_batch_compiled": (POINTER(fp3_compiled), (c_void_p,)),
+    "fp3_bodies_set_default": (None, (POINTER(fp3_bodies_def), c_size_t)),
+    "fp3_bodies_open": (c_int, (POINTER(fp3_bodies_def), POINTER(c_void_p))),
+    "fp3_bodies_close": (None, (POINTER(c_void_p),)),
+    "fp3_body_set_default": (None, (POINTER(fp3_body_def), c_size_t)),
+    "fp3_bodies_add": (c_int, (c_void_p, POINTER(fp3_body_def), c_size_t, c_void_p)),
+    "fp3_bodies_remove": (c_int, (c_void_p, c_void_p, c_size_t)),
+    "fp3_bodies_count": (c_size_t, (c_void_p,)),
+    "fp3_bodies_handles": (None, (c_void_p, c_void_p)),
+    "fp3_shape_set_default": (None, (POINTER(fp3_shape_def), c_size_t)),
+    "fp3_bodies_attach": (c_int, (c_void_p, c_void_p, c_size_t, POINTER(fp3_shape_def), c_void_p)),
+    "fp3_bodies_attach_chain": (c_int, (c_void_p, c_uint64, c_void_p, c_size_t, c_int, POINTER(fp3_shape_def))),
+    "fp3_bodies_step": (c_int, (c_void_p, c_uint64)),
+    "fp3_bodies_time": (c_double, (c_void_p,)),
+    "fp3_bodies_awake": (c_size_t, (c_void_p,)),
+    "fp3_bodies_touching": (c_size_t, (c_void_p,)),
+    "fp3_bodies_read": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_bodies_write": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_bodies_hash": (c_uint64, (c_void_p,)),
 }

@@ -7,6 +7,7 @@
 #include "dimension_check.h"
 #include "relation.h"
 #include "remember.h"
+#include "vector.h"
 
 /* The state that is the right side of the equation, all by itself; or FP3_NONE. */
 static uint32_t bare_state(const ode_parser *p, const ode_equation *e) {
@@ -31,8 +32,22 @@ static void resolve_second(ode_parser *p, ode_quantity *s) {
     }
 }
 
+/* Without any equation the model is a map: projections alone change its states. */
+static int is_map(const ode_parser *p) {
+    for (uint32_t i = 0; i < p->state_count; i++)
+        if (fp3_token_exists(p->states[i].first.at) || fp3_token_exists(p->states[i].second.at))
+            return 0;
+    return p->projection_count > 0;
+}
+
 static void finish_states(ode_parser *p) {
     const char *last_missing = NULL;
+    if (is_map(p))
+        for (uint32_t i = 0; i < p->state_count; i++) {
+            const fp3_token at = p->states[i].at;
+            p->states[i].first = (ode_equation){
+                .at = at, .expr = fp3_ode_leaf(p, at, FP3_EXPR_NUMBER, 0, 0).expr[0]};
+        }
     for (uint32_t i = 0; i < p->state_count; i++)
         if (fp3_token_exists(p->states[i].second.at))
             resolve_second(p, &p->states[i]);

@@ -9,7 +9,7 @@ import pytest
 
 from fp3 import _declarations as d
 
-HEADERS = ("status", "isa", "image", "model", "compile", "engine", "program", "scene", "recording", "batch")
+HEADERS = ("status", "isa", "image", "model", "compile", "engine", "program", "scene", "recording", "batch", "bodies")
 STRUCTS = [value for value in vars(d).values() if isinstance(value, type) and issubclass(value, ctypes.Structure) and value is not ctypes.Structure]
 CONSTANTS = {name: value for name, value in vars(d).items() if name.startswith("FP3_")}
 

@@ -10,7 +10,7 @@ import re
 from .check import Bad
 from .text import MARK
 
-HEADERS = ("status", "isa", "image", "model", "compile", "engine", "program", "scene", "recording", "batch")
+HEADERS = ("status", "isa", "image", "model", "compile", "engine", "program", "scene", "recording", "batch", "bodies")
 NUMBERS = {"int": "c_int", "unsigned": "c_uint", "char": "c_char", "float": "c_float", "double": "c_double",
            "size_t": "c_size_t", "uint8_t": "c_uint8", "uint32_t": "c_uint32", "uint64_t": "c_uint64"}
 LONGEST = 118

@@ -70,10 +70,11 @@ static int has_slope(const fp3_model *model, uint32_t state) {
     return derivative->op != FP3_EXPR_NUMBER || derivative->number != 0;
 }
 
-/* If no state moves, a step has an instruction that adds 0, because a step must not be empty. */
+/* If nothing ever changes a state, a step has an instruction that adds 0, because a step must not
+ * be empty. */
 int fp3_advance_rests(const fp3_advance *a, uint32_t state) {
     const fp3_model *model = a->step->model;
-    int moves = a->is_adaptive;
+    int moves = a->is_adaptive || model->assignment_count;
     for (uint32_t s = 0; !moves && s < model->state_count; s++)
         moves = fp3_fit_is_moved(a->fit, s) && has_slope(model, s);
     return moves && fp3_has_pass(a->options, FP3_PASS_ZERO) && !has_slope(model, state);

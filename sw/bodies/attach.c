@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* attach.c - shapes of bodies, and what bodies weigh. */
+#include "own.h"
+#include "turn.h"
+
+#include "base/host.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static fp3_point2 point_of(const double x[2]) { return (fp3_point2){(float)x[0], (float)x[1]}; }
+
+static fp3_status make_shape(const fp3_shape_def *def, fp3_shape2 *shape, fp3_error *error) {
+    const float radius = (float)def->radius;
+    fp3_point2 corner[FP3_CORNERS];
+    if (def->corners > FP3_CORNERS)
+        return fp3_fail(error, FP3_E_ARGUMENT, "corners is %u, expected at most %d", def->corners,
+                        FP3_CORNERS);
+    for (uint32_t i = 0; i < def->corners; i++)
+        corner[i] = point_of(def->corner[i]);
+    switch (def->type) {
+    case FP3_CIRCLE:
+        return fp3_disc2(point_of(def->centre), radius, shape, error);
+    case FP3_CAPSULE:
+        if (def->corners != 2)
+            return fp3_fail(error, FP3_E_ARGUMENT, "a capsule has %u corners, expected 2",
+                            def->corners);
+        return fp3_capsule2(corner[0], corner[1], radius, shape, error);
+    case FP3_BOX: {
+        double turn[2];
+        fp3_turn2_of(def->angle, turn);
+        const fp3_pose2 pose = {point_of(def->centre), (float)turn[0], (float)turn[1]};
+        return fp3_box2(point_of(def->half), &pose, radius, shape, error);
+    }
+    case FP3_POLYGON:
+        return fp3_polygon2(corner, def->corners, radius, shape, error);
+    }
+    return fp3_fail(error, FP3_E_ARGUMENT,
+                    "type is %d, expected FP3_CIRCLE, FP3_CAPSULE, FP3_BOX or FP3_POLYGON",
+                    (int)def->type);
+}
+
+typedef struct {
+    const char *name;
+    double value, most;
+} range;
+
+static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error *error) {
+    const range ranges[] = {{"density", def->density, 1e12},
+                            {"friction", def->friction, 1e6},
+                            {"restitution", def->restitution, 1},
+                            {"rolling", def->rolling, 1e6}};
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+        if (!(ranges[i].value >= 0 && ranges[i].value <= ranges[i].most))
+            return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 to %g", ranges[i].name,
+                            ranges[i].value, ranges[i].most);
+    if (!(fabs(def->belt) <= 1e9))
+        return fp3_fail(error, FP3_E_ARGUMENT, "belt is %g, expected -1e9 to 1e9", def->belt);
+    *placed = (fp3_attached){.friction = (float)def->friction,
+                             .restitution = (float)def->restitution,
+                             .rolling = (float)def->rolling,
+                             .belt = (float)def->belt,
+                             .category = def->category,
+                             .mask = def->mask,
+                             .is_sensor = def->is_sensor != 0};
+    const fp3_status status = make_shape(def, &placed->given, error);
+    if (status)
+        return status;
+    placed->mass = fp3_weigh2(&placed->given, def->is_sensor ? 0 : def->density);
+    return FP3_OK;
+}
+
+/* The shape as it lies around the centre of mass. */
+static void shift(fp3_attached *placed, fp3_point2 by) {
+    fp3_shape2 *shape = &placed->shape;
+    *shape = placed->given;
+    shape->middle = fp3_subtract2(shape->middle, by);
+    float extent = 0;
+    placed->link = placed->given_link;
+    for (uint32_t i = 0; i < 4; i++)
+        placed->link.corner[i] = fp3_subtract2(placed->link.corner[i], by);
+    for (uint32_t i = 0; i < shape->count; i++) {
+        shape->corner[i] = fp3_subtract2(shape->corner[i], by);
+        const float far = sqrtf(fp3_dot2(shape->corner[i], shape->corner[i])) + shape->radius;
+        extent = far > extent ? far : extent;
+    }
+    /* Its rounding may make it less than the farthest point's. */
+    shape->extent = extent * (1 + 0x1p-20f);
+}
+
+/* Mass, centre and inertia from shapes. A dynamic body without mass weighs 1, as in Box2D. */
+static fp3_status weigh(fp3_bodies *bodies, uint32_t number) {
+    fp3_body *body = &bodies->body[number];
+    uint32_t count = 0, room = 0;
+    fp3_mass2 *parts = NULL;
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+        count++;
+    const fp3_status status =
+        fp3_bodies_room((void **)&parts, &room, sizeof *parts, count, bodies->error);
+    if (status)
+        return status;
+    count = 0;
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+        parts[count++] = bodies->shape[s].mass;
+    const fp3_mass2 all = fp3_weigh_together2(parts, count);
+    const fp3_point2 centre = {(float)all.x, (float)all.y};
+    free(parts);
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+        shift(&bodies->shape[s], centre);
+    /* The origin stays where it is. */
+    const double c = body->turn[0], s = body->turn[1], dx = (double)centre.x - body->centre[0],
+                 dy = (double)centre.y - body->centre[1];
+    body->at[0] += c * dx - s * dy;
+    body->at[1] += s * dx + c * dy;
+    body->v[0] -= body->w * (float)(s * dx + c * dy);
+    body->v[1] += body->w * (float)(c * dx - s * dy);
+    body->centre[0] = centre.x;
+    body->centre[1] = centre.y;
+    const int is_dynamic = body->type == FP3_DYNAMIC;
+    body->mass = !is_dynamic ? 0 : all.mass > 0 ? (float)all.mass : 1;
+    body->inertia = !is_dynamic || body->may_not_turn ? 0 : (float)all.inertia;
+    return FP3_OK;
+}
+
+static uint32_t next_free(fp3_bodies *bodies) {
+    uint32_t number = bodies->free_shape;
+    while (number < bodies->shape_count && bodies->shape[number].generation & 1)
+        number++;
+    bodies->free_shape = number + 1;
+    if (number >= bodies->shape_count)
+        bodies->boxes.count = bodies->shape_count = number + 1;
+    return number;
+}
+
+static fp3_status make_room(fp3_bodies *bodies, size_t more) {
+    const size_t wanted = bodies->shape_count + more + 1;
+    fp3_status status = fp3_bodies_room((void **)&bodies->shape, &bodies->shape_room,
+                                        sizeof *bodies->shape, wanted, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->boxes.box, &bodies->boxes.room,
+                                 sizeof *bodies->boxes.box, wanted, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->boxes.may_move, &bodies->boxes.move_room,
+                                 sizeof *bodies->boxes.may_move, wanted, bodies->error);
+    return status;
+}
+
+/* Behind the last of the chain: shapes are in the order in which they came. */
+static void chain(fp3_bodies *bodies, uint32_t number, uint32_t shape) {
+    uint32_t *last = &bodies->body[number].first_shape;
+    while (*last != FP3_NOBODY)
+        last = &bodies->shape[*last].next;
+    *last = shape;
+}
+
+static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached *made,
+                        uint64_t *handle) {
+    const uint32_t at = next_free(bodies);
+    const uint32_t generation = bodies->shape[at].generation + 1;
+    bodies->shape[at] = *made;
+    bodies->shape[at].generation = generation;
+    bodies->shape[at].body = number;
+    bodies->shape[at].next = FP3_NOBODY;
+    bodies->boxes.box[at] = (fp3_box){{-INFINITY, -INFINITY, 0}, {-INFINITY, -INFINITY, 0}};
+    bodies->boxes.may_move[at] = bodies->body[number].type != FP3_STATIC;
+    chain(bodies, number, at);
+    if (handle)
+        *handle = (uint64_t)generation << 32 | at;
+}
+
+static fp3_status place_all(fp3_bodies *bodies, uint32_t number) {
+    fp3_bodies_wake_around(bodies, number);
+    const fp3_status status = weigh(bodies, number);
+    fp3_bodies_place_boxes(bodies, number);
+    return status;
+}
+
+fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t count,
+                             const fp3_shape_def *shape, uint64_t *shapes) {
+    FP3_HOST;
+    fp3_attached made;
+    fp3_status status = make(shape, &made, bodies->error);
+    uint32_t number;
+    for (size_t i = 0; !status && i < count; i++)
+        status = fp3_bodies_numbered(bodies, handles, i, &number);
+    if (!status)
+        status = make_room(bodies, count);
+    for (size_t i = 0; !status && i < count; i++) {
+        place_shape(bodies, (uint32_t)handles[i], &made, shapes ? &shapes[i] : NULL);
+        status = place_all(bodies, (uint32_t)handles[i]);
+    }
+    return status;
+}
+
+fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
+                                   size_t count, int is_loop, const fp3_shape_def *surface) {
+    FP3_HOST;
+    const size_t edges = is_loop ? count : count - 1;
+    uint32_t number;
+    fp3_status status = fp3_bodies_numbered(bodies, &handle, 0, &number);
+    if (!status && count < (is_loop ? 3u : 2u))
+        status = fp3_fail(bodies->error, FP3_E_ARGUMENT, "the chain has %zu corners, expected %d",
+                          count, is_loop ? 3 : 2);
+    if (!status && bodies->body[number].type == FP3_DYNAMIC)
+        status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                          "a chain is ground: its body must not be dynamic");
+    if (!status)
+        status = make_room(bodies, edges);
+    fp3_attached *made = NULL;
+    uint32_t room = 0;
+    if (!status)
+        status = fp3_bodies_room((void **)&made, &room, sizeof *made, edges, bodies->error);
+    for (size_t i = 0; !status && i < edges; i++) {
+        fp3_shape_def edge = *surface;
+        edge.type = FP3_CAPSULE;
+        edge.corners = 2;
+        for (uint32_t k = 0; k < 2; k++)
+            memcpy(edge.corner[k], corners + 2 * ((i + k) % count), sizeof edge.corner[k]);
+        status = make(&edge, &made[i], bodies->error);
+        made[i].is_link = 1;
+        made[i].given_link.radius = made[i].given.radius;
+        made[i].given_link.ends = (!is_loop && i == 0 ? FP3_LINK2_FIRST : 0) +
+                                  (!is_loop && i + 1 == edges ? FP3_LINK2_LAST : 0);
+        for (size_t k = 0; k < 4; k++) {
+            const size_t at = i + k + count - 1; /* the corner before is the first of four */
+            const int is_beyond = !is_loop && (i + k == 0 || i + k > count);
+            const double *p = corners + 2 * (at % count);
+            made[i].given_link.corner[k] = point_of(p);
+            if (is_beyond) { /* the ground goes on as it ends */
+                const double *end = corners + 2 * (i + k == 0 ? 0 : count - 1),
+                             *inner = corners + 2 * (i + k == 0 ? 1 : count - 2);
+                made[i].given_link.corner[k] =
+                    (fp3_point2){(float)(2 * end[0] - inner[0]), (float)(2 * end[1] - inner[1])};
+            }
+        }
+    }
+    for (size_t i = 0; !status && i < edges; i++)
+        place_shape(bodies, number, &made[i], NULL);
+    free(made);
+    return status ? status : place_all(bodies, number);
+}

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* body.c - bodies come and go; handles. */
+#include "own.h"
+#include "turn.h"
+
+#include "base/host.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+static uint32_t number_of(const fp3_bodies *bodies, uint64_t handle) {
+    const uint32_t number = (uint32_t)handle;
+    return number < bodies->body_count && fp3_body_lives(&bodies->body[number]) &&
+                   bodies->body[number].generation == handle >> 32
+               ? number
+               : FP3_NOBODY;
+}
+
+fp3_status fp3_bodies_numbered(const fp3_bodies *bodies, const uint64_t *handles, size_t which,
+                               uint32_t *number) {
+    *number = number_of(bodies, handles[which]);
+    return *number != FP3_NOBODY
+               ? FP3_OK
+               : fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                          "handle %zu, %" PRIx64 ": there is no such body", which, handles[which]);
+}
+
+static fp3_status check(const fp3_body_def *def, size_t which, fp3_error *error) {
+    const double values[] = {def->x[0], def->x[1],    def->angle,        def->v[0],   def->v[1],
+                             def->w,    def->damping, def->spin_damping, def->gravity};
+    static const char *const names[] = {"x[0]", "x[1]",    "angle",        "v[0]",   "v[1]",
+                                        "w",    "damping", "spin_damping", "gravity"};
+    if (def->type != FP3_DYNAMIC && def->type != FP3_KINEMATIC && def->type != FP3_STATIC)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "body %zu: type is %d, expected FP3_DYNAMIC, FP3_KINEMATIC or FP3_STATIC",
+                        which, (int)def->type);
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+        if (!(fabs(values[i]) <= 1e12))
+            return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: %s is %g, expected -1e12 to 1e12",
+                            which, names[i], values[i]);
+    if (def->damping < 0 || def->spin_damping < 0)
+        return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: damping is below 0", which);
+    return FP3_OK;
+}
+
+static void place(fp3_body *body, const fp3_body_def *def) {
+    double turn[2];
+    const uint32_t generation = body->generation + 1;
+    fp3_turn2_of(def->angle, turn);
+    *body = (fp3_body){.at = {def->x[0], def->x[1]},
+                       .angle = def->angle,
+                       .turn = {(float)turn[0], (float)turn[1]},
+                       .damping = (float)def->damping,
+                       .spin_damping = (float)def->spin_damping,
+                       .gravity = (float)def->gravity,
+                       .mass = def->type == FP3_DYNAMIC ? 1 : 0, /* until it has a shape */
+                       .generation = generation,
+                       .first_shape = FP3_NOBODY,
+                       .slot = FP3_NOBODY,
+                       .next_asleep = FP3_NOBODY,
+                       .type = (uint8_t)def->type,
+                       .may_not_turn = def->may_not_turn != 0,
+                       .may_not_sleep = def->may_not_sleep != 0,
+                       .user = def->user};
+    if (def->type == FP3_STATIC)
+        return;
+    body->v[0] = (float)def->v[0];
+    body->v[1] = (float)def->v[1];
+    body->w = (float)def->w;
+}
+
+fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t count,
+                          uint64_t *handles) {
+    FP3_HOST;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < count; i++)
+        status = check(&defs[i], i, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->body, &bodies->body_room, sizeof *bodies->body,
+                                 bodies->living + count + 1, bodies->error);
+    if (status)
+        return status;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t number = bodies->free_body;
+        while (number < bodies->body_count && fp3_body_lives(&bodies->body[number]))
+            number++;
+        bodies->free_body = number + 1;
+        if (number >= bodies->body_count)
+            bodies->body_count = number + 1;
+        place(&bodies->body[number], &defs[i]);
+        handles[i] = fp3_bodies_handle(bodies, number);
+        bodies->living++;
+    }
+    return FP3_OK;
+}
+
+static void drop_shapes(fp3_bodies *bodies, fp3_body *body) {
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
+        bodies->shape[s].generation++;
+        bodies->boxes.box[s].high[0] = -INFINITY;
+        bodies->boxes.box[s].low[0] = INFINITY;
+        if (s < bodies->free_shape)
+            bodies->free_shape = s;
+    }
+    body->first_shape = FP3_NOBODY;
+}
+
+/* Contacts of shapes that are gone. */
+static void drop_contacts(fp3_bodies *bodies) {
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+        const fp3_touch2 *t = &bodies->touch[k];
+        if (bodies->shape[t->a].generation & bodies->shape[t->b].generation & 1)
+            bodies->touch[kept++] = *t;
+    }
+    bodies->touch_count = kept;
+}
+
+fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
+    uint32_t number;
+    fp3_status status = FP3_OK;
+    size_t checked = 0;
+    /* A body that was counted has an even generation until all are. */
+    for (; !status && checked < count; checked++) {
+        status = fp3_bodies_numbered(bodies, handles, checked, &number);
+        if (!status)
+            bodies->body[number].generation++;
+    }
+    for (size_t i = 0; i + (status != 0) < checked; i++)
+        bodies->body[(uint32_t)handles[i]].generation--;
+    if (status)
+        return status;
+    for (size_t i = 0; i < count; i++) {
+        number = (uint32_t)handles[i];
+        fp3_bodies_wake_around(bodies, number);
+        drop_shapes(bodies, &bodies->body[number]);
+    }
+    drop_contacts(bodies);
+    for (size_t i = 0; i < count; i++) {
+        number = (uint32_t)handles[i];
+        bodies->body[number].generation++;
+        if (number < bodies->free_body)
+            bodies->free_body = number;
+        bodies->living--;
+    }
+    return FP3_OK;
+}
+
+size_t fp3_bodies_count(const fp3_bodies *bodies) { return bodies->living; }
+
+void fp3_bodies_handles(const fp3_bodies *bodies, uint64_t *handles) {
+    for (uint32_t i = 0; i < bodies->body_count; i++)
+        if (fp3_body_lives(&bodies->body[i]))
+            *handles++ = fp3_bodies_handle(bodies, i);
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* open.c - a world is opened and closed; its memory. */
+#include "own.h"
+
+#include "base/definition.h"
+#include "base/host.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ALIGNED 64
+
+fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
+                           fp3_error *error) {
+    if (wanted <= *room)
+        return FP3_OK;
+    size_t next = *room ? *room : 16;
+    while (next < wanted)
+        next *= 2;
+    if (next > UINT32_MAX / 2)
+        return fp3_fail(error, FP3_E_LIMIT, "more than 2^31 of a kind");
+    const size_t bytes = (next * size + ALIGNED - 1) / ALIGNED * ALIGNED;
+    void *made = aligned_alloc(ALIGNED, bytes);
+    if (!made)
+        return fp3_no_memory(error);
+    if (*room)
+        memcpy(made, *array, *room * size);
+    memset((char *)made + *room * size, 0, bytes - *room * size);
+    free(*array);
+    *array = made;
+    *room = (uint32_t)next;
+    return FP3_OK;
+}
+
+void fp3_bodies_set_default(fp3_bodies_def *def, size_t size) {
+    if (!fp3_definition_begin(def, size, sizeof *def))
+        return;
+    def->gravity[1] = -9.81;
+    def->h = 1.0 / 60;
+    def->substeps = 4;
+    def->size = 1;
+    def->push = 3;
+    def->bounce = 1;
+    def->rest_speed = 0.05;
+    def->rest_time = 0.5;
+}
+
+void fp3_body_set_default(fp3_body_def *def, size_t size) {
+    memset(def, 0, size);
+    if (size != sizeof *def)
+        return;
+    def->type = FP3_DYNAMIC;
+    def->gravity = 1;
+}
+
+void fp3_shape_set_default(fp3_shape_def *def, size_t size) {
+    if (size != sizeof *def) {
+        memset(def, 0, size);
+        return;
+    }
+    *def = (fp3_shape_def){.type = FP3_CIRCLE,
+                           .radius = 0.5,
+                           .density = 1,
+                           .friction = 0.6,
+                           .category = 1,
+                           .mask = UINT32_MAX};
+}
+
+typedef struct {
+    const char *name;
+    double value, least, most;
+} range;
+
+static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
+    const double small = ldexp(1, -20), large = ldexp(1, 20);
+    const range ranges[] = {
+        {"h", def->h, small, 1},
+        {"substeps", def->substeps, 1, 64},
+        {"size", def->size, small, large},
+        {"gravity[0]", def->gravity[0], -1e9, 1e9},
+        {"gravity[1]", def->gravity[1], -1e9, 1e9},
+        {"push", def->push, 0, 1e9},
+        {"bounce", def->bounce, 0, 1e9},
+        {"rest_speed", def->rest_speed, 0, 1e9},
+        {"rest_time", def->rest_time, 0, 1e9},
+    };
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
+        if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
+            return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected %g to %g", ranges[i].name,
+                            ranges[i].value, ranges[i].least, ranges[i].most);
+    if (def->laws && !def->engine)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "laws: expected an engine, too, which executes them (\"fast\")");
+    return FP3_OK;
+}
+
+fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies) {
+    FP3_HOST;
+    fp3_error *error = def->error;
+    *bodies = NULL;
+    fp3_status status =
+        fp3_definition_check(def, sizeof *def, "fp3_bodies_def", fp3_definition_error(def, error));
+    if (!status)
+        status = check(def, error);
+    if (status)
+        return status;
+    fp3_bodies *made = calloc(1, sizeof *made);
+    if (!made)
+        return fp3_no_memory(error);
+    made->def = *def;
+    made->error = def->error;
+    made->solver = fp3_solver2_choose();
+    made->boxes.dimensions = 2;
+    if (def->engine)
+        status = fp3_laws_open(def->engine, def->laws, &made->laws, error);
+    if (status)
+        free(made);
+    else
+        *bodies = made;
+    return status;
+}
+
+void fp3_bodies_close(fp3_bodies **bodies) {
+    fp3_bodies *b = *bodies;
+    *bodies = NULL;
+    if (!b)
+        return;
+    void *const arrays[] = {
+        b->body,   b->shape, b->boxes.box, b->boxes.may_move, b->touch, b->key,  b->in_slot,
+        b->moving, b->base,  b->pull,      b->active,         b->row,   b->ends, b->lane};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+    fp3_colours_free(&b->colours);
+    fp3_laws_close(&b->laws);
+    free(b);
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* own.h - what an fp3_bodies is made of. */
+#ifndef FP3_BODIES_OWN_H
+#define FP3_BODIES_OWN_H
+
+#include "collide2.h"
+#include "colours.h"
+#include "pairs.h"
+#include "programs.h"
+#include "shape2.h"
+#include "solve2.h"
+
+#include <fp3/bodies.h>
+
+#define FP3_NOBODY UINT32_MAX
+
+typedef struct {
+    double at[2], angle; /* of the centre of mass; the angle as the caller reads it, in turns too */
+    float turn[2];       /* its cosine and sine, of length 1 */
+    float v[2], w;       /* of the centre of mass */
+    float force[2], torque;
+    float mass, inertia; /* 0 unless dynamic */
+    float centre[2];     /* of mass, from the origin, in the body's axes */
+    float damping, spin_damping, gravity;
+    float rest;           /* for how long it has been slow; -1: it sleeps */
+    uint32_t generation;  /* of its number; odd: a body lives there */
+    uint32_t first_shape; /* of its chain; FP3_NOBODY: none */
+    uint32_t slot;        /* where it stands in a step (step.c) */
+    uint32_t next_asleep; /* asleep: a ring of all that fell asleep together */
+    uint8_t type, may_not_turn, may_not_sleep;
+    uint64_t user;
+} fp3_body;
+
+typedef struct {
+    fp3_shape2 given, shape;    /* in the body's axes, from its origin; from its centre of mass */
+    fp3_link2 given_link, link; /* likewise, of an edge of a chain, whose shape is the segment */
+    fp3_mass2 mass;             /* of the given shape */
+    float friction, restitution, rolling, belt;
+    uint32_t category, mask;
+    uint32_t body, next; /* of the body's chain */
+    uint32_t generation;
+    uint8_t is_sensor, is_link;
+} fp3_attached;
+
+/* Two shapes that are or may soon be near: a below b. Points of the manifold are in the order of
+ * the tangent, and so are impulses. */
+typedef struct {
+    uint32_t a, b;
+    uint32_t colour;
+    fp3_manifold2 m;   /* from a to b; no points: they do not touch */
+    fp3_point2 before; /* the normal that the impulses are of */
+    uint32_t points;   /* ... and how many points */
+    float p[2], f[2], r;
+} fp3_touch2;
+
+struct fp3_bodies {
+    fp3_bodies_def def;
+    fp3_error *error;
+    const fp3_solver2 *solver;
+    fp3_laws *laws; /* NULL: those that are built in */
+    double time;
+    uint64_t steps;
+
+    fp3_body *body;
+    uint32_t body_count, body_room, living;
+    fp3_attached *shape;
+    uint32_t shape_count, shape_room;
+    uint32_t free_body, free_shape; /* no free number is below */
+
+    fp3_boxes boxes;   /* of each shape, as pairs.h has them */
+    int is_changed;    /* shapes came or went: pairs are looked for again */
+    fp3_touch2 *touch; /* ascending by a, then b */
+    uint32_t touch_count, touch_room;
+    uint64_t *key; /* room for the pairs that are found */
+    size_t key_room;
+
+    /* Of a step: bodies in slots. First those that move by forces, ascending; then one that never
+     * moves; then those that the caller moves. */
+    uint32_t *in_slot, slot_room;
+    uint32_t movable, slots;
+    fp3_moving2 *moving, *base;
+    fp3_pull2 *pull;
+    uint32_t *active; /* contacts that touch and of which a body is awake */
+    uint32_t active_count, active_room;
+    fp3_colours colours;
+    fp3_contact2_row *row;
+    fp3_ends2 *ends;
+    uint32_t *lane; /* of each active contact: block * 8 + lane */
+    uint32_t block_room, lane_room;
+    float h_before; /* of a substep that the impulses are of; 0: there was none */
+    uint32_t awake, touching;
+};
+
+/* Grows an array of `size` bytes an element to hold `wanted`; FP3_E_SYSTEM: unchanged. Elements are
+ * aligned to 64 bytes. */
+fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
+                           fp3_error *error);
+
+/* The number of a handle's body. FP3_E_ARGUMENT: it was removed, or never there. */
+fp3_status fp3_bodies_numbered(const fp3_bodies *bodies, const uint64_t *handles, size_t which,
+                               uint32_t *number);
+static inline uint64_t fp3_bodies_handle(const fp3_bodies *bodies, uint32_t number) {
+    return (uint64_t)bodies->body[number].generation << 32 | number;
+}
+static inline int fp3_body_lives(const fp3_body *body) { return body->generation & 1; }
+static inline int fp3_body_moves(const fp3_body *body) {
+    return body->type == FP3_DYNAMIC && body->rest >= 0;
+}
+
+/* Wakes a body that sleeps, with its island. */
+void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number);
+/* Wakes whatever touches the body. */
+void fp3_bodies_wake_around(fp3_bodies *bodies, uint32_t number);
+/* After a step: who rests long enough falls asleep by islands. */
+fp3_status fp3_bodies_rest(fp3_bodies *bodies);
+/* Finds pairs, manifolds, and which contacts are active. Who is touched by something awake wakes:
+ * then wakes is 1, and all has to be done again, with slots for those. */
+fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes);
+/* Boxes of a body's shapes, anew. */
+void fp3_bodies_place_boxes(fp3_bodies *bodies, uint32_t number);
+
+#endif

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* pairs.c - see pairs.h. */
+#include "pairs.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LEVELS 64
+#define LEVEL_LEAST (-30) /* cells of 2^-30 .. 2^33 */
+#define FARTHEST 1e9      /* cells from the origin: beyond it all are in the last one */
+
+typedef struct {
+    int32_t cell[3];
+    uint32_t box, level;
+} place;
+
+typedef struct {
+    const fp3_boxes *boxes;
+    place *places;    /* bucket by bucket, in each in the order of boxes */
+    uint32_t *bucket; /* where each begins; one more behind the last */
+    uint32_t mask;    /* buckets - 1 */
+    uint64_t levels;  /* bit l: a box is of level l */
+    uint64_t **keys;
+    size_t *room, count;
+} search;
+
+static int is_there(const fp3_box *box) { return box->low[0] <= box->high[0]; }
+
+static double cell_size(uint32_t level) { return ldexp(1, (int)level + LEVEL_LEAST); }
+
+static uint32_t level_of(const fp3_boxes *boxes, const fp3_box *box) {
+    double extent = 0;
+    for (uint32_t k = 0; k < boxes->dimensions; k++)
+        extent = fmax(extent, box->high[k] - box->low[k]);
+    int exponent;
+    frexp(extent, &exponent); /* extent < 2^exponent */
+    const int level = extent > 0 ? exponent - LEVEL_LEAST : 0;
+    return level < 0 ? 0 : level >= LEVELS ? LEVELS - 1 : (uint32_t)level;
+}
+
+static int32_t cell_of(double x, double size) {
+    return (int32_t)fmax(fmin(floor(x / size), FARTHEST), -FARTHEST);
+}
+
+static uint32_t bucket_of(const search *s, const int32_t cell[3], uint32_t level) {
+    uint64_t h = (uint64_t)(uint32_t)cell[0] * 0x9e3779b97f4a7c15u ^
+                 (uint64_t)(uint32_t)cell[1] * 0xc2b2ae3d27d4eb4fu ^
+                 (uint64_t)(uint32_t)cell[2] * 0xd6e8feb86659fd93u ^
+                 (uint64_t)level * 0x165667b19e3779f9u;
+    h ^= h >> 29;
+    h *= 0xbf58476d1ce4e5b9u;
+    return (uint32_t)(h >> 32) & s->mask;
+}
+
+static place place_of(const fp3_boxes *boxes, uint32_t number) {
+    const fp3_box *box = &boxes->box[number];
+    place p = {.box = number, .level = level_of(boxes, box)};
+    for (uint32_t k = 0; k < boxes->dimensions; k++)
+        p.cell[k] = cell_of(0.5 * (box->low[k] + box->high[k]), cell_size(p.level));
+    return p;
+}
+
+/* By counting. */
+static fp3_status fill(search *s, fp3_error *error) {
+    const uint32_t count = s->boxes->count;
+    uint32_t buckets = 16;
+    while (buckets < 2 * (uint64_t)count)
+        buckets *= 2;
+    s->mask = buckets - 1;
+    s->bucket = calloc((size_t)buckets + 1, sizeof *s->bucket);
+    s->places = malloc(((size_t)count + 1) * sizeof *s->places);
+    if (!s->bucket || !s->places)
+        return fp3_no_memory(error);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!is_there(&s->boxes->box[i]))
+            continue;
+        const place p = place_of(s->boxes, i);
+        s->levels |= (uint64_t)1 << p.level;
+        s->bucket[bucket_of(s, p.cell, p.level) + 1]++;
+    }
+    for (uint32_t b = 0; b < buckets; b++)
+        s->bucket[b + 1] += s->bucket[b];
+    /* From the last one down, so that `bucket` ends where each one begins. */
+    for (uint32_t i = count; i-- > 0;) {
+        if (!is_there(&s->boxes->box[i]))
+            continue;
+        const place p = place_of(s->boxes, i);
+        s->places[--s->bucket[bucket_of(s, p.cell, p.level) + 1]] = p;
+    }
+    memmove(s->bucket, s->bucket + 1, buckets * sizeof *s->bucket);
+    s->bucket[buckets] = 0;
+    for (uint32_t i = 0; i < count; i++)
+        s->bucket[buckets] += (uint32_t)is_there(&s->boxes->box[i]);
+    return FP3_OK;
+}
+
+static fp3_status found(search *s, uint32_t a, uint32_t b, fp3_error *error) {
+    if (s->count == *s->room) {
+        const size_t room = *s->room ? 2 * *s->room : 256;
+        uint64_t *keys = realloc(*s->keys, room * sizeof *keys);
+        if (!keys)
+            return fp3_no_memory(error);
+        *s->keys = keys;
+        *s->room = room;
+    }
+    (*s->keys)[s->count++] = (uint64_t)(a < b ? a : b) << 32 | (a < b ? b : a);
+    return FP3_OK;
+}
+
+static int overlap(const search *s, uint32_t a, uint32_t b) {
+    const fp3_box *x = &s->boxes->box[a], *y = &s->boxes->box[b];
+    int is_apart = 0;
+    for (uint32_t k = 0; k < s->boxes->dimensions; k++)
+        is_apart |= x->low[k] > y->high[k] || y->low[k] > x->high[k];
+    return !is_apart;
+}
+
+static fp3_status look_into(search *s, const place *own, const int32_t cell[3], uint32_t level,
+                            fp3_error *error) {
+    const uint32_t bucket = bucket_of(s, cell, level);
+    const uint8_t *may_move = s->boxes->may_move;
+    fp3_status status = FP3_OK;
+    for (uint32_t k = s->bucket[bucket]; !status && k < s->bucket[bucket + 1]; k++) {
+        const place *p = &s->places[k];
+        if (p->level == level && memcmp(p->cell, cell, sizeof p->cell) == 0 &&
+            (level != own->level || p->box > own->box) && (may_move[own->box] | may_move[p->box]) &&
+            overlap(s, own->box, p->box))
+            status = found(s, own->box, p->box, error);
+    }
+    return status;
+}
+
+/* Centres of a level's boxes that overlap this one are no farther from it than half a cell. */
+static fp3_status look(search *s, const place *own, uint32_t level, fp3_error *error) {
+    const fp3_box *a = &s->boxes->box[own->box];
+    const double size = cell_size(level), half = 0.5 * size;
+    int32_t first[3] = {0}, last[3] = {0}, cell[3];
+    for (uint32_t k = 0; k < s->boxes->dimensions; k++) {
+        first[k] = cell_of(a->low[k] - half, size);
+        last[k] = cell_of(a->high[k] + half, size);
+    }
+    fp3_status status = FP3_OK;
+    for (cell[2] = first[2]; !status && cell[2] <= last[2]; cell[2]++)
+        for (cell[1] = first[1]; !status && cell[1] <= last[1]; cell[1]++)
+            for (cell[0] = first[0]; !status && cell[0] <= last[0]; cell[0]++)
+                status = look_into(s, own, cell, level, error);
+    return status;
+}
+
+static int ascending(const void *a, const void *b) {
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room, size_t *count,
+                          fp3_error *error) {
+    search s = {.boxes = boxes, .keys = keys, .room = room};
+    fp3_status status = fill(&s, error);
+    for (uint32_t i = 0; !status && i < boxes->count; i++) {
+        if (!is_there(&boxes->box[i]))
+            continue;
+        const place own = place_of(boxes, i);
+        for (uint64_t left = s.levels >> own.level << own.level; !status && left; left &= left - 1)
+            status = look(&s, &own, (uint32_t)__builtin_ctzll(left), error);
+    }
+    free(s.bucket);
+    free(s.places);
+    if (s.count)
+        qsort(*keys, s.count, sizeof **keys, ascending);
+    *count = s.count;
+    return status;
+}

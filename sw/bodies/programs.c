@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* programs.c - see programs.h. */
+#include "programs.h"
+
+#include "text.h"
+
+#include <fp3/engine.h>
+#include <fp3/program.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const names[FP3_LAWS] = {"contact2", "warm2", "bounce2"};
+static const char *const texts[FP3_LAWS] = {fp3_law_text_contact2, fp3_law_text_warm2,
+                                            fp3_law_text_bounce2};
+static const char *const body_words[] = {FP3_BODY2_WORDS};
+static const char *const row_words[] = {FP3_CONTACT2_WORDS};
+static const char *const shared_words[3] = {"push", "inverse", "least"};
+
+#define OBJECTS 64 /* of an engine: contacts of a run */
+#define BLOCKS (OBJECTS / FP3_WIDE)
+#define REGISTERS 64
+
+typedef enum { OF_A, OF_B, OF_ROW } whose;
+
+typedef struct {
+    uint32_t reg, number;
+    whose of;
+} word;
+
+typedef struct {
+    fp3_program *program;
+    fp3_engine *engine;
+    word words[REGISTERS];
+    uint32_t word_count;
+    int shared[3]; /* register of each; -1: the law does not read it */
+} law;
+
+struct fp3_laws {
+    law law[FP3_LAWS];
+    fp3_error error;
+};
+
+static int find(const char *const *list, size_t count, const char *name) {
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(list[i], name) == 0)
+            return (int)i;
+    return -1;
+}
+
+/* va_x is word v_x of a; whatever is no word of a body is one of the row. */
+static int find_word(const char *name, word *found) {
+    char own[FP3_NAME_SIZE];
+    if ((name[1] == 'a' || name[1] == 'b') && name[0]) {
+        snprintf(own, sizeof own, "%c%s", name[0], name + 2);
+        const int number = find(body_words, sizeof body_words / sizeof *body_words, own);
+        if (number >= 0) {
+            *found = (word){.of = name[1] == 'a' ? OF_A : OF_B, .number = (uint32_t)number};
+            return 1;
+        }
+    }
+    const int number = find(row_words, sizeof row_words / sizeof *row_words, name);
+    *found = (word){.of = OF_ROW, .number = (uint32_t)number};
+    return number >= 0;
+}
+
+static fp3_status find_words(law *l, const char *name, fp3_error *error) {
+    const fp3_image *image = l->program->image;
+    for (int i = 0; i < 3; i++)
+        l->shared[i] = -1;
+    for (uint32_t i = 0; i < image->symbol_count; i++) {
+        const fp3_symbol *symbol = &image->symbols[i];
+        const int shared = find(shared_words, 3, symbol->name);
+        if (symbol->symbol_class == FP3_SYMBOL_SHARED && shared >= 0) {
+            l->shared[shared] = (int)symbol->index;
+        } else if (symbol->symbol_class == FP3_SYMBOL_STATE &&
+                   find_word(symbol->name, &l->words[l->word_count])) {
+            l->words[l->word_count++].reg = symbol->index;
+        } else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST) {
+            return fp3_fail(
+                error, FP3_E_PROGRAM,
+                "law %s: '%s' is no word of a contact: expected states of the names that "
+                "programs/bodies/contact2.ode has, and of shared params push, inverse "
+                "and least",
+                name, symbol->name);
+        }
+    }
+    return FP3_OK;
+}
+
+static fp3_status read_law(fp3_laws *laws, fp3_law which, const char *folder, fp3_error *error) {
+    law *l = &laws->law[which];
+    char path[4096];
+    fp3_program_def def = fp3_program_default();
+    def.integrator = "euler";
+    def.compile.config = "world";
+    def.is_model = 1;
+    snprintf(path, sizeof path, "%s/%s.ode", folder ? folder : "programs/bodies", names[which]);
+    FILE *file = folder ? fopen(path, "rb") : NULL;
+    if (file)
+        fclose(file);
+    return file ? fp3_program_open(path, &def, &l->program, NULL, error)
+                : fp3_program_read(texts[which], strlen(texts[which]), path, &def, &l->program,
+                                   NULL, error);
+}
+
+static fp3_status open_law(fp3_laws *laws, fp3_law which, const char *engine, const char *folder,
+                           fp3_error *error) {
+    law *l = &laws->law[which];
+    fp3_engine_def def = fp3_engine_default();
+    def.engine = engine;
+    def.config = "world";
+    def.objects = OBJECTS;
+    def.threads = 1;
+    def.is_interpreted = 1;
+    def.error = &laws->error;
+    fp3_status status = read_law(laws, which, folder, error);
+    if (!status)
+        status = find_words(l, names[which], error);
+    if (!status) {
+        status = fp3_engine_open(&def, &l->engine);
+        if (!status)
+            status = fp3_engine_load(l->engine, l->program->image);
+        if (status && error)
+            *error = laws->error;
+    }
+    return status;
+}
+
+fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **made,
+                         fp3_error *error) {
+    fp3_laws *laws = *made = calloc(1, sizeof *laws);
+    fp3_status status = laws ? FP3_OK : fp3_no_memory(error);
+    for (int i = 0; !status && i < FP3_LAWS; i++)
+        status = open_law(laws, (fp3_law)i, engine, folder, error);
+    if (status)
+        fp3_laws_close(made);
+    return status;
+}
+
+void fp3_laws_close(fp3_laws **laws) {
+    for (int i = 0; *laws && i < FP3_LAWS; i++) {
+        fp3_engine_close(&(*laws)->law[i].engine);
+        fp3_program_close(&(*laws)->law[i].program);
+    }
+    free(*laws);
+    *laws = NULL;
+}
+
+/* ---- a run ---- */
+
+static float *at(const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane) {
+    const fp3_ends2 *ends = &work->ends[block];
+    if (w->of == OF_ROW)
+        return (float *)((fp3_wide *)&work->row[block] + w->number) + lane;
+    return (float *)&work->body[w->of == OF_A ? ends->a[lane] : ends->b[lane]] + w->number;
+}
+
+static int is_written(const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane) {
+    const fp3_ends2 *ends = &work->ends[block];
+    return w->of == OF_ROW || (w->of == OF_A ? ends->a[lane] : ends->b[lane]) < work->movable;
+}
+
+static fp3_status bring(law *l, const fp3_work2 *work, uint32_t first, uint32_t end) {
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; !status && k < l->word_count; k++) {
+        float column[OBJECTS] = {0};
+        for (uint32_t i = 0; i < (end - first) * FP3_WIDE; i++)
+            column[i] = *at(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE);
+        status = fp3_engine_write(l->engine, 0, OBJECTS, l->words[k].reg, column);
+    }
+    return status;
+}
+
+static fp3_status take(law *l, const fp3_work2 *work, uint32_t first, uint32_t end) {
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; !status && k < l->word_count; k++) {
+        float column[OBJECTS];
+        status = fp3_engine_read(l->engine, 0, OBJECTS, l->words[k].reg, column);
+        for (uint32_t i = 0; !status && i < (end - first) * FP3_WIDE; i++)
+            if (is_written(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE))
+                *at(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE) = column[i];
+    }
+    return status;
+}
+
+/* What is not finite shows in the bodies. */
+static fp3_status run(law *l, const fp3_work2 *work, uint32_t first, uint32_t end) {
+    fp3_status status = bring(l, work, first, end);
+    if (!status)
+        status = fp3_engine_run(l->engine, 1, NULL);
+    return status && status != FP3_E_FAILED ? status : take(l, work, first, end);
+}
+
+fp3_status fp3_laws_run(fp3_laws *laws, fp3_law which, const fp3_work2 *work, uint32_t first,
+                        uint32_t end, const float shared[3]) {
+    law *l = &laws->law[which];
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && i < 3; i++)
+        if (l->shared[i] >= 0)
+            status = fp3_engine_write_shared(l->engine, (uint32_t)l->shared[i], 1, &shared[i]);
+    for (uint32_t block = first; !status && block < end; block += BLOCKS)
+        status = run(l, work, block, end - block < BLOCKS ? end : block + BLOCKS);
+    return status;
+}

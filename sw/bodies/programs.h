@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* programs.h - laws executed as what they are, programs: by an engine, contact by contact.
+ *
+ * An object of the engine is a contact of a colour; the words of its bodies are brought to it and
+ * taken back. So `isa` and `rtl` execute a world's contacts, and so does a law that the caller has
+ * changed.
+ */
+#ifndef FP3_BODIES_PROGRAMS_H
+#define FP3_BODIES_PROGRAMS_H
+
+#include "solve2.h"
+
+#include <fp3/status.h>
+
+typedef enum { FP3_LAW_CONTACT2, FP3_LAW_WARM2, FP3_LAW_BOUNCE2, FP3_LAWS } fp3_law;
+
+typedef struct fp3_laws fp3_laws;
+
+/* folder: of texts that replace those of the same name; NULL: none. The caller frees *laws.
+ * FP3_E_ARGUMENT: no such engine. FP3_E_PROGRAM: a text is no law: it has words that contacts have
+ * not, or params. */
+fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **laws, fp3_error *error);
+void fp3_laws_close(fp3_laws **laws);
+
+/* Blocks first .. end - 1 of a colour. shared: push, inverse, least. FP3_E_SYSTEM. */
+fp3_status fp3_laws_run(fp3_laws *laws, fp3_law law, const fp3_work2 *work, uint32_t first,
+                        uint32_t end, const float shared[3]);
+
+#endif

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* rest.c - who sleeps and who wakes.
+ *
+ * Islands are dynamic bodies that touch each other, directly or by others. They are found by union
+ * with the lowest number, so no order matters. All of an island fall asleep together, in a ring by
+ * which they wake together.
+ */
+#include "own.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number) {
+    uint32_t next = number;
+    while (bodies->body[next].rest < 0) {
+        fp3_body *body = &bodies->body[next];
+        next = body->next_asleep;
+        body->rest = 0;
+        body->next_asleep = FP3_NOBODY;
+    }
+    bodies->body[number].rest = 0;
+}
+
+void fp3_bodies_wake_around(fp3_bodies *bodies, uint32_t number) {
+    fp3_bodies_wake(bodies, number);
+    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+        const fp3_touch2 *t = &bodies->touch[k];
+        const uint32_t a = bodies->shape[t->a].body, b = bodies->shape[t->b].body;
+        if (t->m.count && (a == number || b == number))
+            fp3_bodies_wake(bodies, a == number ? b : a);
+    }
+}
+
+static uint32_t root_of(uint32_t *parent, uint32_t i) {
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
+    a = root_of(parent, a);
+    b = root_of(parent, b);
+    parent[a > b ? a : b] = a < b ? a : b;
+}
+
+/* How long each has been slow; whether one has long enough. A fast corner counts, too: the speed of
+ * the farthest point of its shapes. */
+static int count_rest(fp3_bodies *bodies) {
+    const float h = (float)bodies->def.h, most = (float)bodies->def.rest_speed;
+    int is_any = 0;
+    for (uint32_t k = 0; k < bodies->movable; k++) {
+        fp3_body *body = &bodies->body[bodies->in_slot[k]];
+        float extent = 0;
+        for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+            extent =
+                bodies->shape[s].shape.extent > extent ? bodies->shape[s].shape.extent : extent;
+        const float speed =
+            sqrtf(body->v[0] * body->v[0] + body->v[1] * body->v[1]) + fabsf(body->w) * extent;
+        body->rest = speed < most && !body->may_not_sleep ? body->rest + h : 0;
+        is_any |= body->rest >= (float)bodies->def.rest_time;
+    }
+    return is_any;
+}
+
+static void fall_asleep(fp3_bodies *bodies, uint32_t *parent, float *least) {
+    const uint32_t count = bodies->movable;
+    for (uint32_t k = 0; k < count; k++)
+        least[k] = INFINITY;
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t root = root_of(parent, k);
+        least[root] = fminf(least[root], bodies->body[bodies->in_slot[k]].rest);
+    }
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t root = root_of(parent, k), number = bodies->in_slot[k];
+        fp3_body *body = &bodies->body[number], *first = &bodies->body[bodies->in_slot[root]];
+        if (!(least[root] >= (float)bodies->def.rest_time))
+            continue;
+        body->next_asleep = k == root ? number : first->next_asleep;
+        first->next_asleep = k == root ? number : number;
+        body->rest = -1;
+        body->v[0] = body->v[1] = body->w = 0;
+        bodies->awake--;
+    }
+}
+
+fp3_status fp3_bodies_rest(fp3_bodies *bodies) {
+    if (!(bodies->def.rest_speed > 0) || !count_rest(bodies))
+        return FP3_OK;
+    uint32_t *parent = malloc((bodies->movable + 1u) * sizeof *parent);
+    float *least = malloc((bodies->movable + 1u) * sizeof *least);
+    if (parent && least) {
+        for (uint32_t k = 0; k < bodies->movable; k++)
+            parent[k] = k;
+        for (uint32_t i = 0; i < bodies->active_count; i++) {
+            const fp3_touch2 *t = &bodies->touch[bodies->active[i]];
+            const uint32_t a = bodies->body[bodies->shape[t->a].body].slot,
+                           b = bodies->body[bodies->shape[t->b].body].slot;
+            if (a < bodies->movable && b < bodies->movable)
+                unite(parent, a, b);
+        }
+        fall_asleep(bodies, parent, least);
+    }
+    const int is_made = parent && least;
+    free(parent);
+    free(least);
+    return is_made ? FP3_OK : fp3_no_memory(bodies->error);
+}

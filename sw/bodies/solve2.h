@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* solve2.h - passes over the contacts of a colour in a plane, eight contacts at a time.
+ *
+ * Contacts of a colour share no body that moves, so those of a block, and blocks, may go in any
+ * order, or at once. Laws and their bits: laws.h.
+ */
+#ifndef FP3_BODIES_SOLVE2_H
+#define FP3_BODIES_SOLVE2_H
+
+#include "laws.h"
+
+#include <stdint.h>
+
+/* The words of a body side by side, as laws.h numbers them: v_x, v_y, w, d_x, d_y, q, 1/mass,
+ * 1/inertia. d and q: how far it has come, and turned, since the step began. */
+typedef fp3_wide fp3_moving2;
+
+/* Of each contact of a block, where in `body` its bodies stand. A lane without a contact has twice
+ * the body that never moves. */
+typedef struct {
+    uint32_t a[FP3_WIDE], b[FP3_WIDE];
+} fp3_ends2;
+
+typedef struct {
+    fp3_moving2 *body;
+    uint32_t movable; /* only bodies before this one are written */
+    fp3_contact2_row *row;
+    const fp3_ends2 *ends;
+} fp3_work2;
+
+/* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane. The lanes
+ * behind w are 0 in pull and 1 in damp. */
+typedef struct {
+    fp3_wide pull, damp;
+} fp3_pull2;
+
+typedef struct {
+    const char *name;
+    /* A row has in n the normal, in (a1, c1), (a2, c2) the arms at a, in (b1, e1), (b2, e2) those
+     * at b, in j1 and j2 1 where there is a point, else 0; in out1 the restitution. Makes the row
+     * of it. bounce: slower contacts do not. */
+    void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end, float bounce);
+    void (*warm)(const fp3_work2 *, uint32_t first, uint32_t end);
+    void (*pass)(const fp3_work2 *, uint32_t first, uint32_t end, float push, float inverse,
+                 float least);
+    void (*bounce)(const fp3_work2 *, uint32_t first, uint32_t end);
+    /* A substep begins for bodies 0 .. count-1. base: the speed without what contacts give, which
+     * they give again: body - base before the call. is_first: they have given nothing yet. */
+    void (*speed)(fp3_moving2 *body, fp3_moving2 *base, const fp3_pull2 *pull, uint32_t count,
+                  int is_first);
+    void (*place)(fp3_moving2 *body, uint32_t count, float h);
+} fp3_solver2;
+
+/* The one that suits this processor. All have the same bits. */
+const fp3_solver2 *fp3_solver2_choose(void);
+
+#endif

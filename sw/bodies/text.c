@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* text.c - see text.h. The assembler includes what C11 cannot; the Makefile knows that this depends
+ * on the texts. */
+#include "text.h"
+
+#define TEXT(name)                                                                                 \
+    ".global fp3_law_text_" name "\n"                                                              \
+    ".hidden fp3_law_text_" name "\n"                                                              \
+    "fp3_law_text_" name ": .incbin \"programs/bodies/" name ".ode\"\n"                            \
+    ".byte 0\n"
+
+__asm__(".section .rodata\n" TEXT("contact2") TEXT("warm2") TEXT("bounce2") ".previous\n");

@@ -1,0 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* text.h - the texts of programs/bodies/ in the library. */
+#ifndef FP3_BODIES_TEXT_H
+#define FP3_BODIES_TEXT_H
+
+extern const char fp3_law_text_contact2[], fp3_law_text_warm2[], fp3_law_text_bounce2[];
+
+#endif

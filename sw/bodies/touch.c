@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* touch.c - which shapes touch: boxes, pairs, manifolds. */
+#include "own.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Shares of `size`: how near shapes have points of contact; how far a box reaches beyond its shape,
+ * so that pairs are looked for now and then only. Neither changes a bit: a pair has points or not
+ * by its gaps alone. */
+#define REACH 0.02
+#define MARGIN 0.1
+#define SAME_WAY 0.7f /* of a normal with the one before: impulses go on */
+
+/* ---- boxes ---- */
+
+static fp3_pose2 turn_of(const fp3_body *body) {
+    return (fp3_pose2){.c = body->turn[0], .s = body->turn[1]};
+}
+
+static fp3_box box_of(const fp3_bodies *bodies, uint32_t shape, double margin) {
+    const fp3_attached *placed = &bodies->shape[shape];
+    const fp3_body *body = &bodies->body[placed->body];
+    const fp3_pose2 pose = turn_of(body);
+    const fp3_bounds2 bounds = fp3_bound2(&placed->shape, &pose, 0);
+    return (fp3_box){{body->at[0] + bounds.low.x - margin, body->at[1] + bounds.low.y - margin},
+                     {body->at[0] + bounds.high.x + margin, body->at[1] + bounds.high.y + margin}};
+}
+
+static int is_inside(const fp3_box *inner, const fp3_box *outer) {
+    return outer->low[0] <= inner->low[0] && outer->low[1] <= inner->low[1] &&
+           inner->high[0] <= outer->high[0] && inner->high[1] <= outer->high[1];
+}
+
+void fp3_bodies_place_boxes(fp3_bodies *bodies, uint32_t number) {
+    for (uint32_t s = bodies->body[number].first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+        bodies->boxes.box[s] = box_of(bodies, s, (REACH + MARGIN) * bodies->def.size);
+    bodies->is_changed = 1;
+}
+
+/* Whether a shape of something that moves has left its box. */
+static int renew_boxes(fp3_bodies *bodies) {
+    const double reach = REACH * bodies->def.size, margin = (REACH + MARGIN) * bodies->def.size;
+    int has_left = bodies->is_changed;
+    for (uint32_t k = 0; k < bodies->slots; k++) {
+        if (k == bodies->movable)
+            continue;
+        for (uint32_t s = bodies->body[bodies->in_slot[k]].first_shape; s != FP3_NOBODY;
+             s = bodies->shape[s].next) {
+            const fp3_box now = box_of(bodies, s, reach);
+            if (is_inside(&now, &bodies->boxes.box[s]))
+                continue;
+            bodies->boxes.box[s] = box_of(bodies, s, margin);
+            has_left = 1;
+        }
+    }
+    return has_left;
+}
+
+/* ---- pairs ---- */
+
+static int may_touch(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    const fp3_attached *x = &bodies->shape[a], *y = &bodies->shape[b];
+    return x->body != y->body && (x->category & y->mask) && (y->category & x->mask) &&
+           (bodies->body[x->body].type == FP3_DYNAMIC || bodies->body[y->body].type == FP3_DYNAMIC);
+}
+
+/* Both lists ascend. Who was there goes on with what it has. */
+static fp3_status merge(fp3_bodies *bodies, size_t count) {
+    fp3_touch2 *next = NULL;
+    uint32_t room = 0, kept = 0, old = 0;
+    const fp3_status status =
+        fp3_bodies_room((void **)&next, &room, sizeof *next, count + 1, bodies->error);
+    if (status)
+        return status;
+    for (size_t k = 0; k < count; k++) {
+        const uint64_t key = bodies->key[k];
+        const uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key;
+        if (!may_touch(bodies, a, b))
+            continue;
+        while (old < bodies->touch_count &&
+               ((uint64_t)bodies->touch[old].a << 32 | bodies->touch[old].b) < key)
+            old++;
+        const fp3_touch2 *was = old < bodies->touch_count ? &bodies->touch[old] : NULL;
+        next[kept++] = was && was->a == a && was->b == b ? *was : (fp3_touch2){.a = a, .b = b};
+    }
+    free(bodies->touch);
+    bodies->touch = next;
+    bodies->touch_room = room;
+    bodies->touch_count = kept;
+    bodies->is_changed = 0;
+    return FP3_OK;
+}
+
+static fp3_status renew_pairs(fp3_bodies *bodies) {
+    size_t count = 0;
+    const fp3_status status =
+        fp3_pairs_find(&bodies->boxes, &bodies->key, &bodies->key_room, &count, bodies->error);
+    return status ? status : merge(bodies, count);
+}
+
+/* ---- manifolds ---- */
+
+/* Impulses go on at the points that there are still, in their order, if the normal is about the
+ * same: by features they would not, where boxes are alike (docs/bodies.md). */
+static void go_on(fp3_touch2 *t) {
+    const float same = t->m.normal.x * t->before.x + t->m.normal.y * t->before.y;
+    if (t->m.count != t->points || same < SAME_WAY) {
+        const float p = t->p[0] + t->p[1], f = t->f[0] + t->f[1];
+        const int is_same = t->points && t->m.count && same >= SAME_WAY;
+        for (uint32_t k = 0; k < 2; k++) {
+            t->p[k] = is_same && k < t->m.count ? p / (float)t->m.count : 0;
+            t->f[k] = is_same && k < t->m.count ? f / (float)t->m.count : 0;
+        }
+        t->r = is_same ? t->r : 0;
+    }
+    t->before = t->m.normal;
+    t->points = t->m.count;
+}
+
+/* From b's side to a's: `to` is where a is as seen from b. */
+static void turn_around(fp3_manifold2 *m, fp3_point2 to) {
+    const fp3_manifold2 was = *m;
+    m->normal = (fp3_point2){-was.normal.x, -was.normal.y};
+    for (uint32_t k = 0; k < was.count; k++) {
+        m->point[k] = was.point[was.count - 1 - k];
+        m->point[k].arm = fp3_subtract2(m->point[k].arm, to);
+    }
+}
+
+static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
+    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
+    const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
+    const fp3_pose2 pose_a = turn_of(x);
+    fp3_pose2 pose_b = turn_of(y);
+    pose_b.at = (fp3_point2){(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1])};
+    const float reach = (float)(REACH * bodies->def.size);
+    if (a->is_link)
+        fp3_collide_link2(&a->link, &pose_a, &b->shape, &pose_b, reach, &t->m);
+    else if (b->is_link) {
+        pose_b.at = (fp3_point2){-pose_b.at.x, -pose_b.at.y};
+        fp3_collide_link2(&b->link, &(fp3_pose2){{0, 0}, pose_b.c, pose_b.s}, &a->shape,
+                          &(fp3_pose2){pose_b.at, pose_a.c, pose_a.s}, reach, &t->m);
+        turn_around(&t->m, pose_b.at);
+    } else
+        fp3_collide2(&a->shape, &pose_a, &b->shape, &pose_b, reach, &t->m);
+    go_on(t);
+}
+
+/* Something that moves by itself, or that the caller moves. */
+static int is_awake(const fp3_body *body) {
+    return fp3_body_moves(body) ||
+           (body->type == FP3_KINEMATIC && (body->v[0] != 0 || body->v[1] != 0 || body->w != 0));
+}
+
+static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
+    bodies->active_count = bodies->touching = 0;
+    *wakes = 0;
+    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+        fp3_touch2 *t = &bodies->touch[k];
+        const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
+        fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
+        if (!is_awake(x) && !is_awake(y)) {
+            bodies->touching += t->m.count > 0;
+            continue;
+        }
+        collide(bodies, t);
+        if (!t->m.count)
+            continue;
+        bodies->touching++;
+        if (a->is_sensor || b->is_sensor)
+            continue;
+        bodies->active[bodies->active_count++] = k;
+        if (x->rest < 0 || y->rest < 0) {
+            fp3_bodies_wake(bodies, x->rest < 0 ? a->body : b->body);
+            *wakes = 1;
+        }
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
+    fp3_status status = renew_boxes(bodies) ? renew_pairs(bodies) : FP3_OK;
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->active, &bodies->active_room,
+                                 sizeof *bodies->active, bodies->touch_count + 1u, bodies->error);
+    return status ? status : look_at_all(bodies, wakes);
+}

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* fp3/bodies.h - rigid bodies with shapes: they collide, rub, stack, and sleep. Experimental.
+ *
+ *     fp3_error error;
+ *     fp3_bodies_def def = fp3_bodies_default();
+ *     def.error = &error;
+ *     fp3_bodies *world = NULL;
+ *     fp3_body_def ground = fp3_body_default(), box = fp3_body_default();
+ *     ground.type = FP3_STATIC;
+ *     box.x[1] = 4;
+ *     fp3_shape_def floor = fp3_shape_box(50, 1, 0), cube = fp3_shape_box(0.5, 0.5, 0);
+ *     uint64_t ids[2];
+ *     if (fp3_bodies_open(&def, &world) || fp3_bodies_add(world, &ground, 1, &ids[0]) ||
+ *         fp3_bodies_add(world, &box, 1, &ids[1]) ||
+ *         fp3_bodies_attach(world, &ids[0], 1, &floor, NULL) ||
+ *         fp3_bodies_attach(world, &ids[1], 1, &cube, NULL) || fp3_bodies_step(world, 60))
+ *         fprintf(stderr, "%s\n", error.text);
+ *     double y;
+ *     fp3_bodies_read(world, "x_y", &ids[1], 1, &y);
+ *     fp3_bodies_close(&world);
+ *
+ * The laws of contacts are models (programs/bodies/), and the bits of a step depend on the numbers
+ * of bodies and shapes alone: not on the engine, the processor or the number of threads.
+ * docs/bodies.md is an introduction. Lengths are in m, masses in kg, times in s; any other units
+ * fit, if `size` says how large a typical body is.
+ *
+ * Threads: only one thread at a time may use an fp3_bodies; different threads may use different
+ * ones.
+ */
+#ifndef FP3_BODIES_H
+#define FP3_BODIES_H
+
+#include <fp3/status.h>
+#include <stddef.h>
+#include <stdint.h>
+
+FP3_API_BEGIN
+
+typedef struct fp3_bodies fp3_bodies;
+
+/* What to open. Always start from fp3_bodies_default(). */
+typedef struct {
+    uint32_t cookie;  /* set by fp3_bodies_default(): headers and library belong together */
+    fp3_error *error; /* receives the message when a call fails; or NULL. Must outlive the bodies */
+    double gravity[2];
+    double h;          /* of a step: 2^-20 to 1; default 1/60 */
+    uint32_t substeps; /* of a step: 1 to 64; default 4 */
+    double size;       /* of a typical body, 2^-20 to 2^20; default 1. Gaps and speeds that count as
+                        * small are shares of it */
+    /* NULL (default): laws are built in. "isa", "fast" or "rtl": that engine executes their
+     * programs, contact by contact, with the same bits; for checks. */
+    const char *engine;
+    /* With an engine: a folder whose texts replace those of programs/bodies/ of the same name; NULL
+     * (default): none. */
+    const char *laws;
+    double push;   /* the fastest speed at which overlaps are pushed apart; default 3 size/s */
+    double bounce; /* contacts slower than this do not bounce; default 1 size/s */
+    /* A body that is slower than this for `rest_time` falls asleep with all that it touches, until
+     * something touches or changes one of them; default 0.05 size/s, 0.5 s. 0: nobody sleeps. */
+    double rest_speed, rest_time;
+} fp3_bodies_def;
+
+/* For fp3_bodies_default() only. size is that of fp3_bodies_def in the calling program. */
+void fp3_bodies_set_default(fp3_bodies_def *def, size_t size);
+static inline fp3_bodies_def fp3_bodies_default(void) {
+    fp3_bodies_def def;
+    fp3_bodies_set_default(&def, sizeof def);
+    return def;
+}
+
+/* Opens a world without bodies. FP3_E_ARGUMENT: a value is out of its range; the message names it.
+ * The caller closes *bodies, which is NULL on failure. */
+fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies);
+/* Closes *bodies and sets it to NULL. *bodies may be NULL already. */
+void fp3_bodies_close(fp3_bodies **bodies);
+
+/* ---- bodies ----
+ *
+ * A body has a handle, which no other body ever has; no handle is 0. FP3_E_ARGUMENT, of all calls
+ * below: a handle whose body was removed, or a number that is not finite; nothing is changed.
+ */
+
+typedef enum {
+    FP3_DYNAMIC,   /* moved by forces and contacts */
+    FP3_KINEMATIC, /* moves with the velocity that the caller gives it, and pushes others */
+    FP3_STATIC     /* never moves */
+} fp3_body_type;
+
+/* Start from fp3_body_default(): a dynamic body at rest at the origin. */
+typedef struct {
+    fp3_body_type type;
+    double x[2];                  /* of the body's origin, to which its shapes are relative */
+    double angle;                 /* in radians, anticlockwise */
+    double v[2];                  /* of its centre of mass */
+    double w;                     /* its spin, in radians per time */
+    double damping, spin_damping; /* speed that is lost per speed and time, 1/s; default 0 */
+    double gravity;               /* share of gravity; default 1 */
+    int may_not_turn;
+    int may_not_sleep;
+    uint64_t user; /* for the caller */
+} fp3_body_def;
+
+void fp3_body_set_default(fp3_body_def *def, size_t size);
+static inline fp3_body_def fp3_body_default(void) {
+    fp3_body_def def;
+    fp3_body_set_default(&def, sizeof def);
+    return def;
+}
+
+/* Adds `count` bodies; handles[i] receives the handle of each. They get the lowest numbers that are
+ * free, in ascending order. After an error none was added. */
+fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t count,
+                          uint64_t *handles);
+/* Removes bodies with their shapes. What they touched wakes. A handle that occurs twice is
+ * FP3_E_ARGUMENT. */
+fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t count);
+size_t fp3_bodies_count(const fp3_bodies *bodies);
+/* The handles of all bodies, in the order of their numbers; room for fp3_bodies_count. */
+void fp3_bodies_handles(const fp3_bodies *bodies, uint64_t *handles);
+
+/* ---- shapes ---- */
+
+typedef enum { FP3_CIRCLE, FP3_CAPSULE, FP3_BOX, FP3_POLYGON } fp3_shape_type;
+#define FP3_CORNERS 8 /* of a polygon, at most */
+
+/* Start from one of the functions below. */
+typedef struct {
+    fp3_shape_type type;
+    double centre[2];              /* of a circle, a box */
+    double angle;                  /* of a box */
+    double half[2];                /* of a box */
+    double corner[FP3_CORNERS][2]; /* of a capsule 2; of a polygon, in any order: its hull counts */
+    uint32_t corners;
+    double radius;           /* of a circle, a capsule; others are rounded by it */
+    double density;          /* kg/m^2; default 1 */
+    double friction;         /* default 0.6; of two shapes the root of the product counts */
+    double restitution;      /* 0 to 1, default 0; of two the larger */
+    double rolling;          /* torque over normal force, in m; default 0; of two the larger */
+    double belt;             /* speed of the surface, anticlockwise around the shape; default 0 */
+    uint32_t category, mask; /* shapes collide if each one's mask has a bit of the other's category;
+                              * default 1 and all */
+    int is_sensor;           /* tells contacts and has no forces */
+} fp3_shape_def;
+
+/* Whatever is not said: a circle of radius 0.5 at the body's origin. */
+void fp3_shape_set_default(fp3_shape_def *def, size_t size);
+static inline fp3_shape_def fp3_shape_circle(double radius) {
+    fp3_shape_def def;
+    fp3_shape_set_default(&def, sizeof def);
+    def.radius = radius;
+    return def;
+}
+/* A box by half its sides, its corners rounded by a radius that comes on top. */
+static inline fp3_shape_def fp3_shape_box(double half_x, double half_y, double radius) {
+    fp3_shape_def def = fp3_shape_circle(radius);
+    def.type = FP3_BOX;
+    def.half[0] = half_x;
+    def.half[1] = half_y;
+    return def;
+}
+/* From one end to the other; a segment if the radius is 0. */
+static inline fp3_shape_def fp3_shape_capsule(double ax, double ay, double bx, double by,
+                                              double radius) {
+    fp3_shape_def def = fp3_shape_circle(radius);
+    def.type = FP3_CAPSULE;
+    def.corners = 2;
+    def.corner[0][0] = ax;
+    def.corner[0][1] = ay;
+    def.corner[1][0] = bx;
+    def.corner[1][1] = by;
+    return def;
+}
+
+/* Gives each of these bodies this shape; shapes (may be NULL) receives the handle of each. The
+ * body's mass, centre and inertia are those of all its shapes. FP3_E_ARGUMENT: also what is no
+ * shape, such as corners on a line; the message says why. */
+fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t count,
+                             const fp3_shape_def *shape, uint64_t *shapes);
+
+/* Gives a body that is not dynamic a chain of edges as ground, to the left of the way along its
+ * corners (x and y of each): a floor runs from right to left. What slides over its inner corners
+ * does not catch there. is_loop: from the last corner back to the first. surface: friction and
+ * whatever else is not the shape; its radius rounds the edges. */
+fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
+                                   size_t count, int is_loop, const fp3_shape_def *surface);
+
+/* ---- steps ---- */
+
+/* Each step lasts h. FP3_E_FAILED: a body's position or speed is not finite, and the message names
+ * it; all others have made their steps. */
+fp3_status fp3_bodies_step(fp3_bodies *bodies, uint64_t steps);
+double fp3_bodies_time(const fp3_bodies *bodies);
+/* Bodies that do not sleep, and contacts that touch, after the last step. */
+size_t fp3_bodies_awake(const fp3_bodies *bodies);
+size_t fp3_bodies_touching(const fp3_bodies *bodies);
+
+/* ---- values ----
+ *
+ * Names: x_x, x_y, angle, v_x, v_y, w as in fp3_body_def; force_x, force_y, torque, which act in
+ * the next step alone; mass, inertia (about the centre of mass) and at_rest, the time for which a
+ * body has been slow, -1 while it sleeps. What is written wakes a body. FP3_E_ARGUMENT: no such
+ * name (the message suggests the nearest); mass and inertia of bodies that are not dynamic.
+ */
+fp3_status fp3_bodies_read(fp3_bodies *bodies, const char *name, const uint64_t *handles,
+                           size_t count, double *values);
+fp3_status fp3_bodies_write(fp3_bodies *bodies, const char *name, const uint64_t *handles,
+                            size_t count, const double *values);
+/* A hash of all that the next step depends on: FNV-1a over the words, in the order of numbers. */
+uint64_t fp3_bodies_hash(const fp3_bodies *bodies);
+
+FP3_API_END
+
+#endif
