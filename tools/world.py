@@ -68,15 +68,6 @@ def measure(options, part, folder, say):
     return {"physics": found}
 
 
-def kept(options):
-    """What was found before in the same form: a part that is not measured now stays."""
-    try:
-        data = json.loads(options.output.read_text(encoding="utf-8"))
-        return data if data["about"]["form"] == bench.about(options)["form"] else {}
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
-
-
 def joined(options, data, part, found, about):
     """What is found of a part, and when; what is found of some scenes takes the place of their rows alone."""
     when = {"date": about["date"], "revision": about["revision"], "load": about["load"]}
@@ -94,7 +85,7 @@ def joined(options, data, part, found, about):
 
 def measure_all(options, folder):
     """Parts one by one, each written at once; yields what is wrong."""
-    begin, data = time.monotonic(), kept(options)
+    begin, data = time.monotonic(), bench.kept(options)
     about = bench.about(options) | {"command": "make world" + (" QUICK=1" if options.quick else "")}
     measured = data.get("measured", {})
 

@@ -34,3 +34,9 @@ def test_world(root, tool):
     made, page = tool("fp3world.report"), (root / "docs/world.md").read_text(encoding="utf-8")
     for text in (made.HEAD, made.SCENES, made.PHYSICS, made.HASHES, made.SPEED, made.CHIP):
         assert f"\n\n{text}\n\n" in page
+
+
+def test_bodies(root, tool):
+    made, page = tool("fp3bodies.report"), (root / "docs/bodies_results.md").read_text(encoding="utf-8")
+    for text in (made.HEAD, made.TRUTHS):
+        assert f"\n\n{text}\n\n" in page

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Rigid bodies beside theory and beside other engines: what holds, what stands, how fast.
+
+    tools/bodies.py                                     all of it, by everyone who is installed: half an hour
+    tools/bodies.py --quick                             the same in seconds, for the tests
+    tools/bodies.py --parts truths --engines box2d rapier                           only these; the rows of others stay
+    tools/bodies.py --input build/results/bodies.json --markdown docs/bodies_results.md       the page
+
+Writes build/results/bodies.json; parts that are not measured stay as they were in it. A peer's row that does not hold is no fault
+of ours. Exit code 1: an engine failed, or a row of fp3 does not hold.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import time
+
+import bench
+from fp3bodies import report
+
+PARTS = ("truths", "standing", "speed")
+OWN = "fp3"
+SETTLE, MOST, TURN = 600, 20.0, 0.15  # steps before a scene is timed, seconds that they may take, seconds of a turn
+STAND = 100.0                         # seconds that a scene may take to stand
+
+
+class Failed(Exception):
+    """An engine did not answer."""
+
+
+class Engine:
+    """A process with one engine, which answers line by line; started again after it died."""
+
+    def __init__(self, name, python):
+        self.name, self.command, self.process = name, [python, bench.ROOT / "tools/bodies_peers.py", name], None
+
+    def ask(self, **command):
+        if self.process is None or self.process.poll() is not None:
+            self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        try:
+            self.process.stdin.write(json.dumps(command) + "\n")
+            self.process.stdin.flush()
+            line = self.process.stdout.readline()
+        except OSError:
+            line = ""
+        if not line:
+            raise Failed(f"{self.name}: ended with exit code {self.process.wait()} at {command}")
+        answer = json.loads(line)
+        if "error" in answer:
+            raise Failed(f"{self.name}: {answer['error']} at {command}")
+        return answer
+
+    def end(self):
+        if self.process:
+            self.process.stdin.close()
+            self.process.wait()
+
+
+def listed(python):
+    """Who can be measured by a Python."""
+    if not python.exists():
+        return []
+    done = subprocess.run([python, bench.ROOT / "tools/bodies_peers.py", "list"], capture_output=True, text=True)
+    return [line for line in done.stdout.splitlines() if line] if done.returncode == 0 else []
+
+
+class Lab:
+    def __init__(self, options, say):
+        pythons = {name: python for python in (options.peers, pathlib.Path(sys.executable)) for name in listed(python)}
+        wanted = [name for name in pythons if not options.engines or name in options.engines]
+        self.engines, self.quick, self.say = {name: Engine(name, pythons[name]) for name in wanted}, options.quick, say
+        self.failed = []
+
+    def ask(self, name, **command):
+        """None: it failed, which is noted."""
+        try:
+            return self.engines[name].ask(**command)
+        except Failed as why:
+            self.failed.append(str(why))
+            self.say(f"failed: {why}")
+            return None
+
+    def truths(self):
+        from fp3bodies import truths  # it needs NumPy, which the page does not
+        rows, refused = [], []
+        for truth in [truths.slope, truths.pendulum] if self.quick else truths.TRUTHS:
+            for name in self.engines:
+                answer = self.ask(name, do="truth", test=truth.__name__) or {"rows": [], "refuses": []}
+                rows += [row | {"peer": name} for row in answer["rows"]]
+                refused += [row | {"peer": name} for row in answer["refuses"]]
+            of = [row for row in rows if row["test"] == truth.__name__]
+            self.say(f"{truth.__name__}: {sum(row['holds'] for row in of)} of {len(of)} rows hold")
+        return {"truths": rows, "truths_refused": refused}
+
+    def standing(self):
+        from fp3bodies import standing
+        rows, refused = [], []
+        for scene in standing.QUICK if self.quick else standing.SCENES:
+            for name in self.engines:
+                answer = self.ask(name, do="stand", scene=scene, seconds=2 if self.quick else standing.SCENES[scene][1], most=STAND)
+                if answer and "refused" not in answer:
+                    rows.append({"scene": scene, "engine": name} | answer)
+                elif answer:
+                    refused.append({"scene": scene, "engine": name, "why": answer["refused"]})
+            self.say(f"{scene} stood")
+        return {"standing": rows, "standing_refused": refused}
+
+    def speed(self):
+        """All make their turns one after another, as often as there is time for; the shortest turn counts."""
+        from fp3bodies import scene as sc
+        rows, refused = [], []
+        for scene in ["pyramid 10"] if self.quick else [make().name for make in sc.FAST]:
+            made = {name: self.ask(name, do="make", scene=scene, steps=20 if self.quick else SETTLE, most=MOST) for name in self.engines
+                    if name != "mujoco, RK4"}
+            refused += [{"scene": scene, "engine": name, "why": answer["refused"]} for name, answer in made.items() if answer and "refused" in answer]
+            made = {name: answer for name, answer in made.items() if answer and "refused" not in answer}
+            steps = {name: max(1, round(TURN * answer["steps"] / max(answer["seconds"], 1e-6))) for name, answer in made.items()}
+            best = {}
+            for _ in range(3 if self.quick else 15):
+                for name in list(made):
+                    answer = self.ask(name, do="turn", steps=steps[name])
+                    if answer is None:
+                        made.pop(name)
+                        continue
+                    best[name] = min(best.get(name, float("inf")), answer["seconds"] / steps[name])
+            for name, answer in made.items():
+                row = {"scene": scene, "engine": name, "threads": 1, "bodies": answer["bodies"], "settled": answer["steps"],
+                       "substeps": answer["substeps"], "ns_per_body_step": 1e9 * best[name] / answer["bodies"],
+                       "arithmetic": answer["arithmetic"], "note": answer["note"]}
+                rows.append(row | ({"ratio_to_box2d": best[name] / best["box2d"]} if "box2d" in best else {}))
+                self.say(f"{scene}, {name}: {row['ns_per_body_step']:.0f} ns")
+        return {"speed": rows, "speed_refused": refused}
+
+
+def joined(options, data, found):
+    """What is found of some engines takes the place of their rows alone."""
+    if not options.engines:
+        return found
+    return {key: [row for row in data.get(key, []) if row.get("peer", row.get("engine")) not in options.engines] + rows for key, rows in found.items()}
+
+
+def wrong(found):
+    for row in found.get("truths", []):
+        if row["peer"] == OWN and not row["holds"]:
+            yield f"{row['what']}: found {row['found']}, expected {row['expected']:.6g} within {row['within']:.2g}"
+
+
+def measure(options):
+    """Parts one by one, each written at once; yields what is wrong."""
+    begin, data = time.monotonic(), bench.kept(options)
+    about = bench.about(options) | {"command": "make bodies" + (" QUICK=1" if options.quick else "")}
+    lab = Lab(options, lambda text: print(f"bodies: {text}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr, flush=True))
+    if not lab.engines:
+        yield "nobody to measure: make setup-bench"
+    measured = data.get("measured", {})
+    try:
+        for part in options.parts:
+            found = getattr(lab, part)()
+            measured[part] = {"date": about["date"], "revision": about["revision"], "load": about["load"]}
+            data |= {"about": about, "measured": measured} | joined(options, data, found)
+            bench.write(options.output, json.dumps(data, indent=1) + "\n")
+            yield from wrong(found)
+        yield from lab.failed
+    finally:
+        for engine in lab.engines.values():
+            engine.end()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--peers", type=pathlib.Path, default=bench.ROOT / ".venv-bench/bin/python",
+                        help="a Python that may have Box2D and other engines (default: that of make setup-bench)")
+    parser.add_argument("--quick", action="store_true", help="few tests, small scenes")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
+    parser.add_argument("--engines", nargs="+", help="only these (default: all that are installed)")
+    parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/bodies.json", help="the file to write")
+    parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
+    parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
+    options = parser.parse_args()
+    if bool(options.input) != bool(options.markdown):
+        parser.error("expected --input together with --markdown")
+    if options.input:
+        data = json.loads(options.input.read_text(encoding="utf-8"))
+        bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
+        return 0
+    errors = 0
+    for error in measure(options):
+        print(f"bodies: {error}", file=sys.stderr)
+        errors += 1
+    print(f"{errors} rows of fp3 do not hold or engines failed")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""Scenes of rigid bodies by one engine, told line by line. tools/bodies.py starts it for each engine.
+
+    tools/bodies_peers.py list         who is installed for this Python
+    tools/bodies_peers.py box2d        reads a command in JSON from each line, and answers with a line
+
+    {"do": "truth", "test": "slope"}                 rows, and what is refused
+    {"do": "stand", "scene": "pyramid 40", "seconds": 60, "most": 200}
+    {"do": "make", "scene": "pyramid 40", "steps": 300, "most": 60}    a scene, settled; no longer than so many seconds
+    {"do": "turn", "steps": 10}                      seconds of processor time that so many steps of the last scene take
+
+One thread. An answer with "refused" says what the engine has not, one with "error" that it failed.
+"""
+
+import argparse
+import json
+import os
+import sys
+import time
+
+from fp3bodies import engines
+from fp3bodies import scene as sc
+from fp3bodies import standing
+from fp3bodies import truths
+
+
+class Worker:
+    def __init__(self, name):
+        self.make, self.engine = engines.find(name), None
+
+    def truth(self, test):
+        rows, refused = truths.measure(next(truth for truth in truths.TRUTHS if truth.__name__ == test), self.make)
+        return {"rows": rows, "refuses": refused}
+
+    def stand(self, scene, seconds, most):
+        made = standing.SCENES[scene][0]()
+        return standing.stand(self.make(made), made, seconds, most)
+
+    def settle(self, scene, steps, most):
+        scene = next(one for one in (make() for make in sc.FAST) if one.name == scene)
+        self.engine = None  # two large ones at once would share the caches
+        scene.substeps = scene.substeps if self.make.SUBSTEPS else 1
+        self.engine = self.make(scene)
+        begin, taken = time.process_time(), 0
+        while taken < steps and time.process_time() - begin < most:
+            self.engine.step(1)
+            taken += 1
+        return {"steps": taken, "substeps": scene.substeps, "seconds": time.process_time() - begin,
+                "bodies": int(scene.loose().sum()), "arithmetic": self.engine.ARITHMETIC, "note": self.engine.NOTE}
+
+    def turn(self, steps):
+        begin = time.process_time()
+        self.engine.step(steps)
+        return {"seconds": time.process_time() - begin}
+
+    def answer(self, do, **more):
+        try:
+            return {"truth": self.truth, "stand": self.stand, "make": self.settle, "turn": self.turn}[do](**more)
+        except sc.Refused as why:
+            return {"refused": str(why)}
+        except Exception as why:  # whatever a peer does: the others go on  # pylint: disable=broad-exception-caught
+            return {"error": f"{type(why).__name__}: {why}"}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("engine", choices=["list", *engines.ENGINES], help="who; list: print who is installed")
+    options = parser.parse_args()
+    if options.engine == "list":
+        for name in engines.installed():
+            print(name)
+        return 0
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # some print when they begin
+    worker = Worker(options.engine)
+    for line in sys.stdin:
+        print(json.dumps(worker.answer(**json.loads(line))), file=answers, flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Rigid bodies beside theory and beside other engines: tools/bodies.py."""
