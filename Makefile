@@ -316,16 +316,18 @@ top: $(BUILD)/rtl/fp3_$(or $(CONFIG),single).v ## Write the top module of a conf
 
 # The model and its shim are one file for the compiler, however large: the headers alone take it a second. -isystem: our warnings stop at the
 # shim, and sanitizers in front of it. What Verilator calls slow runs once: it is compiled as it stands, which takes a fifth less.
+# Those of Verilator are compiled once for all, except where ccache is, which has no use for that.
 # $(1): the directory, $(2): the top module, $(3): its file, $(4): the shim, $(5): for Verilator, $(6): for the shim
 MODEL_FLAGS := -std=c++17 -O1 -fcf-protection=none $(PLACE) $(WARN) $(NUMBERS) $(SHARED)
+MODEL_H     := $(if $(CCACHE),,$(BUILD)/obj/verilator/model.h)
 define VERILATED
-$(BUILD)/verilated/$(1)/hardware.a: $(4) $(3) $(RTL) rtl/fp3.f $(BUILD)/flags | $(BUILD)/ready
+$(BUILD)/verilated/$(1)/hardware.a: $(4) $(3) $(RTL) rtl/fp3.f $(BUILD)/flags | $(BUILD)/ready $(MODEL_H:=.gch)
 	@echo "  RTL  $(2)"
 	@rm -rf $$(@D) && mkdir -p $$(@D)
 	@$$(VERILATOR) --cc --prefix V$(2) --top-module $(2) --Mdir $$(@D) $(5) $(3)
 	@cd $$(@D) && { printf '#include "%s"\n' $$$$(ls V*.cpp | grep -v Slow); echo '#pragma GCC push_options'; echo '#pragma GCC optimize ("O0")'; \
 	    printf '#include "%s"\n' V*Slow.cpp; echo '#pragma GCC pop_options'; } >hardware.h
-	@$$(CCACHE) g++ $$(MODEL_FLAGS) $$(INCLUDES) $(6) -isystem $$(@D) -isystem $$(VL_INC) -isystem $$(VL_INC)/vltstd -include hardware.h \
+	@$$(CCACHE) g++ $$(MODEL_FLAGS) $$(INCLUDES) $(6) -isystem $$(@D) -isystem $$(VL_INC) -isystem $$(VL_INC)/vltstd $(MODEL_H:%=-include %) -include hardware.h \
 	    -MMD -MP -MT $$@ -c -o $$(@D)/hardware.o $(4)
 	@$(CROSS)ar rcs $$@ $$(@D)/hardware.o
 endef
@@ -351,6 +353,11 @@ $(BUILD)/lib/fp3/fp3_%.so: $(BUILD)/verilated/%/hardware.a $(RUNTIME) $(EXPORTS)
 	@echo "  LD   $@"
 	@mkdir -p $(@D)
 	@$(link_model)
+
+$(BUILD)/obj/verilator/model.h.gch: $(BUILD)/flags | $(BUILD)/ready
+	@mkdir -p $(@D)
+	@echo '#include <verilated.h>' >$(@:.gch=)
+	@g++ $(MODEL_FLAGS) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -x c++-header -o $@ $(@:.gch=)
 
 # Verilator's run time.
 $(BUILD)/obj/verilator/%.o: $(BUILD)/flags | $(BUILD)/ready
@@ -584,13 +591,13 @@ cluster-report: | need-plot ## Write the tables of docs/cluster.md and its pictu
 # ---- lint ---------------------------------------------------------------------------------------
 
 .PHONY: lint lint-rtl lint-c lint-generated
-lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well
+lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well; RECENT=20: cppcheck reads what 20 commits changed
 
 lint-rtl: $(TOPS) | need-lint
 	@tools/lint.sh rtl $(CORES) fp3_board $(CONFIGS:%=fp3_%)
 
 lint-c: | need-lint
-	@tools/lint.sh c
+	@tools/lint.sh c $(RECENT)
 
 lint-generated: | need-lint
 	@$(PYTHON) tools/generate.py --check

@@ -3,7 +3,7 @@
 #
 #   tools/lint.sh rtl TOP...   slang, Verible, a new Verilator and Icarus, each module TOP as the top. Debian's Verilator reads the same in the
 #                              build, with the same warnings
-#   tools/lint.sh c            clang-format and cppcheck over C and C++
+#   tools/lint.sh c [COMMITS]  clang-format and cppcheck over C and C++; cppcheck only over what the last COMMITS changed, if there are so many
 #   tools/lint.sh format       formats C and C++
 set -eu
 cd "$(dirname "$0")/.."
@@ -36,12 +36,22 @@ lint_rtl() {
     return $failed
 }
 
+# What differs from the tree some commits ago; of a clone that does not reach so far back, everything.
+recent() {
+    local names
+    if [ -n "$1" ] && names=$(git diff --name-only "HEAD~$1" -- 2>/dev/null && git ls-files --others --exclude-standard); then
+        sources | grep -Fx "$names"
+    else
+        sources
+    fi
+}
+
 lint_c() {
     local failed=0
     sources | xargs -r clang-format --dry-run -Werror || failed=1
     # missingIncludeSystem: the headers of the system are the compiler's to find. One set of macros a file: more take twice as long,
     # and the compiler has read those that the build uses. Twenty files at a time: all at once take twice as long, for calls between them.
-    sources | grep '\.c' | xargs -r -n 20 cppcheck --quiet --error-exitcode=1 --inline-suppr --std=c11 \
+    recent "${1:-}" | grep '\.c' | xargs -r -n 20 cppcheck --quiet --error-exitcode=1 --inline-suppr --std=c11 \
         --enable=warning,performance,portability --max-configs=1 --suppress=missingIncludeSystem --suppress=toomanyconfigs \
         -Isw/include -Isw -Isim || failed=1
     return $failed
@@ -49,7 +59,7 @@ lint_c() {
 
 case ${1:-} in
 rtl) shift && lint_rtl "$@" ;;
-c) lint_c ;;
+c) lint_c "${2:-}" ;;
 format) sources | xargs -r clang-format -i ;;
-*) echo "usage: tools/lint.sh rtl TOP... | c | format" >&2 && exit 2 ;;
+*) echo "usage: tools/lint.sh rtl TOP... | c [COMMITS] | format" >&2 && exit 2 ;;
 esac

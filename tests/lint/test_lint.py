@@ -13,8 +13,9 @@ def lint(root, *arguments):
 
 
 def test_this_tree_is_clean(root, long):
-    """Debian's Verilator, with -Wall, and Icarus have read every configuration when it was built: here a few, or with --long all."""
-    few = [] if long else ["CONFIGS=single small many shared_full"]
+    """Debian's Verilator, with -Wall, and Icarus have read every configuration when it was built: here a few, and what 20 commits changed in C, or with
+    --long all."""
+    few = [] if long else ["CONFIGS=single shared_full", "RECENT=20"]
     done = subprocess.run(["make", "lint", *few], cwd=root, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0 and done.stdout + done.stderr == "", done.stdout + done.stderr
 
@@ -55,9 +56,8 @@ SPOILED = {
 }
 
 
-@pytest.mark.parametrize("tool", SPOILED)
-def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
-    file, text, arguments, said = SPOILED[tool]
+def copy(root, tmp_path):
+    """What tools/lint.sh needs, without a source."""
     for name in ("tools/lint.sh", "tools/slang.py", "rtl/fp3.f", ".clang-format"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(root / name, tmp_path / name)
@@ -65,9 +65,41 @@ def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
         (tmp_path / name).mkdir(parents=True, exist_ok=True)
     (tmp_path / "rtl/gen/files.f").write_text("")
     (tmp_path / ".venv").symlink_to(root / ".venv")
+
+
+@pytest.mark.parametrize("tool", SPOILED)
+def test_each_tool_sees_what_it_is_for(root, tmp_path, tool):
+    file, text, arguments, said = SPOILED[tool]
+    copy(root, tmp_path)
     (tmp_path / file).write_text(text)
     done = lint(tmp_path, *arguments)
     assert done.returncode != 0 and said in done.stdout + done.stderr, done.stdout + done.stderr
+
+
+def test_what_commits_changed_is_read(root, tmp_path):
+    """A mistake is seen in the last commit and before any commit; one that is older than that is not looked for, except where there are no so many."""
+    copy(root, tmp_path)
+
+    def git(*arguments):
+        subprocess.run(["git", "-c", "user.name=x", "-c", "user.email=x", *arguments], cwd=tmp_path, check=True, capture_output=True)
+
+    def found(commits):
+        said = lint(tmp_path, "c", commits)
+        assert (said.returncode != 0) == ("Memory leak: p" in said.stderr), said.stderr
+        return sorted(name for name in ("old", "new") if f"sw/base/{name}.c" in said.stderr)
+    (tmp_path / "sw/base/old.c").write_text(LEAK)
+    git("init", "-q")
+    git("add", "sw")
+    git("commit", "-q", "-m", "old")
+    assert found("1") == ["old"]
+    (tmp_path / "sw/base/new.c").write_text(LEAK)
+    git("commit", "-q", "--allow-empty", "-m", "nothing")
+    assert found("1") == ["new"]
+    git("add", "sw")
+    git("commit", "-q", "-m", "new")
+    assert found("1") == ["new"] and found("3") == ["new", "old"]
+    (tmp_path / "sw/base/new.c").unlink()
+    assert found("1") == []
 
 
 # Parameters of fp3, and the rule that must be named.
