@@ -121,7 +121,9 @@ FP3_FLAG_INVALID = 16
 FP3_FLAG_OVERFLOW = 4
 FP3_FLAG_UNDERFLOW = 2
 FP3_FOLDED = 2
+FP3_GEAR = 5
 FP3_GONE = 2
+FP3_HINGE = 1
 FP3_IMAGE_CODE_LIMIT = 65536
 FP3_IMAGE_CONSTANT_WORDS = 2
 FP3_IMAGE_HEADER_WORDS = 9
@@ -204,8 +206,10 @@ FP3_RELATIONS_MAX = 8
 FP3_REMOVED = 4294967295
 FP3_REMOVES = 2
 FP3_REPEAT_MAX = 63
+FP3_ROD = 0
 FP3_ROSENBROCK = 3
 FP3_RUNGE_KUTTA = 0
+FP3_SLIDER = 2
 FP3_SPLITTING = 1
 FP3_STAGES_MAX = 24
 FP3_STANDSTILL_TEXT_SIZE = 192
@@ -223,6 +227,8 @@ FP3_SYMBOL_TEMP = 2
 FP3_SYMBOL_WORST = 6
 FP3_UNBORN = 0
 FP3_UNIT_SIZE = 80
+FP3_WELD = 4
+FP3_WHEEL = 3
 FP3_WORDS_ANY = 0
 FP3_WORDS_CELL = 4
 FP3_WORDS_FEWER = 8
@@ -1005,6 +1011,29 @@ class fp3_shape_def(Structure):
     ]
 
 
+class fp3_joint_def(Structure):
+    _fields_ = [
+        ("type", c_int),
+        ("a", c_uint64),
+        ("b", c_uint64),
+        ("anchor_a", c_double * 2),
+        ("anchor_b", c_double * 2),
+        ("axis", c_double * 2),
+        ("ratio", c_double),
+        ("has_limits", c_int),
+        ("low", c_double),
+        ("high", c_double),
+        ("speed", c_double),
+        ("most", c_double),
+        ("hertz", c_double),
+        ("damping", c_double),
+        ("rest", c_double),
+        ("force", c_double),
+        ("torque", c_double),
+        ("may_collide", c_int),
+    ]
+
+
 # Of each function: what it returns, and what it takes.
 PROTOTYPES = {
     "fp3_version": (c_char_p, (c_void_p,)),
@@ -1210,6 +1239,13 @@ PROTOTYPES = {
     "fp3_shape_set_default": (None, (POINTER(fp3_shape_def), c_size_t)),
     "fp3_bodies_attach": (c_int, (c_void_p, c_void_p, c_size_t, POINTER(fp3_shape_def), c_void_p)),
     "fp3_bodies_attach_chain": (c_int, (c_void_p, c_uint64, c_void_p, c_size_t, c_int, POINTER(fp3_shape_def))),
+    "fp3_joint_set_default": (None, (POINTER(fp3_joint_def), c_size_t)),
+    "fp3_bodies_join": (c_int, (c_void_p, POINTER(fp3_joint_def), c_size_t, c_void_p)),
+    "fp3_bodies_unjoin": (c_int, (c_void_p, c_void_p, c_size_t)),
+    "fp3_bodies_joints": (c_size_t, (c_void_p,)),
+    "fp3_bodies_is_joined": (c_int, (c_void_p, c_uint64)),
+    "fp3_bodies_joint_read": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
+    "fp3_bodies_joint_write": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_bodies_step": (c_int, (c_void_p, c_uint64)),
     "fp3_bodies_time": (c_double, (c_void_p,)),
     "fp3_bodies_awake": (c_size_t, (c_void_p,)),

@@ -5,26 +5,8 @@
 
 #include "base/host.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
-
-static uint32_t number_of(const fp3_bodies *bodies, uint64_t handle) {
-    const uint32_t number = (uint32_t)handle;
-    return number < bodies->body_count && fp3_body_lives(&bodies->body[number]) &&
-                   bodies->body[number].generation == handle >> 32
-               ? number
-               : FP3_NOBODY;
-}
-
-fp3_status fp3_bodies_numbered(const fp3_bodies *bodies, const uint64_t *handles, size_t which,
-                               uint32_t *number) {
-    *number = number_of(bodies, handles[which]);
-    return *number != FP3_NOBODY
-               ? FP3_OK
-               : fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                          "handle %zu, %" PRIx64 ": there is no such body", which, handles[which]);
-}
 
 static fp3_status check(const fp3_body_def *def, size_t which, fp3_error *error) {
     const double values[] = {def->x[0], def->x[1],    def->angle,        def->v[0],   def->v[1],
@@ -134,6 +116,7 @@ fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t
     for (size_t i = 0; i < count; i++) {
         number = (uint32_t)handles[i];
         fp3_bodies_wake_around(bodies, number);
+        fp3_joints_drop(bodies, number);
         drop_shapes(bodies, &bodies->body[number]);
     }
     drop_contacts(bodies);

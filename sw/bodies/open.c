@@ -9,30 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ALIGNED 64
-
-fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
-                           fp3_error *error) {
-    if (wanted <= *room)
-        return FP3_OK;
-    size_t next = *room ? *room : 16;
-    while (next < wanted)
-        next *= 2;
-    if (next > UINT32_MAX / 2)
-        return fp3_fail(error, FP3_E_LIMIT, "more than 2^31 of a kind");
-    const size_t bytes = (next * size + ALIGNED - 1) / ALIGNED * ALIGNED;
-    void *made = aligned_alloc(ALIGNED, bytes);
-    if (!made)
-        return fp3_no_memory(error);
-    if (*room)
-        memcpy(made, *array, *room * size);
-    memset((char *)made + *room * size, 0, bytes - *room * size);
-    free(*array);
-    *array = made;
-    *room = (uint32_t)next;
-    return FP3_OK;
-}
-
 void fp3_bodies_set_default(fp3_bodies_def *def, size_t size) {
     if (!fp3_definition_begin(def, size, sizeof *def))
         return;
@@ -126,12 +102,14 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     *bodies = NULL;
     if (!b)
         return;
-    void *const arrays[] = {
-        b->body,   b->shape, b->boxes.box, b->boxes.may_move, b->touch, b->key,  b->in_slot,
-        b->moving, b->base,  b->pull,      b->active,         b->row,   b->ends, b->lane};
+    void *const arrays[] = {b->body,  b->shape, b->boxes.box, b->boxes.may_move,
+                            b->touch, b->key,   b->in_slot,   b->moving,
+                            b->base,  b->pull,  b->joint,     b->apart};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
-    fp3_colours_free(&b->colours);
+    fp3_rows_free(&b->contacts);
+    for (int i = 0; i < FP3_JOINT_LAWS; i++)
+        fp3_rows_free(&b->joined[i]);
     fp3_laws_close(&b->laws);
     free(b);
 }

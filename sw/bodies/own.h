@@ -13,6 +13,7 @@
 #include <fp3/bodies.h>
 
 #define FP3_NOBODY UINT32_MAX
+#define FP3_JOINT_LAWS (FP3_LAWS - FP3_LAW_twist2)
 
 typedef struct {
     double at[2], angle; /* of the centre of mass; the angle as the caller reads it, in turns too */
@@ -53,6 +54,29 @@ typedef struct {
     float p[2], f[2], r;
 } fp3_touch2;
 
+typedef struct {
+    fp3_joint_def def;              /* rest is a number */
+    uint32_t a, b;                  /* bodies */
+    float anchor_a[2], anchor_b[2]; /* in the bodies' axes, from their origins */
+    float axis[2];
+    double from; /* what the angle of b and `ratio` times that of a had when it was made */
+    uint32_t generation;
+    uint8_t laws; /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
+    float point[2], rod[4], slide[5], twist[4]; /* impulses, as their rows have them */
+    float force[2], torque;                     /* on b, in the last substep */
+} fp3_joint;
+
+/* The rows of a law, colour by colour, and whose they are. */
+typedef struct {
+    void *row;
+    fp3_ends2 *ends;
+    uint32_t *lane; /* of each: block * 8 + lane */
+    uint32_t *of;   /* of each: a contact or a joint */
+    uint32_t count;
+    fp3_colours colours;
+    uint32_t row_room, end_room, lane_room, of_room;
+} fp3_law_rows;
+
 struct fp3_bodies {
     fp3_bodies_def def;
     fp3_error *error;
@@ -67,6 +91,11 @@ struct fp3_bodies {
     uint32_t shape_count, shape_room;
     uint32_t free_body, free_shape; /* no free number is below */
 
+    fp3_joint *joint;
+    uint32_t joint_count, joint_room, joints;
+    uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
+    uint32_t apart_count, apart_room;
+
     fp3_boxes boxes;   /* of each shape, as pairs.h has them */
     int is_changed;    /* shapes came or went: pairs are looked for again */
     fp3_touch2 *touch; /* ascending by a, then b */
@@ -80,13 +109,7 @@ struct fp3_bodies {
     uint32_t movable, slots;
     fp3_moving2 *moving, *base;
     fp3_pull2 *pull;
-    uint32_t *active; /* contacts that touch and of which a body is awake */
-    uint32_t active_count, active_room;
-    fp3_colours colours;
-    fp3_contact2_row *row;
-    fp3_ends2 *ends;
-    uint32_t *lane; /* of each active contact: block * 8 + lane */
-    uint32_t block_room, lane_room;
+    fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
     float h_before; /* of a substep that the impulses are of; 0: there was none */
     uint32_t awake, touching;
 };
@@ -106,6 +129,47 @@ static inline int fp3_body_lives(const fp3_body *body) { return body->generation
 static inline int fp3_body_moves(const fp3_body *body) {
     return body->type == FP3_DYNAMIC && body->rest >= 0;
 }
+
+/* Where a body stands in a step; `movable`: among those that never move. */
+static inline uint32_t fp3_slot_of(const fp3_bodies *bodies, uint32_t body) {
+    return bodies->body[body].slot == FP3_NOBODY ? bodies->movable : bodies->body[body].slot;
+}
+
+/* A spring or a contact, as laws have it: rate, soft, fade. Of `hertz` and `damping` (of critical
+ * damping), in one implicit step of length h. */
+typedef struct {
+    float rate, soft, fade;
+} fp3_softness;
+fp3_softness fp3_soften(double hertz, double damping, double h);
+
+/* Rows of a law for rows->of[0 .. count-1], whose bodies stand in slots a and b: colours, lanes,
+ * all words 0. size: of a block. */
+fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
+                        const uint32_t *b, size_t size);
+void fp3_rows_free(fp3_law_rows *rows);
+static inline void fp3_put(fp3_wide *word, uint32_t lane, float value) { (*word)[lane] = value; }
+
+/* contacts.c, joints.c: rows for a step, with substeps of h, and what they have learned. */
+fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);
+void fp3_contacts_end(fp3_bodies *bodies);
+fp3_status fp3_joints_begin(fp3_bodies *bodies, double h);
+/* Behind the step, where bodies are then. Joints that break are gone. */
+void fp3_joints_end(fp3_bodies *bodies, double h);
+/* Where the two anchors are, from their bodies' centres of mass, in the world's axes; and the way
+ * from a's to b's. */
+typedef struct {
+    double arm_a[2], arm_b[2], gap[2], axis[2];
+} fp3_stance;
+fp3_stance fp3_joint_stance(const fp3_bodies *bodies, const fp3_joint *joint);
+/* The angle of b and `ratio` times that of a, from the start. */
+double fp3_joint_angle(const fp3_bodies *bodies, const fp3_joint *joint);
+/* The distance, way or angle that its limits are of. */
+double fp3_joint_at(const fp3_bodies *bodies, const fp3_joint *joint);
+void fp3_joint_drop(fp3_bodies *bodies, uint32_t number);
+/* Joints of bodies that are removed go with them. */
+void fp3_joints_drop(fp3_bodies *bodies, uint32_t body);
+/* Whether two bodies are joined and do not collide. */
+int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b);
 
 /* Wakes a body that sleeps, with its island. */
 void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number);

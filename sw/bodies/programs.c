@@ -10,12 +10,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const names[FP3_LAWS] = {"contact2", "warm2", "bounce2"};
-static const char *const texts[FP3_LAWS] = {fp3_law_text_contact2, fp3_law_text_warm2,
-                                            fp3_law_text_bounce2};
+#define X(name, type) #name,
+static const char *const names[FP3_LAWS] = {FP3_LAWS2(X)};
+#undef X
+#define X(name, type) fp3_law_text_##name,
+static const char *const texts[FP3_LAWS] = {FP3_LAWS2(X)};
+#undef X
 static const char *const body_words[] = {FP3_BODY2_WORDS};
-static const char *const row_words[] = {FP3_CONTACT2_WORDS};
-static const char *const shared_words[3] = {"push", "inverse", "least"};
+static const char *const shared_words[FP3_SHARED] = {FP3_SHARED_WORDS};
+static const char *const contact2_words[] = {FP3_CONTACT2_WORDS, NULL},
+                         *const twist2_words[] = {FP3_TWIST2_WORDS, NULL},
+                         *const slide2_words[] = {FP3_SLIDE2_WORDS, NULL},
+                         *const rod2_words[] = {FP3_ROD2_WORDS, NULL},
+                         *const pin2_words[] = {FP3_PIN2_WORDS, NULL};
+#define X(name, type) {type##_words, sizeof(fp3_##type##_row)},
+static const struct {
+    const char *const *words;
+    size_t size;
+} rows[FP3_LAWS] = {FP3_LAWS2(X)};
+#undef X
 
 #define OBJECTS 64 /* of an engine: contacts of a run */
 #define BLOCKS (OBJECTS / FP3_WIDE)
@@ -33,7 +46,8 @@ typedef struct {
     fp3_engine *engine;
     word words[REGISTERS];
     uint32_t word_count;
-    int shared[3]; /* register of each; -1: the law does not read it */
+    size_t size;            /* of a block of rows */
+    int shared[FP3_SHARED]; /* register of each; -1: the law does not read it */
 } law;
 
 struct fp3_laws {
@@ -42,14 +56,14 @@ struct fp3_laws {
 };
 
 static int find(const char *const *list, size_t count, const char *name) {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count && list[i]; i++)
         if (strcmp(list[i], name) == 0)
             return (int)i;
     return -1;
 }
 
 /* va_x is word v_x of a; whatever is no word of a body is one of the row. */
-static int find_word(const char *name, word *found) {
+static int find_word(fp3_law law, const char *name, word *found) {
     char own[FP3_NAME_SIZE];
     if ((name[1] == 'a' || name[1] == 'b') && name[0]) {
         snprintf(own, sizeof own, "%c%s", name[0], name + 2);
@@ -59,30 +73,29 @@ static int find_word(const char *name, word *found) {
             return 1;
         }
     }
-    const int number = find(row_words, sizeof row_words / sizeof *row_words, name);
+    const int number = find(rows[law].words, SIZE_MAX, name);
     *found = (word){.of = OF_ROW, .number = (uint32_t)number};
     return number >= 0;
 }
 
-static fp3_status find_words(law *l, const char *name, fp3_error *error) {
+static fp3_status find_words(law *l, fp3_law law, fp3_error *error) {
     const fp3_image *image = l->program->image;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < FP3_SHARED; i++)
         l->shared[i] = -1;
     for (uint32_t i = 0; i < image->symbol_count; i++) {
         const fp3_symbol *symbol = &image->symbols[i];
-        const int shared = find(shared_words, 3, symbol->name);
+        const int shared = find(shared_words, FP3_SHARED, symbol->name);
         if (symbol->symbol_class == FP3_SYMBOL_SHARED && shared >= 0) {
             l->shared[shared] = (int)symbol->index;
         } else if (symbol->symbol_class == FP3_SYMBOL_STATE &&
-                   find_word(symbol->name, &l->words[l->word_count])) {
+                   find_word(law, symbol->name, &l->words[l->word_count])) {
             l->words[l->word_count++].reg = symbol->index;
         } else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST) {
-            return fp3_fail(
-                error, FP3_E_PROGRAM,
-                "law %s: '%s' is no word of a contact: expected states of the names that "
-                "programs/bodies/contact2.ode has, and of shared params push, inverse "
-                "and least",
-                name, symbol->name);
+            return fp3_fail(error, FP3_E_PROGRAM,
+                            "law %s: '%s' is no word of it: expected states of the names that "
+                            "programs/bodies/%s.ode has, and shared params push, inverse, least "
+                            "and warm",
+                            names[law], symbol->name, names[law]);
         }
     }
     return FP3_OK;
@@ -107,6 +120,7 @@ static fp3_status read_law(fp3_laws *laws, fp3_law which, const char *folder, fp
 static fp3_status open_law(fp3_laws *laws, fp3_law which, const char *engine, const char *folder,
                            fp3_error *error) {
     law *l = &laws->law[which];
+    l->size = rows[which].size;
     fp3_engine_def def = fp3_engine_default();
     def.engine = engine;
     def.config = "world";
@@ -116,7 +130,7 @@ static fp3_status open_law(fp3_laws *laws, fp3_law which, const char *engine, co
     def.error = &laws->error;
     fp3_status status = read_law(laws, which, folder, error);
     if (!status)
-        status = find_words(l, names[which], error);
+        status = find_words(l, which, error);
     if (!status) {
         status = fp3_engine_open(&def, &l->engine);
         if (!status)
@@ -149,10 +163,11 @@ void fp3_laws_close(fp3_laws **laws) {
 
 /* ---- a run ---- */
 
-static float *at(const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane) {
+static float *at(const law *l, const fp3_work2 *work, const word *w, uint32_t block,
+                 uint32_t lane) {
     const fp3_ends2 *ends = &work->ends[block];
     if (w->of == OF_ROW)
-        return (float *)((fp3_wide *)&work->row[block] + w->number) + lane;
+        return (float *)(void *)((char *)work->row + block * l->size) + w->number * FP3_WIDE + lane;
     return (float *)&work->body[w->of == OF_A ? ends->a[lane] : ends->b[lane]] + w->number;
 }
 
@@ -166,10 +181,21 @@ static fp3_status bring(law *l, const fp3_work2 *work, uint32_t first, uint32_t 
     for (uint32_t k = 0; !status && k < l->word_count; k++) {
         float column[OBJECTS] = {0};
         for (uint32_t i = 0; i < (end - first) * FP3_WIDE; i++)
-            column[i] = *at(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE);
+            column[i] = *at(l, work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE);
         status = fp3_engine_write(l->engine, 0, OBJECTS, l->words[k].reg, column);
     }
     return status;
+}
+
+static void keep(const law *l, const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane,
+                 float value) {
+    float *to = at(l, work, w, block, lane);
+    if (w->of != OF_ROW && work->base) {
+        const fp3_ends2 *ends = &work->ends[block];
+        float *base = (float *)&work->base[w->of == OF_A ? ends->a[lane] : ends->b[lane]];
+        base[w->number] += value - *to;
+    }
+    *to = value;
 }
 
 static fp3_status take(law *l, const fp3_work2 *work, uint32_t first, uint32_t end) {
@@ -179,7 +205,7 @@ static fp3_status take(law *l, const fp3_work2 *work, uint32_t first, uint32_t e
         status = fp3_engine_read(l->engine, 0, OBJECTS, l->words[k].reg, column);
         for (uint32_t i = 0; !status && i < (end - first) * FP3_WIDE; i++)
             if (is_written(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE))
-                *at(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE) = column[i];
+                keep(l, work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE, column[i]);
     }
     return status;
 }
@@ -193,10 +219,10 @@ static fp3_status run(law *l, const fp3_work2 *work, uint32_t first, uint32_t en
 }
 
 fp3_status fp3_laws_run(fp3_laws *laws, fp3_law which, const fp3_work2 *work, uint32_t first,
-                        uint32_t end, const float shared[3]) {
+                        uint32_t end, const float shared[FP3_SHARED]) {
     law *l = &laws->law[which];
     fp3_status status = FP3_OK;
-    for (int i = 0; !status && i < 3; i++)
+    for (int i = 0; !status && i < FP3_SHARED; i++)
         if (l->shared[i] >= 0)
             status = fp3_engine_write_shared(l->engine, (uint32_t)l->shared[i], 1, &shared[i]);
     for (uint32_t block = first; !status && block < end; block += BLOCKS)

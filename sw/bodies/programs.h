@@ -12,8 +12,6 @@
 
 #include <fp3/status.h>
 
-typedef enum { FP3_LAW_CONTACT2, FP3_LAW_WARM2, FP3_LAW_BOUNCE2, FP3_LAWS } fp3_law;
-
 typedef struct fp3_laws fp3_laws;
 
 /* folder: of texts that replace those of the same name; NULL: none. The caller frees *laws.
@@ -22,8 +20,8 @@ typedef struct fp3_laws fp3_laws;
 fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **laws, fp3_error *error);
 void fp3_laws_close(fp3_laws **laws);
 
-/* Blocks first .. end - 1 of a colour. shared: push, inverse, least. FP3_E_SYSTEM. */
+/* Blocks first .. end - 1 of a colour make a pass. FP3_E_SYSTEM. */
 fp3_status fp3_laws_run(fp3_laws *laws, fp3_law law, const fp3_work2 *work, uint32_t first,
-                        uint32_t end, const float shared[3]);
+                        uint32_t end, const float shared[FP3_SHARED]);
 
 #endif

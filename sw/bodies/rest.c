@@ -29,6 +29,11 @@ void fp3_bodies_wake_around(fp3_bodies *bodies, uint32_t number) {
         if (t->m.count && (a == number || b == number))
             fp3_bodies_wake(bodies, a == number ? b : a);
     }
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (j->generation & 1 && (j->a == number || j->b == number))
+            fp3_bodies_wake(bodies, j->a == number ? j->b : j->a);
+    }
 }
 
 static uint32_t root_of(uint32_t *parent, uint32_t i) {
@@ -93,10 +98,18 @@ fp3_status fp3_bodies_rest(fp3_bodies *bodies) {
     if (parent && least) {
         for (uint32_t k = 0; k < bodies->movable; k++)
             parent[k] = k;
-        for (uint32_t i = 0; i < bodies->active_count; i++) {
-            const fp3_touch2 *t = &bodies->touch[bodies->active[i]];
+        for (uint32_t i = 0; i < bodies->contacts.count; i++) {
+            const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
             const uint32_t a = bodies->body[bodies->shape[t->a].body].slot,
                            b = bodies->body[bodies->shape[t->b].body].slot;
+            if (a < bodies->movable && b < bodies->movable)
+                unite(parent, a, b);
+        }
+        for (uint32_t i = 0; i < bodies->joint_count; i++) {
+            const fp3_joint *j = &bodies->joint[i];
+            if (!(j->generation & 1))
+                continue;
+            const uint32_t a = bodies->body[j->a].slot, b = bodies->body[j->b].slot;
             if (a < bodies->movable && b < bodies->movable)
                 unite(parent, a, b);
         }

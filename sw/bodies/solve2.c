@@ -37,8 +37,11 @@ FP3_WIDELY void bring(const fp3_work2 *work, const uint32_t of[FP3_WIDE], fp3_wi
 FP3_WIDELY void take(const fp3_work2 *work, const uint32_t of[FP3_WIDE], fp3_wide words[8]) {
     transpose(words);
     for (int lane = 0; lane < FP3_WIDE; lane++)
-        if (of[lane] < work->movable)
+        if (of[lane] < work->movable) {
+            if (work->base)
+                work->base[of[lane]] += words[lane] - work->body[of[lane]];
             work->body[of[lane]] = words[lane];
+        }
 }
 
 /* ---- rows ---- */
@@ -71,7 +74,7 @@ FP3_WIDELY void prepare_point(const fp3_contact2_row *row, point p, const fp3_wi
 static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end, float bounce) {
     for (uint32_t i = first; i < end; i++) {
         fp3_wide a[8], b[8];
-        fp3_contact2_row *r = &work->row[i];
+        fp3_contact2_row *r = (fp3_contact2_row *)work->row + i;
         bring(work, work->ends[i].a, a);
         bring(work, work->ends[i].b, b);
         prepare_point(r, (point){&r->a1, &r->b1, &r->c1, &r->e1, &r->j1, &r->k1, &r->out1}, a, b,
@@ -84,40 +87,23 @@ static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end, float b
 
 /* ---- passes ---- */
 
-static void warm(const fp3_work2 *work, uint32_t first, uint32_t end) {
-    for (uint32_t i = first; i < end; i++) {
-        fp3_wide a[8], b[8];
-        bring(work, work->ends[i].a, a);
-        bring(work, work->ends[i].b, b);
-        fp3_warm2(&work->row[i], a, b);
-        take(work, work->ends[i].a, a);
-        take(work, work->ends[i].b, b);
+#define X(name, type)                                                                              \
+    static void pass_##name(const fp3_work2 *work, uint32_t first, uint32_t end,                   \
+                            const float shared[FP3_SHARED]) {                                      \
+        fp3_wide given[FP3_SHARED];                                                                \
+        for (int i = 0; i < FP3_SHARED; i++)                                                       \
+            given[i] = fp3_wide_all(shared[i]);                                                    \
+        for (uint32_t i = first; i < end; i++) {                                                   \
+            fp3_wide a[8], b[8];                                                                   \
+            bring(work, work->ends[i].a, a);                                                       \
+            bring(work, work->ends[i].b, b);                                                       \
+            fp3_law_##name((fp3_##type##_row *)work->row + i, a, b, given);                        \
+            take(work, work->ends[i].a, a);                                                        \
+            take(work, work->ends[i].b, b);                                                        \
+        }                                                                                          \
     }
-}
-
-static void pass(const fp3_work2 *work, uint32_t first, uint32_t end, float push, float inverse,
-                 float least) {
-    for (uint32_t i = first; i < end; i++) {
-        fp3_wide a[8], b[8];
-        bring(work, work->ends[i].a, a);
-        bring(work, work->ends[i].b, b);
-        fp3_contact2(&work->row[i], a, b, fp3_wide_all(push), fp3_wide_all(inverse),
-                     fp3_wide_all(least));
-        take(work, work->ends[i].a, a);
-        take(work, work->ends[i].b, b);
-    }
-}
-
-static void bounce(const fp3_work2 *work, uint32_t first, uint32_t end) {
-    for (uint32_t i = first; i < end; i++) {
-        fp3_wide a[8], b[8];
-        bring(work, work->ends[i].a, a);
-        bring(work, work->ends[i].b, b);
-        fp3_bounce2(&work->row[i], a, b);
-        take(work, work->ends[i].a, a);
-        take(work, work->ends[i].b, b);
-    }
-}
+FP3_LAWS2(X)
+#undef X
 
 /* ---- bodies ---- */
 
@@ -141,5 +127,6 @@ static void place(fp3_moving2 *body, uint32_t count, float h) {
     }
 }
 
+#define X(name, type) pass_##name,
 extern const fp3_solver2 FP3_SOLVER;
-const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, warm, pass, bounce, speed, place};
+const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, {FP3_LAWS2(X)}, speed, place};

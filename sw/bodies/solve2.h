@@ -21,12 +21,22 @@ typedef struct {
     uint32_t a[FP3_WIDE], b[FP3_WIDE];
 } fp3_ends2;
 
+/* Rows of a law. */
 typedef struct {
     fp3_moving2 *body;
+    /* Of joints: what they do is none of what contacts give, so it goes here, too; NULL: contacts.
+     */
+    fp3_moving2 *base;
     uint32_t movable; /* only bodies before this one are written */
-    fp3_contact2_row *row;
+    void *row;
     const fp3_ends2 *ends;
 } fp3_work2;
+
+#define X(name, row) FP3_LAW_##name,
+typedef enum { FP3_LAWS2(X) FP3_LAWS } fp3_law;
+#undef X
+/* What all rows of a pass have: FP3_SHARED_WORDS. */
+enum { FP3_PUSH, FP3_INVERSE, FP3_LEAST, FP3_WARM, FP3_SHARED };
 
 /* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane. The lanes
  * behind w are 0 in pull and 1 in damp. */
@@ -40,10 +50,9 @@ typedef struct {
      * at b, in j1 and j2 1 where there is a point, else 0; in out1 the restitution. Makes the row
      * of it. bounce: slower contacts do not. */
     void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end, float bounce);
-    void (*warm)(const fp3_work2 *, uint32_t first, uint32_t end);
-    void (*pass)(const fp3_work2 *, uint32_t first, uint32_t end, float push, float inverse,
-                 float least);
-    void (*bounce)(const fp3_work2 *, uint32_t first, uint32_t end);
+    /* Blocks first .. end - 1 make a pass. */
+    void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
+                          const float shared[FP3_SHARED]);
     /* A substep begins for bodies 0 .. count-1. base: the speed without what contacts give, which
      * they give again: body - base before the call. is_first: they have given nothing yet. */
     void (*speed)(fp3_moving2 *body, fp3_moving2 *base, const fp3_pull2 *pull, uint32_t count,

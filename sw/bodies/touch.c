@@ -63,7 +63,9 @@ static int renew_boxes(fp3_bodies *bodies) {
 static int may_touch(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
     const fp3_attached *x = &bodies->shape[a], *y = &bodies->shape[b];
     return x->body != y->body && (x->category & y->mask) && (y->category & x->mask) &&
-           (bodies->body[x->body].type == FP3_DYNAMIC || bodies->body[y->body].type == FP3_DYNAMIC);
+           (bodies->body[x->body].type == FP3_DYNAMIC ||
+            bodies->body[y->body].type == FP3_DYNAMIC) &&
+           !fp3_joints_part(bodies, x->body, y->body);
 }
 
 /* Both lists ascend. Who was there goes on with what it has. */
@@ -155,7 +157,7 @@ static int is_awake(const fp3_body *body) {
 }
 
 static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
-    bodies->active_count = bodies->touching = 0;
+    bodies->contacts.count = bodies->touching = 0;
     *wakes = 0;
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
@@ -171,7 +173,7 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
         bodies->touching++;
         if (a->is_sensor || b->is_sensor)
             continue;
-        bodies->active[bodies->active_count++] = k;
+        bodies->contacts.of[bodies->contacts.count++] = k;
         if (x->rest < 0 || y->rest < 0) {
             fp3_bodies_wake(bodies, x->rest < 0 ? a->body : b->body);
             *wakes = 1;
@@ -183,7 +185,8 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
 fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
     fp3_status status = renew_boxes(bodies) ? renew_pairs(bodies) : FP3_OK;
     if (!status)
-        status = fp3_bodies_room((void **)&bodies->active, &bodies->active_room,
-                                 sizeof *bodies->active, bodies->touch_count + 1u, bodies->error);
+        status =
+            fp3_bodies_room((void **)&bodies->contacts.of, &bodies->contacts.of_room,
+                            sizeof *bodies->contacts.of, bodies->touch_count + 1u, bodies->error);
     return status ? status : look_at_all(bodies, wakes);
 }

@@ -9,6 +9,10 @@
 #ifndef FP3_BODIES_WIDE_H
 #define FP3_BODIES_WIDE_H
 
+#include "base/bits.h"
+
+#include <machine/estimate.h>
+
 #define FP3_WIDE 8
 typedef float fp3_wide __attribute__((vector_size(4 * FP3_WIDE), may_alias));
 typedef int fp3_mask __attribute__((vector_size(4 * FP3_WIDE), may_alias));
@@ -49,5 +53,17 @@ FP3_WIDELY fp3_wide fp3_wide_sel(fp3_wide a, fp3_wide b, fp3_wide c) {
     return fp3_wide_choose((fp3_mask)(c != fp3_wide_all(0)), a, b);
 }
 FP3_WIDELY fp3_wide fp3_wide_abs(fp3_wide a) { return (fp3_wide)((fp3_mask)a & 0x7fffffff); }
+
+/* Lane by lane: only joints ask for them. */
+FP3_WIDELY fp3_wide fp3_wide_rcp(fp3_wide a) {
+    for (int i = 0; i < FP3_WIDE; i++)
+        a[i] = fp3_value_of(fp3_estimate_rcp(fp3_bits_of(a[i])));
+    return a;
+}
+FP3_WIDELY fp3_wide fp3_wide_rsqrt(fp3_wide a) {
+    for (int i = 0; i < FP3_WIDE; i++)
+        a[i] = fp3_value_of(fp3_estimate_rsqrt(fp3_bits_of(a[i])));
+    return a;
+}
 
 #endif

@@ -184,6 +184,69 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
 fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
                                    size_t count, int is_loop, const fp3_shape_def *surface);
 
+/* ---- joints ----
+ *
+ * A joint has a handle, as a body has. It goes when one of its bodies is removed, or when it
+ * breaks.
+ */
+
+typedef enum {
+    FP3_ROD,    /* two points at a distance: rigid; with `hertz` a spring; with limits a rope */
+    FP3_HINGE,  /* a point of b stays at a point of a */
+    FP3_SLIDER, /* a point of b stays on a line of a, and b does not turn against a */
+    FP3_WHEEL,  /* a point of b stays on a line of a, with a spring; b turns, with a motor */
+    FP3_WELD,   /* b stays where it is, as seen from a; with `hertz` it may turn, with a spring */
+    FP3_GEAR    /* the angle of b and `ratio` times that of a keep their sum */
+} fp3_joint_type;
+
+/* Start from fp3_joint_default(). */
+typedef struct {
+    fp3_joint_type type;
+    uint64_t a; /* both handles; one of the bodies must be dynamic */
+    uint64_t b;
+    double anchor_a[2]; /* where the joint is, in the axes of each body, from its origin */
+    double anchor_b[2];
+    double axis[2]; /* of a slider or a wheel: the line, in a's axes; default (1, 0) */
+    double ratio;   /* of a gear; default 1 */
+    int has_limits; /* of the distance, the way along the axis, or the angle from the start */
+    double low;
+    double high;
+    double speed;   /* of a motor, 1/s or m/s; it has none (default) if `most` is 0 */
+    double most;    /* its largest torque or force */
+    double hertz;   /* of a spring; default 0: there is none */
+    double damping; /* of the spring, as a share of critical damping; default 0.7 */
+    double rest;    /* where the spring or rod rests; NaN (default): where it is when it is made */
+    double force;   /* at which the joint breaks; default 0: never */
+    double torque;
+    int may_collide; /* whether the two bodies collide; default 0 */
+} fp3_joint_def;
+
+void fp3_joint_set_default(fp3_joint_def *def, size_t size);
+static inline fp3_joint_def fp3_joint_default(fp3_joint_type type, uint64_t a, uint64_t b) {
+    fp3_joint_def def;
+    fp3_joint_set_default(&def, sizeof def);
+    def.type = type;
+    def.a = a;
+    def.b = b;
+    return def;
+}
+
+/* Joins bodies; joints[i] receives the handle of each joint. FP3_E_ARGUMENT: no such type, a body
+ * twice, none that is dynamic, an axis of length 0, low above high; nothing is joined. */
+fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t count,
+                           uint64_t *joints);
+fp3_status fp3_bodies_unjoin(fp3_bodies *bodies, const uint64_t *joints, size_t count);
+size_t fp3_bodies_joints(const fp3_bodies *bodies);
+/* Whether there is such a joint: it may have broken. */
+int fp3_bodies_is_joined(const fp3_bodies *bodies, uint64_t joint);
+/* at: the distance, way or angle from the start; force_x, force_y, torque: what the joint did to b
+ * in the last substep; speed, most, low, high, rest as in fp3_joint_def. */
+fp3_status fp3_bodies_joint_read(fp3_bodies *bodies, const char *name, const uint64_t *joints,
+                                 size_t count, double *values);
+/* speed, most, low, high, rest. Wakes the joint's bodies. */
+fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const uint64_t *joints,
+                                  size_t count, const double *values);
+
 /* ---- steps ---- */
 
 /* Each step lasts h. FP3_E_FAILED: a body's position or speed is not finite, and the message names

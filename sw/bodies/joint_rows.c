@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* joint_rows.c - the rows of joints: what a joint is made of, before and after a step. */
+#include "own.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As of contacts, but stiffer and less damped: a joint has no slack to hide in. */
+#define STIFFNESS 60.0
+#define RESOLVED 0.5
+#define DAMPING 2.0
+
+#define LAW(name) (FP3_LAW_##name - FP3_LAW_twist2)
+static const size_t sizes[FP3_JOINT_LAWS] = {
+    [LAW(twist2)] = sizeof(fp3_twist2_row),
+    [LAW(slide2)] = sizeof(fp3_slide2_row),
+    [LAW(rod2)] = sizeof(fp3_rod2_row),
+    [LAW(pin2)] = sizeof(fp3_pin2_row),
+};
+
+/* ---- before a step ---- */
+
+typedef struct {
+    const fp3_joint *joint;
+    fp3_stance stance;
+    fp3_softness firm, spring; /* of what is held; of its spring */
+    float ma, ia, mb, ib;
+    float scale; /* of impulses, where h has changed */
+    double h;
+    uint32_t lane;
+} filling;
+
+static float inverse_of(double x) { return x > 0 ? (float)(1 / x) : 0; }
+
+/* Limits, motor, spring or lock of a row of any law: all have these words. */
+#define FILL_ROW(row, f, use, is_firm, at_rest)                                                    \
+    do {                                                                                           \
+        const fp3_joint_def *def_ = &(f)->joint->def;                                              \
+        const fp3_softness soft_ = (is_firm) ? (f)->firm : (f)->spring;                            \
+        const uint32_t lane_ = (f)->lane;                                                          \
+        const int has_spring_ = (is_firm) || ((use)&USES_SPRING && def_->hertz > 0);               \
+        fp3_put(&(row)->firm, lane_, (is_firm) ? 1 : 0);                                           \
+        fp3_put(&(row)->rate, lane_, has_spring_ ? soft_.rate : 0);                                \
+        fp3_put(&(row)->soft, lane_, has_spring_ ? soft_.soft : 0);                                \
+        fp3_put(&(row)->fade, lane_, has_spring_ ? soft_.fade : 0);                                \
+        fp3_put(&(row)->rest, lane_, (float)(at_rest));                                            \
+        fp3_put(&(row)->speed, lane_, (float)def_->speed);                                         \
+        fp3_put(&(row)->most, lane_, (use)&USES_MOTOR ? (float)(def_->most * (f)->h) : 0);         \
+        fp3_put(&(row)->low, lane_,                                                                \
+                (use)&USES_LIMITS && def_->has_limits ? (float)def_->low : -1e12f);                \
+        fp3_put(&(row)->high, lane_,                                                               \
+                (use)&USES_LIMITS && def_->has_limits ? (float)def_->high : 1e12f);                \
+        fp3_put(&(row)->hold, lane_, (f)->firm.rate);                                              \
+        fp3_put(&(row)->give, lane_, (f)->firm.soft);                                              \
+        fp3_put(&(row)->wane, lane_, (f)->firm.fade);                                              \
+    } while (0)
+enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
+
+#define FILL_IMPULSES(row, f, from)                                                                \
+    do {                                                                                           \
+        fp3_put(&(row)->s, (f)->lane, (f)->scale *(from)[0]);                                      \
+        fp3_put(&(row)->m, (f)->lane, (f)->scale *(from)[1]);                                      \
+        fp3_put(&(row)->l, (f)->lane, (f)->scale *(from)[2]);                                      \
+        fp3_put(&(row)->u, (f)->lane, (f)->scale *(from)[3]);                                      \
+    } while (0)
+
+#define FILL_ARMS(row, f)                                                                          \
+    do {                                                                                           \
+        fp3_put(&(row)->a_x, (f)->lane, (float)(f)->stance.arm_a[0]);                              \
+        fp3_put(&(row)->a_y, (f)->lane, (float)(f)->stance.arm_a[1]);                              \
+        fp3_put(&(row)->b_x, (f)->lane, (float)(f)->stance.arm_b[0]);                              \
+        fp3_put(&(row)->b_y, (f)->lane, (float)(f)->stance.arm_b[1]);                              \
+        fp3_put(&(row)->gap_x, (f)->lane, (float)(f)->stance.gap[0]);                              \
+        fp3_put(&(row)->gap_y, (f)->lane, (float)(f)->stance.gap[1]);                              \
+    } while (0)
+
+static void fill_twist(const fp3_bodies *bodies, const filling *f, fp3_twist2_row *row) {
+    const fp3_joint *j = f->joint;
+    const fp3_joint_type type = j->def.type;
+    const double ratio = type == FP3_GEAR ? j->def.ratio : -1;
+    const int is_firm =
+        type == FP3_SLIDER || type == FP3_GEAR || (type == FP3_WELD && !(j->def.hertz > 0));
+    const int use = type == FP3_HINGE   ? USES_ALL
+                    : type == FP3_WHEEL ? USES_MOTOR
+                    : type == FP3_WELD  ? USES_SPRING
+                                        : 0;
+    fp3_put(&row->ratio, f->lane, (float)ratio);
+    fp3_put(&row->turned, f->lane, (float)fp3_joint_angle(bodies, j));
+    fp3_put(&row->j, f->lane, inverse_of(f->ib + ratio * ratio * f->ia));
+    FILL_ROW(row, f, use, is_firm, type == FP3_HINGE ? j->def.rest : 0);
+    FILL_IMPULSES(row, f, j->twist);
+}
+
+static void fill_slide(const filling *f, fp3_slide2_row *row) {
+    const fp3_joint *j = f->joint;
+    const double *e = f->stance.axis;
+    FILL_ARMS(row, f);
+    fp3_put(&row->n_x, f->lane, (float)e[0]);
+    fp3_put(&row->n_y, f->lane, (float)e[1]);
+    fp3_put(&row->stay, f->lane, f->firm.rate);
+    fp3_put(&row->bend, f->lane, f->firm.soft);
+    fp3_put(&row->lose, f->lane, f->firm.fade);
+    FILL_ROW(row, f, j->def.type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL, 0,
+             j->def.rest);
+    FILL_IMPULSES(row, f, j->slide);
+    fp3_put(&row->p, f->lane, f->scale * j->slide[4]);
+}
+
+static void fill_rod(const filling *f, fp3_rod2_row *row) {
+    const fp3_joint *j = f->joint;
+    FILL_ARMS(row, f);
+    FILL_ROW(row, f, USES_ALL, !(j->def.hertz > 0) && !j->def.has_limits, j->def.rest);
+    FILL_IMPULSES(row, f, j->rod);
+}
+
+static void fill_point(const filling *f, fp3_pin2_row *row) {
+    const fp3_joint *j = f->joint;
+    FILL_ARMS(row, f);
+    fp3_put(&row->rate, f->lane, f->firm.rate);
+    fp3_put(&row->soft, f->lane, f->firm.soft);
+    fp3_put(&row->fade, f->lane, f->firm.fade);
+    fp3_put(&row->p_x, f->lane, f->scale * j->point[0]);
+    fp3_put(&row->p_y, f->lane, f->scale * j->point[1]);
+}
+
+static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
+    const fp3_law_rows *rows = &bodies->joined[law];
+    const fp3_joint *j = &bodies->joint[rows->of[i]];
+    const fp3_moving2 a = bodies->moving[fp3_slot_of(bodies, j->a)],
+                      b = bodies->moving[fp3_slot_of(bodies, j->b)];
+    const filling f = {.joint = j,
+                       .stance = fp3_joint_stance(bodies, j),
+                       .firm = fp3_soften(fmin(STIFFNESS, RESOLVED / h), DAMPING, h),
+                       .spring = fp3_soften(j->def.hertz, j->def.damping, h),
+                       .ma = a[6],
+                       .ia = a[7],
+                       .mb = b[6],
+                       .ib = b[7],
+                       .scale = bodies->h_before > 0 ? (float)(h / bodies->h_before) : 0,
+                       .h = h,
+                       .lane = rows->lane[i] % FP3_WIDE};
+    const uint32_t block = rows->lane[i] / FP3_WIDE;
+    if (law == LAW(twist2))
+        fill_twist(bodies, &f, (fp3_twist2_row *)rows->row + block);
+    else if (law == LAW(slide2))
+        fill_slide(&f, (fp3_slide2_row *)rows->row + block);
+    else if (law == LAW(rod2))
+        fill_rod(&f, (fp3_rod2_row *)rows->row + block);
+    else
+        fill_point(&f, (fp3_pin2_row *)rows->row + block);
+}
+
+static fp3_status lay(fp3_bodies *bodies, int law) {
+    fp3_law_rows *rows = &bodies->joined[law];
+    uint32_t *ends = NULL, room = 0;
+    fp3_status status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
+                                        bodies->joint_count + 1u, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&ends, &room, 2 * sizeof *ends, bodies->joint_count + 1u,
+                                 bodies->error);
+    uint32_t *others = ends + bodies->joint_count;
+    for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (!(j->generation & 1) || !(j->laws >> law & 1))
+            continue;
+        const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
+        if (a >= bodies->movable && b >= bodies->movable)
+            continue;
+        ends[rows->count] = a;
+        others[rows->count] = b;
+        rows->of[rows->count++] = i;
+    }
+    if (!status && rows->count)
+        status = fp3_rows_lay(bodies, rows, ends, others, sizes[law]);
+    free(ends);
+    return status;
+}
+
+fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {
+    fp3_status status = FP3_OK;
+    for (int law = 0; !status && law < FP3_JOINT_LAWS; law++) {
+        bodies->joined[law].count = 0;
+        if (bodies->joints)
+            status = lay(bodies, law);
+        for (uint32_t i = 0; !status && i < bodies->joined[law].count; i++)
+            fill(bodies, law, i, h);
+    }
+    return status;
+}
+
+/* ---- and after it ---- */
+
+#define KEEP(row, lane, to)                                                                        \
+    do {                                                                                           \
+        (to)[0] = (row)->s[lane];                                                                  \
+        (to)[1] = (row)->m[lane];                                                                  \
+        (to)[2] = (row)->l[lane];                                                                  \
+        (to)[3] = (row)->u[lane];                                                                  \
+    } while (0)
+
+static void keep(const fp3_law_rows *rows, int law, uint32_t i, fp3_joint *j) {
+    const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
+    if (law == LAW(twist2)) {
+        const fp3_twist2_row *row = (const fp3_twist2_row *)rows->row + block;
+        KEEP(row, lane, j->twist);
+    } else if (law == LAW(slide2)) {
+        const fp3_slide2_row *row = (const fp3_slide2_row *)rows->row + block;
+        KEEP(row, lane, j->slide);
+        j->slide[4] = row->p[lane];
+    } else if (law == LAW(rod2)) {
+        const fp3_rod2_row *row = (const fp3_rod2_row *)rows->row + block;
+        KEEP(row, lane, j->rod);
+    } else {
+        const fp3_pin2_row *row = (const fp3_pin2_row *)rows->row + block;
+        j->point[0] = row->p_x[lane];
+        j->point[1] = row->p_y[lane];
+    }
+}
+
+static float sum(const float impulse[4]) {
+    return impulse[0] + impulse[1] + impulse[2] - impulse[3];
+}
+
+/* What the joint did to b. */
+static void weigh(const fp3_bodies *bodies, fp3_joint *j, double h) {
+    const fp3_stance s = fp3_joint_stance(bodies, j);
+    const double length = sqrt(s.gap[0] * s.gap[0] + s.gap[1] * s.gap[1]);
+    const double rod = length > 0 ? sum(j->rod) / length : 0, along = sum(j->slide);
+    j->force[0] =
+        (float)((j->point[0] + rod * s.gap[0] + along * s.axis[0] - j->slide[4] * s.axis[1]) / h);
+    j->force[1] =
+        (float)((j->point[1] + rod * s.gap[1] + along * s.axis[1] + j->slide[4] * s.axis[0]) / h);
+    j->torque = (float)(sum(j->twist) / h);
+}
+
+static int breaks(const fp3_joint *j) {
+    return (j->def.force > 0 && hypotf(j->force[0], j->force[1]) > (float)j->def.force) ||
+           (j->def.torque > 0 && fabsf(j->torque) > (float)j->def.torque);
+}
+
+void fp3_joints_end(fp3_bodies *bodies, double h) {
+    for (int law = 0; law < FP3_JOINT_LAWS; law++)
+        for (uint32_t i = 0; i < bodies->joined[law].count; i++)
+            keep(&bodies->joined[law], law, i, &bodies->joint[bodies->joined[law].of[i]]);
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        fp3_joint *j = &bodies->joint[i];
+        if (!(j->generation & 1) || (fp3_slot_of(bodies, j->a) >= bodies->movable &&
+                                     fp3_slot_of(bodies, j->b) >= bodies->movable))
+            continue;
+        weigh(bodies, j, h);
+        if (breaks(j))
+            fp3_joint_drop(bodies, i);
+    }
+}

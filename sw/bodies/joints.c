@@ -1,0 +1,287 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* joints.c - joints come and go; their values. */
+#include "own.h"
+
+#include "base/host.h"
+#include "base/nearest.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void fp3_joint_set_default(fp3_joint_def *def, size_t size) {
+    memset(def, 0, size);
+    if (size != sizeof *def)
+        return;
+    def->axis[0] = 1;
+    def->ratio = 1;
+    def->damping = 0.7;
+    def->rest = NAN;
+}
+
+/* ---- who does not collide ---- */
+
+static uint64_t key_of(uint32_t a, uint32_t b) {
+    return (uint64_t)(a < b ? a : b) << 32 | (a < b ? b : a);
+}
+
+static int ascending(const void *a, const void *b) {
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    const uint64_t key = key_of(a, b);
+    return bodies->apart_count &&
+           bsearch(&key, bodies->apart, bodies->apart_count, sizeof key, ascending) != NULL;
+}
+
+/* There is room for as many as there are joints. */
+static void find_apart(fp3_bodies *bodies) {
+    bodies->apart_count = 0;
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (j->generation & 1 && !j->def.may_collide)
+            bodies->apart[bodies->apart_count++] = key_of(j->a, j->b);
+    }
+    if (bodies->apart_count)
+        qsort(bodies->apart, bodies->apart_count, sizeof *bodies->apart, ascending);
+    bodies->is_changed = 1;
+}
+
+/* ---- they come ---- */
+
+static int laws_of(const fp3_joint_def *def) {
+    const int twist = 1, slide = 2, rod = 4, point = 8;
+    switch (def->type) {
+    case FP3_ROD:
+        return rod;
+    case FP3_HINGE:
+        return point | (def->has_limits || def->most > 0 || def->hertz > 0 ? twist : 0);
+    case FP3_SLIDER:
+        return slide | twist;
+    case FP3_WHEEL:
+        return slide | twist;
+    case FP3_WELD:
+        return point | twist;
+    default:
+        return twist;
+    }
+}
+
+typedef struct {
+    const char *name;
+    double value, least, most;
+} range;
+
+static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
+    const range ranges[] = {{"type", def->type, FP3_ROD, FP3_GEAR},
+                            {"anchor_a[0]", def->anchor_a[0], -1e6, 1e6},
+                            {"anchor_a[1]", def->anchor_a[1], -1e6, 1e6},
+                            {"anchor_b[0]", def->anchor_b[0], -1e6, 1e6},
+                            {"anchor_b[1]", def->anchor_b[1], -1e6, 1e6},
+                            {"axis[0]", def->axis[0], -1e6, 1e6},
+                            {"axis[1]", def->axis[1], -1e6, 1e6},
+                            {"ratio", def->ratio, -1e6, 1e6},
+                            {"low", def->low, -1e9, 1e9},
+                            {"high", def->high, -1e9, 1e9},
+                            {"speed", def->speed, -1e9, 1e9},
+                            {"most", def->most, 0, 1e12},
+                            {"hertz", def->hertz, 0, 1e6},
+                            {"damping", def->damping, 0, 1e6},
+                            {"force", def->force, 0, 1e12},
+                            {"torque", def->torque, 0, 1e12}};
+    uint32_t a, b;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < sizeof ranges / sizeof *ranges; i++)
+        if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
+            status =
+                fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: %s is %g, expected %g to %g",
+                         which, ranges[i].name, ranges[i].value, ranges[i].least, ranges[i].most);
+    if (!status)
+        status = fp3_bodies_numbered(bodies, &def->a, 0, &a);
+    if (!status)
+        status = fp3_bodies_numbered(bodies, &def->b, 0, &b);
+    if (status)
+        return status;
+    if (a == b)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu joins a body with itself", which);
+    if (bodies->body[a].type != FP3_DYNAMIC && bodies->body[b].type != FP3_DYNAMIC)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: neither of its bodies is dynamic", which);
+    if (!(hypot(def->axis[0], def->axis[1]) > 1e-6))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: its axis has no direction",
+                        which);
+    if (def->has_limits && def->low > def->high)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: low, %g, is above high, %g",
+                        which, def->low, def->high);
+    if (!isnan(def->rest) && !(fabs(def->rest) <= 1e9))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: rest is %g, expected -1e9 to 1e9, or NaN", which, def->rest);
+    return FP3_OK;
+}
+
+static void place(fp3_bodies *bodies, fp3_joint *j, const fp3_joint_def *def) {
+    const uint32_t generation = j->generation + 1;
+    const double length = hypot(def->axis[0], def->axis[1]);
+    *j = (fp3_joint){.def = *def,
+                     .a = (uint32_t)def->a,
+                     .b = (uint32_t)def->b,
+                     .generation = generation,
+                     .laws = (uint8_t)laws_of(def)};
+    for (int i = 0; i < 2; i++) {
+        j->anchor_a[i] = (float)def->anchor_a[i];
+        j->anchor_b[i] = (float)def->anchor_b[i];
+        j->axis[i] = (float)(def->axis[i] / length);
+    }
+    j->from = bodies->body[j->b].angle +
+              (def->type == FP3_GEAR ? def->ratio : -1) * bodies->body[j->a].angle;
+    if (isnan(def->rest))
+        j->def.rest = fp3_joint_at(bodies, j);
+}
+
+fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t count,
+                           uint64_t *joints) {
+    FP3_HOST;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < count; i++)
+        status = check(bodies, &defs[i], i);
+    const size_t wanted = bodies->joint_count + count + 1;
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->joint, &bodies->joint_room,
+                                 sizeof *bodies->joint, wanted, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->apart, &bodies->apart_room,
+                                 sizeof *bodies->apart, wanted, bodies->error);
+    if (status)
+        return status;
+    uint32_t number = 0;
+    for (size_t i = 0; i < count; i++) {
+        while (number < bodies->joint_count && bodies->joint[number].generation & 1)
+            number++;
+        if (number == bodies->joint_count)
+            bodies->joint_count++;
+        place(bodies, &bodies->joint[number], &defs[i]);
+        bodies->joints++;
+        joints[i] = (uint64_t)bodies->joint[number].generation << 32 | number;
+        fp3_bodies_wake_around(bodies, (uint32_t)defs[i].a);
+        fp3_bodies_wake_around(bodies, (uint32_t)defs[i].b);
+    }
+    find_apart(bodies);
+    return FP3_OK;
+}
+
+/* ---- and go ---- */
+
+void fp3_joint_drop(fp3_bodies *bodies, uint32_t number) {
+    fp3_joint *j = &bodies->joint[number];
+    fp3_bodies_wake_around(bodies, j->a);
+    fp3_bodies_wake_around(bodies, j->b);
+    j->generation++;
+    bodies->joints--;
+    find_apart(bodies);
+}
+
+void fp3_joints_drop(fp3_bodies *bodies, uint32_t body) {
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (j->generation & 1 && (j->a == body || j->b == body))
+            fp3_joint_drop(bodies, i);
+    }
+}
+
+int fp3_bodies_is_joined(const fp3_bodies *bodies, uint64_t joint) {
+    const uint32_t number = (uint32_t)joint;
+    return number < bodies->joint_count && bodies->joint[number].generation & 1 &&
+           bodies->joint[number].generation == joint >> 32;
+}
+
+static fp3_status check_all(const fp3_bodies *bodies, const uint64_t *joints, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!fp3_bodies_is_joined(bodies, joints[i]))
+            return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                            "handle %zu, %" PRIx64 ": there is no such joint", i, joints[i]);
+    return FP3_OK;
+}
+
+fp3_status fp3_bodies_unjoin(fp3_bodies *bodies, const uint64_t *joints, size_t count) {
+    const fp3_status status = check_all(bodies, joints, count);
+    for (size_t i = 0; !status && i < count; i++)
+        if (fp3_bodies_is_joined(bodies, joints[i])) /* a handle may occur twice */
+            fp3_joint_drop(bodies, (uint32_t)joints[i]);
+    return status;
+}
+
+size_t fp3_bodies_joints(const fp3_bodies *bodies) { return bodies->joints; }
+
+/* ---- values ---- */
+
+typedef enum { SPEED, MOST, LOW, HIGH, REST, AT, FORCE_X, FORCE_Y, TORQUE, VALUES } value;
+static const char *const names[VALUES] = {"speed", "most",    "low",     "high",  "rest",
+                                          "at",    "force_x", "force_y", "torque"};
+
+static fp3_status find(const fp3_bodies *bodies, const char *name, value *found) {
+    const char *best = NULL;
+    const fp3_token wanted = {.text = name, .length = strlen(name)};
+    for (int i = 0; i < VALUES; i++) {
+        *found = (value)i;
+        if (strcmp(name, names[i]) == 0)
+            return FP3_OK;
+        fp3_nearest(wanted, names[i], &best);
+    }
+    return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joints have no value '%s' (did you mean '%s'?)",
+                    name, best ? best : "at");
+}
+
+static double *setting(fp3_joint *j, value which) {
+    double *const settings[] = {&j->def.speed, &j->def.most, &j->def.low, &j->def.high,
+                                &j->def.rest};
+    return settings[which];
+}
+
+fp3_status fp3_bodies_joint_read(fp3_bodies *bodies, const char *name, const uint64_t *joints,
+                                 size_t count, double *values) {
+    FP3_HOST;
+    value which = AT;
+    fp3_status status = find(bodies, name, &which);
+    if (!status)
+        status = check_all(bodies, joints, count);
+    for (size_t i = 0; !status && i < count; i++) {
+        fp3_joint *j = &bodies->joint[(uint32_t)joints[i]];
+        values[i] = which == AT        ? fp3_joint_at(bodies, j)
+                    : which == FORCE_X ? j->force[0]
+                    : which == FORCE_Y ? j->force[1]
+                    : which == TORQUE  ? j->torque
+                                       : *setting(j, which);
+    }
+    return status;
+}
+
+fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const uint64_t *joints,
+                                  size_t count, const double *values) {
+    FP3_HOST;
+    value which = AT;
+    fp3_status status = find(bodies, name, &which);
+    if (!status)
+        status = check_all(bodies, joints, count);
+    if (!status && which > REST)
+        status = fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s of a joint is computed", name);
+    for (size_t i = 0; !status && i < count; i++) {
+        const fp3_joint_def *def = &bodies->joint[(uint32_t)joints[i]].def;
+        const double x = values[i];
+        if (!(fabs(x) <= 1e9) || (which == MOST && x < 0) || (which == LOW && x > def->high) ||
+            (which == HIGH && x < def->low))
+            status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                              "%s %zu is %g, which this joint cannot have", name, i, x);
+    }
+    for (size_t i = 0; !status && i < count; i++) {
+        fp3_joint *j = &bodies->joint[(uint32_t)joints[i]];
+        *setting(j, which) = values[i];
+        j->def.has_limits |= which == LOW || which == HIGH;
+        j->laws = (uint8_t)(j->laws | laws_of(&j->def));
+        fp3_bodies_wake_around(bodies, j->a);
+        fp3_bodies_wake_around(bodies, j->b);
+    }
+    return status;
+}
