@@ -54,6 +54,7 @@ static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, f
     fp3_put(&row->top1, lane, 0);
     fp3_put(&row->top2, lane, 0);
     const float bounce = a->restitution > b->restitution ? a->restitution : b->restitution;
+    bodies->may_bounce |= bounce > 0;
     fp3_put(&row->out1, lane, bounce);
     fp3_put(&row->out2, lane, second ? bounce : 0);
 }
@@ -83,6 +84,7 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     const fp3_softness softness[2] = {fp3_soften(hertz, DAMPING, h),
                                       fp3_soften(2 * hertz, DAMPING, h)};
     const float scale = bodies->h_before > 0 ? (float)(h / bodies->h_before) : 0;
+    bodies->may_bounce = 0;
     for (uint32_t i = 0; i < bodies->contacts.count; i++)
         fill(bodies, i, softness, scale);
     const fp3_law_rows *rows = &bodies->contacts;

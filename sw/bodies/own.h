@@ -48,7 +48,12 @@ typedef struct {
 typedef struct {
     uint32_t a, b;
     uint32_t colour;
-    fp3_manifold2 m;   /* from a to b; no points: they do not touch */
+    fp3_manifold2 m; /* from a to b; no points: they do not touch */
+    /* When the shapes were last looked at, and what was found: while both have hardly moved since,
+     * gaps follow from it. */
+    fp3_manifold2 found;
+    fp3_point2 from, turn_a, turn_b; /* the way from a to b; their turns */
+    int is_found;
     fp3_point2 before; /* the normal that the impulses are of */
     uint32_t points;   /* ... and how many points */
     float p[2], f[2], r;
@@ -111,6 +116,7 @@ struct fp3_bodies {
     fp3_pull2 *pull;
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
     float h_before; /* of a substep that the impulses are of; 0: there was none */
+    int may_bounce; /* a contact of this step has a restitution */
     uint32_t awake, touching;
 };
 

@@ -154,7 +154,9 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
         if (!status)
             status = pass_all(bodies, mend);
     }
-    return status ? status : pass(bodies, FP3_LAW_bounce2, &bodies->contacts, 0, mend);
+    if (!status && bodies->may_bounce)
+        status = pass(bodies, FP3_LAW_bounce2, &bodies->contacts, 0, mend);
+    return status;
 }
 
 static fp3_status step(fp3_bodies *bodies) {

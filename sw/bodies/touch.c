@@ -11,6 +11,10 @@
  * by its gaps alone. */
 #define REACH 0.02
 #define MARGIN 0.1
+/* Shapes that have moved and turned less than this since they were looked at are not looked at
+ * again: what a gap is wrong by is of second order. */
+#define STILL_WAY 1e-3
+#define STILL_TURN 1e-3f
 #define SAME_WAY 0.7f /* of a normal with the one before: impulses go on */
 
 /* ---- boxes ---- */
@@ -131,6 +135,30 @@ static void turn_around(fp3_manifold2 *m, fp3_point2 to) {
     }
 }
 
+static float angle_between(fp3_point2 from, const float to[2]) {
+    return from.x * to[1] - from.y * to[0];
+}
+
+/* The manifold by what has moved since it was found; 0: too much has. */
+static int follow(fp3_touch2 *t, const fp3_body *a, const fp3_body *b, fp3_point2 from,
+                  double size) {
+    const float still = (float)(STILL_WAY * size), reach = (float)(REACH * size);
+    const fp3_point2 way = fp3_subtract2(from, t->from);
+    const float qa = angle_between(t->turn_a, a->turn), qb = angle_between(t->turn_b, b->turn);
+    if (!t->is_found || !(fabsf(way.x) < still) || !(fabsf(way.y) < still) ||
+        !(fabsf(qa) < STILL_TURN) || !(fabsf(qb) < STILL_TURN))
+        return 0;
+    t->m = t->found;
+    for (uint32_t k = 0; k < t->m.count; k++) {
+        const fp3_point2 arm_a = t->found.point[k].arm, arm_b = fp3_subtract2(arm_a, t->from);
+        t->m.point[k].gap += fp3_dot2(way, t->m.normal) + qb * fp3_cross2(arm_b, t->m.normal) -
+                             qa * fp3_cross2(arm_a, t->m.normal);
+        if (!(t->m.point[k].gap < reach))
+            return 0;
+    }
+    return t->m.count > 0;
+}
+
 static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
     const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
     const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
@@ -138,6 +166,11 @@ static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
     fp3_pose2 pose_b = turn_of(y);
     pose_b.at = (fp3_point2){(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1])};
     const float reach = (float)(REACH * bodies->def.size);
+    const fp3_point2 from = pose_b.at;
+    if (follow(t, x, y, from, bodies->def.size)) {
+        go_on(t);
+        return;
+    }
     if (a->is_link)
         fp3_collide_link2(&a->link, &pose_a, &b->shape, &pose_b, reach, &t->m);
     else if (b->is_link) {
@@ -147,6 +180,11 @@ static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
         turn_around(&t->m, pose_b.at);
     } else
         fp3_collide2(&a->shape, &pose_a, &b->shape, &pose_b, reach, &t->m);
+    t->found = t->m;
+    t->from = from;
+    t->turn_a = (fp3_point2){x->turn[0], x->turn[1]};
+    t->turn_b = (fp3_point2){y->turn[0], y->turn[1]};
+    t->is_found = 1;
     go_on(t);
 }
 
