@@ -17,12 +17,12 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HEADER = ROOT / "sw/bodies/laws.h"
 # Laws, and the rows that they work on: those of a law have all its words but the bodies'.
-LAWS = {"contact2": "contact2", "warm2": "contact2", "bounce2": "contact2", "twist2": "twist2", "slide2": "slide2", "rod2": "rod2",
+LAWS = {"contact2": "contact2", "gap2": "contact2", "warm2": "contact2", "bounce2": "contact2", "twist2": "twist2", "slide2": "slide2", "rod2": "rod2",
         "pin2": "pin2"}
 # What a pass gives all rows.
 SHARED = ["push", "inverse", "least", "warm"]
-# The words of a body in a plane, as they stand side by side (sw/bodies/state.h).
-BODY = ["v_x", "v_y", "w", "d_x", "d_y", "q", "m", "i"]
+# The words of a body in a plane, as they stand side by side (sw/bodies/solve2.h).
+BODY = ["v_x", "v_y", "w", "d_x", "d_y", "q"]
 OPERATIONS = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "madd": "{2} + {0} * {1}", "msub": "{2} - {0} * {1}",
               "min": "fp3_wide_min({0}, {1})", "max": "fp3_wide_max({0}, {1})", "lt": "fp3_wide_lt({0}, {1})",
               "le": "fp3_wide_le({0}, {1})", "sel": "fp3_wide_sel({0}, {1}, {2})", "abs": "fp3_wide_abs({0})",
@@ -40,11 +40,11 @@ HEAD = """/* SPDX-License-Identifier: Apache-2.0 */
 
 #define FP3_BODY2_WORDS %s
 #define FP3_SHARED_WORDS %s
-/* X(name of the law, type of its rows) */
+/* X(name of the law, type of its rows, whether it reads speeds, whether it reads ways) */
 #define FP3_LAWS2(X) \\
 %s
 """ % (", ".join(f'"{word}"' for word in BODY), ", ".join(f'"{word}"' for word in SHARED),
-       " \\\n".join(f"    X({name}, {row})" for name, row in LAWS.items()))
+       "@LAWS@")
 
 
 class Law:
@@ -71,7 +71,7 @@ class Law:
 
 def body_word(word):
     """Which body, and which of its words; None: a word of the contact."""
-    found = re.fullmatch(r"([vwdqmi])([ab])(_[xyz])?", word)
+    found = re.fullmatch(r"([vwdq])([ab])(_[xyz])?", word)
     if not found or found[1] + (found[3] or "") not in BODY:
         return None
     return f"{found[2]}[{BODY.index(found[1] + (found[3] or ''))}]"
@@ -103,9 +103,11 @@ def function(law, row):
 
 
 def header(fp3):
-    lines = [HEAD]
+    laws = {name: Law(fp3, name) for name in LAWS}
+    rows = [f"    X({name}, {row}, {int('va_x' in law.words())}, {int('da_x' in law.words())})" for (name, row), law in zip(LAWS.items(), laws.values())]
+    lines = [HEAD.replace("@LAWS@", " \\\n".join(rows))]
     for name, row in LAWS.items():
-        law = Law(fp3, name)
+        law = laws[name]
         if name == row:
             words = [word for word in law.words() if not body_word(word)]
             lines += ["typedef struct {", *[f"    fp3_wide {word};" for word in words], f"}} fp3_{row}_row;",

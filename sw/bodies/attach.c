@@ -172,6 +172,11 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
 static fp3_status place_all(fp3_bodies *bodies, uint32_t number) {
     fp3_bodies_wake_around(bodies, number);
     const fp3_status status = weigh(bodies, number);
+    /* Arms begin at the centre of mass, which has moved. */
+    for (uint32_t k = 0; k < bodies->touch_count; k++)
+        if (bodies->shape[bodies->touch[k].a].body == number ||
+            bodies->shape[bodies->touch[k].b].body == number)
+            bodies->touch[k].is_found = 0;
     fp3_bodies_place_boxes(bodies, number);
     return status;
 }

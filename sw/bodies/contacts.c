@@ -24,6 +24,10 @@ static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, f
                                   fp3_slot_of(bodies, b->body) >= bodies->movable;
     const uint32_t lane = bodies->contacts.lane[i] % FP3_WIDE;
     fp3_contact2_row *row = row_of(bodies, i);
+    fp3_put(&row->ma, lane, fp3_inverse_mass(x->mass));
+    fp3_put(&row->ia, lane, fp3_inverse_mass(x->inertia));
+    fp3_put(&row->mb, lane, fp3_inverse_mass(y->mass));
+    fp3_put(&row->ib, lane, fp3_inverse_mass(y->inertia));
     fp3_put(&row->n_x, lane, t->m.normal.x);
     fp3_put(&row->n_y, lane, t->m.normal.y);
     const int second = t->m.count == 2;
@@ -33,12 +37,14 @@ static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, f
     fp3_put(&row->b1, lane, arm1.x - from_x);
     fp3_put(&row->e1, lane, arm1.y - from_y);
     fp3_put(&row->s1, lane, t->m.point[0].gap);
+    fp3_put(&row->gap1, lane, t->m.point[0].gap);
     fp3_put(&row->j1, lane, 1);
     fp3_put(&row->a2, lane, arm2.x);
     fp3_put(&row->c2, lane, arm2.y);
     fp3_put(&row->b2, lane, arm2.x - from_x);
     fp3_put(&row->e2, lane, arm2.y - from_y);
     fp3_put(&row->s2, lane, t->m.point[second].gap);
+    fp3_put(&row->gap2, lane, t->m.point[second].gap);
     fp3_put(&row->j2, lane, (float)second);
     fp3_put(&row->mu, lane, sqrtf(a->friction * b->friction));
     fp3_put(&row->belt, lane, a->belt + b->belt);
@@ -88,7 +94,8 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     for (uint32_t i = 0; i < bodies->contacts.count; i++)
         fill(bodies, i, softness, scale);
     const fp3_law_rows *rows = &bodies->contacts;
-    const fp3_work2 work = {bodies->moving, NULL, bodies->movable, rows->row, rows->ends};
+    const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
+                            bodies->movable, rows->row,   rows->ends};
     bodies->solver->prepare(&work, 0, rows->colours.first[rows->colours.count],
                             (float)bodies->def.bounce);
     return FP3_OK;

@@ -57,6 +57,14 @@ static float inverse_of(double x) { return x > 0 ? (float)(1 / x) : 0; }
     } while (0)
 enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
 
+#define FILL_MASSES(row, f)                                                                        \
+    do {                                                                                           \
+        fp3_put(&(row)->ma, (f)->lane, (f)->ma);                                                   \
+        fp3_put(&(row)->ia, (f)->lane, (f)->ia);                                                   \
+        fp3_put(&(row)->mb, (f)->lane, (f)->mb);                                                   \
+        fp3_put(&(row)->ib, (f)->lane, (f)->ib);                                                   \
+    } while (0)
+
 #define FILL_IMPULSES(row, f, from)                                                                \
     do {                                                                                           \
         fp3_put(&(row)->s, (f)->lane, (f)->scale *(from)[0]);                                      \
@@ -85,6 +93,7 @@ static void fill_twist(const fp3_bodies *bodies, const filling *f, fp3_twist2_ro
                     : type == FP3_WHEEL ? USES_MOTOR
                     : type == FP3_WELD  ? USES_SPRING
                                         : 0;
+    FILL_MASSES(row, f);
     fp3_put(&row->ratio, f->lane, (float)ratio);
     fp3_put(&row->turned, f->lane, (float)fp3_joint_angle(bodies, j));
     fp3_put(&row->j, f->lane, inverse_of(f->ib + ratio * ratio * f->ia));
@@ -95,6 +104,7 @@ static void fill_twist(const fp3_bodies *bodies, const filling *f, fp3_twist2_ro
 static void fill_slide(const filling *f, fp3_slide2_row *row) {
     const fp3_joint *j = f->joint;
     const double *e = f->stance.axis;
+    FILL_MASSES(row, f);
     FILL_ARMS(row, f);
     fp3_put(&row->n_x, f->lane, (float)e[0]);
     fp3_put(&row->n_y, f->lane, (float)e[1]);
@@ -109,6 +119,7 @@ static void fill_slide(const filling *f, fp3_slide2_row *row) {
 
 static void fill_rod(const filling *f, fp3_rod2_row *row) {
     const fp3_joint *j = f->joint;
+    FILL_MASSES(row, f);
     FILL_ARMS(row, f);
     FILL_ROW(row, f, USES_ALL, !(j->def.hertz > 0) && !j->def.has_limits, j->def.rest);
     FILL_IMPULSES(row, f, j->rod);
@@ -116,6 +127,7 @@ static void fill_rod(const filling *f, fp3_rod2_row *row) {
 
 static void fill_point(const filling *f, fp3_pin2_row *row) {
     const fp3_joint *j = f->joint;
+    FILL_MASSES(row, f);
     FILL_ARMS(row, f);
     fp3_put(&row->rate, f->lane, f->firm.rate);
     fp3_put(&row->soft, f->lane, f->firm.soft);
@@ -127,16 +139,15 @@ static void fill_point(const filling *f, fp3_pin2_row *row) {
 static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
     const fp3_law_rows *rows = &bodies->joined[law];
     const fp3_joint *j = &bodies->joint[rows->of[i]];
-    const fp3_moving2 a = bodies->moving[fp3_slot_of(bodies, j->a)],
-                      b = bodies->moving[fp3_slot_of(bodies, j->b)];
+    const fp3_body *a = &bodies->body[j->a], *b = &bodies->body[j->b];
     const filling f = {.joint = j,
                        .stance = fp3_joint_stance(bodies, j),
                        .firm = fp3_soften(fmin(STIFFNESS, RESOLVED / h), DAMPING, h),
                        .spring = fp3_soften(j->def.hertz, j->def.damping, h),
-                       .ma = a[6],
-                       .ia = a[7],
-                       .mb = b[6],
-                       .ib = b[7],
+                       .ma = fp3_inverse_mass(a->mass),
+                       .ia = fp3_inverse_mass(a->inertia),
+                       .mb = fp3_inverse_mass(b->mass),
+                       .ib = fp3_inverse_mass(b->inertia),
                        .scale = bodies->h_before > 0 ? (float)(h / bodies->h_before) : 0,
                        .h = h,
                        .lane = rows->lane[i] % FP3_WIDE};

@@ -9,33 +9,38 @@
 
 #include "wide.h"
 
-#define FP3_BODY2_WORDS "v_x", "v_y", "w", "d_x", "d_y", "q", "m", "i"
+#define FP3_BODY2_WORDS "v_x", "v_y", "w", "d_x", "d_y", "q"
 #define FP3_SHARED_WORDS "push", "inverse", "least", "warm"
-/* X(name of the law, type of its rows) */
+/* X(name of the law, type of its rows, whether it reads speeds, whether it reads ways) */
 #define FP3_LAWS2(X)                                                                               \
-    X(contact2, contact2)                                                                          \
-    X(warm2, contact2)                                                                             \
-    X(bounce2, contact2)                                                                           \
-    X(twist2, twist2)                                                                              \
-    X(slide2, slide2)                                                                              \
-    X(rod2, rod2)                                                                                  \
-    X(pin2, pin2)
+    X(contact2, contact2, 1, 0)                                                                    \
+    X(gap2, contact2, 0, 1)                                                                        \
+    X(warm2, contact2, 1, 0)                                                                       \
+    X(bounce2, contact2, 1, 0)                                                                     \
+    X(twist2, twist2, 1, 1)                                                                        \
+    X(slide2, slide2, 1, 1)                                                                        \
+    X(rod2, rod2, 1, 1)                                                                            \
+    X(pin2, pin2, 1, 1)
 
 typedef struct {
+    fp3_wide ma;
+    fp3_wide ia;
+    fp3_wide mb;
+    fp3_wide ib;
     fp3_wide n_x;
     fp3_wide n_y;
     fp3_wide a1;
     fp3_wide b1;
     fp3_wide c1;
     fp3_wide e1;
-    fp3_wide s1;
+    fp3_wide gap1;
     fp3_wide j1;
     fp3_wide k1;
     fp3_wide a2;
     fp3_wide b2;
     fp3_wide c2;
     fp3_wide e2;
-    fp3_wide s2;
+    fp3_wide gap2;
     fp3_wide j2;
     fp3_wide k2;
     fp3_wide mu;
@@ -52,13 +57,15 @@ typedef struct {
     fp3_wide r;
     fp3_wide top1;
     fp3_wide top2;
+    fp3_wide s1;
+    fp3_wide s2;
     fp3_wide out1;
     fp3_wide out2;
 } fp3_contact2_row;
 #define FP3_CONTACT2_WORDS                                                                         \
-    "n_x", "n_y", "a1", "b1", "c1", "e1", "s1", "j1", "k1", "a2", "b2", "c2", "e2", "s2", "j2",    \
-        "k2", "mu", "belt", "reach", "jr", "rate", "soft", "fade", "p1", "f1", "p2", "f2", "r",    \
-        "top1", "top2", "out1", "out2"
+    "ma", "ia", "mb", "ib", "n_x", "n_y", "a1", "b1", "c1", "e1", "gap1", "j1", "k1", "a2", "b2",  \
+        "c2", "e2", "gap2", "j2", "k2", "mu", "belt", "reach", "jr", "rate", "soft", "fade", "p1", \
+        "f1", "p2", "f2", "r", "top1", "top2", "s1", "s2", "out1", "out2"
 
 FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
                                  const fp3_wide *shared) {
@@ -75,8 +82,8 @@ FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b
     t0 = row->n_x * t0;
     t1 = b[0] - a[0];
     t0 = t0 - row->n_y * t1;
-    t1 = b[2] + b[7] * t2;
-    t2 = a[2] - a[7] * t2;
+    t1 = b[2] + row->ib * t2;
+    t2 = a[2] - row->ia * t2;
     t0 = t0 + row->e1 * t1;
     t0 = t0 - row->c1 * t2;
     t0 = t0 - row->belt;
@@ -87,20 +94,20 @@ FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b
     t4 = row->f1 + fp3_wide_all(-0.0f);
     row->f1 = fp3_wide_min(t0, t3);
     t4 = row->f1 - t4;
-    t0 = a[6] * t4;
-    t3 = b[6] * t4;
+    t0 = row->ma * t4;
+    t3 = row->mb * t4;
     fp3_wide t5 = a[1] - t0 * row->n_x;
     t0 = a[0] + t0 * row->n_y;
     fp3_wide t6 = b[1] + t3 * row->n_x;
     t3 = b[0] - t3 * row->n_y;
     fp3_wide t7 = t6 - t5;
     t7 = row->n_x * t7;
-    fp3_wide t8 = b[7] * row->e1;
+    fp3_wide t8 = row->ib * row->e1;
     t1 = t1 + t8 * t4;
     t8 = t3 - t0;
     t7 = t7 - row->n_y * t8;
     t7 = t7 + row->e2 * t1;
-    t8 = a[7] * row->c1;
+    t8 = row->ia * row->c1;
     t2 = t2 - t8 * t4;
     t7 = t7 - row->c2 * t2;
     t7 = t7 - row->belt;
@@ -111,91 +118,96 @@ FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b
     t8 = row->f2 + fp3_wide_all(-0.0f);
     row->f2 = fp3_wide_min(t7, t4);
     t8 = row->f2 - t8;
-    t4 = b[3] - a[3];
-    t4 = t4 * row->n_x;
-    t7 = b[4] - a[4];
-    t4 = t4 + t7 * row->n_y;
-    t7 = a[6] * t8;
-    t0 = t0 + t7 * row->n_y;
-    t5 = t5 - t7 * row->n_x;
-    t7 = b[6] * t8;
-    t3 = t3 - t7 * row->n_y;
-    t6 = t6 + t7 * row->n_x;
-    t7 = row->s1 + t4;
-    t7 = t7 + row->b1 * b[5];
-    t7 = t7 - row->a1 * a[5];
-    t4 = row->s2 + t4;
-    t4 = t4 + row->b2 * b[5];
-    t4 = t4 - row->a2 * a[5];
-    fp3_wide t9 = t3 - t0;
-    t9 = t9 * row->n_x;
-    fp3_wide t10 = b[7] * row->e2;
-    t1 = t1 + t10 * t8;
-    t10 = t6 - t5;
-    t9 = t9 + t10 * row->n_y;
-    t9 = t9 + row->b1 * t1;
-    t10 = shared[0] * row->rate;
-    fp3_wide t11 = a[7] * row->c2;
-    t2 = t2 - t11 * t8;
-    t9 = t9 - row->a1 * t2;
-    t8 = t10 * t7;
-    t8 = fp3_wide_max(t8, shared[2]);
-    t10 = t10 * t4;
-    t10 = fp3_wide_max(t10, shared[2]);
-    t11 = fp3_wide_sel(row->soft, fp3_wide_all(1.0f), shared[0]);
-    fp3_wide t12 = fp3_wide_lt(fp3_wide_all(0.0f), t7);
-    t7 = t7 * shared[1];
-    t7 = fp3_wide_sel(t7, t8, t12);
-    t7 = t9 + t7;
-    t9 = fp3_wide_sel(fp3_wide_all(1.0f), t11, t12);
-    t9 = row->j1 * t9;
-    t7 = row->p1 - t9 * t7;
-    t9 = shared[0] * row->fade;
-    t12 = fp3_wide_sel(fp3_wide_all(0.0f), t9, t12);
-    t7 = t7 - t12 * row->p1;
-    t12 = row->p1 + fp3_wide_all(-0.0f);
-    row->p1 = fp3_wide_max(t7, fp3_wide_all(0.0f));
-    t12 = row->p1 - t12;
-    row->top1 = fp3_wide_max(row->top1, row->p1);
-    t7 = a[6] * t12;
-    t0 = t0 - t7 * row->n_x;
-    t5 = t5 - t7 * row->n_y;
-    t7 = b[6] * t12;
-    t3 = t3 + t7 * row->n_x;
+    t4 = row->ma * t8;
+    t0 = t0 + t4 * row->n_y;
+    t4 = t5 - t4 * row->n_x;
+    t5 = row->mb * t8;
+    t3 = t3 - t5 * row->n_y;
+    t5 = t6 + t5 * row->n_x;
+    t6 = t3 - t0;
+    t6 = t6 * row->n_x;
+    t7 = row->ib * row->e2;
+    t1 = t1 + t7 * t8;
+    t7 = t5 - t4;
     t6 = t6 + t7 * row->n_y;
-    t7 = t3 - t0;
-    t7 = t7 * row->n_x;
-    t8 = b[7] * row->b1;
-    t1 = t1 + t8 * t12;
-    t8 = t6 - t5;
-    t7 = t7 + t8 * row->n_y;
-    t7 = t7 + row->b2 * t1;
-    t8 = a[7] * row->a1;
-    t2 = t2 - t8 * t12;
-    t7 = t7 - row->a2 * t2;
-    t8 = fp3_wide_lt(fp3_wide_all(0.0f), t4);
-    t4 = t4 * shared[1];
-    t4 = fp3_wide_sel(t4, t10, t8);
-    t4 = t7 + t4;
-    t11 = fp3_wide_sel(fp3_wide_all(1.0f), t11, t8);
-    t8 = fp3_wide_sel(fp3_wide_all(0.0f), t9, t8);
-    t11 = row->j2 * t11;
-    t4 = row->p2 - t11 * t4;
-    t4 = t4 - t8 * row->p2;
+    t6 = t6 + row->b1 * t1;
+    t7 = shared[0] * row->rate;
+    fp3_wide t9 = row->ia * row->c2;
+    t2 = t2 - t9 * t8;
+    t6 = t6 - row->a1 * t2;
+    t8 = t7 * row->gap1;
+    t8 = fp3_wide_max(t8, shared[2]);
+    t7 = t7 * row->gap2;
+    t7 = fp3_wide_max(t7, shared[2]);
+    t9 = fp3_wide_sel(row->soft, fp3_wide_all(1.0f), shared[0]);
+    fp3_wide t10 = fp3_wide_lt(fp3_wide_all(0.0f), row->gap1);
+    fp3_wide t11 = row->gap1 * shared[1];
+    t8 = fp3_wide_sel(t11, t8, t10);
+    t6 = t6 + t8;
+    t8 = fp3_wide_sel(fp3_wide_all(1.0f), t9, t10);
+    t8 = row->j1 * t8;
+    t6 = row->p1 - t8 * t6;
+    t8 = shared[0] * row->fade;
+    t10 = fp3_wide_sel(fp3_wide_all(0.0f), t8, t10);
+    t6 = t6 - t10 * row->p1;
+    t10 = row->p1 + fp3_wide_all(-0.0f);
+    row->p1 = fp3_wide_max(t6, fp3_wide_all(0.0f));
+    t10 = row->p1 - t10;
+    row->top1 = fp3_wide_max(row->top1, row->p1);
+    t6 = row->ma * t10;
+    t0 = t0 - t6 * row->n_x;
+    t4 = t4 - t6 * row->n_y;
+    t6 = row->mb * t10;
+    t3 = t3 + t6 * row->n_x;
+    t5 = t5 + t6 * row->n_y;
+    t6 = t3 - t0;
+    t6 = t6 * row->n_x;
+    t11 = row->ib * row->b1;
+    t1 = t1 + t11 * t10;
+    t11 = t5 - t4;
+    t6 = t6 + t11 * row->n_y;
+    t6 = t6 + row->b2 * t1;
+    t11 = row->ia * row->a1;
+    t2 = t2 - t11 * t10;
+    t6 = t6 - row->a2 * t2;
+    t10 = fp3_wide_lt(fp3_wide_all(0.0f), row->gap2);
+    t9 = fp3_wide_sel(fp3_wide_all(1.0f), t9, t10);
+    t9 = row->j2 * t9;
+    t8 = fp3_wide_sel(fp3_wide_all(0.0f), t8, t10);
+    t11 = row->gap2 * shared[1];
+    t7 = fp3_wide_sel(t11, t7, t10);
+    t6 = t6 + t7;
+    t6 = row->p2 - t9 * t6;
+    t6 = t6 - t8 * row->p2;
     t8 = row->p2 + fp3_wide_all(-0.0f);
-    row->p2 = fp3_wide_max(t4, fp3_wide_all(0.0f));
+    row->p2 = fp3_wide_max(t6, fp3_wide_all(0.0f));
     t8 = row->p2 - t8;
     row->top2 = fp3_wide_max(row->top2, row->p2);
-    t4 = a[6] * t8;
-    a[0] = t0 - t4 * row->n_x;
-    a[1] = t5 - t4 * row->n_y;
-    t4 = a[7] * row->a2;
+    t6 = row->ma * t8;
+    a[0] = t0 - t6 * row->n_x;
+    a[1] = t4 - t6 * row->n_y;
+    t4 = row->ia * row->a2;
     a[2] = t2 - t4 * t8;
-    t2 = b[6] * t8;
+    t2 = row->mb * t8;
     b[0] = t3 + t2 * row->n_x;
-    b[1] = t6 + t2 * row->n_y;
-    t2 = b[7] * row->b2;
+    b[1] = t5 + t2 * row->n_y;
+    t2 = row->ib * row->b2;
     b[2] = t1 + t2 * t8;
+}
+
+FP3_WIDELY void fp3_law_gap2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
+                             const fp3_wide *shared) {
+    (void)shared;
+    fp3_wide t0 = b[3] - a[3];
+    fp3_wide t1 = b[4] - a[4];
+    t0 = t0 * row->n_x;
+    t0 = t0 + t1 * row->n_y;
+    t1 = row->s1 + t0;
+    t1 = t1 + row->b1 * b[5];
+    row->gap1 = t1 - row->a1 * a[5];
+    t0 = row->s2 + t0;
+    t0 = t0 + row->b2 * b[5];
+    row->gap2 = t0 - row->a2 * a[5];
 }
 
 FP3_WIDELY void fp3_law_warm2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
@@ -205,24 +217,24 @@ FP3_WIDELY void fp3_law_warm2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
     fp3_wide t1 = row->f1 + row->f2;
     fp3_wide t2 = t0 * row->n_x;
     t2 = t2 - t1 * row->n_y;
-    a[0] = a[0] - a[6] * t2;
+    a[0] = a[0] - row->ma * t2;
     t0 = t0 * row->n_y;
     t0 = t0 + t1 * row->n_x;
-    a[1] = a[1] - a[6] * t0;
+    a[1] = a[1] - row->ma * t0;
     t1 = row->p1 * row->a1;
     t1 = t1 + row->p2 * row->a2;
     t1 = t1 + row->f1 * row->c1;
     t1 = t1 + row->f2 * row->c2;
     t1 = t1 + row->r;
-    a[2] = a[2] - a[7] * t1;
-    b[0] = b[0] + b[6] * t2;
-    b[1] = b[1] + b[6] * t0;
+    a[2] = a[2] - row->ia * t1;
+    b[0] = b[0] + row->mb * t2;
+    b[1] = b[1] + row->mb * t0;
     t0 = row->p1 * row->b1;
     t0 = t0 + row->p2 * row->b2;
     t0 = t0 + row->f1 * row->e1;
     t0 = t0 + row->f2 * row->e2;
     t0 = t0 + row->r;
-    b[2] = b[2] + b[7] * t0;
+    b[2] = b[2] + row->ib * t0;
 }
 
 FP3_WIDELY void fp3_law_bounce2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
@@ -244,20 +256,20 @@ FP3_WIDELY void fp3_law_bounce2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
     row->p1 = fp3_wide_sel(t0, row->p1, t1);
     t2 = row->p1 - t2;
     row->top1 = fp3_wide_max(row->top1, row->p1);
-    t0 = a[6] * t2;
-    t1 = b[6] * t2;
+    t0 = row->ma * t2;
+    t1 = row->mb * t2;
     fp3_wide t3 = a[0] - t0 * row->n_x;
     t0 = a[1] - t0 * row->n_y;
     fp3_wide t4 = b[0] + t1 * row->n_x;
     t1 = b[1] + t1 * row->n_y;
     fp3_wide t5 = t4 - t3;
     t5 = t5 * row->n_x;
-    fp3_wide t6 = b[7] * row->b1;
+    fp3_wide t6 = row->ib * row->b1;
     t6 = b[2] + t6 * t2;
     fp3_wide t7 = t1 - t0;
     t5 = t5 + t7 * row->n_y;
     t5 = t5 + row->b2 * t6;
-    t7 = a[7] * row->a1;
+    t7 = row->ia * row->a1;
     t2 = a[2] - t7 * t2;
     t5 = t5 - row->a2 * t2;
     t5 = t5 - row->out2;
@@ -270,19 +282,23 @@ FP3_WIDELY void fp3_law_bounce2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
     row->p2 = fp3_wide_sel(t5, row->p2, t7);
     t8 = row->p2 - t8;
     row->top2 = fp3_wide_max(row->top2, row->p2);
-    t5 = a[6] * t8;
+    t5 = row->ma * t8;
     a[0] = t3 - t5 * row->n_x;
     a[1] = t0 - t5 * row->n_y;
-    t0 = a[7] * row->a2;
+    t0 = row->ia * row->a2;
     a[2] = t2 - t0 * t8;
-    t0 = b[6] * t8;
+    t0 = row->mb * t8;
     b[0] = t4 + t0 * row->n_x;
     b[1] = t1 + t0 * row->n_y;
-    t0 = b[7] * row->b2;
+    t0 = row->ib * row->b2;
     b[2] = t6 + t0 * t8;
 }
 
 typedef struct {
+    fp3_wide ma;
+    fp3_wide ia;
+    fp3_wide mb;
+    fp3_wide ib;
     fp3_wide ratio;
     fp3_wide turned;
     fp3_wide j;
@@ -304,8 +320,8 @@ typedef struct {
     fp3_wide u;
 } fp3_twist2_row;
 #define FP3_TWIST2_WORDS                                                                           \
-    "ratio", "turned", "j", "firm", "rate", "soft", "fade", "rest", "speed", "most", "low",        \
-        "high", "hold", "give", "wane", "s", "m", "l", "u"
+    "ma", "ia", "mb", "ib", "ratio", "turned", "j", "firm", "rate", "soft", "fade", "rest",        \
+        "speed", "most", "low", "high", "hold", "give", "wane", "s", "m", "l", "u"
 
 FP3_WIDELY void fp3_law_twist2(fp3_twist2_row *row, fp3_wide *a, fp3_wide *b,
                                const fp3_wide *shared) {
@@ -327,9 +343,9 @@ FP3_WIDELY void fp3_law_twist2(fp3_twist2_row *row, fp3_wide *a, fp3_wide *b,
     row->s = fp3_wide_sel(row->s, t1, shared[3]);
     t1 = row->s - t2;
     t1 = fp3_wide_sel(t2, t1, shared[3]);
-    t2 = a[7] * row->ratio;
+    t2 = row->ia * row->ratio;
     t3 = a[2] + t2 * t1;
-    t1 = b[2] + b[7] * t1;
+    t1 = b[2] + row->ib * t1;
     t4 = t1 + row->ratio * t3;
     t4 = t4 - row->speed;
     t4 = row->m - row->j * t4;
@@ -341,7 +357,7 @@ FP3_WIDELY void fp3_law_twist2(fp3_twist2_row *row, fp3_wide *a, fp3_wide *b,
     t4 = row->m - t5;
     t4 = fp3_wide_sel(t5, t4, shared[3]);
     t3 = t3 + t2 * t4;
-    t1 = t1 + b[7] * t4;
+    t1 = t1 + row->ib * t4;
     t4 = t0 - row->low;
     t0 = row->high - t0;
     t5 = shared[0] * row->hold;
@@ -364,7 +380,7 @@ FP3_WIDELY void fp3_law_twist2(fp3_twist2_row *row, fp3_wide *a, fp3_wide *b,
     row->l = fp3_wide_sel(row->l, t4, shared[3]);
     t4 = row->l - t7;
     t4 = fp3_wide_sel(t7, t4, shared[3]);
-    t1 = t1 + b[7] * t4;
+    t1 = t1 + row->ib * t4;
     t3 = t3 + t2 * t4;
     t4 = fp3_wide_lt(fp3_wide_all(0.0f), t0);
     t0 = t0 * shared[1];
@@ -382,10 +398,14 @@ FP3_WIDELY void fp3_law_twist2(fp3_twist2_row *row, fp3_wide *a, fp3_wide *b,
     t0 = row->u - t4;
     t0 = fp3_wide_sel(t4, t0, shared[3]);
     a[2] = t3 - t2 * t0;
-    b[2] = t1 - b[7] * t0;
+    b[2] = t1 - row->ib * t0;
 }
 
 typedef struct {
+    fp3_wide ma;
+    fp3_wide ia;
+    fp3_wide mb;
+    fp3_wide ib;
     fp3_wide a_x;
     fp3_wide a_y;
     fp3_wide b_x;
@@ -416,9 +436,9 @@ typedef struct {
     fp3_wide u;
 } fp3_slide2_row;
 #define FP3_SLIDE2_WORDS                                                                           \
-    "a_x", "a_y", "b_x", "b_y", "gap_x", "gap_y", "n_x", "n_y", "stay", "bend", "lose", "firm",    \
-        "rate", "soft", "fade", "rest", "speed", "most", "low", "high", "hold", "give", "wane",    \
-        "p", "s", "m", "l", "u"
+    "ma", "ia", "mb", "ib", "a_x", "a_y", "b_x", "b_y", "gap_x", "gap_y", "n_x", "n_y", "stay",    \
+        "bend", "lose", "firm", "rate", "soft", "fade", "rest", "speed", "most", "low", "high",    \
+        "hold", "give", "wane", "p", "s", "m", "l", "u"
 
 FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
                                const fp3_wide *shared) {
@@ -468,10 +488,10 @@ FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
     t6 = t6 - t0 * t1;
     t4 = t4 * t1;
     t0 = t4 + t0 * t8;
-    t4 = a[6] + b[6];
-    fp3_wide t9 = a[7] * t7;
+    t4 = row->ma + row->mb;
+    fp3_wide t9 = row->ia * t7;
     fp3_wide t10 = t4 + t9 * t7;
-    fp3_wide t11 = b[7] * t6;
+    fp3_wide t11 = row->ib * t6;
     t10 = t10 + t11 * t6;
     fp3_wide t12 = fp3_wide_lt(fp3_wide_all(0.0f), t10);
     t10 = fp3_wide_sel(t10, fp3_wide_all(1.0f), t12);
@@ -504,8 +524,8 @@ FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
     row->s = fp3_wide_sel(row->s, t5, shared[3]);
     t5 = row->s - t14;
     t5 = fp3_wide_sel(t14, t5, shared[3]);
-    t14 = a[6] * t5;
-    t12 = b[6] * t5;
+    t14 = row->ma * t5;
+    t12 = row->mb * t5;
     a[0] = a[0] - t14 * t1;
     a[1] = a[1] - t14 * t8;
     b[0] = b[0] + t12 * t1;
@@ -529,8 +549,8 @@ FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
     t5 = fp3_wide_sel(t12, t5, shared[3]);
     b[2] = b[2] + t11 * t5;
     a[2] = a[2] - t9 * t5;
-    t12 = a[6] * t5;
-    t5 = b[6] * t5;
+    t12 = row->ma * t5;
+    t5 = row->mb * t5;
     a[0] = a[0] - t12 * t1;
     a[1] = a[1] - t12 * t8;
     b[0] = b[0] + t5 * t1;
@@ -564,8 +584,8 @@ FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
     t5 = fp3_wide_sel(t16, t5, shared[3]);
     b[2] = b[2] + t11 * t5;
     a[2] = a[2] - t9 * t5;
-    t16 = a[6] * t5;
-    t5 = b[6] * t5;
+    t16 = row->ma * t5;
+    t5 = row->mb * t5;
     a[0] = a[0] - t16 * t1;
     a[1] = a[1] - t16 * t8;
     b[0] = b[0] + t5 * t1;
@@ -588,16 +608,16 @@ FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
     t5 = fp3_wide_max(t5, fp3_wide_all(0.0f));
     t12 = row->u + fp3_wide_all(-0.0f);
     row->u = fp3_wide_sel(row->u, t5, shared[3]);
-    t5 = a[7] * t2;
+    t5 = row->ia * t2;
     t4 = t4 + t5 * t2;
     t10 = row->u - t12;
     t10 = fp3_wide_sel(t12, t10, shared[3]);
     b[2] = b[2] - t11 * t10;
     a[2] = a[2] + t9 * t10;
-    t9 = b[7] * t0;
+    t9 = row->ib * t0;
     t4 = t4 + t9 * t0;
-    t11 = a[6] * t10;
-    t10 = b[6] * t10;
+    t11 = row->ma * t10;
+    t10 = row->mb * t10;
     a[1] = a[1] + t11 * t8;
     a[0] = a[0] + t11 * t1;
     b[1] = b[1] - t10 * t8;
@@ -627,15 +647,19 @@ FP3_WIDELY void fp3_law_slide2(fp3_slide2_row *row, fp3_wide *a, fp3_wide *b,
     t0 = fp3_wide_sel(t2, t0, shared[3]);
     a[2] = a[2] - t5 * t0;
     b[2] = b[2] + t9 * t0;
-    t9 = a[6] * t0;
+    t9 = row->ma * t0;
     a[0] = a[0] + t9 * t8;
     a[1] = a[1] - t9 * t1;
-    t0 = b[6] * t0;
+    t0 = row->mb * t0;
     b[0] = b[0] - t0 * t8;
     b[1] = b[1] + t0 * t1;
 }
 
 typedef struct {
+    fp3_wide ma;
+    fp3_wide ia;
+    fp3_wide mb;
+    fp3_wide ib;
     fp3_wide a_x;
     fp3_wide a_y;
     fp3_wide b_x;
@@ -660,8 +684,8 @@ typedef struct {
     fp3_wide u;
 } fp3_rod2_row;
 #define FP3_ROD2_WORDS                                                                             \
-    "a_x", "a_y", "b_x", "b_y", "gap_x", "gap_y", "firm", "rate", "soft", "fade", "rest", "speed", \
-        "most", "low", "high", "hold", "give", "wane", "s", "m", "l", "u"
+    "ma", "ia", "mb", "ib", "a_x", "a_y", "b_x", "b_y", "gap_x", "gap_y", "firm", "rate", "soft",  \
+        "fade", "rest", "speed", "most", "low", "high", "hold", "give", "wane", "s", "m", "l", "u"
 
 FP3_WIDELY void fp3_law_rod2(fp3_rod2_row *row, fp3_wide *a, fp3_wide *b, const fp3_wide *shared) {
     fp3_wide t0 = b[5] * b[5];
@@ -719,10 +743,10 @@ FP3_WIDELY void fp3_law_rod2(fp3_rod2_row *row, fp3_wide *a, fp3_wide *b, const 
     t1 = t2 - t1 * t3;
     t4 = t4 * t5;
     t0 = t4 - t0 * t3;
-    t4 = a[6] + b[6];
-    t2 = a[7] * t1;
+    t4 = row->ma + row->mb;
+    t2 = row->ia * t1;
     t4 = t4 + t2 * t1;
-    t7 = b[7] * t0;
+    t7 = row->ib * t0;
     t4 = t4 + t7 * t0;
     t8 = fp3_wide_lt(fp3_wide_all(0.0f), t4);
     t4 = fp3_wide_sel(t4, fp3_wide_all(1.0f), t8);
@@ -751,8 +775,8 @@ FP3_WIDELY void fp3_law_rod2(fp3_rod2_row *row, fp3_wide *a, fp3_wide *b, const 
     row->s = fp3_wide_sel(row->s, t8, shared[3]);
     t8 = row->s - t10;
     t8 = fp3_wide_sel(t10, t8, shared[3]);
-    t10 = a[6] * t8;
-    t9 = b[6] * t8;
+    t10 = row->ma * t8;
+    t9 = row->mb * t8;
     t11 = a[0] - t10 * t3;
     t10 = a[1] - t10 * t5;
     fp3_wide t12 = b[0] + t9 * t3;
@@ -776,8 +800,8 @@ FP3_WIDELY void fp3_law_rod2(fp3_rod2_row *row, fp3_wide *a, fp3_wide *b, const 
     t13 = fp3_wide_sel(t15, t13, shared[3]);
     t14 = t14 + t7 * t13;
     t8 = t8 - t2 * t13;
-    t15 = a[6] * t13;
-    t13 = b[6] * t13;
+    t15 = row->ma * t13;
+    t13 = row->mb * t13;
     t11 = t11 - t15 * t3;
     t10 = t10 - t15 * t5;
     t12 = t12 + t13 * t3;
@@ -811,8 +835,8 @@ FP3_WIDELY void fp3_law_rod2(fp3_rod2_row *row, fp3_wide *a, fp3_wide *b, const 
     t13 = fp3_wide_sel(t18, t13, shared[3]);
     t14 = t14 + t7 * t13;
     t8 = t8 - t2 * t13;
-    t18 = a[6] * t13;
-    t13 = b[6] * t13;
+    t18 = row->ma * t13;
+    t13 = row->mb * t13;
     t11 = t11 - t18 * t3;
     t10 = t10 - t18 * t5;
     t12 = t12 + t13 * t3;
@@ -839,15 +863,19 @@ FP3_WIDELY void fp3_law_rod2(fp3_rod2_row *row, fp3_wide *a, fp3_wide *b, const 
     t0 = fp3_wide_sel(t15, t0, shared[3]);
     a[2] = t8 + t2 * t0;
     b[2] = t14 - t7 * t0;
-    t7 = a[6] * t0;
+    t7 = row->ma * t0;
     a[0] = t11 + t7 * t3;
     a[1] = t10 + t7 * t5;
-    t0 = b[6] * t0;
+    t0 = row->mb * t0;
     b[0] = t12 - t0 * t3;
     b[1] = t9 - t0 * t5;
 }
 
 typedef struct {
+    fp3_wide ma;
+    fp3_wide ia;
+    fp3_wide mb;
+    fp3_wide ib;
     fp3_wide a_x;
     fp3_wide a_y;
     fp3_wide b_x;
@@ -862,7 +890,8 @@ typedef struct {
     fp3_wide p_y;
 } fp3_pin2_row;
 #define FP3_PIN2_WORDS                                                                             \
-    "a_x", "a_y", "b_x", "b_y", "gap_x", "gap_y", "rate", "soft", "fade", "inverse", "p_x", "p_y"
+    "ma", "ia", "mb", "ib", "a_x", "a_y", "b_x", "b_y", "gap_x", "gap_y", "rate", "soft", "fade",  \
+        "inverse", "p_x", "p_y"
 
 FP3_WIDELY void fp3_law_pin2(fp3_pin2_row *row, fp3_wide *a, fp3_wide *b, const fp3_wide *shared) {
     fp3_wide t0 = a[5] * a[5];
@@ -885,15 +914,15 @@ FP3_WIDELY void fp3_law_pin2(fp3_pin2_row *row, fp3_wide *a, fp3_wide *b, const 
     t2 = t2 * row->b_y;
     t1 = t1 - t3 * row->b_y;
     t2 = t2 + t3 * row->b_x;
-    t3 = a[6] + b[6];
-    fp3_wide t5 = a[7] * t0;
+    t3 = row->ma + row->mb;
+    fp3_wide t5 = row->ia * t0;
     t5 = t3 + t5 * t0;
-    fp3_wide t6 = a[7] * t4;
+    fp3_wide t6 = row->ia * t4;
     t3 = t3 + t6 * t4;
     t6 = fp3_wide_all(-0.0f) - t6 * t0;
-    fp3_wide t7 = b[7] * t2;
+    fp3_wide t7 = row->ib * t2;
     t5 = t5 + t7 * t2;
-    t7 = b[7] * t1;
+    t7 = row->ib * t1;
     t3 = t3 + t7 * t1;
     t6 = t6 - t7 * t2;
     t7 = t5 * t3;
@@ -942,16 +971,16 @@ FP3_WIDELY void fp3_law_pin2(fp3_pin2_row *row, fp3_wide *a, fp3_wide *b, const 
     t3 = fp3_wide_sel(row->p_x, t3, shared[3]);
     t4 = t4 * t5;
     t0 = t4 - t0 * t3;
-    a[2] = a[2] - a[7] * t0;
+    a[2] = a[2] - row->ia * t0;
     t1 = t1 * t5;
     t1 = t1 - t2 * t3;
-    b[2] = b[2] + b[7] * t1;
-    a[0] = a[0] - a[6] * t3;
-    a[1] = a[1] - a[6] * t5;
-    b[0] = b[0] + b[6] * t3;
+    b[2] = b[2] + row->ib * t1;
+    a[0] = a[0] - row->ma * t3;
+    a[1] = a[1] - row->ma * t5;
+    b[0] = b[0] + row->mb * t3;
     t3 = row->p_x + t3;
     row->p_x = fp3_wide_sel(row->p_x, t3, shared[3]);
-    b[1] = b[1] + b[6] * t5;
+    b[1] = b[1] + row->mb * t5;
     t5 = row->p_y + t5;
     row->p_y = fp3_wide_sel(row->p_y, t5, shared[3]);
 }

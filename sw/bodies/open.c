@@ -102,9 +102,9 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     *bodies = NULL;
     if (!b)
         return;
-    void *const arrays[] = {b->body,  b->shape, b->boxes.box, b->boxes.may_move,
-                            b->touch, b->key,   b->in_slot,   b->moving,
-                            b->base,  b->pull,  b->joint,     b->apart};
+    void *const arrays[] = {
+        b->body,  b->shape, b->boxes.box, b->boxes.may_move, b->touch, b->key,  b->in_slot,
+        b->speed, b->way,   b->base,      b->pull,           b->joint, b->apart};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
     fp3_rows_free(&b->contacts);

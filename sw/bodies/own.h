@@ -112,7 +112,7 @@ struct fp3_bodies {
      * moves; then those that the caller moves. */
     uint32_t *in_slot, slot_room;
     uint32_t movable, slots;
-    fp3_moving2 *moving, *base;
+    fp3_four *speed, *way, *base;
     fp3_pull2 *pull;
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
     float h_before; /* of a substep that the impulses are of; 0: there was none */
@@ -140,6 +140,8 @@ static inline int fp3_body_moves(const fp3_body *body) {
 static inline uint32_t fp3_slot_of(const fp3_bodies *bodies, uint32_t body) {
     return bodies->body[body].slot == FP3_NOBODY ? bodies->movable : bodies->body[body].slot;
 }
+
+static inline float fp3_inverse_mass(float mass) { return mass > 0 ? 1 / mass : 0; }
 
 /* A spring or a contact, as laws have it: rate, soft, fade. Of `hertz` and `damping` (of critical
  * damping), in one implicit step of length h. */

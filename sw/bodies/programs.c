@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define X(name, type) #name,
+#define X(name, type, speed, way) #name,
 static const char *const names[FP3_LAWS] = {FP3_LAWS2(X)};
 #undef X
-#define X(name, type) fp3_law_text_##name,
+#define X(name, type, speed, way) fp3_law_text_##name,
 static const char *const texts[FP3_LAWS] = {FP3_LAWS2(X)};
 #undef X
 static const char *const body_words[] = {FP3_BODY2_WORDS};
@@ -23,7 +23,7 @@ static const char *const contact2_words[] = {FP3_CONTACT2_WORDS, NULL},
                          *const slide2_words[] = {FP3_SLIDE2_WORDS, NULL},
                          *const rod2_words[] = {FP3_ROD2_WORDS, NULL},
                          *const pin2_words[] = {FP3_PIN2_WORDS, NULL};
-#define X(name, type) {type##_words, sizeof(fp3_##type##_row)},
+#define X(name, type, speed, way) {type##_words, sizeof(fp3_##type##_row)},
 static const struct {
     const char *const *words;
     size_t size;
@@ -163,17 +163,19 @@ void fp3_laws_close(fp3_laws **laws) {
 
 /* ---- a run ---- */
 
-static float *at(const law *l, const fp3_work2 *work, const word *w, uint32_t block,
-                 uint32_t lane) {
-    const fp3_ends2 *ends = &work->ends[block];
-    if (w->of == OF_ROW)
-        return (float *)(void *)((char *)work->row + block * l->size) + w->number * FP3_WIDE + lane;
-    return (float *)&work->body[w->of == OF_A ? ends->a[lane] : ends->b[lane]] + w->number;
+static uint32_t body_of(const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane) {
+    return w->of == OF_A ? work->ends[block].a[lane] : work->ends[block].b[lane];
 }
 
-static int is_written(const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane) {
-    const fp3_ends2 *ends = &work->ends[block];
-    return w->of == OF_ROW || (w->of == OF_A ? ends->a[lane] : ends->b[lane]) < work->movable;
+/* Words 0 to 2 of a body are its speed, the others its way. */
+static const float *at(const law *l, const fp3_work2 *work, const word *w, uint32_t block,
+                       uint32_t lane) {
+    if (w->of == OF_ROW)
+        return (const float *)(const void *)((const char *)work->row + block * l->size) +
+               w->number * FP3_WIDE + lane;
+    const uint32_t body = body_of(work, w, block, lane);
+    return w->number < 3 ? (const float *)&work->speed[body] + w->number
+                         : (const float *)&work->way[body] + w->number - 3;
 }
 
 static fp3_status bring(law *l, const fp3_work2 *work, uint32_t first, uint32_t end) {
@@ -189,13 +191,18 @@ static fp3_status bring(law *l, const fp3_work2 *work, uint32_t first, uint32_t 
 
 static void keep(const law *l, const fp3_work2 *work, const word *w, uint32_t block, uint32_t lane,
                  float value) {
-    float *to = at(l, work, w, block, lane);
-    if (w->of != OF_ROW && work->base) {
-        const fp3_ends2 *ends = &work->ends[block];
-        float *base = (float *)&work->base[w->of == OF_A ? ends->a[lane] : ends->b[lane]];
-        base[w->number] += value - *to;
+    if (w->of == OF_ROW) {
+        float *row = (float *)(void *)((char *)work->row + block * l->size);
+        row[w->number * FP3_WIDE + lane] = value;
+        return;
     }
-    *to = value;
+    const uint32_t body = body_of(work, w, block, lane);
+    if (body >= work->movable || w->number > 2)
+        return;
+    float *speed = (float *)&work->speed[body] + w->number;
+    if (work->base)
+        ((float *)&work->base[body])[w->number] += value - *speed;
+    *speed = value;
 }
 
 static fp3_status take(law *l, const fp3_work2 *work, uint32_t first, uint32_t end) {
@@ -204,8 +211,7 @@ static fp3_status take(law *l, const fp3_work2 *work, uint32_t first, uint32_t e
         float column[OBJECTS];
         status = fp3_engine_read(l->engine, 0, OBJECTS, l->words[k].reg, column);
         for (uint32_t i = 0; !status && i < (end - first) * FP3_WIDE; i++)
-            if (is_written(work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE))
-                keep(l, work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE, column[i]);
+            keep(l, work, &l->words[k], first + i / FP3_WIDE, i % FP3_WIDE, column[i]);
     }
     return status;
 }

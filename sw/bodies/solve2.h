@@ -11,11 +11,11 @@
 
 #include <stdint.h>
 
-/* The words of a body side by side, as laws.h numbers them: v_x, v_y, w, d_x, d_y, q, 1/mass,
- * 1/inertia. d and q: how far it has come, and turned, since the step began. */
-typedef fp3_wide fp3_moving2;
+/* What a body has side by side: its speed v_x, v_y, w, or its way d_x, d_y, q since the step began.
+ */
+typedef float fp3_four __attribute__((vector_size(16), may_alias));
 
-/* Of each contact of a block, where in `body` its bodies stand. A lane without a contact has twice
+/* Of each contact of a block, where its bodies stand. A lane without a contact has twice
  * the body that never moves. */
 typedef struct {
     uint32_t a[FP3_WIDE], b[FP3_WIDE];
@@ -23,25 +23,25 @@ typedef struct {
 
 /* Rows of a law. */
 typedef struct {
-    fp3_moving2 *body;
+    fp3_four *speed;
+    const fp3_four *way;
     /* Of joints: what they do is none of what contacts give, so it goes here, too; NULL: contacts.
      */
-    fp3_moving2 *base;
+    fp3_four *base;
     uint32_t movable; /* only bodies before this one are written */
     void *row;
     const fp3_ends2 *ends;
 } fp3_work2;
 
-#define X(name, row) FP3_LAW_##name,
+#define X(name, row, speed, way) FP3_LAW_##name,
 typedef enum { FP3_LAWS2(X) FP3_LAWS } fp3_law;
 #undef X
 /* What all rows of a pass have: FP3_SHARED_WORDS. */
 enum { FP3_PUSH, FP3_INVERSE, FP3_LEAST, FP3_WARM, FP3_SHARED };
 
-/* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane. The lanes
- * behind w are 0 in pull and 1 in damp. */
+/* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane. */
 typedef struct {
-    fp3_wide pull, damp;
+    fp3_four pull, damp;
 } fp3_pull2;
 
 typedef struct {
@@ -53,11 +53,13 @@ typedef struct {
     /* Blocks first .. end - 1 make a pass. */
     void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
                           const float shared[FP3_SHARED]);
+    /* gap2, then contact2. */
+    void (*moved)(const fp3_work2 *, uint32_t first, uint32_t end, const float shared[FP3_SHARED]);
     /* A substep begins for bodies 0 .. count-1. base: the speed without what contacts give, which
-     * they give again: body - base before the call. is_first: they have given nothing yet. */
-    void (*speed)(fp3_moving2 *body, fp3_moving2 *base, const fp3_pull2 *pull, uint32_t count,
+     * they give again: speed - base before the call. is_first: they have given nothing yet. */
+    void (*speed)(fp3_four *speed, fp3_four *base, const fp3_pull2 *pull, uint32_t count,
                   int is_first);
-    void (*place)(fp3_moving2 *body, uint32_t count, float h);
+    void (*place)(const fp3_four *speed, fp3_four *way, uint32_t count, float h);
 } fp3_solver2;
 
 /* The one that suits this processor. All have the same bits. */

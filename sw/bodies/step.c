@@ -15,13 +15,16 @@
 static int is_of_step(const fp3_body *body) { return fp3_body_lives(body) && fp3_body_moves(body); }
 
 static fp3_status give_slots(fp3_bodies *bodies) {
-    uint32_t count = 0, room = bodies->slot_room, others[3] = {room, room, room};
+    uint32_t count = 0, room = bodies->slot_room, others[4] = {room, room, room, room};
     const size_t wanted = bodies->body_count + 1u;
     fp3_status status = fp3_bodies_room((void **)&bodies->in_slot, &room, sizeof *bodies->in_slot,
                                         wanted, bodies->error);
     if (!status)
-        status = fp3_bodies_room((void **)&bodies->moving, &others[0], sizeof *bodies->moving,
-                                 wanted, bodies->error);
+        status = fp3_bodies_room((void **)&bodies->speed, &others[0], sizeof *bodies->speed, wanted,
+                                 bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->way, &others[3], sizeof *bodies->way, wanted,
+                                 bodies->error);
     if (!status)
         status = fp3_bodies_room((void **)&bodies->base, &others[1], sizeof *bodies->base, wanted,
                                  bodies->error);
@@ -51,24 +54,23 @@ static fp3_status give_slots(fp3_bodies *bodies) {
 
 /* ---- bodies ---- */
 
-static float inverse_of(float x) { return x > 0 ? 1 / x : 0; }
-
 static void bring(fp3_bodies *bodies, double h) {
     for (uint32_t k = 0; k < bodies->slots; k++) {
+        bodies->way[k] = (fp3_four){0};
         if (bodies->in_slot[k] == FP3_NOBODY) {
-            bodies->moving[k] = fp3_wide_all(0);
+            bodies->speed[k] = (fp3_four){0};
             continue;
         }
         const fp3_body *body = &bodies->body[bodies->in_slot[k]];
-        const float m = inverse_of(body->mass), i = inverse_of(body->inertia);
-        bodies->moving[k] = (fp3_wide){body->v[0], body->v[1], body->w, 0, 0, 0, m, i};
+        const float m = fp3_inverse_mass(body->mass), i = fp3_inverse_mass(body->inertia);
+        bodies->speed[k] = (fp3_four){body->v[0], body->v[1], body->w, 0};
         const double *g = bodies->def.gravity;
         const float ax = (float)(h * (body->gravity * g[0] + m * body->force[0]));
         const float ay = (float)(h * (body->gravity * g[1] + m * body->force[1]));
         const float aw = (float)(h * (i * body->torque));
         const float slow = (float)(1 / (1 + h * body->damping)),
                     slow_spin = (float)(1 / (1 + h * body->spin_damping));
-        bodies->pull[k] = (fp3_pull2){{ax, ay, aw}, {slow, slow, slow_spin, 1, 1, 1, 1, 1}};
+        bodies->pull[k] = (fp3_pull2){{ax, ay, aw, 0}, {slow, slow, slow_spin, 1}};
     }
 }
 
@@ -78,10 +80,10 @@ static fp3_status move(fp3_bodies *bodies) {
         if (bodies->in_slot[k] == FP3_NOBODY)
             continue;
         fp3_body *body = &bodies->body[bodies->in_slot[k]];
-        const fp3_wide now = bodies->moving[k];
+        const fp3_four v = bodies->speed[k], way = bodies->way[k];
         float sum = 0;
-        for (int i = 0; i < 6; i++)
-            sum += now[i] * 0; /* NaN if one is not finite */
+        for (int i = 0; i < 3; i++)
+            sum += v[i] * 0 + way[i] * 0; /* NaN if one is not finite */
         if (sum != 0 && !status) {
             status =
                 fp3_fail(bodies->error, FP3_E_FAILED,
@@ -91,13 +93,13 @@ static fp3_status move(fp3_bodies *bodies) {
         }
         if (sum != 0)
             continue;
-        body->v[0] = now[0];
-        body->v[1] = now[1];
-        body->w = now[2];
-        body->at[0] += now[3];
-        body->at[1] += now[4];
-        body->angle += now[5];
-        fp3_turn2_by(body->turn, now[5]);
+        body->v[0] = v[0];
+        body->v[1] = v[1];
+        body->w = v[2];
+        body->at[0] += way[0];
+        body->at[1] += way[1];
+        body->angle += way[2];
+        fp3_turn2_by(body->turn, way[2]);
         body->force[0] = body->force[1] = body->torque = 0;
     }
     return status;
@@ -105,18 +107,30 @@ static fp3_status move(fp3_bodies *bodies) {
 
 /* ---- a step ---- */
 
-/* All rows of a law, colour by colour. */
+/* Rows of a colour. gap2 goes before contact2, wherever bodies have moved. */
+static fp3_status pass_colour(const fp3_bodies *bodies, fp3_law law, const fp3_work2 *work,
+                              uint32_t first, uint32_t end, const float shared[FP3_SHARED]) {
+    if (bodies->laws) {
+        const fp3_status status = fp3_laws_run(bodies->laws, law, work, first, end, shared);
+        return status || law != FP3_LAW_gap2
+                   ? status
+                   : fp3_laws_run(bodies->laws, FP3_LAW_contact2, work, first, end, shared);
+    }
+    if (law == FP3_LAW_gap2)
+        bodies->solver->moved(work, first, end, shared);
+    else
+        bodies->solver->law[law](work, first, end, shared);
+    return FP3_OK;
+}
+
 static fp3_status pass(const fp3_bodies *bodies, fp3_law law, const fp3_law_rows *rows,
                        int is_joint, const float shared[FP3_SHARED]) {
-    const fp3_work2 work = {bodies->moving, is_joint ? bodies->base : NULL, bodies->movable,
-                            rows->row, rows->ends};
+    const fp3_work2 work = {bodies->speed,   bodies->way, is_joint ? bodies->base : NULL,
+                            bodies->movable, rows->row,   rows->ends};
     const uint32_t *first = rows->colours.first;
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; !status && rows->count && k < rows->colours.count; k++)
-        if (bodies->laws)
-            status = fp3_laws_run(bodies->laws, law, &work, first[k], first[k + 1], shared);
-        else
-            bodies->solver->law[law](&work, first[k], first[k + 1], shared);
+        status = pass_colour(bodies, law, &work, first[k], first[k + 1], shared);
     return status;
 }
 
@@ -128,9 +142,12 @@ static fp3_status pass_joints(const fp3_bodies *bodies, const float shared[FP3_S
 }
 
 /* Joints first: contacts have the last word. */
-static fp3_status pass_all(const fp3_bodies *bodies, const float shared[FP3_SHARED]) {
+static fp3_status pass_all(const fp3_bodies *bodies, int has_moved,
+                           const float shared[FP3_SHARED]) {
     const fp3_status status = pass_joints(bodies, shared);
-    return status ? status : pass(bodies, FP3_LAW_contact2, &bodies->contacts, 0, shared);
+    return status ? status
+                  : pass(bodies, has_moved ? FP3_LAW_gap2 : FP3_LAW_contact2, &bodies->contacts, 0,
+                         shared);
 }
 
 /* Arms of joints turn within a step, so joints give their impulses anew in each substep; contacts
@@ -143,16 +160,16 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
                 warm[FP3_SHARED] = {1, inverse, least, 1};
     fp3_status status = FP3_OK;
     for (uint32_t step = 0; !status && step < bodies->def.substeps; step++) {
-        solver->speed(bodies->moving, bodies->base, bodies->pull, bodies->movable, step == 0);
+        solver->speed(bodies->speed, bodies->base, bodies->pull, bodies->movable, step == 0);
         if (step == 0)
             status = pass(bodies, FP3_LAW_warm2, &bodies->contacts, 0, warm);
         if (!status)
             status = pass_joints(bodies, warm);
         if (!status)
-            status = pass_all(bodies, push);
-        solver->place(bodies->moving, bodies->slots, (float)h);
+            status = pass_all(bodies, 0, push);
+        solver->place(bodies->speed, bodies->way, bodies->slots, (float)h);
         if (!status)
-            status = pass_all(bodies, mend);
+            status = pass_all(bodies, 1, mend);
     }
     if (!status && bodies->may_bounce)
         status = pass(bodies, FP3_LAW_bounce2, &bodies->contacts, 0, mend);
