@@ -29,6 +29,14 @@ FP3_CAPSULE = 1
 FP3_CHEBYSHEV = 4
 FP3_CIRCLE = 0
 FP3_CODE_MORE = 128
+FP3_COMPARED_AHEAD = 2
+FP3_COMPARED_BEGINS = 4
+FP3_COMPARED_ERROR = 1
+FP3_COMPARED_FROM = 5
+FP3_COMPARED_LATE = 3
+FP3_COMPARED_LIMIT = 0
+FP3_COMPARED_TO = 6
+FP3_COMPARISONS = 7
 FP3_COMPENSATED = 1
 FP3_CORNERS = 8
 FP3_COUNTER_COUNT = 14
@@ -506,6 +514,9 @@ class fp3_coupling(Structure):
         ("params", c_uint64),
         ("looked", c_uint64),
         ("phase", c_uint8 * 64),
+        ("is_common", c_int),
+        ("compared", c_uint),
+        ("behind", c_uint8 * 7),
     ]
 
 
@@ -562,6 +573,8 @@ class fp3_compiled(Structure):
         ("looks", c_uint64),
         ("shows", c_uint64),
         ("phase", c_uint8 * 64),
+        ("compares", c_uint),
+        ("behind", c_uint8 * 7),
         ("phases", c_uint32),
         ("self", c_void_p),
     ]

@@ -61,6 +61,8 @@ static void fill(const fp3_compilation *k, fp3_compiled *made) {
     made->looks = step->looks;
     made->phases = step->phases;
     memcpy(made->phase, step->phase, sizeof made->phase);
+    made->compares = step->compares;
+    memcpy(made->behind, step->behind, sizeof made->behind);
     if (!step->coupling)
         return;
     made->shows = step->is_still ? step->coupling->looked : step->shown;
@@ -113,7 +115,8 @@ static fp3_status make_reference(fp3_compilation *k, const fp3_model *model,
     options.passes =
         (passes & (fp3_passes_that(1) | FP3_PASS(FP3_PASS_DEAD))) | FP3_PASS(FP3_PASS_ZERO);
     options.has_notes = 0;
-    options.coupling = NULL;
+    static const fp3_coupling together = {.is_common = 1};
+    options.coupling = k->coupling.is_common ? &together : NULL;
     fp3_status status = fp3_fit_find(model, integrator, &options, &fit, error);
     if (!status)
         status = fp3_integrate(model, integrator, &options, &fit, &k->reference, error);

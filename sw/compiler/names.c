@@ -117,6 +117,11 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
                                          [ROLE_LOST_BEFORE] = "_lost_before",
                                          [ROLE_LOW] = "_low",
                                          [ROLE_LOW_BEFORE] = "_low_before"};
+    static const char *const compared[FP3_COMPARISONS] = {
+        [FP3_COMPARED_LIMIT] = "limit",   [FP3_COMPARED_ERROR] = "error",
+        [FP3_COMPARED_AHEAD] = "ahead",   [FP3_COMPARED_LATE] = "late",
+        [FP3_COMPARED_BEGINS] = "begins", [FP3_COMPARED_FROM] = "from",
+        [FP3_COMPARED_TO] = "to"};
     const variable *v = &step->variables[i];
     char wanted[FP3_NAME_SIZE + 16];
     if (v->role == ROLE_STEPS)
@@ -128,7 +133,7 @@ static void variable_name(const fp3_step *step, const fp3_names *names, uint32_t
     else if (v->role == ROLE_CARRIED)
         snprintf(wanted, sizeof wanted, "kept%" PRIu32, i);
     else if (v->role == ROLE_WORST)
-        snprintf(wanted, sizeof wanted, "worst%" PRIu32, i);
+        snprintf(wanted, sizeof wanted, "worst_%s", compared[v->state]);
     else if (v->role == ROLE_LIST)
         snprintf(wanted, sizeof wanted, "%s", step->model->relations[v->state].name);
     else

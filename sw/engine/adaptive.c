@@ -186,9 +186,10 @@ static uint64_t attempts_of(const fp3_adaptive_object *o, uint64_t made) {
 
 /* One object that cannot sleep, or one of those that make their steps together: runs, and a look
  * after each. */
-static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats *sum) {
+static fp3_status run_and_look(fp3_engine *engine, uint32_t object, uint64_t attempts,
+                               fp3_stats *sum) {
     fp3_adaptive_object o;
-    fp3_status status = fp3_adaptive_look(engine, 0, &o);
+    fp3_status status = fp3_adaptive_look(engine, object, &o);
     for (uint64_t made = 0; !status && made < attempts && left_of(&o) > 0 && has_step(&o);) {
         const uint64_t wanted = attempts_of(&o, made), left = attempts - made;
         fp3_stats run = {0};
@@ -196,7 +197,7 @@ static fp3_status run_and_look(fp3_engine *engine, uint64_t attempts, fp3_stats 
         made += wanted;
         add_stats(&run, sum);
         if (!status)
-            status = fp3_adaptive_look(engine, 0, &o);
+            status = fp3_adaptive_look(engine, object, &o);
     }
     return status;
 }
@@ -220,31 +221,63 @@ static fp3_status check_sleep(const fp3_engine *engine, const fp3_members *group
 
 /* ---- objects that see each other ---- */
 
-/* What all objects of a run have in common, by the words of the first: then they make the same
- * steps. */
-static fp3_status check_common(fp3_engine *engine, const fp3_members *group) {
+/* The words of a group's objects: of each, or of all. */
+static fp3_status read_words(fp3_engine *engine, const fp3_members *group, const fp3_symbol *s,
+                             uint32_t *words) {
+    const uint32_t number = (uint32_t)(group - engine->layout.groups);
+    if (s->symbol_class != FP3_SYMBOL_SHARED)
+        return engine->backend->read(
+            engine, (fp3_cells){FP3_CELLS_REGISTER, s->index, group->first, group->objects}, words);
+    const fp3_status status =
+        engine->backend->read(engine, (fp3_cells){FP3_CELLS_CONSTANT, number, s->index, 1}, words);
+    for (uint32_t i = 1; i < group->objects; i++)
+        words[i] = words[0];
+    return status;
+}
+
+static fp3_status differs(const fp3_engine *engine, uint32_t object, const char *name,
+                          uint32_t other) {
+    return fp3_fail(engine->def.error, FP3_E_ARGUMENT,
+                    "object %" PRIu32 " has another '%s' than object %" PRIu32
+                    ": objects that see each other make the same adaptive steps",
+                    object, name, other);
+}
+
+/* The words of one name, which are those of the first object. */
+static fp3_status check_name(fp3_engine *engine, uint32_t from, uint32_t end, const char *name,
+                             uint32_t *words) {
+    const fp3_members *first = &engine->layout.groups[from];
+    uint32_t word = 0;
+    fp3_status status = FP3_OK;
+    for (uint32_t g = from; !status && g < end; g++) {
+        const fp3_members *group = &engine->layout.groups[g];
+        const fp3_symbol *s =
+            fp3_image_find(group->image, name, FP3_CLASSES_OBJECT | FP3_CLASSES_SHARED);
+        if (!s || !is_adaptive(group))
+            continue;
+        status = read_words(engine, group, s, words);
+        word = g == from ? words[0] : word;
+        for (uint32_t i = 0; !status && i < group->objects; i++)
+            if (words[i] != word)
+                status = differs(engine, group->first + i, name, first->first);
+    }
+    return status;
+}
+
+/* What all objects of these groups, of which the first is adaptive, have in common: then they make
+ * the same steps. */
+static fp3_status check_common(fp3_engine *engine, uint32_t from, uint32_t end) {
     static const char *const names[] = {"t",           "t_low",    "h_next",   "until",
                                         "h_cut",       "h_before", "h_behind", "root_before",
-                                        "root_behind", "maxstep"};
+                                        "root_behind", "maxstep",  "locate"};
     if (fp3_lives_vary(engine))
         return fp3_fail(engine->def.error, FP3_E_PROGRAM,
                         "objects that see each other make the same adaptive steps: expected "
                         "objects that live from the first step to the last");
-    uint32_t *words = malloc((group->objects + (size_t)1) * sizeof *words);
+    uint32_t *words = malloc((engine->objects + (size_t)1) * sizeof *words);
     fp3_status status = words ? FP3_OK : fp3_no_memory(engine->def.error);
-    for (size_t k = 0; !status && k < sizeof names / sizeof *names; k++) {
-        const fp3_symbol *s = fp3_image_find(group->image, names[k], FP3_CLASSES_OBJECT);
-        if (!s)
-            continue;
-        status = engine->backend->read(
-            engine, (fp3_cells){FP3_CELLS_REGISTER, s->index, group->first, group->objects}, words);
-        for (uint32_t i = 1; !status && i < group->objects; i++)
-            if (words[i] != words[0])
-                status = fp3_fail(engine->def.error, FP3_E_ARGUMENT,
-                                  "object %" PRIu32 " has another '%s' than object %" PRIu32
-                                  ": objects that see each other make the same adaptive steps",
-                                  group->first + i, names[k], group->first);
-    }
+    for (size_t k = 0; !status && k < sizeof names / sizeof *names; k++)
+        status = check_name(engine, from, end, names[k], words);
     free(words);
     return status;
 }
@@ -262,28 +295,55 @@ static fp3_status end_fixed(fp3_engine *engine, uint64_t steps) {
     return status;
 }
 
+/* Where other groups have steps of one length, a number is of these. */
+static uint64_t attempts_most(const fp3_engine *engine, uint32_t adaptive, uint64_t most) {
+    return adaptive < engine->layout.count && most < FP3_ADAPTIVE_ATTEMPTS ? FP3_ADAPTIVE_ATTEMPTS
+                                                                           : most;
+}
+
+/* Groups that see each other make the same steps. One with steps of one length has objects that
+ * never change: how many steps it makes is the same. */
+static fp3_status run_joined(fp3_engine *engine, uint32_t first, uint32_t adaptive, uint64_t most,
+                             fp3_stats *sum) {
+    const fp3_status status = check_common(engine, first, engine->layout.count);
+    most = attempts_most(engine, adaptive, most);
+    return status ? status : run_and_look(engine, engine->layout.groups[first].first, most, sum);
+}
+
+static fp3_status run_apart(fp3_engine *engine, uint32_t adaptive, uint64_t most, fp3_stats *sum) {
+    fp3_status status = FP3_OK;
+    int is_awake = !engine->config->interleave;
+    for (uint32_t i = 0; !status && i < engine->layout.count; i++) {
+        const fp3_members *group = &engine->layout.groups[i];
+        if (!is_adaptive(group))
+            continue;
+        status = check_sleep(engine, group);
+        if (!status && group->lists.shape.is_any) {
+            status = check_common(engine, i, i + 1);
+            is_awake = 1;
+        }
+    }
+    if (!status && adaptive < engine->layout.count)
+        status = end_fixed(engine, most);
+    if (status)
+        return status;
+    most = attempts_most(engine, adaptive, most);
+    return is_awake ? run_and_look(engine, 0, most, sum) : fp3_engine_run(engine, most, sum);
+}
+
 fp3_status fp3_adaptive_run(fp3_engine *engine, uint64_t most, fp3_stats *stats) {
     FP3_HOST;
     fp3_stats sum = {0};
-    fp3_status status = FP3_OK;
-    uint32_t adaptive = 0;
-    int is_awake = !engine->config->interleave;
-    for (uint32_t i = 0; !status && i < engine->layout.count; i++)
+    uint32_t adaptive = 0, first = 0;
+    for (uint32_t i = engine->layout.count; i-- > 0;)
         if (is_adaptive(&engine->layout.groups[i])) {
-            status = check_sleep(engine, &engine->layout.groups[i]);
+            first = i;
             adaptive++;
-            if (!status && engine->layout.groups[i].lists.shape.is_any) {
-                status = check_common(engine, &engine->layout.groups[i]);
-                is_awake = 1;
-            }
         }
-    if (!status && adaptive && adaptive < engine->layout.count) {
-        status = end_fixed(engine, most);
-        most = most > FP3_ADAPTIVE_ATTEMPTS ? most : FP3_ADAPTIVE_ATTEMPTS;
-    }
-    if (!status)
-        status = adaptive && is_awake ? run_and_look(engine, most, &sum)
-                                      : fp3_engine_run(engine, most, &sum);
+    const fp3_status status = !adaptive ? fp3_engine_run(engine, most, &sum)
+                              : fp3_layout_is_joined(&engine->layout)
+                                  ? run_joined(engine, first, adaptive, most, &sum)
+                                  : run_apart(engine, adaptive, most, &sum);
     if (stats)
         *stats = sum;
     return status;

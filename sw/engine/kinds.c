@@ -138,6 +138,13 @@ static int is_adaptive(const fp3_layout *layout) {
     return 0;
 }
 
+static int rests(const fp3_layout *layout) {
+    for (uint32_t i = 0; i < layout->count; i++)
+        if (layout->groups[i].rest >= 0)
+            return 1;
+    return 0;
+}
+
 static int has_sleep(const fp3_layout *layout) {
     for (uint32_t i = 0; i < layout->count; i++)
         if (layout->groups[i].program.slept >= 0)
@@ -157,7 +164,7 @@ static fp3_status check(const fp3_engine *engine, const fp3_backend *usual,
         : def->cycle_limit  ? "a cycle limit is kept by one engine"
         : usual->is_divided ? is_of_several ? "several ranks have one kind of objects"
                                             : "several ranks would have to agree on who sleeps"
-        : is_adaptive(layout) && !is_of_several
+        : is_adaptive(layout) && rests(layout)
             ? "adaptive steps are those of all objects that see each other, and none is left out"
         : !engine->config->interleave ? "a configuration that interleaves is needed"
         : usual == &fp3_backend_board ? "a board is one engine"
@@ -186,6 +193,8 @@ fp3_status fp3_kinds_make(fp3_engine *engine, const fp3_backend *usual, fp3_kind
                           fp3_layout *layout, uint32_t *group, fp3_kinds **kinds) {
     fp3_status status = check(engine, usual, layout);
     *group = layout->count;
+    if (!status)
+        status = fp3_kinds_check_worst(engine, layout, group);
     fp3_kinds *self = *kinds = status ? NULL : calloc(1, sizeof *self);
     if (!self || !has_room(engine, layout->count, self)) {
         fp3_kinds_free(kinds);

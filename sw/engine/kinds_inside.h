@@ -122,6 +122,15 @@ fp3_status fp3_kinds_read(fp3_engine *engine, fp3_cells cells, void *words);
 fp3_status fp3_kinds_put(fp3_engine *engine, fp3_cells cells, const void *words);
 void fp3_kinds_count_bus(fp3_engine *engine);
 
+/* ---- kinds_worst.c ---- */
+
+/* When a round begins: what phases of the one before have stored, of the same name. */
+fp3_status fp3_kinds_compare(fp3_engine *engine, uint32_t phase);
+/* Whether all groups that compare something store the same names in the same phases; *group: the
+ * one that a failure is about. */
+fp3_status fp3_kinds_check_worst(const fp3_engine *engine, const fp3_layout *layout,
+                                 uint32_t *group);
+
 /* ---- kinds_run.c ---- */
 
 fp3_status fp3_kinds_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats);

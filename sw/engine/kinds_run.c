@@ -83,7 +83,9 @@ static void add_counters(const fp3_engine *engine, const fp3_engine *own) {
 
 static fp3_status make_round(fp3_engine *engine, uint32_t phase, fp3_stats *stats) {
     fp3_kinds *self = fp3_kinds_of(engine);
-    fp3_status status = bring_all(engine, phase);
+    fp3_status status = fp3_kinds_compare(engine, phase);
+    if (!status)
+        status = bring_all(engine, phase);
     for (uint32_t i = 0; !status && i < self->count; i++) {
         fp3_kind_engine *k = &self->kinds[i];
         if (!k->awake || phase >= k->phases)

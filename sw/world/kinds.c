@@ -3,8 +3,6 @@
  * of all of them. */
 #include <fp3/program.h>
 
-#include <inttypes.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,23 +10,14 @@
 #include "base/host.h"
 #include "base/nearest.h"
 #include "compiler/start.h"
+#include "compiler/step/adapt.h"
+#include "kinds_steps.h"
 #include "language/unit.h"
 #include "relations.h"
 
 #define NONE SIZE_MAX
 
 static const fp3_model *model_of(const fp3_joined *g) { return g->program->model; }
-
-static __attribute__((format(printf, 4, 5))) fp3_status
-refuse(const fp3_joined *g, uint32_t line, fp3_error *error, const char *format, ...) {
-    char text[256];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(text, sizeof text, format, list);
-    va_end(list);
-    return fp3_fail_at(error, FP3_E_PROGRAM, g->program->source, line, 0, "group '%s': %s", g->name,
-                       text);
-}
 
 /* Whether a relation sees objects of it. */
 static int is_used(const fp3_model *m, uint32_t kind) {
@@ -54,20 +43,21 @@ static fp3_status find_group(const fp3_joined *list, size_t count, size_t of, co
         if (strcmp(list[i].name, kind->name) != 0)
             continue;
         if (i == of)
-            return refuse(g, kind->line, error,
-                          "kind '%s' is this group itself, which relations without a kind see",
-                          kind->name);
+            return fp3_kinds_refuse(
+                g, kind->line, error,
+                "kind '%s' is this group itself, which relations without a kind see", kind->name);
         if (*group != NONE)
-            return refuse(g, kind->line, error, "there are two groups '%s'", kind->name);
+            return fp3_kinds_refuse(g, kind->line, error, "there are two groups '%s'", kind->name);
         *group = i;
     }
     if (*group == NONE)
-        return refuse(g, kind->line, error, "there is no group '%s'%s%s%s", kind->name,
-                      near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        return fp3_kinds_refuse(g, kind->line, error, "there is no group '%s'%s%s%s", kind->name,
+                                near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
     if (!model_of(&list[*group]))
-        return refuse(g, kind->line, error,
-                      "group '%s' is no model, and only of a model it is known what its words are",
-                      kind->name);
+        return fp3_kinds_refuse(
+            g, kind->line, error,
+            "group '%s' is no model, and only of a model it is known what its words are",
+            kind->name);
     return FP3_OK;
 }
 
@@ -121,9 +111,9 @@ static fp3_status no_word(const fp3_joined *g, uint32_t line, const fp3_joined *
     for (uint32_t i = 0; i < m->param_count; i++)
         if (!fp3_model_is_foreign(m, i))
             fp3_nearest(wanted, m->params[i].name, &near);
-    return refuse(g, line, error, "the model of group '%s' has no state or param '%s'%s%s%s",
-                  other->name, word, near ? "; did you mean '" : "", near ? near : "",
-                  near ? "'?" : "");
+    return fp3_kinds_refuse(
+        g, line, error, "the model of group '%s' has no state or param '%s'%s%s%s", other->name,
+        word, near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
 static fp3_status check_word(const fp3_joined *g, const fp3_kind *kind, uint32_t param,
@@ -133,75 +123,28 @@ static fp3_status check_word(const fp3_joined *g, const fp3_kind *kind, uint32_t
     const char *word = word_of(m, kind, param);
     const fp3_quantity *theirs = quantity(model_of(other), word);
     if (has_other_size(m, kind, param, model_of(other)))
-        return refuse(g, own->line, error, "'%.*s' has another size in the model of group '%s'",
-                      (int)(strrchr(word, '_') - word), word, other->name);
+        return fp3_kinds_refuse(g, own->line, error,
+                                "'%.*s' has another size in the model of group '%s'",
+                                (int)(strrchr(word, '_') - word), word, other->name);
     if (!theirs)
         return no_word(g, own->line, other, word, error);
     for (uint32_t i = 0; i < m->relation_count; i++)
         if (m->relations[i].kind == FP3_NEAR && m->relations[i].their_radius == param &&
             fp3_model_state(model_of(other), word) != FP3_NONE)
-            return refuse(
+            return fp3_kinds_refuse(
                 g, m->relations[i].line, error,
                 "'%s' is a state in the model of group '%s', and a reach changes with "
                 "params alone: who is near is found before a step, by what stays as it is",
                 word, other->name);
     const int fits = fp3_units_fit(own->dimension, theirs->dimension);
     return fits < 0 ? fp3_no_memory(error)
-           : fits   ? FP3_OK
-                  : refuse(g, own->line, error, "'%s' is in [%s], and in [%s] in group '%s'", word,
-                           own->dimension, theirs->dimension, other->name);
-}
-
-/* ---- what goes with what ---- */
-
-/* Whether its objects never change: they are the same at every stage, by any method. */
-static int never_moves(const fp3_model *m) {
-    int is = !m->event_count && !m->projection_count && !m->relation_count;
-    for (uint32_t i = 0; is && i < m->state_count; i++) {
-        const fp3_expr *e = &m->exprs[m->states[i].derivative];
-        is = e->op == FP3_EXPR_NUMBER && e->number == 0;
-    }
-    return is;
-}
-
-/* Tables of one name may be of different files. */
-static int is_same_method(const fp3_integrator *a, const fp3_integrator *b) {
-    return a->kind == b->kind && a->stages == b->stages && memcmp(a->a, b->a, sizeof a->a) == 0 &&
-           memcmp(a->b, b->b, sizeof a->b) == 0 && memcmp(a->c, b->c, sizeof a->c) == 0 &&
-           memcmp(a->substeps, b->substeps, sizeof a->substeps) == 0 &&
-           memcmp(&a->recurrence, &b->recurrence, sizeof a->recurrence) == 0;
-}
-
-static fp3_status check_steps(const fp3_joined *g, uint32_t line, const fp3_joined *other,
-                              fp3_error *error) {
-    const fp3_program *a = g->program, *b = other->program;
-    const int is_adaptive =
-        fp3_model_adapted(a->model) != FP3_NONE || fp3_model_adapted(b->model) != FP3_NONE;
-    const fp3_model *repeats = a->model->repeat_count   ? a->model
-                               : b->model->repeat_count ? b->model
-                                                        : NULL;
-    const int is_double = a->compiled->arithmetic == FP3_DOUBLE_SINGLE;
-    if (is_adaptive)
-        return refuse(g, line, error, "adaptive steps: it and group '%s' make their steps together",
-                      other->name);
-    if (is_double != (b->compiled->arithmetic == FP3_DOUBLE_SINGLE))
-        return refuse(g, line, error,
-                      "group '%s' is in double-single, and group '%s' is not: kinds that see each "
-                      "other have words of one form",
-                      is_double ? g->name : other->name, is_double ? other->name : g->name);
-    if (repeats && !never_moves(b->model))
-        return refuse(g, line, error,
-                      "`repeat` in line %" PRIu32 " of the model of group '%s': phases that are "
-                      "repeated see no other kind that moves, as group '%s'",
-                      repeats->repeats[0].line, repeats == a->model ? g->name : other->name,
-                      other->name);
-    return is_same_method(a->integrator, b->integrator) || never_moves(b->model)
+           : fits
                ? FP3_OK
-               : refuse(g, line, error,
-                        "it steps by '%s', and group '%s' by '%s': kinds that see each other step "
-                        "by one method, since a stage of one needs the others at the same stage",
-                        a->integrator->name, other->name, b->integrator->name);
+               : fp3_kinds_refuse(g, own->line, error, "'%s' is in [%s], and in [%s] in group '%s'",
+                                  word, own->dimension, theirs->dimension, other->name);
 }
+
+/* ---- what the program reads ---- */
 
 /* The word of the program that is this param and nothing else; is_low: its second word, in
  * double-single. NULL: the program has none. */
@@ -224,10 +167,10 @@ static fp3_status check_reads(const fp3_joined *g, const fp3_kind *kind, fp3_err
     for (uint32_t p = kind->first; p < kind->first + kind->count; p++)
         if (param_word(c, p, 0))
             of = NULL;
-    return of ? refuse(g, of->line, error,
-                       "sums over '%s' read no word of '%s': expected one that does, as "
-                       "sum(o in %s: 0*o.%s)",
-                       of->name, kind->name, of->name, word_of(m, kind, kind->first))
+    return of ? fp3_kinds_refuse(g, of->line, error,
+                                 "sums over '%s' read no word of '%s': expected one that does, as "
+                                 "sum(o in %s: 0*o.%s)",
+                                 of->name, kind->name, of->name, word_of(m, kind, kind->first))
               : FP3_OK;
 }
 
@@ -237,7 +180,7 @@ static fp3_status check_kind(const fp3_joined *list, size_t count, size_t of, co
     for (uint32_t p = kind->first; !status && p < kind->first + kind->count; p++)
         status = check_word(&list[of], kind, p, &list[*group], error);
     if (!status)
-        status = check_steps(&list[of], kind->line, &list[*group], error);
+        status = fp3_kinds_check_steps(&list[of], kind->line, &list[*group], error);
     return status ? status : check_reads(&list[of], kind, error);
 }
 
@@ -253,7 +196,8 @@ static const char *state_word(const fp3_compiled *c, uint32_t state, int is_low)
 typedef struct {
     fp3_coupling coupling;
     size_t group_of[FP3_KINDS_MAX]; /* of each kind that a relation uses, else NONE */
-    size_t part;                    /* groups that see each other are of one part */
+    size_t
+        part; /* groups that see each other are of one part, and so are all with adaptive steps */
     int is_coupled;
 } member;
 
@@ -283,21 +227,39 @@ static int sees(const member *one, size_t group) {
     return 0;
 }
 
-static void find_parts(member *members, size_t count) {
+static int is_adaptive(const fp3_joined *g) {
+    return model_of(g) && fp3_model_adapted(model_of(g)) != FP3_NONE;
+}
+
+/* Whether one sees the other; where any that are adaptive do, all adaptive groups are together. */
+static int are_together(const fp3_joined *list, const member *members, size_t i, size_t k,
+                        int is_common) {
+    return sees(&members[i], k) || sees(&members[k], i) ||
+           (is_common && i != k && is_adaptive(&list[i]) && is_adaptive(&list[k]));
+}
+
+static void find_parts(const fp3_joined *list, member *members, size_t count) {
+    int is_common = 0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < count; k++)
+            is_common |= sees(&members[i], k) && (is_adaptive(&list[i]) || is_adaptive(&list[k]));
     for (int is_new = 1; is_new;) {
         is_new = 0;
         for (size_t i = 0; i < count; i++)
             for (size_t k = 0; k < count; k++)
-                if (sees(&members[i], k) && members[i].part != members[k].part) {
+                if (are_together(list, members, i, k, is_common) &&
+                    members[i].part != members[k].part) {
                     const size_t least =
                         members[i].part < members[k].part ? members[i].part : members[k].part;
                     members[i].part = members[k].part = least;
                     is_new = 1;
                 }
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < count; k++)
-            members[i].is_coupled |= sees(&members[i], k) || sees(&members[k], i);
+            members[i].is_coupled |= are_together(list, members, i, k, is_common);
+        members[i].coupling.is_common = is_common && is_adaptive(&list[i]);
+    }
 }
 
 static fp3_status find_members(const fp3_joined *list, size_t count, member *members,
@@ -315,7 +277,7 @@ static fp3_status find_members(const fp3_joined *list, size_t count, member *mem
     for (size_t i = 0; !status && i < count; i++)
         note_words(list, i, members);
     if (!status)
-        find_parts(members, count);
+        find_parts(list, members, count);
     return status;
 }
 
@@ -351,22 +313,37 @@ static uint64_t looked_at(const fp3_joined *list, size_t count, const member *me
     return looked;
 }
 
+/* What objects of all groups of a part compare. */
+static unsigned compared_in(const fp3_joined *list, size_t count, const member *members,
+                            size_t part) {
+    unsigned compared = 0;
+    for (size_t i = 0; i < count; i++)
+        if (members[i].part == part && members[i].coupling.is_common)
+            compared |= list[i].program->compiled->compares;
+    return compared;
+}
+
 /* The phase of each place, and behind all phases where the group does not show what others look at:
  * they see what it ends with. Returns the set of these places. */
 static uint64_t places_of(const fp3_program *program, const member *one,
                           uint8_t phase[FP3_PLACES]) {
     const fp3_compiled *c = program->compiled;
-    const uint64_t hidden = never_moves(program->model) ? 0 : one->coupling.looked & ~c->shows;
+    const uint64_t hidden =
+        fp3_kinds_never_move(program->model) ? 0 : one->coupling.looked & ~c->shows;
     const uint64_t has = c->looks | c->shows | hidden;
     for (uint32_t p = 0; p < FP3_PLACES; p++)
         phase[p] = !(has >> p & 1) ? 0 : hidden >> p & 1 ? (uint8_t)c->phases : c->phase[p];
     return has;
 }
 
-/* The place before the step, which comes behind the stages. */
-static uint64_t before(const fp3_integrator *integrator) {
+/* The place before the step, which comes behind the stages, and behind the one where a recurrence
+ * is estimated. */
+static uint64_t before(const fp3_program *program) {
+    const fp3_integrator *integrator = program->integrator;
     const uint32_t stages =
-        integrator->kind == FP3_CHEBYSHEV ? integrator->recurrence.stages : integrator->stages;
+        integrator->kind == FP3_CHEBYSHEV
+            ? integrator->recurrence.stages + (uint32_t)fp3_model_chooses_steps(program->model)
+            : integrator->stages;
     return stages < FP3_PLACES ? UINT64_C(1) << stages : 0;
 }
 
@@ -381,9 +358,9 @@ static void sort(uint64_t has, uint8_t phase[FP3_PLACES]) {
             }
 }
 
-static int raise(const uint8_t least[FP3_PLACES], int is_one, uint8_t phase[FP3_PLACES]) {
+static int raise(const uint8_t *least, uint32_t count, int is_one, uint8_t *phase) {
     int is_new = 0;
-    for (uint32_t p = 0; p < FP3_PLACES && !(is_one && is_new); p++)
+    for (uint32_t p = 0; p < count && !(is_one && is_new); p++)
         if (least[p] > phase[p]) {
             phase[p] = least[p];
             is_new = 1;
@@ -395,7 +372,7 @@ static int raise(const uint8_t least[FP3_PLACES], int is_one, uint8_t phase[FP3_
  * may be in another one in each group: so all of them take the order of the places, if they can,
  * and else the first place is decided before the others. */
 static int raise_phases(const fp3_joined *list, size_t count, const member *members, size_t part,
-                        uint8_t phase[FP3_PLACES]) {
+                        fp3_coupling *asked) {
     int is_new = 0;
     for (int is_one = 0; !is_new && is_one < 2; is_one++)
         for (size_t i = 0; i < count && !(is_one && is_new); i++) {
@@ -404,8 +381,9 @@ static int raise_phases(const fp3_joined *list, size_t count, const member *memb
                 continue;
             const uint64_t has = places_of(list[i].program, &members[i], least);
             if (!is_one)
-                sort(has & ~before(list[i].program->integrator), least);
-            is_new |= raise(least, is_one, phase);
+                sort(has & ~before(list[i].program), least);
+            is_new |= raise(least, FP3_PLACES, is_one, asked->phase);
+            is_new |= raise(list[i].program->compiled->behind, FP3_COMPARISONS, 0, asked->behind);
         }
     return is_new;
 }
@@ -414,7 +392,7 @@ static int raise_phases(const fp3_joined *list, size_t count, const member *memb
 static fp3_status fit(const fp3_joined *list, size_t count, member *members, size_t part,
                       fp3_error *error) {
     enum { ROUNDS = 128 };
-    uint8_t phase[FP3_PLACES] = {0};
+    fp3_coupling asked = {.compared = 0};
     fp3_status status = FP3_OK;
     for (unsigned round = 0; !status && round < ROUNDS; round++) {
         int is_new = round == 0;
@@ -425,19 +403,51 @@ static fp3_status fit(const fp3_joined *list, size_t count, member *members, siz
             is_new |= looked != members[i].coupling.looked;
             members[i].coupling.looked = looked;
         }
-        is_new |= round > 0 && raise_phases(list, count, members, part, phase);
+        const unsigned compared = compared_in(list, count, members, part);
+        is_new |= compared != asked.compared;
+        asked.compared = compared;
+        is_new |= round > 0 && raise_phases(list, count, members, part, &asked);
         if (!is_new)
             return FP3_OK;
         for (size_t i = 0; !status && i < count; i++) {
             if (members[i].part != part || !members[i].is_coupled)
                 continue;
-            memcpy(members[i].coupling.phase, phase, sizeof phase);
+            memcpy(members[i].coupling.phase, asked.phase, sizeof asked.phase);
+            memcpy(members[i].coupling.behind, asked.behind, sizeof asked.behind);
+            members[i].coupling.compared = asked.compared;
             status = compile_again(&list[i], &members[i].coupling, error);
         }
     }
     return status ? status
-                  : refuse(&list[part], 0, error,
-                           "it and the groups that it sees find no phases that fit each other");
+                  : fp3_kinds_refuse(
+                        &list[part], 0, error,
+                        "it and the groups that it sees find no phases that fit each other");
+}
+
+/* The engine compares their words, so programs have them. */
+static uint64_t common_params(const fp3_model *m) {
+    const uint32_t until = fp3_model_param(m, "until"), locate = fp3_model_param(m, "locate");
+    return UINT64_C(1) << until | (locate == FP3_NONE ? 0 : UINT64_C(1) << locate);
+}
+
+/* All that are adaptive have the same states and params for it. */
+static fp3_status make_alike(const fp3_joined *list, size_t count, member *members,
+                             fp3_error *error) {
+    fp3_model **models = calloc(count + 1u, sizeof(fp3_model *));
+    size_t found = 0;
+    if (!models)
+        return fp3_no_memory(error);
+    for (size_t i = 0; i < count; i++)
+        if (members[i].coupling.is_common)
+            models[found++] = list[i].program->model;
+    fp3_status status = found ? fp3_kinds_check_all(list, count, error) : FP3_OK;
+    if (!status && found)
+        status = fp3_models_adapt_alike(models, found, error);
+    for (size_t i = 0; !status && i < count; i++)
+        if (members[i].coupling.is_common)
+            members[i].coupling.params |= common_params(model_of(&list[i]));
+    free(models);
+    return status;
 }
 
 fp3_status fp3_programs_join(const fp3_joined *list, size_t count, fp3_error *error) {
@@ -446,6 +456,8 @@ fp3_status fp3_programs_join(const fp3_joined *list, size_t count, fp3_error *er
     if (!members)
         return fp3_no_memory(error);
     fp3_status status = find_members(list, count, members, error);
+    if (!status)
+        status = make_alike(list, count, members, error);
     for (size_t i = 0; !status && i < count; i++)
         if (members[i].is_coupled && members[i].part == i)
             status = fit(list, count, members, i, error);
@@ -483,9 +495,10 @@ fp3_status fp3_program_foreign(const fp3_joined *list, size_t count, size_t of,
             const char *word = param_word(program->compiled, p, n % 2), *name = word_of(m, kind, p);
             const char *theirs = their_word(list[group].program, name, n % 2);
             if (word && !theirs)
-                status = refuse(&list[of], kind->line, error,
-                                "the program of group '%s' has no word '%s': join the programs",
-                                kind->name, name);
+                status = fp3_kinds_refuse(
+                    &list[of], kind->line, error,
+                    "the program of group '%s' has no word '%s': join the programs", kind->name,
+                    name);
             else if (word)
                 (*foreign)[(*foreign_count)++] = (fp3_foreign){word, group, theirs};
         }

@@ -123,7 +123,8 @@ static fp3_status check_h(const fp3_scene *scene, const fp3_engine *engine, cons
     for (uint32_t i = 0; i < layout->count; i++)
         for (uint32_t k = 0; k < layout->groups[i].foreign_count; k++) {
             const size_t other = layout->groups[i].foreign[k].group;
-            if ((float)h[i] != (float)h[other])
+            if ((float)h[i] != (float)h[other] &&
+                !fp3_model_chooses_steps(scene->groups[i].program->model))
                 return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path,
                                    (unsigned)scene->groups[i].line, 0,
                                    "'h' is %.9g, and %.9g in group '%s': groups that see each "

@@ -134,6 +134,10 @@ static fp3_status read_def(const reader *r, const config_setting_t *from, fp3_sc
     def->integrator = *integrator;
     how->config = r->machine->name;
     how->is_for_host = 1;
+    /* One group may see another, whose objects then make the same steps. */
+    static const fp3_coupling together = {.is_common = 1};
+    if (def->is_adaptive && r->scene->group_count > 1 && !r->machine->sleep)
+        how->coupling = &together;
     return status;
 }
 

@@ -41,3 +41,11 @@ def test_births_and_ends(build, long, engine):
 def test_pairs_of_another_kind_are_forgotten(build, long, engine):
     for seed in seeds(engine, long, 2, 5):
         run(build, engine, 3, seed, "turn")
+
+
+@pytest.mark.parametrize("engine", ["isa", "fast", "rtl"])
+def test_words_that_all_objects_compare(build, engine):
+    """By hand, of -1, 3 and 2 in one group and -7 and 0.5 in the other: the largest x, and the largest -x, for all; stored in other phases, refused."""
+    done = subprocess.run([build / "tests/world_worst", engine], capture_output=True, text=True, timeout=120)
+    why = "group 0: phase 0 stores the .worst 'other', and that of group 1 does not: objects of all groups compare it"
+    assert done.stdout.splitlines() == [" ".join(["3,7"] * 5)] * 2 + [why], done.stdout + done.stderr

@@ -75,7 +75,8 @@ static void add_limit(fp3_advance *a, uint32_t known) {
 static void find_limit(fp3_advance *a) {
     known_table *known = &a->step->known;
     uint32_t times[2 * FP3_SWITCHINGS_MOST], count = 0;
-    int is_own = 0; /* a time is one of the object's own params */
+    /* A time is one of the object's own params, or of objects of one kind alone. */
+    int is_own = fp3_advance_compares(a, FP3_COMPARED_LIMIT);
     for (uint32_t i = 0; i < a->switchings.count; i++) {
         const char kind = a->switchings.kind[a->switchings.expr[i]];
         const uint32_t time = fp3_switching_time(known, &a->switchings, i);
@@ -97,10 +98,10 @@ static void find_limit(fp3_advance *a) {
             k++;
         if (k == i)
             add_limit(a, times[i]);
-        is_own |= !known->list[times[i]].is_shared;
+        is_own |= !known->list[times[i]].is_shared || a->options->coupling;
     }
     if (is_own)
-        a->limit = fp3_advance_least(a, a->limit);
+        a->limit = fp3_advance_least(a, FP3_COMPARED_LIMIT, a->limit);
 }
 
 /* A condition in t is computed once, in the middle of the step: the value holds within the step,
@@ -291,7 +292,7 @@ static uint32_t factor(const fp3_advance *a, uint32_t x) {
 static uint32_t is_small_enough(fp3_advance *a) {
     dag *g = &a->step->values;
     const uint32_t own = fp3_advance_moving(a, squares(a), num(g, 0));
-    const uint32_t x = fp3_advance_worst(a, own);
+    const uint32_t x = fp3_advance_worst(a, FP3_COMPARED_ERROR, own);
     a->by = factor(a, x);
     note(a, "is the error small enough");
     return op2(g, FP3_OP_LE, x, num(g, pow(SAFETY, -8)));
@@ -307,7 +308,7 @@ fp3_status fp3_adaptive_judge(fp3_advance *a, fp3_error *error) {
     dag *g = &a->step->values;
     if (!a->is_adaptive)
         return FP3_OK;
-    if (!count_moved(a))
+    if (!count_moved(a) && !a->is_common)
         return fp3_fail(error, FP3_E_PROGRAM, "adaptive steps need a state that is observed");
     uint32_t is_good = a->is_chosen ? is_small_enough(a) : num(g, 1);
     const fp3_status status = fp3_locate(a, error);

@@ -183,22 +183,41 @@ static uint32_t next_end(fp3_advance *a, const sight *seen, const attempt *is, u
 
 /* ---- objects that make the same steps ---- */
 
+/* What one sees who sees no event. */
+static void see_nothing(const fp3_advance *a, sight *seen) {
+    dag *g = &a->step->values;
+    if (seen->is_ahead == FP3_NONE && fp3_advance_compares(a, FP3_COMPARED_AHEAD))
+        seen->is_ahead = num(g, 1);
+    if (seen->late == FP3_NONE && fp3_advance_compares(a, FP3_COMPARED_LATE))
+        seen->late = since(a);
+    if (seen->begins == FP3_NONE && fp3_advance_compares(a, FP3_COMPARED_BEGINS))
+        seen->begins = num(g, 0);
+    if (seen->to == FP3_NONE && fp3_advance_compares(a, FP3_COMPARED_TO))
+        seen->from = seen->to = num(g, FP3_ROOT_FAR);
+}
+
 /* All objects see what any of them does, but for those that have stopped. */
 static void share(const fp3_advance *a, sight *seen) {
     dag *g = &a->step->values;
     if (!a->is_common)
         return;
     note(a, "does an object see an event");
+    see_nothing(a, seen);
     if (seen->is_ahead != FP3_NONE)
-        seen->is_ahead = fp3_advance_least(a, fp3_advance_moving(a, seen->is_ahead, num(g, 1)));
+        seen->is_ahead = fp3_advance_least(a, FP3_COMPARED_AHEAD,
+                                           fp3_advance_moving(a, seen->is_ahead, num(g, 1)));
     if (seen->late != FP3_NONE)
-        seen->late = fp3_advance_worst(a, fp3_advance_moving(a, seen->late, since(a)));
+        seen->late =
+            fp3_advance_worst(a, FP3_COMPARED_LATE, fp3_advance_moving(a, seen->late, since(a)));
     if (seen->begins != FP3_NONE)
-        seen->begins = fp3_advance_worst(a, fp3_advance_moving(a, seen->begins, num(g, 0)));
+        seen->begins = fp3_advance_worst(a, FP3_COMPARED_BEGINS,
+                                         fp3_advance_moving(a, seen->begins, num(g, 0)));
     if (seen->to == FP3_NONE)
         return;
-    seen->from = fp3_advance_least(a, fp3_advance_moving(a, seen->from, num(g, FP3_ROOT_FAR)));
-    seen->to = fp3_advance_least(a, fp3_advance_moving(a, seen->to, num(g, FP3_ROOT_FAR)));
+    seen->from = fp3_advance_least(a, FP3_COMPARED_FROM,
+                                   fp3_advance_moving(a, seen->from, num(g, FP3_ROOT_FAR)));
+    seen->to = fp3_advance_least(a, FP3_COMPARED_TO,
+                                 fp3_advance_moving(a, seen->to, num(g, FP3_ROOT_FAR)));
 }
 
 static void judge(fp3_advance *a, const sight *seen) {

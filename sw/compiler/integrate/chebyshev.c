@@ -168,6 +168,8 @@ static void make_step(const chebyshev *r) {
     for (uint32_t s = 0; s < count; s++)
         if (is_moved(r, s))
             r->sum[s] = finish(r, s);
+    if (a->is_chosen)
+        fp3_advance_show(a, &a->places[stages]);
     for (uint32_t s = 0; a->is_chosen && s < count; s++)
         if (is_moved(r, s))
             estimate(r, s, r->sum[s]);

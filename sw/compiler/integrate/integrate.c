@@ -129,7 +129,8 @@ fp3_status fp3_integrate(const fp3_model *model, const fp3_integrator *integrato
     a.is_adaptive = fit->control != 0;
     a.is_chosen = fp3_model_chooses_steps(model);
     const fp3_coupling *c = options->coupling;
-    a.is_common = a.is_adaptive && (model->relation_count || (c && (c->seen || c->params)));
+    a.is_common =
+        a.is_adaptive && (model->relation_count || (c && (c->seen || c->params || c->is_common)));
     a.is_in_time = a.next = a.root_before = a.root_behind = a.stops = FP3_NONE;
     a.error_scale = fp3_term(FP3_NONE);
     fp3_status status = fp3_step_open(step, model, options, error);

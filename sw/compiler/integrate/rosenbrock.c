@@ -264,8 +264,8 @@ fp3_status fp3_rosenbrock(fp3_advance *a, const uint32_t *partial, fp3_error *er
     for (unsigned i = 0; a->fit->has_time && i < stages; i++)
         a->places[i].time = fp3_advance_time(a, values(&r), a->integrator->c[i]);
     for (unsigned i = 0; i < stages; i++) {
-        solve_stage(&r, i);
         fp3_advance_show(a, &a->places[i]);
+        solve_stage(&r, i);
     }
     for (uint32_t s = 0; s < r.count; s++)
         advance_state(&r, s);

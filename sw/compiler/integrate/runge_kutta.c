@@ -336,6 +336,13 @@ static void estimate(runge_kutta *r, uint32_t s) {
                                    r->a->step->model->states[s].derivative);
 }
 
+/* Before sums of that stage: those where states are within the step, or the new ones. */
+static void show_stages(runge_kutta *r, int are_new) {
+    for (uint32_t i = 0; i < r->a->integrator->stages; i++)
+        if (is_at_new(r, i) == are_new)
+            fp3_advance_show(r->a, &r->a->places[i]);
+}
+
 fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
     const uint32_t states = a->step->model->state_count;
     const size_t cells = (size_t)a->integrator->stages * states + 1u;
@@ -350,12 +357,14 @@ fp3_status fp3_runge_kutta(fp3_advance *a, fp3_error *error) {
         status = fp3_advance_places(a, a->integrator->stages, "k", state_at, &r, error);
     for (uint32_t i = 0; !status && a->fit->has_time && i < a->integrator->stages; i++)
         a->places[i].time = fp3_advance_time(a, values(&r), a->integrator->c[i]);
+    if (!status)
+        show_stages(&r, 0);
     for (int late = 0; !status && late < 2; late++)
         for (uint32_t s = 0; s < states; s++)
             if (fp3_fit_is_moved(a->fit, s) && is_late(&r, s) == late)
                 (late ? advance_late : advance_early)(&r, s);
-    for (uint32_t i = 0; !status && i < a->integrator->stages; i++)
-        fp3_advance_show(a, &a->places[i]);
+    if (!status)
+        show_stages(&r, 1);
     for (uint32_t s = 0; !status && a->is_chosen && s < states; s++)
         if (fp3_fit_is_moved(a->fit, s) && !fp3_advance_rests(a, s))
             estimate(&r, s);

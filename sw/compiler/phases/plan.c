@@ -28,7 +28,7 @@ unsigned fp3_cut_operands(const fp3_cut_plan *c, uint32_t node, uint32_t list[FP
     unsigned count = 0;
     if (fp3_dag_is_leaf(c->g, node) || fp3_cut_is_neighbours(n->op))
         return 0;
-    const int last = fp3_dag_is_fold(n->op) ? 1 : 2;
+    const int last = fp3_dag_is_fold(n->op) || n->op == NODE_WORST ? 1 : 2;
     for (int i = 0; i <= last; i++)
         if (fp3_dag_operand(c->g, node, i) != FP3_NONE)
             list[count++] = fp3_dag_operand(c->g, node, i);
@@ -63,23 +63,25 @@ static uint32_t *shown(const fp3_cut_plan *c, uint32_t phase, uint32_t state, ui
     return &c->shown[phase * c->words + word * c->step->model->state_count + state];
 }
 
-/* Whether neighbours can see at this place in this phase what they have to. */
-static int fits(const fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+/* Whether neighbours can see at this place in this phase what comes before a node. What comes later
+ * is not read by it. */
+static int fits(const fp3_cut_plan *c, uint32_t place, uint32_t phase, uint32_t before) {
     for (uint32_t i = 0; i < c->step->sight.count; i++) {
         const fp3_seen *s = &c->step->sight.list[i];
         const uint32_t there = *shown(c, phase, s->state, s->word);
         const int is_there =
             is_start(c, s) || (phase > 0 && ready(c, s->node) / FP3_CUT_SLOTS < phase);
-        if (s->place == place && (!is_there || (there != FP3_NONE && there != s->node)))
+        if (s->place == place && s->node < before &&
+            (!is_there || (there != FP3_NONE && there != s->node)))
             return 0;
     }
     return 1;
 }
 
-static void show(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+static void show(fp3_cut_plan *c, uint32_t place, uint32_t phase, uint32_t before) {
     for (uint32_t i = 0; i < c->step->sight.count; i++) {
         const fp3_seen *s = &c->step->sight.list[i];
-        if (s->place == place) {
+        if (s->place == place && s->node < before) {
             *shown(c, phase, s->state, s->word) = s->node;
             c->published |= UINT64_C(1) << s->state;
         }
@@ -98,24 +100,33 @@ static uint32_t least_phase(const fp3_cut_plan *c, uint32_t place) {
     return asked > c->base ? asked - c->base : 0;
 }
 
+/* The phase that begins with what all objects have compared, which they had at a time. */
+static uint32_t compared(const fp3_cut_plan *c, uint32_t node) {
+    const fp3_coupling *of = c->step->coupling;
+    const uint32_t least = of ? of->behind[fp3_cut_node(c, node)->c] : 0;
+    const uint32_t own = c->base + phase_of(c, node);
+    return (own > least ? own : least) - c->base + 1;
+}
+
 /* The first time from `when` on for loops at a place; 0: there is none. What has no slot in a phase
  * goes on in the next one. */
-static uint32_t loops_at(const fp3_cut_plan *c, uint32_t place, uint32_t when) {
+static uint32_t loops_at(const fp3_cut_plan *c, uint32_t place, uint32_t when, uint32_t before) {
     uint32_t phase = when / FP3_CUT_SLOTS;
     const uint32_t first = phase, least = least_phase(c, place);
     const int is_full = (when | 1) % FP3_CUT_SLOTS > FP3_CUT_SLOTS - 3;
     if (phase < least)
         phase = least;
-    while (phase < FP3_CUT_PHASES && ((phase == first && is_full) || !fits(c, place, phase)))
+    while (phase < FP3_CUT_PHASES &&
+           ((phase == first && is_full) || !fits(c, place, phase, before)))
         phase++;
     return phase == FP3_CUT_PHASES ? 0 : (phase > first ? phase * FP3_CUT_SLOTS : when) | 1;
 }
 
 /* ---- what objects of other kinds see ---- */
 
-static void handle(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
+static void handle(fp3_cut_plan *c, uint32_t place, uint32_t phase, uint32_t before) {
     const uint32_t number = fp3_step_place(c->step, place);
-    show(c, place, phase);
+    show(c, place, phase, before);
     if (number == FP3_NONE || !(c->step->shown >> number & 1))
         return;
     if (!(c->handled >> number & 1) || phase > c->phase_of[number])
@@ -138,11 +149,11 @@ static fp3_status show_until(fp3_cut_plan *c, uint32_t end, uint32_t before, fp3
         if (!((c->step->shown & ~c->handled) >> place & 1) || place == c->step->kept_place ||
             !is_made(c, place, before))
             continue;
-        while (phase < FP3_CUT_PHASES && !fits(c, place, phase))
+        while (phase < FP3_CUT_PHASES && !fits(c, place, phase, before))
             phase++;
         if (phase == FP3_CUT_PHASES)
             return too_many(error);
-        handle(c, place, phase);
+        handle(c, place, phase, before);
     }
     return FP3_OK;
 }
@@ -162,7 +173,7 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
             c->is_body[i] |= c->is_body[list[k]];
         }
         if (is_worst(c, i))
-            c->when[i] = (phase_of(c, i) + 1) * FP3_CUT_SLOTS;
+            c->when[i] = compared(c, i) * FP3_CUT_SLOTS;
         if (phase_of(c, i) >= FP3_CUT_PHASES)
             return too_many(error);
         if (!fp3_dag_is_fold(fp3_cut_node(c, i)->op))
@@ -171,10 +182,10 @@ static fp3_status find_when(fp3_cut_plan *c, fp3_error *error) {
         const fp3_status status = show_until(c, place, i, error);
         if (status)
             return status;
-        c->when[i] = loops_at(c, place, c->when[i]);
+        c->when[i] = loops_at(c, place, c->when[i], i);
         if (!c->when[i])
             return too_many(error);
-        handle(c, place, phase_of(c, i));
+        handle(c, place, phase_of(c, i), i);
         c->is_body[i] = 0;
     }
     return show_until(c, FP3_LAST_PLACE, c->g->count, error);
@@ -193,10 +204,10 @@ static fp3_status find_kept(fp3_cut_plan *c, fp3_error *error) {
                 fp3_dag_relation(c->g, i) == kept->relation && c->when[i] > when)
                 when = c->when[i];
     }
-    c->kept = loops_at(c, step->kept_place, when);
+    c->kept = loops_at(c, step->kept_place, when, c->g->count);
     if (!c->kept)
         return too_many(error);
-    handle(c, step->kept_place, c->kept / FP3_CUT_SLOTS);
+    handle(c, step->kept_place, c->kept / FP3_CUT_SLOTS, c->g->count);
     return FP3_OK;
 }
 
@@ -446,8 +457,9 @@ static void find_holders(fp3_cut_plan *c) {
     for (uint32_t when = 0; when < FP3_CUT_PHASES * FP3_CUT_SLOTS; when++)
         for (uint32_t i = 0; !c->has_failed && i < c->g->count; i++)
             if (c->is_held[i] && written(c, i) == when)
-                c->holder[i] = is_worst(c, i) ? fp3_cut_variable(c, ROLE_WORST, i)
-                                              : free_one(c, when, c->until[i]);
+                c->holder[i] = is_worst(c, i)
+                                   ? fp3_cut_variable(c, ROLE_WORST, fp3_cut_node(c, i)->c)
+                                   : free_one(c, when, c->until[i]);
 }
 
 /* Params of neighbours are words of their records, so they are params of the program. */

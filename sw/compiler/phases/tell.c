@@ -16,6 +16,12 @@ static int look(fp3_cut_plan *c, uint32_t place, uint32_t phase) {
     return 1;
 }
 
+static void compare(fp3_cut_plan *c, uint32_t node) {
+    const uint32_t which = fp3_cut_node(c, node)->c;
+    c->step->compares |= 1u << which;
+    c->step->behind[which] = (uint8_t)(c->base + c->when[node] / FP3_CUT_SLOTS - 1);
+}
+
 fp3_status fp3_cut_tell(fp3_cut_plan *c, fp3_error *error) {
     fp3_step *step = c->step;
     int is_good = 1;
@@ -23,6 +29,9 @@ fp3_status fp3_cut_tell(fp3_cut_plan *c, fp3_error *error) {
     for (uint32_t i = 0; i < FP3_PLACES; i++)
         if (c->handled >> i & 1)
             step->phase[i] = (uint8_t)(c->base + c->phase_of[i]);
+    for (uint32_t i = 0; i < c->g->count; i++)
+        if (c->is_needed[i] && fp3_cut_node(c, i)->op == NODE_WORST)
+            compare(c, i);
     for (uint32_t i = 0; i < c->g->count; i++)
         if (c->is_needed[i] && fp3_dag_is_fold(fp3_cut_node(c, i)->op) &&
             is_of_kind(c, fp3_dag_relation(c->g, i)))

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "adapt.h"
 #include "base/definition.h"
 #include "base/host.h"
 #include "options.h"
@@ -197,4 +198,65 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
     if (!status && is_short)
         start_short(model, is_chosen, params[3].value);
     return status;
+}
+
+/* ---- models whose objects see each other ---- */
+
+static fp3_quantity *quantity(const fp3_model *m, const char *name) {
+    const uint32_t state = fp3_model_state(m, name), param = fp3_model_param(m, name);
+    return state != FP3_NONE ? &m->states[state] : param != FP3_NONE ? &m->params[param] : NULL;
+}
+
+/* The first that has it. */
+static const fp3_quantity *any(fp3_model *const *list, size_t count, const char *name) {
+    const fp3_quantity *found = NULL;
+    for (size_t i = 0; !found && i < count; i++)
+        found = quantity(list[i], name);
+    return found;
+}
+
+static fp3_status add_to_all(fp3_model *const *list, size_t count, const char *name, int is_param,
+                             fp3_error *error) {
+    const fp3_quantity *of = any(list, count, name);
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; of && !status && i < count; i++) {
+        const addition what = {name, of->doc, of->value, of->is_shared};
+        if (!quantity(list[i], name))
+            status = is_param ? add_param(list[i], &what, of->dimension, error)
+                              : add_state(list[i], &what, of->dimension, 0, error);
+    }
+    return status;
+}
+
+/* The same value for all: the least, or the largest. */
+static void agree(fp3_model *const *list, size_t count, const char *name, int is_least) {
+    const fp3_quantity *of = any(list, count, name);
+    double value = of ? of->value : 0;
+    for (size_t i = 0; of && i < count; i++)
+        value = (is_least ? fmin : fmax)(value, quantity(list[i], name)->value);
+    for (size_t i = 0; of && i < count; i++)
+        quantity(list[i], name)->value = value;
+}
+
+fp3_status fp3_models_adapt_alike(fp3_model *const *list, size_t count, fp3_error *error) {
+    static const char *const states[] = {"h_cut", FP3_STATE_BEFORE, FP3_STATE_BEHIND,
+                                         FP3_STATE_ROOT_BEFORE, FP3_STATE_ROOT_BEHIND};
+    fp3_status status = FP3_OK;
+    int is_short = 0;
+    for (size_t i = 0; i < count; i++)
+        is_short |= has_condition(list[i]);
+    for (size_t k = 0; !status && k < sizeof states / sizeof *states; k++)
+        status = add_to_all(list, count, states[k], 0, error);
+    if (!status)
+        status = add_to_all(list, count, "locate", 1, error);
+    if (!status)
+        status = add_to_all(list, count, "maxstep", 1, error);
+    if (status)
+        return status;
+    agree(list, count, "h_next", 1);
+    agree(list, count, "maxstep", 1);
+    agree(list, count, "locate", 0);
+    for (size_t i = 0; is_short && i < count; i++)
+        start_short(list[i], fp3_model_chooses_steps(list[i]), quantity(list[i], "locate")->value);
+    return FP3_OK;
 }

@@ -121,13 +121,24 @@ term fp3_advance_time(const fp3_advance *a, dag *g, double c) {
     return t;
 }
 
-uint32_t fp3_advance_worst(const fp3_advance *a, uint32_t node) {
-    return a->is_common ? fp3_dag_worst(&a->step->values, node) : node;
+int fp3_advance_compares(const fp3_advance *a, fp3_compared which) {
+    const fp3_coupling *c = a->options->coupling;
+    return a->is_common && c && c->compared >> which & 1;
 }
 
-uint32_t fp3_advance_least(const fp3_advance *a, uint32_t node) {
+/* What is known is the same for all objects of a kind. */
+uint32_t fp3_advance_worst(const fp3_advance *a, fp3_compared which, uint32_t node) {
     dag *g = &a->step->values;
-    return a->is_common ? sub(g, num(g, 0), fp3_advance_worst(a, sub(g, num(g, 0), node))) : node;
+    const int is_known = fp3_dag_is_known(g, node) != FP3_NONE;
+    return a->is_common && (!is_known || fp3_advance_compares(a, which))
+               ? fp3_dag_worst(g, node, which)
+               : node;
+}
+
+uint32_t fp3_advance_least(const fp3_advance *a, fp3_compared which, uint32_t node) {
+    dag *g = &a->step->values;
+    return a->is_common ? sub(g, num(g, 0), fp3_advance_worst(a, which, sub(g, num(g, 0), node)))
+                        : node;
 }
 
 uint32_t fp3_advance_moving(const fp3_advance *a, uint32_t node, uint32_t stopped) {

@@ -79,10 +79,12 @@ term fp3_advance_held(const fp3_advance *a, dag *g, role role, uint32_t state);
  * variables are those after the step. Call this only if fit->has_time. */
 term fp3_advance_time(const fp3_advance *a, dag *g, double c);
 
+/* Whether objects of another kind make this comparison, so these have to make it, too. */
+int fp3_advance_compares(const fp3_advance *a, fp3_compared which);
 /* The largest that all objects have, where they make the same steps, and the least; else the node.
  * A NaN is either. */
-uint32_t fp3_advance_worst(const fp3_advance *a, uint32_t node);
-uint32_t fp3_advance_least(const fp3_advance *a, uint32_t node);
+uint32_t fp3_advance_worst(const fp3_advance *a, fp3_compared which, uint32_t node);
+uint32_t fp3_advance_least(const fp3_advance *a, fp3_compared which, uint32_t node);
 /* The node, or `stopped` where the object has stopped. */
 uint32_t fp3_advance_moving(const fp3_advance *a, uint32_t node, uint32_t stopped);
 

@@ -31,7 +31,7 @@ typedef enum {
 
 typedef struct variable {
     role role;
-    uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE; WORST: the node that is compared */
+    uint32_t state; /* of the model; STEPS, CARRIED: FP3_NONE; WORST: which fp3_compared */
     uint32_t next;  /* node: its value after the step */
     uint32_t first; /* CARRIED: node that computes it when a visit begins */
     uint32_t last;  /* node of `last` that the state is at the end; FP3_NONE: none */
@@ -76,7 +76,9 @@ typedef struct {
     const fp3_coupling *coupling;
     uint64_t shown, looks;
     uint8_t phase[FP3_PLACES];
-    uint32_t phases; /* of the step */
+    unsigned compares;               /* comparisons that this step makes, ... */
+    uint8_t behind[FP3_COMPARISONS]; /* ... and behind which phase */
+    uint32_t phases;                 /* of the step */
     int is_still;
     fp3_notes notes;
 } fp3_step;

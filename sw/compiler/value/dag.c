@@ -98,10 +98,8 @@ uint32_t fp3_dag_neighbour(dag *g, uint32_t op, uint32_t a, uint32_t b, uint32_t
     return there != FP3_NONE ? there : fp3_dag_make(g, op, a, b, c);
 }
 
-uint32_t fp3_dag_worst(dag *g, uint32_t node) {
-    return fp3_dag_is_known(g, node) != FP3_NONE
-               ? node
-               : fp3_dag_neighbour(g, NODE_WORST, node, FP3_NONE, FP3_NONE);
+uint32_t fp3_dag_worst(dag *g, uint32_t node, uint32_t which) {
+    return fp3_dag_neighbour(g, NODE_WORST, node, FP3_NONE, which);
 }
 
 uint32_t fp3_dag_is_known(const dag *g, uint32_t node) {

@@ -30,7 +30,7 @@ enum {
     NODE_LEAST,         /* the least of b and of a for each one */
     NODE_MOST,          /* the most */
     NODE_SECOND,        /* the second word of the fold that stands before it: a and b are, too */
-    NODE_WORST,         /* of a over all objects: in a later phase (machine/neighbours.h) */
+    NODE_WORST,         /* of a over all objects, comparison c: in a later phase */
     NODE_FUNCTION = 512 /* + FP3_EXPR_...: a function of a, or of a and b; of a power b is known */
 };
 
@@ -86,8 +86,8 @@ static inline int fp3_dag_is_leaf(const dag *g, uint32_t node) {
     return op == NODE_KNOWN || op == NODE_VARIABLE;
 }
 
-/* The worst of what all objects have. */
-uint32_t fp3_dag_worst(dag *g, uint32_t node);
+/* The worst of what all objects have (machine/neighbours.h); `which`: an fp3_compared. */
+uint32_t fp3_dag_worst(dag *g, uint32_t node, uint32_t which);
 
 /* Whether a value is made of all neighbours, in a loop over them. */
 static inline int fp3_dag_is_fold(uint32_t op) { return op >= NODE_TOTAL && op <= NODE_SECOND; }

@@ -163,8 +163,12 @@ fp3_status fp3_engine_exchange_begin(fp3_engine *engine);
 fp3_status fp3_engine_exchange_end(fp3_engine *engine);
 
 /* Behind a phase, before the one that begins at this word of the group's program: words that all
- * objects compare (machine/neighbours.h). */
+ * objects compare (machine/neighbours.h). Where a run makes one phase of a kind, kinds do that. */
 fp3_status fp3_engine_compare(fp3_engine *engine, const fp3_members *group, uint32_t begin);
+
+/* Of a word: a number whose low half it is, larger for a worse word. Floats and logarithms go by
+ * their bits. */
+uint64_t fp3_worst_key(uint32_t word);
 
 /* Tells the caller how far the run is, by the instructions that objects have executed so far. */
 void fp3_engine_tell(const fp3_engine *engine, uint64_t executed);

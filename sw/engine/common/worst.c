@@ -8,9 +8,7 @@
 #define SIGN 0x80000000u
 #define INFINITE 0x7f800000u
 
-/* A number whose low half is the word, larger for a worse word: floats and logarithms go by their
- * bits. */
-static uint64_t key_of(uint32_t word) {
+uint64_t fp3_worst_key(uint32_t word) {
     const int is_nan = (word & ~SIGN) > INFINITE;
     const uint32_t rank = is_nan ? UINT32_MAX : word & SIGN ? ~word : word | SIGN;
     return (uint64_t)rank << 32 | word;
@@ -20,7 +18,7 @@ static uint64_t key_of(uint32_t word) {
 static uint32_t worst_of(const fp3_engine *engine, const uint32_t *words, uint32_t count) {
     uint64_t worst = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const uint64_t key = key_of(words[i]);
+        const uint64_t key = fp3_worst_key(words[i]);
         worst = key > worst ? key : worst;
     }
     if (engine->exchange.worst)
@@ -43,7 +41,7 @@ static fp3_status compare(fp3_engine *engine, const fp3_members *group, uint32_t
 
 fp3_status fp3_engine_compare(fp3_engine *engine, const fp3_members *group, uint32_t begin) {
     const uint64_t all = fp3_neighbourhood_compared(&group->lists.shape, &group->program, begin);
-    if (!all)
+    if (!all || engine->only) /* of kinds, all objects of all of them are compared */
         return FP3_OK;
     uint32_t *words = malloc((group->objects + (size_t)1) * sizeof *words);
     fp3_status status = words ? FP3_OK : fp3_no_memory(engine->def.error);

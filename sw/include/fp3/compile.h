@@ -93,12 +93,30 @@ int fp3_arithmetic_applies(fp3_arithmetic arithmetic, const fp3_integrator *inte
  * kinds ask of each other. */
 #define FP3_PLACES 64
 #define FP3_PLACE_EVENTS 44
+
+/* What all objects compare in an adaptive step that they make together (docs/adaptive.md): where it
+ * ends at the latest, its error, and what each sees of an event. */
+typedef enum {
+    FP3_COMPARED_LIMIT,
+    FP3_COMPARED_ERROR,
+    FP3_COMPARED_AHEAD,
+    FP3_COMPARED_LATE,
+    FP3_COMPARED_BEGINS,
+    FP3_COMPARED_FROM,
+    FP3_COMPARED_TO,
+    FP3_COMPARISONS
+} fp3_compared;
+
 typedef struct {
     uint64_t seen;   /* states of this model that objects of other kinds read: bit s for state s */
     uint64_t params; /* params of this model that they read, which stay words of the program */
     uint64_t looked; /* places of a step at which they read the states: bit i */
     /* Of each place, the earliest phase in which sums over other kinds there are computed. */
     uint8_t phase[FP3_PLACES];
+    int is_common;     /* 1: adaptive steps are those of all kinds, even if this one sees nobody */
+    unsigned compared; /* what objects of other kinds compare: bit c for comparison c */
+    /* Of each comparison, the earliest phase behind which it is made. */
+    uint8_t behind[FP3_COMPARISONS];
 } fp3_coupling;
 
 /* How to compile. Always start from fp3_compile_default(). */
@@ -171,7 +189,9 @@ typedef struct {
     uint64_t looks;            /* places with a sum over another kind */
     uint64_t shows;            /* places of coupling->looked whose seen states others can read */
     uint8_t phase[FP3_PLACES]; /* of each of these places */
-    uint32_t phases;           /* of a step */
+    unsigned compares;         /* what its objects compare: bit c for comparison c, ... */
+    uint8_t behind[FP3_COMPARISONS]; /* ... behind this phase */
+    uint32_t phases;                 /* of a step */
     void *self;
 } fp3_compiled;
 

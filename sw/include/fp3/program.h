@@ -143,9 +143,10 @@ typedef struct {
  * puts what is compiled in the place of what was; the images of before are freed. Programs of
  * groups that see no other group and that none sees stay as they are. FP3_E_PROGRAM: a kind is no
  * other group's name, or that of two; a word that the other model has not, or with another unit or
- * size; a group that is no model; different integrators, adaptive steps or double-single; or what
- * fp3_compile refuses. Messages begin with the model's name and the line. After a failure each
- * program is whole, but they do not fit each other. */
+ * size; a group that is no model; different integrators, or double-single in one; adaptive steps in
+ * one; or what fp3_compile refuses. Models with adaptive steps get the states and params that one
+ * of them needs (docs/adaptive.md). Messages begin with the model's name and the line. After a
+ * failure each program is whole, but they do not fit each other. */
 fp3_status fp3_programs_join(const fp3_joined *list, size_t count, fp3_error *error);
 
 /* What the program of list[of] reads of other groups, once they are joined: `group` is an index in
