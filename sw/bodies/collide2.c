@@ -7,125 +7,143 @@
 /* Sines of angles between edges of a chain and normals that count as none. */
 static const float STRAIGHT = 0x1p-20f;
 
-/* Which edge the normal is of, and which of the other faces it. */
+/* What a manifold is made of. All is computed in a's axes, from a point start that a has. */
 typedef struct {
-    const fp3_core2 *of, *other;
-    uint32_t edge, facing;
-    float radius_of, radius;
+    const fp3_pose2 *pose; /* a's */
+    fp3_point2 start;
+    float reach;
+    fp3_manifold2 *made;
+} task;
+
+/* A polygon, the radius around it and one of its edges. */
+typedef struct {
+    const fp3_core2 *core;
+    float radius;
+    uint32_t edge;
+} side;
+
+/* The edge that the normal is of, and the other's that faces it. */
+typedef struct {
+    const side *of, *other;
+    uint32_t facing;
     int is_b; /* it is b's: the manifold's normal is against it */
 } reference;
 
-static void put(fp3_manifold2 *made, fp3_point2 middle, float gap) {
-    made->point[made->count].arm = middle;
-    made->point[made->count].gap = gap;
-    made->count++;
+static reference refer(const side *a, const side *b, int is_b) {
+    const side *const of = is_b ? b : a, *const other = is_b ? a : b;
+    const fp3_point2 normal = fp3_at2(&of->core->normal, of->edge);
+    return (reference){of, other, fp3_facing2(other->core, normal), is_b};
 }
 
-/* Two corners, or discs: one point between them. The normal stays as it is where both are one. */
-static void round_off(fp3_point2 a, fp3_point2 b, float radius_a, float radius_b, float reach,
-                      fp3_manifold2 *made) {
+/* Without a branch: which of a manifold's points there are, no processor foresees. */
+static inline void put(const task *t, fp3_point2 middle, float gap, int is_kept) {
+    fp3_manifold2 *const made = t->made;
+    made->point[made->count].arm = fp3_turn2(t->pose, fp3_add2(t->start, middle));
+    made->point[made->count].gap = gap;
+    made->count += (uint32_t)is_kept;
+}
+
+static fp3_point2 times(fp3_point2 a, float by) { return (fp3_point2){a.x * by, a.y * by}; }
+
+/* Two corners, or discs: one point between them. */
+static void round_off(const task *t, fp3_point2 a, fp3_point2 b, float radius_a, float radius_b) {
     const fp3_point2 way = fp3_subtract2(b, a);
     const float distance = sqrtf(fp3_dot2(way, way)), gap = distance - (radius_a + radius_b);
-    if (gap > reach)
+    if (gap > t->reach)
         return;
-    if (distance > 1e-15f) {
-        const float inverse = 1 / distance;
-        made->normal = (fp3_point2){way.x * inverse, way.y * inverse};
-    }
-    put(made, fp3_along2(a, radius_a + 0.5f * gap, made->normal), gap);
+    const fp3_point2 n = distance > 1e-15f ? times(way, 1 / distance) : (fp3_point2){0, 1};
+    t->made->normal = fp3_turn2(t->pose, n);
+    put(t, fp3_along2(a, radius_a + 0.5f * gap, n), gap, 1);
 }
 
 /* The facing edge, cut where the edge ends. slack: how far beside the edge a part may be; where
  * nothing is left within it there is no point. */
-static void cut(const reference *r, float reach, float slack, fp3_manifold2 *made) {
-    const fp3_point2 n = r->of->normal[r->edge], t = {-n.y, n.x};
-    const fp3_point2 from = r->of->corner[r->edge];
-    const fp3_point2 to = r->of->corner[fp3_end2(r->of, r->edge)];
-    const fp3_point2 first = r->other->corner[fp3_end2(r->other, r->facing)];
-    const fp3_point2 last = r->other->corner[r->facing];
-    const float length = fp3_dot2(t, fp3_subtract2(to, from));
-    const float low = fp3_dot2(t, fp3_subtract2(first, from));
-    const float high = fp3_dot2(t, fp3_subtract2(last, from)), span = high - low;
+static void cut(const task *t, const reference *r, float slack) {
+    const fp3_core2 *const of = r->of->core, *const other = r->other->core;
+    const fp3_point2 n = fp3_at2(&of->normal, r->of->edge), along = {-n.y, n.x};
+    const fp3_point2 from = fp3_at2(&of->corner, r->of->edge);
+    const fp3_point2 to = fp3_at2(&of->corner, fp3_end2(of, r->of->edge));
+    const fp3_point2 first = fp3_at2(&other->corner, fp3_end2(other, r->facing));
+    const fp3_point2 last = fp3_at2(&other->corner, r->facing);
+    const float length = fp3_dot2(along, fp3_subtract2(to, from));
+    const float low = fp3_dot2(along, fp3_subtract2(first, from));
+    const float high = fp3_dot2(along, fp3_subtract2(last, from)), span = high - low;
     if (high < -slack || low > length + slack)
         return;
-    const float inverse = span > 1e-12f ? 1 / span : 0;
-    float begin = (low < 0 ? -low : 0) * inverse;
-    float end = (high > length ? high - length : 0) * inverse;
+    const float inverse = span > 1e-12f ? 1 / span : 0, below = -low, over = high - length;
+    float begin = (below > 0 ? below : 0) * inverse, end = (over > 0 ? over : 0) * inverse;
     begin = begin < 1 ? begin : 1;
     end = end < 1 ? end : 1;
     const fp3_point2 way = fp3_subtract2(last, first);
     const fp3_point2 p[2] = {fp3_along2(first, begin, way), fp3_along2(last, -end, way)};
-    float above[2];
-    for (unsigned k = 0; k < 2; k++)
-        above[k] = fp3_dot2(n, fp3_subtract2(p[k], from));
-    const float both = r->radius_of + r->radius, lean = 0.5f * (r->radius_of - r->radius);
+    const float above[2] = {fp3_dot2(n, fp3_subtract2(p[0], from)),
+                            fp3_dot2(n, fp3_subtract2(p[1], from))};
+    const float both = r->of->radius + r->other->radius;
+    const float lean = 0.5f * (r->of->radius - r->other->radius);
     /* One point where nothing is left between two: the deeper one. */
-    const int is_one = r->other->count == 1 || begin + end >= 1;
-    const unsigned deeper = above[1] < above[0];
-    made->normal = r->is_b ? (fp3_point2){-n.x, -n.y} : n;
-    for (unsigned k = 0; k < 2; k++) { /* b's edges run against the tangent */
-        const unsigned which = r->is_b ? 1 - k : k;
+    const int is_two = (other->count > 1) & (begin + end < 1), deeper = above[1] < above[0];
+    t->made->normal = fp3_turn2(t->pose, times(n, r->is_b ? -1 : 1));
+    for (int k = 0; k < 2; k++) { /* b's edges run against the tangent */
+        const int which = k ^ r->is_b;
         const float gap = above[which] - both;
-        if (gap <= reach && (!is_one || which == deeper))
-            put(made, fp3_along2(p[which], lean - 0.5f * above[which], n), gap);
+        put(t, fp3_along2(p[which], lean - 0.5f * above[which], n), gap,
+            (gap <= t->reach) & (is_two | (which == deeper)));
     }
-}
-
-static void to_world(const fp3_pose2 *pose, fp3_manifold2 *made) {
-    made->normal = fp3_turn2(pose, made->normal);
-    for (uint32_t k = 0; k < made->count; k++)
-        made->point[k].arm = fp3_turn2(pose, made->point[k].arm);
 }
 
 /* Where nothing of the facing edge is above the edge and near enough, as rounding may have it: its
  * lower end. */
-static void cut_or_end(const reference *r, float reach, fp3_manifold2 *made) {
-    cut(r, reach, FLT_MAX, made);
-    if (made->count)
+static void cut_or_end(const task *t, const reference *r) {
+    cut(t, r, FLT_MAX);
+    if (t->made->count)
         return;
-    const fp3_point2 n = r->of->normal[r->edge], from = r->of->corner[r->edge];
-    const fp3_point2 p = r->other->corner[r->facing];
-    const fp3_point2 q = r->other->corner[fp3_end2(r->other, r->facing)];
+    const fp3_core2 *const of = r->of->core, *const other = r->other->core;
+    const fp3_point2 n = fp3_at2(&of->normal, r->of->edge);
+    const fp3_point2 from = fp3_at2(&of->corner, r->of->edge);
+    const fp3_point2 p = fp3_at2(&other->corner, r->facing);
+    const fp3_point2 q = fp3_at2(&other->corner, fp3_end2(other, r->facing));
     const float high = fp3_dot2(n, fp3_subtract2(p, from));
-    const float low = fp3_dot2(n, fp3_subtract2(q, from));
-    const float above = high < low ? high : low;
-    put(made, fp3_along2(high < low ? p : q, 0.5f * (r->radius_of - r->radius) - 0.5f * above, n),
-        above - (r->radius_of + r->radius));
+    const float low = fp3_dot2(n, fp3_subtract2(q, from)), above = high < low ? high : low;
+    const float lean = 0.5f * (r->of->radius - r->other->radius);
+    put(t, fp3_along2(high < low ? p : q, lean - 0.5f * above, n),
+        above - (r->of->radius + r->other->radius), 1);
 }
 
-static reference refer(const fp3_core2 *a, uint32_t edge_a, float radius_a, const fp3_core2 *b,
-                       uint32_t edge_b, float radius_b, int is_b) {
-    if (is_b)
-        return (reference){b, a, edge_b, fp3_facing2(a, b->normal[edge_b]), radius_b, radius_a, 1};
-    return (reference){a, b, edge_a, fp3_facing2(b, a->normal[edge_a]), radius_a, radius_b, 0};
+/* The nearest corners of two cores that are apart, a's first. 0: they are not corners, or nearer
+ * than alike. */
+static int are_corners(const side *a, const side *b, int is_b, float alike, fp3_pair2 *pair) {
+    const reference r = refer(a, b, is_b);
+    const fp3_pair2 found = fp3_nearest2(r.of->core, r.of->edge, r.other->core, r.facing);
+    *pair = found;
+    if (r.is_b) {
+        pair->a = found.b;
+        pair->b = found.a;
+    }
+    return found.is_corner && found.square > alike * alike;
 }
 
-static void collide_polygons(const fp3_shape2 *a, const fp3_shape2 *b, const fp3_pose2 *seen,
-                             float reach, fp3_manifold2 *made) {
-    fp3_placed2 placed;
-    fp3_put2(b, seen, &placed);
-    const fp3_core2 core_a = fp3_core2_of(a), *const core_b = &placed.core;
-    const float limit = a->radius + b->radius + reach, alike = FP3_ALIKE2 * (a->extent + b->extent);
-    uint32_t edge_a, edge_b;
-    const float gap_a = fp3_widest2(&core_a, core_b, &edge_a);
+static void collide_polygons(const task *t, const fp3_shape2 *a, const fp3_shape2 *b,
+                             const fp3_pose2 *seen) {
+    fp3_core2 placed;
+    fp3_place_core2(&b->core, seen, &placed);
+    const float limit = a->radius + b->radius + t->reach,
+                alike = FP3_ALIKE2 * (a->extent + b->extent);
+    side of_a = {.core = &a->core, .radius = a->radius};
+    side of_b = {.core = &placed, .radius = b->radius};
+    const float gap_a = fp3_widest2(of_a.core, of_b.core, &of_a.edge);
     if (gap_a > limit)
         return;
-    const float gap_b = fp3_widest2(core_b, &core_a, &edge_b);
+    const float gap_b = fp3_widest2(of_b.core, of_a.core, &of_b.edge);
     if (gap_b > limit)
         return;
-    if (gap_a > -alike || gap_b > -alike) {
-        const reference r =
-            refer(&core_a, edge_a, a->radius, core_b, edge_b, b->radius, gap_b > gap_a);
-        const fp3_pair2 pair = fp3_nearest2(r.of, r.edge, r.other, r.facing);
-        if (pair.is_corner && pair.square > alike * alike) {
-            round_off(r.is_b ? pair.b : pair.a, r.is_b ? pair.a : pair.b, a->radius, b->radius,
-                      reach, made);
-            return;
-        }
+    fp3_pair2 pair;
+    if ((gap_a > -alike || gap_b > -alike) &&
+        are_corners(&of_a, &of_b, gap_b > gap_a, alike, &pair)) {
+        round_off(t, pair.a, pair.b, a->radius, b->radius);
+        return;
     }
-    const reference r =
-        refer(&core_a, edge_a, a->radius, core_b, edge_b, b->radius, gap_b > gap_a + alike);
-    cut_or_end(&r, reach, made);
+    const reference r = refer(&of_a, &of_b, gap_b > gap_a + alike);
+    cut_or_end(t, &r);
 }
 
 void fp3_collide2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
@@ -137,11 +155,12 @@ void fp3_collide2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2
     const float far = a->extent + b->extent + reach;
     if (fp3_dot2(seen.at, seen.at) > far * far)
         return;
-    if (a->count == 1 && b->count == 1)
-        round_off(a->corner[0], fp3_place2(&seen, b->corner[0]), a->radius, b->radius, reach, made);
+    const task t = {.pose = pose_a, .reach = reach, .made = made};
+    if (a->core.count == 1 && b->core.count == 1)
+        round_off(&t, fp3_at2(&a->core.corner, 0), fp3_place2(&seen, fp3_at2(&b->core.corner, 0)),
+                  a->radius, b->radius);
     else
-        collide_polygons(a, b, &seen, reach, made);
-    to_world(pose_a, made);
+        collide_polygons(&t, a, b, &seen);
 }
 
 /* ---- an edge of a chain ---- */
@@ -180,10 +199,10 @@ static owner choose(const ground *g, const fp3_core2 *a, const fp3_core2 *b, flo
                     uint32_t *edge) {
     owner found = IS_FACE;
     for (uint32_t k = 0; k < b->count && b->count > 1; k++) {
-        const float gap = fp3_gap2(b, k, a);
+        const float gap = fp3_gaps2(b, k & ~3u, a)[k & 3];
         if (gap <= least)
             continue;
-        const owner of = whose(g, (fp3_point2){-b->normal[k].x, -b->normal[k].y});
+        const owner of = whose(g, times(fp3_at2(&b->normal, k), -1));
         if (of == IS_FACE)
             continue;
         least = gap;
@@ -193,46 +212,40 @@ static owner choose(const ground *g, const fp3_core2 *a, const fp3_core2 *b, flo
     return found;
 }
 
-static void collide_link(const fp3_core2 *a, float radius, const ground *g, const fp3_shape2 *b,
-                         const fp3_pose2 *seen, float reach, float alike, fp3_manifold2 *made) {
-    fp3_placed2 placed;
-    fp3_put2(b, seen, &placed);
-    const fp3_core2 *const core_b = &placed.core;
-    const float limit = radius + b->radius + reach, gap_a = fp3_gap2(a, 0, core_b);
-    uint32_t edge_b;
-    const float gap_b = fp3_widest2(core_b, a, &edge_b);
+static void collide_link(const task *t, const fp3_core2 *a, float radius, const ground *g,
+                         const fp3_shape2 *b, const fp3_pose2 *seen, float alike) {
+    fp3_core2 placed;
+    fp3_place_core2(&b->core, seen, &placed);
+    const side of_a = {.core = a, .radius = radius};
+    side of_b = {.core = &placed, .radius = b->radius};
+    const float gap_a = fp3_gaps2(a, 0, &placed)[0], gap_b = fp3_widest2(&placed, a, &of_b.edge);
+    const float limit = radius + b->radius + t->reach;
     if (gap_a > limit || gap_b > limit)
         return;
-    reference r = refer(a, 0, radius, core_b, edge_b, b->radius, gap_b > gap_a);
-    if (gap_a > -alike || gap_b > -alike) {
-        const fp3_pair2 pair = fp3_nearest2(r.of, r.edge, r.other, r.facing);
-        if (pair.is_corner && pair.square > alike * alike) {
-            const fp3_point2 on_a = r.is_b ? pair.b : pair.a, on_b = r.is_b ? pair.a : pair.b;
-            const fp3_point2 way = fp3_subtract2(on_b, on_a);
-            const float inverse = 1 / sqrtf(pair.square);
-            const owner of = whose(g, (fp3_point2){way.x * inverse, way.y * inverse});
-            if (of == IS_CORNER)
-                round_off(on_a, on_b, radius, b->radius, reach, made);
-            if (of != IS_FACE)
-                return;
-        }
+    fp3_pair2 pair;
+    if ((gap_a > -alike || gap_b > -alike) &&
+        are_corners(&of_a, &of_b, gap_b > gap_a, alike, &pair)) {
+        const owner of = whose(g, times(fp3_subtract2(pair.b, pair.a), 1 / sqrtf(pair.square)));
+        if (of == IS_CORNER)
+            round_off(t, pair.a, pair.b, radius, b->radius);
+        if (of != IS_FACE)
+            return;
     }
-    const owner of = choose(g, a, core_b, gap_a + alike, &edge_b);
+    const owner of = choose(g, a, &placed, gap_a + alike, &of_b.edge);
     if (of == IS_OTHER)
         return;
-    r = refer(a, 0, radius, core_b, edge_b, b->radius, of == IS_CORNER);
-    const fp3_point2 n = r.of->normal[r.edge], normal = r.is_b ? (fp3_point2){-n.x, -n.y} : n;
-    const fp3_point2 corner = a->corner[fp3_cross2(g->normal[1], normal) > 0];
-    if (fp3_dot2(normal, fp3_subtract2(fp3_place2(seen, b->middle), corner)) < 0)
-        return;
-    cut(&r, reach, alike, made);
+    const reference r = refer(&of_a, &of_b, of == IS_CORNER);
+    const fp3_point2 normal = times(fp3_at2(&r.of->core->normal, r.of->edge), r.is_b ? -1 : 1);
+    const fp3_point2 corner = fp3_at2(&a->corner, fp3_cross2(g->normal[1], normal) > 0);
+    if (fp3_dot2(normal, fp3_subtract2(fp3_place2(seen, b->middle), corner)) >= 0)
+        cut(t, &r, alike);
 }
 
 void fp3_collide_link2(const fp3_link2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
                        const fp3_pose2 *pose_b, float reach, fp3_manifold2 *made) {
     fp3_pose2 seen;
     fp3_point2 way[3];
-    float length[3], extent = b->extent;
+    float length[3];
     *made = (fp3_manifold2){.normal = {0, 1}};
     if (!fp3_seen2(pose_a, pose_b, &seen))
         return;
@@ -247,12 +260,19 @@ void fp3_collide_link2(const fp3_link2 *a, const fp3_pose2 *pose_a, const fp3_sh
         const unsigned of = length[k] > 0 ? k : 1;
         g.normal[k] = (fp3_point2){way[of].y / length[of], -way[of].x / length[of]};
     }
-    const fp3_point2 normal[2] = {g.normal[1], {-g.normal[1].x, -g.normal[1].y}};
-    const fp3_core2 core = {2, a->corner + 1, normal};
-    for (unsigned k = 1; k < 3; k++) {
-        const float x = fabsf(a->corner[k].x), y = fabsf(a->corner[k].y);
-        extent += 0.5f * (x + y);
+    /* From the edge's first corner: what is far along the chain loses no digits. */
+    const fp3_point2 start = a->corner[1], to = way[1], n = g.normal[1];
+    seen.at = fp3_subtract2(seen.at, start);
+    fp3_core2 core = {.count = 2};
+    for (unsigned k = 0; k < 4; k++) {
+        core.corner.x[k] = k ? to.x : 0;
+        core.corner.y[k] = k ? to.y : 0;
+        core.normal.x[k] = k ? -n.x : n.x;
+        core.normal.y[k] = k ? -n.y : n.y;
     }
-    collide_link(&core, a->radius, &g, b, &seen, reach, FP3_ALIKE2 * extent, made);
-    to_world(pose_a, made);
+    /* Both edges at a joint lose digits of b's place, each its own: no hole may be left. */
+    const float alike = FP3_ALIKE2 * (length[1] + b->extent) +
+                        0x1p-22f * (fabsf(start.x) + fabsf(start.y) + length[1]);
+    const task t = {.pose = pose_a, .start = start, .reach = reach, .made = made};
+    collide_link(&t, &core, a->radius, &g, b, &seen, alike);
 }

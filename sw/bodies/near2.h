@@ -13,20 +13,26 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* Cores nearer than this, in parts of the extents, count as touching: the direction between points
  * has no more digits then. */
 #define FP3_ALIKE2 0x1p-16f
 
-typedef struct {
-    uint32_t count;
-    const fp3_point2 *corner, *normal;
-} fp3_core2;
+/* Four numbers at once, in the same order each. */
+typedef float fp3_four2 __attribute__((vector_size(16)));
+typedef int32_t fp3_four_masks2 __attribute__((vector_size(16)));
 
-typedef struct {
-    fp3_core2 core;
-    fp3_point2 corner[FP3_CORNERS2], normal[FP3_CORNERS2];
-} fp3_placed2;
+static inline fp3_four2 fp3_load2(const float *from) {
+    fp3_four2 four;
+    memcpy(&four, from, sizeof four);
+    return four;
+}
+
+static inline fp3_four2 fp3_least2(fp3_four2 a, fp3_four2 b) {
+    const fp3_four_masks2 is_a = a < b;
+    return (fp3_four2)((is_a & (fp3_four_masks2)a) | (~is_a & (fp3_four_masks2)b));
+}
 
 /* Where b is, as seen from a. 0: nowhere, as one of them is not finite or no turn, or they are too
  * far apart for squares of distances. */
@@ -41,26 +47,30 @@ static inline int fp3_seen2(const fp3_pose2 *a, const fp3_pose2 *b, fp3_pose2 *s
     return 1;
 }
 
-static inline fp3_core2 fp3_core2_of(const fp3_shape2 *shape) {
-    return (fp3_core2){shape->count, shape->corner, shape->normal};
+static inline void fp3_place_core2(const fp3_core2 *a, const fp3_pose2 *pose, fp3_core2 *core) {
+    const float c = pose->c, s = pose->s;
+    core->count = a->count;
+    uint32_t i = 0;
+    do {
+        const fp3_four2 x = fp3_load2(a->corner.x + i), y = fp3_load2(a->corner.y + i);
+        const fp3_four2 nx = fp3_load2(a->normal.x + i), ny = fp3_load2(a->normal.y + i);
+        const fp3_four2 made[4] = {pose->at.x + (c * x - s * y), pose->at.y + (s * x + c * y),
+                                   c * nx - s * ny, s * nx + c * ny};
+        memcpy(core->corner.x + i, &made[0], sizeof *made);
+        memcpy(core->corner.y + i, &made[1], sizeof *made);
+        memcpy(core->normal.x + i, &made[2], sizeof *made);
+        memcpy(core->normal.y + i, &made[3], sizeof *made);
+        i += 4;
+    } while (i < a->count);
 }
 
-static inline void fp3_put2(const fp3_shape2 *shape, const fp3_pose2 *pose, fp3_placed2 *placed) {
-    for (uint32_t i = 0; i < shape->count; i++) {
-        placed->corner[i] = fp3_place2(pose, shape->corner[i]);
-        placed->normal[i] = fp3_turn2(pose, shape->normal[i]);
-    }
-    placed->core = (fp3_core2){shape->count, placed->corner, placed->normal};
-}
-
-/* The gap along an edge's normal. */
-static inline float fp3_gap2(const fp3_core2 *a, uint32_t edge, const fp3_core2 *b) {
-    const fp3_point2 from = a->corner[edge], normal = a->normal[edge];
-    float least = fp3_dot2(normal, fp3_subtract2(b->corner[0], from));
-    for (uint32_t k = 1; k < b->count; k++) {
-        const float gap = fp3_dot2(normal, fp3_subtract2(b->corner[k], from));
-        least = gap < least ? gap : least;
-    }
+/* The gaps along the normals of four edges. */
+static inline fp3_four2 fp3_gaps2(const fp3_core2 *a, uint32_t edge, const fp3_core2 *b) {
+    const fp3_four2 x = fp3_load2(a->corner.x + edge), y = fp3_load2(a->corner.y + edge);
+    const fp3_four2 nx = fp3_load2(a->normal.x + edge), ny = fp3_load2(a->normal.y + edge);
+    fp3_four2 least = nx * (b->corner.x[0] - x) + ny * (b->corner.y[0] - y);
+    for (uint32_t k = 1; k < b->count; k++)
+        least = fp3_least2(nx * (b->corner.x[k] - x) + ny * (b->corner.y[k] - y), least);
     return least;
 }
 
@@ -68,10 +78,12 @@ static inline float fp3_gap2(const fp3_core2 *a, uint32_t edge, const fp3_core2 
 static inline float fp3_widest2(const fp3_core2 *a, const fp3_core2 *b, uint32_t *edge) {
     float most = -FLT_MAX;
     *edge = 0;
-    for (uint32_t i = 0; i < a->count && a->count > 1; i++) {
-        const float gap = fp3_gap2(a, i, b);
-        *edge = gap > most ? i : *edge;
-        most = gap > most ? gap : most;
+    for (uint32_t i = 0; i < a->count && a->count > 1; i += 4) {
+        const fp3_four2 gaps = fp3_gaps2(a, i, b);
+        for (uint32_t k = 0; k < 4; k++) {
+            *edge = gaps[k] > most ? i + k : *edge;
+            most = gaps[k] > most ? gaps[k] : most;
+        }
     }
     return most;
 }
@@ -80,10 +92,13 @@ static inline float fp3_widest2(const fp3_core2 *a, const fp3_core2 *b, uint32_t
 static inline uint32_t fp3_facing2(const fp3_core2 *a, fp3_point2 normal) {
     uint32_t edge = 0;
     float least = FLT_MAX;
-    for (uint32_t i = 0; i < a->count && a->count > 1; i++) {
-        const float along = fp3_dot2(normal, a->normal[i]);
-        edge = along < least ? i : edge;
-        least = along < least ? along : least;
+    for (uint32_t i = 0; i < a->count && a->count > 1; i += 4) {
+        const fp3_four2 along =
+            normal.x * fp3_load2(a->normal.x + i) + normal.y * fp3_load2(a->normal.y + i);
+        for (uint32_t k = 0; k < 4; k++) {
+            edge = along[k] < least ? i + k : edge;
+            least = along[k] < least ? along[k] : least;
+        }
     }
     return edge;
 }
@@ -103,8 +118,9 @@ typedef struct {
 /* Of a corner and an edge, if they are nearer than what is known. */
 static inline void fp3_nearer2(fp3_point2 corner, const fp3_core2 *a, uint32_t edge, int is_swapped,
                                fp3_pair2 *pair) {
-    const fp3_point2 from = a->corner[edge], to = a->corner[fp3_end2(a, edge)];
-    const fp3_point2 n = a->normal[edge], t = {-n.y, n.x}, way = fp3_subtract2(corner, from);
+    const fp3_point2 from = fp3_at2(&a->corner, edge), to = fp3_at2(&a->corner, fp3_end2(a, edge));
+    const fp3_point2 n = fp3_at2(&a->normal, edge), t = {-n.y, n.x},
+                     way = fp3_subtract2(corner, from);
     const float at = fp3_dot2(t, way), length = fp3_dot2(t, fp3_subtract2(to, from));
     const int is_out = at < 0 || at > length;
     const fp3_point2 end = at < 0 ? from : to, out = fp3_subtract2(corner, end);
@@ -117,11 +133,11 @@ static inline void fp3_nearer2(fp3_point2 corner, const fp3_core2 *a, uint32_t e
 static inline fp3_pair2 fp3_nearest2(const fp3_core2 *a, uint32_t i, const fp3_core2 *b,
                                      uint32_t k) {
     fp3_pair2 pair = {.square = FLT_MAX};
-    fp3_nearer2(b->corner[k], a, i, 0, &pair);
+    fp3_nearer2(fp3_at2(&b->corner, k), a, i, 0, &pair);
     if (b->count > 1) {
-        fp3_nearer2(b->corner[fp3_end2(b, k)], a, i, 0, &pair);
-        fp3_nearer2(a->corner[i], b, k, 1, &pair);
-        fp3_nearer2(a->corner[fp3_end2(a, i)], b, k, 1, &pair);
+        fp3_nearer2(fp3_at2(&b->corner, fp3_end2(b, k)), a, i, 0, &pair);
+        fp3_nearer2(fp3_at2(&a->corner, i), b, k, 1, &pair);
+        fp3_nearer2(fp3_at2(&a->corner, fp3_end2(a, i)), b, k, 1, &pair);
     }
     return pair;
 }

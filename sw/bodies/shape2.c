@@ -39,16 +39,23 @@ static fp3_point2 outwards(fp3_point2 from, fp3_point2 to) {
     return (fp3_point2){edge.y / length, -edge.x / length};
 }
 
-/* What follows from the corners. Numbers behind the last corner are 0, so that shapes can be
- * compared as bytes. */
+static void set(fp3_points2 *points, uint32_t i, fp3_point2 to) {
+    points->x[i] = to.x;
+    points->y[i] = to.y;
+}
+
+/* What follows from the corners. */
 static void complete(const fp3_point2 *corners, uint32_t count, float radius, fp3_shape2 *made) {
-    *made = (fp3_shape2){.count = count, .radius = radius};
+    *made = (fp3_shape2){.core.count = count, .radius = radius};
     float square = 0;
     fp3_point2 sum = {0, 0};
-    for (uint32_t i = 0; i < count; i++) {
-        made->corner[i] = corners[i];
+    for (uint32_t i = 0; i < FP3_CORNERS2; i++) {
+        const uint32_t k = i < count ? i : count - 1;
+        set(&made->core.corner, i, corners[k]);
         if (count > 1)
-            made->normal[i] = outwards(corners[i], corners[i + 1 < count ? i + 1 : 0]);
+            set(&made->core.normal, i, outwards(corners[k], corners[k + 1 < count ? k + 1 : 0]));
+    }
+    for (uint32_t i = 0; i < count; i++) {
         const float far = fp3_dot2(corners[i], corners[i]);
         square = far > square ? far : square;
         sum = fp3_add2(sum, corners[i]);
@@ -107,8 +114,8 @@ fp3_status fp3_box2(fp3_point2 half, const fp3_pose2 *pose, float radius, fp3_sh
     }
     complete(corners, 4, radius, made);
     const fp3_point2 sides[4] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
-    for (unsigned i = 0; i < 4; i++) /* exact where the box is not turned */
-        made->normal[i] = fp3_turn2(pose, sides[i]);
+    for (unsigned i = 0; i < FP3_CORNERS2; i++) /* exact where the box is not turned */
+        set(&made->core.normal, i, fp3_turn2(pose, sides[i < 4 ? i : 3]));
     return FP3_OK;
 }
 
@@ -192,9 +199,9 @@ fp3_status fp3_polygon2(const fp3_point2 *points, uint32_t count, float radius, 
 
 fp3_bounds2 fp3_bound2(const fp3_shape2 *shape, const fp3_pose2 *pose, float margin) {
     const float more = shape->radius + margin;
-    fp3_point2 low = fp3_turn2(pose, shape->corner[0]), high = low;
-    for (uint32_t i = 1; i < shape->count; i++) {
-        const fp3_point2 p = fp3_turn2(pose, shape->corner[i]);
+    fp3_point2 low = fp3_turn2(pose, fp3_at2(&shape->core.corner, 0)), high = low;
+    for (uint32_t i = 1; i < shape->core.count; i++) {
+        const fp3_point2 p = fp3_turn2(pose, fp3_at2(&shape->core.corner, i));
         low.x = p.x < low.x ? p.x : low.x;
         low.y = p.y < low.y ? p.y : low.y;
         high.x = p.x > high.x ? p.x : high.x;
@@ -258,14 +265,14 @@ static void add_sector(moments *m, const double *p, const double *from, const do
 }
 
 fp3_mass2 fp3_weigh2(const fp3_shape2 *shape, double density) {
-    const uint32_t count = shape->count;
+    const uint32_t count = shape->core.count;
     const double r = (double)shape->radius;
     const fp3_point2 at = shape->middle; /* the origin of the moments: nothing cancels far away */
     double p[FP3_CORNERS2][2], n[FP3_CORNERS2][2];
     moments m = {0, 0, 0, 0};
     for (uint32_t i = 0; i < count; i++) {
-        p[i][0] = (double)shape->corner[i].x - (double)at.x;
-        p[i][1] = (double)shape->corner[i].y - (double)at.y;
+        p[i][0] = (double)shape->core.corner.x[i] - (double)at.x;
+        p[i][1] = (double)shape->core.corner.y[i] - (double)at.y;
     }
     for (uint32_t i = 0; i < count && count > 1; i++) {
         const double *const a = p[i], *const b = p[i + 1 < count ? i + 1 : 0];

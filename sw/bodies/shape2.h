@@ -32,12 +32,21 @@ typedef struct {
 } fp3_pose2;
 
 typedef struct {
-    uint32_t count;                  /* of corners, from 1 */
-    float radius;                    /* around each of them and what is between them */
-    float extent;                    /* no point of the shape is farther from its origin */
-    fp3_point2 middle;               /* the mean of the corners */
-    fp3_point2 corner[FP3_CORNERS2]; /* anticlockwise */
-    fp3_point2 normal[FP3_CORNERS2]; /* outwards, of the edge from corner i to the next; 1: none */
+    float x[FP3_CORNERS2], y[FP3_CORNERS2];
+} fp3_points2;
+
+/* Behind the last corner it stands again, with its normal, up to the end. */
+typedef struct {
+    uint32_t count;     /* of corners, from 1 */
+    fp3_points2 corner; /* anticlockwise */
+    fp3_points2 normal; /* outwards, of the edge from corner i to the next; of a single one 0 */
+} fp3_core2;
+
+typedef struct {
+    fp3_core2 core;
+    float radius;      /* around each corner and what is between them */
+    float extent;      /* no point of the shape is farther from its origin */
+    fp3_point2 middle; /* the mean of the corners */
 } fp3_shape2;
 
 typedef struct {
@@ -52,6 +61,9 @@ typedef struct {
 
 /* ---- points ---- */
 
+static inline fp3_point2 fp3_at2(const fp3_points2 *points, uint32_t i) {
+    return (fp3_point2){points->x[i], points->y[i]};
+}
 static inline fp3_point2 fp3_add2(fp3_point2 a, fp3_point2 b) {
     return (fp3_point2){a.x + b.x, a.y + b.y};
 }

@@ -8,7 +8,7 @@ POINT = ("<f4", 2)
 MAKER = [("kind", "<u4"), ("radius", "<f4"), ("points", "<f4", (8, 2))]
 POSE = [("at", *POINT), ("turn", *POINT)]                # turn: cosine and sine
 REQUEST = np.dtype([("what", "<u4"), ("a", MAKER), ("b", MAKER), ("pose_a", POSE), ("pose_b", POSE), ("reach", "<f4"), ("ends", "<u4")])
-SHAPE = [("count", "<u4"), ("radius", "<f4"), ("extent", "<f4"), ("middle", *POINT), ("corner", "<f4", (8, 2)), ("normal", "<f4", (8, 2))]
+SHAPE = [("count", "<u4"), ("columns", "<f4", (2, 2, 8)), ("radius", "<f4"), ("extent", "<f4"), ("middle", *POINT)]    # columns: corner, normal; x, y
 MASS = [("mass", "<f8"), ("centre", "<f8", 2), ("inertia", "<f8")]
 MANIFOLD = [("normal", *POINT), ("count", "<u4"), ("point", [("arm", *POINT), ("gap", "<f4")], 2)]
 ANSWER = np.dtype([("failed", "<u4"), ("a", SHAPE), ("b", SHAPE), ("bounds", "<f4", (2, 2)), ("manifold", MANIFOLD),
@@ -40,8 +40,7 @@ def shapes(rng, to, size, kinds=range(9), sharp=0.5):
     count = len(to)
     to["kind"] = rng.choice(list(kinds), count)
     polygon = to["kind"] >= 3
-    corners = np.maximum(to["kind"], 1)
-    step = 2 * np.pi / corners
+    step = 2 * np.pi / np.maximum(to["kind"], 1)
     angle = np.arange(8) * step[:, None] + rng.uniform(-0.2, 0.2, (count, 8)) * step[:, None] + rng.uniform(0, 2 * np.pi, (count, 1))
     stretch = np.exp(rng.uniform(-1.5, 0, (count, 1)))
     x, y = np.cos(angle), np.sin(angle) * stretch
@@ -72,10 +71,18 @@ def turned(pose, p):
     return np.stack([c * p[..., 0] - s * p[..., 1], s * p[..., 0] + c * p[..., 1]], 2)
 
 
+def corners(shape):
+    """(..., 8, 2): the last one is there again in place of those that are none."""
+    return np.moveaxis(shape["columns"][..., 0, :, :], -2, -1)
+
+
+def normals(shape):
+    return np.moveaxis(shape["columns"][..., 1, :, :], -2, -1)
+
+
 def placed(shape, pose):
-    """The corners in the world, the last one again in place of those that are none."""
-    at = np.minimum(np.arange(8), np.maximum(shape["count"], 1)[:, None].astype(int) - 1)
-    return turned(pose, np.take_along_axis(shape["corner"].astype(float), at[:, :, None], 1)) + pose["at"].astype(float)[:, None, :]
+    """The corners in the world."""
+    return turned(pose, corners(shape).astype(float)) + pose["at"].astype(float)[:, None, :]
 
 
 def to_edges(p, q):

@@ -261,9 +261,12 @@ def test_nothing_catches_on_a_joint(build, kind, radius, width):
     rng = np.random.default_rng(9)
     for tilt in (0, 1e-6, 1e-3, -0.3):
         for gap in (-0.02, -0.001, 0, 0.01):
-            made = plane.ask(build, slide(rng, 40, width, kind, radius, tilt, gap))["manifold"]
+            asked = slide(rng, 40, width, kind, radius, tilt, gap)
+            made = plane.ask(build, asked)["manifold"]
             some = made["count"] > 0
             assert (made["normal"][some] == [0, 1]).all()
+            arms = made["point"]["arm"][..., 0][:, ::-1].T     # of one edge, not of its neighbours
+            assert (some <= ((arms > asked["a"]["points"][:, 2, 0] - 3e-4) & (arms < asked["a"]["points"][:, 1, 0] + 3e-4)).any(0)).all()
             gaps = np.where(np.arange(2) < made["count"][:, None], made["point"]["gap"], 9).min(1).reshape(-1, 100).min(1)
             assert np.abs(gaps - gap).max() < 2e-5
 
@@ -281,7 +284,7 @@ def test_a_chain_around_a_polygon_is_that_polygon(build, long):
     link["what"] = plane.LINK
     for k in range(4):
         at = (edge + k - 1) % np.repeat(count, count)
-        link["a"]["points"][:, k] = np.repeat(made["a"]["corner"], count, 0)[np.arange(len(link)), at]
+        link["a"]["points"][:, k] = np.repeat(plane.corners(made["a"]), count, 0)[np.arange(len(link)), at]
     each = plane.ask(build, link)["manifold"]
     gap = np.where(each["count"] == 2, each["point"]["gap"].min(1), each["point"]["gap"][:, 0]).astype(float)
     gap[each["count"] == 0] = np.inf
@@ -297,7 +300,7 @@ def test_a_chain_around_a_polygon_is_that_polygon(build, long):
     off = np.abs(each["normal"][chosen] - made["manifold"]["normal"]).max(1)[both]
     assert np.quantile(off, 0.99) < 1e-4
     deepest = gap <= np.repeat(best + 1e-6 * extent, count)
-    faces = np.abs(made["manifold"]["normal"][:, None] - plane.turned(r["pose_a"], made["a"]["normal"])).max(2).min(1) < 0.05
+    faces = np.abs(made["manifold"]["normal"][:, None] - plane.turned(r["pose_a"], plane.normals(made["a"]))).max(2).min(1) < 0.05
     corner = both & (made["manifold"]["count"] == 1) & ~faces
     assert corner.sum() > 100
     assert (np.add.reduceat(deepest.astype(int), first)[corner] == 1).mean() > 0.998

@@ -50,8 +50,8 @@ def test_a_box_is_exact(build):
     b = made_of(build, 0, [(0.3, 2), (1, -1), (1, 0)], 0.25)["b"]
     x, y = np.float32(0.3), np.float32(2)
     assert b["count"] == 4 and b["radius"] == 0.25
-    assert (b["corner"][:4] == np.float32([[1 - x, -1 - y], [1 + x, -1 - y], [1 + x, -1 + y], [1 - x, -1 + y]])).all()
-    assert b["normal"][:4].tolist() == [[0, -1], [1, 0], [0, 1], [-1, 0]]
+    assert (plane.corners(b)[:4] == np.float32([[1 - x, -1 - y], [1 + x, -1 - y], [1 + x, -1 + y], [1 - x, -1 + y]])).all()
+    assert plane.normals(b)[:4].tolist() == [[0, -1], [1, 0], [0, 1], [-1, 0]]
     assert b["middle"].tolist() == [1, -1]
 
 
@@ -83,19 +83,19 @@ def test_polygons_are_hulls(build):
         points = asked["points"][:asked["kind"]]
         corners, b = hull(points), made["b"]
         assert made["failed"] == 0 and 3 <= b["count"] <= len(corners)
-        found = b["corner"][:b["count"]].astype(float)
+        found = plane.corners(b)[:b["count"]].astype(float)
         extent = np.abs(points - points[0]).max()
-        assert (b["corner"][b["count"]:] == 0).all()
-        lost = [p for p in corners if tuple(p) not in set(map(tuple, b["corner"][:b["count"]]))]
+        assert (plane.corners(b)[b["count"]:] == found[-1]).all() and (plane.normals(b)[b["count"]:] == plane.normals(b)[b["count"] - 1]).all()
+        lost = [p for p in corners if tuple(p) not in set(map(tuple, plane.corners(b)[:b["count"]]))]
         assert len(lost) + b["count"] == len(corners)
         for p in lost:
             assert plane.depth(found[None], np.zeros(1), p[None, None].astype(float)).max() < extent * 2.0 ** -13
         if not lost:
-            assert (b["corner"][:b["count"]] == corners).all()
+            assert (plane.corners(b)[:b["count"]] == corners).all()
             same += 1
         way = np.roll(found, -1, 0) - found
         normal = np.stack([way[:, 1], -way[:, 0]], 1) / np.sqrt((way ** 2).sum(1))[:, None]
-        assert np.abs(normal - b["normal"][:b["count"]]).max() < 2.0 ** -21 * max(1, np.abs(found).max() / np.sqrt((way ** 2).sum(1)).min())
+        assert np.abs(normal - plane.normals(b)[:b["count"]]).max() < 2.0 ** -21 * max(1, np.abs(found).max() / np.sqrt((way ** 2).sum(1)).min())
         assert np.abs(found.mean(0) - b["middle"]).max() < 2.0 ** -21 * np.abs(found).max()
         far = np.sqrt((found ** 2).sum(1)).max()
         assert far <= b["extent"] <= far * (1 + 2e-6)
