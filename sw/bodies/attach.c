@@ -73,20 +73,10 @@ static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error
 
 /* The shape as it lies around the centre of mass. */
 static void shift(fp3_attached *placed, fp3_point2 by) {
-    fp3_shape2 *shape = &placed->shape;
-    *shape = placed->given;
-    shape->middle = fp3_subtract2(shape->middle, by);
-    float extent = 0;
+    fp3_shift2(&placed->given, by, &placed->shape);
     placed->link = placed->given_link;
     for (uint32_t i = 0; i < 4; i++)
         placed->link.corner[i] = fp3_subtract2(placed->link.corner[i], by);
-    for (uint32_t i = 0; i < shape->count; i++) {
-        shape->corner[i] = fp3_subtract2(shape->corner[i], by);
-        const float far = sqrtf(fp3_dot2(shape->corner[i], shape->corner[i])) + shape->radius;
-        extent = far > extent ? far : extent;
-    }
-    /* Its rounding may make it less than the farthest point's. */
-    shape->extent = extent * (1 + 0x1p-20f);
 }
 
 /* Mass, centre and inertia from shapes. A dynamic body without mass weighs 1, as in Box2D. */

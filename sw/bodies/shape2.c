@@ -45,24 +45,37 @@ static void set(fp3_points2 *points, uint32_t i, fp3_point2 to) {
 }
 
 /* What follows from the corners. */
-static void complete(const fp3_point2 *corners, uint32_t count, float radius, fp3_shape2 *made) {
-    *made = (fp3_shape2){.core.count = count, .radius = radius};
+static void measure(fp3_shape2 *shape) {
+    const uint32_t count = shape->core.count;
     float square = 0;
     fp3_point2 sum = {0, 0};
+    for (uint32_t i = 0; i < count; i++) {
+        const fp3_point2 corner = fp3_at2(&shape->core.corner, i);
+        const float far = fp3_dot2(corner, corner);
+        square = far > square ? far : square;
+        sum = fp3_add2(sum, corner);
+    }
+    shape->middle = (fp3_point2){sum.x / (float)count, sum.y / (float)count};
+    /* Rounded up: three roundings of 2^-24 each are behind it. */
+    shape->extent = (sqrtf(square) + shape->radius) * (1 + 0x1p-20f);
+}
+
+static void complete(const fp3_point2 *corners, uint32_t count, float radius, fp3_shape2 *made) {
+    *made = (fp3_shape2){.core.count = count, .radius = radius};
     for (uint32_t i = 0; i < FP3_CORNERS2; i++) {
         const uint32_t k = i < count ? i : count - 1;
         set(&made->core.corner, i, corners[k]);
         if (count > 1)
             set(&made->core.normal, i, outwards(corners[k], corners[k + 1 < count ? k + 1 : 0]));
     }
-    for (uint32_t i = 0; i < count; i++) {
-        const float far = fp3_dot2(corners[i], corners[i]);
-        square = far > square ? far : square;
-        sum = fp3_add2(sum, corners[i]);
-    }
-    made->middle = (fp3_point2){sum.x / (float)count, sum.y / (float)count};
-    /* Rounded up: three roundings of 2^-24 each are behind it. */
-    made->extent = (sqrtf(square) + radius) * (1 + 0x1p-20f);
+    measure(made);
+}
+
+void fp3_shift2(const fp3_shape2 *shape, fp3_point2 by, fp3_shape2 *made) {
+    *made = *shape;
+    for (uint32_t i = 0; i < FP3_CORNERS2; i++)
+        set(&made->core.corner, i, fp3_subtract2(fp3_at2(&shape->core.corner, i), by));
+    measure(made);
 }
 
 fp3_status fp3_disc2(fp3_point2 centre, float radius, fp3_shape2 *made, fp3_error *error) {

@@ -101,6 +101,9 @@ fp3_status fp3_box2(fp3_point2 half, const fp3_pose2 *pose, float radius, fp3_sh
 fp3_status fp3_polygon2(const fp3_point2 *points, uint32_t count, float radius, fp3_shape2 *made,
                         fp3_error *error);
 
+/* The same shape as seen from another point: what was at by is at the origin. */
+void fp3_shift2(const fp3_shape2 *shape, fp3_point2 by, fp3_shape2 *made);
+
 /* ---- what the others ask ---- */
 
 /* Where the shape reaches, margin more on each side; right within the rounding of the numbers in
