@@ -22,7 +22,7 @@ from fp3bodies import report
 
 PARTS = ("truths", "standing", "speed")
 OWN = "fp3"
-SETTLE, MOST, TURN = 600, 20.0, 0.15  # steps before a scene is timed, seconds that they may take, seconds of a turn
+SETTLE, MOST, TURN = 600, 20.0, 0.1  # steps before a scene is timed, seconds that they may take, seconds of a turn
 STAND = 100.0                         # seconds that a scene may take to stand
 
 
@@ -71,7 +71,10 @@ class Lab:
         pythons = {name: python for python in (options.peers, pathlib.Path(sys.executable)) for name in listed(python)}
         wanted = [name for name in pythons if not options.engines or name in options.engines]
         self.engines, self.quick, self.say = {name: Engine(name, pythons[name]) for name in wanted}, options.quick, say
-        self.failed = []
+        self.failed, self.scenes = [], options.scenes
+
+    def wanted(self, scenes):
+        return [scene for scene in scenes if not self.scenes or scene in self.scenes]
 
     def ask(self, name, **command):
         """None: it failed, which is noted."""
@@ -97,7 +100,7 @@ class Lab:
     def standing(self):
         from fp3bodies import standing
         rows, refused = [], []
-        for scene in standing.QUICK if self.quick else standing.SCENES:
+        for scene in self.wanted(standing.QUICK if self.quick else standing.SCENES):
             for name in self.engines:
                 answer = self.ask(name, do="stand", scene=scene, seconds=2 if self.quick else standing.SCENES[scene][1], most=STAND)
                 if answer and "refused" not in answer:
@@ -111,14 +114,14 @@ class Lab:
         """All make their turns one after another, as often as there is time for; the shortest turn counts."""
         from fp3bodies import scene as sc
         rows, refused = [], []
-        for scene in ["pyramid 10"] if self.quick else [make().name for make in sc.FAST]:
+        for scene in self.wanted(["pyramid 10"] if self.quick else [make().name for make in sc.FAST]):
             made = {name: self.ask(name, do="make", scene=scene, steps=20 if self.quick else SETTLE, most=MOST) for name in self.engines
                     if name != "mujoco, RK4"}
             refused += [{"scene": scene, "engine": name, "why": answer["refused"]} for name, answer in made.items() if answer and "refused" in answer]
             made = {name: answer for name, answer in made.items() if answer and "refused" not in answer}
             steps = {name: max(1, round(TURN * answer["steps"] / max(answer["seconds"], 1e-6))) for name, answer in made.items()}
             best = {}
-            for _ in range(3 if self.quick else 15):
+            for _ in range(3 if self.quick else 11):
                 for name in list(made):
                     answer = self.ask(name, do="turn", steps=steps[name])
                     if answer is None:
@@ -135,10 +138,11 @@ class Lab:
 
 
 def joined(options, data, found):
-    """What is found of some engines takes the place of their rows alone."""
-    if not options.engines:
-        return found
-    return {key: [row for row in data.get(key, []) if row.get("peer", row.get("engine")) not in options.engines] + rows for key, rows in found.items()}
+    """What is found of some engines and scenes takes the place of their rows alone."""
+    def is_new(row):
+        return ((not options.engines or row.get("peer", row.get("engine")) in options.engines) and
+                (not options.scenes or row.get("scene") in options.scenes))
+    return {key: [row for row in data.get(key, []) if not is_new(row)] + rows for key, rows in found.items()}
 
 
 def wrong(found):
@@ -175,12 +179,15 @@ def main():
     parser.add_argument("--quick", action="store_true", help="few tests, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--engines", nargs="+", help="only these (default: all that are installed)")
+    parser.add_argument("--scenes", nargs="+", help="of standing and speed, only these")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/bodies.json", help="the file to write")
     parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
     parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
     options = parser.parse_args()
     if bool(options.input) != bool(options.markdown):
         parser.error("expected --input together with --markdown")
+    if options.scenes and "truths" in options.parts:
+        parser.error("expected --parts standing or speed beside --scenes")
     if options.input:
         data = json.loads(options.input.read_text(encoding="utf-8"))
         bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")

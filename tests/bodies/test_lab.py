@@ -243,3 +243,18 @@ def test_an_engine_that_fails_is_named(lab):
     done, found = lab("--engines", "falls", "fails", "--parts", "speed")
     assert done.returncode == 1 and "fails: ValueError: it fails" in done.stderr
     assert [row["engine"] for row in found["speed"]] == ["falls"]
+
+
+def test_fp3_holds_what_it_held(part, build, monkeypatch):
+    """The truths of friction, by bodies of FP3; not so with another friction than theory takes it for."""
+    monkeypatch.setenv("FP3_HOME", str(build))
+    truths, make = part("truths"), part("by_fp3").Made
+    for truth in (truths.slope, truths.braking, truths.slide_and_roll, truths.roll_down, truths.belt):
+        rows, _ = truths.measure(truth, make)
+        assert rows and all(row["holds"] for row in rows), rows
+
+    def rougher(scene):
+        for body in scene.bodies:
+            body.friction *= 1.01
+        return make(scene)
+    assert not any(row["holds"] for row in truths.measure(truths.braking, rougher)[0])

@@ -6,9 +6,10 @@ import importlib.util
 import numpy as np
 from fp3bodies.scene import Refused, lifted
 
-# Name: the module of this folder and its class, and the package that it needs.
-ENGINES = {"box2d": ("by_box2d", "Made", "pyb2d3"), "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"),
-           "mujoco": ("by_mujoco", "Made", "mujoco"), "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"), "bullet": ("by_bullet", "Made", "pybullet")}
+# Name: the module of this folder and its class, and the package that it needs; fp3 needs NumPy, as all do.
+ENGINES = {"fp3": ("by_fp3", "Made", None), "box2d": ("by_box2d", "Made", "pyb2d3"),
+           "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"), "mujoco": ("by_mujoco", "Made", "mujoco"),
+           "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"), "bullet": ("by_bullet", "Made", "pybullet")}
 
 
 class Engine:
@@ -82,4 +83,4 @@ def find(name):
 
 
 def installed():
-    return [name for name, (_, _, package) in ENGINES.items() if importlib.util.find_spec(package)]
+    return [name for name, (_, _, package) in ENGINES.items() if importlib.util.find_spec(package or "numpy")]

@@ -21,7 +21,7 @@ The columns: the scene; the engine; seconds; how far a body drifts sideways; how
 carries, as a share of the weight, which is the weight and the change of momentum within the last second."""
 
 SPEED = """\
-One thread. A scene settles for 600 steps of 1/60 s, or for 20 s of processor time if that is less. Then all engines make turns one after another, 15 each, and the
+One thread. A scene settles for 600 steps of 1/60 s, or for 20 s of processor time if that is less. Then all engines make turns one after another, 11 each, and the
 shortest turn counts, in time that the processor gave. Nothing sleeps. Box2D and Rapier have 4 substeps within a step; the others make one step of 1/60 s, as their users
 do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled; nanoseconds for a step of a body; of Box2D's."""
 

@@ -1,0 +1,99 @@
+"""FP3's own bodies, by the C library of the build beside this folder (or of FP3_HOME)."""
+
+import ctypes
+import pathlib
+import sys
+
+import numpy as np
+from fp3bodies.engines import Engine
+from fp3bodies.scene import Refused, mass
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+
+from fp3 import _declarations as d  # noqa: E402
+from fp3 import _library  # noqa: E402
+
+ZERO = {"bounce": 0.0, "rest_speed": 0.0}  # every contact bounces, nobody sleeps
+
+
+class Made(Engine):
+    ARITHMETIC = "float32"
+    SUBSTEPS = True
+
+    def build(self, scene):
+        if scene.dimensions != 2:
+            raise Refused("it has no space")
+        if scene.pins:
+            raise Refused("it has no joints")
+        self.lib, self.error = _library.library(), d.fp3_error()
+        definition = self.lib.default(d.fp3_bodies_def)
+        definition.error = ctypes.pointer(self.error)
+        definition.gravity[:] = scene.gravity
+        definition.h, definition.substeps = scene.step, scene.substeps
+        for name, value in ZERO.items():
+            setattr(definition, name, value)
+        self.world = ctypes.c_void_p()
+        self.call("open", ctypes.byref(definition), ctypes.byref(self.world))
+        self.handles = np.zeros(len(scene.bodies), dtype=np.uint64)
+        bodies = (d.fp3_body_def * len(scene.bodies))(*map(self.body, scene.bodies))
+        self.call("add", self.world, bodies, len(bodies), self.handles.ctypes.data)
+        for k, body in enumerate(scene.bodies):
+            self.attach(body, self.handles[k:k + 1])
+
+    def __del__(self):
+        if getattr(self, "world", None):
+            self.lib.fp3_bodies_close(ctypes.byref(self.world))
+
+    def call(self, name, *args):
+        _library.check(getattr(self.lib, f"fp3_bodies_{name}")(*args), self.error)
+
+    def body(self, body):
+        made = self.lib.default(d.fp3_body_def)
+        made.type = d.FP3_STATIC if body.fixed else d.FP3_KINEMATIC if body.moving else d.FP3_DYNAMIC
+        made.x[:], made.angle, made.v[:], made.w = body.at, body.angle, body.v or (0.0, 0.0), float(body.w)
+        return made
+
+    def attach(self, body, handle):
+        shape = self.lib.default(d.fp3_shape_def)
+        shape.type = {"disc": d.FP3_CIRCLE, "box": d.FP3_BOX, "capsule": d.FP3_CAPSULE, "polygon": d.FP3_POLYGON}[body.shape]
+        shape.radius = body.size[-1] if body.shape in ("disc", "capsule") else 0.0
+        shape.density, shape.friction, shape.restitution = body.density, body.friction, body.restitution
+        if body.shape == "box":
+            shape.half[:] = body.size
+        corners = body.size if body.shape == "polygon" else ((-body.size[0], 0.0), (body.size[0], 0.0)) if body.shape == "capsule" else ()
+        shape.corners = len(corners)
+        for k, corner in enumerate(corners):
+            shape.corner[k][:] = corner
+        self.call("attach", self.world, handle.ctypes.data, 1, ctypes.byref(shape), None)
+        if (body.mass or body.inertia) and not (body.fixed or body.moving):
+            m, about = mass(body, 2)
+            self.write("mass", handle, m)
+            self.write("inertia", handle, about[0])
+
+    def write(self, name, handle, value):
+        self.call("write", self.world, name.encode(), handle.ctypes.data, 1, np.array([value]).ctypes.data)
+
+    def read(self, *names):
+        found = np.zeros((len(names), len(self.handles)))
+        for row, name in zip(found, names):
+            self.call("read", self.world, name.encode(), self.handles.ctypes.data, len(self.handles), row.ctypes.data)
+        return found.T if len(names) > 1 else found[0]
+
+    def step(self, count=1):
+        self.call("step", self.world, count)
+
+    def places(self):
+        return self.read("x_x", "x_y")
+
+    def turns(self):
+        return self.read("angle")
+
+    def speeds(self):
+        return self.read("v_x", "v_y")
+
+    def spins(self):
+        return self.read("w")
+
+    def push(self, body, force):
+        for name, value in zip(("force_x", "force_y"), force):
+            self.write(name, self.handles[body:body + 1], value)
