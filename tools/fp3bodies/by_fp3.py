@@ -1,6 +1,7 @@
 """FP3's own bodies, by the C library of the build beside this folder (or of FP3_HOME)."""
 
 import ctypes
+import math
 import pathlib
 import sys
 
@@ -23,8 +24,6 @@ class Made(Engine):
     def build(self, scene):
         if scene.dimensions != 2:
             raise Refused("it has no space")
-        if scene.pins:
-            raise Refused("it has no joints")
         self.lib, self.error = _library.library(), d.fp3_error()
         definition = self.lib.default(d.fp3_bodies_def)
         definition.error = ctypes.pointer(self.error)
@@ -34,11 +33,17 @@ class Made(Engine):
             setattr(definition, name, value)
         self.world = ctypes.c_void_p()
         self.call("open", ctypes.byref(definition), ctypes.byref(self.world))
-        self.handles = np.zeros(len(scene.bodies), dtype=np.uint64)
-        bodies = (d.fp3_body_def * len(scene.bodies))(*map(self.body, scene.bodies))
-        self.call("add", self.world, bodies, len(bodies), self.handles.ctypes.data)
+        handles = np.zeros(len(scene.bodies) + 1, dtype=np.uint64)  # the last one is the world, to which pins can hold
+        origin = self.lib.default(d.fp3_body_def)
+        origin.type = d.FP3_STATIC
+        bodies = (d.fp3_body_def * len(handles))(*map(self.body, scene.bodies), origin)
+        self.call("add", self.world, bodies, len(bodies), handles.ctypes.data)
+        self.handles = handles[:-1]
         for k, body in enumerate(scene.bodies):
             self.attach(body, self.handles[k:k + 1])
+        self.pins = np.zeros(len(scene.pins), dtype=np.uint64)
+        pins = (d.fp3_joint_def * len(self.pins))(*(self.pin(pin, handles) for pin in scene.pins))
+        self.call("join", self.world, pins, len(self.pins), self.pins.ctypes.data)
 
     def __del__(self):
         if getattr(self, "world", None):
@@ -70,6 +75,13 @@ class Made(Engine):
             self.write("mass", handle, m)
             self.write("inertia", handle, about[0])
 
+    def pin(self, pin, handles):
+        made = self.lib.default(d.fp3_joint_def)
+        made.type, made.a, made.b = d.FP3_HINGE, int(handles[pin.a]), int(handles[pin.b])
+        for anchor, k in ((made.anchor_a, pin.a), (made.anchor_b, pin.b)):
+            anchor[:] = inside(self.scene.bodies[k], pin.at) if k >= 0 else pin.at
+        return made
+
     def write(self, name, handle, value):
         self.call("write", self.world, name.encode(), handle.ctypes.data, 1, np.array([value]).ctypes.data)
 
@@ -78,6 +90,12 @@ class Made(Engine):
         for row, name in zip(found, names):
             self.call("read", self.world, name.encode(), self.handles.ctypes.data, len(self.handles), row.ctypes.data)
         return found.T if len(names) > 1 else found[0]
+
+    def pulls(self):
+        found = np.zeros((2, len(self.pins)))
+        for row, name in zip(found, (b"force_x", b"force_y")):
+            self.call("joint_read", self.world, name, self.pins.ctypes.data, len(self.pins), row.ctypes.data)
+        return np.hypot(*found)
 
     def step(self, count=1):
         self.call("step", self.world, count)
@@ -97,3 +115,10 @@ class Made(Engine):
     def push(self, body, force):
         for name, value in zip(("force_x", "force_y"), force):
             self.write(name, self.handles[body:body + 1], value)
+
+
+def inside(body, at):
+    """A point in a body's axes."""
+    x, y = at[0] - body.at[0], at[1] - body.at[1]
+    c, s = math.cos(body.angle), math.sin(body.angle)
+    return c * x + s * y, c * y - s * x
