@@ -38,6 +38,9 @@ FP3_COMPARED_LIMIT = 0
 FP3_COMPARED_TO = 6
 FP3_COMPARISONS = 7
 FP3_COMPENSATED = 1
+FP3_CONTACT_BEGAN = 0
+FP3_CONTACT_ENDED = 1
+FP3_CONTACT_HIT = 2
 FP3_CORNERS = 8
 FP3_COUNTER_COUNT = 14
 FP3_COUNTER_CYCLES = 0
@@ -1047,6 +1050,19 @@ class fp3_joint_def(Structure):
     ]
 
 
+class fp3_contact(Structure):
+    _fields_ = [
+        ("body_a", c_uint64),
+        ("body_b", c_uint64),
+        ("shape_a", c_uint64),
+        ("shape_b", c_uint64),
+        ("point", c_double * 2),
+        ("normal", c_double * 2),
+        ("speed", c_double),
+        ("impulse", c_double),
+    ]
+
+
 # Of each function: what it returns, and what it takes.
 PROTOTYPES = {
     "fp3_version": (c_char_p, (c_void_p,)),
@@ -1263,6 +1279,11 @@ PROTOTYPES = {
     "fp3_bodies_time": (c_double, (c_void_p,)),
     "fp3_bodies_awake": (c_size_t, (c_void_p,)),
     "fp3_bodies_touching": (c_size_t, (c_void_p,)),
+    "fp3_bodies_changes": (c_int, (c_void_p, c_int, POINTER(POINTER(fp3_contact)), c_void_p)),
+    "fp3_bodies_contacts": (c_int, (c_void_p, POINTER(POINTER(fp3_contact)), c_void_p)),
+    "fp3_bodies_save": (c_int, (c_void_p, POINTER(c_void_p))),
+    "fp3_bodies_restore": (c_int, (c_void_p, c_void_p)),
+    "fp3_bodies_state_free": (None, (POINTER(c_void_p),)),
     "fp3_bodies_read": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_bodies_write": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_bodies_hash": (c_uint64, (c_void_p,)),

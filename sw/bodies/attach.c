@@ -159,15 +159,14 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
         *handle = (uint64_t)generation << 32 | at;
 }
 
-static fp3_status place_all(fp3_bodies *bodies, uint32_t number) {
-    fp3_bodies_wake_around(bodies, number);
-    const fp3_status status = weigh(bodies, number);
-    /* Arms begin at the centre of mass, which has moved. */
-    for (uint32_t k = 0; k < bodies->touch_count; k++)
-        if (bodies->shape[bodies->touch[k].a].body == number ||
-            bodies->shape[bodies->touch[k].b].body == number)
-            bodies->touch[k].is_found = 0;
-    fp3_bodies_place_boxes(bodies, number);
+/* Of bodies that have new shapes. */
+static fp3_status place_all(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
+    fp3_status status = FP3_OK;
+    fp3_bodies_wake_around(bodies, handles, count);
+    for (size_t i = 0; i < count; i++) {
+        status = status ? status : weigh(bodies, (uint32_t)handles[i]);
+        fp3_bodies_place_boxes(bodies, (uint32_t)handles[i]);
+    }
     return status;
 }
 
@@ -181,11 +180,9 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
         status = fp3_bodies_numbered(bodies, handles, i, &number);
     if (!status)
         status = make_room(bodies, count);
-    for (size_t i = 0; !status && i < count; i++) {
+    for (size_t i = 0; !status && i < count; i++)
         place_shape(bodies, (uint32_t)handles[i], &made, shapes ? &shapes[i] : NULL);
-        status = place_all(bodies, (uint32_t)handles[i]);
-    }
-    return status;
+    return status ? status : place_all(bodies, handles, count);
 }
 
 fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
@@ -233,5 +230,5 @@ fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const do
     for (size_t i = 0; !status && i < edges; i++)
         place_shape(bodies, number, &made[i], NULL);
     free(made);
-    return status ? status : place_all(bodies, number);
+    return status ? status : place_all(bodies, &handle, 1);
 }

@@ -99,6 +99,25 @@ static void drop_contacts(fp3_bodies *bodies) {
     bodies->touch_count = kept;
 }
 
+/* What they touch ends; after a failure nothing is told. */
+static fp3_status end_contacts(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
+    const uint32_t before = bodies->change_count[FP3_CONTACT_ENDED];
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; i < count; i++)
+        bodies->body[(uint32_t)handles[i]].is_marked = 1;
+    for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
+        const fp3_touch2 *t = &bodies->touch[k];
+        if (t->is_touching && (bodies->body[bodies->shape[t->a].body].is_marked |
+                               bodies->body[bodies->shape[t->b].body].is_marked))
+            status = fp3_contact_tell(bodies, FP3_CONTACT_ENDED, t);
+    }
+    for (size_t i = 0; i < count; i++)
+        bodies->body[(uint32_t)handles[i]].is_marked = 0;
+    if (status)
+        bodies->change_count[FP3_CONTACT_ENDED] = before;
+    return status;
+}
+
 fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
     uint32_t number;
     fp3_status status = FP3_OK;
@@ -111,11 +130,13 @@ fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t
     }
     for (size_t i = 0; i + (status != 0) < checked; i++)
         bodies->body[(uint32_t)handles[i]].generation--;
+    if (!status)
+        status = end_contacts(bodies, handles, count);
     if (status)
         return status;
+    fp3_bodies_wake_around(bodies, handles, count);
     for (size_t i = 0; i < count; i++) {
         number = (uint32_t)handles[i];
-        fp3_bodies_wake_around(bodies, number);
         fp3_joints_drop(bodies, number);
         drop_shapes(bodies, &bodies->body[number]);
     }

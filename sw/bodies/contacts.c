@@ -111,5 +111,6 @@ void fp3_contacts_end(fp3_bodies *bodies) {
         t->p[1] = row->p2[lane];
         t->f[1] = row->f2[lane];
         t->r = row->r[lane];
+        t->top = row->top1[lane] + row->top2[lane];
     }
 }

@@ -52,6 +52,12 @@ static void find_apart(fp3_bodies *bodies) {
 
 /* ---- they come ---- */
 
+/* Both bodies. What sleeps, sleeps with all that it touches. */
+static void wake(fp3_bodies *bodies, const fp3_joint *j) {
+    fp3_bodies_wake(bodies, j->a);
+    fp3_bodies_wake(bodies, j->b);
+}
+
 static int laws_of(const fp3_joint_def *def) {
     const int twist = 1, slide = 2, rod = 4, point = 8;
     switch (def->type) {
@@ -165,8 +171,7 @@ fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t
         place(bodies, &bodies->joint[number], &defs[i]);
         bodies->joints++;
         joints[i] = (uint64_t)bodies->joint[number].generation << 32 | number;
-        fp3_bodies_wake_around(bodies, (uint32_t)defs[i].a);
-        fp3_bodies_wake_around(bodies, (uint32_t)defs[i].b);
+        wake(bodies, &bodies->joint[number]);
     }
     find_apart(bodies);
     return FP3_OK;
@@ -176,8 +181,7 @@ fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t
 
 void fp3_joint_drop(fp3_bodies *bodies, uint32_t number) {
     fp3_joint *j = &bodies->joint[number];
-    fp3_bodies_wake_around(bodies, j->a);
-    fp3_bodies_wake_around(bodies, j->b);
+    wake(bodies, j);
     j->generation++;
     bodies->joints--;
     find_apart(bodies);
@@ -280,8 +284,7 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
         *setting(j, which) = values[i];
         j->def.has_limits |= which == LOW || which == HIGH;
         j->laws = (uint8_t)(j->laws | laws_of(&j->def));
-        fp3_bodies_wake_around(bodies, j->a);
-        fp3_bodies_wake_around(bodies, j->b);
+        wake(bodies, j);
     }
     return status;
 }

@@ -28,7 +28,7 @@ typedef struct {
     uint32_t first_shape; /* of its chain; FP3_NOBODY: none */
     uint32_t slot;        /* where it stands in a step (step.c) */
     uint32_t next_asleep; /* asleep: a ring of all that fell asleep together */
-    uint8_t type, may_not_turn, may_not_sleep;
+    uint8_t type, may_not_turn, may_not_sleep, is_marked;
     uint64_t user;
 } fp3_body;
 
@@ -56,7 +56,9 @@ typedef struct {
     int is_found;
     fp3_point2 before; /* the normal that the impulses are of */
     uint32_t points;   /* ... and how many points */
-    float p[2], f[2], r;
+    float p[2], f[2], r, top;
+    float approach; /* how fast they came together when they began to touch */
+    int is_touching;
 } fp3_touch2;
 
 typedef struct {
@@ -115,7 +117,9 @@ struct fp3_bodies {
     fp3_four *speed, *way, *base;
     fp3_pull2 *pull;
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
-    float h_before; /* of a substep that the impulses are of; 0: there was none */
+    float h_before;               /* of a substep that the impulses are of; 0: there was none */
+    fp3_contact *change[3], *now; /* by fp3_contact_change; room for fp3_bodies_contacts */
+    uint32_t change_count[3], change_room[3], now_room, told; /* told: ended, up to the last step */
     int may_bounce; /* a contact of this step has a restitution */
     uint32_t awake, touching;
 };
@@ -179,10 +183,16 @@ void fp3_joints_drop(fp3_bodies *bodies, uint32_t body);
 /* Whether two bodies are joined and do not collide. */
 int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b);
 
+/* events.c: notes a change of a contact; FP3_E_SYSTEM. */
+fp3_status fp3_contact_tell(fp3_bodies *bodies, fp3_contact_change change, const fp3_touch2 *touch);
+/* Behind a step: who touches, who no longer does. */
+fp3_status fp3_contacts_tell(fp3_bodies *bodies);
+
 /* Wakes a body that sleeps, with its island. */
 void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number);
-/* Wakes whatever touches the body. */
-void fp3_bodies_wake_around(fp3_bodies *bodies, uint32_t number);
+/* Wakes these bodies, whose handles are valid, and whatever touches them or is joined with them.
+ * What was found of their contacts is looked at anew. */
+void fp3_bodies_wake_around(fp3_bodies *bodies, const uint64_t *handles, size_t count);
 /* After a step: who rests long enough falls asleep by islands. */
 fp3_status fp3_bodies_rest(fp3_bodies *bodies);
 /* Finds pairs, manifolds, and which contacts are active. Who is touched by something awake wakes:

@@ -21,19 +21,36 @@ void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number) {
     bodies->body[number].rest = 0;
 }
 
-void fp3_bodies_wake_around(fp3_bodies *bodies, uint32_t number) {
-    fp3_bodies_wake(bodies, number);
+static void mark(fp3_bodies *bodies, const uint64_t *handles, size_t count, uint8_t is_marked) {
+    for (size_t i = 0; i < count; i++)
+        bodies->body[(uint32_t)handles[i]].is_marked = is_marked;
+}
+
+/* Of two bodies of which one is marked. */
+static void wake_pair(fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    fp3_bodies_wake(bodies, a);
+    fp3_bodies_wake(bodies, b);
+}
+
+void fp3_bodies_wake_around(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        fp3_bodies_wake(bodies, (uint32_t)handles[i]);
+    mark(bodies, handles, count, 1);
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
-        const fp3_touch2 *t = &bodies->touch[k];
+        fp3_touch2 *t = &bodies->touch[k];
         const uint32_t a = bodies->shape[t->a].body, b = bodies->shape[t->b].body;
-        if (t->m.count && (a == number || b == number))
-            fp3_bodies_wake(bodies, a == number ? b : a);
+        if (!(bodies->body[a].is_marked | bodies->body[b].is_marked))
+            continue;
+        t->is_found = 0;
+        if (t->m.count)
+            wake_pair(bodies, a, b);
     }
     for (uint32_t i = 0; i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
-        if (j->generation & 1 && (j->a == number || j->b == number))
-            fp3_bodies_wake(bodies, j->a == number ? j->b : j->a);
+        if (j->generation & 1 && (bodies->body[j->a].is_marked | bodies->body[j->b].is_marked))
+            wake_pair(bodies, j->a, j->b);
     }
+    mark(bodies, handles, count, 0);
 }
 
 static uint32_t root_of(uint32_t *parent, uint32_t i) {

@@ -201,19 +201,31 @@ static fp3_status step(fp3_bodies *bodies) {
     fp3_joints_end(bodies, h);
     bodies->steps++;
     bodies->time = (double)bodies->steps * bodies->def.h;
-    const fp3_status rested = fp3_bodies_rest(bodies);
-    return status ? status : rested;
+    const fp3_status told = fp3_contacts_tell(bodies), rested = fp3_bodies_rest(bodies);
+    return status ? status : told ? told : rested;
+}
+
+/* What the caller's changes have ended since the last call stays. */
+static void forget(fp3_bodies *bodies) {
+    bodies->change_count[FP3_CONTACT_BEGAN] = bodies->change_count[FP3_CONTACT_HIT] = 0;
+    bodies->change_count[FP3_CONTACT_ENDED] -= bodies->told;
+    if (bodies->told)
+        memmove(bodies->change[FP3_CONTACT_ENDED], bodies->change[FP3_CONTACT_ENDED] + bodies->told,
+                bodies->change_count[FP3_CONTACT_ENDED] * sizeof(fp3_contact));
+    bodies->told = 0;
 }
 
 fp3_status fp3_bodies_step(fp3_bodies *bodies, uint64_t steps) {
     FP3_HOST;
     fp3_status first = FP3_OK;
+    forget(bodies);
     for (uint64_t i = 0; i < steps; i++) {
         const fp3_status status = step(bodies);
         if (status && status != FP3_E_FAILED)
             return status;
         first = first ? first : status;
     }
+    bodies->told = bodies->change_count[FP3_CONTACT_ENDED];
     return first;
 }
 

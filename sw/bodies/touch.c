@@ -78,6 +78,7 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
     uint32_t room = 0, kept = 0, old = 0;
     const fp3_status status =
         fp3_bodies_room((void **)&next, &room, sizeof *next, count + 1, bodies->error);
+    fp3_status told = FP3_OK;
     if (status)
         return status;
     for (size_t k = 0; k < count; k++) {
@@ -91,12 +92,20 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
         const fp3_touch2 *was = old < bodies->touch_count ? &bodies->touch[old] : NULL;
         next[kept++] = was && was->a == a && was->b == b ? *was : (fp3_touch2){.a = a, .b = b};
     }
+    for (uint32_t k = 0, at = 0; k < bodies->touch_count; k++) { /* who is there no more */
+        const fp3_touch2 *was = &bodies->touch[k];
+        const uint64_t key = (uint64_t)was->a << 32 | was->b;
+        while (at < kept && ((uint64_t)next[at].a << 32 | next[at].b) < key)
+            at++;
+        if (was->is_touching && (at == kept || ((uint64_t)next[at].a << 32 | next[at].b) != key))
+            told = told ? told : fp3_contact_tell(bodies, FP3_CONTACT_ENDED, was);
+    }
     free(bodies->touch);
     bodies->touch = next;
     bodies->touch_room = room;
     bodies->touch_count = kept;
     bodies->is_changed = 0;
-    return FP3_OK;
+    return told;
 }
 
 static fp3_status renew_pairs(fp3_bodies *bodies) {
@@ -194,6 +203,17 @@ static int is_awake(const fp3_body *body) {
            (body->type == FP3_KINEMATIC && (body->v[0] != 0 || body->v[1] != 0 || body->w != 0));
 }
 
+/* How fast the points of both bodies come together where they are nearest. */
+static float approach_of(const fp3_body *x, const fp3_body *y, const fp3_touch2 *t) {
+    const uint32_t k = t->m.count == 2 && t->m.point[1].gap < t->m.point[0].gap;
+    const fp3_point2 arm = t->m.point[k].arm;
+    const float bx = arm.x - (float)(y->at[0] - x->at[0]),
+                by = arm.y - (float)(y->at[1] - x->at[1]);
+    const float ux = (y->v[0] - y->w * by) - (x->v[0] - x->w * arm.y);
+    const float uy = (y->v[1] + y->w * bx) - (x->v[1] + x->w * arm.x);
+    return -(ux * t->m.normal.x + uy * t->m.normal.y);
+}
+
 static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
     bodies->contacts.count = bodies->touching = 0;
     *wakes = 0;
@@ -206,8 +226,11 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
             continue;
         }
         collide(bodies, t);
+        t->top = 0;
         if (!t->m.count)
             continue;
+        if (!t->is_touching)
+            t->approach = approach_of(x, y, t);
         bodies->touching++;
         if (a->is_sensor || b->is_sensor)
             continue;

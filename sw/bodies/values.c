@@ -170,9 +170,10 @@ fp3_status fp3_bodies_write(fp3_bodies *bodies, const char *name, const uint64_t
     fp3_status status = find(bodies, name, &which);
     for (size_t i = 0; !status && i < count; i++)
         status = check(bodies, which, name, handles, i, values[i]);
+    if (!status)
+        fp3_bodies_wake_around(bodies, handles, count);
     for (size_t i = 0; !status && i < count; i++) {
         const uint32_t number = (uint32_t)handles[i];
-        fp3_bodies_wake_around(bodies, number);
         set(&bodies->body[number], which, values[i]);
         if (which <= ANGLE)
             fp3_bodies_place_boxes(bodies, number);

@@ -257,6 +257,47 @@ double fp3_bodies_time(const fp3_bodies *bodies);
 size_t fp3_bodies_awake(const fp3_bodies *bodies);
 size_t fp3_bodies_touching(const fp3_bodies *bodies);
 
+/* ---- contacts ----
+ *
+ * Shapes touch while a gap between them is below 0.005 size, or something pushes.
+ */
+
+typedef enum {
+    FP3_CONTACT_BEGAN,
+    FP3_CONTACT_ENDED, /* also where a body was removed, or moved away by the caller */
+    FP3_CONTACT_HIT    /* began, and faster than `bounce` */
+} fp3_contact_change;
+
+typedef struct {
+    uint64_t body_a, body_b; /* a's shape has the lower number */
+    uint64_t shape_a, shape_b;
+    double point[2];  /* where they touch, in the world: the deepest point */
+    double normal[2]; /* from a to b */
+    double speed;     /* with which they came together; of a contact that ended 0 */
+    double impulse;   /* the largest along the normal that a substep gave; of sensors 0 */
+} fp3_contact;
+
+/* What changed in the last call of fp3_bodies_step, step by step, in each by the numbers of shapes;
+ * and what the caller's changes since the call before ended. *list belongs to the bodies until the
+ * next call that changes them. */
+fp3_status fp3_bodies_changes(fp3_bodies *bodies, fp3_contact_change change,
+                              const fp3_contact **list, size_t *count);
+/* All that touches now, by the numbers of shapes; likewise. */
+fp3_status fp3_bodies_contacts(fp3_bodies *bodies, const fp3_contact **list, size_t *count);
+
+/* ---- back in time ---- */
+
+/* A copy of all that a world is; a step after fp3_bodies_restore has the bits of one after
+ * fp3_bodies_save. */
+typedef struct fp3_bodies_state fp3_bodies_state;
+/* Copies into *state, which is made if it is NULL, and is used again otherwise; the caller frees
+ * it. FP3_E_SYSTEM: out of memory; *state is NULL or as it was. */
+fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state);
+/* Handles of bodies, shapes and joints that were there then are good again, others are not. Only of
+ * the same fp3_bodies. FP3_E_SYSTEM: out of memory; nothing is changed. */
+fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state);
+void fp3_bodies_state_free(fp3_bodies_state **state);
+
 /* ---- values ----
  *
  * Names: x_x, x_y, angle, v_x, v_y, w as in fp3_body_def; force_x, force_y, torque, which act in
@@ -268,7 +309,8 @@ fp3_status fp3_bodies_read(fp3_bodies *bodies, const char *name, const uint64_t 
                            size_t count, double *values);
 fp3_status fp3_bodies_write(fp3_bodies *bodies, const char *name, const uint64_t *handles,
                             size_t count, const double *values);
-/* A hash of all that the next step depends on: FNV-1a over the words, in the order of numbers. */
+/* A hash of where bodies are, how they move, who sleeps, and of the impulses of contacts: FNV-1a
+ * over the words, in the order of numbers. */
 uint64_t fp3_bodies_hash(const fp3_bodies *bodies);
 
 FP3_API_END

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* events.c - which contacts began and ended. */
+#include "own.h"
+
+#include "base/host.h"
+
+#include <math.h>
+
+#define SLOP 0.005 /* share of `size`: shapes nearer than this touch */
+
+static fp3_contact contact_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
+    const fp3_body *x = &bodies->body[a->body];
+    const uint32_t deepest = t->m.count == 2 && t->m.point[1].gap < t->m.point[0].gap;
+    /* The generation of a body or shape that was just removed is one more than in its handle. */
+    fp3_contact c = {
+        .body_a = (uint64_t)bodies->body[a->body].generation << 32 | a->body,
+        .body_b = (uint64_t)bodies->body[b->body].generation << 32 | b->body,
+        .shape_a = (uint64_t)a->generation << 32 | t->a,
+        .shape_b = (uint64_t)b->generation << 32 | t->b,
+        .normal = {t->m.normal.x, t->m.normal.y},
+        .speed = t->approach,
+        .impulse = t->top,
+    };
+    c.point[0] = x->at[0] + (t->m.count ? t->m.point[deepest].arm.x : 0);
+    c.point[1] = x->at[1] + (t->m.count ? t->m.point[deepest].arm.y : 0);
+    return c;
+}
+
+fp3_status fp3_contact_tell(fp3_bodies *bodies, fp3_contact_change change, const fp3_touch2 *t) {
+    const uint32_t count = bodies->change_count[change];
+    const fp3_status status =
+        fp3_bodies_room((void **)&bodies->change[change], &bodies->change_room[change],
+                        sizeof *bodies->change[change], count + 1u, bodies->error);
+    if (status)
+        return status;
+    fp3_contact *to = &bodies->change[change][count];
+    *to = contact_of(bodies, t);
+    if (change == FP3_CONTACT_ENDED)
+        to->speed = to->impulse = 0;
+    bodies->change_count[change]++;
+    return FP3_OK;
+}
+
+static int touches(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    const float slop = (float)(SLOP * bodies->def.size);
+    int is = t->top > 0;
+    for (uint32_t k = 0; k < t->m.count; k++)
+        is |= t->m.point[k].gap < slop;
+    return t->m.count && is;
+}
+
+fp3_status fp3_contacts_tell(fp3_bodies *bodies) {
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
+        fp3_touch2 *t = &bodies->touch[k];
+        const int is_touching = touches(bodies, t);
+        if (is_touching == t->is_touching)
+            continue;
+        t->is_touching = is_touching;
+        status = fp3_contact_tell(bodies, is_touching ? FP3_CONTACT_BEGAN : FP3_CONTACT_ENDED, t);
+        if (!status && is_touching && t->approach > (float)bodies->def.bounce)
+            status = fp3_contact_tell(bodies, FP3_CONTACT_HIT, t);
+    }
+    return status;
+}
+
+fp3_status fp3_bodies_changes(fp3_bodies *bodies, fp3_contact_change change,
+                              const fp3_contact **list, size_t *count) {
+    if (change < FP3_CONTACT_BEGAN || change > FP3_CONTACT_HIT)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "there is no change %d of a contact",
+                        (int)change);
+    *list = bodies->change[change];
+    *count = bodies->change_count[change];
+    return FP3_OK;
+}
+
+fp3_status fp3_bodies_contacts(fp3_bodies *bodies, const fp3_contact **list, size_t *count) {
+    FP3_HOST;
+    size_t found = 0;
+    const fp3_status status =
+        fp3_bodies_room((void **)&bodies->now, &bodies->now_room, sizeof *bodies->now,
+                        bodies->touch_count + 1u, bodies->error);
+    for (uint32_t k = 0; !status && k < bodies->touch_count; k++)
+        if (bodies->touch[k].is_touching)
+            bodies->now[found++] = contact_of(bodies, &bodies->touch[k]);
+    *list = bodies->now;
+    *count = found;
+    return status;
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* state.c - a world is saved and restored. */
+#include "own.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What a step depends on. Other arrays are made anew by it. */
+enum { BODIES, SHAPES, BOXES, MAY_MOVE, TOUCHES, JOINTS, APART, ARRAYS };
+
+typedef struct {
+    void **array;
+    uint32_t *room, count;
+    size_t size;
+} part;
+
+struct fp3_bodies_state {
+    fp3_bodies counts; /* its arrays are not used */
+    void *array[ARRAYS];
+    uint32_t room[ARRAYS];
+};
+
+static part part_of(fp3_bodies *b, int which) {
+    const part parts[ARRAYS] = {
+        [BODIES] = {(void **)&b->body, &b->body_room, b->body_count, sizeof *b->body},
+        [SHAPES] = {(void **)&b->shape, &b->shape_room, b->shape_count, sizeof *b->shape},
+        [BOXES] = {(void **)&b->boxes.box, &b->boxes.room, b->shape_count, sizeof *b->boxes.box},
+        [MAY_MOVE] = {(void **)&b->boxes.may_move, &b->boxes.move_room, b->shape_count,
+                      sizeof *b->boxes.may_move},
+        [TOUCHES] = {(void **)&b->touch, &b->touch_room, b->touch_count, sizeof *b->touch},
+        [JOINTS] = {(void **)&b->joint, &b->joint_room, b->joint_count, sizeof *b->joint},
+        [APART] = {(void **)&b->apart, &b->apart_room, b->apart_count, sizeof *b->apart},
+    };
+    return parts[which];
+}
+
+fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
+    fp3_bodies from = *bodies;
+    fp3_bodies_state *to = *state ? *state : calloc(1, sizeof *to);
+    fp3_status status = to ? FP3_OK : fp3_no_memory(bodies->error);
+    for (int i = 0; !status && i < ARRAYS; i++) {
+        const part p = part_of(&from, i);
+        status = fp3_bodies_room(&to->array[i], &to->room[i], p.size, p.count + 1u, bodies->error);
+    }
+    for (int i = 0; !status && i < ARRAYS; i++) {
+        const part p = part_of(&from, i);
+        if (p.count)
+            memcpy(to->array[i], *p.array, p.count * p.size);
+    }
+    if (!status)
+        to->counts = from;
+    if (!status || *state)
+        *state = to;
+    else
+        fp3_bodies_state_free(&to);
+    return status;
+}
+
+fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state) {
+    fp3_bodies from = state->counts;
+    fp3_status status = FP3_OK;
+    for (int i = 0; !status && i < ARRAYS; i++) {
+        const part to = part_of(bodies, i);
+        status = fp3_bodies_room(to.array, to.room, to.size, part_of(&from, i).count + 1u,
+                                 bodies->error);
+    }
+    for (int i = 0; !status && i < ARRAYS; i++) {
+        const part p = part_of(&from, i);
+        if (p.count)
+            memcpy(*part_of(bodies, i).array, state->array[i], p.count * p.size);
+    }
+    if (status)
+        return status;
+    bodies->time = from.time;
+    bodies->steps = from.steps;
+    bodies->body_count = from.body_count;
+    bodies->living = from.living;
+    bodies->free_body = from.free_body;
+    bodies->shape_count = bodies->boxes.count = from.shape_count;
+    bodies->free_shape = from.free_shape;
+    bodies->touch_count = from.touch_count;
+    bodies->joint_count = from.joint_count;
+    bodies->joints = from.joints;
+    bodies->apart_count = from.apart_count;
+    bodies->is_changed = from.is_changed;
+    bodies->h_before = from.h_before;
+    bodies->awake = from.awake;
+    bodies->touching = from.touching;
+    for (int i = 0; i < 3; i++)
+        bodies->change_count[i] = 0;
+    bodies->told = 0;
+    return FP3_OK;
+}
+
+void fp3_bodies_state_free(fp3_bodies_state **state) {
+    for (int i = 0; *state && i < ARRAYS; i++)
+        free((*state)->array[i]);
+    free(*state);
+    *state = NULL;
+}
