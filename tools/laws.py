@@ -17,7 +17,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HEADER = ROOT / "sw/bodies/laws.h"
 # Laws, and the rows that they work on: those of a law have all its words but the bodies'.
-LAWS = {"contact2": "contact2", "gap2": "contact2", "warm2": "contact2", "bounce2": "contact2", "twist2": "twist2", "slide2": "slide2", "rod2": "rod2",
+LAWS = {"contact2": "contact2", "gap2": "contact2", "warm2": "contact2", "twist2": "twist2", "slide2": "slide2", "rod2": "rod2",
         "pin2": "pin2"}
 # What a pass gives all rows.
 SHARED = ["push", "inverse", "least", "warm"]

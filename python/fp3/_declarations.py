@@ -1003,6 +1003,7 @@ class fp3_body_def(Structure):
         ("gravity", c_double),
         ("may_not_turn", c_int),
         ("may_not_sleep", c_int),
+        ("is_fast", c_int),
         ("user", c_uint64),
     ]
 

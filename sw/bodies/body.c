@@ -44,6 +44,7 @@ static void place(fp3_body *body, const fp3_body_def *def) {
                        .type = (uint8_t)def->type,
                        .may_not_turn = def->may_not_turn != 0,
                        .may_not_sleep = def->may_not_sleep != 0,
+                       .is_fast = def->is_fast != 0,
                        .user = def->user};
     if (def->type == FP3_STATIC)
         return;

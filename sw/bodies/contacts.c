@@ -59,10 +59,7 @@ static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, f
     fp3_put(&row->r, lane, scale * t->r);
     fp3_put(&row->top1, lane, 0);
     fp3_put(&row->top2, lane, 0);
-    const float bounce = a->restitution > b->restitution ? a->restitution : b->restitution;
-    bodies->may_bounce |= bounce > 0;
-    fp3_put(&row->out1, lane, bounce);
-    fp3_put(&row->out2, lane, second ? bounce : 0);
+    bodies->may_bounce |= a->restitution > 0 || b->restitution > 0;
 }
 
 static fp3_status lay(fp3_bodies *bodies) {
@@ -96,8 +93,7 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     const fp3_law_rows *rows = &bodies->contacts;
     const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
                             bodies->movable, rows->row,   rows->ends};
-    bodies->solver->prepare(&work, 0, rows->colours.first[rows->colours.count],
-                            (float)bodies->def.bounce);
+    bodies->solver->prepare(&work, 0, rows->colours.first[rows->colours.count]);
     return FP3_OK;
 }
 
@@ -111,6 +107,6 @@ void fp3_contacts_end(fp3_bodies *bodies) {
         t->p[1] = row->p2[lane];
         t->f[1] = row->f2[lane];
         t->r = row->r[lane];
-        t->top = row->top1[lane] + row->top2[lane];
+        t->top += row->top1[lane] + row->top2[lane];
     }
 }

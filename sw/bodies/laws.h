@@ -16,7 +16,6 @@
     X(contact2, contact2, 1, 0)                                                                    \
     X(gap2, contact2, 0, 1)                                                                        \
     X(warm2, contact2, 1, 0)                                                                       \
-    X(bounce2, contact2, 1, 0)                                                                     \
     X(twist2, twist2, 1, 1)                                                                        \
     X(slide2, slide2, 1, 1)                                                                        \
     X(rod2, rod2, 1, 1)                                                                            \
@@ -59,13 +58,11 @@ typedef struct {
     fp3_wide top2;
     fp3_wide s1;
     fp3_wide s2;
-    fp3_wide out1;
-    fp3_wide out2;
 } fp3_contact2_row;
 #define FP3_CONTACT2_WORDS                                                                         \
     "ma", "ia", "mb", "ib", "n_x", "n_y", "a1", "b1", "c1", "e1", "gap1", "j1", "k1", "a2", "b2",  \
         "c2", "e2", "gap2", "j2", "k2", "mu", "belt", "reach", "jr", "rate", "soft", "fade", "p1", \
-        "f1", "p2", "f2", "r", "top1", "top2", "s1", "s2", "out1", "out2"
+        "f1", "p2", "f2", "r", "top1", "top2", "s1", "s2"
 
 FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
                                  const fp3_wide *shared) {
@@ -235,63 +232,6 @@ FP3_WIDELY void fp3_law_warm2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
     t0 = t0 + row->f2 * row->e2;
     t0 = t0 + row->r;
     b[2] = b[2] + row->ib * t0;
-}
-
-FP3_WIDELY void fp3_law_bounce2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
-                                const fp3_wide *shared) {
-    (void)shared;
-    fp3_wide t0 = b[0] - a[0];
-    t0 = t0 * row->n_x;
-    fp3_wide t1 = b[1] - a[1];
-    t0 = t0 + t1 * row->n_y;
-    t0 = t0 + row->b1 * b[2];
-    t0 = t0 - row->a1 * a[2];
-    t0 = t0 - row->out1;
-    t0 = row->p1 - row->j1 * t0;
-    t0 = fp3_wide_max(t0, fp3_wide_all(0.0f));
-    t1 = fp3_wide_lt(fp3_wide_all(0.0f), row->out1);
-    fp3_wide t2 = fp3_wide_lt(fp3_wide_all(0.0f), row->top1);
-    t1 = t1 * t2;
-    t2 = row->p1 + fp3_wide_all(-0.0f);
-    row->p1 = fp3_wide_sel(t0, row->p1, t1);
-    t2 = row->p1 - t2;
-    row->top1 = fp3_wide_max(row->top1, row->p1);
-    t0 = row->ma * t2;
-    t1 = row->mb * t2;
-    fp3_wide t3 = a[0] - t0 * row->n_x;
-    t0 = a[1] - t0 * row->n_y;
-    fp3_wide t4 = b[0] + t1 * row->n_x;
-    t1 = b[1] + t1 * row->n_y;
-    fp3_wide t5 = t4 - t3;
-    t5 = t5 * row->n_x;
-    fp3_wide t6 = row->ib * row->b1;
-    t6 = b[2] + t6 * t2;
-    fp3_wide t7 = t1 - t0;
-    t5 = t5 + t7 * row->n_y;
-    t5 = t5 + row->b2 * t6;
-    t7 = row->ia * row->a1;
-    t2 = a[2] - t7 * t2;
-    t5 = t5 - row->a2 * t2;
-    t5 = t5 - row->out2;
-    t5 = row->p2 - row->j2 * t5;
-    t5 = fp3_wide_max(t5, fp3_wide_all(0.0f));
-    t7 = fp3_wide_lt(fp3_wide_all(0.0f), row->out2);
-    fp3_wide t8 = fp3_wide_lt(fp3_wide_all(0.0f), row->top2);
-    t7 = t7 * t8;
-    t8 = row->p2 + fp3_wide_all(-0.0f);
-    row->p2 = fp3_wide_sel(t5, row->p2, t7);
-    t8 = row->p2 - t8;
-    row->top2 = fp3_wide_max(row->top2, row->p2);
-    t5 = row->ma * t8;
-    a[0] = t3 - t5 * row->n_x;
-    a[1] = t0 - t5 * row->n_y;
-    t0 = row->ia * row->a2;
-    a[2] = t2 - t0 * t8;
-    t0 = row->mb * t8;
-    b[0] = t4 + t0 * row->n_x;
-    b[1] = t1 + t0 * row->n_y;
-    t0 = row->ib * row->b2;
-    b[2] = t6 + t0 * t8;
 }
 
 typedef struct {

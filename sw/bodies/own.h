@@ -28,7 +28,7 @@ typedef struct {
     uint32_t first_shape; /* of its chain; FP3_NOBODY: none */
     uint32_t slot;        /* where it stands in a step (step.c) */
     uint32_t next_asleep; /* asleep: a ring of all that fell asleep together */
-    uint8_t type, may_not_turn, may_not_sleep, is_marked;
+    uint8_t type, may_not_turn, may_not_sleep, is_fast, is_marked;
     uint64_t user;
 } fp3_body;
 
@@ -57,7 +57,7 @@ typedef struct {
     fp3_point2 before; /* the normal that the impulses are of */
     uint32_t points;   /* ... and how many points */
     float p[2], f[2], r, top;
-    float approach; /* how fast they came together when they began to touch */
+    float approach; /* how fast they come together when a step begins */
     int is_touching;
 } fp3_touch2;
 
@@ -164,6 +164,9 @@ static inline void fp3_put(fp3_wide *word, uint32_t lane, float value) { (*word)
 /* contacts.c, joints.c: rows for a step, with substeps of h, and what they have learned. */
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);
 void fp3_contacts_end(fp3_bodies *bodies);
+/* Impacts of this step, behind fp3_contacts_begin; whether there was any, so that bodies have
+ * moved. */
+fp3_status fp3_impacts(fp3_bodies *bodies, int *is_any);
 fp3_status fp3_joints_begin(fp3_bodies *bodies, double h);
 /* Behind the step, where bodies are then. Joints that break are gone. */
 void fp3_joints_end(fp3_bodies *bodies, double h);

@@ -54,11 +54,10 @@ FP3_WIDELY fp3_wide quotient(fp3_wide share, fp3_wide by) {
 }
 
 typedef struct {
-    fp3_wide *arm_a, *arm_b, *across_a, *across_b, *along, *aside, *out;
+    fp3_wide *arm_a, *arm_b, *across_a, *across_b, *along, *aside;
 } point;
 
-FP3_WIDELY void prepare_point(const fp3_contact2_row *row, point p, const fp3_wide *a,
-                              const fp3_wide *b, fp3_wide bounce) {
+FP3_WIDELY void prepare_point(const fp3_contact2_row *row, point p) {
     const fp3_wide ax = *p.arm_a, ay = *p.across_a, bx = *p.arm_b, by = *p.across_b;
     const fp3_wide nx = row->n_x, ny = row->n_y, is_there = *p.along;
     const fp3_wide an = ax * ny - ay * nx, bn = bx * ny - by * nx;
@@ -70,20 +69,13 @@ FP3_WIDELY void prepare_point(const fp3_contact2_row *row, point p, const fp3_wi
     *p.across_b = bt;
     *p.along = quotient(is_there, mass + row->ia * an * an + row->ib * bn * bn);
     *p.aside = quotient(is_there, mass + row->ia * at * at + row->ib * bt * bt);
-    const fp3_wide rise = (b[0] - a[0]) * nx + (b[1] - a[1]) * ny + bn * b[2] - an * a[2];
-    *p.out = fp3_wide_choose((fp3_mask)(rise < -bounce), -*p.out * rise, fp3_wide_all(0));
 }
 
-static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end, float bounce) {
+static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end) {
     for (uint32_t i = first; i < end; i++) {
-        fp3_wide a[4], b[4];
         fp3_contact2_row *r = (fp3_contact2_row *)work->row + i;
-        bring(work->speed, work->ends[i].a, a);
-        bring(work->speed, work->ends[i].b, b);
-        prepare_point(r, (point){&r->a1, &r->b1, &r->c1, &r->e1, &r->j1, &r->k1, &r->out1}, a, b,
-                      fp3_wide_all(bounce));
-        prepare_point(r, (point){&r->a2, &r->b2, &r->c2, &r->e2, &r->j2, &r->k2, &r->out2}, a, b,
-                      fp3_wide_all(bounce));
+        prepare_point(r, (point){&r->a1, &r->b1, &r->c1, &r->e1, &r->j1, &r->k1});
+        prepare_point(r, (point){&r->a2, &r->b2, &r->c2, &r->e2, &r->j2, &r->k2});
         r->jr = quotient(fp3_wide_all(1), r->ia + r->ib);
     }
 }
@@ -164,9 +156,10 @@ static void speed(fp3_four *speeds, fp3_four *base, const fp3_pull2 *pull, uint3
     }
 }
 
-static void place(const fp3_four *speeds, fp3_four *way, uint32_t count, float h) {
+static void place(const fp3_four *speeds, fp3_four *way, const fp3_pull2 *pull, uint32_t count,
+                  float h) {
     for (uint32_t i = 0; i < count; i++)
-        way[i] += h * speeds[i];
+        way[i] += h * speeds[i] - pull[i].drop;
 }
 
 #define X(name, type, has_speed, has_way) pass_##name,

@@ -39,17 +39,18 @@ typedef enum { FP3_LAWS2(X) FP3_LAWS } fp3_law;
 /* What all rows of a pass have: FP3_SHARED_WORDS. */
 enum { FP3_PUSH, FP3_INVERSE, FP3_LEAST, FP3_WARM, FP3_SHARED };
 
-/* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane. */
+/* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane, and the way
+ * is h v - drop. Of a body that nothing touches drop is half of what `pull` adds, so it follows its
+ * parabola exactly; else 0, as what rests has to stay. */
 typedef struct {
-    fp3_four pull, damp;
+    fp3_four pull, damp, drop;
 } fp3_pull2;
 
 typedef struct {
     const char *name;
     /* A row has in n the normal, in (a1, c1), (a2, c2) the arms at a, in (b1, e1), (b2, e2) those
-     * at b, in j1 and j2 1 where there is a point, else 0; in out1 the restitution. Makes the row
-     * of it. bounce: slower contacts do not. */
-    void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end, float bounce);
+     * at b, in j1 and j2 1 where there is a point, else 0; masses and gaps. Makes the row of it. */
+    void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end);
     /* Blocks first .. end - 1 make a pass. */
     void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
                           const float shared[FP3_SHARED]);
@@ -59,7 +60,8 @@ typedef struct {
      * they give again: speed - base before the call. is_first: they have given nothing yet. */
     void (*speed)(fp3_four *speed, fp3_four *base, const fp3_pull2 *pull, uint32_t count,
                   int is_first);
-    void (*place)(const fp3_four *speed, fp3_four *way, uint32_t count, float h);
+    void (*place)(const fp3_four *speed, fp3_four *way, const fp3_pull2 *pull, uint32_t count,
+                  float h);
 } fp3_solver2;
 
 /* The one that suits this processor. All have the same bits. */

@@ -59,6 +59,7 @@ static void bring(fp3_bodies *bodies, double h) {
         bodies->way[k] = (fp3_four){0};
         if (bodies->in_slot[k] == FP3_NOBODY) {
             bodies->speed[k] = (fp3_four){0};
+            bodies->pull[k] = (fp3_pull2){{0}, {1, 1, 1, 1}, {0}};
             continue;
         }
         const fp3_body *body = &bodies->body[bodies->in_slot[k]];
@@ -70,8 +71,35 @@ static void bring(fp3_bodies *bodies, double h) {
         const float aw = (float)(h * (i * body->torque));
         const float slow = (float)(1 / (1 + h * body->damping)),
                     slow_spin = (float)(1 / (1 + h * body->spin_damping));
-        bodies->pull[k] = (fp3_pull2){{ax, ay, aw, 0}, {slow, slow, slow_spin, 1}};
+        bodies->pull[k] = (fp3_pull2){{ax, ay, aw, 0}, {slow, slow, slow_spin, 1}, {0}};
     }
+}
+
+/* It has bounced, or goes apart. */
+static int flies(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    int is_apart = t->approach < 0;
+    for (uint32_t k = 0; k < t->m.count; k++)
+        is_apart &= t->m.point[k].gap > 0;
+    return is_apart || (bodies->may_bounce && t->top > 0);
+}
+
+static void hold(fp3_bodies *bodies, const fp3_law_rows *rows, int is_contact) {
+    for (uint32_t i = 0; i < rows->count; i++) {
+        const fp3_ends2 *ends = &rows->ends[rows->lane[i] / FP3_WIDE];
+        if (is_contact && flies(bodies, &bodies->touch[rows->of[i]]))
+            continue;
+        bodies->pull[ends->a[rows->lane[i] % FP3_WIDE]].drop = (fp3_four){0};
+        bodies->pull[ends->b[rows->lane[i] % FP3_WIDE]].drop = (fp3_four){0};
+    }
+}
+
+/* Bodies that have no row. */
+static void let_fall(fp3_bodies *bodies, double h) {
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        bodies->pull[k].drop = 0.5f * (float)h * bodies->pull[k].pull;
+    hold(bodies, &bodies->contacts, 1);
+    for (int law = 0; law < FP3_JOINT_LAWS; law++)
+        hold(bodies, &bodies->joined[law], 0);
 }
 
 static fp3_status move(fp3_bodies *bodies) {
@@ -152,7 +180,8 @@ static fp3_status pass_all(const fp3_bodies *bodies, int has_moved,
 
 /* Arms of joints turn within a step, so joints give their impulses anew in each substep; contacts
  * give what bodies have kept of the last one. */
-static fp3_status solve(fp3_bodies *bodies, double h) {
+/* has_hit: bodies have been moved already. */
+static fp3_status solve(fp3_bodies *bodies, double h, int has_hit) {
     const fp3_solver2 *solver = bodies->solver;
     const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
     const float push[FP3_SHARED] = {1, inverse, least, 0},
@@ -166,13 +195,11 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
         if (!status)
             status = pass_joints(bodies, warm);
         if (!status)
-            status = pass_all(bodies, 0, push);
-        solver->place(bodies->speed, bodies->way, bodies->slots, (float)h);
+            status = pass_all(bodies, has_hit && step == 0, push);
+        solver->place(bodies->speed, bodies->way, bodies->pull, bodies->slots, (float)h);
         if (!status)
             status = pass_all(bodies, 1, mend);
     }
-    if (!status && bodies->may_bounce)
-        status = pass(bodies, FP3_LAW_bounce2, &bodies->contacts, 0, mend);
     return status;
 }
 
@@ -192,7 +219,12 @@ static fp3_status step(fp3_bodies *bodies) {
         status = fp3_joints_begin(bodies, h);
     if (status)
         return status;
-    status = solve(bodies, h);
+    int has_hit;
+    status = fp3_impacts(bodies, &has_hit);
+    if (status)
+        return status;
+    let_fall(bodies, h);
+    status = solve(bodies, h, has_hit);
     if (status)
         return fp3_fail(bodies->error, status, "the engine could not make a step");
     fp3_contacts_end(bodies);

@@ -9,5 +9,5 @@
     "fp3_law_text_" name ": .incbin \"programs/bodies/" name ".ode\"\n"                            \
     ".byte 0\n"
 
-__asm__(".section .rodata\n" TEXT("contact2") TEXT("gap2") TEXT("warm2") TEXT("bounce2")
-            TEXT("twist2") TEXT("slide2") TEXT("rod2") TEXT("pin2") ".previous\n");
+__asm__(".section .rodata\n" TEXT("contact2") TEXT("gap2") TEXT("warm2") TEXT("twist2")
+            TEXT("slide2") TEXT("rod2") TEXT("pin2") ".previous\n");

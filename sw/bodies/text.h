@@ -4,7 +4,6 @@
 #define FP3_BODIES_TEXT_H
 
 extern const char fp3_law_text_contact2[], fp3_law_text_gap2[], fp3_law_text_warm2[],
-    fp3_law_text_bounce2[], fp3_law_text_twist2[], fp3_law_text_slide2[], fp3_law_text_rod2[],
-    fp3_law_text_pin2[];
+    fp3_law_text_twist2[], fp3_law_text_slide2[], fp3_law_text_rod2[], fp3_law_text_pin2[];
 
 #endif

@@ -23,6 +23,18 @@ static fp3_pose2 turn_of(const fp3_body *body) {
     return (fp3_pose2){.c = body->turn[0], .s = body->turn[1]};
 }
 
+/* How far a shape may come in a step, where that counts: of what bounces, so that its impact is
+ * found in the step in which it is; of what is marked fast, so that it does not pass through. */
+static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape) {
+    const fp3_body *body = &bodies->body[shape->body];
+    const double gravity = fabs(bodies->def.gravity[0]) + fabs(bodies->def.gravity[1]);
+    if (!body->is_fast && !(shape->restitution > 0))
+        return 0;
+    return bodies->def.h * (fabs((double)body->v[0]) + fabs((double)body->v[1]) +
+                            fabs((double)body->w) * shape->shape.extent +
+                            bodies->def.h * gravity * fabs((double)body->gravity));
+}
+
 static fp3_box box_of(const fp3_bodies *bodies, uint32_t shape, double margin) {
     const fp3_attached *placed = &bodies->shape[shape];
     const fp3_body *body = &bodies->body[placed->body];
@@ -52,10 +64,11 @@ static int renew_boxes(fp3_bodies *bodies) {
             continue;
         for (uint32_t s = bodies->body[bodies->in_slot[k]].first_shape; s != FP3_NOBODY;
              s = bodies->shape[s].next) {
-            const fp3_box now = box_of(bodies, s, reach);
+            const double sweep = sweep_of(bodies, &bodies->shape[s]);
+            const fp3_box now = box_of(bodies, s, reach + sweep);
             if (is_inside(&now, &bodies->boxes.box[s]))
                 continue;
-            bodies->boxes.box[s] = box_of(bodies, s, margin);
+            bodies->boxes.box[s] = box_of(bodies, s, margin + sweep);
             has_left = 1;
         }
     }
@@ -174,7 +187,8 @@ static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
     const fp3_pose2 pose_a = turn_of(x);
     fp3_pose2 pose_b = turn_of(y);
     pose_b.at = (fp3_point2){(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1])};
-    const float reach = (float)(REACH * bodies->def.size);
+    const double sweep = sweep_of(bodies, a) + sweep_of(bodies, b);
+    const float reach = (float)(REACH * bodies->def.size + sweep);
     const fp3_point2 from = pose_b.at;
     if (follow(t, x, y, from, bodies->def.size)) {
         go_on(t);
@@ -229,8 +243,7 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
         t->top = 0;
         if (!t->m.count)
             continue;
-        if (!t->is_touching)
-            t->approach = approach_of(x, y, t);
+        t->approach = approach_of(x, y, t);
         bodies->touching++;
         if (a->is_sensor || b->is_sensor)
             continue;

@@ -97,6 +97,7 @@ typedef struct {
     double gravity;               /* share of gravity; default 1 */
     int may_not_turn;
     int may_not_sleep;
+    int is_fast;   /* it must not pass through anything, however fast it is */
     uint64_t user; /* for the caller */
 } fp3_body_def;
 
