@@ -1,0 +1,175 @@
+/* solids3 - sw/bodies/ in space, by words on a pipe.
+ *
+ * Standard input has commands, each a number and what it needs; standard output has the answers,
+ * all as words of 32 bits (mass: doubles). tests/bodies/solids.py writes and reads them.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bodies/collide3.h"
+#include "bodies/distance3.h"
+#include "bodies/mass3.h"
+
+enum { MAKE, COLLIDE, SHAPE, BOUNDS, MASS, PLANE, MATCH, DISTANCE };
+enum { BALL, CAPSULE, BOX, TRIANGLE, HULL };
+#define MOST 4096
+
+static fp3_shape3 *shapes;
+static uint32_t count;
+
+static void get(void *to, size_t size) {
+    if (fread(to, 1, size, stdin) != size)
+        exit(2);
+}
+
+static void put(const void *from, size_t size) {
+    if (fwrite(from, 1, size, stdout) != size)
+        exit(2);
+}
+
+static uint32_t word(void) {
+    uint32_t w;
+    get(&w, sizeof w);
+    return w;
+}
+
+static const fp3_shape3 *shape(void) {
+    const uint32_t i = word();
+    if (i >= count)
+        exit(2);
+    return &shapes[i];
+}
+
+/* A failure is answered by its text; the shape's number is taken all the same. */
+static void make(void) {
+    const uint32_t kind = word(), points = word();
+    float radius;
+    fp3_point3 p[64];
+    fp3_pose3 pose;
+    fp3_error error = {.text = ""};
+    get(&radius, sizeof radius);
+    get(p, (points < 64 ? points : 64) * sizeof *p);
+    get(&pose, sizeof pose);
+    fp3_shape3 *to = &shapes[count < MOST ? count : 0];
+    if (++count > MOST)
+        exit(2);
+    const uint32_t status = kind == BALL      ? fp3_ball3(p[0], radius, to, &error)
+                            : kind == CAPSULE ? fp3_capsule3(p[0], p[1], radius, to, &error)
+                            : kind == BOX
+                                ? fp3_box3(p[0], pose.q[0] == 2 ? NULL : &pose, radius, to, &error)
+                            : kind == TRIANGLE ? fp3_triangle3(p, radius, to, &error)
+                                               : fp3_hull3(points, p, radius, to, &error);
+    put(&status, sizeof status);
+    put(error.text, 128);
+}
+
+static void collide(void) {
+    const fp3_shape3 *a = shape(), *b = shape();
+    fp3_pose3 pose[2];
+    float reach;
+    fp3_manifold3 m;
+    memset(&m, 0, sizeof m);
+    get(pose, sizeof pose);
+    get(&reach, sizeof reach);
+    fp3_collide3(a, &pose[0], b, &pose[1], reach, &m);
+    put(&m, sizeof m);
+}
+
+static void plane(void) {
+    fp3_plane3 a;
+    get(&a, sizeof a);
+    const fp3_shape3 *b = shape();
+    fp3_pose3 pose[2];
+    float reach;
+    fp3_manifold3 m;
+    memset(&m, 0, sizeof m);
+    get(pose, sizeof pose);
+    get(&reach, sizeof reach);
+    fp3_collide_plane3(&a, &pose[0], b, &pose[1], reach, &m);
+    put(&m, sizeof m);
+}
+
+static void bounds(void) {
+    const fp3_shape3 *a = shape();
+    fp3_pose3 pose;
+    float margin;
+    get(&pose, sizeof pose);
+    get(&margin, sizeof margin);
+    const fp3_bounds3 box = fp3_bound3(a, &pose, margin);
+    put(&box, sizeof box);
+}
+
+static void mass(void) {
+    fp3_mass3 part[16], sum;
+    double answer[17];
+    const uint32_t parts = word();
+    for (uint32_t i = 0; i < parts; i++) {
+        const fp3_shape3 *s = shape();
+        float density;
+        get(&density, sizeof density);
+        part[i % 16] = fp3_weigh3(s, (double)density);
+    }
+    sum = fp3_weigh_together3(part, parts);
+    memcpy(answer, &sum, sizeof sum);
+    fp3_axes_of_mass3(&sum, answer + 10, answer + 13);
+    put(answer, sizeof answer);
+}
+
+static void match(void) {
+    fp3_manifold3 m[2];
+    float near;
+    uint8_t from[4];
+    get(m, sizeof m);
+    get(&near, sizeof near);
+    fp3_match_manifold3(&m[0], &m[1], near, from);
+    put(from, sizeof from);
+}
+
+static void distance(void) {
+    const fp3_shape3 *a = shape(), *b = shape();
+    fp3_pose3 pose[2];
+    fp3_closest3 c;
+    get(pose, sizeof pose);
+    const fp3_turn3 of_a = fp3_turn_of3(pose[0].q), of_b = fp3_between3(&pose[0], &of_a, &pose[1]);
+    fp3_distance3(a, b, &of_b, &c);
+    put(&c, sizeof c);
+}
+
+int main(void) {
+    uint32_t command;
+    shapes = calloc(MOST, sizeof *shapes);
+    if (!shapes)
+        return 1;
+    while (fread(&command, sizeof command, 1, stdin) == 1)
+        switch (command) {
+        case MAKE:
+            make();
+            break;
+        case COLLIDE:
+            collide();
+            break;
+        case SHAPE:
+            put(shape(), sizeof *shapes);
+            break;
+        case BOUNDS:
+            bounds();
+            break;
+        case MASS:
+            mass();
+            break;
+        case PLANE:
+            plane();
+            break;
+        case MATCH:
+            match();
+            break;
+        case DISTANCE:
+            distance();
+            break;
+        default:
+            return 2;
+        }
+    free(shapes);
+    return 0;
+}
