@@ -20,7 +20,7 @@ HEADER = ROOT / "sw/bodies/laws.h"
 LAWS = {"contact2": "contact2", "gap2": "contact2", "warm2": "contact2", "twist2": "twist2", "slide2": "slide2", "rod2": "rod2",
         "pin2": "pin2"}
 # What a pass gives all rows.
-SHARED = ["push", "inverse", "least", "warm"]
+SHARED = ["push", "inverse", "least", "warm", "pace"]
 # The words of a body in a plane, as they stand side by side (sw/bodies/solve2.h).
 BODY = ["v_x", "v_y", "w", "d_x", "d_y", "q"]
 OPERATIONS = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "madd": "{2} + {0} * {1}", "msub": "{2} - {0} * {1}",

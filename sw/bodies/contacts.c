@@ -36,16 +36,16 @@ static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, f
     fp3_put(&row->c1, lane, arm1.y);
     fp3_put(&row->b1, lane, arm1.x - from_x);
     fp3_put(&row->e1, lane, arm1.y - from_y);
-    fp3_put(&row->s1, lane, t->m.point[0].gap);
     fp3_put(&row->gap1, lane, t->m.point[0].gap);
     fp3_put(&row->j1, lane, 1);
     fp3_put(&row->a2, lane, arm2.x);
     fp3_put(&row->c2, lane, arm2.y);
     fp3_put(&row->b2, lane, arm2.x - from_x);
     fp3_put(&row->e2, lane, arm2.y - from_y);
-    fp3_put(&row->s2, lane, t->m.point[second].gap);
     fp3_put(&row->gap2, lane, t->m.point[second].gap);
     fp3_put(&row->j2, lane, (float)second);
+    fp3_put(&row->ra, lane, a->shape.radius);
+    fp3_put(&row->rb, lane, b->shape.radius);
     fp3_put(&row->mu, lane, sqrtf(a->friction * b->friction));
     fp3_put(&row->belt, lane, a->belt + b->belt);
     fp3_put(&row->reach, lane, a->rolling > b->rolling ? a->rolling : b->rolling);
@@ -95,6 +95,25 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
                             bodies->movable, rows->row,   rows->ends};
     bodies->solver->prepare(&work, 0, rows->colours.first[rows->colours.count]);
     return FP3_OK;
+}
+
+/* The way of a body along the normal at an arm. */
+static float way_of(fp3_four way, float along, const fp3_point2 *n) {
+    return way[0] * n->x + way[1] * n->y + way[2] * along;
+}
+
+void fp3_contacts_follow(fp3_bodies *bodies) {
+    for (uint32_t i = 0; i < bodies->contacts.count; i++) {
+        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+        const uint32_t lane = bodies->contacts.lane[i] % FP3_WIDE;
+        const fp3_ends2 *ends = &bodies->contacts.ends[bodies->contacts.lane[i] / FP3_WIDE];
+        const fp3_four a = bodies->way[ends->a[lane]], b = bodies->way[ends->b[lane]];
+        fp3_contact2_row *row = row_of(bodies, i);
+        row->gap1[lane] +=
+            way_of(b, row->b1[lane], &t->m.normal) - way_of(a, row->a1[lane], &t->m.normal);
+        row->gap2[lane] +=
+            way_of(b, row->b2[lane], &t->m.normal) - way_of(a, row->a2[lane], &t->m.normal);
+    }
 }
 
 void fp3_contacts_end(fp3_bodies *bodies) {

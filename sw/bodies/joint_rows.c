@@ -6,10 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As of contacts, but stiffer and less damped: a joint has no slack to hide in. */
-#define STIFFNESS 60.0
-#define RESOLVED 0.5
-#define DAMPING 2.0
+/* Springs that hold: of 90 Hz, or of a share of the substeps' rate if that is more, but no faster
+ * than that rate. Pendulums lose least so, and chains still hang still. */
+#define STIFFNESS 90.0
+#define RESOLVED 0.375
+#define DAMPING 5.0 /* of critical damping */
 
 #define LAW(name) (FP3_LAW_##name - FP3_LAW_twist2)
 static const size_t sizes[FP3_JOINT_LAWS] = {
@@ -142,7 +143,7 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
     const fp3_body *a = &bodies->body[j->a], *b = &bodies->body[j->b];
     const filling f = {.joint = j,
                        .stance = fp3_joint_stance(bodies, j),
-                       .firm = fp3_soften(fmin(STIFFNESS, RESOLVED / h), DAMPING, h),
+                       .firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h),
                        .spring = fp3_soften(j->def.hertz, j->def.damping, h),
                        .ma = fp3_inverse_mass(a->mass),
                        .ia = fp3_inverse_mass(a->inertia),

@@ -10,11 +10,11 @@
 #include "wide.h"
 
 #define FP3_BODY2_WORDS "v_x", "v_y", "w", "d_x", "d_y", "q"
-#define FP3_SHARED_WORDS "push", "inverse", "least", "warm"
+#define FP3_SHARED_WORDS "push", "inverse", "least", "warm", "pace"
 /* X(name of the law, type of its rows, whether it reads speeds, whether it reads ways) */
 #define FP3_LAWS2(X)                                                                               \
     X(contact2, contact2, 1, 0)                                                                    \
-    X(gap2, contact2, 0, 1)                                                                        \
+    X(gap2, contact2, 1, 0)                                                                        \
     X(warm2, contact2, 1, 0)                                                                       \
     X(twist2, twist2, 1, 1)                                                                        \
     X(slide2, slide2, 1, 1)                                                                        \
@@ -56,13 +56,13 @@ typedef struct {
     fp3_wide r;
     fp3_wide top1;
     fp3_wide top2;
-    fp3_wide s1;
-    fp3_wide s2;
+    fp3_wide ra;
+    fp3_wide rb;
 } fp3_contact2_row;
 #define FP3_CONTACT2_WORDS                                                                         \
     "ma", "ia", "mb", "ib", "n_x", "n_y", "a1", "b1", "c1", "e1", "gap1", "j1", "k1", "a2", "b2",  \
         "c2", "e2", "gap2", "j2", "k2", "mu", "belt", "reach", "jr", "rate", "soft", "fade", "p1", \
-        "f1", "p2", "f2", "r", "top1", "top2", "s1", "s2"
+        "f1", "p2", "f2", "r", "top1", "top2", "ra", "rb"
 
 FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
                                  const fp3_wide *shared) {
@@ -194,17 +194,36 @@ FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b
 
 FP3_WIDELY void fp3_law_gap2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
                              const fp3_wide *shared) {
-    (void)shared;
-    fp3_wide t0 = b[3] - a[3];
-    fp3_wide t1 = b[4] - a[4];
-    t0 = t0 * row->n_x;
-    t0 = t0 + t1 * row->n_y;
-    t1 = row->s1 + t0;
-    t1 = t1 + row->b1 * b[5];
-    row->gap1 = t1 - row->a1 * a[5];
-    t0 = row->s2 + t0;
-    t0 = t0 + row->b2 * b[5];
-    row->gap2 = t0 - row->a2 * a[5];
+    fp3_wide t0 = shared[4] * a[2];
+    fp3_wide t1 = shared[4] * b[2];
+    fp3_wide t2 = b[0] - a[0];
+    t2 = t2 * row->n_x;
+    fp3_wide t3 = b[1] - a[1];
+    t2 = t2 + t3 * row->n_y;
+    t3 = row->c1 - row->ra;
+    row->c1 = row->c1 + t0 * row->a1;
+    fp3_wide t4 = row->e1 + row->rb;
+    row->e1 = row->e1 + t1 * row->b1;
+    fp3_wide t5 = row->gap1 + shared[4] * t2;
+    t2 = row->gap2 + shared[4] * t2;
+    fp3_wide t6 = fp3_wide_all(0.5f) * t1;
+    fp3_wide t7 = row->b1 - t6 * t4;
+    t5 = t5 + t1 * t7;
+    row->b1 = row->b1 - t1 * t4;
+    t4 = fp3_wide_all(0.5f) * t0;
+    t7 = row->a1 - t4 * t3;
+    row->gap1 = t5 - t0 * t7;
+    row->a1 = row->a1 - t0 * t3;
+    t3 = row->c2 - row->ra;
+    t4 = row->a2 - t4 * t3;
+    row->c2 = row->c2 + t0 * row->a2;
+    row->a2 = row->a2 - t0 * t3;
+    t3 = row->e2 + row->rb;
+    t6 = row->b2 - t6 * t3;
+    t2 = t2 + t1 * t6;
+    row->gap2 = t2 - t0 * t4;
+    row->e2 = row->e2 + t1 * row->b2;
+    row->b2 = row->b2 - t1 * t3;
 }
 
 FP3_WIDELY void fp3_law_warm2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,

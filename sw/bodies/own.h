@@ -163,6 +163,8 @@ static inline void fp3_put(fp3_wide *word, uint32_t lane, float value) { (*word)
 
 /* contacts.c, joints.c: rows for a step, with substeps of h, and what they have learned. */
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);
+/* Gaps, after impacts have moved bodies. */
+void fp3_contacts_follow(fp3_bodies *bodies);
 void fp3_contacts_end(fp3_bodies *bodies);
 /* Impacts of this step, behind fp3_contacts_begin; whether there was any, so that bodies have
  * moved. */

@@ -93,8 +93,8 @@ static fp3_status find_words(law *l, fp3_law law, fp3_error *error) {
         } else if (FP3_CLASS(symbol->symbol_class) & FP3_CLASSES_HOST) {
             return fp3_fail(error, FP3_E_PROGRAM,
                             "law %s: '%s' is no word of it: expected states of the names that "
-                            "programs/bodies/%s.ode has, and shared params push, inverse, least "
-                            "and warm",
+                            "programs/bodies/%s.ode has, and shared params push, inverse, least, "
+                            "warm and pace",
                             names[law], symbol->name, names[law]);
         }
     }

@@ -137,7 +137,7 @@ static void moved(const fp3_work2 *work, uint32_t first, uint32_t end,
     give(shared, given);
     for (uint32_t i = first; i < end; i++) {
         fp3_contact2_row *row = (fp3_contact2_row *)work->row + i;
-        bring_both(work, i, 1, 1, &of);
+        bring_both(work, i, 1, 0, &of);
         fp3_law_gap2(row, of.a, of.b, given);
         fp3_law_contact2(row, of.a, of.b, given);
         take_both(work, i, &of);

@@ -180,13 +180,12 @@ static fp3_status pass_all(const fp3_bodies *bodies, int has_moved,
 
 /* Arms of joints turn within a step, so joints give their impulses anew in each substep; contacts
  * give what bodies have kept of the last one. */
-/* has_hit: bodies have been moved already. */
-static fp3_status solve(fp3_bodies *bodies, double h, int has_hit) {
+static fp3_status solve(fp3_bodies *bodies, double h) {
     const fp3_solver2 *solver = bodies->solver;
     const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
     const float push[FP3_SHARED] = {1, inverse, least, 0},
-                mend[FP3_SHARED] = {0, inverse, least, 0},
-                warm[FP3_SHARED] = {1, inverse, least, 1};
+                mend[FP3_SHARED] = {0, inverse, least, 0, (float)h},
+                warm[FP3_SHARED] = {1, inverse, least, 1, (float)h};
     fp3_status status = FP3_OK;
     for (uint32_t step = 0; !status && step < bodies->def.substeps; step++) {
         solver->speed(bodies->speed, bodies->base, bodies->pull, bodies->movable, step == 0);
@@ -195,7 +194,7 @@ static fp3_status solve(fp3_bodies *bodies, double h, int has_hit) {
         if (!status)
             status = pass_joints(bodies, warm);
         if (!status)
-            status = pass_all(bodies, has_hit && step == 0, push);
+            status = pass_all(bodies, 0, push);
         solver->place(bodies->speed, bodies->way, bodies->pull, bodies->slots, (float)h);
         if (!status)
             status = pass_all(bodies, 1, mend);
@@ -223,8 +222,10 @@ static fp3_status step(fp3_bodies *bodies) {
     status = fp3_impacts(bodies, &has_hit);
     if (status)
         return status;
+    if (has_hit)
+        fp3_contacts_follow(bodies);
     let_fall(bodies, h);
-    status = solve(bodies, h, has_hit);
+    status = solve(bodies, h);
     if (status)
         return fp3_fail(bodies->error, status, "the engine could not make a step");
     fp3_contacts_end(bodies);
