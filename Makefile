@@ -396,11 +396,16 @@ sessions: $(BUILD)/fp3 ## Record programs/*.session again, after a change of cyc
 # ---- tests --------------------------------------------------------------------------------------
 
 # Tests that call make are not part of this one. One test more than processors: some wait.
-PYTEST := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest -n $$(($(JOBS) + 1)) --dist loadgroup
+PYTEST_1 := env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL $(PYTHON) -m pytest
+PYTEST   := $(PYTEST_1) -n $$(($(JOBS) + 1)) --dist loadgroup
 
-.PHONY: test smoke quick
-test: all $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length
+.PHONY: test smoke quick compiled-tests
+test: all compiled-tests $(if $(LONG),models) | need-test ## Build and run the tests; ends with `N passed, N failed`; LONG=1: at their full length
 	@$(PYTEST) $(if $(LONG),--long) --durations=60 --durations-min=3 $(PYTEST_ARGS) tests
+
+# Beside the build, so that not every process of pytest does it. Whatever fails, fails in a test.
+compiled-tests: | need-test
+	@$(PYTEST_1) --collect-only tests >/dev/null 2>&1 || true
 
 .PHONY: fresh
 fresh: ## Run README's commands and every test in a bare Debian, as root: half an hour; ROOT=directory to keep, RUN="make setup all"

@@ -6,12 +6,15 @@ import pathlib
 import re
 import signal
 import subprocess
+import sys
 
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 # With SAN=1 what is lost in a library is no failure.
 os.environ.setdefault("LSAN_OPTIONS", f"suppressions={ROOT / 'tests/leaks.txt'}:print_suppressions=0")
+# Tests are compiled once, not in each process that runs some; the tools and tests that they start as programs write nothing.
+sys.dont_write_bytecode, sys.pycache_prefix = False, str(pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build")) / "pycache")
 # Where the tests run in the background, or under nohup, these are ignored. Programs that they start would ignore them, too; a handler is no
 # handler there.
 for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
@@ -23,8 +26,14 @@ def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="everything at its full length, an hour or so: tests/README.md")
 
 
+# What takes longest begins first, or one processor would wait at the end for another one's.
+FIRST = ("world/test_world_tool.py", "replay/test_netlist.py", "lint/test_lint.py::test_this_tree_is_clean", "formal/test_prove.py", "docs/test_tutorials.py",
+         "cluster/test_cluster_tool.py", "bench/test_bench.py", "cluster/test_ranks.py", "tune/", "fpga/test_ecp5.py", "fast/test_fast.py::test_random")
+
+
 def pytest_collection_modifyitems(config, items):
     """What only runs with --long is left out without it."""
+    items.sort(key=lambda item: not item.nodeid.startswith(FIRST))
     if not config.getoption("--long"):
         out = [item for item in items if item.get_closest_marker("long")]
         items[:] = [item for item in items if item not in out]

@@ -11,7 +11,7 @@ def several(build):
     return (2, 3) if shutil.which("mpirun") and (build / "lib/fp3/fp3_mpi.so").exists() else ()
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(200, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [3, pytest.param(200, marks=pytest.mark.long)])
 def test_everything_at_once(fp3, build, tmp_path, count):
     """Fresh seeds each time; a message has the seed."""
     tried = 0

@@ -82,13 +82,6 @@ FP3_OPERATION fp3_v fp3_underflown(fp3_i mask, fp3_i sign, fp3_v result) {
     return fp3_choose(mask, (fp3_v)(sign & FP3_SIGN), result);
 }
 
-/* A sum below the normal numbers is exact. */
-FP3_OPERATION fp3_v fp3_sum(fp3_v sum) {
-    if (FP3_SUBNORMAL)
-        return sum;
-    const fp3_i size = fp3_magnitude(sum);
-    return fp3_underflown((size < FP3_LEAST) & (size != 0), (fp3_i)sum, sum);
-}
 /* Halves of a vector, and a vector of its halves. */
 #if FP3_LANES == 16
 #define FP3_LOW 0, 1, 2, 3, 4, 5, 6, 7
@@ -212,26 +205,40 @@ FP3_OPERATION fp3_v fp3_minus(fp3_v a) { return (fp3_v)((fp3_i)a ^ FP3_SIGN); }
 
 /* ---- adder and multiplier ---- */
 
+/* Functions, too, where subnormal numbers are flushed. A sum below the normal numbers is exact. */
+static __attribute__((noinline, unused)) fp3_v fp3_flushed_add(fp3_v a, fp3_v b) {
+    const fp3_v sum = fp3_flushed(a) + fp3_flushed(b);
+    const fp3_i size = fp3_magnitude(sum);
+    return fp3_underflown((size < FP3_LEAST) & (size != 0), (fp3_i)sum, sum);
+}
+static __attribute__((noinline, unused)) fp3_v fp3_flushed_mul(fp3_v a, fp3_v b) {
+    const fp3_v x = fp3_flushed(a), y = fp3_flushed(b);
+    return fp3_underflown(
+        fp3_joined(fp3_is_below(x, y, 0, FP3_WIDE_LEAST), fp3_is_below(x, y, 1, FP3_WIDE_LEAST)),
+        (fp3_i)a ^ (fp3_i)b, x * y);
+}
+
 FP3_OPERATION fp3_v fp3_add(fp3_v a, fp3_v b) {
     if (FP3_FINITE)
         return fp3_finite_add(a, b);
-    return fp3_sum(fp3_flushed(a) + fp3_flushed(b));
+    if (FP3_SUBNORMAL)
+        return a + b;
+    return fp3_flushed_add(a, b);
 }
 FP3_OPERATION fp3_v fp3_sub(fp3_v a, fp3_v b) {
     if (FP3_FINITE)
         return fp3_add(a, fp3_minus(b));
-    return fp3_sum(fp3_flushed(a) - fp3_flushed(b));
+    if (FP3_SUBNORMAL)
+        return a - b;
+    return fp3_flushed_add(a, fp3_minus(b));
 }
 
 FP3_OPERATION fp3_v fp3_mul(fp3_v a, fp3_v b) {
     if (FP3_FINITE)
         return fp3_finite_mul(a, b);
-    const fp3_v x = fp3_flushed(a), y = fp3_flushed(b), product = x * y;
     if (FP3_SUBNORMAL)
-        return product;
-    return fp3_underflown(
-        fp3_joined(fp3_is_below(x, y, 0, FP3_WIDE_LEAST), fp3_is_below(x, y, 1, FP3_WIDE_LEAST)),
-        (fp3_i)a ^ (fp3_i)b, product);
+        return a * b;
+    return fp3_flushed_mul(a, b);
 }
 
 FP3_OPERATION fp3_v fp3_madd(fp3_v a, fp3_v b, fp3_v c) { return fp3_add(c, fp3_mul(a, b)); }
