@@ -110,23 +110,25 @@ static inline uint32_t fp3_end2(const fp3_core2 *a, uint32_t edge) {
 /* The nearest points of two edges. */
 typedef struct {
     float square;  /* of their distance */
-    int is_corner; /* both are corners; otherwise one is on an edge, along whose normal the other is
-                    */
-    fp3_point2 a, b; /* set where corners are */
+    int is_corner; /* both are corners; otherwise one is on an edge, with this normal from a to b */
+    fp3_point2 a, b, normal;
 } fp3_pair2;
 
-/* Of a corner and an edge, if they are nearer than what is known. */
+/* Of a corner and an edge of a, or of b if it is swapped, if they are nearer than what is known. */
 static inline void fp3_nearer2(fp3_point2 corner, const fp3_core2 *a, uint32_t edge, int is_swapped,
                                fp3_pair2 *pair) {
     const fp3_point2 from = fp3_at2(&a->corner, edge), to = fp3_at2(&a->corner, fp3_end2(a, edge));
-    const fp3_point2 n = fp3_at2(&a->normal, edge), t = {-n.y, n.x},
-                     way = fp3_subtract2(corner, from);
+    const fp3_point2 n = fp3_at2(&a->normal, edge), t = {-n.y, n.x};
+    const fp3_point2 way = fp3_subtract2(corner, from);
     const float at = fp3_dot2(t, way), length = fp3_dot2(t, fp3_subtract2(to, from));
     const int is_out = at < 0 || at > length;
     const fp3_point2 end = at < 0 ? from : to, out = fp3_subtract2(corner, end);
     const float along = fp3_dot2(n, way), square = is_out ? fp3_dot2(out, out) : along * along;
-    if (square < pair->square)
-        *pair = (fp3_pair2){square, is_out, is_swapped ? corner : end, is_swapped ? end : corner};
+    if (square >= pair->square)
+        return;
+    const fp3_point2 foot = is_out ? end : fp3_along2(corner, -along, n), back = {-n.x, -n.y};
+    *pair = is_swapped ? (fp3_pair2){square, is_out, corner, foot, back}
+                       : (fp3_pair2){square, is_out, foot, corner, n};
 }
 
 /* a has an edge; b may be a point. */

@@ -4,6 +4,7 @@
  *
  *     build/tests/geometry2 <records >answers */
 #include "bodies/collide2.h"
+#include "bodies/query2.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -14,11 +15,14 @@ typedef struct {
 } maker;
 
 typedef struct {
-    uint32_t what; /* 0 collide, 1 an edge of a chain (a's first four points), 2 makers alone */
+    /* 0 collide, 1 an edge of a chain (a's first four points), 2 makers alone, 3 measure, 4 a ray
+     * at b from pose_a.at to to_a.at, 5 impact, 6 cast of b along to_b.at */
+    uint32_t what;
     maker a, b;
     fp3_pose2 pose_a, pose_b;
     float reach;
     uint32_t ends;
+    fp3_pose2 to_a, to_b;
 } request;
 
 typedef struct {
@@ -26,6 +30,9 @@ typedef struct {
     fp3_shape2 a, b;
     fp3_bounds2 bounds;
     fp3_manifold2 manifold;
+    uint32_t is_hit, overlaps;
+    fp3_apart2 apart;
+    fp3_hit2 hit;
     fp3_mass2 mass, together;
     char text[128];
 } answer;
@@ -59,6 +66,19 @@ static void reply(const request *r, answer *to) {
         memcpy(link.corner, r->a.points, sizeof link.corner);
         fp3_collide_link2(&link, &r->pose_a, &to->b, &r->pose_b, r->reach, &to->manifold);
     }
+    if (r->what == 3) {
+        to->is_hit = (uint32_t)fp3_measure2(&to->a, &r->pose_a, &to->b, &r->pose_b, &to->apart);
+        to->overlaps = (uint32_t)fp3_overlap2(&to->a, &r->pose_a, &to->b, &r->pose_b);
+    }
+    if (r->what == 4)
+        to->is_hit = (uint32_t)fp3_ray2(&to->b, &r->pose_b, r->pose_a.at,
+                                        fp3_subtract2(r->to_a.at, r->pose_a.at), &to->hit);
+    if (r->what == 5)
+        to->is_hit = (uint32_t)fp3_impact2(&to->a, &(fp3_sweep2){r->pose_a, r->to_a}, &to->b,
+                                           &(fp3_sweep2){r->pose_b, r->to_b}, r->reach, &to->hit);
+    if (r->what == 6)
+        to->is_hit = (uint32_t)fp3_cast2(&to->a, &r->pose_a, &to->b, &r->pose_b, r->to_b.at,
+                                         r->reach, &to->hit);
     if (r->what == 2) {
         to->bounds = fp3_bound2(&to->b, &r->pose_b, r->reach);
         to->mass = fp3_weigh2(&to->b, 2);

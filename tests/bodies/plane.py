@@ -7,13 +7,17 @@ import numpy as np
 POINT = ("<f4", 2)
 MAKER = [("kind", "<u4"), ("radius", "<f4"), ("points", "<f4", (8, 2))]
 POSE = [("at", *POINT), ("turn", *POINT)]                # turn: cosine and sine
-REQUEST = np.dtype([("what", "<u4"), ("a", MAKER), ("b", MAKER), ("pose_a", POSE), ("pose_b", POSE), ("reach", "<f4"), ("ends", "<u4")])
+REQUEST = np.dtype([("what", "<u4"), ("a", MAKER), ("b", MAKER), ("pose_a", POSE), ("pose_b", POSE), ("reach", "<f4"), ("ends", "<u4"),
+                    ("to_a", POSE), ("to_b", POSE)])
 SHAPE = [("count", "<u4"), ("columns", "<f4", (2, 2, 8)), ("radius", "<f4"), ("extent", "<f4"), ("middle", *POINT)]    # columns: corner, normal; x, y
 MASS = [("mass", "<f8"), ("centre", "<f8", 2), ("inertia", "<f8")]
 MANIFOLD = [("normal", *POINT), ("count", "<u4"), ("point", [("arm", *POINT), ("gap", "<f4")], 2)]
-ANSWER = np.dtype([("failed", "<u4"), ("a", SHAPE), ("b", SHAPE), ("bounds", "<f4", (2, 2)), ("manifold", MANIFOLD),
+APART = [("gap", "<f4"), ("normal", *POINT), ("arm_a", *POINT), ("arm_b", *POINT)]
+HIT = [("fraction", "<f4"), ("normal", *POINT), ("arm", *POINT)]
+ANSWER = np.dtype([("failed", "<u4"), ("a", SHAPE), ("b", SHAPE), ("bounds", "<f4", (2, 2)), ("manifold", MANIFOLD), ("is_hit", "<u4"),
+                   ("overlaps", "<u4"), ("apart", APART), ("hit", HIT),
                    ("mass", MASS), ("together", MASS), ("text", "S128")])
-COLLIDE, LINK, MAKE = range(3)
+COLLIDE, LINK, MAKE, MEASURE, RAY, IMPACT, CAST = range(7)
 
 
 def requests(count, what=COLLIDE):
@@ -112,3 +116,60 @@ def depth(p, radius, q):
     outside = np.nanmax(np.where(np.isnan(outside), -np.inf, outside), 2)
     away = distance.min(2)
     return np.where((outside <= 0) & (outside > -np.inf), -away, away) - radius[:, None]
+
+
+# ---- pairs that nearly touch ----
+
+def pairs(rng, count, build, target=0.3, kinds=range(9)):
+    """Pairs of random shapes that nearly touch, and the answers."""
+    r = requests(count)
+    size = 10.0 ** rng.uniform(-3, 3, count)
+    shapes(rng, r["a"], size, kinds)
+    shapes(rng, r["b"], size * 10.0 ** rng.uniform(-1, 1, count), kinds)
+    turns(rng, r["pose_a"])
+    turns(rng, r["pose_b"])
+    return moved(rng, r, build, target)
+
+
+def moved(rng, r, build, target=0.3):
+    """Shapes moved along the way between them until their gap is about a part of their size; and the answers."""
+    r["what"] = MAKE
+    made = ask(build, r)
+    assert (made["failed"] == 0).all(), made["text"][made["failed"] != 0][:3]
+    r["what"] = COLLIDE
+    extent = np.minimum(made["a"]["extent"], made["b"]["extent"]).astype(float)
+    wanted = extent * rng.uniform(-target, target, len(r)) * 10.0 ** rng.uniform(-4, 0, len(r))
+    angle = rng.uniform(0, 2 * np.pi, len(r))
+    way = np.stack([np.cos(angle), np.sin(angle)], 1)
+    far = (made["a"]["extent"].astype(float) + made["b"]["extent"])[:, None] * 1.1
+    r["pose_a"]["at"] = rng.uniform(-10, 10, (len(r), 2)) * extent[:, None]
+    for _ in range(5):
+        r["pose_b"]["at"] = r["pose_a"]["at"] + far * way
+        far -= (truth(r, made) - wanted)[:, None]
+    r["pose_b"]["at"] = r["pose_a"]["at"] + far * way
+    r["reach"] = extent * rng.uniform(0, 0.1, len(r))
+    return r, ask(build, r)
+
+
+def cores(r, made):
+    base = r["pose_a"]["at"].astype(float)
+    here = {side: r["pose_" + side].copy() for side in "ab"}
+    p, q = (placed(made[side], here[side]) - base[:, None] for side in "ab")
+    return p, q
+
+
+def radii(made):
+    return [made[side]["radius"].astype(float) for side in "ab"]
+
+
+def truth(r, made):
+    return core_gap(*cores(r, made)) - sum(radii(made))
+
+
+def least(made):
+    points = made["manifold"]["point"]["gap"].astype(float)
+    return np.where(made["manifold"]["count"] == 2, points.min(1), points[:, 0])
+
+
+def extents(made):
+    return made["a"]["extent"].astype(float) + made["b"]["extent"]

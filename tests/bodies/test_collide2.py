@@ -7,75 +7,20 @@ import pytest
 ULP = 2.0 ** -24
 
 
-def pairs(rng, count, build, target=0.3, kinds=range(9)):
-    """Pairs of random shapes that nearly touch, and the answers."""
-    r = plane.requests(count)
-    size = 10.0 ** rng.uniform(-3, 3, count)
-    plane.shapes(rng, r["a"], size, kinds)
-    plane.shapes(rng, r["b"], size * 10.0 ** rng.uniform(-1, 1, count), kinds)
-    plane.turns(rng, r["pose_a"])
-    plane.turns(rng, r["pose_b"])
-    return moved(rng, r, build, target)
-
-
-def moved(rng, r, build, target=0.3):
-    """Shapes moved along the way between them until their gap is about a part of their size; and the answers."""
-    r["what"] = plane.MAKE
-    made = plane.ask(build, r)
-    assert (made["failed"] == 0).all(), made["text"][made["failed"] != 0][:3]
-    r["what"] = plane.COLLIDE
-    extent = np.minimum(made["a"]["extent"], made["b"]["extent"]).astype(float)
-    wanted = extent * rng.uniform(-target, target, len(r)) * 10.0 ** rng.uniform(-4, 0, len(r))
-    angle = rng.uniform(0, 2 * np.pi, len(r))
-    way = np.stack([np.cos(angle), np.sin(angle)], 1)
-    far = (made["a"]["extent"].astype(float) + made["b"]["extent"])[:, None] * 1.1
-    r["pose_a"]["at"] = rng.uniform(-10, 10, (len(r), 2)) * extent[:, None]
-    for _ in range(5):
-        r["pose_b"]["at"] = r["pose_a"]["at"] + far * way
-        far -= (truth(r, made) - wanted)[:, None]
-    r["pose_b"]["at"] = r["pose_a"]["at"] + far * way
-    r["reach"] = extent * rng.uniform(0, 0.1, len(r))
-    return r, plane.ask(build, r)
-
-
-def cores(r, made):
-    base = r["pose_a"]["at"].astype(float)
-    here = {side: r["pose_" + side].copy() for side in "ab"}
-    p, q = (plane.placed(made[side], here[side]) - base[:, None] for side in "ab")
-    return p, q
-
-
-def radii(made):
-    return [made[side]["radius"].astype(float) for side in "ab"]
-
-
-def truth(r, made):
-    return plane.core_gap(*cores(r, made)) - sum(radii(made))
-
-
-def least(made):
-    points = made["manifold"]["point"]["gap"].astype(float)
-    return np.where(made["manifold"]["count"] == 2, points.min(1), points[:, 0])
-
-
-def extents(made):
-    return made["a"]["extent"].astype(float) + made["b"]["extent"]
-
-
 @pytest.fixture(scope="module")
 def many(build, long):
-    return pairs(np.random.default_rng(5), 200_000 if long else 5000, build)
+    return plane.pairs(np.random.default_rng(5), 200_000 if long else 5000, build)
 
 
 def test_the_least_gap_is_that_of_all_corners_and_edges(many):
     r, made = many
-    wanted, extent, count = truth(r, made), extents(made), made["manifold"]["count"]
+    wanted, extent, count = plane.truth(r, made), plane.extents(made), made["manifold"]["count"]
     some = count > 0
     assert some.mean() > 0.5 and (count == 2).mean() > 0.1 and (~some).mean() > 0.1
     reach, slack = r["reach"].astype(float), 2.0 ** -15 * extent
     assert (wanted[some] <= (reach + slack)[some]).all()
     assert (wanted[~some] >= (reach - slack)[~some]).all()
-    error = np.abs(least(made) - wanted)[some] / extent[some]
+    error = np.abs(plane.least(made) - wanted)[some] / extent[some]
     assert error.max() <= 2.0 ** -15
     assert np.quantile(error, 0.97) <= 2.0 ** -22 and np.median(error) <= 2.0 ** -24
 
@@ -83,11 +28,11 @@ def test_the_least_gap_is_that_of_all_corners_and_edges(many):
 def test_points_are_on_both_surfaces(many):
     """The deepest always; the other one where no radius rounds a tilted edge. Half a gap along the normal leads to a, the other half to b."""
     r, made = many
-    p, q = cores(r, made)
-    m, extent = made["manifold"], extents(made)
+    p, q = plane.cores(r, made)
+    m, extent = made["manifold"], plane.extents(made)
     gap, arm, normal = (np.asarray(m[name] if name == "normal" else m["point"][name], float) for name in ("gap", "arm", "normal"))
     for k in (0, 1):
-        deepest = gap[:, k] <= least(made)
+        deepest = gap[:, k] <= plane.least(made)
         for core, radius, sign in ((p, made["a"]["radius"], -1), (q, made["b"]["radius"], 1)):
             on = arm[:, k] + sign * 0.5 * gap[:, k, None] * normal
             off = np.abs(plane.depth(core, radius.astype(float), on[:, None])[:, 0]) / extent
@@ -110,9 +55,9 @@ def test_the_normal_is_the_shortest_way_out(many):
     """Moved along the normal by the gap, the shapes touch."""
     r, made = many
     some = made["manifold"]["count"] > 0
-    p, q = cores(r, made)
-    moved = q - (least(made)[:, None] * made["manifold"]["normal"])[:, None]
-    left = np.abs(plane.core_gap(p, moved) - sum(radii(made)))[some] / extents(made)[some]
+    p, q = plane.cores(r, made)
+    moved = q - (plane.least(made)[:, None] * made["manifold"]["normal"])[:, None]
+    left = np.abs(plane.core_gap(p, moved) - sum(plane.radii(made)))[some] / plane.extents(made)[some]
     assert left.max() <= 2.0 ** -13
     assert np.quantile(left, 0.97) <= 2.0 ** -21
 
@@ -124,9 +69,9 @@ def test_swapped_shapes_touch_at_the_same_places(many, build):
         other[side], other["pose_" + side] = r[with_], r["pose_" + with_]
     swapped = plane.ask(build, other)
     some = (made["manifold"]["count"] > 0) & (swapped["manifold"]["count"] > 0)
-    extent = extents(made)
+    extent = plane.extents(made)
     assert some.sum() >= 0.99 * (made["manifold"]["count"] > 0).sum()
-    assert (np.abs(least(made) - least(swapped))[some] / extent[some]).max() <= 2.0 ** -15
+    assert (np.abs(plane.least(made) - plane.least(swapped))[some] / extent[some]).max() <= 2.0 ** -15
     turned = (np.abs(made["manifold"]["normal"] + swapped["manifold"]["normal"]).max(1) < 1e-4)[some]
     assert turned.mean() > 0.95
     same = np.where(turned & (made["manifold"]["count"] == swapped["manifold"]["count"])[some])[0]
@@ -153,12 +98,12 @@ def test_the_world_may_be_turned_and_moved(many, build):
     turned = plane.ask(build, other)
     some = (made["manifold"]["count"] > 0) & (turned["manifold"]["count"] > 0)
     assert some.sum() >= 0.99 * (made["manifold"]["count"] > 0).sum()
-    assert (np.abs(least(made) - least(turned))[some] / extents(made)[some]).max() <= 2.0 ** -15
+    assert (np.abs(plane.least(made) - plane.least(turned))[some] / plane.extents(made)[some]).max() <= 2.0 ** -15
     x, y = made["manifold"]["normal"].astype(float).T
     off = np.abs(np.stack([c * x - s * y, s * x + c * y], 1) - turned["manifold"]["normal"]).max(1)[some]
     assert np.quantile(off, 0.95) <= 1e-5
-    base = rng.integers(-8, 8, (len(r), 2)) * 2.0 ** np.ceil(np.log2(extents(made)))[:, None]   # nothing is lost where it is so even
-    grid = 2.0 ** (np.ceil(np.log2(extents(made))) - 16)[:, None]
+    base = rng.integers(-8, 8, (len(r), 2)) * 2.0 ** np.ceil(np.log2(plane.extents(made)))[:, None]   # nothing is lost where it is so even
+    grid = 2.0 ** (np.ceil(np.log2(plane.extents(made))) - 16)[:, None]
     for pose in ("pose_a", "pose_b"):
         other[pose]["at"] = np.round(other[pose]["at"] / grid) * grid
     here = plane.ask(build, other)
@@ -274,10 +219,10 @@ def test_nothing_catches_on_a_joint(build, kind, radius, width):
 def test_a_chain_around_a_polygon_is_that_polygon(build, long):
     """Outside of convex ground, the deepest point of all edges is that of the polygon, with its normal; corners are met once."""
     rng = np.random.default_rng(10)
-    r, made = pairs(rng, 30_000 if long else 1500, build, 0.1, range(3, 9))
-    plane.shapes(rng, r["b"], extents(made) / 3, [0, 1, 3, 4, 5, 6, 7, 8])     # no segment, whose middle is at once behind
+    r, made = plane.pairs(rng, 30_000 if long else 1500, build, 0.1, range(3, 9))
+    plane.shapes(rng, r["b"], plane.extents(made) / 3, [0, 1, 3, 4, 5, 6, 7, 8])     # no segment, whose middle is at once behind
     r["a"]["radius"] = 0
-    r, made = moved(rng, r, build, 0.05)
+    r, made = plane.moved(rng, r, build, 0.05)
     count = made["a"]["count"].astype(int)
     link = np.repeat(r, count)
     edge = np.concatenate([np.arange(n) for n in count])
@@ -291,11 +236,11 @@ def test_a_chain_around_a_polygon_is_that_polygon(build, long):
     first = np.concatenate([[0], np.cumsum(count)[:-1]])
     best = np.minimum.reduceat(gap, first)
     some = made["manifold"]["count"] > 0
-    extent = extents(made)
+    extent = plane.extents(made)
     assert some.mean() > 0.5
     assert (np.isinf(best) == ~some).mean() > 0.998
     both = some & np.isfinite(best)
-    assert np.quantile(np.abs(best - least(made))[both] / extent[both], 0.998) <= 2.0 ** -15
+    assert np.quantile(np.abs(best - plane.least(made))[both] / extent[both], 0.998) <= 2.0 ** -15
     chosen = np.array([f + np.argmin(gap[f:f + n]) for f, n in zip(first, count)])
     off = np.abs(each["normal"][chosen] - made["manifold"]["normal"]).max(1)[both]
     assert np.quantile(off, 0.99) < 1e-4
