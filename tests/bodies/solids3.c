@@ -10,8 +10,9 @@
 #include "bodies/collide3.h"
 #include "bodies/distance3.h"
 #include "bodies/mass3.h"
+#include "bodies/query3.h"
 
-enum { MAKE, COLLIDE, SHAPE, BOUNDS, MASS, PLANE, MATCH, DISTANCE };
+enum { MAKE, COLLIDE, SHAPE, BOUNDS, MASS, PLANE, MATCH, DISTANCE, MEASURE, RAY, IMPACT, CAST };
 enum { BALL, CAPSULE, BOX, TRIANGLE, HULL };
 #define MOST 4096
 
@@ -136,6 +137,48 @@ static void distance(void) {
     put(&c, sizeof c);
 }
 
+static void measure(void) {
+    const fp3_shape3 *a = shape(), *b = shape();
+    fp3_pose3 pose[2];
+    struct {
+        uint32_t is, overlap;
+        fp3_apart3 apart;
+    } answer;
+    memset(&answer, 0, sizeof answer);
+    get(pose, sizeof pose);
+    answer.is = (uint32_t)fp3_measure3(a, &pose[0], b, &pose[1], &answer.apart);
+    answer.overlap = (uint32_t)fp3_overlap3(a, &pose[0], b, &pose[1]);
+    put(&answer, sizeof answer);
+}
+
+static void first_hit(uint32_t command) {
+    const fp3_shape3 *a = shape(), *b = command == RAY ? a : shape();
+    fp3_sweep3 sweep[2];
+    fp3_pose3 pose[2];
+    fp3_point3 ray[2];
+    float slop;
+    struct {
+        uint32_t is;
+        fp3_hit3 hit;
+    } answer;
+    memset(&answer, 0, sizeof answer);
+    if (command == IMPACT) {
+        get(sweep, sizeof sweep);
+        get(&slop, sizeof slop);
+        answer.is = (uint32_t)fp3_impact3(a, &sweep[0], b, &sweep[1], slop, &answer.hit);
+    } else if (command == CAST) {
+        get(pose, sizeof pose);
+        get(ray, sizeof *ray);
+        get(&slop, sizeof slop);
+        answer.is = (uint32_t)fp3_cast3(a, &pose[0], b, &pose[1], ray[0], slop, &answer.hit);
+    } else {
+        get(pose, sizeof *pose);
+        get(ray, sizeof ray);
+        answer.is = (uint32_t)fp3_ray3(a, &pose[0], ray[0], ray[1], &answer.hit);
+    }
+    put(&answer, sizeof answer);
+}
+
 int main(void) {
     uint32_t command;
     shapes = calloc(MOST, sizeof *shapes);
@@ -166,6 +209,14 @@ int main(void) {
             break;
         case DISTANCE:
             distance();
+            break;
+        case MEASURE:
+            measure();
+            break;
+        case RAY:
+        case IMPACT:
+        case CAST:
+            first_hit(command);
             break;
         default:
             return 2;
