@@ -573,8 +573,14 @@ world-report: ## Write docs/world.md from what `make world` found
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
 
 .PHONY: bodies bodies-report
-bodies: all ## Rigid bodies beside theory and other engines: truths, standing, speed: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier"
+bodies: all $(if $(BOX2D),$(BUILD)/bench/bodies_box2d.so) ## Rigid bodies beside theory and other engines: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier", BOX2D=DIR of one that you built
 	@$(PYTHON) tools/bodies.py --output $(RESULTS)/bodies.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(ENGINES),--engines $(ENGINES))
+
+# -isystem: its headers are not as strict as ours.
+$(BUILD)/bench/bodies_box2d.so: bench/bodies/box2d.c
+	@mkdir -p $(@D)
+	@echo "  LD   $@"
+	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(BOX2D)/include -o $@ $< -L$(BOX2D)/lib -lbox2d -lm -Wl,-rpath,$(abspath $(BOX2D)/lib)
 
 bodies-report: ## Write docs/bodies_results.md from what `make bodies` found
 	@$(PYTHON) tools/bodies.py --input $(RESULTS)/bodies.json --markdown docs/bodies_results.md

@@ -132,7 +132,8 @@ class Lab:
                 row = {"scene": scene, "engine": name, "threads": 1, "bodies": answer["bodies"], "settled": answer["steps"],
                        "substeps": answer["substeps"], "ns_per_body_step": 1e9 * best[name] / answer["bodies"],
                        "arithmetic": answer["arithmetic"], "note": answer["note"]}
-                rows.append(row | ({"ratio_to_box2d": best[name] / best["box2d"]} if "box2d" in best else {}))
+                beside = next((one for one in ("own box2d", "box2d") if one in made), None)
+                rows.append(row | ({"ratio_to_box2d": best[name] / best[beside], "box2d": beside} if beside else {}))
                 self.say(f"{scene}, {name}: {row['ns_per_body_step']:.0f} ns")
         return {"speed": rows, "speed_refused": refused}
 

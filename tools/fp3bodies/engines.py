@@ -6,8 +6,8 @@ import importlib.util
 import numpy as np
 from fp3bodies.scene import Refused, lifted
 
-# Name: the module of this folder and its class, and the package that it needs; fp3 needs NumPy, as all do.
-ENGINES = {"fp3": ("by_fp3", "Made", None), "box2d": ("by_box2d", "Made", "pyb2d3"),
+# Name: the module of this folder and its class, and the package that it needs beside NumPy.
+ENGINES = {"fp3": ("by_fp3", "Made", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
            "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"), "mujoco": ("by_mujoco", "Made", "mujoco"),
            "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"), "bullet": ("by_bullet", "Made", "pybullet")}
 
@@ -83,4 +83,6 @@ def find(name):
 
 
 def installed():
-    return [name for name, (_, _, package) in ENGINES.items() if importlib.util.find_spec(package or "numpy")]
+    from fp3bodies import by_own_box2d
+    return [name for name, (_, _, package) in ENGINES.items()
+            if importlib.util.find_spec(package or "numpy") and (name != "own box2d" or by_own_box2d.is_there())]

@@ -23,12 +23,13 @@ carries, as a share of the weight, which is the weight and the change of momentu
 SPEED = """\
 One thread. A scene settles for 600 steps of 1/60 s, or for 20 s of processor time if that is less. Then all engines make turns one after another, 11 each, and the
 shortest turn counts, in time that the processor gave. Nothing sleeps. Box2D and Rapier have 4 substeps within a step; the others make one step of 1/60 s, as their users
-do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled; nanoseconds for a step of a body; of Box2D's."""
+do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled; nanoseconds for a step of a body; how many times that of Box2D, which is the user's own one if there is one."""
 
 ENGINES = """\
-Box2D 3 is `pyb2d3` from PyPI. Its wheel uses vectors of 4 numbers (SSE2); Box2D built for AVX2 is faster. Whoever has such a build installs it in a Python
-environment of their own and says `tools/bodies.py --peers PYTHON`. Chipmunk is `pymunk`, Rapier `rapier3d`, Bullet `pybullet`; `make setup-bench` installs them. In
-`pybullet` each body is a multibody, as robots have them; Bullet's rigid bodies, which games have, may be better at impacts, and are not measured."""
+*box2d* is `pyb2d3` from PyPI: Box2D 3.1 with vectors of 4 numbers (SSE2). Newer Box2D with AVX2 is faster, but no registry has it: who has built one from its
+repository (newer than 3.1, `BUILD_SHARED_LIBS=ON`, `BOX2D_AVX2=ON`) says `make bodies BOX2D=DIR`, where `include/` and `lib/libbox2d.so` are in DIR; that is *own box2d*. Chipmunk is
+`pymunk`, Rapier `rapier3d`, Bullet `pybullet`; `make setup-bench` installs them. In `pybullet` each body is a multibody, as robots have them; Bullet's
+rigid bodies, which games have, may be better at impacts, and are not measured."""
 
 
 def number(value):
