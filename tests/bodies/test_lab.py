@@ -246,10 +246,11 @@ def test_an_engine_that_fails_is_named(lab):
 
 
 def test_fp3_holds_what_it_held(part, build, monkeypatch):
-    """Truths of friction and of joints, by bodies of FP3; not so with another friction than theory takes it for."""
+    """Truths of friction, impacts and joints, by bodies of FP3; not so with another friction than theory takes it for."""
     monkeypatch.setenv("FP3_HOME", str(build))
     truths, make = part("truths"), part("by_fp3").Made
-    for truth in (truths.slope, truths.braking, truths.slide_and_roll, truths.roll_down, truths.belt, truths.pendulum, truths.double_pendulum):
+    for truth in (truths.slope, truths.braking, truths.slide_and_roll, truths.roll_down, truths.belt, truths.pendulum, truths.double_pendulum,
+                  truths.bounces, truths.cradle, truths.wall):
         rows, _ = truths.measure(truth, make)
         assert rows and all(row["holds"] for row in rows), rows
 

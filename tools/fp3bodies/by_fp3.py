@@ -57,6 +57,7 @@ class Made(Engine):
         made.type = d.FP3_STATIC if body.fixed else d.FP3_KINEMATIC if body.moving else d.FP3_DYNAMIC
         made.is_fast = int(body.fast)
         made.x[:], made.angle, made.v[:], made.w = body.at, body.angle, body.v or (0.0, 0.0), float(body.w)
+        made.is_fast = body.fast
         return made
 
     def attach(self, body, handle):

@@ -10,26 +10,27 @@ measured, `formulas.py` what theory says."""
 
 TRUTHS = """\
 Each engine steps 60 times a second with 4 substeps. Chipmunk, MuJoCo and Bullet have no substeps, so they take 240 steps a second. Nothing sleeps, and
-thresholds of restitution are 0. Gravity is 10 m/s^2. The columns: a quantity; what theory says; the largest difference allowed; what each engine does, in bold if it
-is farther off. Where an engine lacks something, the last table says what. The sources are in the docstrings of `truths.py`.
+thresholds of restitution are 0. Gravity is 10 m/s^2. The columns: a quantity; what theory says; the largest difference allowed; what each engine
+does, in bold if it is farther off. Where an engine lacks something, the last table says what. The sources are in the docstrings of `truths.py`.
 
 Most scenes are in the plane. Rapier, MuJoCo and Bullet have space alone: boxes are 1 m deep there, and a disc is a ball with a disc's moment of inertia.
 Nothing holds Rapier's and Bullet's bodies in the plane but symmetry."""
 
 STANDING = """\
-The columns: the scene; the engine; seconds; how far a body drifts sideways; how far one sinks; the deepest overlap of two boxes; kinetic energy per body; what the floor
-carries, as a share of the weight, which is the weight and the change of momentum within the last second."""
+The columns: the scene; the engine; seconds; how far a body drifts sideways; how far one sinks; the deepest overlap of two boxes; kinetic energy per
+body; what the floor carries, as a share of the weight: the weight and the change of momentum within the last second."""
 
 SPEED = """\
-One thread. A scene settles for 600 steps of 1/60 s, or for 20 s of processor time if that is less. Then all engines make turns one after another, 11 each, and the
-shortest turn counts, in time that the processor gave. Nothing sleeps. Box2D and Rapier have 4 substeps within a step; the others make one step of 1/60 s, as their users
-do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled; nanoseconds for a step of a body; how many times that of Box2D, which is the user's own one if there is one."""
+One thread. A scene settles for 600 steps of 1/60 s, or for 20 s of processor time if that is less. Then all engines make turns one after another, 11
+each, and the shortest turn counts, in time that the processor gave. Nothing sleeps. FP3, Box2D and Rapier have 4 substeps within a step; the others make
+one step of 1/60 s, as their users do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled;
+nanoseconds for a step of a body; how many times that of Box2D, which is the user's own one if there is one."""
 
 ENGINES = """\
-*box2d* is `pyb2d3` from PyPI: Box2D 3.1 with vectors of 4 numbers (SSE2). Newer Box2D with AVX2 is faster, but no registry has it: who has built one from its
-repository (newer than 3.1, `BUILD_SHARED_LIBS=ON`, `BOX2D_AVX2=ON`) says `make bodies BOX2D=DIR`, where `include/` and `lib/libbox2d.so` are in DIR; that is *own box2d*. Chipmunk is
-`pymunk`, Rapier `rapier3d`, Bullet `pybullet`; `make setup-bench` installs them. In `pybullet` each body is a multibody, as robots have them; Bullet's
-rigid bodies, which games have, may be better at impacts, and are not measured."""
+*box2d* is `pyb2d3` from PyPI: its Box2D has vectors of 4 numbers (SSE2). Newer Box2D with AVX2 is faster, but no registry has it: who has
+built one from its repository (newer than 3.1, `BUILD_SHARED_LIBS=ON`, `BOX2D_AVX2=ON`) says `make bodies BOX2D=DIR`, where `include/` and `lib/libbox2d.so`
+are in DIR; that is *own box2d*. Chipmunk is `pymunk`, Rapier `rapier3d`, Bullet `pybullet`; `make setup-bench` installs them. In `pybullet` each
+body is a multibody, as robots have them; Bullet's rigid bodies, which games have, may be better at impacts, and are not measured."""
 
 
 def number(value):
