@@ -29,6 +29,9 @@ static fp3_status make_shape(const fp3_shape_def *def, fp3_shape2 *shape, fp3_er
         return fp3_capsule2(corner[0], corner[1], radius, shape, error);
     case FP3_BOX: {
         double turn[2];
+        if (!(fabs(def->angle) <= 1e12))
+            return fp3_fail(error, FP3_E_ARGUMENT, "angle is %g, expected -1e12 to 1e12",
+                            def->angle);
         fp3_turn2_of(def->angle, turn);
         const fp3_pose2 pose = {point_of(def->centre), (float)turn[0], (float)turn[1]};
         return fp3_box2(point_of(def->half), &pose, radius, shape, error);
@@ -55,6 +58,9 @@ static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error
         if (!(ranges[i].value >= 0 && ranges[i].value <= ranges[i].most))
             return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 to %g", ranges[i].name,
                             ranges[i].value, ranges[i].most);
+    if (def->density > 0 && def->density < 1e-12) /* the inverse of an inertia has to be a float */
+        return fp3_fail(error, FP3_E_ARGUMENT, "density is %g, expected 0 or 1e-12 to 1e12",
+                        def->density);
     if (!(fabs(def->belt) <= 1e9))
         return fp3_fail(error, FP3_E_ARGUMENT, "belt is %g, expected -1e9 to 1e9", def->belt);
     *placed = (fp3_attached){.friction = (float)def->friction,

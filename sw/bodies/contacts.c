@@ -127,5 +127,7 @@ void fp3_contacts_end(fp3_bodies *bodies) {
         t->f[1] = row->f2[lane];
         t->r = row->r[lane];
         t->top += row->top1[lane] + row->top2[lane];
+        if (!isfinite(t->p[0] + t->f[0] + t->p[1] + t->f[1] + t->r)) /* else it would never heal */
+            t->p[0] = t->f[0] = t->p[1] = t->f[1] = t->r = 0;
     }
 }

@@ -85,10 +85,13 @@ fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies) {
     if (!made)
         return fp3_no_memory(error);
     made->def = *def;
+    made->def.push *= def->size;
+    made->def.bounce *= def->size;
+    made->def.rest_speed *= def->size;
     made->error = def->error;
-    made->solver = fp3_solver2_choose();
     made->boxes.dimensions = 2;
-    if (def->engine)
+    status = fp3_solver2_choose(&made->solver, error);
+    if (!status && def->engine)
         status = fp3_laws_open(def->engine, def->laws, &made->laws, error);
     if (status)
         free(made);

@@ -47,10 +47,9 @@ typedef struct {
  * the tangent, and so are impulses. */
 typedef struct {
     uint32_t a, b;
-    uint32_t colour;
     fp3_manifold2 m; /* from a to b; no points: they do not touch */
     /* When the shapes were last looked at, and what was found: while both have hardly moved since,
-     * gaps follow from it. */
+     * gaps follow from it. is_found 0: it says nothing, also if neither is awake. */
     fp3_manifold2 found;
     fp3_point2 from, turn_a, turn_b; /* the way from a to b; their turns */
     int is_found;

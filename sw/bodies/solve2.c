@@ -5,7 +5,7 @@
 
 #ifndef FP3_SOLVER
 #define FP3_SOLVER fp3_solver2_plain
-#define FP3_SOLVER_NAME "plain"
+#define FP3_SOLVER_NAME "x86-64" /* the least kind of a processor: others have no other */
 #endif
 
 #define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)

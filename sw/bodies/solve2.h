@@ -9,6 +9,7 @@
 
 #include "laws.h"
 
+#include <fp3/status.h>
 #include <stdint.h>
 
 /* What a body has side by side: its speed v_x, v_y, w, or its way d_x, d_y, q since the step began.
@@ -64,7 +65,8 @@ typedef struct {
                   float h);
 } fp3_solver2;
 
-/* The one that suits this processor. All have the same bits. */
-const fp3_solver2 *fp3_solver2_choose(void);
+/* The one that suits this processor and the variable FP3_FAST. All have the same bits.
+ * FP3_E_ARGUMENT: the variable asks for what is not there. */
+fp3_status fp3_solver2_choose(const fp3_solver2 **solver, fp3_error *error);
 
 #endif

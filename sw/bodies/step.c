@@ -252,13 +252,18 @@ fp3_status fp3_bodies_step(fp3_bodies *bodies, uint64_t steps) {
     FP3_HOST;
     fp3_status first = FP3_OK;
     forget(bodies);
+    fp3_error told = {.text = ""};
     for (uint64_t i = 0; i < steps; i++) {
         const fp3_status status = step(bodies);
         if (status && status != FP3_E_FAILED)
             return status;
+        if (status && !first && bodies->error)
+            told = *bodies->error;
         first = first ? first : status;
     }
     bodies->told = bodies->change_count[FP3_CONTACT_ENDED];
+    if (first && bodies->error)
+        *bodies->error = told;
     return first;
 }
 

@@ -235,7 +235,7 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
         fp3_touch2 *t = &bodies->touch[k];
         const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
         fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
-        if (!is_awake(x) && !is_awake(y)) {
+        if (!is_awake(x) && !is_awake(y) && t->is_found) {
             bodies->touching += t->m.count > 0;
             continue;
         }

@@ -11,30 +11,19 @@ static void small_turn(float x, float turn[2]) {
     turn[1] = x - x * y * (1.0f / 6 - y * (1.0f / 120 - y * (1.0f / 5040)));
 }
 
-void fp3_turn2_by(float turn[2], float angle) {
-    float by[2];
-    int doublings = 0;
-    for (; fabsf(angle) > 0.5f && doublings < 40; doublings++)
-        angle *= 0.5f;
-    small_turn(angle, by);
-    for (; doublings; doublings--) {
-        const float c = by[0] * by[0] - by[1] * by[1], s = 2 * by[0] * by[1];
-        by[0] = c;
-        by[1] = s;
-    }
-    const float c = turn[0] * by[0] - turn[1] * by[1], s = turn[1] * by[0] + turn[0] * by[1];
-    const float length = sqrtf(c * c + s * s);
-    turn[0] = c / length;
-    turn[1] = s / length;
-}
-
 /* pi/2 in three parts, of which the first two have 33 bits, as in Cody and Waite. */
 #define QUARTER_1 1.57079632673412561417
 #define QUARTER_2 6.07710050630396597660e-11
 #define QUARTER_3 2.02226624879595063154e-21
 #define TWO_OVER_PI 0.63661977236758134308
+#define FARTHEST 1e12 /* beyond it no digit of a turn is left */
 
 void fp3_turn2_of(double angle, double turn[2]) {
+    if (!(fabs(angle) <= FARTHEST)) {
+        turn[0] = 1;
+        turn[1] = 0;
+        return;
+    }
     const double n = floor(angle * TWO_OVER_PI + 0.5);
     const double x = ((angle - n * QUARTER_1) - n * QUARTER_2) - n * QUARTER_3, y = x * x;
     double c = 1, s = 1;
@@ -43,7 +32,23 @@ void fp3_turn2_of(double angle, double turn[2]) {
         s = 1 - y * s / ((2 * k) * (2 * k + 1));
     }
     s *= x;
-    const int quarter = fabs(n) < 1e15 ? (int)((long long)n & 3) : 0;
+    const int quarter = (int)((long long)n & 3);
     turn[0] = quarter == 0 ? c : quarter == 1 ? -s : quarter == 2 ? -c : s;
     turn[1] = quarter == 0 ? s : quarter == 1 ? c : quarter == 2 ? -s : -c;
+}
+
+void fp3_turn2_by(float turn[2], float angle) {
+    float by[2];
+    if (fabsf(angle) <= 0.5f) {
+        small_turn(angle, by);
+    } else {
+        double large[2];
+        fp3_turn2_of((double)angle, large);
+        by[0] = (float)large[0];
+        by[1] = (float)large[1];
+    }
+    const float c = turn[0] * by[0] - turn[1] * by[1], s = turn[1] * by[0] + turn[0] * by[1];
+    const float length = sqrtf(c * c + s * s);
+    turn[0] = c / length;
+    turn[1] = s / length;
 }

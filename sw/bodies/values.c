@@ -21,26 +21,34 @@ typedef enum {
     TORQUE,
     MASS,
     INERTIA,
-    AT_REST,
-    VALUES
+    AT_REST
 } value;
 
-static const char *const names[VALUES] = {"x_x",    "x_y",  "angle",   "v_x",
-                                          "v_y",    "w",    "force_x", "force_y",
-                                          "torque", "mass", "inertia", "at_rest"};
+/* A name is of one value of a body or of two. */
+typedef struct {
+    const char *name;
+    value first;
+    uint32_t width;
+} named;
 
-static fp3_status find(const fp3_bodies *bodies, const char *name, value *found) {
+static const named names[] = {
+    {"x", X_X, 2},         {"x_x", X_X, 1},         {"x_y", X_Y, 1},         {"angle", ANGLE, 1},
+    {"v", V_X, 2},         {"v_x", V_X, 1},         {"v_y", V_Y, 1},         {"w", W, 1},
+    {"force", FORCE_X, 2}, {"force_x", FORCE_X, 1}, {"force_y", FORCE_Y, 1}, {"torque", TORQUE, 1},
+    {"mass", MASS, 1},     {"inertia", INERTIA, 1}, {"at_rest", AT_REST, 1}};
+
+static fp3_status find(const fp3_bodies *bodies, const char *name, const named **found) {
     const char *best = NULL;
     const fp3_token wanted = {.text = name, .length = strlen(name)};
-    for (int i = 0; i < VALUES; i++) {
-        if (strcmp(name, names[i]) == 0) {
-            *found = (value)i;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(name, names[i].name) == 0) {
+            *found = &names[i];
             return FP3_OK;
         }
-        fp3_nearest(wanted, names[i], &best);
+        fp3_nearest(wanted, names[i].name, &best);
     }
     return fp3_fail(bodies->error, FP3_E_ARGUMENT, "bodies have no value '%s' (did you mean '%s'?)",
-                    name, best ? best : "x_x");
+                    name, best ? best : "x");
 }
 
 /* The centre of mass from the origin, in the world's axes. */
@@ -131,51 +139,62 @@ static void set(fp3_body *body, value which, double x) {
 fp3_status fp3_bodies_read(fp3_bodies *bodies, const char *name, const uint64_t *handles,
                            size_t count, double *values) {
     FP3_HOST;
-    value which = X_X;
+    const named *which = NULL;
     uint32_t number;
     fp3_status status = find(bodies, name, &which);
     for (size_t i = 0; !status && i < count; i++)
         status = fp3_bodies_numbered(bodies, handles, i, &number);
     for (size_t i = 0; !status && i < count; i++)
-        values[i] = get(&bodies->body[(uint32_t)handles[i]], which);
+        for (uint32_t k = 0; k < which->width; k++)
+            *values++ = get(&bodies->body[(uint32_t)handles[i]], which->first + k);
     return status;
 }
 
-static fp3_status check(const fp3_bodies *bodies, value which, const char *name,
-                        const uint64_t *handles, size_t i, double x) {
+/* A mass or an inertia has to be a float above 0 whose inverse is one, too. */
+#define LEAST 1e-36
+
+static fp3_status check(const fp3_bodies *bodies, const named *which, const uint64_t *handles,
+                        size_t i, const double *values) {
+    const value first = which->first;
     uint32_t number;
     const fp3_status status = fp3_bodies_numbered(bodies, handles, i, &number);
     if (status)
         return status;
     const fp3_body *body = &bodies->body[number];
-    if (!(fabs(x) <= 1e12))
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu is %g, expected -1e12 to 1e12", name,
-                        i, x);
-    if (which == AT_REST)
+    if (first == AT_REST)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "at_rest cannot be written: any other value "
                         "that is written wakes a body");
-    if ((which == MASS || which == INERTIA) && (body->type != FP3_DYNAMIC || !(x > 0)))
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                        "%s %zu is %g, expected a number above 0, of a dynamic body", name, i, x);
-    if (body->type == FP3_STATIC && which >= V_X && which <= TORQUE)
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body is static", name, i);
+    if (body->type == FP3_STATIC && first >= V_X && first <= TORQUE)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body is static", which->name,
+                        i);
+    for (uint32_t k = 0; k < which->width; k++) {
+        const double x = values[i * which->width + k];
+        if (!(fabs(x) <= 1e12))
+            return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu is %g, expected -1e12 to 1e12",
+                            names[which - names + (which->width > 1) * (k + 1)].name, i, x);
+        if ((first == MASS || first == INERTIA) && (body->type != FP3_DYNAMIC || !(x >= LEAST)))
+            return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                            "%s %zu is %g, expected %g to 1e12, of a dynamic body", which->name, i,
+                            x, LEAST);
+    }
     return FP3_OK;
 }
 
 fp3_status fp3_bodies_write(fp3_bodies *bodies, const char *name, const uint64_t *handles,
                             size_t count, const double *values) {
     FP3_HOST;
-    value which = X_X;
+    const named *which = NULL;
     fp3_status status = find(bodies, name, &which);
     for (size_t i = 0; !status && i < count; i++)
-        status = check(bodies, which, name, handles, i, values[i]);
+        status = check(bodies, which, handles, i, values);
     if (!status)
         fp3_bodies_wake_around(bodies, handles, count);
     for (size_t i = 0; !status && i < count; i++) {
         const uint32_t number = (uint32_t)handles[i];
-        set(&bodies->body[number], which, values[i]);
-        if (which <= ANGLE)
+        for (uint32_t k = 0; k < which->width; k++)
+            set(&bodies->body[number], which->first + k, *values++);
+        if (which->first <= ANGLE)
             fp3_bodies_place_boxes(bodies, number);
     }
     return status;

@@ -19,16 +19,10 @@
 
 /* ---- a program ---- */
 
-typedef struct {
-    int is_interpreted;
-    char most[16]; /* the best kind of processor that may be used; "": any */
-} wish;
-
-/* FP3_FAST: a kind of processor, or "interpreter", or both with a comma. */
-static fp3_status read_wish(wish *w, fp3_error *error) {
+fp3_status fp3_fast_wished(fp3_fast_wish *w, fp3_error *error) {
     static const char separators[] = ",";
     const char *asked = secure_getenv("FP3_FAST");
-    *w = (wish){0};
+    *w = (fp3_fast_wish){0};
     for (; asked && *asked; asked += strspn(asked, separators)) {
         const size_t length = strcspn(asked, separators);
         char word[16];
@@ -97,11 +91,11 @@ static fp3_status open_file(fp3_fast *f, const char *path, fp3_error *error) {
 }
 
 fp3_status fp3_fast_make(const fp3_fast_def *def, fp3_fast **fast, fp3_error *error) {
-    wish w;
+    fp3_fast_wish w;
     fp3_fast *f = *fast = calloc(1, sizeof *f);
     if (!f)
         return fp3_no_memory(error);
-    fp3_status status = read_wish(&w, error);
+    fp3_status status = fp3_fast_wished(&w, error);
     if (!status)
         status =
             fp3_fast_plan_make(def->config, def->code, def->states, def->around, &f->plan, error);

@@ -37,6 +37,15 @@ typedef struct {
     const char *native; /* a file of fp3_fast_write_native that must have the program, or NULL */
 } fp3_fast_def;
 
+typedef struct {
+    int is_interpreted;
+    char most[16]; /* the best kind of processor that may be used; "": any */
+} fp3_fast_wish;
+
+/* What the variable FP3_FAST asks for: a kind of processor, or "interpreter", or both with a comma.
+ * FP3_E_ARGUMENT: what is not there. */
+fp3_status fp3_fast_wished(fp3_fast_wish *wish, fp3_error *error);
+
 /* FP3_E_PROGRAM: the engine cannot execute it, see fp3_fast_plan_make; or as of
  * fp3_fast_native_load. is_ahead may be NULL. */
 fp3_status fp3_fast_check(const fp3_fast_def *def, fp3_error *error);

@@ -53,10 +53,12 @@ typedef struct {
     /* With an engine: a folder whose texts replace those of programs/bodies/ of the same name; NULL
      * (default): none. */
     const char *laws;
-    double push;   /* the fastest speed at which overlaps are pushed apart; default 3 size/s */
-    double bounce; /* contacts slower than this do not bounce; default 1 size/s */
-    /* A body that is slower than this for `rest_time` falls asleep with all that it touches, until
-     * something touches or changes one of them; default 0.05 size/s, 0.5 s. 0: nobody sleeps. */
+    /* Speeds, in sizes per time: the fastest at which overlaps are pushed apart, default 3;
+     * contacts slower than this do not bounce, default 1. */
+    double push, bounce;
+    /* A body that is slower than this (in sizes per time, default 0.05) for `rest_time` (default
+     * 0.5) falls asleep with all that it touches, until something touches or changes one of them.
+     * rest_speed 0: nobody sleeps. */
     double rest_speed, rest_time;
 } fp3_bodies_def;
 
@@ -133,7 +135,7 @@ typedef struct {
     double corner[FP3_CORNERS][2]; /* of a capsule 2; of a polygon, in any order: its hull counts */
     uint32_t corners;
     double radius;           /* of a circle, a capsule; others are rounded by it */
-    double density;          /* kg/m^2; default 1 */
+    double density;          /* kg/m^2, 0 or 1e-12 to 1e12; default 1 */
     double friction;         /* default 0.6; of two shapes the root of the product counts */
     double restitution;      /* 0 to 1, default 0; of two the larger */
     double rolling;          /* torque over normal force, in m; default 0; of two the larger */
@@ -250,8 +252,9 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
 
 /* ---- steps ---- */
 
-/* Each step lasts h. FP3_E_FAILED: a body's position or speed is not finite, and the message names
- * it; all others have made their steps. */
+/* Each step lasts h. FP3_E_FAILED: the position or speed of a body, or of several that touch, would
+ * not be finite, and the message names the first; they stay where they are, and all others have
+ * made their steps. */
 fp3_status fp3_bodies_step(fp3_bodies *bodies, uint64_t steps);
 double fp3_bodies_time(const fp3_bodies *bodies);
 /* Bodies that do not sleep, and contacts that touch, after the last step. */
@@ -301,10 +304,11 @@ void fp3_bodies_state_free(fp3_bodies_state **state);
 
 /* ---- values ----
  *
- * Names: x_x, x_y, angle, v_x, v_y, w as in fp3_body_def; force_x, force_y, torque, which act in
- * the next step alone; mass, inertia (about the centre of mass) and at_rest, the time for which a
- * body has been slow, -1 while it sleeps. What is written wakes a body. FP3_E_ARGUMENT: no such
- * name (the message suggests the nearest); mass and inertia of bodies that are not dynamic.
+ * Names: x, angle, v, w as in fp3_body_def; force and torque, which act in the next step alone;
+ * mass, inertia (about the centre of mass) and at_rest, the time for which a body has been slow, -1
+ * while it sleeps. Of x, v and force each body has two values side by side; x_x, x_y and so on are
+ * one of them. What is written wakes a body. FP3_E_ARGUMENT: no such name (the message suggests the
+ * nearest); speeds and forces of static bodies; mass and inertia of bodies that are not dynamic.
  */
 fp3_status fp3_bodies_read(fp3_bodies *bodies, const char *name, const uint64_t *handles,
                            size_t count, double *values);
