@@ -21,10 +21,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 PARTS = {
     "Tutorials": ["tutorials/game_loop", "tutorials/accuracy", "tutorials/fpga"],
     "Models": ["models", "gallery", "integrators", "adaptive", "relations", "scenes", "outputs", "checkpoints", "cluster", "cluster_boards", "view"],
-    "Command and libraries": ["command", "tuner", "fast", "batch", "python", "playground", "installing"],
+    "Command and libraries": ["command", "tuner", "fast", "batch", "bodies", "python", "playground", "installing"],
     "Hardware": ["integration", "configurations", "arithmetic", "logarithmic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],
     "How it works": ["architecture", "neighbours", "software", "one_line", "compiler", "truth", "glossary"],
-    "Measured": ["results", "sizes", "chip", "benchmarks", "tuning", "stress", "skipping", "world", "everywhere"],
+    "Measured": ["results", "sizes", "chip", "benchmarks", "tuning", "stress", "skipping", "world", "bodies_results", "everywhere"],
 }
 ASIDE = {"README.md": "index.md", "CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "tests/README.md": "verification.md"}
 LINK = re.compile(r"(\]\()([^()\s]+)(\))")

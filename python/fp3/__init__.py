@@ -1,4 +1,5 @@
-"""FP3 from Python: models, runs in the form of SciPy's solve_ivp, batches for step loops, scenes, tables of measurements.
+"""FP3 from Python: models, runs in the form of SciPy's solve_ivp, batches for step loops, rigid bodies, scenes, tables of
+measurements.
 
     import fp3
     solution = fp3.solve_ivp("kepler.ode", (0, 12.5), t_eval=[2.5, 12.5])
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
     from .batch import NOBODY, Batch, Column, Contacts, Failure
+    from .bodies import Bodies, Shape, box, capsule, circle, polygon
     from .errors import (ArgumentError, DigitsWarning, Error, FailedError, FailedWarning, LimitError, MismatchError, ProgramError,
                          SystemFailure)
     from .model import Model, integrators
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "batch": ("NOBODY", "Batch", "Column", "Contacts", "Failure"),
+    "bodies": ("Bodies", "Shape", "box", "capsule", "circle", "polygon"),
     "errors": ("ArgumentError", "DigitsWarning", "Error", "FailedError", "FailedWarning", "LimitError", "MismatchError", "ProgramError", "SystemFailure"),
     "model": ("Model", "integrators"),
     "scene": ("Scene",),

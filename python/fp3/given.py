@@ -93,8 +93,12 @@ def as_teller(progress: Union[None, bool, Callable[[float], None]], default: Cal
 
 
 def handles_of(handles: Any) -> "np.ndarray[Any, Any]":
-    """A column of what Batch.add gave."""
-    column = np.asarray(handles)
+    """A column of what Batch.add or Bodies.add gave."""
+    check_mask("handles", handles)
+    try:
+        column = np.asarray(handles)
+    except ValueError:
+        raise ArgumentError(f"handles: found {shown(handles)}, expected a column of handles as add gives them") from None
     if column.ndim > 1 or (column.size and column.dtype.kind not in "iu") or (column.size and column.min() < 0):
         raise ArgumentError(f"handles: found {column.dtype} of shape {column.shape}, expected a column of handles as add gives them")
     return np.ascontiguousarray(np.atleast_1d(column), np.uint64)

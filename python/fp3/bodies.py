@@ -1,0 +1,302 @@
+"""Rigid bodies with shapes: they collide, rub, stack, and sleep. Experimental, as fp3/bodies.h is."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from typing import Any, Dict, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _declarations as d
+from . import _library
+from ._library import Handle, Owner, check, name_bytes
+from .batch import STEPS_MOST, next_part, part_of
+from .errors import ArgumentError, FailedError
+from .given import as_count, as_flag, as_number, as_values, handles_of, shown
+
+Array = "np.ndarray[Any, Any]"
+Values = Union[float, "np.ndarray[Any, Any]", Sequence[Any]]
+_TYPES = {"dynamic": d.FP3_DYNAMIC, "kinematic": d.FP3_KINEMATIC, "static": d.FP3_STATIC}
+_PAIRS = ("x", "v", "force")  # of which a body has two values
+
+
+def _pair(what: str, value: Any) -> Tuple[float, float]:
+    array = as_values(what, value, "two numbers")
+    if array.shape != (2,):
+        raise ArgumentError(f"{what}: found shape {array.shape}, expected two numbers")
+    return float(array[0]), float(array[1])
+
+
+def _points(what: str, value: Any) -> "np.ndarray[Any, Any]":
+    array = as_values(what, value, "two numbers for each point")
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ArgumentError(f"{what}: found shape {array.shape}, expected two numbers for each point")
+    return np.require(array, np.float64, ["C", "A"])
+
+
+class Shape:
+    """What circle, box, capsule or polygon made, for Bodies.attach. It does not change."""
+
+    __slots__ = ("_definition", "_text")
+
+    def __init__(self, text: str, kind: int, radius: float, density: float = 1.0, friction: float = 0.6, restitution: float = 0.0, rolling: float = 0.0,
+                 belt: float = 0.0, category: int = 1, mask: int = 2**32 - 1, is_sensor: bool = False) -> None:
+        made = _library.library().default(d.fp3_shape_def)
+        made.type, made.radius = kind, as_number("radius", radius)
+        made.density, made.friction = as_number("density", density), as_number("friction", friction)
+        made.restitution, made.rolling, made.belt = as_number("restitution", restitution), as_number("rolling", rolling), as_number("belt", belt)
+        made.category, made.mask = as_count("category", category, 0, 2**32 - 1), as_count("mask", mask, 0, 2**32 - 1)
+        made.is_sensor = as_flag("is_sensor", is_sensor)
+        self._definition, self._text = made, text
+
+    def __repr__(self) -> str:
+        return f"fp3.{self._text}"
+
+
+def circle(radius: float, *, centre: Values = (0.0, 0.0), **material: Any) -> Shape:
+    """A circle. centre: from the body's origin. material: density, friction, restitution, rolling, belt, category, mask, is_sensor (fp3_shape_def)."""
+    middle = _pair("centre", centre)
+    made = Shape(f"circle({shown(radius)})", d.FP3_CIRCLE, radius, **material)
+    made._definition.centre[:] = middle
+    return made
+
+
+def box(half_x: float, half_y: float, *, radius: float = 0.0, centre: Values = (0.0, 0.0), angle: float = 0.0, **material: Any) -> Shape:
+    """A box by half its sides, its corners rounded by a radius that comes on top. centre, angle: as the body has it. material: as of circle."""
+    half, middle, turn = (as_number("half_x", half_x), as_number("half_y", half_y)), _pair("centre", centre), as_number("angle", angle)
+    made = Shape(f"box({half[0]:g}, {half[1]:g})", d.FP3_BOX, radius, **material)
+    made._definition.half[:], made._definition.centre[:], made._definition.angle = half, middle, turn
+    return made
+
+
+def capsule(a: Values, b: Values, radius: float, **material: Any) -> Shape:
+    """From one end to the other, rounded by a radius; a segment if that is 0. material: as of circle."""
+    ends = _pair("a", a), _pair("b", b)
+    made = Shape(f"capsule({ends[0]}, {ends[1]}, {shown(radius)})", d.FP3_CAPSULE, radius, **material)
+    made._definition.corners = 2
+    made._definition.corner[0][:], made._definition.corner[1][:] = ends
+    return made
+
+
+def polygon(points: Values, *, radius: float = 0.0, **material: Any) -> Shape:
+    """The hull of 3 to 8 points in any order, rounded by a radius that comes on top. material: as of circle."""
+    corners = _points("points", points)
+    if len(corners) > d.FP3_CORNERS:
+        raise ArgumentError(f"points: found {len(corners)}, expected at most {d.FP3_CORNERS}")
+    made = Shape(f"polygon({len(corners)} points)", d.FP3_POLYGON, radius, **material)
+    made._definition.corners = len(corners)
+    for to, corner in zip(made._definition.corner, corners):
+        to[:] = tuple(corner)
+    return made
+
+
+class Bodies(Owner):
+    """Rigid bodies in a plane.
+
+        world = fp3.Bodies(gravity=(0, -10))
+        ground = world.add(type="static", x=(0, -1))
+        world.attach(ground, fp3.box(50, 1))
+        boxes = world.add(x=np.column_stack([np.zeros(10), 0.5 + np.arange(10)]))
+        world.attach(boxes, fp3.box(0.5, 0.5))
+        world.step(60)
+        world.read("x", boxes)          # of shape (10, 2)
+
+    The words are those of fp3/bodies.h, where each is explained; so are the defaults, but for None, which is the default there. engine: laws of contacts are
+    programs, which "isa", "fast" or "rtl" executes contact by contact, with the same bits. laws: a folder of texts that replace those of programs/bodies/.
+
+    Bodies may be used by several threads; their calls follow each other. After a fork a child opens its own.
+    """
+
+    _what = "world of bodies"
+    __iter__ = None  # len() counts bodies, and values have names: there is no order to go through
+
+    def __init__(self, *, gravity: Values = (0.0, -9.81), h: Optional[float] = None, substeps: int = 4, size: float = 1.0, engine: Optional[str] = None,
+                 laws: Optional[str] = None, push: Optional[float] = None, bounce: Optional[float] = None, rest_speed: Optional[float] = None,
+                 rest_time: Optional[float] = None) -> None:
+        self._own()
+        definition = self._lib.default(d.fp3_bodies_def)
+        definition.gravity[:] = _pair("gravity", gravity)
+        definition.substeps, definition.size = as_count("substeps", substeps, 0, 2**32 - 1), as_number("size", size)
+        for name, value in {"h": h, "push": push, "bounce": bounce, "rest_speed": rest_speed, "rest_time": rest_time}.items():
+            if value is not None:
+                setattr(definition, name, as_number(name, value))
+        definition.engine = None if engine is None else name_bytes("engine", engine)
+        definition.laws = None if laws is None else name_bytes("laws", laws)
+        definition.error = ctypes.pointer(self._error)
+        pointer = ctypes.c_void_p()
+        with _library.loading:
+            check(self._lib.fp3_bodies_open(definition, pointer), self._error)
+        self._handle = Handle(pointer, "fp3_bodies_close", definition, self._error)
+        self._part = 1
+
+    def __enter__(self) -> "Bodies":
+        return self
+
+    def __len__(self) -> int:
+        with self._c() as c:
+            return int(self._lib.fp3_bodies_count(c))
+
+    def __bool__(self) -> bool:
+        return True  # also without a body
+
+    def __repr__(self) -> str:
+        return "fp3.Bodies(closed)" if self._handle is None else f"fp3.Bodies({len(self)} bodies)"
+
+    # ---- who is there ----
+
+    def add(self, *, type: str = "dynamic", x: Values = (0.0, 0.0), angle: Values = 0.0, v: Values = (0.0, 0.0), w: Values = 0.0, damping: Values = 0.0,
+            spin_damping: Values = 0.0, gravity: Values = 1.0, may_not_turn: bool = False, may_not_sleep: bool = False,
+            is_fast: bool = False) -> "np.ndarray[Any, Any]":
+        """Adds a body, or as many as a column has rows: x and v are two numbers, or two for each body; the others are a number, or one for each.
+
+        Their handles, always as an array. They get the lowest numbers that are free. type: "dynamic", "kinematic" or "static". After an error none was added.
+        """
+        if not isinstance(type, str) or type not in _TYPES:
+            raise ArgumentError(f"type: found {shown(type)}, expected 'dynamic', 'kinematic' or 'static'")
+        given = {"x": x, "angle": angle, "v": v, "w": w, "damping": damping, "spin_damping": spin_damping, "gravity": gravity}
+        columns, count = self._columns(given)
+        flags = {"may_not_turn": may_not_turn, "may_not_sleep": may_not_sleep, "is_fast": is_fast}
+        flags = {name: as_flag(name, value) for name, value in flags.items()}
+        default = self._lib.default(d.fp3_body_def)
+        default.type = _TYPES[type]
+        for name, value in flags.items():
+            setattr(default, name, value)
+        made = np.repeat(np.frombuffer(default, np.dtype(d.fp3_body_def)), count)
+        for name, column in columns.items():
+            made[name] = column
+        handles = np.zeros(count, np.uint64)
+        with self._c() as c:
+            check(self._lib.fp3_bodies_add(c, made.ctypes.data_as(ctypes.POINTER(d.fp3_body_def)), count, handles.ctypes.data), self._error)
+        return handles
+
+    @staticmethod
+    def _columns(given: Dict[str, Any]) -> Tuple[Dict[str, "np.ndarray[Any, Any]"], int]:
+        """As arrays, and how many bodies they are for: 1, if all are the same for all."""
+        columns, rows = {}, {}
+        for name, value in given.items():
+            column, own = as_values(name, value), (2,) if name in _PAIRS else ()
+            if column.ndim == len(own) + 1 and column.shape[1:] == own:
+                rows[name] = len(column)
+            elif column.shape != own:
+                raise ArgumentError(f"{name}: found shape {column.shape}, expected {'(2,) or (bodies, 2)' if own else 'a number or one for each body'}")
+            columns[name] = column
+        if len(set(rows.values())) > 1:
+            raise ArgumentError("columns for different numbers of bodies: " + ", ".join(f"{name} {count}" for name, count in rows.items()))
+        return columns, next(iter(rows.values()), 1)
+
+    def remove(self, handles: Any) -> None:
+        """Removes bodies with their shapes. What they touched wakes. After an error all are there."""
+        column = handles_of(handles)
+        with self._c() as c:
+            check(self._lib.fp3_bodies_remove(c, column.ctypes.data, column.size), self._error)
+
+    @property
+    def handles(self) -> "np.ndarray[Any, Any]":
+        """Of all bodies, in the order of their numbers."""
+        with self._c() as c:
+            found = np.zeros(self._lib.fp3_bodies_count(c), np.uint64)
+            self._lib.fp3_bodies_handles(c, found.ctypes.data)
+        return found
+
+    # ---- shapes ----
+
+    def attach(self, handles: Any, shape: Shape) -> None:
+        """Gives each of these bodies this shape. A body may have several: its mass, centre and inertia are those of all."""
+        column = handles_of(handles)
+        if not isinstance(shape, Shape):
+            raise ArgumentError(f"shape: found {shown(shape)}, expected what fp3.circle, box, capsule or polygon made")
+        with self._c() as c:
+            check(self._lib.fp3_bodies_attach(c, column.ctypes.data, column.size, ctypes.pointer(shape._definition), None), self._error)
+
+    def chain(self, handle: Any, corners: Values, loop: bool = False, *, radius: float = 0.0, **material: Any) -> None:
+        """Gives a body that is not dynamic a chain of edges as ground, to the left of the way along its corners: a floor runs from right to left.
+
+        What slides over its inner corners does not catch there. loop: from the last corner back to the first. radius: rounds the edges. material: as of circle.
+        """
+        column, points, is_loop = handles_of(handle), _points("corners", corners), as_flag("loop", loop)
+        if column.size != 1:
+            raise ArgumentError(f"handle: found {column.size}, expected one")
+        surface = Shape("", d.FP3_CAPSULE, radius, **material)._definition
+        with self._c() as c:
+            check(self._lib.fp3_bodies_attach_chain(c, int(column[0]), points.ctypes.data, len(points), is_loop, ctypes.pointer(surface)), self._error)
+
+    # ---- values ----
+
+    def __contains__(self, name: object) -> bool:
+        """Whether bodies have a value of this name."""
+        try:
+            key = name_bytes("name", name)
+        except (TypeError, ValueError):
+            return False
+        with self._c() as c:
+            return bool(self._lib.fp3_bodies_read(c, key, None, 0, None) == d.FP3_OK)
+
+    def __getitem__(self, name: str) -> "np.ndarray[Any, Any]":
+        """A value of all bodies, in the order of their numbers, as `handles` are: of x, v and force two numbers each. It is a copy."""
+        with self._c():
+            return self.read(name, self.handles)
+
+    def read(self, name: str, handles: Any) -> "np.ndarray[Any, Any]":
+        """A value of these bodies, as float64: x, angle, v, w, force, torque, mass, inertia, at_rest; x_x is a part of x. It is a copy."""
+        key, column = name_bytes("name", name), handles_of(handles)
+        found = np.empty(self._shape(name, column))
+        with self._c() as c:
+            check(self._lib.fp3_bodies_read(c, key, column.ctypes.data, column.size, found.ctypes.data), self._error)
+        return found
+
+    def write(self, name: str, handles: Any, values: Values) -> None:
+        """Writes a value of these bodies: the same for all, or one for each. They wake. After an error nothing is changed."""
+        key, column, given = name_bytes("name", name), handles_of(handles), as_values(f"'{name}'", values)
+        shape = self._shape(name, column)
+        if given.shape not in (shape, shape[1:]):
+            raise ArgumentError(f"'{name}': found shape {given.shape}, expected {shape[1:]} or {shape}")
+        given = np.require(np.broadcast_to(given, shape), np.float64, ["C", "A"])
+        with self._c() as c:
+            check(self._lib.fp3_bodies_write(c, key, column.ctypes.data, column.size, given.ctypes.data), self._error)
+
+    @staticmethod
+    def _shape(name: str, handles: "np.ndarray[Any, Any]") -> Tuple[int, ...]:
+        return (handles.size, 2) if name in _PAIRS else (handles.size,)
+
+    # ---- steps ----
+
+    def step(self, steps: int = 1) -> None:
+        """Steps of length h each. FailedError: the position or speed of a body was not finite in one of them; all others have made their steps."""
+        left, failed = as_count("steps", steps, 0, STEPS_MOST), None
+        with self._c():
+            while left > 0:
+                now, begun = part_of(left, self._part), time.perf_counter()
+                try:
+                    with self._c() as c:
+                        check(self._lib.fp3_bodies_step(c, now), self._error)
+                except FailedError as error:
+                    failed = failed or error
+                self._part = next_part(self._part, now, time.perf_counter() - begun)
+                left -= now
+        if failed is not None:
+            raise failed
+
+    @property
+    def time(self) -> float:
+        """The time since the start."""
+        with self._c() as c:
+            return float(self._lib.fp3_bodies_time(c))
+
+    @property
+    def awake(self) -> int:
+        """How many bodies do not sleep, after the last step."""
+        with self._c() as c:
+            return int(self._lib.fp3_bodies_awake(c))
+
+    @property
+    def touching(self) -> int:
+        """How many contacts touch, after the last step."""
+        with self._c() as c:
+            return int(self._lib.fp3_bodies_touching(c))
+
+    @property
+    def hash(self) -> int:
+        """Of all that the next step depends on."""
+        with self._c() as c:
+            return int(self._lib.fp3_bodies_hash(c))
