@@ -517,6 +517,7 @@ class fp3_coupling(Structure):
         ("params", c_uint64),
         ("looked", c_uint64),
         ("phase", c_uint8 * 64),
+        ("is_one_by_one", c_int),
         ("is_common", c_int),
         ("compared", c_uint),
         ("behind", c_uint8 * 7),

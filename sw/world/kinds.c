@@ -259,6 +259,9 @@ static void find_parts(const fp3_joined *list, member *members, size_t count) {
         for (size_t k = 0; k < count; k++)
             members[i].is_coupled |= are_together(list, members, i, k, is_common);
         members[i].coupling.is_common = is_common && is_adaptive(&list[i]);
+        for (size_t k = 0; k < count; k++)
+            members[i].coupling.is_one_by_one |= (sees(&members[i], k) || sees(&members[k], i)) &&
+                                                 !fp3_kinds_never_move(model_of(&list[k]));
     }
 }
 

@@ -2,7 +2,6 @@
 /* kinds_steps.c - see kinds_steps.h. */
 #include "kinds_steps.h"
 
-#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -57,9 +56,6 @@ static fp3_status check_adaptive(const fp3_joined *g, uint32_t line, const fp3_j
 fp3_status fp3_kinds_check_steps(const fp3_joined *g, uint32_t line, const fp3_joined *other,
                                  fp3_error *error) {
     const fp3_program *a = g->program, *b = other->program;
-    const fp3_model *repeats = a->model->repeat_count   ? a->model
-                               : b->model->repeat_count ? b->model
-                                                        : NULL;
     const int is_double = a->compiled->arithmetic == FP3_DOUBLE_SINGLE;
     const fp3_status status = check_adaptive(g, line, other, error);
     if (status)
@@ -70,13 +66,6 @@ fp3_status fp3_kinds_check_steps(const fp3_joined *g, uint32_t line, const fp3_j
                                 "see each other have words of one form",
                                 is_double ? g->name : other->name,
                                 is_double ? other->name : g->name);
-    if (repeats && !fp3_kinds_never_move(b->model))
-        return fp3_kinds_refuse(g, line, error,
-                                "`repeat` in line %" PRIu32
-                                " of the model of group '%s': phases that are repeated see no "
-                                "other kind that moves, as group '%s'",
-                                repeats->repeats[0].line,
-                                repeats == a->model ? g->name : other->name, other->name);
     return is_same_method(a->integrator, b->integrator) || fp3_kinds_never_move(b->model)
                ? FP3_OK
                : fp3_kinds_refuse(g, line, error,

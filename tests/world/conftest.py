@@ -2,6 +2,7 @@
 
 import csv
 import shutil
+import re
 import subprocess
 
 import pytest
@@ -52,3 +53,20 @@ def refused(start, folder):
         assert done.stderr.startswith("fp3 run: x.scene:"), done.stderr
         return done.stderr[len("fp3 run: x.scene:"):].strip()
     return refused
+
+
+@pytest.fixture
+def together(start, folder):
+    """What each object holds in the end: of each name a list of words, all groups in a row. Or what is said, if the run fails."""
+    def run(*groups, engine="fast", code=0):
+        for i, (model, _) in enumerate(groups):
+            (folder / f"{i}.ode").write_text(model)
+        told = ", ".join(f'{{ program = "{i}.ode"; {settings} }}' for i, (_, settings) in enumerate(groups))
+        (folder / "m.scene").write_text(f"groups = ( {told} );\n")
+        done = start("--scene", "m.scene", "--engine", engine, "--all")
+        assert done.returncode == code, done.stdout + done.stderr
+        words = {}
+        for name, word, low in re.findall(r"^(\w+) +\S+ +0x([0-9a-f]{8})(?: 0x([0-9a-f]{8}))?   object \d+$", done.stdout, re.M):
+            words.setdefault(name, []).append(word + low)
+        return done.stderr if code else words
+    return run

@@ -32,7 +32,7 @@ class Scene:
         self.relations = rng.sample(["links", "near", "all", "far"], rng.choice([1, 1, 1, 2, 2, 3]))
         self.remembers = rng.random() < 0.5
         self.kind = rng.choice([None, None, None, "still", "still", "moves"])
-        self.repeats = not self.kind and rng.random() < 0.25
+        self.repeats = rng.random() < 0.25
         self.rests = rng.random() < 0.35
         self.lives = rng.random() < 0.35
         self.event = rng.choice(["remove", "stop", "bounce", None, None, None])

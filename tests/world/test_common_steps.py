@@ -240,38 +240,21 @@ CHOSEN = 'integrator = "cash_karp"; tolerance = 1e-4; until = 3.0; '
 CUT = 'integrator = "rk4"; until = 3.0; '
 
 
-@pytest.fixture
-def scene(start, folder):
-    """What each object holds in the end: of each name a list of words, all groups in a row. Or what is said, if the run fails."""
-    def run(*groups, engine="fast", code=0):
-        for i, (model, _) in enumerate(groups):
-            (folder / f"{i}.ode").write_text(model)
-        told = ", ".join(f'{{ program = "{i}.ode"; {settings} }}' for i, (_, settings) in enumerate(groups))
-        (folder / "m.scene").write_text(f"groups = ( {told} );\n")
-        done = start("--scene", "m.scene", "--engine", engine, "--all")
-        assert done.returncode == code, done.stdout + done.stderr
-        words = {}
-        for name, word, low in re.findall(r"^(\w+) +\S+ +0x([0-9a-f]{8})(?: 0x([0-9a-f]{8}))?   object \d+$", done.stdout, re.M):
-            words.setdefault(name, []).append(word + low)
-        return done.stderr if code else words
-    return run
-
-
 def number(word):
     return float(np.array([int(word[:8], 16)], np.uint32).view(np.float32)[0])
 
 
 @pytest.mark.parametrize("integrator", ["cash_karp", "dopri5", "rkc8"])
-def test_a_pair_of_two_kinds(scene, integrator):
+def test_a_pair_of_two_kinds(together, integrator):
     """Two bodies make the same steps, in every bit, whether they are of one group or of two: in a plane, or on a line where the plane takes too many registers."""
     model, x, v, words = PAIR, "r_x", "v_y", "r[2]"
     if integrator != "cash_karp":
         model, x, v, words = LINE, "x", "v", "x"
     settings = f'integrator = "{integrator}"; tolerance = 1e-5; until = 6.25; '
-    whole = scene((model.format(name="a", kind="", of=""), settings + f"objects = 2; spread = {{ {x} = [0.1, -0.1]; {v} = [4.35, -4.35]; }};"))
+    whole = together((model.format(name="a", kind="", of=""), settings + f"objects = 2; spread = {{ {x} = [0.1, -0.1]; {v} = [4.35, -4.35]; }};"))
     parts = [(model.format(name=a, kind=f"kind {b}({words})\n", of=f"({b})"), settings + f"objects = 1; set = {{ {x} = {sign * 0.1}; {v} = {sign * 4.35}; }};")
              for a, b, sign in (("a", "b", 1), ("b", "a", -1))]
-    assert scene(*parts) == whole and number(whole["rejected"][0]) > 5
+    assert together(*parts) == whole and number(whole["rejected"][0]) > 5
 
 
 def ball(name, other, height, event, settings):
@@ -281,23 +264,23 @@ def ball(name, other, height, event, settings):
 
 @pytest.mark.parametrize("settings", [CHOSEN, CUT])
 @pytest.mark.parametrize("event", ["root", "condition"])
-def test_events_of_another_kind(scene, folder, settings, event):
+def test_events_of_another_kind(together, folder, settings, event):
     """An event of one kind ends the steps of all, also of a kind without events; they are those of one group in which its objects have the event, far away."""
     heights, events = (1.0, 30.0, 2.0), (event, "none", event)
     (folder / "heights.csv").write_text("x\n" + "\n".join(map(str, heights)) + "\n")
-    whole = scene(ball("a", None, None, event, settings))
-    found = scene(*(ball(a, b, x, what, settings) for a, b, x, what in zip("abc", "bca", heights, events)))
+    whole = together(ball("a", None, None, event, settings))
+    found = together(*(ball(a, b, x, what, settings) for a, b, x, what in zip("abc", "bca", heights, events)))
     assert found == whole and [number(word) for word in found["n"]] == [1, 0, 1] and len(set(found["t"])) == 1
 
 
 @pytest.mark.parametrize("settings", [CHOSEN, pytest.param(CUT, marks=pytest.mark.long)])
-def test_kinds_have_the_same_words_everywhere(scene, settings):
+def test_kinds_have_the_same_words_everywhere(together, settings):
     """A root in one kind, a condition in another, no event in a third, what pairs remember, and a fourth that stands still and makes steps of its own."""
     kinds = [list(ball(a, b, x, what, settings.replace("3.0", "0.375"))) for a, b, x, what in zip("abc", "bca", (0.03125, 30.0, 0.0625), ("root", "none", "condition"))]
     kinds[0][0] = "kind floor(y)\n".join(kinds[0][0].split("\n", 1)).replace("model a", "model a\n") \
         .replace("0.01)", "0.5, s = 0)\nall grounds(floor)") + "project n = n + 0*sum(o in grounds: o.y)\nremember o in ties: o.s = o.s + 1\n"
     floor = ("model floor\nstate y = 0.5\nstep 0.5\ny' = 0\n", "objects = 2;")
-    found = [scene(floor, *kinds, engine=engine) for engine in ("isa", "fast", "rtl")]
+    found = [together(floor, *kinds, engine=engine) for engine in ("isa", "fast", "rtl")]
     assert found[0] == found[1] == found[2] and [number(word) for word in found[0]["n"]] == [1, 0, 1]
 
 
@@ -307,24 +290,24 @@ FOLLOWER = "model follower\nkind clock(x)\nstate x = 1\nstate n = 0\nall them(cl
 
 @pytest.mark.parametrize("settings", [CHOSEN, CUT])
 @pytest.mark.parametrize("param", ["param", "shared"])
-def test_times_of_one_kind_end_the_steps_of_all(scene, param, settings):
-    found = scene((FOLLOWER, settings + "objects = 2;"), (CLOCK.format(param=param), settings + "objects = 3;" + (" spread = { on = [0.1, 1.3]; };" if param == "param" else "")))
+def test_times_of_one_kind_end_the_steps_of_all(together, param, settings):
+    found = together((FOLLOWER, settings + "objects = 2;"), (CLOCK.format(param=param), settings + "objects = 3;" + (" spread = { on = [0.1, 1.3]; };" if param == "param" else "")))
     ends = [3 - on for on in ((0.1, 0.7, 1.3) if param == "param" else (0.3,) * 3)]
     assert np.abs(np.array([number(word) for word in found["x"][2:]]) - ends).max() < 1e-6
     assert abs(number(found["x"][0]) - math.exp(-3)) < 3e-4 and len(set(found["accepted"])) == len(set(found["t"])) == 1
 
 
-def test_who_is_seen_alone_makes_the_same_steps(scene):
+def test_who_is_seen_alone_makes_the_same_steps(together):
     """A kind that sees nobody, and one of which none moves."""
     seen = "model clock\nstate x = 0\nstep 0.01\nx' = {}\n"
     for moves, end in (("cos(3*t)", math.sin(9) / 3), ("0", 0)):
-        found = scene((FOLLOWER, CHOSEN + "objects = 2;"), (seen.format(moves), CHOSEN + "objects = 1;"))
+        found = together((FOLLOWER, CHOSEN + "objects = 2;"), (seen.format(moves), CHOSEN + "objects = 1;"))
         assert abs(number(found["x"][2]) - end) < 1e-3 and len(set(found["accepted"])) == 1 and set(found["t"]) == {"40400000" + "00000000"}
         assert len(found["h_next"]) == 3 and len(set(found["h_next"])) == 1
 
 
-def test_a_longest_step_is_that_of_all(scene):
-    found = scene((FOLLOWER, CHOSEN + "objects = 1; maxstep = 0.05;"), (CLOCK.format(param="shared"), CHOSEN + "objects = 1; maxstep = 0.0625;"))
+def test_a_longest_step_is_that_of_all(together):
+    found = together((FOLLOWER, CHOSEN + "objects = 1; maxstep = 0.05;"), (CLOCK.format(param="shared"), CHOSEN + "objects = 1; maxstep = 0.0625;"))
     assert {number(word) for word in found["largest"]} == {np.float32(0.05)}
 
 
@@ -337,16 +320,16 @@ def test_a_longest_step_is_that_of_all(scene):
     (CUT + "set = { h = 0.125; };", CUT, "groups that see each other make their steps together, so give the scene one h"),
     (CHOSEN + "born = 2;", CHOSEN, "steps that a scene has in common"),
 ])
-def test_kinds_that_cannot_make_the_same_steps(scene, own, other, expected):
-    assert expected in scene((FOLLOWER, own + "objects = 1;"), (CLOCK.format(param="shared"), other + "objects = 1;"), code=2)
+def test_kinds_that_cannot_make_the_same_steps(together, own, other, expected):
+    assert expected in together((FOLLOWER, own + "objects = 1;"), (CLOCK.format(param="shared"), other + "objects = 1;"), code=2)
 
 
-def test_what_does_not_go_with_kinds(scene):
+def test_what_does_not_go_with_kinds(together):
     clock = (CLOCK.format(param="shared"), CHOSEN + "objects = 1;")
     located = (FOLLOWER + EVENTS["root"].split(" v")[0] + " n = n + 1\n", CHOSEN + "objects = 1; set = { locate = 1e-3; };")
-    assert "object 1 has another 'locate' than object 0" in scene(located, clock, code=2)
+    assert "object 1 has another 'locate' than object 0" in together(located, clock, code=2)
     rest = (FOLLOWER + "rest when x < 0.1 for 1\n", CHOSEN + "objects = 1;")
-    assert "adaptive steps are those of all objects that see each other" in scene(rest, clock, code=2)
+    assert "adaptive steps are those of all objects that see each other" in together(rest, clock, code=2)
     free = ("model free\nstate x = 1\nstep 0.1\nx' = -x\n", "objects = 1;")
-    assert "group 'free': it makes steps of one length, and group 'follower' chooses" in scene((FOLLOWER, CHOSEN + "objects = 1;"), clock, free, code=2)
+    assert "group 'free': it makes steps of one length, and group 'follower' chooses" in together((FOLLOWER, CHOSEN + "objects = 1;"), clock, free, code=2)
 

@@ -152,3 +152,59 @@ def test_the_rope_of_the_page(fp3, root, tmp_path, is_coloured):
         at = numpy.array([[float(row[k]) for k, name in enumerate(head) if name.startswith("x_")] for row in rows[-21:]])
         found = numpy.linalg.norm(numpy.diff(at, axis=0), axis=1).max() / 0.1 - 1
         assert abs(100 * found - float(stretch.split()[0])) < 0.006 * 10 ** (times == "2"), (times, found)
+
+
+MOVED = """\
+model {name}
+{kind}state x = 1
+state v = 0
+all others{of}
+step 0.125
+x' = v
+v' = sum(o in others: o.x - x)
+{body}project v = (x - prev(x))/h
+"""
+PULL = "project x = x + 0.1*sum(o in others: o.x - x)\n"
+ROUND = "repeat {}\n" + PULL + "end\n"
+TOLERANCE = 'integrator = "cash_karp"; tolerance = 1e-3; until = 0.5; '
+
+
+def pair(bodies, settings):
+    """Two groups of one object each."""
+    return [(MOVED.format(name=a, kind=f"kind {b}(x)\n", of=f"({b})", body=body), settings + f"objects = 1; set = {{ x = {x}; }};")
+            for a, b, body, x in zip("ab", "ba", bodies, (0.0, 1.0))]
+
+
+@pytest.mark.parametrize("settings", ["steps", TOLERANCE, 'integrator = "rk4"; until = 0.5; '])
+def test_each_repetition_sees_what_the_one_before_has_left(together, settings):
+    """In steps that all objects choose, too: there no loop of the program repeats."""
+    one = MOVED.format(name="a", kind="", of="", body="{}")
+    settings = ('integrator = "rk4"; ' if settings == "steps" else settings) + "objects = 3; spread = { x = [0.0, 1.0]; };"
+    assert together((one.format(ROUND.format(3)), settings), engine="isa") == together((one.format(3*PULL), settings), engine="isa")
+
+
+@pytest.mark.parametrize("settings", ['integrator = "leapfrog"; ', 'integrator = "rk4"; ', TOLERANCE])
+def test_kinds_repeat_round_by_round(together, settings):
+    """Two groups that repeat have the words of one group; beside a group that does not, or once, each repetition is a projection of its own."""
+    whole = together((MOVED.format(name="a", kind="", of="", body=ROUND.format(3)), settings + "objects = 2; spread = { x = [0.0, 1.0]; };"), engine="isa")
+    assert together(*pair(2*[ROUND.format(3)], settings), engine="isa") == whole
+    for body in ("", PULL, ROUND.format(5)):
+        found = together(*pair((ROUND.format(3), body), settings), engine="isa")
+        assert found == together(*pair((3*PULL, body), settings), engine="isa") and found["x"] != whole["x"]
+
+
+def test_repetitions_of_kinds_on_every_engine(together):
+    groups = pair((ROUND.format(4), ROUND.format(2) + "remember o in seen: o.s = o.s + 1\n"), 'integrator = "heun"; ')
+    groups[1] = (groups[1][0].replace("all others", "near seen(x, a.x, 2, s = 0)\nall others"), groups[1][1])
+    found = [together(*groups, engine=engine) for engine in ("isa", "fast", "rtl")]
+    assert found[0] == found[1] == found[2]
+
+
+def test_so_many_repetitions_of_kinds(together):
+    """Of leapfrog, 40; and beside a kind that never moves, all, as a loop of the program."""
+    most = together(*pair(2*[ROUND.format(40)], 'integrator = "leapfrog"; '), engine="isa")
+    assert most["x"][0] != most["x"][1]
+    said = together(*pair(2*[ROUND.format(41)], 'integrator = "leapfrog"; '), code=2, engine="isa")
+    assert "too many projections and events: a sum over another kind is at one of the first 63 places of a step, and each repetition has its own" in said
+    still = "model b\nstate x = 1\nstep 0.125\nx' = 0\n"
+    assert together(pair(2*[ROUND.format(63)], 'integrator = "leapfrog"; ')[0], (still, "objects = 1;"), engine="isa")["x"][1] == "3f800000"

@@ -62,7 +62,7 @@ static void project(const fp3_advance *a, const fp3_event *event, lowering *l) {
 static fp3_status project_all(fp3_advance *a, uint32_t first, uint32_t end, fp3_error *error) {
     const fp3_model *model = a->step->model;
     fp3_status status = FP3_OK;
-    for (uint32_t i = first; !status && i < end; i++) {
+    for (uint32_t i = first; !status && i < end; i++, a->projected++) {
         lowering l;
         if (!fp3_fit_has_event(a->fit, model, &model->projections[i]))
             continue;
@@ -81,9 +81,11 @@ static fp3_status repeat(fp3_advance *a, const fp3_repeat *r, fp3_error *error) 
     int is_live = 0;
     for (uint32_t i = r->first; i < end; i++)
         is_live |= fp3_fit_has_event(a->fit, a->step->model, &a->step->model->projections[i]);
-    if (!is_live)
-        return FP3_OK;
     const int loops = fp3_repeat_loops(a) && r->times > 1;
+    if (!is_live) {
+        a->projected += loops ? r->count : r->count * r->times;
+        return FP3_OK;
+    }
     fp3_status status = loops ? fp3_repeat_cut(a, 0, error) : FP3_OK;
     for (uint32_t i = 0; !status && i < (loops ? 1 : r->times); i++)
         status = project_all(a, r->first, end, error);

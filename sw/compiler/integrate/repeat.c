@@ -10,7 +10,8 @@ int fp3_repeat_loops(const fp3_advance *a) {
     int is_fold = 0;
     for (uint32_t e = 0; e < model->expr_count; e++)
         is_fold |= fp3_expr_is_fold(model->exprs[e].op);
-    return is_fold && model->repeat_count && !a->is_adaptive;
+    const fp3_coupling *c = a->options->coupling;
+    return is_fold && model->repeat_count && !a->is_adaptive && !(c && c->is_one_by_one);
 }
 
 /* What the armed expressions of events are made of. */

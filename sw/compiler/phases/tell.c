@@ -42,6 +42,6 @@ fp3_status fp3_cut_tell(fp3_cut_plan *c, fp3_error *error) {
     return is_good ? FP3_OK
                    : fp3_fail(error, FP3_E_LIMIT,
                               "too many projections and events: a sum over another kind is at one "
-                              "of the first %d places of a step",
+                              "of the first %d places of a step, and each repetition has its own",
                               FP3_LAST_PLACE);
 }

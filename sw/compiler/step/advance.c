@@ -11,9 +11,9 @@
 #include <string.h>
 
 /* Places that sums over other kinds cannot have. */
-#define UNSEEN_PROJECTION (2 * FP3_PLACES)
-#define UNSEEN_EVENT (4 * FP3_PLACES)
-#define REMEMBER (6 * FP3_PLACES)
+#define UNSEEN_PROJECTION 0x10000u
+#define UNSEEN_EVENT 0x20000u
+#define REMEMBER 0x30000u
 
 #define COEFFICIENT_ERROR 1e-9 /* of a table's row sums; the order conditions allow 1e-10 */
 
@@ -206,8 +206,7 @@ static term state_before(lowering *l, uint32_t state) {
 static uint32_t place_of(const fp3_advance *a, const fp3_event *event, int is_after) {
     const fp3_model *model = a->step->model;
     const int is_projection = event->condition == FP3_NONE;
-    const uint32_t number =
-        (uint32_t)(event - (is_projection ? model->projections : model->events));
+    const uint32_t number = is_projection ? a->projected : (uint32_t)(event - model->events);
     const uint32_t first = is_projection ? a->place_count + 1 : FP3_PLACE_EVENTS,
                    end = is_projection ? FP3_PLACE_EVENTS : FP3_LAST_PLACE;
     if (!is_after)

@@ -42,6 +42,7 @@ typedef struct {
     uint32_t is_in_time, next, before, behind;
     uint32_t root_before, root_behind; /* the nearest root there; FP3_NONE: not needed */
     uint32_t stops; /* node: an event at the end of the step stops the object; FP3_NONE: none can */
+    uint32_t projected; /* projections so far, each repetition that is no loop for itself */
     uint32_t *previous; /* of each state: the variable that has what it was when the step began,
                            behind the step's first segment; FP3_NONE: not needed */
 } fp3_advance;

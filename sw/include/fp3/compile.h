@@ -113,6 +113,7 @@ typedef struct {
     uint64_t looked; /* places of a step at which they read the states: bit i */
     /* Of each place, the earliest phase in which sums over other kinds there are computed. */
     uint8_t phase[FP3_PLACES];
+    int is_one_by_one; /* 1: each repetition is a place, as others that move look at it */
     int is_common;     /* 1: adaptive steps are those of all kinds, even if this one sees nobody */
     unsigned compared; /* what objects of other kinds compare: bit c for comparison c */
     /* Of each comparison, the earliest phase behind which it is made. */
