@@ -57,14 +57,19 @@ static void round_off(const task *t, fp3_point2 a, fp3_point2 b, float radius_a,
 }
 
 /* The facing edge, cut where the edge ends. slack: how far beside the edge a part may be; where
- * nothing is left within it there is no point. */
+ * nothing is left within it there is no point. Everything runs along the manifold's tangent,
+ * against which b's own edges run. */
 static void cut(const task *t, const reference *r, float slack) {
     const fp3_core2 *const of = r->of->core, *const other = r->other->core;
-    const fp3_point2 n = fp3_at2(&of->normal, r->of->edge), along = {-n.y, n.x};
-    const fp3_point2 from = fp3_at2(&of->corner, r->of->edge);
-    const fp3_point2 to = fp3_at2(&of->corner, fp3_end2(of, r->of->edge));
-    const fp3_point2 first = fp3_at2(&other->corner, fp3_end2(other, r->facing));
-    const fp3_point2 last = fp3_at2(&other->corner, r->facing);
+    const uint32_t edge[2] = {r->of->edge, fp3_end2(of, r->of->edge)};
+    const uint32_t facing[2] = {fp3_end2(other, r->facing), r->facing};
+    const uint32_t is_b = (uint32_t)r->is_b;
+    const fp3_point2 n = fp3_at2(&of->normal, edge[0]), normal = times(n, is_b ? -1 : 1);
+    const fp3_point2 along = {-normal.y, normal.x};
+    const fp3_point2 from = fp3_at2(&of->corner, edge[is_b]);
+    const fp3_point2 to = fp3_at2(&of->corner, edge[!is_b]);
+    const fp3_point2 first = fp3_at2(&other->corner, facing[is_b]);
+    const fp3_point2 last = fp3_at2(&other->corner, facing[!is_b]);
     const float length = fp3_dot2(along, fp3_subtract2(to, from));
     const float low = fp3_dot2(along, fp3_subtract2(first, from));
     const float high = fp3_dot2(along, fp3_subtract2(last, from)), span = high - low;
@@ -75,20 +80,18 @@ static void cut(const task *t, const reference *r, float slack) {
     begin = begin < 1 ? begin : 1;
     end = end < 1 ? end : 1;
     const fp3_point2 way = fp3_subtract2(last, first);
-    const fp3_point2 p[2] = {fp3_along2(first, begin, way), fp3_along2(last, -end, way)};
-    const float above[2] = {fp3_dot2(n, fp3_subtract2(p[0], from)),
-                            fp3_dot2(n, fp3_subtract2(p[1], from))};
+    const fp3_point2 p = fp3_along2(first, begin, way), q = fp3_along2(last, -end, way);
+    const float above_p = fp3_dot2(n, fp3_subtract2(p, from));
+    const float above_q = fp3_dot2(n, fp3_subtract2(q, from));
     const float both = r->of->radius + r->other->radius;
     const float lean = 0.5f * (r->of->radius - r->other->radius);
     /* One point where nothing is left between two: the deeper one. */
-    const int is_two = (other->count > 1) & (begin + end < 1), deeper = above[1] < above[0];
-    t->made->normal = fp3_turn2(t->pose, times(n, r->is_b ? -1 : 1));
-    for (int k = 0; k < 2; k++) { /* b's edges run against the tangent */
-        const int which = k ^ r->is_b;
-        const float gap = above[which] - both;
-        put(t, fp3_along2(p[which], lean - 0.5f * above[which], n), gap,
-            (gap <= t->reach) & (is_two | (which == deeper)));
-    }
+    const int is_two = (other->count > 1) & (begin + end < 1), is_q = above_q < above_p;
+    t->made->normal = fp3_turn2(t->pose, normal);
+    put(t, fp3_along2(p, lean - 0.5f * above_p, n), above_p - both,
+        (above_p - both <= t->reach) & (is_two | !is_q));
+    put(t, fp3_along2(q, lean - 0.5f * above_q, n), above_q - both,
+        (above_q - both <= t->reach) & (is_two | is_q));
 }
 
 /* Where nothing of the facing edge is above the edge and near enough, as rounding may have it: its
@@ -150,10 +153,11 @@ void fp3_collide2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2
                   const fp3_pose2 *pose_b, float reach, fp3_manifold2 *made) {
     fp3_pose2 seen;
     *made = (fp3_manifold2){.normal = {0, 1}};
-    if (!fp3_seen2(pose_a, pose_b, &seen))
+    float square;
+    if (!fp3_seen2(pose_a, pose_b, &seen, &square))
         return;
     const float far = a->extent + b->extent + reach;
-    if (fp3_dot2(seen.at, seen.at) > far * far)
+    if (square > far * far)
         return;
     const task t = {.pose = pose_a, .reach = reach, .made = made};
     if (a->core.count == 1 && b->core.count == 1)
@@ -245,9 +249,9 @@ void fp3_collide_link2(const fp3_link2 *a, const fp3_pose2 *pose_a, const fp3_sh
                        const fp3_pose2 *pose_b, float reach, fp3_manifold2 *made) {
     fp3_pose2 seen;
     fp3_point2 way[3];
-    float length[3];
+    float length[3], square;
     *made = (fp3_manifold2){.normal = {0, 1}};
-    if (!fp3_seen2(pose_a, pose_b, &seen))
+    if (!fp3_seen2(pose_a, pose_b, &seen, &square))
         return;
     ground g = {.ends = a->ends};
     for (unsigned k = 0; k < 3; k++) {

@@ -21,7 +21,6 @@
 
 /* Four numbers at once, in the same order each. */
 typedef float fp3_four2 __attribute__((vector_size(16)));
-typedef int32_t fp3_four_masks2 __attribute__((vector_size(16)));
 
 static inline fp3_four2 fp3_load2(const float *from) {
     fp3_four2 four;
@@ -30,21 +29,26 @@ static inline fp3_four2 fp3_load2(const float *from) {
 }
 
 static inline fp3_four2 fp3_least2(fp3_four2 a, fp3_four2 b) {
-    const fp3_four_masks2 is_a = a < b;
-    return (fp3_four2)((is_a & (fp3_four_masks2)a) | (~is_a & (fp3_four_masks2)b));
+    fp3_four2 least;
+    for (unsigned k = 0; k < 4; k++) /* compilers make one instruction of it */
+        least[k] = a[k] < b[k] ? a[k] : b[k];
+    return least;
 }
 
-/* Where b is, as seen from a. 0: nowhere, as one of them is not finite or no turn, or they are too
- * far apart for squares of distances. */
-static inline int fp3_seen2(const fp3_pose2 *a, const fp3_pose2 *b, fp3_pose2 *seen) {
-    const fp3_point2 way = fp3_subtract2(b->at, a->at);
-    if (!(fabsf(way.x) + fabsf(way.y) <= 1e15f) ||
-        !(fabsf(a->c) + fabsf(a->s) + (fabsf(b->c) + fabsf(b->s)) <= 4))
-        return 0;
-    seen->at = fp3_turn_back2(a, way);
+/* Whether it is finite and about a turn. */
+static inline int fp3_is_turn2(const fp3_pose2 *pose) {
+    return fabsf(pose->c * pose->c + pose->s * pose->s - 1) <= 0.5f;
+}
+
+/* Where b is, as seen from a, and the square of how far. 0: nowhere, as one of them is not finite
+ * or no turn, or they are too far apart for squares of distances. */
+static inline int fp3_seen2(const fp3_pose2 *a, const fp3_pose2 *b, fp3_pose2 *seen,
+                            float *square) {
+    seen->at = fp3_turn_back2(a, fp3_subtract2(b->at, a->at));
     seen->c = a->c * b->c + a->s * b->s;
     seen->s = a->c * b->s - a->s * b->c;
-    return 1;
+    *square = fp3_dot2(seen->at, seen->at);
+    return (*square <= 1e30f) & fp3_is_turn2(a) & fp3_is_turn2(b);
 }
 
 static inline void fp3_place_core2(const fp3_core2 *a, const fp3_pose2 *pose, fp3_core2 *core) {
@@ -74,32 +78,33 @@ static inline fp3_four2 fp3_gaps2(const fp3_core2 *a, uint32_t edge, const fp3_c
     return least;
 }
 
+/* The first of the largest, without a branch: which it is, no processor foresees. */
+static inline void fp3_largest2(fp3_four2 v, uint32_t edge, float *most, uint32_t *best) {
+    const float low = v[1] > v[0] ? v[1] : v[0], high = v[3] > v[2] ? v[3] : v[2];
+    const float all = high > low ? high : low;
+    const uint32_t not_0 = v[0] < all, not_1 = not_0 & (v[1] < all), not_2 = not_1 & (v[2] < all);
+    if (all > *most) {
+        *most = all;
+        *best = edge + not_0 + not_1 + not_2;
+    }
+}
+
 /* The first edge of a with the largest gap, and that gap. */
 static inline float fp3_widest2(const fp3_core2 *a, const fp3_core2 *b, uint32_t *edge) {
     float most = -FLT_MAX;
     *edge = 0;
-    for (uint32_t i = 0; i < a->count && a->count > 1; i += 4) {
-        const fp3_four2 gaps = fp3_gaps2(a, i, b);
-        for (uint32_t k = 0; k < 4; k++) {
-            *edge = gaps[k] > most ? i + k : *edge;
-            most = gaps[k] > most ? gaps[k] : most;
-        }
-    }
+    for (uint32_t i = 0; i < a->count && a->count > 1; i += 4)
+        fp3_largest2(fp3_gaps2(a, i, b), i, &most, edge);
     return most;
 }
 
 /* The first edge that faces a normal best. */
 static inline uint32_t fp3_facing2(const fp3_core2 *a, fp3_point2 normal) {
     uint32_t edge = 0;
-    float least = FLT_MAX;
-    for (uint32_t i = 0; i < a->count && a->count > 1; i += 4) {
-        const fp3_four2 along =
-            normal.x * fp3_load2(a->normal.x + i) + normal.y * fp3_load2(a->normal.y + i);
-        for (uint32_t k = 0; k < 4; k++) {
-            edge = along[k] < least ? i + k : edge;
-            least = along[k] < least ? along[k] : least;
-        }
-    }
+    float most = -FLT_MAX;
+    for (uint32_t i = 0; i < a->count && a->count > 1; i += 4)
+        fp3_largest2(-normal.x * fp3_load2(a->normal.x + i) - normal.y * fp3_load2(a->normal.y + i),
+                     i, &most, &edge);
     return edge;
 }
 

@@ -62,7 +62,8 @@ static fp3_apart2 between_cores(const fp3_shape2 *a, const fp3_shape2 *b, const 
 int fp3_measure2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
                  const fp3_pose2 *pose_b, fp3_apart2 *made) {
     fp3_pose2 seen;
-    if (!fp3_seen2(pose_a, pose_b, &seen))
+    float square;
+    if (!fp3_seen2(pose_a, pose_b, &seen, &square))
         return 0;
     const fp3_apart2 r = between_cores(a, b, &seen);
     made->gap = r.gap - (a->radius + b->radius);
@@ -129,8 +130,9 @@ int fp3_ray2(const fp3_shape2 *shape, const fp3_pose2 *pose, fp3_point2 from, fp
     const fp3_pose2 start = {from, 1, 0}, end = {fp3_add2(from, way), 1, 0};
     const fp3_shape2 point = {.core.count = 1};
     fp3_pose2 seen, last;
+    float square;
     fp3_hit2 found = {0};
-    if (!fp3_seen2(pose, &start, &seen) || !fp3_seen2(pose, &end, &last))
+    if (!fp3_seen2(pose, &start, &seen, &square) || !fp3_seen2(pose, &end, &last, &square))
         return 0;
     const float reached = fabsf(seen.at.x) + fabsf(seen.at.y) + fabsf(way.x) + fabsf(way.y);
     ray r = {.from = seen.at, .way = fp3_turn_back2(pose, way), .hit = &found};
@@ -181,8 +183,9 @@ static float size_of(fp3_point2 p) { return fabsf(p.x) + fabsf(p.y); }
 int fp3_impact2(const fp3_shape2 *a, const fp3_sweep2 *sweep_a, const fp3_shape2 *b,
                 const fp3_sweep2 *sweep_b, float slop, fp3_hit2 *hit) {
     fp3_pose2 seen;
-    if (!fp3_seen2(&sweep_a->from, &sweep_b->from, &seen) ||
-        !fp3_seen2(&sweep_a->to, &sweep_b->to, &seen))
+    float square;
+    if (!fp3_seen2(&sweep_a->from, &sweep_b->from, &seen, &square) ||
+        !fp3_seen2(&sweep_a->to, &sweep_b->to, &seen, &square))
         return 0;
     const fp3_point2 start = fp3_subtract2(sweep_b->from.at, sweep_a->from.at);
     const fp3_point2 way = fp3_subtract2(fp3_subtract2(sweep_b->to.at, sweep_a->to.at), start);

@@ -76,11 +76,15 @@ static inline fp3_point2 fp3_along2(fp3_point2 a, float t, fp3_point2 b) {
 }
 static inline float fp3_dot2(fp3_point2 a, fp3_point2 b) { return a.x * b.x + a.y * b.y; }
 static inline float fp3_cross2(fp3_point2 a, fp3_point2 b) { return a.x * b.y - a.y * b.x; }
+/* Sums alone: of a difference beside a sum gcc 12 makes a fused multiply-add where there is one, in
+ * spite of -ffp-contract=off. */
 static inline fp3_point2 fp3_turn2(const fp3_pose2 *pose, fp3_point2 p) {
-    return (fp3_point2){pose->c * p.x - pose->s * p.y, pose->s * p.x + pose->c * p.y};
+    const float back = -pose->s;
+    return (fp3_point2){pose->c * p.x + back * p.y, pose->s * p.x + pose->c * p.y};
 }
 static inline fp3_point2 fp3_turn_back2(const fp3_pose2 *pose, fp3_point2 p) {
-    return (fp3_point2){pose->c * p.x + pose->s * p.y, pose->c * p.y - pose->s * p.x};
+    const float back = -pose->s;
+    return (fp3_point2){pose->c * p.x + pose->s * p.y, back * p.x + pose->c * p.y};
 }
 static inline fp3_point2 fp3_place2(const fp3_pose2 *pose, fp3_point2 p) {
     return fp3_add2(pose->at, fp3_turn2(pose, p));

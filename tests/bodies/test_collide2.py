@@ -1,5 +1,8 @@
 """Where two shapes in the plane touch: against distances by all corners and edges and depths by all axes, in double."""
 
+import platform
+import subprocess
+
 import numpy as np
 import plane
 import pytest
@@ -249,3 +252,12 @@ def test_a_chain_around_a_polygon_is_that_polygon(build, long):
     corner = both & (made["manifold"]["count"] == 1) & ~faces
     assert corner.sum() > 100
     assert (np.add.reduceat(deepest.astype(int), first)[corner] == 1).mean() > 0.998
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="multiply-adds of another processor")
+@pytest.mark.parametrize("name", ["shape2", "collide2", "query2"])
+def test_no_compiler_fuses_a_product_with_a_sum(root, name):
+    """gcc 12 makes vfmaddsub of a turn in spite of -ffp-contract=off, so the turn is written so that it cannot."""
+    text = subprocess.run(["gcc", "-std=c11", "-D_GNU_SOURCE", "-O3", "-march=x86-64-v3", "-ffp-contract=off", "-S", "-o", "-", "-I", root / "sw/include", "-I",
+                           root / "sw", root / f"sw/bodies/{name}.c"], capture_output=True, text=True, check=True).stdout
+    assert "vmulss" in text and "vfm" not in text and "vfnm" not in text
