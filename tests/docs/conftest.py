@@ -25,3 +25,10 @@ def folder(root, build, tmp_path):
     (tools / "python3").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     (tools / "python3").chmod(0o755)
     return tmp_path
+
+
+@pytest.fixture
+def how(long):
+    """How engine fast executes there: interpreted, which has the same bits without a compiler, that takes ten seconds for a program in double-single; or
+    with --long as on the reader's machine."""
+    return {} if long else {"FP3_FAST": "interpreter"}

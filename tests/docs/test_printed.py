@@ -95,10 +95,10 @@ def parts(page, take):
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if any(not exception(command) for command in parts(page, commands))])
-def test_commands_run_as_printed(folder, page):
+def test_commands_run_as_printed(folder, page, how):
     for name, text in parts(page, files):
         (folder / name).write_text(text)
-    env = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}"}
+    env = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}"} | how
     for command in parts(page, commands):
         if not exception(command):
             done = subprocess.run(["bash", "-ec", command], cwd=folder, env=env, capture_output=True, text=True, timeout=120)

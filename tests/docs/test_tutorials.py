@@ -76,10 +76,10 @@ def pixels(picture):
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_tutorial_prints_what_it_says(folder, build, page):
+def test_a_tutorial_prints_what_it_says(folder, build, page, how):
     if build.name != "build":
         pytest.skip("a library with sanitizers cannot be loaded by the page's programs, which have none")
-    env = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}", "LC_ALL": "C.UTF-8"}
+    env = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}", "LC_ALL": "C.UTF-8"} | how
     text = (ROOT / page).read_text(encoding="utf-8")
     for first, second in steps(text):
         if isinstance(second, str):
