@@ -50,6 +50,12 @@ static void push(impacts *i, uint32_t slot, float m, float inertia, fp3_point2 a
     i->time[slot] = time;
 }
 
+static void push_both(impacts *i, const pair *p, fp3_point2 way, float impulse, float time) {
+    const fp3_point2 on_b = {impulse * way.x, impulse * way.y}, on_a = {-on_b.x, -on_b.y};
+    push(i, p->b, p->mb, p->ib, p->arm_b, on_b, time);
+    push(i, p->a, p->ma, p->ia, p->arm_a, on_a, time);
+}
+
 /* The impulse along the normal, and that of friction, which is at most `friction` of it. */
 static float hit(impacts *i, const pair *p, float speed, float time) {
     const fp3_bodies *b = i->bodies;
@@ -58,12 +64,12 @@ static float hit(impacts *i, const pair *p, float speed, float time) {
                 at = fp3_cross2(p->arm_a, t), bt = fp3_cross2(p->arm_b, t);
     const float mass = p->ma + p->mb;
     const float x = (1 + p->restitution) * speed / (mass + p->ia * an * an + p->ib * bn * bn);
+    push_both(i, p, p->n, x, time);
+    /* Friction behind it, by the speed that is left: else both together could give energy. */
     const float slide = along(b->speed[p->b], p->arm_b, t) - along(b->speed[p->a], p->arm_a, t);
     const float most = p->friction * x;
     const float y = fmaxf(fminf(-slide / (mass + p->ia * at * at + p->ib * bt * bt), most), -most);
-    const fp3_point2 impulse = fp3_along2((fp3_point2){x * p->n.x, x * p->n.y}, y, t);
-    push(i, p->b, p->mb, p->ib, p->arm_b, impulse, time);
-    push(i, p->a, p->ma, p->ia, p->arm_a, (fp3_point2){-impulse.x, -impulse.y}, time);
+    push_both(i, p, t, y, time);
     return x;
 }
 

@@ -243,7 +243,11 @@ static void weigh(const fp3_bodies *bodies, fp3_joint *j, double h) {
         (float)((j->point[0] + rod * s.gap[0] + along * s.axis[0] - j->slide[4] * s.axis[1]) / h);
     j->force[1] =
         (float)((j->point[1] + rod * s.gap[1] + along * s.axis[1] + j->slide[4] * s.axis[0]) / h);
-    j->torque = (float)(sum(j->twist) / h);
+    /* About the anchor that the caller knows. */
+    const fp3_body *b = &bodies->body[j->b];
+    const double x = j->anchor_b[0] - j->def.anchor_b[0], y = j->anchor_b[1] - j->def.anchor_b[1];
+    const double dx = b->turn[0] * x - b->turn[1] * y, dy = b->turn[1] * x + b->turn[0] * y;
+    j->torque = (float)(sum(j->twist) / h + dx * j->force[1] - dy * j->force[0]);
 }
 
 static int breaks(const fp3_joint *j) {

@@ -128,6 +128,23 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
     return FP3_OK;
 }
 
+/* Where two bodies do not turn against each other, any point that both have may be held. At this
+ * one between their centres what holds the point does not turn one against the other, and what
+ * holds the angle does not move the point: so neither has to make good what the other does. */
+static void anchor_between(const fp3_bodies *bodies, fp3_joint *j) {
+    const fp3_body *a = &bodies->body[j->a], *b = &bodies->body[j->b];
+    const fp3_stance s = fp3_joint_stance(bodies, j);
+    const double ia = fp3_inverse_mass(a->inertia), ib = fp3_inverse_mass(b->inertia);
+    const double share = ia + ib > 0 ? ib / (ia + ib) : 0.5;
+    /* From the joint to that point, in the world. */
+    const double x = -share * s.arm_b[0] - (1 - share) * (s.arm_a[0] + s.gap[0]);
+    const double y = -share * s.arm_b[1] - (1 - share) * (s.arm_a[1] + s.gap[1]);
+    j->anchor_a[0] += (float)(a->turn[0] * x + a->turn[1] * y);
+    j->anchor_a[1] += (float)(a->turn[0] * y - a->turn[1] * x);
+    j->anchor_b[0] += (float)(b->turn[0] * x + b->turn[1] * y);
+    j->anchor_b[1] += (float)(b->turn[0] * y - b->turn[1] * x);
+}
+
 static void place(fp3_bodies *bodies, fp3_joint *j, const fp3_joint_def *def) {
     const uint32_t generation = j->generation + 1;
     const double length = hypot(def->axis[0], def->axis[1]);
@@ -141,6 +158,8 @@ static void place(fp3_bodies *bodies, fp3_joint *j, const fp3_joint_def *def) {
         j->anchor_b[i] = (float)def->anchor_b[i];
         j->axis[i] = (float)(def->axis[i] / length);
     }
+    if (def->type == FP3_WELD || def->type == FP3_SLIDER)
+        anchor_between(bodies, j);
     j->from = bodies->body[j->b].angle +
               (def->type == FP3_GEAR ? def->ratio : -1) * bodies->body[j->a].angle;
     if (isnan(def->rest))

@@ -1,0 +1,24 @@
+"""Worlds of bodies by chance (random_bodies.c says what is checked): nothing crashes, what fails is named, energy is not made, and bits are those of
+all engines."""
+
+import subprocess
+
+import pytest
+
+
+def worlds(build, *words):
+    done = subprocess.run([build / "tests/random_bodies", *map(str, words)], capture_output=True, text=True, timeout=3000)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()[1::2]
+
+
+@pytest.mark.parametrize("first, count", [(0, 150), pytest.param(1000, 10000, marks=pytest.mark.long)])
+def test_worlds_by_chance(build, first, count):
+    hashes = worlds(build, first, count)
+    failed = hashes.count("0" * 16)
+    assert len(hashes) == count and failed <= 0.01 * count + 2
+    assert len(set(hashes)) > 0.98 * (count - failed)
+
+
+def test_engines_agree(build):
+    assert worlds(build, 3, 4, "isa") == worlds(build, 3, 4, "fast") == worlds(build, 3, 4, "built-in")
