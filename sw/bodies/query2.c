@@ -59,8 +59,8 @@ static fp3_apart2 between_cores(const fp3_shape2 *a, const fp3_shape2 *b, const 
                          : between_edges(&a->core, edge_a, gap_a, &placed, alike);
 }
 
-int fp3_measure2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
-                 const fp3_pose2 *pose_b, fp3_apart2 *made) {
+int fp3_separation2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
+                    const fp3_pose2 *pose_b, fp3_apart2 *made) {
     fp3_pose2 seen;
     float square;
     if (!fp3_seen2(pose_a, pose_b, &seen, &square))
@@ -76,7 +76,7 @@ int fp3_measure2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 
 int fp3_overlap2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
                  const fp3_pose2 *pose_b) {
     fp3_apart2 apart;
-    return fp3_measure2(a, pose_a, b, pose_b, &apart) && apart.gap <= 0;
+    return fp3_separation2(a, pose_a, b, pose_b, &apart) && apart.gap <= 0;
 }
 
 /* ---- rays ---- */
@@ -201,7 +201,7 @@ int fp3_impact2(const fp3_shape2 *a, const fp3_sweep2 *sweep_a, const fp3_shape2
         const fp3_pose2 pose_a = turn_at(sweep_a, fraction);
         fp3_pose2 pose_b = turn_at(sweep_b, fraction);
         pose_b.at = fp3_along2(start, fraction, way);
-        if (!fp3_measure2(a, &pose_a, b, &pose_b, &apart))
+        if (!fp3_separation2(a, &pose_a, b, &pose_b, &apart))
             return 0;
         if (apart.gap <= slop || round == ROUNDS)
             break;

@@ -20,8 +20,8 @@ typedef struct {
 
 /* The gap is right within 4 roundings (2^-22) of the extents and of the distance. 0: they meet
  * nothing, see above; *made is then as it was. */
-int fp3_measure2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
-                 const fp3_pose2 *pose_b, fp3_apart2 *made);
+int fp3_separation2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,
+                    const fp3_pose2 *pose_b, fp3_apart2 *made);
 
 /* Whether they touch or overlap. */
 int fp3_overlap2(const fp3_shape2 *a, const fp3_pose2 *pose_a, const fp3_shape2 *b,

@@ -13,8 +13,8 @@ static int are_good(const fp3_pose3 *a, const fp3_pose3 *b) {
     return fp3_turn3_is_good(a->q) && fp3_turn3_is_good(b->q) && fp3_dot3(way, way) <= FARTHEST;
 }
 
-int fp3_measure3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
-                 const fp3_pose3 *pose_b, fp3_apart3 *made) {
+int fp3_separation3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
+                    const fp3_pose3 *pose_b, fp3_apart3 *made) {
     if (!are_good(pose_a, pose_b))
         return 0;
     const float least = 1e-5f * (a->extent + b->extent);

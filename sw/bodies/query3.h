@@ -19,8 +19,8 @@ typedef struct {
 /* The gap is right within 1e-5 of the cores' distance and 1e-6 S, where the cores are more than
  * 1e-5 S apart; else as collide3.h says. 0: they meet nothing, see above; *made is then as it was.
  */
-int fp3_measure3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
-                 const fp3_pose3 *pose_b, fp3_apart3 *made);
+int fp3_separation3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
+                    const fp3_pose3 *pose_b, fp3_apart3 *made);
 
 /* Whether they touch or overlap. */
 int fp3_overlap3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,

@@ -67,7 +67,7 @@ static void reply(const request *r, answer *to) {
         fp3_collide_link2(&link, &r->pose_a, &to->b, &r->pose_b, r->reach, &to->manifold);
     }
     if (r->what == 3) {
-        to->is_hit = (uint32_t)fp3_measure2(&to->a, &r->pose_a, &to->b, &r->pose_b, &to->apart);
+        to->is_hit = (uint32_t)fp3_separation2(&to->a, &r->pose_a, &to->b, &r->pose_b, &to->apart);
         to->overlaps = (uint32_t)fp3_overlap2(&to->a, &r->pose_a, &to->b, &r->pose_b);
     }
     if (r->what == 4)

@@ -146,7 +146,7 @@ static void measure(void) {
     } answer;
     memset(&answer, 0, sizeof answer);
     get(pose, sizeof pose);
-    answer.is = (uint32_t)fp3_measure3(a, &pose[0], b, &pose[1], &answer.apart);
+    answer.is = (uint32_t)fp3_separation3(a, &pose[0], b, &pose[1], &answer.apart);
     answer.overlap = (uint32_t)fp3_overlap3(a, &pose[0], b, &pose[1]);
     put(&answer, sizeof answer);
 }
