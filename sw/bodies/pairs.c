@@ -39,7 +39,11 @@ static uint32_t level_of(const fp3_boxes *boxes, const fp3_box *box) {
     return level < 0 ? 0 : level >= LEVELS ? LEVELS - 1 : (uint32_t)level;
 }
 
-static int32_t cell_of(double x, double size) {
+/* The coarsest level is one cell: what is there may be larger than any. */
+static int32_t cell_of(double x, uint32_t level) {
+    const double size = cell_size(level);
+    if (level == LEVELS - 1)
+        return 0;
     return (int32_t)fmax(fmin(floor(x / size), FARTHEST), -FARTHEST);
 }
 
@@ -57,7 +61,7 @@ static place place_of(const fp3_boxes *boxes, uint32_t number) {
     const fp3_box *box = &boxes->box[number];
     place p = {.box = number, .level = level_of(boxes, box)};
     for (uint32_t k = 0; k < boxes->dimensions; k++)
-        p.cell[k] = cell_of(0.5 * (box->low[k] + box->high[k]), cell_size(p.level));
+        p.cell[k] = cell_of(0.5 * (box->low[k] + box->high[k]), p.level);
     return p;
 }
 
@@ -134,11 +138,11 @@ static fp3_status look_into(search *s, const place *own, const int32_t cell[3], 
 /* Centres of a level's boxes that overlap this one are no farther from it than half a cell. */
 static fp3_status look(search *s, const place *own, uint32_t level, fp3_error *error) {
     const fp3_box *a = &s->boxes->box[own->box];
-    const double size = cell_size(level), half = 0.5 * size;
+    const double half = 0.5 * cell_size(level);
     int32_t first[3] = {0}, last[3] = {0}, cell[3];
     for (uint32_t k = 0; k < s->boxes->dimensions; k++) {
-        first[k] = cell_of(a->low[k] - half, size);
-        last[k] = cell_of(a->high[k] + half, size);
+        first[k] = cell_of(a->low[k] - half, level);
+        last[k] = cell_of(a->high[k] + half, level);
     }
     fp3_status status = FP3_OK;
     for (cell[2] = first[2]; !status && cell[2] <= last[2]; cell[2]++)

@@ -10,10 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A body beyond these has failed: its speed, and how far it turns in a step. */
-#define SPEED_MOST 1e9f
-#define TURN_MOST 1e4f
-
 /* ---- slots ---- */
 
 static int is_of_step(const fp3_body *body) { return fp3_body_lives(body) && fp3_body_moves(body); }
@@ -106,10 +102,11 @@ static void let_fall(fp3_bodies *bodies, double h) {
         hold(bodies, &bodies->joined[law], 0);
 }
 
-/* A NaN is not. */
-static int is_bounded(fp3_four v, fp3_four way) {
-    return fabsf(v[0]) < SPEED_MOST && fabsf(v[1]) < SPEED_MOST && fabsf(way[0]) < SPEED_MOST &&
-           fabsf(way[1]) < SPEED_MOST && fabsf(v[2]) < SPEED_MOST && fabsf(way[2]) < TURN_MOST;
+static int is_finite(fp3_four v, fp3_four way) {
+    int is = 1;
+    for (int i = 0; i < 3; i++)
+        is &= isfinite(v[i]) && isfinite(way[i]);
+    return is;
 }
 
 static fp3_status move(fp3_bodies *bodies) {
@@ -119,11 +116,11 @@ static fp3_status move(fp3_bodies *bodies) {
             continue;
         fp3_body *body = &bodies->body[bodies->in_slot[k]];
         const fp3_four v = bodies->speed[k], way = bodies->way[k];
-        if (!is_bounded(v, way)) {
+        if (!is_finite(v, way)) {
             if (!status)
                 status = fp3_fail(bodies->error, FP3_E_FAILED,
                                   "body %" PRIu32 " in step %" PRIu64
-                                  ": its speed is %g, %g and its spin %g, which have no bounds",
+                                  ": its speed is %g, %g and its spin %g: expected finite numbers",
                                   bodies->in_slot[k], bodies->steps + 1, v[0], v[1], v[2]);
             continue;
         }

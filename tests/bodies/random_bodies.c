@@ -3,7 +3,7 @@
  * removed and written while they run, and what must be refused. Each world is checked, step by
  * step:
  *
- * - nothing fails but a step that names a body whose speed has no bounds, which is printed: it
+ * - nothing fails but a step that names a body whose speed is not finite, which is printed: it
  * happens where a body a million times lighter than its neighbours hangs at a long arm; all values
  * are finite;
  * - energy is never above what was put in: kinetic and potential energy, without springs and

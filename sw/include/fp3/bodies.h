@@ -252,9 +252,9 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
 
 /* ---- steps ---- */
 
-/* Each step lasts h. FP3_E_FAILED: a body, or several that touch, would have a speed above 1e9, turn
- * by more than 1e4 in a step, or have a value that is no number; the message names the first. They
- * stay where they are, and all others have made their steps. */
+/* Each step lasts h. FP3_E_FAILED: the position or speed of a body, or of several that touch, would
+ * not be finite, and the message names the first; they stay where they are, and all others have
+ * made their steps. */
 fp3_status fp3_bodies_step(fp3_bodies *bodies, uint64_t steps);
 double fp3_bodies_time(const fp3_bodies *bodies);
 /* Bodies that do not sleep, and contacts that touch, after the last step. */
