@@ -29,7 +29,7 @@ static inline fp3_four2 fp3_load2(const float *from) {
 }
 
 static inline fp3_four2 fp3_least2(fp3_four2 a, fp3_four2 b) {
-    fp3_four2 least;
+    fp3_four2 least = b;
     for (unsigned k = 0; k < 4; k++) /* compilers make one instruction of it */
         least[k] = a[k] < b[k] ? a[k] : b[k];
     return least;
