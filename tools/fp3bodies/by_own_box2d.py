@@ -12,6 +12,10 @@ LIBRARY = pathlib.Path(os.environ.get("FP3_BUILD", pathlib.Path(__file__).resolv
 SHAPES = ("disc", "box", "capsule", "polygon")
 
 
+class Version(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_int) for name in ("major", "minor", "revision")]
+
+
 def is_there():
     return LIBRARY.exists()
 
@@ -28,6 +32,9 @@ class Made(Engine):
         if scene.dimensions != 2:
             raise Refused("it has no space")
         self.lib, real = ctypes.CDLL(str(LIBRARY)), ctypes.c_double
+        self.lib.b2GetVersion.restype = Version
+        version = self.lib.b2GetVersion()
+        self.NOTE = f"Box2D {version.major}.{version.minor}.{version.revision}, as its user built it"
         self.lib.fp3_box2d_open.restype = ctypes.c_void_p
         self.lab = ctypes.c_void_p(self.lib.fp3_box2d_open(*map(real, scene.gravity), len(scene.bodies), len(scene.pins)))
         for k, body in enumerate(scene.bodies):

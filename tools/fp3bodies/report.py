@@ -101,3 +101,6 @@ def page(data):
         yield from ("", "## Speed", "", SPEED, "")
         yield from markdown(["scene", "engine", "bodies", "settled", "ns", "of Box2D"], speed(data["speed"]))
         yield from left(data["speed_refused"])
+        notes = {row["engine"]: row["note"] for row in data["speed"] if row["note"]}
+        if notes:
+            yield from ("", "; ".join(f"*{engine}*: {note}" for engine, note in notes.items()) + ".")
