@@ -14,7 +14,8 @@ typedef struct {
     const fp3_shape3 *a, *b;
     fp3_turn3 of_a, of_b; /* a's turn; b's frame in a's */
     float reach, radii;
-    float slack; /* lengths that do not count */
+    float slack;       /* lengths that do not count */
+    int is_face_alone; /* nothing but one face of a */
     fp3_manifold3 *to;
 } pair;
 
@@ -251,7 +252,7 @@ static void faces(const pair *p, const fp3_axis3 *axis) {
         fp3_clip3(&face, out, axis->gap > p->slack ? p->slack : 4 * p->slack, &side);
         if (side.count)
             touch[count++] = before(p, axis, side.corner[0], axis->gap);
-        else if (axis->gap > p->slack || count == 0) {
+        else if (!p->is_face_alone && (axis->gap > p->slack || count == 0)) {
             corners(p, axis);
             return;
         }
@@ -283,34 +284,61 @@ static void balls(const pair *p, const fp3_pose3 *pose_a, const fp3_pose3 *pose_
     p->to->point[0].gap = gap;
 }
 
-void fp3_collide3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
-                  const fp3_pose3 *pose_b, float reach, fp3_manifold3 *to) {
+/* Whether two shapes may be within reach; *p for them. */
+static int begin(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
+                 const fp3_pose3 *pose_b, float reach, fp3_manifold3 *to, pair *p) {
     const fp3_point3 apart = fp3_subtract3(pose_b->at, pose_a->at);
     const float square = fp3_dot3(apart, apart), most = (a->extent + b->extent) + reach;
     to->count = 0;
     to->normal = (fp3_point3){0, 0, 0};
     if (!(square <= most * most) || !(most >= 0) || !(square <= FARTHEST) ||
         !fp3_turn3_is_good(pose_a->q) || !fp3_turn3_is_good(pose_b->q))
-        return;
-    pair p = {.a = a, .b = b, .reach = reach, .radii = a->radius + b->radius, .to = to};
+        return 0;
+    p->a = a;
+    p->b = b;
+    p->reach = reach;
+    p->radii = a->radius + b->radius;
+    p->to = to;
+    p->is_face_alone = 0;
     if (a->count == 1 && b->count == 1) {
-        balls(&p, pose_a, pose_b, apart);
-        return;
+        balls(p, pose_a, pose_b, apart);
+        return 0;
     }
-    p.of_a = fp3_turn_of3(pose_a->q);
-    p.of_b = fp3_between3(pose_a, &p.of_a, pose_b);
-    p.slack =
+    p->of_a = fp3_turn_of3(pose_a->q);
+    p->of_b = fp3_between3(pose_a, &p->of_a, pose_b);
+    p->slack =
         1e-4f * (a->extent < b->extent ? a->extent : b->extent) + 5e-7f * (a->extent + b->extent);
+    return 1;
+}
+
+void fp3_collide3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
+                  const fp3_pose3 *pose_b, float reach, fp3_manifold3 *to) {
+    pair p;
+    fp3_axis3 axis;
+    if (!begin(a, pose_a, b, pose_b, reach, to, &p))
+        return;
     if (a->count <= 2 && b->count <= 2) {
         segments(&p);
         return;
     }
-    fp3_axis3 axis;
     fp3_axes3(a, b, &p.of_b, p.reach + p.radii, &axis);
     if (axis.kind == FP3_EDGES3)
         edges(&p, &axis);
     else if (axis.kind != FP3_APART3)
         faces(&p, &axis);
+}
+
+void fp3_collide_face3(const fp3_shape3 *a, const fp3_pose3 *pose_a, uint32_t face,
+                       const fp3_shape3 *b, const fp3_pose3 *pose_b, float reach,
+                       fp3_manifold3 *to) {
+    pair p;
+    if (!begin(a, pose_a, b, pose_b, reach, to, &p))
+        return;
+    p.is_face_alone = 1;
+    fp3_axis3 axis = {.kind = FP3_FACE_OF_A3, .face = face, .normal = a->normal[face]};
+    const fp3_point3 deepest = farthest(b, &p.of_b, fp3_times3(-1.0f, axis.normal));
+    axis.gap = fp3_dot3(axis.normal, deepest) - a->offset[face];
+    faces(&p, &axis);
 }
 
 void fp3_collide_plane3(const fp3_plane3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,

@@ -41,6 +41,12 @@ typedef struct {
 void fp3_collide3(const fp3_shape3 *a, const fp3_pose3 *pose_a, const fp3_shape3 *b,
                   const fp3_pose3 *pose_b, float reach, fp3_manifold3 *to);
 
+/* The same with the normal of one face of a, whatever else is nearer; and only what is before that
+ * face. */
+void fp3_collide_face3(const fp3_shape3 *a, const fp3_pose3 *pose_a, uint32_t face,
+                       const fp3_shape3 *b, const fp3_pose3 *pose_b, float reach,
+                       fp3_manifold3 *to);
+
 /* For each new point in from[] the nearest old one, by arms, or 4 if none is within `near`. No old
  * point is taken twice: pairs are matched from the closest one on, and equally close ones by
  * number. */

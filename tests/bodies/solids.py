@@ -10,7 +10,7 @@ import subprocess
 
 import numpy as np
 
-MAKE, COLLIDE, SHAPE, BOUNDS, MASS, PLANE, MATCH, DISTANCE, MEASURE, RAY, IMPACT, CAST = range(12)
+MAKE, COLLIDE, SHAPE, BOUNDS, MASS, PLANE, MATCH, DISTANCE, MEASURE, RAY, IMPACT, CAST, MESH, HEIGHTS, GROUND = range(15)
 BALL, CAPSULE, BOX, TRIANGLE, HULL = range(5)
 SHAPE_OF = np.dtype([("count", "u4"), ("faces", "u4"), ("halves", "u4"), ("radius", "f4"), ("extent", "f4"), ("inner", "f4"), ("box", "u4"),
                      ("middle", "3f4"), ("half", "3f4"), ("corner", "(32,3)f4"), ("normal", "(60,3)f4"), ("offset", "60f4"), ("first", "60u1"),

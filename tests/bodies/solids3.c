@@ -10,13 +10,31 @@
 #include "bodies/collide3.h"
 #include "bodies/distance3.h"
 #include "bodies/mass3.h"
+#include "bodies/mesh3.h"
 #include "bodies/query3.h"
 
-enum { MAKE, COLLIDE, SHAPE, BOUNDS, MASS, PLANE, MATCH, DISTANCE, MEASURE, RAY, IMPACT, CAST };
+enum {
+    MAKE,
+    COLLIDE,
+    SHAPE,
+    BOUNDS,
+    MASS,
+    PLANE,
+    MATCH,
+    DISTANCE,
+    MEASURE,
+    RAY,
+    IMPACT,
+    CAST,
+    MESH,
+    HEIGHTS,
+    GROUND
+};
 enum { BALL, CAPSULE, BOX, TRIANGLE, HULL };
 #define MOST 4096
 
 static fp3_shape3 *shapes;
+static fp3_mesh3 *ground;
 static uint32_t count;
 
 static void get(void *to, size_t size) {
@@ -179,6 +197,51 @@ static void first_hit(uint32_t command) {
     put(&answer, sizeof answer);
 }
 
+static void *get_more(size_t size) {
+    void *to = malloc(size + 1);
+    if (!to)
+        exit(1);
+    get(to, size);
+    return to;
+}
+
+static void mesh(uint32_t command) {
+    const uint32_t first = word(), second = word();
+    fp3_error error = {.text = ""};
+    float step[2];
+    uint32_t status;
+    fp3_free_mesh3(&ground);
+    if (command == HEIGHTS) {
+        get(step, sizeof step);
+        float *height = get_more(sizeof(float) * first * second);
+        status = fp3_make_heights3(first, second, step[0], step[1], height, &ground, &error);
+        free(height);
+    } else {
+        fp3_point3 *point = get_more(sizeof *point * first);
+        uint32_t(*corner)[3] = get_more(sizeof *corner * second);
+        status =
+            fp3_make_mesh3(first, point, second, (const uint32_t(*)[3])corner, &ground, &error);
+        free(point);
+        free(corner);
+    }
+    put(&status, sizeof status);
+    put(error.text, 128);
+}
+
+static void on_ground(void) {
+    const fp3_shape3 *b = shape();
+    fp3_pose3 pose[2];
+    float reach;
+    fp3_mesh_touch3 touch[16];
+    memset(touch, 0, sizeof touch);
+    get(pose, sizeof pose);
+    get(&reach, sizeof reach);
+    const uint32_t found =
+        ground ? fp3_collide_mesh3(ground, &pose[0], b, &pose[1], reach, 16, touch) : 0;
+    put(&found, sizeof found);
+    put(touch, sizeof touch);
+}
+
 int main(void) {
     uint32_t command;
     shapes = calloc(MOST, sizeof *shapes);
@@ -218,9 +281,17 @@ int main(void) {
         case CAST:
             first_hit(command);
             break;
+        case MESH:
+        case HEIGHTS:
+            mesh(command);
+            break;
+        case GROUND:
+            on_ground();
+            break;
         default:
             return 2;
         }
     free(shapes);
+    fp3_free_mesh3(&ground);
     return 0;
 }
