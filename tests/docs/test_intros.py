@@ -38,5 +38,5 @@ def test_world(root, tool):
 
 def test_bodies(root, tool):
     made, page = tool("fp3bodies.report"), (root / "docs/bodies_results.md").read_text(encoding="utf-8")
-    for text in (made.HEAD, made.TRUTHS, made.SPEED):
+    for text in (made.HEAD, made.TRUTHS, made.STANDING, made.SPEED):
         assert f"\n\n{text}\n\n" in page
