@@ -19,6 +19,18 @@ Array = "np.ndarray[Any, Any]"
 Values = Union[float, "np.ndarray[Any, Any]", Sequence[Any]]
 _TYPES = {"dynamic": d.FP3_DYNAMIC, "kinematic": d.FP3_KINEMATIC, "static": d.FP3_STATIC}
 _PAIRS = ("x", "v", "force")  # of which a body has two values
+_JOINTS = {"rod": d.FP3_ROD, "hinge": d.FP3_HINGE, "slider": d.FP3_SLIDER, "wheel": d.FP3_WHEEL, "weld": d.FP3_WELD, "gear": d.FP3_GEAR}
+_CHANGES = {"began": d.FP3_CONTACT_BEGAN, "ended": d.FP3_CONTACT_ENDED, "hit": d.FP3_CONTACT_HIT}
+
+
+class BodiesState(Owner):
+    """What Bodies.save copied, for Bodies.restore."""
+
+    _what = "saved world of bodies"
+
+    def __init__(self, pointer: Any) -> None:
+        self._own()
+        self._handle = Handle(pointer, "fp3_bodies_state_free")
 
 
 def _pair(what: str, value: Any) -> Tuple[float, float]:
@@ -220,6 +232,114 @@ class Bodies(Owner):
         surface = Shape("", d.FP3_CAPSULE, radius, **material)._definition
         with self._c() as c:
             check(self._lib.fp3_bodies_attach_chain(c, int(column[0]), points.ctypes.data, len(points), is_loop, ctypes.pointer(surface)), self._error)
+
+    # ---- joints ----
+
+    def join(self, type: str, a: Any, b: Any, *, anchor_a: Values = (0.0, 0.0), anchor_b: Values = (0.0, 0.0), axis: Values = (1.0, 0.0), ratio: float = 1.0,
+             limits: Optional[Values] = None, speed: float = 0.0, most: float = 0.0, hertz: float = 0.0, damping: float = 0.7, rest: Optional[float] = None,
+             force: float = 0.0, torque: float = 0.0, may_collide: bool = False) -> "np.ndarray[Any, Any]":
+        """Joins bodies, pair by pair: "rod", "hinge", "slider", "wheel", "weld" or "gear" (fp3_joint_def has each word). One body goes with all of the others.
+
+        The joints' handles, always as an array. limits: (low, high). rest: None: where a rod or spring is now. After an error nothing is joined.
+        """
+        if not isinstance(type, str) or type not in _JOINTS:
+            raise ArgumentError(f"type: found {shown(type)}, expected {', '.join(repr(name) for name in _JOINTS)}")
+        first, second = handles_of(a), handles_of(b)
+        if 1 not in (first.size, second.size) and first.size != second.size:
+            raise ArgumentError(f"a and b: found {first.size} and {second.size} handles, expected as many")
+        first, second = np.broadcast_arrays(first, second)
+        one = self._lib.default(d.fp3_joint_def)
+        one.type, one.anchor_a[:], one.anchor_b[:], one.axis[:] = _JOINTS[type], _pair("anchor_a", anchor_a), _pair("anchor_b", anchor_b), _pair("axis", axis)
+        numbers = {"ratio": ratio, "speed": speed, "most": most, "hertz": hertz, "damping": damping, "force": force, "torque": torque}
+        for name, value in numbers.items():
+            setattr(one, name, as_number(name, value))
+        one.may_collide = as_flag("may_collide", may_collide)
+        if rest is not None:
+            one.rest = as_number("rest", rest)
+        if limits is not None:
+            one.has_limits, (one.low, one.high) = 1, _pair("limits", limits)
+        made = np.repeat(np.frombuffer(one, np.dtype(d.fp3_joint_def)), first.size)
+        made["a"], made["b"] = first, second
+        joints = np.zeros(first.size, np.uint64)
+        with self._c() as c:
+            check(self._lib.fp3_bodies_join(c, made.ctypes.data_as(ctypes.POINTER(d.fp3_joint_def)), first.size, joints.ctypes.data), self._error)
+        return joints
+
+    def unjoin(self, joints: Any) -> None:
+        """Removes joints. After an error all are there."""
+        column = handles_of(joints)
+        with self._c() as c:
+            check(self._lib.fp3_bodies_unjoin(c, column.ctypes.data, column.size), self._error)
+
+    def is_joined(self, joints: Any) -> "np.ndarray[Any, Any]":
+        """Which of these joints there still are: others were removed, with a body too, or broke."""
+        column = handles_of(joints)
+        with self._c() as c:
+            return np.array([bool(self._lib.fp3_bodies_is_joined(c, int(joint))) for joint in column], bool)
+
+    @property
+    def joints(self) -> int:
+        """How many there are."""
+        with self._c() as c:
+            return int(self._lib.fp3_bodies_joints(c))
+
+    def read_joint(self, name: str, joints: Any) -> "np.ndarray[Any, Any]":
+        """at: the distance, way or angle from the start; force_x, force_y, torque: what a joint does to b; speed, most, low, high, rest."""
+        key, column = name_bytes("name", name), handles_of(joints)
+        found = np.empty(column.size)
+        with self._c() as c:
+            check(self._lib.fp3_bodies_joint_read(c, key, column.ctypes.data, column.size, found.ctypes.data), self._error)
+        return found
+
+    def write_joint(self, name: str, joints: Any, values: Values) -> None:
+        """speed, most, low, high or rest: the same for all of these joints, or one for each. Their bodies wake."""
+        key, column, given = name_bytes("name", name), handles_of(joints), as_values(f"'{name}'", values)
+        if given.shape not in ((), (column.size,)):
+            raise ArgumentError(f"'{name}': found shape {given.shape}, expected a number or {column.size}")
+        given = np.require(np.broadcast_to(given, (column.size,)), np.float64, ["C", "A"])
+        with self._c() as c:
+            check(self._lib.fp3_bodies_joint_write(c, key, column.ctypes.data, column.size, given.ctypes.data), self._error)
+
+    # ---- contacts ----
+
+    def changes(self, change: str) -> "np.ndarray[Any, Any]":
+        """Contacts that "began", "ended" or "hit" in the last call of step: body_a, body_b, shape_a, shape_b, point, normal, speed, impulse of each.
+
+        An array of records, as changes("hit")["impulse"]; a copy. "ended" has those that the caller's changes have ended since, too.
+        """
+        if not isinstance(change, str) or change not in _CHANGES:
+            raise ArgumentError(f"change: found {shown(change)}, expected 'began', 'ended' or 'hit'")
+        with self._c() as c:
+            return self._contacts(lambda found, count: self._lib.fp3_bodies_changes(c, _CHANGES[change], found, count))
+
+    def contacts(self) -> "np.ndarray[Any, Any]":
+        """All contacts that touch now, likewise."""
+        with self._c() as c:
+            return self._contacts(lambda found, count: self._lib.fp3_bodies_contacts(c, found, count))
+
+    def _contacts(self, call: Any) -> "np.ndarray[Any, Any]":
+        found, count = ctypes.POINTER(d.fp3_contact)(), ctypes.c_size_t()
+        check(call(ctypes.byref(found), ctypes.byref(count)), self._error)
+        made = np.zeros(count.value, np.dtype(d.fp3_contact))
+        if count.value:
+            ctypes.memmove(made.ctypes.data, found, made.nbytes)
+        return made
+
+    # ---- back in time ----
+
+    def save(self) -> BodiesState:
+        """A copy of all that the world is."""
+        pointer = ctypes.c_void_p()
+        with self._c() as c:
+            check(self._lib.fp3_bodies_save(c, ctypes.byref(pointer)), self._error)
+        return BodiesState(pointer)
+
+    def restore(self, state: BodiesState) -> None:
+        """Goes back to what was saved of this world; a step then has the same bits."""
+        if not isinstance(state, BodiesState):
+            raise ArgumentError(f"state: found {shown(state)}, expected what Bodies.save gave")
+        with self._c() as c, state._c() as saved:
+            check(self._lib.fp3_bodies_restore(c, saved), self._error)
 
     # ---- values ----
 

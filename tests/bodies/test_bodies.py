@@ -508,3 +508,91 @@ def test_the_example_in_python(capsys):
     exec(textwrap.dedent(block))
     said = capsys.readouterr().out
     assert said.endswith(" 0\n") and len(said.splitlines()) == 10
+
+
+# ---- joints, contacts, back in time ----
+
+def test_a_hinge_swings_and_tells_its_force():
+    """T = 2 pi sqrt(I/(m g l))/agm(1, cos(angle/2)); the mean of the force's vertical part is the weight."""
+    world = fp3.Bodies(gravity=(0, -10), rest_speed=0)
+    angle = 1.0
+    pivot, bob = world.add(type="static"), world.add(x=(np.sin(angle), -np.cos(angle)), angle=angle)
+    world.attach(bob, fp3.circle(0.1))
+    joint = world.join("hinge", pivot, bob, anchor_b=(0, 1))
+    assert world.joints == 1 and world.is_joined(joint).tolist() == [True]
+    times, before, pulls = [], angle, []
+    for step in range(20 * 60):
+        world.step()
+        now = angle + world.read_joint("at", joint)[0]
+        pulls.append(world.read_joint("force_y", joint)[0])
+        if before > 0 >= now:
+            times.append((step + before / (before - now)) / 60)
+        before = now
+    m, inertia = world.read("mass", bob)[0], world.read("inertia", bob)[0]
+    mean = [1.0, np.cos(angle / 2)]
+    for _ in range(20):
+        mean = [sum(mean) / 2, np.sqrt(mean[0] * mean[1])]
+    period = 2 * np.pi * np.sqrt((m + inertia) / (m * 10)) / mean[0]
+    assert np.diff(times).mean() == pytest.approx(period, rel=2e-4)
+    assert np.mean(pulls) == pytest.approx(m * 10, rel=0.01)
+    world.unjoin(joint)
+    assert world.joints == 0 and not world.is_joined(joint).any()
+    with pytest.raises(fp3.ArgumentError):
+        world.read_joint("at", joint)
+
+
+@pytest.mark.parametrize("type, words, name, expected", [
+    ("slider", {"axis": (0, 1), "limits": (-2, 0)}, "at", -2), ("rod", {"limits": (0, 2)}, "at", 2), ("rod", {"hertz": 2.0, "rest": 1.0}, "at", 1 + 10 / (4 * np.pi) ** 2),
+    ("wheel", {"axis": (0, 1), "hertz": 2.0, "rest": 0.0}, "at", -10 / (4 * np.pi) ** 2), ("weld", {"anchor_b": (-1, 0)}, "at", 0),
+    ("hinge", {"anchor_b": (-1, 0), "limits": (-0.5, 0.5)}, "at", -0.5), ("slider", {"axis": (0, 1), "speed": 0.5, "most": 1e3}, "at", 3)])
+def test_joints_hold(type, words, name, expected):
+    """Where a body comes to rest that hangs on each joint: at a limit, or where a spring of k = (2 pi f)^2 m carries it."""
+    world = fp3.Bodies(gravity=(0, -10), rest_speed=0)
+    frame, load = world.add(type="static"), world.add(x=(1, 0) if "anchor_b" in words else (0, 0) if type != "rod" else (0, -1))
+    world.attach(load, fp3.circle(0.2))
+    joint = world.join(type, frame, load, **words)
+    world.step(360)
+    assert world.read_joint(name, joint)[0] == pytest.approx(expected, abs=0.01)
+
+
+def test_a_joint_breaks_and_gears_turn():
+    world = fp3.Bodies(gravity=(0, -10), rest_speed=0)
+    frame, loads = world.add(type="static"), world.add(x=[[0, -1], [5, -1]])
+    world.attach(loads, fp3.circle(0.5))
+    weight = world.read("mass", loads)[0] * 10
+    joints = [world.join("rod", frame, loads[k], anchor_a=(5 * k, 0), force=weight * (0.9 + 0.4 * k))[0] for k in (0, 1)]
+    world.step(60)
+    assert world.is_joined(joints).tolist() == [False, True] and world.read("x", loads)[0, 1] < -4
+    wheels = world.add(x=[[0, 20], [2, 20]], w=[3, 0], gravity=0.0)
+    world.attach(wheels, fp3.circle(0.5))
+    world.join("hinge", frame, wheels[0], anchor_a=(0, 20))
+    world.join("hinge", frame, wheels[1], anchor_a=(2, 20))
+    world.join("gear", wheels[0], wheels[1], ratio=0.5)
+    world.step(60)
+    w = world.read("w", wheels)
+    assert w[1] == pytest.approx(-0.5 * w[0], rel=1e-3) and w[0] == pytest.approx(3 / 1.25, rel=0.01)
+
+
+def test_contacts_are_told_and_a_world_goes_back():
+    world = fp3.Bodies(gravity=(0, -10))
+    floor, balls = world.add(type="static", x=(0, -1)), world.add(x=[[0, 2.5], [3, 0.5]])
+    world.attach(floor, fp3.box(50, 1))
+    world.attach(balls, fp3.circle(0.5, restitution=0.5))
+    world.step()
+    assert world.changes("began")["body_b"].tolist() == [balls[1]] and len(world.changes("hit")) == 0
+    saved, hits = world.save(), []
+    for _ in range(100):
+        world.step()
+        hits += world.changes("hit").tolist()
+    assert len(hits) >= 2 and hits[0][1] == balls[0] and hits[0][6] == pytest.approx(np.sqrt(40), rel=0.03)
+    assert hits[0][7] == pytest.approx(1.5 * world.read("mass", balls)[0] * np.sqrt(40), rel=0.03)
+    after = world.hash
+    world.restore(saved)
+    world.step(100)
+    assert world.hash == after and set(world.contacts()["body_a"]) == {floor[0]}
+    world.remove(floor)
+    assert balls[1] in world.changes("ended")["body_b"].tolist()
+    with pytest.raises(fp3.ArgumentError):
+        world.changes("stopped")
+    with pytest.raises(fp3.ArgumentError):
+        world.restore(None)
