@@ -183,7 +183,7 @@ def test_each_repetition_sees_what_the_one_before_has_left(together, settings):
     assert together((one.format(ROUND.format(3)), settings), engine="isa") == together((one.format(3*PULL), settings), engine="isa")
 
 
-@pytest.mark.parametrize("settings", ['integrator = "leapfrog"; ', 'integrator = "rk4"; ', TOLERANCE])
+@pytest.mark.parametrize("settings", ['integrator = "leapfrog"; ', 'integrator = "rk4"; ', 'integrator = "ros2"; ', TOLERANCE])
 def test_kinds_repeat_round_by_round(together, settings):
     """Two groups that repeat have the words of one group; beside a group that does not, or once, each repetition is a projection of its own."""
     whole = together((MOVED.format(name="a", kind="", of="", body=ROUND.format(3)), settings + "objects = 2; spread = { x = [0.0, 1.0]; };"), engine="isa")

@@ -200,6 +200,7 @@ static void solve_stage(rosenbrock *r, unsigned i) {
         memcpy(r->stage[i], r->stage[same], sizeof r->stage[i]);
     else
         make_stage(r, i);
+    fp3_advance_show(r->a, &r->a->places[i]); /* before the sums of that stage */
     for (uint32_t s = 0; s < r->count; s++)
         r->u[i][s] = right_hand_side(r, i, s);
     values(r)->note = fp3_note(&r->a->step->notes, "solution of stage %u", i + 1);
@@ -263,10 +264,8 @@ fp3_status fp3_rosenbrock(fp3_advance *a, const uint32_t *partial, fp3_error *er
         r.over_h = over_own_step(a);
     for (unsigned i = 0; a->fit->has_time && i < stages; i++)
         a->places[i].time = fp3_advance_time(a, values(&r), a->integrator->c[i]);
-    for (unsigned i = 0; i < stages; i++) {
-        fp3_advance_show(a, &a->places[i]);
+    for (unsigned i = 0; i < stages; i++)
         solve_stage(&r, i);
-    }
     for (uint32_t s = 0; s < r.count; s++)
         advance_state(&r, s);
     return FP3_OK;
