@@ -195,11 +195,11 @@ FP3_WIDELY void fp3_law_contact2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b
 FP3_WIDELY void fp3_law_gap2(fp3_contact2_row *row, fp3_wide *a, fp3_wide *b,
                              const fp3_wide *shared) {
     fp3_wide t0 = shared[4] * a[2];
-    t0 = fp3_wide_max(t0, fp3_wide_all(-1.0f));
-    t0 = fp3_wide_min(t0, fp3_wide_all(1.0f));
+    t0 = fp3_wide_max(t0, fp3_wide_all(-0.5f));
+    t0 = fp3_wide_min(t0, fp3_wide_all(0.5f));
     fp3_wide t1 = shared[4] * b[2];
-    t1 = fp3_wide_max(t1, fp3_wide_all(-1.0f));
-    t1 = fp3_wide_min(t1, fp3_wide_all(1.0f));
+    t1 = fp3_wide_max(t1, fp3_wide_all(-0.5f));
+    t1 = fp3_wide_min(t1, fp3_wide_all(0.5f));
     fp3_wide t2 = fp3_wide_all(0.5f) * t0;
     t2 = t2 * t0;
     fp3_wide t3 = fp3_wide_all(0.5f) * t1;

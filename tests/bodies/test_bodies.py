@@ -315,7 +315,9 @@ def test_a_belt_and_a_floor_that_moves():
     world.attach(belt, fp3.box(50, 1, centre=(0, -1), belt=2))
     world.attach(lift, fp3.box(50, 1, centre=(0, -1)))
     on_belt, on_lift = body(world), body(world, x=(0, -9.5))
+    crawler = body(world, fp3.box(0.5, 0.5, belt=3), (-5, -9.5), v=(2, 1))          # to the right below it: the floor pushes it to the left
     world.step(60)
+    assert world.read("v", crawler)[0] == pytest.approx([-1, 1], abs=1e-3)
     assert world.read("v", on_belt)[0] == pytest.approx([-2, 0], abs=1e-3) and world.read("v", on_lift)[0] == pytest.approx([2, 1], abs=1e-3)
     assert world.read("x", lift)[0] == pytest.approx([2, -9], abs=1e-5)
 
@@ -444,6 +446,20 @@ def test_a_body_that_fails_is_named_and_may_be_mended():
     world.write("force", low, (0, 0))
     world.step(300)
     assert world.read("x", [low[0], high[0]]) == pytest.approx(np.array([[0, 0.5], [0, 1.5]]), abs=0.02)
+
+
+@pytest.mark.parametrize("shape", [BOX, fp3.box(1, 0.1), DISC, fp3.box(0.5, 0.3, radius=0.2)])
+def test_a_fast_spin_gains_no_energy(shape):
+    """On a floor, of up to 50 rad in a substep: energy is never above what it was, within 1 %."""
+    for substeps, spin in ((1, 300), (2, 1000), (4, 300), (4, -3000)):
+        world, _ = floor(substeps=substeps)
+        spinner = body(world, shape, (0, 0.9), w=spin)
+        mass, inertia = world.read("mass", spinner)[0], world.read("inertia", spinner)[0]
+        most = 1.01 * (inertia * spin**2 / 2 + mass * G * 0.9)
+        for _ in range(60):
+            world.step()
+            v, w = world.read("v", spinner)[0], world.read("w", spinner)[0]
+            assert (mass * v @ v + inertia * w * w) / 2 + mass * G * world.read("x_y", spinner)[0] <= most
 
 
 def test_fast_spins_and_far_places_stay_numbers():
