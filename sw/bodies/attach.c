@@ -137,8 +137,8 @@ static fp3_status make_room(fp3_bodies *bodies, size_t more) {
         status = fp3_bodies_room((void **)&bodies->boxes.box, &bodies->boxes.room,
                                  sizeof *bodies->boxes.box, wanted, bodies->error);
     if (!status)
-        status = fp3_bodies_room((void **)&bodies->boxes.may_move, &bodies->boxes.move_room,
-                                 sizeof *bodies->boxes.may_move, wanted, bodies->error);
+        status = fp3_bodies_room((void **)&bodies->boxes.filter, &bodies->boxes.filter_room,
+                                 sizeof *bodies->boxes.filter, wanted, bodies->error);
     return status;
 }
 
@@ -159,7 +159,8 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
     bodies->shape[at].body = number;
     bodies->shape[at].next = FP3_NOBODY;
     bodies->boxes.box[at] = (fp3_box){{-INFINITY, -INFINITY, 0}, {-INFINITY, -INFINITY, 0}};
-    bodies->boxes.may_move[at] = bodies->body[number].type != FP3_STATIC;
+    bodies->boxes.filter[at] =
+        (fp3_box_filter){made->category, made->mask, bodies->body[number].type != FP3_STATIC};
     chain(bodies, number, at);
     if (handle)
         *handle = (uint64_t)generation << 32 | at;

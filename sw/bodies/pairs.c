@@ -120,15 +120,19 @@ static int overlap(const search *s, uint32_t a, uint32_t b) {
     return !is_apart;
 }
 
+static int may_be(const fp3_boxes *boxes, uint32_t a, uint32_t b) {
+    const fp3_box_filter *x = &boxes->filter[a], *y = &boxes->filter[b];
+    return (x->may_move | y->may_move) && x->category & y->mask && y->category & x->mask;
+}
+
 static fp3_status look_into(search *s, const place *own, const int32_t cell[3], uint32_t level,
                             fp3_error *error) {
     const uint32_t bucket = bucket_of(s, cell, level);
-    const uint8_t *may_move = s->boxes->may_move;
     fp3_status status = FP3_OK;
     for (uint32_t k = s->bucket[bucket]; !status && k < s->bucket[bucket + 1]; k++) {
         const place *p = &s->places[k];
         if (p->level == level && memcmp(p->cell, cell, sizeof p->cell) == 0 &&
-            (level != own->level || p->box > own->box) && (may_move[own->box] | may_move[p->box]) &&
+            (level != own->level || p->box > own->box) && may_be(s->boxes, own->box, p->box) &&
             overlap(s, own->box, p->box))
             status = found(s, own->box, p->box, error);
     }

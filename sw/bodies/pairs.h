@@ -17,10 +17,17 @@ typedef struct {
 } fp3_box;
 
 typedef struct {
+    uint32_t category, mask;
+    int may_move;
+} fp3_box_filter;
+
+typedef struct {
     uint32_t dimensions; /* 2: the third is not looked at */
     fp3_box *box;
-    uint8_t *may_move; /* pairs of two that do not move are left out */
-    uint32_t count, room, move_room;
+    /* Left out are pairs of two that do not move, and those of which one's mask has no bit of the
+     * other's category. */
+    fp3_box_filter *filter;
+    uint32_t count, room, filter_room;
 } fp3_boxes;
 
 /* All pairs that overlap, as (lower number) << 32 | higher number, ascending. Grows *keys, which

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* What a step depends on. Other arrays are made anew by it. */
-enum { BODIES, SHAPES, BOXES, MAY_MOVE, TOUCHES, JOINTS, APART, ARRAYS };
+enum { BODIES, SHAPES, BOXES, FILTERS, TOUCHES, JOINTS, APART, ARRAYS };
 
 typedef struct {
     void **array;
@@ -25,8 +25,8 @@ static part part_of(fp3_bodies *b, int which) {
         [BODIES] = {(void **)&b->body, &b->body_room, b->body_count, sizeof *b->body},
         [SHAPES] = {(void **)&b->shape, &b->shape_room, b->shape_count, sizeof *b->shape},
         [BOXES] = {(void **)&b->boxes.box, &b->boxes.room, b->shape_count, sizeof *b->boxes.box},
-        [MAY_MOVE] = {(void **)&b->boxes.may_move, &b->boxes.move_room, b->shape_count,
-                      sizeof *b->boxes.may_move},
+        [FILTERS] = {(void **)&b->boxes.filter, &b->boxes.filter_room, b->shape_count,
+                     sizeof *b->boxes.filter},
         [TOUCHES] = {(void **)&b->touch, &b->touch_room, b->touch_count, sizeof *b->touch},
         [JOINTS] = {(void **)&b->joint, &b->joint_room, b->joint_count, sizeof *b->joint},
         [APART] = {(void **)&b->apart, &b->apart_room, b->apart_count, sizeof *b->apart},

@@ -79,7 +79,7 @@ static int renew_boxes(fp3_bodies *bodies) {
 
 static int may_touch(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
     const fp3_attached *x = &bodies->shape[a], *y = &bodies->shape[b];
-    return x->body != y->body && (x->category & y->mask) && (y->category & x->mask) &&
+    return x->body != y->body &&
            (bodies->body[x->body].type == FP3_DYNAMIC ||
             bodies->body[y->body].type == FP3_DYNAMIC) &&
            !fp3_joints_part(bodies, x->body, y->body);
