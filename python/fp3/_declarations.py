@@ -1065,6 +1065,17 @@ class fp3_contact(Structure):
     ]
 
 
+class fp3_hit(Structure):
+    _fields_ = [
+        ("body", c_uint64),
+        ("shape", c_uint64),
+        ("point", c_double * 2),
+        ("normal", c_double * 2),
+        ("distance", c_double),
+        ("fraction", c_double),
+    ]
+
+
 # Of each function: what it returns, and what it takes.
 PROTOTYPES = {
     "fp3_version": (c_char_p, (c_void_p,)),
@@ -1283,6 +1294,12 @@ PROTOTYPES = {
     "fp3_bodies_touching": (c_size_t, (c_void_p,)),
     "fp3_bodies_changes": (c_int, (c_void_p, c_int, POINTER(POINTER(fp3_contact)), c_void_p)),
     "fp3_bodies_contacts": (c_int, (c_void_p, POINTER(POINTER(fp3_contact)), c_void_p)),
+    "fp3_bodies_ray": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, c_uint32, POINTER(fp3_hit))),
+    "fp3_bodies_cast": (c_int,
+        (c_void_p, POINTER(fp3_shape_def), c_void_p, c_double, c_void_p, c_uint32, POINTER(fp3_hit))),
+    "fp3_bodies_overlap": (c_int,
+        (c_void_p, POINTER(fp3_shape_def), c_void_p, c_double, c_uint32, c_size_t, POINTER(fp3_hit), c_void_p)),
+    "fp3_bodies_nearest": (c_int, (c_void_p, c_void_p, c_size_t, c_uint32, POINTER(fp3_hit))),
     "fp3_bodies_save": (c_int, (c_void_p, POINTER(c_void_p))),
     "fp3_bodies_restore": (c_int, (c_void_p, c_void_p)),
     "fp3_bodies_state_free": (None, (POINTER(c_void_p),)),

@@ -23,6 +23,10 @@ _JOINTS = {"rod": d.FP3_ROD, "hinge": d.FP3_HINGE, "slider": d.FP3_SLIDER, "whee
 _CHANGES = {"began": d.FP3_CONTACT_BEGAN, "ended": d.FP3_CONTACT_ENDED, "hit": d.FP3_CONTACT_HIT}
 
 
+def _mask(value: Any) -> int:
+    return as_count("mask", value, 0, 2**32 - 1)
+
+
 class BodiesState(Owner):
     """What Bodies.save copied, for Bodies.restore."""
 
@@ -64,6 +68,12 @@ class Shape:
 
     def __repr__(self) -> str:
         return f"fp3.{self._text}"
+
+
+def _shape(shape: Any) -> Any:
+    if not isinstance(shape, Shape):
+        raise ArgumentError(f"shape: found {shown(shape)}, expected what fp3.circle, box, capsule or polygon made")
+    return ctypes.pointer(shape._definition)
 
 
 def circle(radius: float, *, centre: Values = (0.0, 0.0), **material: Any) -> Shape:
@@ -215,11 +225,9 @@ class Bodies(Owner):
 
     def attach(self, handles: Any, shape: Shape) -> None:
         """Gives each of these bodies this shape. A body may have several: its mass, centre and inertia are those of all."""
-        column = handles_of(handles)
-        if not isinstance(shape, Shape):
-            raise ArgumentError(f"shape: found {shown(shape)}, expected what fp3.circle, box, capsule or polygon made")
+        column, definition = handles_of(handles), _shape(shape)
         with self._c() as c:
-            check(self._lib.fp3_bodies_attach(c, column.ctypes.data, column.size, ctypes.pointer(shape._definition), None), self._error)
+            check(self._lib.fp3_bodies_attach(c, column.ctypes.data, column.size, definition, None), self._error)
 
     def chain(self, handle: Any, corners: Values, loop: bool = False, *, radius: float = 0.0, **material: Any) -> None:
         """Gives a body that is not dynamic a chain of edges as ground, to the left of the way along its corners: a floor runs from right to left.
@@ -323,6 +331,45 @@ class Bodies(Owner):
         made = np.zeros(count.value, np.dtype(d.fp3_contact))
         if count.value:
             ctypes.memmove(made.ctypes.data, found, made.nbytes)
+        return made
+
+    # ---- questions ----
+
+    def ray(self, origins: Values, ways: Values, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
+        """What rays meet first, each from an origin along its whole way: records body, shape, point, normal, distance, fraction. body 0: nothing.
+
+        mask: only shapes whose category has a bit of it, as in all questions.
+        """
+        start, way = _points("origins", np.atleast_2d(origins)), _points("ways", np.atleast_2d(ways))
+        if len(start) != len(way):
+            raise ArgumentError(f"origins and ways: found {len(start)} and {len(way)}, expected as many")
+        return self._hits(len(start), lambda c, hits: self._lib.fp3_bodies_ray(c, start.ctypes.data, way.ctypes.data, len(start), _mask(mask), hits))
+
+    def cast(self, shape: Shape, x: Values, way: Values, angle: float = 0.0, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
+        """What a shape meets first that stands at x and goes along a way without turning: one record, as of ray."""
+        pose, along = np.array(_pair("x", x)), np.array(_pair("way", way))
+        return self._hits(1, lambda c, hits: self._lib.fp3_bodies_cast(c, _shape(shape), pose.ctypes.data, as_number("angle", angle), along.ctypes.data, _mask(mask), hits))
+
+    def overlap(self, shape: Shape, x: Values, angle: float = 0.0, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
+        """All shapes that overlap this one, by their numbers: records, whose distance is below 0."""
+        pose, count = np.array(_pair("x", x)), ctypes.c_size_t()
+
+        def ask(room: int) -> "np.ndarray[Any, Any]":
+            return self._hits(room, lambda c, hits: self._lib.fp3_bodies_overlap(
+                c, _shape(shape), pose.ctypes.data, as_number("angle", angle), _mask(mask), room, hits, ctypes.byref(count)))
+        with self._c():
+            found = ask(64)
+            return found[:count.value] if count.value <= 64 else ask(count.value)
+
+    def nearest(self, points: Values, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
+        """The shape that is nearest to each point: records, as of ray. Within a shape the distance is below 0."""
+        where = _points("points", np.atleast_2d(points))
+        return self._hits(len(where), lambda c, hits: self._lib.fp3_bodies_nearest(c, where.ctypes.data, len(where), _mask(mask), hits))
+
+    def _hits(self, count: int, call: Any) -> "np.ndarray[Any, Any]":
+        made = np.zeros(count, np.dtype(d.fp3_hit))
+        with self._c() as c:
+            check(call(c, made.ctypes.data_as(ctypes.POINTER(d.fp3_hit))), self._error)
         return made
 
     # ---- back in time ----

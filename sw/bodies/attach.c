@@ -11,7 +11,7 @@
 
 static fp3_point2 point_of(const double x[2]) { return (fp3_point2){(float)x[0], (float)x[1]}; }
 
-static fp3_status make_shape(const fp3_shape_def *def, fp3_shape2 *shape, fp3_error *error) {
+fp3_status fp3_shape_make(const fp3_shape_def *def, fp3_shape2 *shape, fp3_error *error) {
     const float radius = (float)def->radius;
     fp3_point2 corner[FP3_CORNERS];
     if (def->corners > FP3_CORNERS)
@@ -70,7 +70,7 @@ static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error
                              .category = def->category,
                              .mask = def->mask,
                              .is_sensor = def->is_sensor != 0};
-    const fp3_status status = make_shape(def, &placed->given, error);
+    const fp3_status status = fp3_shape_make(def, &placed->given, error);
     if (status)
         return status;
     placed->mass = fp3_weigh2(&placed->given, def->is_sensor ? 0 : def->density);

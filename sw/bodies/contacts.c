@@ -97,6 +97,19 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     return FP3_OK;
 }
 
+/* Farther than anything comes in a step. */
+#define FAR 1e9f
+
+void fp3_contact_leave(fp3_bodies *bodies, uint32_t i, uint32_t point) {
+    fp3_contact2_row *row = row_of(bodies, i);
+    fp3_wide *const words[2][3] = {{&row->gap1, &row->p1, &row->f1},
+                                   {&row->gap2, &row->p2, &row->f2}};
+    const uint32_t lane = bodies->contacts.lane[i] % FP3_WIDE;
+    fp3_put(words[point][0], lane, FAR);
+    fp3_put(words[point][1], lane, 0);
+    fp3_put(words[point][2], lane, 0);
+}
+
 /* The way of a body along the normal at an arm. */
 static float way_of(fp3_four way, float along, const fp3_point2 *n) {
     return way[0] * n->x + way[1] * n->y + way[2] * along;

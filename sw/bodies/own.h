@@ -56,8 +56,8 @@ typedef struct {
     fp3_point2 before; /* the normal that the impulses are of */
     uint32_t points;   /* ... and how many points */
     float p[2], f[2], r, top;
-    float approach; /* how fast they come together when a step begins */
-    int is_touching;
+    float approach;           /* how fast they come together when a step begins */
+    int is_touching, is_left; /* is_left: it does nothing in this step */
 } fp3_touch2;
 
 typedef struct {
@@ -162,6 +162,8 @@ static inline void fp3_put(fp3_wide *word, uint32_t lane, float value) { (*word)
 
 /* contacts.c, joints.c: rows for a step, with substeps of h, and what they have learned. */
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);
+/* A point of contact i does nothing in this step. */
+void fp3_contact_leave(fp3_bodies *bodies, uint32_t i, uint32_t point);
 /* Gaps, after impacts have moved bodies. */
 void fp3_contacts_follow(fp3_bodies *bodies);
 void fp3_contacts_end(fp3_bodies *bodies);
@@ -187,6 +189,8 @@ void fp3_joints_drop(fp3_bodies *bodies, uint32_t body);
 /* Whether two bodies are joined and do not collide. */
 int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b);
 
+/* Of a definition, about the body's origin. */
+fp3_status fp3_shape_make(const fp3_shape_def *def, fp3_shape2 *shape, fp3_error *error);
 /* events.c: notes a change of a contact; FP3_E_SYSTEM. */
 fp3_status fp3_contact_tell(fp3_bodies *bodies, fp3_contact_change change, const fp3_touch2 *touch);
 /* Behind a step: who touches, who no longer does. */

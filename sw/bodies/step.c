@@ -80,7 +80,7 @@ static int flies(const fp3_bodies *bodies, const fp3_touch2 *t) {
     int is_apart = t->approach < 0;
     for (uint32_t k = 0; k < t->m.count; k++)
         is_apart &= t->m.point[k].gap > 0;
-    return is_apart || (bodies->may_bounce && t->top > 0);
+    return is_apart || (bodies->may_bounce && (t->top > 0 || t->is_left));
 }
 
 static void hold(fp3_bodies *bodies, const fp3_law_rows *rows, int is_contact) {

@@ -129,20 +129,21 @@ def test_damping():
     assert world.read("w", block)[0] == pytest.approx(5 * math.exp(-1.4), rel=0.01)
 
 
-@pytest.mark.parametrize("restitution", [1, 0.5])
-def test_bounces(restitution):
-    """Two tops are within 0.1 % of e^2 H and e^4 H, three with e = 1. The top follows from place and speed behind it."""
-    world, _ = floor()
-    ball, tops, before = body(world, fp3.circle(0.5, restitution=restitution), (0, 4.5)), [], (4.0, 0.0)
-    for _ in range(340):
+@pytest.mark.parametrize("restitution, what, h", [(1, "circle", 1 / 60), (0.8, "circle", 1 / 60), (0.8, "box", 1 / 60), (0.5, "circle", 1 / 60), (0.9, "box", 1 / 960)])
+def test_bounces(restitution, what, h):
+    """Each top, as long as they are above 0.1 m, is within 0.1 % of e^(2n) H, of what lands flat, too. The top follows from place and speed behind it."""
+    world, _ = floor(h=h)
+    shape = fp3.circle(0.5, restitution=restitution) if what == "circle" else fp3.box(0.5, 0.5, restitution=restitution)
+    thing, tops, before = body(world, shape, (0, 4.5)), [], (4.0, 0.0)
+    for _ in range(int(7 / h)):
         world.step()
-        now = world.read("x_y", ball)[0] - 0.5, world.read("v_y", ball)[0]
+        now = world.read("x_y", thing)[0] - 0.5, world.read("v_y", thing)[0]
         if now[1] <= 0 < before[1]:
             tops.append(now[0] + now[1]**2 / (2 * G))
         before = now
     wanted = 4 * restitution ** (2 * (1 + np.arange(len(tops))))
-    count = 3 if restitution == 1 else 2
-    assert len(tops) >= count and tops[:count] == pytest.approx(wanted[:count], rel=0.001)
+    count = int((wanted > 0.1).sum())
+    assert count >= 2 and tops[:count] == pytest.approx(wanted[:count], rel=0.001)
 
 
 @pytest.mark.parametrize("lean, falls", [(0.985, False), (1.005, True)])
@@ -612,3 +613,42 @@ def test_contacts_are_told_and_a_world_goes_back():
         world.changes("stopped")
     with pytest.raises(fp3.ArgumentError):
         world.restore(None)
+
+
+def test_rays_casts_overlaps_and_who_is_nearest():
+    world = fp3.Bodies()
+    bodies = world.add(type="static", x=[[0, 0], [10, 0], [10, 5]], angle=[0, np.pi / 4, 0])
+    world.attach(bodies[0], fp3.circle(1))
+    world.attach(bodies[1], fp3.box(1, 1))
+    world.attach(bodies[2], fp3.capsule((-1, 0), (1, 0), 0.5, category=2))
+    hits = world.ray([(-5, 0.6), (5, 0), (10, 8), (0, 0), (5, 3)], [(20, 0), (10, 0), (0, -9), (1, 0), (10, 0)])
+    assert hits["body"].tolist() == [bodies[0], bodies[1], bodies[2], bodies[0], 0]
+    assert hits["distance"] == pytest.approx([5 - 0.8, 5 - np.sqrt(2), 2.5, 0, np.inf], abs=1e-5)
+    assert hits["point"][0] == pytest.approx([-0.8, 0.6], abs=1e-5) and hits["normal"][0] == pytest.approx([-0.8, 0.6], abs=1e-5)
+    assert world.ray((10, 8), (0, -9), mask=1)["distance"] == pytest.approx([8 - np.sqrt(2)], abs=1e-5)
+    cast = world.cast(fp3.circle(0.5), (-5, 0), (20, 0))
+    assert cast["body"] == bodies[0] and cast["distance"][0] == pytest.approx(3.5, abs=1.1e-3)
+    assert world.cast(fp3.box(0.1, 0.1), (0, 3), (3, 0))["body"] == 0
+    over = world.overlap(fp3.box(6, 1), (5, 0))
+    assert over["body"].tolist() == bodies[:2].tolist() and (over["distance"] < 0).all()
+    assert len(world.overlap(fp3.circle(0.5), (5, 0))) == 0
+    near = world.nearest([(0, 3), (10, 2.5), (0.5, 0)])
+    assert near["body"].tolist() == [bodies[0], bodies[1], bodies[0]] and near["distance"] == pytest.approx([2, 2.5 - np.sqrt(2), -0.5], abs=1e-5)
+    assert near["normal"][0] == pytest.approx([0, 1], abs=1e-6) and near["point"][1] == pytest.approx([10, np.sqrt(2)], abs=1e-5)
+    for wrong in (lambda: world.ray((0, np.nan), (1, 0)), lambda: world.nearest((2e9, 0)), lambda: world.cast(3, (0, 0), (1, 0)), lambda: world.overlap(fp3.circle(1), (0, np.inf))):
+        with pytest.raises(fp3.ArgumentError):
+            wrong()
+
+
+def test_questions_follow_bodies_and_agree_with_a_search():
+    """Of 200 bodies by chance, after steps, far from the origin: the nearest of all discs, by their places."""
+    rng, far = np.random.default_rng(3), np.array([1e5, -2e5])
+    world = fp3.Bodies(gravity=(0, 0))
+    x = rng.uniform(-20, 20, (200, 2))
+    balls = world.add(x=far + x, v=rng.uniform(-3, 3, (200, 2)))
+    world.attach(balls, fp3.circle(0.3))
+    world.step(30)
+    now, points = world.read("x", balls) - far, rng.uniform(-20, 20, (50, 2))
+    apart = np.linalg.norm(now[None] - points[:, None], axis=2) - 0.3
+    near = world.nearest(far + points)
+    assert near["distance"] == pytest.approx(apart.min(1), abs=1e-4) and (near["body"] == balls[apart.argmin(1)]).mean() > 0.97

@@ -289,6 +289,38 @@ fp3_status fp3_bodies_changes(fp3_bodies *bodies, fp3_contact_change change,
 /* All that touches now, by the numbers of shapes; likewise. */
 fp3_status fp3_bodies_contacts(fp3_bodies *bodies, const fp3_contact **list, size_t *count);
 
+/* ---- questions ----
+ *
+ * About all shapes as they are now, sensors and sleepers too, whose category has a bit of `mask`.
+ * Of several that are as near the one with the lowest number is found. FP3_E_ARGUMENT: also a
+ * number beyond 1e9, or what is no shape. A question looks at each shape.
+ */
+
+typedef struct {
+    uint64_t body, shape; /* 0: nothing was found; then distance and fraction are infinite */
+    double point[2];      /* on the surface of what was found, in the world */
+    double normal[2];     /* there, outwards */
+    double distance;      /* negative: by how much they overlap */
+    double fraction;      /* of the way */
+} fp3_hit;
+
+/* What rays meet first: ray i goes from a point along its whole way (x and y of each). From within
+ * a shape: fraction 0. */
+fp3_status fp3_bodies_ray(fp3_bodies *bodies, const double *from, const double *way, size_t count,
+                          uint32_t mask, fp3_hit *hits);
+/* What a shape meets first that stands at x with this angle, and goes along a way without turning.
+ * At the fraction found it is at most 0.001 size away. */
+fp3_status fp3_bodies_cast(fp3_bodies *bodies, const fp3_shape_def *shape, const double x[2],
+                           double angle, const double way[2], uint32_t mask, fp3_hit *hit);
+/* All shapes that overlap this one, by their numbers; *count: how many, of which the first `room`
+ * are in hits. */
+fp3_status fp3_bodies_overlap(fp3_bodies *bodies, const fp3_shape_def *shape, const double x[2],
+                              double angle, uint32_t mask, size_t room, fp3_hit *hits,
+                              size_t *count);
+/* The shape that is nearest to each point (x and y of each). */
+fp3_status fp3_bodies_nearest(fp3_bodies *bodies, const double *points, size_t count, uint32_t mask,
+                              fp3_hit *hits);
+
 /* ---- back in time ---- */
 
 /* A copy of all that a world is; a step after fp3_bodies_restore has the bits of one after
