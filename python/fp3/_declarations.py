@@ -1005,7 +1005,6 @@ class fp3_body_def(Structure):
         ("may_not_turn", c_int),
         ("may_not_sleep", c_int),
         ("is_fast", c_int),
-        ("user", c_uint64),
     ]
 
 

@@ -151,6 +151,8 @@ class Bodies(Owner):
             check(self._lib.fp3_bodies_open(definition, pointer), self._error)
         self._handle = Handle(pointer, "fp3_bodies_close", definition, self._error)
         self._part = 1
+        self._told: Optional[Dict[str, Any]] = None  # changes of a step call that was made in parts
+        self._ended = 0  # contacts that had ended when the last part was made
 
     def __enter__(self) -> "Bodies":
         return self
@@ -317,6 +319,13 @@ class Bodies(Owner):
         """
         if not isinstance(change, str) or change not in _CHANGES:
             raise ArgumentError(f"change: found {shown(change)}, expected 'began', 'ended' or 'hit'")
+        with self._c():
+            now = self._changed(change)
+            if self._told is None:
+                return now
+            return np.concatenate([self._told[change], now[self._ended:]]) if change == "ended" else self._told[change].copy()
+
+    def _changed(self, change: str) -> "np.ndarray[Any, Any]":
         with self._c() as c:
             return self._contacts(lambda found, count: self._lib.fp3_bodies_changes(c, _CHANGES[change], found, count))
 
@@ -387,6 +396,7 @@ class Bodies(Owner):
             raise ArgumentError(f"state: found {shown(state)}, expected what Bodies.save gave")
         with self._c() as c, state._c() as saved:
             check(self._lib.fp3_bodies_restore(c, saved), self._error)
+            self._told = None
 
     # ---- values ----
 
@@ -430,7 +440,7 @@ class Bodies(Owner):
 
     def step(self, steps: int = 1) -> None:
         """Steps of length h each. FailedError: the position or speed of a body was not finite in one of them; all others have made their steps."""
-        left, failed = as_count("steps", steps, 0, STEPS_MOST), None
+        left, failed, parts = as_count("steps", steps, 0, STEPS_MOST), None, []
         with self._c():
             while left > 0:
                 now, begun = part_of(left, self._part), time.perf_counter()
@@ -440,7 +450,10 @@ class Bodies(Owner):
                 except FailedError as error:
                     failed = failed or error
                 self._part = next_part(self._part, now, time.perf_counter() - begun)
+                parts.append({change: self._changed(change) for change in _CHANGES} if parts or now < left else None)
                 left -= now
+            self._told = {change: np.concatenate([part[change] for part in parts]) for change in _CHANGES} if len(parts) > 1 else None
+            self._ended = len(parts[-1]["ended"]) if len(parts) > 1 else 0
         if failed is not None:
             raise failed
 
@@ -464,6 +477,6 @@ class Bodies(Owner):
 
     @property
     def hash(self) -> int:
-        """Of all that the next step depends on."""
+        """Of where bodies are, how they move, who sleeps, and of the impulses of contacts."""
         with self._c() as c:
             return int(self._lib.fp3_bodies_hash(c))

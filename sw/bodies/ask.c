@@ -61,7 +61,7 @@ static fp3_status check(const fp3_bodies *bodies, const char *name, const double
 static fp3_hit first_hit(const fp3_bodies *bodies, const fp3_shape2 *moving, fp3_pose2 turn,
                          const double from[2], const double way[2], uint32_t mask) {
     const fp3_point2 along = {(float)way[0], (float)way[1]};
-    const double length = hypot(way[0], way[1]);
+    const double length = sqrt(way[0] * way[0] + way[1] * way[1]);
     const float slop = (float)(1e-3 * bodies->def.size);
     fp3_hit best = {.fraction = INFINITY, .distance = INFINITY};
     for (uint32_t i = 0; i < bodies->shape_count; i++) {

@@ -86,22 +86,12 @@ static void shift(fp3_attached *placed, fp3_point2 by) {
 }
 
 /* Mass, centre and inertia from shapes. A dynamic body without mass weighs 1, as in Box2D. */
-static fp3_status weigh(fp3_bodies *bodies, uint32_t number) {
+static void weigh(fp3_bodies *bodies, uint32_t number) {
     fp3_body *body = &bodies->body[number];
-    uint32_t count = 0, room = 0;
-    fp3_mass2 *parts = NULL;
+    fp3_mass2 all = {0};
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
-        count++;
-    const fp3_status status =
-        fp3_bodies_room((void **)&parts, &room, sizeof *parts, count, bodies->error);
-    if (status)
-        return status;
-    count = 0;
-    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
-        parts[count++] = bodies->shape[s].mass;
-    const fp3_mass2 all = fp3_weigh_together2(parts, count);
+        all = fp3_weigh_together2((const fp3_mass2[]){all, bodies->shape[s].mass}, 2);
     const fp3_point2 centre = {(float)all.x, (float)all.y};
-    free(parts);
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
         shift(&bodies->shape[s], centre);
     /* The origin stays where it is. */
@@ -116,7 +106,6 @@ static fp3_status weigh(fp3_bodies *bodies, uint32_t number) {
     const int is_dynamic = body->type == FP3_DYNAMIC;
     body->mass = !is_dynamic ? 0 : all.mass > 0 ? (float)all.mass : 1;
     body->inertia = !is_dynamic || body->may_not_turn ? 0 : (float)all.inertia;
-    return FP3_OK;
 }
 
 static uint32_t next_free(fp3_bodies *bodies) {
@@ -158,6 +147,7 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
     bodies->shape[at].generation = generation;
     bodies->shape[at].body = number;
     bodies->shape[at].next = FP3_NOBODY;
+    bodies->is_bouncy |= made->restitution > 0;
     bodies->boxes.box[at] = (fp3_box){{-INFINITY, -INFINITY, 0}, {-INFINITY, -INFINITY, 0}};
     bodies->boxes.filter[at] =
         (fp3_box_filter){made->category, made->mask, bodies->body[number].type != FP3_STATIC};
@@ -167,14 +157,12 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
 }
 
 /* Of bodies that have new shapes. */
-static fp3_status place_all(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
-    fp3_status status = FP3_OK;
+static void place_all(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
     fp3_bodies_wake_around(bodies, handles, count);
     for (size_t i = 0; i < count; i++) {
-        status = status ? status : weigh(bodies, (uint32_t)handles[i]);
+        weigh(bodies, (uint32_t)handles[i]);
         fp3_bodies_place_boxes(bodies, (uint32_t)handles[i]);
     }
-    return status;
 }
 
 fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t count,
@@ -189,7 +177,9 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
         status = make_room(bodies, count);
     for (size_t i = 0; !status && i < count; i++)
         place_shape(bodies, (uint32_t)handles[i], &made, shapes ? &shapes[i] : NULL);
-    return status ? status : place_all(bodies, handles, count);
+    if (!status)
+        place_all(bodies, handles, count);
+    return status;
 }
 
 fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
@@ -237,5 +227,7 @@ fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const do
     for (size_t i = 0; !status && i < edges; i++)
         place_shape(bodies, number, &made[i], NULL);
     free(made);
-    return status ? status : place_all(bodies, &handle, 1);
+    if (!status)
+        place_all(bodies, &handle, 1);
+    return status;
 }

@@ -44,13 +44,12 @@ static void place(fp3_body *body, const fp3_body_def *def) {
                        .type = (uint8_t)def->type,
                        .may_not_turn = def->may_not_turn != 0,
                        .may_not_sleep = def->may_not_sleep != 0,
-                       .is_fast = def->is_fast != 0,
-                       .user = def->user};
+                       .is_fast = def->is_fast != 0};
     if (def->type == FP3_STATIC)
         return;
     body->v[0] = (float)def->v[0];
     body->v[1] = (float)def->v[1];
-    body->w = (float)def->w;
+    body->w = def->may_not_turn ? 0 : (float)def->w;
 }
 
 fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t count,
@@ -136,9 +135,11 @@ fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t
     if (status)
         return status;
     fp3_bodies_wake_around(bodies, handles, count);
+    for (size_t i = 0; i < count; i++)
+        bodies->body[(uint32_t)handles[i]].is_marked = 1;
+    fp3_joints_drop(bodies);
     for (size_t i = 0; i < count; i++) {
         number = (uint32_t)handles[i];
-        fp3_joints_drop(bodies, number);
         drop_shapes(bodies, &bodies->body[number]);
     }
     drop_contacts(bodies);

@@ -44,12 +44,12 @@ static uint32_t greedy(fp3_colours *c, const uint32_t *a, const uint32_t *b, uin
 fp3_status fp3_colours_find(fp3_colours *c, const uint32_t *a, const uint32_t *b, uint32_t count,
                             uint32_t movable, uint32_t wide, uint32_t *colour, uint32_t *place,
                             fp3_error *error) {
-    fp3_status status = make_room(c, movable, FP3_COLOURS_MASKED, error);
+    fp3_status status = make_room(c, movable + 1, FP3_COLOURS_MASKED, error);
     if (status)
         return status;
     memset(c->taken, 0, movable * sizeof *c->taken);
     c->count = greedy(c, a, b, count, movable, colour);
-    status = make_room(c, movable, c->count, error);
+    status = make_room(c, movable + 1, c->count, error);
     if (status)
         return status;
     memset(c->first, 0, (c->count + 2) * sizeof *c->first);

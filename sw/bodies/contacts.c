@@ -15,7 +15,7 @@ static fp3_contact2_row *row_of(const fp3_bodies *bodies, uint32_t i) {
     return (fp3_contact2_row *)bodies->contacts.row + bodies->contacts.lane[i] / FP3_WIDE;
 }
 
-static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, float scale) {
+static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness) {
     const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
     const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
     const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
@@ -52,11 +52,11 @@ static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness, f
     fp3_put(&row->rate, lane, softness[is_against_ground].rate);
     fp3_put(&row->soft, lane, softness[is_against_ground].soft);
     fp3_put(&row->fade, lane, softness[is_against_ground].fade);
-    fp3_put(&row->p1, lane, scale * t->p[0]);
-    fp3_put(&row->f1, lane, scale * t->f[0]);
-    fp3_put(&row->p2, lane, scale * t->p[1]);
-    fp3_put(&row->f2, lane, scale * t->f[1]);
-    fp3_put(&row->r, lane, scale * t->r);
+    fp3_put(&row->p1, lane, t->p[0]);
+    fp3_put(&row->f1, lane, t->f[0]);
+    fp3_put(&row->p2, lane, t->p[1]);
+    fp3_put(&row->f2, lane, t->f[1]);
+    fp3_put(&row->r, lane, t->r);
     fp3_put(&row->top1, lane, 0);
     fp3_put(&row->top2, lane, 0);
     bodies->may_bounce |= a->restitution > 0 || b->restitution > 0;
@@ -86,10 +86,9 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     const double hertz = fmin(STIFFNESS, RESOLVED / h);
     const fp3_softness softness[2] = {fp3_soften(hertz, DAMPING, h),
                                       fp3_soften(2 * hertz, DAMPING, h)};
-    const float scale = bodies->h_before > 0 ? (float)(h / bodies->h_before) : 0;
     bodies->may_bounce = 0;
     for (uint32_t i = 0; i < bodies->contacts.count; i++)
-        fill(bodies, i, softness, scale);
+        fill(bodies, i, softness);
     const fp3_law_rows *rows = &bodies->contacts;
     const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
                             bodies->movable, rows->row,   rows->ends};

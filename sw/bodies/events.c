@@ -4,27 +4,22 @@
 
 #include "base/host.h"
 
-#include <math.h>
+#include <stdlib.h>
 
 #define SLOP 0.005 /* share of `size`: shapes nearer than this touch */
 
 static fp3_contact contact_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
     const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
-    const fp3_body *x = &bodies->body[a->body];
-    const uint32_t deepest = t->m.count == 2 && t->m.point[1].gap < t->m.point[0].gap;
-    /* The generation of a body or shape that was just removed is one more than in its handle. */
-    fp3_contact c = {
-        .body_a = (uint64_t)bodies->body[a->body].generation << 32 | a->body,
-        .body_b = (uint64_t)bodies->body[b->body].generation << 32 | b->body,
+    return (fp3_contact){
+        .body_a = fp3_bodies_handle(bodies, a->body),
+        .body_b = fp3_bodies_handle(bodies, b->body),
         .shape_a = (uint64_t)a->generation << 32 | t->a,
         .shape_b = (uint64_t)b->generation << 32 | t->b,
+        .point = {t->at[0], t->at[1]},
         .normal = {t->m.normal.x, t->m.normal.y},
         .speed = t->approach,
         .impulse = t->top,
     };
-    c.point[0] = x->at[0] + (t->m.count ? t->m.point[deepest].arm.x : 0);
-    c.point[1] = x->at[1] + (t->m.count ? t->m.point[deepest].arm.y : 0);
-    return c;
 }
 
 fp3_status fp3_contact_tell(fp3_bodies *bodies, fp3_contact_change change, const fp3_touch2 *t) {
@@ -50,18 +45,34 @@ static int touches(const fp3_bodies *bodies, const fp3_touch2 *t) {
     return t->m.count && is;
 }
 
+/* By the numbers of both shapes. What is no pair any more is told when pairs are looked for, before
+ * the others. */
+static int by_shapes(const void *a, const void *b) {
+    const fp3_contact *x = a, *y = b;
+    const uint64_t s = (x->shape_a << 32) | (uint32_t)x->shape_b,
+                   t = (y->shape_a << 32) | (uint32_t)y->shape_b;
+    return (s > t) - (s < t);
+}
+
 fp3_status fp3_contacts_tell(fp3_bodies *bodies) {
     fp3_status status = FP3_OK;
+    bodies->touching = 0;
     for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
         const int is_touching = touches(bodies, t);
+        bodies->touching += (uint32_t)is_touching;
         if (is_touching == t->is_touching)
             continue;
-        t->is_touching = is_touching;
         status = fp3_contact_tell(bodies, is_touching ? FP3_CONTACT_BEGAN : FP3_CONTACT_ENDED, t);
         if (!status && is_touching && t->approach > (float)bodies->def.bounce)
             status = fp3_contact_tell(bodies, FP3_CONTACT_HIT, t);
+        if (!status)
+            t->is_touching = is_touching;
     }
+    if (bodies->change_count[FP3_CONTACT_ENDED] > bodies->ended_before)
+        qsort(bodies->change[FP3_CONTACT_ENDED] + bodies->ended_before,
+              bodies->change_count[FP3_CONTACT_ENDED] - bodies->ended_before, sizeof(fp3_contact),
+              by_shapes);
     return status;
 }
 

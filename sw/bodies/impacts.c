@@ -29,7 +29,7 @@ typedef struct {
 
 typedef struct {
     uint32_t a, b; /* slots */
-    float ma, ia, mb, ib, restitution, friction;
+    float ma, ia, mb, ib, restitution, friction, belt;
     fp3_point2 n;
 } pair;
 
@@ -90,7 +90,8 @@ static float answer(const pair *p, const point *x, const point *y, fp3_point2 n)
 static void rub(impacts *i, const pair *p, const point *at, float pushed) {
     const fp3_bodies *b = i->bodies;
     const fp3_point2 t = {-p->n.y, p->n.x};
-    const float slide = along(b->speed[p->b], at->arm_b, t) - along(b->speed[p->a], at->arm_a, t);
+    const float slide =
+        along(b->speed[p->b], at->arm_b, t) - along(b->speed[p->a], at->arm_a, t) - p->belt;
     const float most = p->friction * pushed;
     push_both(i, p, at, t, fmaxf(fminf(-slide / answer(p, at, at, t), most), -most));
 }
@@ -135,6 +136,7 @@ static int bring(const fp3_bodies *bodies, const fp3_touch2 *t, pair *p, point a
                 .ib = fp3_inverse_mass(y->inertia),
                 .restitution = a->restitution > b->restitution ? a->restitution : b->restitution,
                 .friction = sqrtf(a->friction * b->friction),
+                .belt = a->belt + b->belt,
                 .n = t->m.normal};
     for (uint32_t k = 0; k < t->m.count; k++)
         at[k] = (point){.arm_a = t->m.point[k].arm,

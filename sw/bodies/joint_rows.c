@@ -27,7 +27,6 @@ typedef struct {
     fp3_stance stance;
     fp3_softness firm, spring; /* of what is held; of its spring */
     float ma, ia, mb, ib;
-    float scale; /* of impulses, where h has changed */
     double h;
     uint32_t lane;
 } filling;
@@ -68,10 +67,10 @@ enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
 
 #define FILL_IMPULSES(row, f, from)                                                                \
     do {                                                                                           \
-        fp3_put(&(row)->s, (f)->lane, (f)->scale *(from)[0]);                                      \
-        fp3_put(&(row)->m, (f)->lane, (f)->scale *(from)[1]);                                      \
-        fp3_put(&(row)->l, (f)->lane, (f)->scale *(from)[2]);                                      \
-        fp3_put(&(row)->u, (f)->lane, (f)->scale *(from)[3]);                                      \
+        fp3_put(&(row)->s, (f)->lane, (from)[0]);                                                  \
+        fp3_put(&(row)->m, (f)->lane, (from)[1]);                                                  \
+        fp3_put(&(row)->l, (f)->lane, (from)[2]);                                                  \
+        fp3_put(&(row)->u, (f)->lane, (from)[3]);                                                  \
     } while (0)
 
 #define FILL_ARMS(row, f)                                                                          \
@@ -115,7 +114,7 @@ static void fill_slide(const filling *f, fp3_slide2_row *row) {
     FILL_ROW(row, f, j->def.type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL, 0,
              j->def.rest);
     FILL_IMPULSES(row, f, j->slide);
-    fp3_put(&row->p, f->lane, f->scale * j->slide[4]);
+    fp3_put(&row->p, f->lane, j->slide[4]);
 }
 
 static void fill_rod(const filling *f, fp3_rod2_row *row) {
@@ -133,8 +132,8 @@ static void fill_point(const filling *f, fp3_pin2_row *row) {
     fp3_put(&row->rate, f->lane, f->firm.rate);
     fp3_put(&row->soft, f->lane, f->firm.soft);
     fp3_put(&row->fade, f->lane, f->firm.fade);
-    fp3_put(&row->p_x, f->lane, f->scale * j->point[0]);
-    fp3_put(&row->p_y, f->lane, f->scale * j->point[1]);
+    fp3_put(&row->p_x, f->lane, j->point[0]);
+    fp3_put(&row->p_y, f->lane, j->point[1]);
 }
 
 static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
@@ -149,7 +148,6 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
                        .ia = fp3_inverse_mass(a->inertia),
                        .mb = fp3_inverse_mass(b->mass),
                        .ib = fp3_inverse_mass(b->inertia),
-                       .scale = bodies->h_before > 0 ? (float)(h / bodies->h_before) : 0,
                        .h = h,
                        .lane = rows->lane[i] % FP3_WIDE};
     const uint32_t block = rows->lane[i] / FP3_WIDE;
@@ -230,6 +228,13 @@ static void keep(const fp3_law_rows *rows, int law, uint32_t i, fp3_joint *j) {
     }
 }
 
+/* What is no number is forgotten, so that a joint of a body that failed goes on. */
+static void mend(float *impulse, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(impulse[i]))
+            impulse[i] = 0;
+}
+
 static float sum(const float impulse[4]) {
     return impulse[0] + impulse[1] + impulse[2] - impulse[3];
 }
@@ -251,7 +256,8 @@ static void weigh(const fp3_bodies *bodies, fp3_joint *j, double h) {
 }
 
 static int breaks(const fp3_joint *j) {
-    return (j->def.force > 0 && hypotf(j->force[0], j->force[1]) > (float)j->def.force) ||
+    return (j->def.force > 0 &&
+            sqrtf(j->force[0] * j->force[0] + j->force[1] * j->force[1]) > (float)j->def.force) ||
            (j->def.torque > 0 && fabsf(j->torque) > (float)j->def.torque);
 }
 
@@ -264,6 +270,10 @@ void fp3_joints_end(fp3_bodies *bodies, double h) {
         if (!(j->generation & 1) || (fp3_slot_of(bodies, j->a) >= bodies->movable &&
                                      fp3_slot_of(bodies, j->b) >= bodies->movable))
             continue;
+        mend(j->twist, 4);
+        mend(j->slide, 5);
+        mend(j->rod, 4);
+        mend(j->point, 2);
         weigh(bodies, j, h);
         if (breaks(j))
             fp3_joint_drop(bodies, i);

@@ -38,7 +38,10 @@ int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
 }
 
 /* There is room for as many as there are joints. */
-static void find_apart(fp3_bodies *bodies) {
+void fp3_joints_find_apart(fp3_bodies *bodies) {
+    if (!bodies->is_apart_stale)
+        return;
+    bodies->is_apart_stale = 0;
     bodies->apart_count = 0;
     for (uint32_t i = 0; i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
@@ -47,7 +50,6 @@ static void find_apart(fp3_bodies *bodies) {
     }
     if (bodies->apart_count)
         qsort(bodies->apart, bodies->apart_count, sizeof *bodies->apart, ascending);
-    bodies->is_changed = 1;
 }
 
 /* ---- they come ---- */
@@ -75,6 +77,8 @@ static int laws_of(const fp3_joint_def *def) {
         return twist;
     }
 }
+
+static double length_of(const double v[2]) { return sqrt(v[0] * v[0] + v[1] * v[1]); }
 
 typedef struct {
     const char *name;
@@ -105,10 +109,11 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
             status =
                 fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: %s is %g, expected %g to %g",
                          which, ranges[i].name, ranges[i].value, ranges[i].least, ranges[i].most);
-    if (!status)
-        status = fp3_bodies_numbered(bodies, &def->a, 0, &a);
-    if (!status)
-        status = fp3_bodies_numbered(bodies, &def->b, 0, &b);
+    if (!status && (fp3_bodies_numbered(bodies, &def->a, 0, &a) ||
+                    fp3_bodies_numbered(bodies, &def->b, 0, &b)))
+        status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                          "joint %zu: a, %" PRIx64 ", or b, %" PRIx64 ", is no body", which, def->a,
+                          def->b);
     if (status)
         return status;
     if (a == b)
@@ -116,7 +121,7 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
     if (bodies->body[a].type != FP3_DYNAMIC && bodies->body[b].type != FP3_DYNAMIC)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: neither of its bodies is dynamic", which);
-    if (!(hypot(def->axis[0], def->axis[1]) > 1e-6))
+    if (!(length_of(def->axis) > 1e-6))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: its axis has no direction",
                         which);
     if (def->has_limits && def->low > def->high)
@@ -147,7 +152,7 @@ static void anchor_between(const fp3_bodies *bodies, fp3_joint *j) {
 
 static void place(fp3_bodies *bodies, fp3_joint *j, const fp3_joint_def *def) {
     const uint32_t generation = j->generation + 1;
-    const double length = hypot(def->axis[0], def->axis[1]);
+    const double length = length_of(def->axis);
     *j = (fp3_joint){.def = *def,
                      .a = (uint32_t)def->a,
                      .b = (uint32_t)def->b,
@@ -158,7 +163,7 @@ static void place(fp3_bodies *bodies, fp3_joint *j, const fp3_joint_def *def) {
         j->anchor_b[i] = (float)def->anchor_b[i];
         j->axis[i] = (float)(def->axis[i] / length);
     }
-    if (def->type == FP3_WELD || def->type == FP3_SLIDER)
+    if ((def->type == FP3_WELD && !(def->hertz > 0)) || def->type == FP3_SLIDER)
         anchor_between(bodies, j);
     j->from = bodies->body[j->b].angle +
               (def->type == FP3_GEAR ? def->ratio : -1) * bodies->body[j->a].angle;
@@ -181,7 +186,7 @@ fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t
                                  sizeof *bodies->apart, wanted, bodies->error);
     if (status)
         return status;
-    uint32_t number = 0;
+    uint32_t number = bodies->free_joint;
     for (size_t i = 0; i < count; i++) {
         while (number < bodies->joint_count && bodies->joint[number].generation & 1)
             number++;
@@ -192,7 +197,8 @@ fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t
         joints[i] = (uint64_t)bodies->joint[number].generation << 32 | number;
         wake(bodies, &bodies->joint[number]);
     }
-    find_apart(bodies);
+    bodies->free_joint = number;
+    bodies->is_apart_stale = bodies->is_changed = 1;
     return FP3_OK;
 }
 
@@ -203,13 +209,15 @@ void fp3_joint_drop(fp3_bodies *bodies, uint32_t number) {
     wake(bodies, j);
     j->generation++;
     bodies->joints--;
-    find_apart(bodies);
+    bodies->is_apart_stale = bodies->is_changed = 1;
+    if (number < bodies->free_joint)
+        bodies->free_joint = number;
 }
 
-void fp3_joints_drop(fp3_bodies *bodies, uint32_t body) {
+void fp3_joints_drop(fp3_bodies *bodies) {
     for (uint32_t i = 0; i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
-        if (j->generation & 1 && (j->a == body || j->b == body))
+        if (j->generation & 1 && (bodies->body[j->a].is_marked | bodies->body[j->b].is_marked))
             fp3_joint_drop(bodies, i);
     }
 }
@@ -293,15 +301,17 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
     for (size_t i = 0; !status && i < count; i++) {
         const fp3_joint_def *def = &bodies->joint[(uint32_t)joints[i]].def;
         const double x = values[i];
-        if (!(fabs(x) <= 1e9) || (which == MOST && x < 0) || (which == LOW && x > def->high) ||
-            (which == HIGH && x < def->low))
+        if (!(fabs(x) <= (which == MOST ? 1e12 : 1e9)) ||
+            ((which == LOW || which == HIGH) && !def->has_limits) || (which == MOST && x < 0) ||
+            (which == LOW && x > def->high) || (which == HIGH && x < def->low))
             status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                              "%s %zu is %g, which this joint cannot have", name, i, x);
+                              "%s %zu is %g, which this joint cannot have (limits: only if it was "
+                              "made with them)",
+                              name, i, x);
     }
     for (size_t i = 0; !status && i < count; i++) {
         fp3_joint *j = &bodies->joint[(uint32_t)joints[i]];
         *setting(j, which) = values[i];
-        j->def.has_limits |= which == LOW || which == HIGH;
         j->laws = (uint8_t)(j->laws | laws_of(&j->def));
         wake(bodies, j);
     }

@@ -29,7 +29,6 @@ typedef struct {
     uint32_t slot;        /* where it stands in a step (step.c) */
     uint32_t next_asleep; /* asleep: a ring of all that fell asleep together */
     uint8_t type, may_not_turn, may_not_sleep, is_fast, is_marked;
-    uint64_t user;
 } fp3_body;
 
 typedef struct {
@@ -57,6 +56,7 @@ typedef struct {
     uint32_t points;   /* ... and how many points */
     float p[2], f[2], r, top;
     float approach;           /* how fast they come together when a step begins */
+    double at[2];             /* where its deepest point was when it was looked at */
     int is_touching, is_left; /* is_left: it does nothing in this step */
 } fp3_touch2;
 
@@ -98,11 +98,13 @@ struct fp3_bodies {
     uint32_t free_body, free_shape; /* no free number is below */
 
     fp3_joint *joint;
-    uint32_t joint_count, joint_room, joints;
+    uint32_t joint_count, joint_room, joints, free_joint;
+    int is_apart_stale;
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
     uint32_t apart_count, apart_room;
 
     fp3_boxes boxes;   /* of each shape, as pairs.h has them */
+    int is_bouncy;     /* some shape has had a restitution */
     int is_changed;    /* shapes came or went: pairs are looked for again */
     fp3_touch2 *touch; /* ascending by a, then b */
     uint32_t touch_count, touch_room;
@@ -116,10 +118,10 @@ struct fp3_bodies {
     fp3_four *speed, *way, *base;
     fp3_pull2 *pull;
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
-    float h_before;               /* of a substep that the impulses are of; 0: there was none */
     fp3_contact *change[3], *now; /* by fp3_contact_change; room for fp3_bodies_contacts */
-    uint32_t change_count[3], change_room[3], now_room, told; /* told: ended, up to the last step */
-    int may_bounce; /* a contact of this step has a restitution */
+    uint32_t change_count[3], change_room[3], now_room, told,
+        ended_before; /* told: ended, up to the last step */
+    int may_bounce;   /* a contact of this step has a restitution */
     uint32_t awake, touching;
 };
 
@@ -184,8 +186,10 @@ double fp3_joint_angle(const fp3_bodies *bodies, const fp3_joint *joint);
 /* The distance, way or angle that its limits are of. */
 double fp3_joint_at(const fp3_bodies *bodies, const fp3_joint *joint);
 void fp3_joint_drop(fp3_bodies *bodies, uint32_t number);
-/* Joints of bodies that are removed go with them. */
-void fp3_joints_drop(fp3_bodies *bodies, uint32_t body);
+/* Joints of bodies that are marked, because they are removed. */
+void fp3_joints_drop(fp3_bodies *bodies);
+/* Who is joined and does not collide, anew where joints have changed. */
+void fp3_joints_find_apart(fp3_bodies *bodies);
 /* Whether two bodies are joined and do not collide. */
 int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b);
 

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define X(name, type, speed, way) #name,
 static const char *const names[FP3_LAWS] = {FP3_LAWS2(X)};
@@ -51,6 +52,7 @@ typedef struct {
 } law;
 
 struct fp3_laws {
+    int own; /* texts of the folder */
     law law[FP3_LAWS];
     fp3_error error;
 };
@@ -109,12 +111,11 @@ static fp3_status read_law(fp3_laws *laws, fp3_law which, const char *folder, fp
     def.compile.config = "world";
     def.is_model = 1;
     snprintf(path, sizeof path, "%s/%s.ode", folder ? folder : "programs/bodies", names[which]);
-    FILE *file = folder ? fopen(path, "rb") : NULL;
-    if (file)
-        fclose(file);
-    return file ? fp3_program_open(path, &def, &l->program, NULL, error)
-                : fp3_program_read(texts[which], strlen(texts[which]), path, &def, &l->program,
-                                   NULL, error);
+    const int is_own = folder && access(path, F_OK) == 0;
+    laws->own += is_own;
+    return is_own ? fp3_program_open(path, &def, &l->program, NULL, error)
+                  : fp3_program_read(texts[which], strlen(texts[which]), path, &def, &l->program,
+                                     NULL, error);
 }
 
 static fp3_status open_law(fp3_laws *laws, fp3_law which, const char *engine, const char *folder,
@@ -147,10 +148,15 @@ fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **made
     fp3_status status = laws ? FP3_OK : fp3_no_memory(error);
     for (int i = 0; !status && i < FP3_LAWS; i++)
         status = open_law(laws, (fp3_law)i, engine, folder, error);
+    if (!status && folder && !laws->own)
+        status =
+            fp3_fail(error, FP3_E_ARGUMENT, "%s: there is no law, such as contact2.ode", folder);
     if (status)
         fp3_laws_close(made);
     return status;
 }
+
+const char *fp3_laws_why(const fp3_laws *laws) { return laws->error.text; }
 
 void fp3_laws_close(fp3_laws **laws) {
     for (int i = 0; *laws && i < FP3_LAWS; i++) {

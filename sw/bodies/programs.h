@@ -18,6 +18,8 @@ typedef struct fp3_laws fp3_laws;
  * FP3_E_ARGUMENT: no such engine. FP3_E_PROGRAM: a text is no law: it has words that contacts have
  * not, or params. */
 fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **laws, fp3_error *error);
+/* Why the last run failed. */
+const char *fp3_laws_why(const fp3_laws *laws);
 void fp3_laws_close(fp3_laws **laws);
 
 /* Blocks first .. end - 1 of a colour make a pass. FP3_E_SYSTEM. */

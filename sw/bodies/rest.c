@@ -69,6 +69,25 @@ static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
 
 /* How long each has been slow; whether one has long enough. A fast corner counts, too: the speed of
  * the farthest point of its shapes. */
+/* What moves by itself carries others along: they do not rest. */
+static void stir(fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    const fp3_body *x = &bodies->body[a], *y = &bodies->body[b];
+    if (x->type == FP3_KINEMATIC && (x->v[0] != 0 || x->v[1] != 0 || x->w != 0))
+        bodies->body[b].rest = fminf(bodies->body[b].rest, 0);
+    if (y->type == FP3_KINEMATIC && (y->v[0] != 0 || y->v[1] != 0 || y->w != 0))
+        bodies->body[a].rest = fminf(bodies->body[a].rest, 0);
+}
+
+static void stir_all(fp3_bodies *bodies) {
+    for (uint32_t i = 0; i < bodies->contacts.count; i++) {
+        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+        stir(bodies, bodies->shape[t->a].body, bodies->shape[t->b].body);
+    }
+    for (uint32_t i = 0; i < bodies->joint_count; i++)
+        if (bodies->joint[i].generation & 1)
+            stir(bodies, bodies->joint[i].a, bodies->joint[i].b);
+}
+
 static int count_rest(fp3_bodies *bodies) {
     const float h = (float)bodies->def.h, most = (float)bodies->def.rest_speed;
     int is_any = 0;
@@ -81,7 +100,11 @@ static int count_rest(fp3_bodies *bodies) {
         const float speed =
             sqrtf(body->v[0] * body->v[0] + body->v[1] * body->v[1]) + fabsf(body->w) * extent;
         body->rest = speed < most && !body->may_not_sleep ? body->rest + h : 0;
-        is_any |= body->rest >= (float)bodies->def.rest_time;
+    }
+    stir_all(bodies);
+    for (uint32_t k = 0; k < bodies->movable; k++) {
+        const fp3_body *body = &bodies->body[bodies->in_slot[k]];
+        is_any |= body->rest > 0 && body->rest >= (float)bodies->def.rest_time;
     }
     return is_any;
 }
@@ -97,10 +120,10 @@ static void fall_asleep(fp3_bodies *bodies, uint32_t *parent, float *least) {
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t root = root_of(parent, k), number = bodies->in_slot[k];
         fp3_body *body = &bodies->body[number], *first = &bodies->body[bodies->in_slot[root]];
-        if (!(least[root] >= (float)bodies->def.rest_time))
+        if (!(least[root] > 0) || !(least[root] >= (float)bodies->def.rest_time))
             continue;
         body->next_asleep = k == root ? number : first->next_asleep;
-        first->next_asleep = k == root ? number : number;
+        first->next_asleep = number;
         body->rest = -1;
         body->v[0] = body->v[1] = body->w = 0;
         bodies->awake--;

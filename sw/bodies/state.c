@@ -15,6 +15,7 @@ typedef struct {
 } part;
 
 struct fp3_bodies_state {
+    const fp3_bodies *of;
     fp3_bodies counts; /* its arrays are not used */
     void *array[ARRAYS];
     uint32_t room[ARRAYS];
@@ -47,8 +48,10 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
         if (p.count)
             memcpy(to->array[i], *p.array, p.count * p.size);
     }
-    if (!status)
+    if (!status) {
         to->counts = from;
+        to->of = bodies;
+    }
     if (!status || *state)
         *state = to;
     else
@@ -56,9 +59,14 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
     return status;
 }
 
+/* Of a number that was not there when the state was saved, and is free. */
+static uint32_t next_even(uint32_t generation) { return generation + (generation & 1); }
+
 fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state) {
     fp3_bodies from = state->counts;
-    fp3_status status = FP3_OK;
+    fp3_status status = state->of == bodies ? FP3_OK
+                                            : fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                                                       "the state was saved of another world");
     for (int i = 0; !status && i < ARRAYS; i++) {
         const part to = part_of(bodies, i);
         status = fp3_bodies_room(to.array, to.room, to.size, part_of(&from, i).count + 1u,
@@ -71,6 +79,12 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
     }
     if (status)
         return status;
+    for (uint32_t i = from.body_count; i < bodies->body_count; i++)
+        bodies->body[i] = (fp3_body){.generation = next_even(bodies->body[i].generation)};
+    for (uint32_t i = from.shape_count; i < bodies->shape_count; i++)
+        bodies->shape[i] = (fp3_attached){.generation = next_even(bodies->shape[i].generation)};
+    for (uint32_t i = from.joint_count; i < bodies->joint_count; i++)
+        bodies->joint[i] = (fp3_joint){.generation = next_even(bodies->joint[i].generation)};
     bodies->time = from.time;
     bodies->steps = from.steps;
     bodies->body_count = from.body_count;
@@ -81,9 +95,11 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
     bodies->touch_count = from.touch_count;
     bodies->joint_count = from.joint_count;
     bodies->joints = from.joints;
+    bodies->free_joint = from.free_joint;
+    bodies->is_apart_stale = from.is_apart_stale;
+    bodies->is_bouncy = from.is_bouncy;
     bodies->apart_count = from.apart_count;
     bodies->is_changed = from.is_changed;
-    bodies->h_before = from.h_before;
     bodies->awake = from.awake;
     bodies->touching = from.touching;
     for (int i = 0; i < 3; i++)

@@ -72,6 +72,8 @@ static void bring(fp3_bodies *bodies, double h) {
         const float slow = (float)(1 / (1 + h * body->damping)),
                     slow_spin = (float)(1 / (1 + h * body->spin_damping));
         bodies->pull[k] = (fp3_pull2){{ax, ay, aw, 0}, {slow, slow, slow_spin, 1}, {0}};
+        if (k > bodies->movable)
+            bodies->pull[k] = (fp3_pull2){{0}, {1, 1, 1, 1}, {0}};
     }
 }
 
@@ -208,6 +210,7 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
 static fp3_status step(fp3_bodies *bodies) {
     const double h = bodies->def.h / bodies->def.substeps;
     fp3_status status = FP3_OK;
+    bodies->ended_before = bodies->change_count[FP3_CONTACT_ENDED];
     for (int wakes = 1; !status && wakes;) {
         status = give_slots(bodies);
         if (!status)
@@ -230,9 +233,9 @@ static fp3_status step(fp3_bodies *bodies) {
     let_fall(bodies, h);
     status = solve(bodies, h);
     if (status)
-        return fp3_fail(bodies->error, status, "the engine could not make a step");
+        return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
+                        bodies->laws ? fp3_laws_why(bodies->laws) : "");
     fp3_contacts_end(bodies);
-    bodies->h_before = (float)h;
     status = move(bodies);
     fp3_joints_end(bodies, h);
     bodies->steps++;
@@ -254,19 +257,19 @@ static void forget(fp3_bodies *bodies) {
 fp3_status fp3_bodies_step(fp3_bodies *bodies, uint64_t steps) {
     FP3_HOST;
     fp3_status first = FP3_OK;
+    fp3_error first_error = {.text = ""};
     forget(bodies);
-    fp3_error told = {.text = ""};
-    for (uint64_t i = 0; i < steps; i++) {
+    for (uint64_t i = 0; i < steps && (!first || first == FP3_E_FAILED); i++) {
         const fp3_status status = step(bodies);
-        if (status && status != FP3_E_FAILED)
-            return status;
-        if (status && !first && bodies->error)
-            told = *bodies->error;
-        first = first ? first : status;
+        if (!status || (first && status == FP3_E_FAILED))
+            continue;
+        first = status;
+        if (bodies->error)
+            first_error = *bodies->error;
     }
-    bodies->told = bodies->change_count[FP3_CONTACT_ENDED];
     if (first && bodies->error)
-        *bodies->error = told;
+        *bodies->error = first_error;
+    bodies->told = bodies->change_count[FP3_CONTACT_ENDED];
     return first;
 }
 

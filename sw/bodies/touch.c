@@ -25,10 +25,10 @@ static fp3_pose2 turn_of(const fp3_body *body) {
 
 /* How far a shape may come in a step, where that counts: of what bounces, so that its impact is
  * found in the step in which it is; of what is marked fast, so that it does not pass through. */
-static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape) {
+static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape, int is_bouncy) {
     const fp3_body *body = &bodies->body[shape->body];
     const double gravity = fabs(bodies->def.gravity[0]) + fabs(bodies->def.gravity[1]);
-    if (!body->is_fast && !(shape->restitution > 0))
+    if (!body->is_fast && !is_bouncy)
         return 0;
     return bodies->def.h * (fabs((double)body->v[0]) + fabs((double)body->v[1]) +
                             fabs((double)body->w) * shape->shape.extent +
@@ -64,7 +64,7 @@ static int renew_boxes(fp3_bodies *bodies) {
             continue;
         for (uint32_t s = bodies->body[bodies->in_slot[k]].first_shape; s != FP3_NOBODY;
              s = bodies->shape[s].next) {
-            const double sweep = sweep_of(bodies, &bodies->shape[s]);
+            const double sweep = sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy);
             const fp3_box now = box_of(bodies, s, reach + sweep);
             if (is_inside(&now, &bodies->boxes.box[s]))
                 continue;
@@ -123,6 +123,7 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
 
 static fp3_status renew_pairs(fp3_bodies *bodies) {
     size_t count = 0;
+    fp3_joints_find_apart(bodies);
     const fp3_status status =
         fp3_pairs_find(&bodies->boxes, &bodies->key, &bodies->key_room, &count, bodies->error);
     return status ? status : merge(bodies, count);
@@ -187,7 +188,8 @@ static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
     const fp3_pose2 pose_a = turn_of(x);
     fp3_pose2 pose_b = turn_of(y);
     pose_b.at = (fp3_point2){(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1])};
-    const double sweep = sweep_of(bodies, a) + sweep_of(bodies, b);
+    const int is_bouncy = a->restitution > 0 || b->restitution > 0;
+    const double sweep = sweep_of(bodies, a, is_bouncy) + sweep_of(bodies, b, is_bouncy);
     const float reach = (float)(REACH * bodies->def.size + sweep);
     const fp3_point2 from = pose_b.at;
     if (follow(t, x, y, from, bodies->def.size)) {
@@ -217,10 +219,13 @@ static int is_awake(const fp3_body *body) {
            (body->type == FP3_KINEMATIC && (body->v[0] != 0 || body->v[1] != 0 || body->w != 0));
 }
 
+static uint32_t deepest_of(const fp3_touch2 *t) {
+    return t->m.count == 2 && t->m.point[1].gap < t->m.point[0].gap;
+}
+
 /* How fast the points of both bodies come together where they are nearest. */
 static float approach_of(const fp3_body *x, const fp3_body *y, const fp3_touch2 *t) {
-    const uint32_t k = t->m.count == 2 && t->m.point[1].gap < t->m.point[0].gap;
-    const fp3_point2 arm = t->m.point[k].arm;
+    const fp3_point2 arm = t->m.point[deepest_of(t)].arm;
     const float bx = arm.x - (float)(y->at[0] - x->at[0]),
                 by = arm.y - (float)(y->at[1] - x->at[1]);
     const float ux = (y->v[0] - y->w * by) - (x->v[0] - x->w * arm.y);
@@ -228,15 +233,20 @@ static float approach_of(const fp3_body *x, const fp3_body *y, const fp3_touch2 
     return -(ux * t->m.normal.x + uy * t->m.normal.y);
 }
 
+static void keep_place(const fp3_body *x, fp3_touch2 *t) {
+    const fp3_point2 arm = t->m.point[deepest_of(t)].arm;
+    t->at[0] = x->at[0] + arm.x;
+    t->at[1] = x->at[1] + arm.y;
+}
+
 static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
-    bodies->contacts.count = bodies->touching = 0;
+    bodies->contacts.count = 0;
     *wakes = 0;
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
         const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
         fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
         if (!is_awake(x) && !is_awake(y) && t->is_found) {
-            bodies->touching += t->m.count > 0;
             continue;
         }
         collide(bodies, t);
@@ -244,7 +254,7 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
         if (!t->m.count)
             continue;
         t->approach = approach_of(x, y, t);
-        bodies->touching++;
+        keep_place(x, t);
         if (a->is_sensor || b->is_sensor)
             continue;
         bodies->contacts.of[bodies->contacts.count++] = k;

@@ -165,6 +165,9 @@ static fp3_status check(const fp3_bodies *bodies, const named *which, const uint
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "at_rest cannot be written: any other value "
                         "that is written wakes a body");
+    if (body->may_not_turn && (first == W || first == INERTIA))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body may not turn", which->name,
+                        i);
     if (body->type == FP3_STATIC && first >= V_X && first <= TORQUE)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body is static", which->name,
                         i);

@@ -258,12 +258,27 @@ static uint64_t run(uint64_t number, const char *engine) {
             return end(&w, &state);
     }
     const uint64_t hash = fp3_bodies_hash(w.bodies);
+    /* What comes between, and what goes, is undone. */
+    const int count = w.count, joints = w.joints;
+    add(&w);
+    join(&w);
+    step(&w, 0);
+    const uint64_t first_handle = w.handle[0];
+    must(&w, fp3_bodies_remove(w.bodies, &w.handle[0], 1), "remove");
     must(&w, fp3_bodies_restore(w.bodies, state), "restore");
+    w.handle[0] = first_handle;
+    w.count = count;
+    w.joints = joints;
     for (int i = steps / 2; i < steps; i++)
         if (!step(&w, 0))
             fail(&w, "fails after a restore alone", i);
     if (fp3_bodies_hash(w.bodies) != hash)
         fail(&w, "other bits after a restore", 0);
+    add(&w); /* behind a restore */
+    if (fp3_bodies_count(w.bodies) != (size_t)w.count + 1)
+        fail(&w, "bodies are lost or left over after a restore",
+             (double)fp3_bodies_count(w.bodies));
+    value(&w, "x_x", w.handle[w.count - 1]);
     for (int i = 0; i < steps && !engine; i++) {
         refuse(&w);
         if (w.count < BODIES && one_of(4) == 0)

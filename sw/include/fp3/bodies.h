@@ -15,8 +15,6 @@
  *         fp3_bodies_attach(world, &ids[0], 1, &floor, NULL) ||
  *         fp3_bodies_attach(world, &ids[1], 1, &cube, NULL) || fp3_bodies_step(world, 60))
  *         fprintf(stderr, "%s\n", error.text);
- *     double y;
- *     fp3_bodies_read(world, "x_y", &ids[1], 1, &y);
  *     fp3_bodies_close(&world);
  *
  * The laws of contacts are models (programs/bodies/), and the bits of a step depend on the numbers
@@ -99,8 +97,7 @@ typedef struct {
     double gravity;               /* share of gravity; default 1 */
     int may_not_turn;
     int may_not_sleep;
-    int is_fast;   /* it must not pass through anything, however fast it is */
-    uint64_t user; /* for the caller */
+    int is_fast; /* it must not pass through anything, however fast it is */
 } fp3_body_def;
 
 void fp3_body_set_default(fp3_body_def *def, size_t size);
@@ -278,7 +275,8 @@ typedef struct {
     double point[2];  /* where they touch, in the world: the deepest point */
     double normal[2]; /* from a to b */
     double speed;     /* with which they came together; of a contact that ended 0 */
-    double impulse;   /* the largest along the normal that a substep gave; of sensors 0 */
+    double impulse; /* the largest along the normal that a substep gave, summed over its points, and
+                     * those of its impacts; of sensors 0 */
 } fp3_contact;
 
 /* What changed in the last call of fp3_bodies_step, step by step, in each by the numbers of shapes;
@@ -329,8 +327,9 @@ typedef struct fp3_bodies_state fp3_bodies_state;
 /* Copies into *state, which is made if it is NULL, and is used again otherwise; the caller frees
  * it. FP3_E_SYSTEM: out of memory; *state is NULL or as it was. */
 fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state);
-/* Handles of bodies, shapes and joints that were there then are good again, others are not. Only of
- * the same fp3_bodies. FP3_E_SYSTEM: out of memory; nothing is changed. */
+/* Handles of bodies, shapes and joints that were there then are good again. Those that were given
+ * since are not, and may be given again. FP3_E_ARGUMENT: the state was saved of other bodies.
+ * FP3_E_SYSTEM: out of memory. Nothing is changed then. */
 fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state);
 void fp3_bodies_state_free(fp3_bodies_state **state);
 
