@@ -74,7 +74,9 @@ static int has_slope(const fp3_model *model, uint32_t state) {
  * be empty. */
 int fp3_advance_rests(const fp3_advance *a, uint32_t state) {
     const fp3_model *model = a->step->model;
-    int moves = a->is_adaptive || model->assignment_count;
+    int moves = a->is_adaptive;
+    for (uint32_t i = 0; i < model->assignment_count; i++)
+        moves |= fp3_fit_is_live(a->fit, model->assignments[i].state);
     for (uint32_t s = 0; !moves && s < model->state_count; s++)
         moves = fp3_fit_is_moved(a->fit, s) && has_slope(model, s);
     return moves && fp3_has_pass(a->options, FP3_PASS_ZERO) && !has_slope(model, state);
