@@ -32,9 +32,9 @@ class BodiesState(Owner):
 
     _what = "saved world of bodies"
 
-    def __init__(self, pointer: Any) -> None:
+    def __init__(self, pointer: Any, world: "Bodies") -> None:
         self._own()
-        self._handle = Handle(pointer, "fp3_bodies_state_free")
+        self._handle = Handle(pointer, "fp3_bodies_state_free", world._handle)  # which stays: no other world may get its place in memory
 
 
 def _pair(what: str, value: Any) -> Tuple[float, float]:
@@ -388,7 +388,7 @@ class Bodies(Owner):
         pointer = ctypes.c_void_p()
         with self._c() as c:
             check(self._lib.fp3_bodies_save(c, ctypes.byref(pointer)), self._error)
-        return BodiesState(pointer)
+        return BodiesState(pointer, self)
 
     def restore(self, state: BodiesState) -> None:
         """Goes back to what was saved of this world; a step then has the same bits."""

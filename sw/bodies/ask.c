@@ -151,7 +151,7 @@ fp3_status fp3_bodies_nearest(fp3_bodies *bodies, const double *points, size_t c
     const fp3_pose2 here = {.c = 1};
     for (size_t k = 0; !status && k < count; k++) {
         const double *from = points + 2 * k;
-        hits[k] = (fp3_hit){.distance = INFINITY};
+        hits[k] = (fp3_hit){.distance = INFINITY, .fraction = INFINITY};
         for (uint32_t i = 0; i < bodies->shape_count; i++) {
             fp3_pose2 pose;
             fp3_apart2 apart;

@@ -67,8 +67,6 @@ static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
     parent[a > b ? a : b] = a < b ? a : b;
 }
 
-/* How long each has been slow; whether one has long enough. A fast corner counts, too: the speed of
- * the farthest point of its shapes. */
 /* What moves by itself carries others along: they do not rest. */
 static void stir(fp3_bodies *bodies, uint32_t a, uint32_t b) {
     const fp3_body *x = &bodies->body[a], *y = &bodies->body[b];
@@ -88,6 +86,8 @@ static void stir_all(fp3_bodies *bodies) {
             stir(bodies, bodies->joint[i].a, bodies->joint[i].b);
 }
 
+/* How long each has been slow; whether one has long enough. A fast corner counts, too: the speed of
+ * the farthest point of its shapes. */
 static int count_rest(fp3_bodies *bodies) {
     const float h = (float)bodies->def.h, most = (float)bodies->def.rest_speed;
     int is_any = 0;

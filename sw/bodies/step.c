@@ -15,24 +15,22 @@
 static int is_of_step(const fp3_body *body) { return fp3_body_lives(body) && fp3_body_moves(body); }
 
 static fp3_status give_slots(fp3_bodies *bodies) {
-    uint32_t count = 0, room = bodies->slot_room, others[4] = {room, room, room, room};
-    const size_t wanted = bodies->body_count + 1u;
-    fp3_status status = fp3_bodies_room((void **)&bodies->in_slot, &room, sizeof *bodies->in_slot,
-                                        wanted, bodies->error);
-    if (!status)
-        status = fp3_bodies_room((void **)&bodies->speed, &others[0], sizeof *bodies->speed, wanted,
-                                 bodies->error);
-    if (!status)
-        status = fp3_bodies_room((void **)&bodies->way, &others[3], sizeof *bodies->way, wanted,
-                                 bodies->error);
-    if (!status)
-        status = fp3_bodies_room((void **)&bodies->base, &others[1], sizeof *bodies->base, wanted,
-                                 bodies->error);
-    if (!status)
-        status = fp3_bodies_room((void **)&bodies->pull, &others[2], sizeof *bodies->pull, wanted,
-                                 bodies->error);
-    if (status)
-        return status;
+    const struct {
+        void **array;
+        size_t size;
+    } arrays[] = {{(void **)&bodies->in_slot, sizeof *bodies->in_slot},
+                  {(void **)&bodies->speed, sizeof *bodies->speed},
+                  {(void **)&bodies->way, sizeof *bodies->way},
+                  {(void **)&bodies->base, sizeof *bodies->base},
+                  {(void **)&bodies->pull, sizeof *bodies->pull}};
+    uint32_t count = 0, room = bodies->slot_room;
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        room = bodies->slot_room;
+        const fp3_status status = fp3_bodies_room(arrays[i].array, &room, arrays[i].size,
+                                                  bodies->body_count + 1u, bodies->error);
+        if (status)
+            return status;
+    }
     bodies->slot_room = room;
     for (uint32_t i = 0; i < bodies->body_count; i++) {
         bodies->body[i].slot = FP3_NOBODY;
@@ -188,7 +186,7 @@ static fp3_status pass_all(const fp3_bodies *bodies, int has_moved,
 static fp3_status solve(fp3_bodies *bodies, double h) {
     const fp3_solver2 *solver = bodies->solver;
     const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
-    const float push[FP3_SHARED] = {1, inverse, least, 0},
+    const float push[FP3_SHARED] = {1, inverse, least, 0, (float)h},
                 mend[FP3_SHARED] = {0, inverse, least, 0, (float)h},
                 warm[FP3_SHARED] = {1, inverse, least, 1, (float)h};
     fp3_status status = FP3_OK;

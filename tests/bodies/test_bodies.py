@@ -733,3 +733,18 @@ def test_what_may_not_turn_does_not_and_other_worlds_states_are_refused(tmp_path
     falling = sleepy.add()
     sleepy.step(10)
     assert sleepy.read("v_y", falling)[0] < -1
+
+
+def test_joints_have_the_bits_of_the_hardware():
+    """One step of each law of joints, with a contact beside them."""
+    def run(engine):
+        world = fp3.Bodies(gravity=(0, -10), engine=engine, substeps=1)
+        frame, loads = world.add(type="static", x=(0, -1)), world.add(x=[[0, 0.5], [3, 2], [6, 2], [9, 2]], v=(0.5, -0.5), w=0.5)
+        world.attach(frame, fp3.box(20, 1))
+        world.attach(loads, fp3.box(0.5, 0.5))
+        world.join("rod", frame, loads[1], anchor_a=(3, 5), hertz=3.0)
+        world.join("hinge", loads[1], loads[2], anchor_a=(1.5, 0), anchor_b=(-1.5, 0), limits=(-0.1, 0.1))
+        world.join("slider", frame, loads[3], anchor_a=(9, 3), axis=(0.1, 1), speed=1.0, most=50.0)
+        world.step(2)
+        return world.hash, world["x"].tobytes()
+    assert run("rtl") == run("isa") == run(None) and np.isfinite(np.frombuffer(run(None)[1])).all()
