@@ -1,4 +1,5 @@
 """`project`: what steps put back, on every engine, compensated or not; the truth does without."""
+import math
 import re
 
 import pytest
@@ -131,3 +132,24 @@ def test_what_is_refused(written, text, message):
 def test_positions_of_two_steps(written):
     path = written("state v = 0\nstate x = 1\nx' = v\nv' = -x\nproject x = x\nstep 0.125\n")
     assert "found a projection, which would change only one of them" in fp3("compile", path, "-i", "stoermer_verlet", status=2).stderr
+
+
+MAP = "state q = {}\nstate q2 = 3\nproject q = 0.5*q, q2 = q2 + q\nstep 1"
+
+
+@pytest.mark.parametrize("engine", ["fast", "isa", "rtl"])
+@pytest.mark.parametrize("arguments", [[], ["-k"]])
+def test_a_model_without_equations_is_a_map(written, engine, arguments):
+    """A step is its projections, each of all values before it; nothing is added to a state that stays, not even to -0."""
+    found = run(written(MAP.format(8)), "-n", 3, *arguments, engine=engine)
+    assert (found["q"], found["q2"]) == (1, 3 + 8 + 4 + 2)
+    found = run(written(MAP.format("-0")), "-n", 2, engine=engine)
+    assert math.copysign(1, found["q"]) == -1 and found["q2"] == 3
+
+
+def test_a_map_has_no_truth_and_needs_a_projection(written):
+    assert "its projections alone move the states" in truth(written(MAP.format(8)), 1, status=1)
+    for text in ("state q = 1\nstep 1", "state q = 1\nstate v = 1\nq' = v\nproject v = 0.5*v\nstep 1"):
+        assert "an equation for this state" in fp3("compile", written(text), status=2).stderr
+    for arguments, status in ((["--tolerance", "1e-4", "--until", 3], 2), (["--until", 3], 2), (["-n", 3, "--check"], 2)):
+        assert "has no equations, so its steps have no length" in fp3("run", written(MAP.format(8)), "-e", "fast", *arguments, status=status).stderr

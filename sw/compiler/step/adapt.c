@@ -149,6 +149,12 @@ fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_er
     FP3_HOST;
     if (fp3_definition_check(def, sizeof *def, "fp3_adaptive_def", error))
         return FP3_E_ARGUMENT;
+    if (fp3_model_is_map(model))
+        return fp3_fail(
+            error, FP3_E_PROGRAM,
+            "'%s' has no equations, so its steps have no length that could be chosen or "
+            "cut: give their number",
+            model->name);
     const double until = def->until != 0 ? def->until : model->span;
     const int is_chosen = def->tolerance != 0, has_events = model->event_count > 0;
     fp3_switchings switchings;

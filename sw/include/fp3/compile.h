@@ -278,8 +278,8 @@ static inline fp3_adaptive_def fp3_adaptive_default(void) {
  * smallest, largest, h_cut, absolute and maxstep are left out, and h_next is the longest step up to
  * an event. Events that are located also need h_before and h_behind, and roots with a tolerance
  * root_before and root_behind (docs/adaptive.md). fp3_compile then makes a program with adaptive
- * steps. FP3_E_PROGRAM: the model already has one of these names, or is too large. FP3_E_ARGUMENT:
- * a definition from another version of the library. */
+ * steps. FP3_E_PROGRAM: the model already has one of these names, is too large, or has no
+ * equations. FP3_E_ARGUMENT: a definition from another version of the library. */
 fp3_status fp3_model_adapt(fp3_model *model, const fp3_adaptive_def *def, fp3_error *error);
 
 /* The index of state t, or FP3_NONE if the model is not adapted. The other added states follow

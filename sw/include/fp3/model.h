@@ -267,6 +267,17 @@ int fp3_model_fire(const fp3_model *model, const fp3_point *before, const double
  * makes no steps. The message names the relation and its line, or that of the event. */
 fp3_status fp3_model_check_alone(const fp3_model *model, fp3_error *error);
 
+/* Whether projections alone move the states: steps have no length then
+ * (docs/models.md#projections). */
+static inline int fp3_model_is_map(const fp3_model *model) {
+    int moves = !model->projection_count;
+    for (uint32_t i = 0; i < model->state_count; i++) {
+        const fp3_expr *rate = &model->exprs[model->states[i].derivative];
+        moves |= rate->op != FP3_EXPR_NUMBER || rate->number != 0;
+    }
+    return !moves;
+}
+
 /* The line of the model's first event that removes an object, or 0. */
 static inline uint32_t fp3_model_removes(const fp3_model *model) {
     for (uint32_t i = 0; i < model->event_count; i++)

@@ -368,6 +368,10 @@ fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *g
     if (!part->program->model)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: %s is no model, so its use of the step is unknown", group->path);
+    if (fp3_model_is_map(part->program->model))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--check: '%s' has no equations, so its steps have no length to halve",
+                        part->program->model->name);
     if (fp3_params_has(part->params, FP3_NAME_STEPS))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: found a value of 'steps', but with half the step an object that "

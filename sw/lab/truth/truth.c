@@ -254,18 +254,9 @@ static fp3_status follow(orbit *o, double *rows, fp3_path **path, fp3_error *err
     return status ? status : check_again(o, rows, path ? *path : NULL, error);
 }
 
-static int is_map(const fp3_model *model) {
-    int moves = !model->projection_count;
-    for (uint32_t i = 0; i < model->state_count; i++) {
-        const fp3_expr *rate = &model->exprs[model->states[i].derivative];
-        moves |= rate->op != FP3_EXPR_NUMBER || rate->number != 0;
-    }
-    return !moves;
-}
-
 /* A projection that reads the length of the step, or what was before it, is part of the motion. */
 static fp3_status check_projections(const fp3_model *model, fp3_error *error) {
-    if (is_map(model))
+    if (fp3_model_is_map(model))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "'%s' has no truth: its projections alone move the states, and the truth "
                         "makes none",
