@@ -9,41 +9,43 @@
 #endif
 
 #define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#define JOIN(a, b) SHUFFLE(a, b, 0, 1, 2, 3, 4, 5, 6, 7)
+/* Of each half in turn: the first two of a and of b, the last two. */
+#define LOW(a, b) SHUFFLE(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
+#define HIGH(a, b) SHUFFLE(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
 
-/* Fours of eight bodies become four vectors of eight, of which the last one is nothing. */
-FP3_WIDELY void bring(const fp3_four *from, const uint32_t of[FP3_WIDE], fp3_wide words[4]) {
-    fp3_wide m[4], s[4];
-    for (int i = 0; i < 4; i++)
-        m[i] = SHUFFLE(from[of[i]], from[of[i + 4]], 0, 1, 2, 3, 4, 5, 6, 7);
-    for (int i = 0; i < 2; i++) {
-        s[i] = SHUFFLE(m[i], m[i + 2], 0, 8, 1, 9, 4, 12, 5, 13);
-        s[i + 2] = SHUFFLE(m[i], m[i + 2], 2, 10, 3, 11, 6, 14, 7, 15);
-    }
-    for (int i = 0; i < 2; i++) {
-        words[2 * i] = SHUFFLE(s[2 * i], s[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-        words[2 * i + 1] = SHUFFLE(s[2 * i], s[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-    }
+/* Fours of eight bodies become three vectors of eight: of the fours' last numbers nothing is kept.
+ */
+FP3_WIDELY void bring(const fp3_four *from, const uint32_t of[FP3_WIDE], fp3_wide words[3]) {
+    const fp3_wide m0 = JOIN(from[of[0]], from[of[4]]), m1 = JOIN(from[of[1]], from[of[5]]),
+                   m2 = JOIN(from[of[2]], from[of[6]]), m3 = JOIN(from[of[3]], from[of[7]]);
+    const fp3_wide low02 = LOW(m0, m2), low13 = LOW(m1, m3);
+    words[0] = LOW(low02, low13);
+    words[1] = HIGH(low02, low13);
+    words[2] = LOW(HIGH(m0, m2), HIGH(m1, m3));
 }
 
-FP3_WIDELY void take(const fp3_work2 *work, const uint32_t of[FP3_WIDE], const fp3_wide words[3]) {
+/* ... and back. has_base: what they do goes there, too. */
+FP3_WIDELY void take_four(const fp3_work2 *work, int has_base, uint32_t body, fp3_four v) {
+    if (body >= work->movable)
+        return;
+    if (has_base)
+        work->base[body] += v - work->speed[body];
+    work->speed[body] = v;
+}
+FP3_WIDELY void take(const fp3_work2 *work, int has_base, const uint32_t of[FP3_WIDE],
+                     const fp3_wide words[3]) {
     const fp3_wide none = fp3_wide_all(0);
-    const fp3_wide xy[2] = {SHUFFLE(words[0], words[1], 0, 8, 1, 9, 4, 12, 5, 13),
-                            SHUFFLE(words[0], words[1], 2, 10, 3, 11, 6, 14, 7, 15)};
-    const fp3_wide w[2] = {SHUFFLE(words[2], none, 0, 8, 1, 9, 4, 12, 5, 13),
-                           SHUFFLE(words[2], none, 2, 10, 3, 11, 6, 14, 7, 15)};
+    const fp3_wide xy[2] = {LOW(words[0], words[1]), HIGH(words[0], words[1])};
+    const fp3_wide w[2] = {LOW(words[2], none), HIGH(words[2], none)};
+#pragma GCC unroll 2
     for (int i = 0; i < 2; i++) {
         const fp3_wide even = SHUFFLE(xy[i], w[i], 0, 1, 8, 9, 4, 5, 12, 13),
                        odd = SHUFFLE(xy[i], w[i], 2, 3, 10, 11, 6, 7, 14, 15);
-        const fp3_four v[4] = {SHUFFLE(even, even, 0, 1, 2, 3), SHUFFLE(odd, odd, 0, 1, 2, 3),
-                               SHUFFLE(even, even, 4, 5, 6, 7), SHUFFLE(odd, odd, 4, 5, 6, 7)};
-        for (int k = 0; k < 4; k++) {
-            const uint32_t body = of[2 * i + (k & 1) + 2 * (k & 2)];
-            if (body >= work->movable)
-                continue;
-            if (work->base)
-                work->base[body] += v[k] - work->speed[body];
-            work->speed[body] = v[k];
-        }
+        take_four(work, has_base, of[2 * i], SHUFFLE(even, even, 0, 1, 2, 3));
+        take_four(work, has_base, of[2 * i + 1], SHUFFLE(odd, odd, 0, 1, 2, 3));
+        take_four(work, has_base, of[2 * i + 4], SHUFFLE(even, even, 4, 5, 6, 7));
+        take_four(work, has_base, of[2 * i + 5], SHUFFLE(odd, odd, 4, 5, 6, 7));
     }
 }
 
@@ -84,63 +86,59 @@ static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end) {
 
 /* The words of both bodies: speeds, then ways. */
 typedef struct {
-    fp3_wide a[7], b[7];
+    fp3_wide a[6], b[6];
 } both;
 
-FP3_WIDELY void bring_both(const fp3_work2 *work, uint32_t i, int has_speed, int has_way,
-                           both *to) {
+FP3_WIDELY void bring_both(const fp3_work2 *work, uint32_t i, int has_way, both *to) {
+    const fp3_ends2 *ends = &work->ends[i];
+    bring(work->speed, ends->a, to->a);
+    bring(work->speed, ends->b, to->b);
     if (has_way) {
-        bring(work->way, work->ends[i].a, to->a + 3);
-        bring(work->way, work->ends[i].b, to->b + 3);
-    }
-    if (has_speed) {
-        fp3_wide a[4], b[4];
-        bring(work->speed, work->ends[i].a, a);
-        bring(work->speed, work->ends[i].b, b);
-        for (int k = 0; k < 3; k++) {
-            to->a[k] = a[k];
-            to->b[k] = b[k];
-        }
+        bring(work->way, ends->a, to->a + 3);
+        bring(work->way, ends->b, to->b + 3);
     }
 }
 
-FP3_WIDELY void take_both(const fp3_work2 *work, uint32_t i, const both *from) {
-    take(work, work->ends[i].a, from->a);
-    take(work, work->ends[i].b, from->b);
+FP3_WIDELY void take_both(const fp3_work2 *work, int has_base, uint32_t i, const both *from) {
+    take(work, has_base, work->ends[i].a, from->a);
+    take(work, has_base, work->ends[i].b, from->b);
 }
 
 FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED]) {
+#pragma GCC unroll 8
     for (int i = 0; i < FP3_SHARED; i++)
         given[i] = fp3_wide_all(shared[i]);
 }
 
+/* Joints are who reads ways. */
 #define X(name, type, has_speed, has_way)                                                          \
-    static void pass_##name(const fp3_work2 *work, uint32_t first, uint32_t end,                   \
+    static void pass_##name(const fp3_work2 *given_work, uint32_t first, uint32_t end,             \
                             const float shared[FP3_SHARED]) {                                      \
+        const fp3_work2 work = *given_work;                                                        \
         fp3_wide given[FP3_SHARED];                                                                \
-        both of = {0};                                                                             \
         give(shared, given);                                                                       \
         for (uint32_t i = first; i < end; i++) {                                                   \
-            bring_both(work, i, has_speed, has_way, &of);                                          \
-            fp3_law_##name((fp3_##type##_row *)work->row + i, of.a, of.b, given);                  \
-            if (has_speed)                                                                         \
-                take_both(work, i, &of);                                                           \
+            both of;                                                                               \
+            bring_both(&work, i, has_way, &of);                                                    \
+            fp3_law_##name((fp3_##type##_row *)work.row + i, of.a, of.b, given);                   \
+            take_both(&work, has_way, i, &of);                                                     \
         }                                                                                          \
     }
 FP3_LAWS2(X)
 #undef X
 
-static void moved(const fp3_work2 *work, uint32_t first, uint32_t end,
+static void moved(const fp3_work2 *given_work, uint32_t first, uint32_t end,
                   const float shared[FP3_SHARED]) {
+    const fp3_work2 work = *given_work;
     fp3_wide given[FP3_SHARED];
-    both of;
     give(shared, given);
     for (uint32_t i = first; i < end; i++) {
-        fp3_contact2_row *row = (fp3_contact2_row *)work->row + i;
-        bring_both(work, i, 1, 0, &of);
+        fp3_contact2_row *row = (fp3_contact2_row *)work.row + i;
+        both of;
+        bring_both(&work, i, 0, &of);
         fp3_law_gap2(row, of.a, of.b, given);
         fp3_law_contact2(row, of.a, of.b, given);
-        take_both(work, i, &of);
+        take_both(&work, 0, i, &of);
     }
 }
 
