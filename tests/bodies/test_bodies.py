@@ -3,10 +3,7 @@
 import math
 import os
 import pathlib
-import re
-import subprocess
 import sys
-import textwrap
 
 import numpy as np
 import pytest
@@ -503,28 +500,6 @@ def test_handles_and_values_that_are_refused():
         world.chain(block, [(1, 0), (0, 0)])
     assert (world.hash, len(world)) == (before, count)
     assert world.handles.tolist() == [ground[0], new[0], block[0]]
-
-
-# ---- the page and the example ----
-
-def test_the_example_in_c(tmp_path):
-    """In 25 lines, as the page shows them: the box lies on the ground."""
-    text, page, library = (ROOT / "examples/bodies.c").read_text(), (ROOT / "docs/bodies.md").read_text(), BUILD / "lib/libfp3.so.0"
-    assert len(text.splitlines()) <= 25 and textwrap.indent(text, "    ") in page
-    sanitize = ["-fsanitize=address,undefined"] if BUILD.name != "build" else []
-    subprocess.run(["gcc", "-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", *sanitize, f"-I{ROOT}/sw/include", ROOT / "examples/bodies.c", library,
-                    f"-Wl,-rpath,{library.parent}", "-o", tmp_path / "bodies"], check=True)
-    x, y, angle = map(float, subprocess.run([tmp_path / "bodies"], capture_output=True, text=True, check=True, timeout=60).stdout.split())
-    assert y == pytest.approx(0.5, abs=1e-3) and abs(x) < 1 and angle / (math.pi / 2) == pytest.approx(round(angle / (math.pi / 2)), abs=1e-3)
-
-
-def test_the_example_in_python(capsys):
-    page = (ROOT / "docs/bodies.md").read_text()
-    block = re.search(r"^    import numpy as np\n(?:    .*\n)+", page, re.M)[0]
-    assert len(block.splitlines()) == 10
-    exec(textwrap.dedent(block))
-    said = capsys.readouterr().out
-    assert said.endswith(" 0\n") and len(said.splitlines()) == 10
 
 
 # ---- joints, contacts, back in time ----
