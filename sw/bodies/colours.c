@@ -41,9 +41,14 @@ static uint32_t greedy(fp3_colours *c, const uint32_t *a, const uint32_t *b, uin
     return colours;
 }
 
+static uint32_t blocks_of(uint32_t lanes, uint32_t wide, uint32_t together) {
+    const uint32_t most = wide * together;
+    return (lanes + most - 1) / most * together;
+}
+
 fp3_status fp3_colours_find(fp3_colours *c, const uint32_t *a, const uint32_t *b, uint32_t count,
-                            uint32_t movable, uint32_t wide, uint32_t *colour, uint32_t *place,
-                            fp3_error *error) {
+                            uint32_t movable, uint32_t wide, uint32_t together, uint32_t *colour,
+                            uint32_t *place, fp3_error *error) {
     fp3_status status = make_room(c, movable + 1, FP3_COLOURS_MASKED, error);
     if (status)
         return status;
@@ -57,14 +62,13 @@ fp3_status fp3_colours_find(fp3_colours *c, const uint32_t *a, const uint32_t *b
         c->first[colour[i] + 2]++;
     /* From here on `first[k + 1]` counts the contacts that colour k has so far, in lanes. */
     for (uint32_t k = 0; k < c->count; k++) {
-        const uint32_t blocks = (c->first[k + 2] + wide - 1) / wide;
-        c->first[k + 2] = c->first[k + 1] + blocks * wide;
+        c->first[k + 2] = c->first[k + 1] + blocks_of(c->first[k + 2], wide, together) * wide;
     }
     for (uint32_t i = 0; i < count; i++)
         place[i] = c->first[colour[i] + 1]++;
     /* Each has moved to the end of its contacts: back to where its blocks begin. */
     for (uint32_t k = c->count; k > 0; k--)
-        c->first[k] = (c->first[k] + wide - 1) / wide;
+        c->first[k] = blocks_of(c->first[k], wide, together);
     return FP3_OK;
 }
 

@@ -22,10 +22,11 @@ typedef struct {
 
 /* a and b: the two bodies of each contact; those from `movable` on never block. colour[i] receives
  * the colour of contact i, place[i] its block times `wide` and its lane: colours begin a block, and
- * have contacts in their order. */
+ * have contacts in their order. A colour has a multiple of
+ * `together` blocks. */
 fp3_status fp3_colours_find(fp3_colours *colours, const uint32_t *a, const uint32_t *b,
-                            uint32_t count, uint32_t movable, uint32_t wide, uint32_t *colour,
-                            uint32_t *place, fp3_error *error);
+                            uint32_t count, uint32_t movable, uint32_t wide, uint32_t together,
+                            uint32_t *colour, uint32_t *place, fp3_error *error);
 /* Leaves {0}, which may be freed as well. */
 void fp3_colours_free(fp3_colours *colours);
 

@@ -84,24 +84,25 @@ static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end) {
 
 /* ---- passes ---- */
 
-/* The words of both bodies: speeds, then ways. */
+/* Of two blocks, the words of both bodies: speeds, then ways. */
 typedef struct {
-    fp3_wide a[6], b[6];
+    fp3_wide a[2][6], b[2][6];
 } both;
 
 FP3_WIDELY void bring_both(const fp3_work2 *work, uint32_t i, int has_way, both *to) {
     const fp3_ends2 *ends = &work->ends[i];
-    bring(work->speed, ends->a, to->a);
-    bring(work->speed, ends->b, to->b);
+    FP3_BOTH(bring(work->speed, ends[k].a, to->a[k]));
+    FP3_BOTH(bring(work->speed, ends[k].b, to->b[k]));
     if (has_way) {
-        bring(work->way, ends->a, to->a + 3);
-        bring(work->way, ends->b, to->b + 3);
+        FP3_BOTH(bring(work->way, ends[k].a, to->a[k] + 3));
+        FP3_BOTH(bring(work->way, ends[k].b, to->b[k] + 3));
     }
 }
 
 FP3_WIDELY void take_both(const fp3_work2 *work, int has_base, uint32_t i, const both *from) {
-    take(work, has_base, work->ends[i].a, from->a);
-    take(work, has_base, work->ends[i].b, from->b);
+    const fp3_ends2 *ends = &work->ends[i];
+    FP3_BOTH(take(work, has_base, ends[k].a, from->a[k]);
+             take(work, has_base, ends[k].b, from->b[k]));
 }
 
 FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED]) {
@@ -117,7 +118,7 @@ FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED])
         const fp3_work2 work = *given_work;                                                        \
         fp3_wide given[FP3_SHARED];                                                                \
         give(shared, given);                                                                       \
-        for (uint32_t i = first; i < end; i++) {                                                   \
+        for (uint32_t i = first; i < end; i += 2) {                                                \
             both of;                                                                               \
             bring_both(&work, i, has_way, &of);                                                    \
             fp3_law_##name((fp3_##type##_row *)work.row + i, of.a, of.b, given);                   \
@@ -132,7 +133,7 @@ static void moved(const fp3_work2 *given_work, uint32_t first, uint32_t end,
     const fp3_work2 work = *given_work;
     fp3_wide given[FP3_SHARED];
     give(shared, given);
-    for (uint32_t i = first; i < end; i++) {
+    for (uint32_t i = first; i < end; i += 2) {
         fp3_contact2_row *row = (fp3_contact2_row *)work.row + i;
         both of;
         bring_both(&work, i, 0, &of);

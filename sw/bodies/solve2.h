@@ -52,7 +52,7 @@ typedef struct {
     /* A row has in n the normal, in (a1, c1), (a2, c2) the arms at a, in (b1, e1), (b2, e2) those
      * at b, in j1 and j2 1 where there is a point, else 0; masses and gaps. Makes the row of it. */
     void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end);
-    /* Blocks first .. end - 1 make a pass. */
+    /* Blocks first .. end - 1, an even number of them, make a pass. */
     void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
                           const float shared[FP3_SHARED]);
     /* gap2, then contact2. */
