@@ -7,7 +7,7 @@
     tools/bodies.py --input build/results/bodies.json --markdown docs/bodies_results.md       the page
 
 Writes build/results/bodies.json; parts that are not measured stay as they were in it. A peer's row that does not hold is no fault
-of ours. Exit code 1: an engine failed, or a row of fp3 does not hold.
+of ours. Exit code 1: an engine failed, a row of fp3 does not hold, or a scene has two hashes.
 """
 
 import argparse
@@ -20,7 +20,8 @@ import time
 import bench
 from fp3bodies import report
 
-PARTS = ("truths", "standing", "speed")
+PARTS = ("truths", "standing", "speed", "hashes")
+ALONE = {"hashes"}  # parts without peers
 OWN = "fp3"
 SETTLE, MOST, TURN = 600, 20.0, 0.1  # steps before a scene is timed, seconds that they may take, seconds of a turn
 STAND = 100.0                         # seconds that a scene may take to stand
@@ -137,19 +138,31 @@ class Lab:
                 self.say(f"{scene}, {name}: {row['ns_per_body_step']:.0f} ns")
         return {"speed": rows, "speed_refused": refused}
 
+    def hashes(self):
+        from fp3bodies import hashes
+        try:
+            return {"hashes": hashes.measure(self.quick, self.say, self.wanted(hashes.SCENES) if self.scenes else ())}
+        except hashes.Failed as why:
+            self.failed.append(str(why))
+            return {}
+
 
 def joined(options, data, found):
     """What is found of some engines and scenes takes the place of their rows alone."""
-    def is_new(row):
-        return ((not options.engines or row.get("peer", row.get("engine")) in options.engines) and
+    def is_new(key, row):
+        return ((not options.engines or key in ALONE or row.get("peer", row.get("engine")) in options.engines) and
                 (not options.scenes or row.get("scene") in options.scenes))
-    return {key: [row for row in data.get(key, []) if not is_new(row)] + rows for key, rows in found.items()}
+    return {key: [row for row in data.get(key, []) if not is_new(key, row)] + rows for key, rows in found.items()}
 
 
 def wrong(found):
     for row in found.get("truths", []):
         if row["peer"] == OWN and not row["holds"]:
             yield f"{row['what']}: found {row['found']}, expected {row['expected']:.6g} within {row['within']:.2g}"
+    if "hashes" in found:
+        from fp3bodies import hashes
+        for row in hashes.differing(found["hashes"]):
+            yield f"{row['scene']}, {row['engine']}, {row['variant']}: hash {row['hash']} is not that of others"
 
 
 def measure(options):
@@ -162,6 +175,8 @@ def measure(options):
     measured = data.get("measured", {})
     try:
         for part in options.parts:
+            if part in ALONE and options.engines and OWN not in options.engines:
+                continue
             found = getattr(lab, part)()
             measured[part] = {"date": about["date"], "revision": about["revision"], "load": about["load"]}
             data |= {"about": about, "measured": measured} | joined(options, data, found)
@@ -180,7 +195,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="few tests, small scenes")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--engines", nargs="+", help="only these (default: all that are installed)")
-    parser.add_argument("--scenes", nargs="+", help="of standing and speed, only these")
+    parser.add_argument("--scenes", nargs="+", help="of other parts than truths, only these")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/bodies.json", help="the file to write")
     parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
     parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
@@ -188,7 +203,7 @@ def main():
     if bool(options.input) != bool(options.markdown):
         parser.error("expected --input together with --markdown")
     if options.scenes and "truths" in options.parts:
-        parser.error("expected --parts standing or speed beside --scenes")
+        parser.error("expected --parts without truths beside --scenes")
     if options.input:
         data = json.loads(options.input.read_text(encoding="utf-8"))
         bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
@@ -197,7 +212,7 @@ def main():
     for error in measure(options):
         print(f"bodies: {error}", file=sys.stderr)
         errors += 1
-    print(f"{errors} rows of fp3 do not hold or engines failed")
+    print(f"{errors} rows of fp3 do not hold or differ, or engines failed")
     return 1 if errors else 0
 
 

@@ -984,6 +984,8 @@ class fp3_bodies_def(Structure):
         ("substeps", c_uint32),
         ("size", c_double),
         ("engine", c_char_p),
+        ("config", c_char_p),
+        ("may_compile", c_int),
         ("laws", c_char_p),
         ("push", c_double),
         ("bounce", c_double),

@@ -125,7 +125,8 @@ class Bodies(Owner):
         world.read("x", boxes)          # of shape (10, 2)
 
     The words are those of fp3/bodies.h, where each is explained; so are the defaults, but for None, which is the default there. engine: laws of contacts are
-    programs, which "isa", "fast" or "rtl" executes contact by contact, with the same bits. laws: a folder of texts that replace those of programs/bodies/.
+    programs, which "isa", "fast" or "rtl" executes contact by contact, with the same bits; config: of hardware, "world" if it is None; may_compile: native
+    code on "fast". laws: a folder of texts that replace those of programs/bodies/.
 
     Bodies may be used by several threads; their calls follow each other. After a fork a child opens its own.
     """
@@ -134,7 +135,7 @@ class Bodies(Owner):
     __iter__ = None  # len() counts bodies, and values have names: there is no order to go through
 
     def __init__(self, *, gravity: Values = (0.0, -9.81), h: Optional[float] = None, substeps: int = 4, size: float = 1.0, engine: Optional[str] = None,
-                 laws: Optional[str] = None, push: Optional[float] = None, bounce: Optional[float] = None, rest_speed: Optional[float] = None,
+                 config: Optional[str] = None, may_compile: bool = False, laws: Optional[str] = None, push: Optional[float] = None, bounce: Optional[float] = None, rest_speed: Optional[float] = None,
                  rest_time: Optional[float] = None) -> None:
         self._own()
         definition = self._lib.default(d.fp3_bodies_def)
@@ -144,6 +145,8 @@ class Bodies(Owner):
             if value is not None:
                 setattr(definition, name, as_number(name, value))
         definition.engine = None if engine is None else name_bytes("engine", engine)
+        definition.config = None if config is None else name_bytes("config", config)
+        definition.may_compile = as_flag("may_compile", may_compile)
         definition.laws = None if laws is None else name_bytes("laws", laws)
         definition.error = ctypes.pointer(self._error)
         pointer = ctypes.c_void_p()

@@ -65,9 +65,12 @@ static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
         if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
             return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected %g to %g", ranges[i].name,
                             ranges[i].value, ranges[i].least, ranges[i].most);
-    if (def->laws && !def->engine)
+    if ((def->laws || def->config || def->may_compile) && !def->engine)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "laws: expected an engine, too, which executes them (\"fast\")");
+                        "%s: expected an engine, too, which executes laws (\"fast\")",
+                        def->laws     ? "laws"
+                        : def->config ? "config"
+                                      : "may_compile");
     return FP3_OK;
 }
 
@@ -92,7 +95,7 @@ fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies) {
     made->boxes.dimensions = 2;
     status = fp3_solver2_choose(&made->solver, error);
     if (!status && def->engine)
-        status = fp3_laws_open(def->engine, def->laws, &made->laws, error);
+        status = fp3_laws_open(def, &made->laws, error);
     if (status)
         free(made);
     else

@@ -103,12 +103,14 @@ static fp3_status find_words(law *l, fp3_law law, fp3_error *error) {
     return FP3_OK;
 }
 
-static fp3_status read_law(fp3_laws *laws, fp3_law which, const char *folder, fp3_error *error) {
+static fp3_status read_law(fp3_laws *laws, fp3_law which, const fp3_bodies_def *bodies,
+                           const char *config, fp3_error *error) {
     law *l = &laws->law[which];
+    const char *folder = bodies->laws;
     char path[4096];
     fp3_program_def def = fp3_program_default();
     def.integrator = "euler";
-    def.compile.config = "world";
+    def.compile.config = config;
     def.is_model = 1;
     snprintf(path, sizeof path, "%s/%s.ode", folder ? folder : "programs/bodies", names[which]);
     const int is_own = folder && access(path, F_OK) == 0;
@@ -118,18 +120,18 @@ static fp3_status read_law(fp3_laws *laws, fp3_law which, const char *folder, fp
                                      NULL, error);
 }
 
-static fp3_status open_law(fp3_laws *laws, fp3_law which, const char *engine, const char *folder,
+static fp3_status open_law(fp3_laws *laws, fp3_law which, const fp3_bodies_def *bodies,
                            fp3_error *error) {
     law *l = &laws->law[which];
     l->size = rows[which].size;
     fp3_engine_def def = fp3_engine_default();
-    def.engine = engine;
-    def.config = "world";
+    def.engine = bodies->engine;
+    def.config = bodies->config ? bodies->config : "world";
     def.objects = OBJECTS;
     def.threads = 1;
-    def.is_interpreted = 1;
+    def.is_interpreted = !bodies->may_compile;
     def.error = &laws->error;
-    fp3_status status = read_law(laws, which, folder, error);
+    fp3_status status = read_law(laws, which, bodies, def.config, error);
     if (!status)
         status = find_words(l, which, error);
     if (!status) {
@@ -142,15 +144,14 @@ static fp3_status open_law(fp3_laws *laws, fp3_law which, const char *engine, co
     return status;
 }
 
-fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **made,
-                         fp3_error *error) {
+fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **made, fp3_error *error) {
     fp3_laws *laws = *made = calloc(1, sizeof *laws);
     fp3_status status = laws ? FP3_OK : fp3_no_memory(error);
     for (int i = 0; !status && i < FP3_LAWS; i++)
-        status = open_law(laws, (fp3_law)i, engine, folder, error);
-    if (!status && folder && !laws->own)
+        status = open_law(laws, (fp3_law)i, def, error);
+    if (!status && def->laws && !laws->own)
         status =
-            fp3_fail(error, FP3_E_ARGUMENT, "%s: there is no law, such as contact2.ode", folder);
+            fp3_fail(error, FP3_E_ARGUMENT, "%s: there is no law, such as contact2.ode", def->laws);
     if (status)
         fp3_laws_close(made);
     return status;

@@ -10,14 +10,14 @@
 
 #include "solve2.h"
 
-#include <fp3/status.h>
+#include <fp3/bodies.h>
 
 typedef struct fp3_laws fp3_laws;
 
-/* folder: of texts that replace those of the same name; NULL: none. The caller frees *laws.
- * FP3_E_ARGUMENT: no such engine. FP3_E_PROGRAM: a text is no law: it has words that contacts have
- * not, or params. */
-fp3_status fp3_laws_open(const char *engine, const char *folder, fp3_laws **laws, fp3_error *error);
+/* By the engine of def, with its laws. The caller frees *laws. FP3_E_ARGUMENT: no such engine or
+ * configuration. FP3_E_PROGRAM: a text is no law: it has words that contacts have not, or params.
+ */
+fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **laws, fp3_error *error);
 /* Why the last run failed. */
 const char *fp3_laws_why(const fp3_laws *laws);
 void fp3_laws_close(fp3_laws **laws);

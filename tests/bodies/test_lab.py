@@ -245,6 +245,19 @@ def test_an_engine_that_fails_is_named(lab):
     assert [row["engine"] for row in found["speed"]] == ["falls"]
 
 
+def test_one_hash_a_scene(part, build, monkeypatch):
+    """By laws that are built in and by all engines; a row with another hash is told."""
+    monkeypatch.setenv("FP3_HOME", str(build))
+    hashes, said = part("hashes"), []
+    rows = hashes.measure(True, said.append)
+    assert {row["engine"] for row in rows} == {"built in", "isa", "fast", "rtl"} and len(said) == len(rows) == 15
+    assert hashes.differing(rows) == [] and len({row["hash"] for row in rows}) == 4
+    rows[3]["hash"] = rows[-1]["hash"]
+    assert hashes.differing(rows) == [rows[3]]
+    page = list(part("report").runs(rows))
+    assert [line[3] for line in page] == [4, 1, 2, 5, 3]
+
+
 def test_fp3_holds_what_it_held(part, build, monkeypatch):
     """Truths of friction, impacts and joints, by bodies of FP3; not so with another friction than theory takes it for."""
     monkeypatch.setenv("FP3_HOME", str(build))

@@ -33,17 +33,23 @@ class Made(Engine):
             setattr(definition, name, value)
         self.world = ctypes.c_void_p()
         self.call("open", ctypes.byref(definition), ctypes.byref(self.world))
-        handles = np.zeros(len(scene.bodies) + 1, dtype=np.uint64)  # the last one is the world, to which pins can hold
-        origin = self.lib.default(d.fp3_body_def)
-        origin.type = d.FP3_STATIC
-        bodies = (d.fp3_body_def * len(handles))(*map(self.body, scene.bodies), origin)
-        self.call("add", self.world, bodies, len(bodies), handles.ctypes.data)
+        made = Definitions(self.lib, scene)
+        handles = np.zeros(len(made.bodies), dtype=np.uint64)
+        self.call("add", self.world, made.bodies, len(handles), handles.ctypes.data)
         self.handles = handles[:-1]
-        for k, body in enumerate(scene.bodies):
-            self.attach(body, self.handles[k:k + 1])
-        self.pins = np.zeros(len(scene.pins), dtype=np.uint64)
-        pins = (d.fp3_joint_def * len(self.pins))(*(self.pin(pin, handles) for pin in scene.pins))
-        self.call("join", self.world, pins, len(self.pins), self.pins.ctypes.data)
+        for (k, shape), body in zip(made.shapes, scene.bodies):
+            handle = handles[k:k + 1]
+            self.call("attach", self.world, handle.ctypes.data, 1, ctypes.byref(shape), None)
+            if (body.mass or body.inertia) and not (body.fixed or body.moving):
+                m, about = mass(body, 2)
+                self.write("mass", handle, m)
+                self.write("inertia", handle, about[0])
+        for corners, surface in made.chains:
+            self.call("attach_chain", self.world, int(handles[-1]), corners.ctypes.data, len(corners), 0, ctypes.byref(surface))
+        self.pins = np.zeros(len(made.joints), dtype=np.uint64)
+        for joint in made.joints:
+            joint.a, joint.b = int(handles[joint.a]), int(handles[joint.b])
+        self.call("join", self.world, made.joints, len(self.pins), self.pins.ctypes.data)
 
     def __del__(self):
         if getattr(self, "world", None):
@@ -51,38 +57,6 @@ class Made(Engine):
 
     def call(self, name, *args):
         _library.check(getattr(self.lib, f"fp3_bodies_{name}")(*args), self.error)
-
-    def body(self, body):
-        made = self.lib.default(d.fp3_body_def)
-        made.type = d.FP3_STATIC if body.fixed else d.FP3_KINEMATIC if body.moving else d.FP3_DYNAMIC
-        made.is_fast = int(body.fast)
-        made.x[:], made.angle, made.v[:], made.w = body.at, body.angle, body.v or (0.0, 0.0), float(body.w)
-        made.is_fast = body.fast
-        return made
-
-    def attach(self, body, handle):
-        shape = self.lib.default(d.fp3_shape_def)
-        shape.type = {"disc": d.FP3_CIRCLE, "box": d.FP3_BOX, "capsule": d.FP3_CAPSULE, "polygon": d.FP3_POLYGON}[body.shape]
-        shape.radius = body.size[-1] if body.shape in ("disc", "capsule") else 0.0
-        shape.density, shape.friction, shape.restitution = body.density, body.friction, body.restitution
-        if body.shape == "box":
-            shape.half[:] = body.size
-        corners = body.size if body.shape == "polygon" else ((-body.size[0], 0.0), (body.size[0], 0.0)) if body.shape == "capsule" else ()
-        shape.corners = len(corners)
-        for k, corner in enumerate(corners):
-            shape.corner[k][:] = corner
-        self.call("attach", self.world, handle.ctypes.data, 1, ctypes.byref(shape), None)
-        if (body.mass or body.inertia) and not (body.fixed or body.moving):
-            m, about = mass(body, 2)
-            self.write("mass", handle, m)
-            self.write("inertia", handle, about[0])
-
-    def pin(self, pin, handles):
-        made = self.lib.default(d.fp3_joint_def)
-        made.type, made.a, made.b = d.FP3_HINGE, int(handles[pin.a]), int(handles[pin.b])
-        for anchor, k in ((made.anchor_a, pin.a), (made.anchor_b, pin.b)):
-            anchor[:] = inside(self.scene.bodies[k], pin.at) if k >= 0 else pin.at
-        return made
 
     def write(self, name, handle, value):
         self.call("write", self.world, name.encode(), handle.ctypes.data, 1, np.array([value]).ctypes.data)
@@ -117,6 +91,73 @@ class Made(Engine):
     def push(self, body, force):
         for name, value in zip(("force_x", "force_y"), force):
             self.write(name, self.handles[body:body + 1], value)
+
+
+class Definitions:
+    """What fp3/bodies.h takes of a scene. The last body is the world, to which pins and chains hold; joints have numbers of bodies in place of handles."""
+
+    def __init__(self, lib, scene):
+        self.lib, self.scene = lib, scene
+        origin = lib.default(d.fp3_body_def)
+        origin.type = d.FP3_STATIC
+        self.bodies = (d.fp3_body_def * (len(scene.bodies) + 1))(*map(self.body, scene.bodies), origin)
+        self.shapes = [(k, self.shape(body)) for k, body in enumerate(scene.bodies)]
+        self.chains = [(np.array(corners, dtype=float), lib.default(d.fp3_shape_def)) for corners in scene.chains]
+        for _, surface in self.chains:
+            surface.radius = 0.0
+        joints = [self.pin(pin) for pin in scene.pins] + [self.joint(joint) for joint in scene.joints]
+        self.joints = (d.fp3_joint_def * len(joints))(*joints)
+
+    def body(self, body):
+        made = self.lib.default(d.fp3_body_def)
+        made.type = d.FP3_STATIC if body.fixed else d.FP3_KINEMATIC if body.moving else d.FP3_DYNAMIC
+        made.x[:], made.angle, made.v[:], made.w = body.at, body.angle, body.v or (0.0, 0.0), float(body.w)
+        made.is_fast = int(body.fast)
+        return made
+
+    def shape(self, body):
+        shape = self.lib.default(d.fp3_shape_def)
+        shape.type = {"disc": d.FP3_CIRCLE, "box": d.FP3_BOX, "capsule": d.FP3_CAPSULE, "polygon": d.FP3_POLYGON}[body.shape]
+        shape.radius = body.size[-1] if body.shape in ("disc", "capsule") else 0.0
+        shape.density, shape.friction, shape.restitution = body.density, body.friction, body.restitution
+        if body.shape == "box":
+            shape.half[:] = body.size
+        corners = body.size if body.shape == "polygon" else ((-body.size[0], 0.0), (body.size[0], 0.0)) if body.shape == "capsule" else ()
+        shape.corners = len(corners)
+        for k, corner in enumerate(corners):
+            shape.corner[k][:] = corner
+        return shape
+
+    def joined(self, type, a, b):
+        made = self.lib.default(d.fp3_joint_def)
+        made.type, made.a, made.b = type, a % len(self.bodies), b % len(self.bodies)
+        return made
+
+    def pin(self, pin):
+        made = self.joined(d.FP3_HINGE, pin.a, pin.b)
+        for anchor, k in ((made.anchor_a, pin.a), (made.anchor_b, pin.b)):
+            anchor[:] = inside(self.scene.bodies[k], pin.at) if k >= 0 else pin.at
+        return made
+
+    def joint(self, joint):
+        made = self.joined(getattr(d, f"FP3_{joint.type.upper()}"), joint.a, joint.b)
+        for word, value in joint.more.items():
+            if isinstance(value, tuple):
+                getattr(made, word)[:] = value
+            else:
+                setattr(made, word, value)
+        return made
+
+    def bytes(self):
+        """For tests/bodies/stepped.c."""
+        def words(*numbers):
+            return np.array(numbers, np.uint64).tobytes()
+        scene = self.scene
+        assert not any(body.mass or body.inertia for body in scene.bodies)
+        parts = [np.array([*scene.gravity, scene.step]).tobytes(), words(scene.substeps, len(self.bodies), len(self.shapes), len(self.joints), len(self.chains)),
+                 bytes(self.bodies), *(words(k) + bytes(shape) for k, shape in self.shapes),
+                 *(words(len(self.bodies) - 1, len(corners), 0) + bytes(surface) + corners.tobytes() for corners, surface in self.chains), bytes(self.joints)]
+        return b"".join(parts)
 
 
 def inside(body, at):

@@ -33,6 +33,14 @@ are in DIR; that is *own box2d*. Chipmunk is `pymunk`, Rapier `rapier3d`, Bullet
 body is a multibody, as robots have them; Bullet's rigid bodies, which games have, may be better at impacts, and are not measured."""
 
 
+HASHES = """\
+Each scene is stepped in several ways, and `fp3_bodies_hash` tells of each where bodies are, how they move, who sleeps, and the impulses of contacts.
+{differ} of {runs} runs differ. *built in* are the laws as C, on each kind of processor (`FP3_FAST`), with a call for each body, shape, joint and step (*calls*),
+and with a return to a saved state (*restored*); `isa`, `fast` and `rtl` execute the laws as programs, the hardware on two configurations. The hardware makes the
+first steps alone: a step takes it seconds. Here bodies sleep. The scenes: boxes that stand; figures with limits in their hinges on stairs; a car with springs, a motor
+and a rope on hills and a bridge, with every type of joint; shapes that bounce into a heap; dominoes."""
+
+
 def number(value):
     return "none" if value is None else f"{value:.6g}"
 
@@ -74,6 +82,14 @@ def speed(rows):
         yield [row["scene"], row["engine"], f"{row['bodies']:,}", row["settled"], f"{row['ns_per_body_step']:,.0f}", ratio]
 
 
+def runs(rows):
+    """A line for each hash of a scene after so many steps: one, if all is well."""
+    for scene, steps, found in dict.fromkeys((row["scene"], row["steps"], row["hash"]) for row in rows):
+        of = [row for row in rows if (row["scene"], row["steps"], row["hash"]) == (scene, steps, found)]
+        who = "; ".join(f"{engine}: " + ", ".join(row["variant"] for row in of if row["engine"] == engine) for engine in order(of, "engine"))
+        yield [scene, steps, f"`{found}`", len(of), who]
+
+
 def left(rows):
     if rows:
         yield from ("", "Left out: " + "; ".join(f"{row['engine']} of {row['scene']} ({row['why']})" for row in rows) + ".")
@@ -97,6 +113,10 @@ def page(data):
         yield from ("", "## Standing", "", STANDING, "")
         yield from markdown(["scene", "engine", "s", "drift, m", "sag, m", "overlap, m", "energy, J", "floor"], standing(data["standing"]))
         yield from left(data["standing_refused"])
+    if "hashes" in data:
+        from fp3bodies import hashes
+        yield from ("", "## One hash a scene", "", HASHES.format(runs=len(data["hashes"]), differ=len(hashes.differing(data["hashes"]))), "")
+        yield from markdown(["scene", "steps", "hash", "runs", "which"], runs(data["hashes"]))
     if "speed" in data:
         yield from ("", "## Speed", "", SPEED, "")
         yield from markdown(["scene", "engine", "bodies", "settled", "ns", "of Box2D"], speed(data["speed"]))

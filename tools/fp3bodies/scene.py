@@ -1,7 +1,8 @@
 """Scenes of rigid bodies as data, the same for fp3 and for every peer.
 
 A scene has bodies of one shape each, pins between them, and gravity. Two surfaces have the geometric mean of their frictions, and the
-larger one of their restitutions. Nothing sleeps. A scene in the plane can be lifted into space, for engines that have no other.
+larger one of their restitutions. Nothing sleeps. A scene in the plane can be lifted into space, for engines that have no other. Scenes with
+other joints or with chains are for fp3 alone, which is then compared with itself (hashes.py); there bodies sleep.
 """
 
 import dataclasses
@@ -44,10 +45,21 @@ class Pin:
 
 
 @dataclasses.dataclass
+class Joint:
+    """Any other joint of fp3; more: words of fp3_joint_def, anchors in the axes of the bodies."""
+    type: str
+    a: int                      # -1: the world
+    b: int
+    more: dict
+
+
+@dataclasses.dataclass
 class Scene:
     name: str
     bodies: list
     pins: list = dataclasses.field(default_factory=list)
+    joints: list = dataclasses.field(default_factory=list)
+    chains: list = dataclasses.field(default_factory=list)  # lists of corners: ground of the world, to the left of the way along them
     gravity: tuple = (0.0, -10.0)
     step: float = STEP
     substeps: int = SUBSTEPS
@@ -149,7 +161,7 @@ def stacks(count=10, high=10):
     return Scene(f"{count} stacks of {high}", [ground(3.0 * count), *boxes])
 
 
-def mixed(count=2000):
+def mixed(count=2000, restitution=0.0):
     """Boxes, discs and capsules in turn fall into a box."""
     wide = max(8, round(math.sqrt(count / 1.25)))
     place = np.random.default_rng(1)
@@ -159,8 +171,8 @@ def mixed(count=2000):
     for k in range(count):
         at = (1.2 * (k % wide - (wide - 1) / 2) + place.uniform(-0.05, 0.05), 1.2 * (k // wide) + 0.7)
         shape, size = (("box", (0.45, 0.45)), ("disc", (0.5,)), ("capsule", (0.25, 0.25)))[k % 3]
-        bodies.append(Body(shape, size, at, angle=place.uniform(-0.3, 0.3)))
-    return Scene(f"mixed {count}", [*walls, *bodies])
+        bodies.append(Body(shape, size, at, angle=place.uniform(-0.3, 0.3), restitution=restitution))
+    return Scene(f"mixed {count}" + (f", restitution {restitution:g}" if restitution else ""), [*walls, *bodies])
 
 
 def chain(count, heavy=0.0):
@@ -215,6 +227,59 @@ def bullets(count=20, thick=0.1):
     bodies = [Body("box", (thick / 2, 2.0 * count), (0.0, 0.0), fixed=True)]
     bodies += [Body("disc", (0.05,), (-3.0 - 0.01 * k, 2.0 * (k - count / 2)), v=(50.0 + 20.0 * k, 0.0), fast=True) for k in range(count)]
     return Scene(f"{count} bullets", bodies, gravity=(0.0, 0.0))
+
+
+# ---- scenes for fp3 alone ----
+
+LIMB = {"size": (0.2, 0.08), "density": 300.0}
+
+
+def ragdolls(count=2):
+    """Figures of eleven parts over stairs; their hinges have limits, and the necks springs."""
+    bodies, joints = [], []
+
+    def part(a, shape, size, at, anchor_a, anchor_b, **limits):
+        if a is not None:
+            joints.append(Joint("hinge", a, len(bodies), {"anchor_a": anchor_a, "anchor_b": anchor_b, **limits}))
+        bodies.append(Body(shape, size, at, density=LIMB["density"], w=0.5 if a is None else 0.0))
+        return len(bodies) - 1
+    for k in range(count):
+        x, y = 3.0 * k + 1.5, 0.2 * (3 * k + 1) + 1.25
+        body = part(None, "box", (0.15, 0.3), (x, y), None, None)
+        part(body, "disc", (0.14,), (x, y + 0.46), (0.0, 0.3), (0.0, -0.16), hertz=8.0, has_limits=1, low=-0.7, high=0.7)
+        for side, low, high in ((-1, -1.2, 1.2), (1, -1.2, 1.2)):
+            upper = part(body, "capsule", LIMB["size"], (x + side * 0.4, y + 0.25), (side * 0.18, 0.25), (-side * 0.22, 0.0), has_limits=1, low=low, high=high)
+            part(upper, "capsule", LIMB["size"], (x + side * 0.84, y + 0.25), (side * 0.22, 0.0), (-side * 0.22, 0.0), has_limits=1, low=-1.5, high=1.5)
+        for side in (-1, 1):
+            thigh = part(body, "box", (0.07, 0.22), (x + side * 0.09, y - 0.54), (side * 0.09, -0.3), (0.0, 0.24), has_limits=1, low=-0.8, high=0.8)
+            part(thigh, "box", (0.06, 0.22), (x + side * 0.09, y - 1.02), (0.0, -0.24), (0.0, 0.24), has_limits=1, low=-1.5, high=0.1)
+    stairs = [(float(k + end), 0.2 * k) for k in range(3 * count - 1, -1, -1) for end in (1, 0)]
+    return Scene(f"{count} ragdolls", bodies, joints=joints, chains=[[*stairs, (-6.0, 0.0)]])
+
+
+def car(planks=8):
+    """A car with springs and a motor drives over hills and a bridge; each type of joint is there: it pulls a load by a rope, a lid is welded, two gears turn, a lift slides."""
+    hull = ((-1.4, -0.3), (1.4, -0.3), (1.4, 0.0), (0.5, 0.4), (-1.0, 0.45), (-1.4, 0.1))
+    centre = polygon(hull)[1]
+    hull = tuple((x - centre[0], y - centre[1]) for x, y in hull)
+    bodies = [Body("polygon", hull, (-2.0, 0.9), density=80.0)]
+    bodies += [Body("disc", (0.4,), (-2.0 + side * 0.9, 0.4), density=60.0, friction=0.9) for side in (-1, 1)]
+    bodies += [Body("box", (0.4, 0.25), (-5.0, 0.25), density=40.0, friction=0.3), Body("box", (0.3, 0.1), (-2.2, 1.6), density=20.0),
+               Body("disc", (0.3,), (-6.5, 2.0)), Body("disc", (0.6,), (-7.4, 2.0)), Body("box", (0.3, 0.3), (-9.0, 1.5), density=20.0)]
+    joints = [Joint("wheel", 0, k, {"anchor_a": (side * 0.9 - centre[0], -0.45), "axis": (0.0, 1.0), "hertz": 5.0, "speed": -12.0, "most": 120.0})
+              for k, side in ((1, -1), (2, 1))]
+    joints += [Joint("rod", 0, 3, {"anchor_a": (-1.3, -0.2), "anchor_b": (0.4, 0.0), "has_limits": 1, "low": 0.0, "high": 1.5}),
+               Joint("weld", 0, 4, {"anchor_a": (-0.2, 0.6), "anchor_b": (0.0, -0.1), "hertz": 6.0}),
+               Joint("hinge", -1, 5, {"anchor_a": (-6.5, 2.0), "speed": 2.0, "most": 5.0}), Joint("hinge", -1, 6, {"anchor_a": (-7.4, 2.0)}),
+               Joint("gear", 5, 6, {"ratio": 0.5}),
+               Joint("slider", -1, 7, {"anchor_a": (-9.0, 1.5), "axis": (0.0, 1.0), "has_limits": 1, "low": -0.5, "high": 1.0, "speed": 0.5, "most": 500.0})]
+    first = len(bodies)
+    bodies += [Body("box", (0.5, 0.06), (4.5 + k, 0.5), density=30.0) for k in range(planks)]
+    joints += [Joint("hinge", first + k - 1 if k else -1, first + k, {"anchor_a": (0.5, 0.0) if k else (4.0, 0.5), "anchor_b": (-0.5, 0.0)}) for k in range(planks)]
+    joints.append(Joint("hinge", -1, first + planks - 1, {"anchor_a": (4.0 + planks, 0.5), "anchor_b": (0.5, 0.0)}))
+    near = [(3.9 - 0.5 * k, 0.5 * max(0.0, (3.9 - 0.5 * k) / 3.9) + (0.1 * math.sin(1.7 * k) if 9 < k < 14 else 0.0)) for k in range(30)]
+    far = [(4.1 + planks + 0.5 * k, 0.5 + 0.1 * math.sin(1.3 * k)) for k in range(20, -1, -1)]
+    return Scene("car", bodies, joints=joints, chains=[near, far])
 
 
 FAST = [lambda: pyramid(10), lambda: pyramid(20), lambda: pyramid(40), lambda: pyramid(100), stacks, mixed, lambda: chain(200), grid,

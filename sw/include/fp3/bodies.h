@@ -48,6 +48,8 @@ typedef struct {
     /* NULL (default): laws are built in. "isa", "fast" or "rtl": that engine executes their
      * programs, contact by contact, with the same bits; for checks. */
     const char *engine;
+    const char *config; /* with an engine: of docs/configurations.md; NULL (default): "world" */
+    int may_compile;    /* with "fast": native code; the first world starts a C compiler for it */
     /* With an engine: a folder whose texts replace those of programs/bodies/ of the same name; NULL
      * (default): none. */
     const char *laws;

@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* stepped.c - makes steps of a scene of bodies and prints fp3_bodies_hash: for machines that have
+ * nothing but C.
+ *
+ *     stepped SCENE STEPS [ENGINE [CONFIG [WAY]]]
+ *
+ * SCENE is a file of tools/fp3bodies/by_fp3.py: the definitions of fp3/bodies.h as they are in
+ * memory, which is the same on all machines here. ENGINE: "-" (default): laws are built in;
+ * "native": "fast" with native code. CONFIG: "-" (default): that of fp3_bodies_default. WAY:
+ *
+ * - whole (default): everything is added in as few calls as there can be, and one call makes all
+ *   steps;
+ * - calls: a call for each body, shape, joint and step;
+ * - restored: after half of the steps the world is saved, makes 5 steps more and goes back.
+ */
+#include <fp3/bodies.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    double gravity[2], h;
+    uint64_t substeps, bodies, shapes, joints, chains;
+} head;
+typedef struct {
+    uint64_t body;
+    fp3_shape_def shape;
+} attached;
+typedef struct {
+    uint64_t body, corners, is_loop;
+    fp3_shape_def surface;
+} chain;
+typedef struct {
+    fp3_bodies *world;
+    uint64_t *handles;
+    int by_calls;
+    fp3_error error;
+} scene;
+
+static void must(scene *s, fp3_status status) {
+    if (status) {
+        fprintf(stderr, "stepped: %s\n", s->error.text);
+        exit(1);
+    }
+}
+
+/* The caller frees it. */
+static void *take(FILE *file, size_t size, size_t count) {
+    void *data = calloc(count + 1, size);
+    if (!data || fread(data, size, count, file) != count) {
+        fputs("stepped: the scene is cut off\n", stderr);
+        exit(1);
+    }
+    return data;
+}
+
+static void add_bodies(scene *s, FILE *file, size_t count) {
+    fp3_body_def *defs = take(file, sizeof *defs, count);
+    const size_t each = s->by_calls || !count ? 1 : count;
+    s->handles = calloc(count + 1, sizeof *s->handles);
+    for (size_t i = 0; i < count; i += each)
+        must(s, fp3_bodies_add(s->world, &defs[i], each, &s->handles[i]));
+    free(defs);
+}
+
+/* Shapes that are alike and follow each other go into one call. */
+static void attach(scene *s, FILE *file, size_t count) {
+    attached *list = take(file, sizeof *list, count);
+    uint64_t *handles = calloc(count + 1, sizeof *handles);
+    for (size_t i = 0, same; i < count; i += same) {
+        for (same = 0; i + same < count && (!same || !s->by_calls) &&
+                       !memcmp(&list[i].shape, &list[i + same].shape, sizeof list[i].shape);
+             same++)
+            handles[same] = s->handles[list[i + same].body];
+        must(s, fp3_bodies_attach(s->world, handles, same, &list[i].shape, NULL));
+    }
+    free(handles);
+    free(list);
+}
+
+static void join(scene *s, FILE *file, size_t count) {
+    fp3_joint_def *defs = take(file, sizeof *defs, count);
+    uint64_t *joints = calloc(count + 1, sizeof *joints);
+    const size_t each = s->by_calls || !count ? 1 : count;
+    for (size_t i = 0; i < count; i++) {
+        defs[i].a = s->handles[defs[i].a];
+        defs[i].b = s->handles[defs[i].b];
+    }
+    for (size_t i = 0; i < count; i += each)
+        must(s, fp3_bodies_join(s->world, &defs[i], each, joints));
+    free(joints);
+    free(defs);
+}
+
+static void add_chains(scene *s, FILE *file, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        chain *c = take(file, sizeof *c, 1);
+        double *corners = take(file, 2 * sizeof *corners, c->corners);
+        must(s, fp3_bodies_attach_chain(s->world, s->handles[c->body], corners, c->corners,
+                                        (int)c->is_loop, &c->surface));
+        free(corners);
+        free(c);
+    }
+}
+
+static void build(scene *s, FILE *file, const char *engine, const char *config) {
+    fp3_bodies_def def = fp3_bodies_default();
+    head *h = take(file, sizeof *h, 1);
+    def.error = &s->error;
+    memcpy(def.gravity, h->gravity, sizeof h->gravity);
+    def.h = h->h;
+    def.substeps = (uint32_t)h->substeps;
+    def.may_compile = engine && !strcmp(engine, "native");
+    def.engine = def.may_compile ? "fast" : engine;
+    def.config = config;
+    must(s, fp3_bodies_open(&def, &s->world));
+    add_bodies(s, file, h->bodies);
+    attach(s, file, h->shapes);
+    add_chains(s, file, h->chains);
+    join(s, file, h->joints);
+    free(h);
+}
+
+static void go_back(scene *s) {
+    fp3_bodies_state *state = NULL;
+    must(s, fp3_bodies_save(s->world, &state));
+    must(s, fp3_bodies_step(s->world, 5));
+    must(s, fp3_bodies_restore(s->world, state));
+    fp3_bodies_state_free(&state);
+}
+
+static void make_steps(scene *s, uint64_t count) {
+    const uint64_t each = s->by_calls || !count ? 1 : count;
+    for (uint64_t i = 0; i < count; i += each)
+        must(s, fp3_bodies_step(s->world, each));
+}
+
+int main(int argc, char **argv) {
+    const char *engine = argc > 3 && strcmp(argv[3], "-") ? argv[3] : NULL,
+               *config = argc > 4 && strcmp(argv[4], "-") ? argv[4] : NULL,
+               *way = argc > 5 ? argv[5] : "whole";
+    const uint64_t steps = argc > 2 ? strtoull(argv[2], NULL, 10) : 0;
+    scene s = {.by_calls = !strcmp(way, "calls")};
+    FILE *file = argc > 2 ? fopen(argv[1], "rb") : NULL;
+    if (!file) {
+        fputs("usage: stepped SCENE STEPS [ENGINE [CONFIG [whole|calls|restored]]]\n", stderr);
+        return 2;
+    }
+    build(&s, file, engine, config);
+    fclose(file);
+    make_steps(&s, steps / 2);
+    if (!strcmp(way, "restored"))
+        go_back(&s);
+    make_steps(&s, steps - steps / 2);
+    printf("%016" PRIx64 "\n", fp3_bodies_hash(s.world));
+    fp3_bodies_close(&s.world);
+    free(s.handles);
+    return 0;
+}
