@@ -4,6 +4,7 @@
  */
 #include "cli.h"
 #include "run_adaptive.h"
+#include "run_bodies.h"
 #include "run_options.h"
 #include "run_print.h"
 #include "run_ranks.h"
@@ -251,6 +252,7 @@ static fp3_status check_files(fp3_run_options *o, fp3_error *error) {
     fp3_files_write(&o->files, "--kanata", o->on.kanata);
     fp3_files_write(&o->files, "--bus-log", o->on.bus_log);
     fp3_files_write(&o->files, "--output", o->record.def.path);
+    fp3_files_write(&o->files, "--contacts", o->contacts);
     fp3_files_write(&o->files, "--plot", o->record.def.plot);
     fp3_run_record_files(&o->record, &o->files);
     return fp3_files_check(&o->files, error);
@@ -379,6 +381,10 @@ static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
 
 fp3_status fp3_run_make(fp3_run_options *o, char **report, fp3_error *error) {
     fp3_progress_say(o->progress, "reading and compiling");
+    if (o->scene && fp3_run_is_bodies(o->scene))
+        return fp3_run_bodies(o, error);
+    if (o->contacts)
+        return fp3_fail(error, FP3_E_ARGUMENT, "--contacts: expected a --scene of bodies");
     return o->scene ? run_scene(o, error) : run_program(o, report, error);
 }
 

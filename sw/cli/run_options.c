@@ -13,6 +13,9 @@
 static void check(fp3_run_options *o, struct argp_state *state) {
     if (!o->program && !o->scene)
         argp_error(state, "expected a program, or --scene FILE");
+    const char *dot = o->program ? strrchr(o->program, '.') : NULL;
+    if (dot && !strcmp(dot, ".scene"))
+        argp_error(state, "found '%s', expected --scene %s", o->program, o->program);
     if (o->program && o->scene)
         argp_error(state, "--scene: found '%s', but the scene names its programs", o->program);
     fp3_run_adaptive_check(&o->how, o->is_model, state);
@@ -182,7 +185,8 @@ static const fp3_option table[] = {
      "rtl, the hardware under Verilator (default), isa, an instruction-set simulator in C, "
      "fast, native code for many objects, which counts no cycles (default if objects see each "
      "other), or board, "
-     "hardware behind --port",
+     "hardware behind --port. Of bodies: isa, fast or rtl, which execute the laws of contacts "
+     "(default: they are built in)",
      FP3_TEXT(fp3_run_options, on.engine), .forms = FP3_RUN_DECIDES},
     {"port", 0, "DEV",
      "With --engine board: its serial port, as /dev/ttyUSB0, or the name that fp3 board prints; "
@@ -223,7 +227,7 @@ static const fp3_option table[] = {
      FP3_CALL(take_links), .is_repeated = 1, .forms = FP3_RUN_DECIDES},
     {"scene", 0, "FILE",
      "Run the objects, programs and values of FILE instead of a PROGRAM; --config, --engine, "
-     "--steps, --visit and --seed replace its settings",
+     "--steps, --visit and --seed replace its settings. FILE may be a scene of rigid bodies",
      FP3_TEXT(fp3_run_options, scene), .forms = FP3_RUN_DECIDES},
     {"clock", 0, "FREQUENCY",
      "Also print how long the run takes at this clock, as 130MHz; units: Hz, kHz, MHz, GHz",
@@ -245,8 +249,12 @@ static const fp3_option table[] = {
      "Write observed values to FILE: " FP3_FORMATS ", a row for each object of each snapshot",
      FP3_CALL(take_output), .forms = FP3_RUN_BESIDE},
     {"group", 0, "NAME",
-     "With --output or --plot of a --scene of several groups: record the objects of this group",
+     "With --output or --plot of a --scene of several groups: record the objects of this group; of "
+     "a scene of bodies: the bodies of this name",
      FP3_TEXT(fp3_run_options, group), .forms = FP3_RUN_BESIDE},
+    {"contacts", 0, "FILE",
+     "Of a --scene of bodies: write contacts that began, ended and hit to FILE, as CSV",
+     FP3_TEXT(fp3_run_options, contacts), .forms = FP3_RUN_BESIDE},
     {"compress", 0, NULL, "With --output: compress HDF5",
      FP3_FLAG(fp3_run_options, record.def.is_compressed), .forms = FP3_RUN_BESIDE},
     {"plot", 0, "FILE",
@@ -264,8 +272,8 @@ static const fp3_option table[] = {
      FP3_CALL(take_times), .forms = FP3_RUN_BESIDE},
     {"observe", 0, "NAMES",
      "With --output or --plot: states, and of a model definitions and invariants, with commas "
-     "between them; "
-     "may be repeated (default: all states)",
+     "between them; of bodies x, angle, v, w, at_rest (default), force, torque, mass, inertia and, "
+     "in HDF5, contacts; may be repeated (default: all states)",
      FP3_CALL(take_observe), .is_repeated = 1, .forms = FP3_RUN_BESIDE},
     {"checkpoint", 0, "FILE",
      "Write the state of all objects to FILE at the end, for --restart; the file before stays as "

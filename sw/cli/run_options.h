@@ -23,7 +23,7 @@ typedef struct {
 } fp3_run_check_def;
 
 typedef struct {
-    const char *program, *scene, *group, *config, *integrator;
+    const char *program, *scene, *group, *config, *integrator, *contacts;
     uint64_t steps, objects;
     fp3_run_engine on;
     int all, has_steps, is_model, allows_failures;

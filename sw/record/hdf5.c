@@ -29,7 +29,7 @@ typedef struct {
     uint64_t *steps; /* of the snapshots of a chunk */
     double *times;
     fp3_digest *chain; /* likewise */
-    int chain_dataset;
+    int chain_dataset, extra_dataset;
     int has_time;
 } hdf5;
 
@@ -84,16 +84,17 @@ static int put_text(const hdf5 *self, int dataset, const char *name, const char 
 static fp3_status describe_file(const hdf5 *self, fp3_error *error) {
     const fp3_subject *s = self->subject;
     const fp3_program *program = s->program;
-    fp3_status status;
-    const uint32_t crc = crc_of(program->image, &status, error);
+    fp3_status status = FP3_OK;
+    const uint32_t crc = program ? crc_of(program->image, &status, error) : 0;
     if (status)
         return status;
     int result = put_text(self, -1, "fp3_version", FP3_VERSION) |
                  put_text(self, -1, "engine", s->engine) |
                  put_text(self, -1, "configuration", s->config) |
-                 put_text(self, -1, "command", s->command ? s->command : "") |
-                 self->calls->number(self->file, -1, "image_crc32", FP3_HDF5_UINT32, &crc);
-    if (program->model)
+                 put_text(self, -1, "command", s->command ? s->command : "");
+    if (program)
+        result |= self->calls->number(self->file, -1, "image_crc32", FP3_HDF5_UINT32, &crc);
+    if (program && program->model)
         result |= put_text(self, -1, "model", program->model->name) |
                   put_text(self, -1, "description", program->model->doc) |
                   put_text(self, -1, "integrator", program->integrator->name);
@@ -140,7 +141,8 @@ static fp3_status add_column(const hdf5 *self, size_t i, fp3_error *error) {
 /* The state that is a position knows its velocity, so that readers can tell the two from each
  * other. */
 static fp3_status name_velocity(const hdf5 *self, size_t i, fp3_error *error) {
-    const fp3_model *model = self->subject->program->model;
+    const fp3_program *program = self->subject->program;
+    const fp3_model *model = program ? program->model : NULL;
     const uint32_t state =
         model ? fp3_model_state(model, self->subject->columns->list[i].name) : FP3_NONE;
     const uint32_t velocity = state == FP3_NONE ? FP3_NONE : model->states[state].velocity;
@@ -193,6 +195,7 @@ static fp3_status describe_relations(hdf5 *self, fp3_error *error) {
             status = write_links(self, dataset++, list, error);
     }
     self->chain_dataset = dataset;
+    self->extra_dataset = dataset + self->subject->is_hashed;
     return status;
 }
 
@@ -284,10 +287,43 @@ static fp3_status hdf5_put(fp3_sink *sink, const fp3_slice *block, fp3_error *er
     return status;
 }
 
+/* ---- tables beside the values ---- */
+
+static fp3_status write_extra(const hdf5 *self, int dataset, const fp3_extra *extra,
+                              fp3_error *error) {
+    const uint64_t most = CHUNK_BYTES / (sizeof(double) * extra->columns);
+    const fp3_hdf5_table table = {.name = extra->name,
+                                  .type = extra->type == FP3_EXTRA_UINT32 ? FP3_HDF5_UINT32
+                                                                          : FP3_HDF5_DOUBLE,
+                                  .rows = extra->rows,
+                                  .columns = extra->columns,
+                                  .chunk_rows = extra->rows < most ? extra->rows : most,
+                                  .chunk_columns = extra->columns,
+                                  .is_compressed = self->subject->is_compressed};
+    const fp3_hdf5_part part = {
+        .rows = extra->rows, .columns = extra->columns, .data = extra->data};
+    return self->calls->add(self->file, &table) || self->calls->write(self->file, dataset, &part)
+               ? failed(self, error)
+               : FP3_OK;
+}
+
+static fp3_status write_extras(const hdf5 *self, fp3_error *error) {
+    const fp3_subject *s = self->subject;
+    int dataset = self->extra_dataset;
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < s->extra_count; i++)
+        if (s->extras[i].rows)
+            status = write_extra(self, dataset++, &s->extras[i], error);
+    return status;
+}
+
 /* ---- opening and closing ---- */
 
 static fp3_status hdf5_publish(fp3_sink *sink, fp3_error *error) {
     hdf5 *self = (hdf5 *)sink;
+    const fp3_status status = write_extras(self, error);
+    if (status)
+        return status;
     if (self->calls->flush(self->file))
         return failed(self, error);
     self->calls->close(self->file);

@@ -8,12 +8,23 @@
 
 #include "state.h"
 
+/* A table of numbers that is the same for the whole run. */
+typedef struct {
+    const char *name; /* with a colon, which no value's has */
+    enum { FP3_EXTRA_UINT32, FP3_EXTRA_DOUBLE } type;
+    size_t rows, columns; /* 0 rows: it is left out */
+    const void *data;
+} fp3_extra;
+
 /* What is recorded. */
 typedef struct {
     const char *path;
-    const fp3_program *program;
+    const fp3_program *program; /* NULL: no program's objects */
     const fp3_columns *columns;
     const fp3_around *around;
+    const fp3_extra
+        *extras; /* HDF5 alone has them; they are asked for when the file is published */
+    size_t extra_count;
     size_t objects;
     uint64_t snapshots;
     int has_time;

@@ -122,7 +122,7 @@ static fp3_status note(fp3_view_recording *r, int dataset, fp3_error *error) {
         self->time = dataset;
     else if (behind(table.name, "links"))
         return add_links(r, dataset, &table, error);
-    else if (table.columns && !behind(table.name, "hash"))
+    else if (table.columns && !strchr(table.name, ':'))
         return add_column(r, dataset, &table, error);
     return FP3_OK;
 }

@@ -471,6 +471,11 @@ static fp3_status read_scene(reader *r) {
                                         "seed",   "h",      "groups", NULL};
     const config_setting_t *root = r->in.root;
     uint64_t visit = 0, seed = 0;
+    const config_setting_t *bodies = config_setting_get_member(root, "bodies");
+    if (bodies)
+        return fp3_setting_wrong(&r->in, bodies,
+                                 "bodies: expected groups; fp3 run alone takes a scene of bodies, "
+                                 "from a file");
     fp3_status status = fp3_setting_keys(&r->in, root, "a scene", names);
     if (!status)
         status = read_config(r);

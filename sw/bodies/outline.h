@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* outline.h - shapes and joints of bodies as they are drawn. z is 0 in the plane. */
+#ifndef FP3_BODIES_OUTLINE_H
+#define FP3_BODIES_OUTLINE_H
+
+#include <fp3/bodies.h>
+
+/* Convex, with a radius around it: one corner is a circle, two are a capsule, more go around
+ * anticlockwise. */
+typedef struct {
+    uint64_t body; /* its handle */
+    uint32_t corners;
+    int is_sensor;
+    double radius;
+    double corner[FP3_CORNERS][3]; /* in the body's axes, from its origin */
+} fp3_outline;
+
+typedef struct {
+    fp3_joint_type type;
+    uint64_t a, b;
+    double anchor_a[3], anchor_b[3];
+} fp3_outline_joint;
+
+/* Call `one` for each shape, where an edge of a chain is one, or for each joint, in the order of
+ * numbers. They end with what `one` returns, unless it is FP3_OK. */
+typedef fp3_status fp3_outline_fn(void *user, const fp3_outline *outline);
+fp3_status fp3_bodies_outlines(const fp3_bodies *bodies, fp3_outline_fn *one, void *user);
+typedef fp3_status fp3_outline_joint_fn(void *user, const fp3_outline_joint *joint);
+fp3_status fp3_bodies_outline_joints(const fp3_bodies *bodies, fp3_outline_joint_fn *one,
+                                     void *user);
+
+#endif

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* read.h - numbers of a scene of bodies, which may be formulas, and copies of an entry. */
+#ifndef FP3_BODIES_SCENE_READ_H
+#define FP3_BODIES_SCENE_READ_H
+
+#include "scene.h"
+
+#include "base/settings.h"
+#include "world/table.h"
+
+#include <fp3/model.h>
+
+#define FP3_COUNTERS 3 /* i, j and k */
+
+/* A formula and the text that it was read from. */
+typedef struct {
+    const char *text;
+    fp3_formula *formula;
+} fp3_read_formula;
+
+typedef struct {
+    const fp3_settings *in;
+    fp3_bodies_scene *scene;
+    uint64_t seed;
+    /* What names in formulas stand for. */
+    double counter[FP3_COUNTERS], number, corner;
+    unsigned counters;       /* that the entry has */
+    int has_corner;          /* a list of corners is read */
+    const fp3_table *points; /* of the entry, or NULL */
+    size_t row;
+    uint64_t random;
+    fp3_read_formula *formulas; /* of the entry */
+    size_t formula_count;
+    uint32_t formula_room;
+} fp3_reader;
+
+/* What is the setting's name in a message. */
+fp3_status fp3_read_number(fp3_reader *r, const config_setting_t *at, const char *what,
+                           double *value);
+/* x and y; a formula each. */
+fp3_status fp3_read_point(fp3_reader *r, const config_setting_t *at, const char *what,
+                          double point[2]);
+/* Of settings that may be missing: *value is unchanged then. */
+fp3_status fp3_read_value(fp3_reader *r, const config_setting_t *group, const char *name,
+                          double *value);
+fp3_status fp3_read_pair(fp3_reader *r, const config_setting_t *group, const char *name,
+                         double pair[2]);
+fp3_status fp3_read_flag(fp3_reader *r, const config_setting_t *group, const char *name, int *flag);
+
+/* Points in a list, ( [0, 0], [1, 0] ), or { count = 12; at = [...]; } with the name `corner`, or
+ * "FILE". The caller frees *corners (x and y of each), after a failure too. */
+fp3_status fp3_read_corners(fp3_reader *r, const config_setting_t *at, const char *what,
+                            double **corners, size_t *count);
+
+/* The formula of a text within another one; it is kept with the entry's. */
+fp3_status fp3_read_formula_part(fp3_reader *r, const config_setting_t *at, const char *what,
+                                 const char *text, size_t length, double *value);
+
+/* Calls `one` for each copy that an entry makes: by its `count` (up to three numbers, inner ones of
+ * the counters outside them) and its file of `points`, or once. entry: its number, from which
+ * `random` begins. */
+typedef fp3_status fp3_copy_fn(fp3_reader *r, const config_setting_t *entry, void *user);
+fp3_status fp3_read_copies(fp3_reader *r, const config_setting_t *entry, size_t number,
+                           fp3_copy_fn *one, void *user);
+void fp3_reader_close(fp3_reader *r);
+
+/* What the world has refused, with the line of the setting that its message names, or of the group;
+ * what is refused is `what`. */
+fp3_status fp3_read_refused(const fp3_reader *r, const config_setting_t *group, const char *what,
+                            fp3_status status);
+
+/* parts.c, joints.c */
+fp3_status fp3_read_bodies(fp3_reader *r, const config_setting_t *list);
+fp3_status fp3_read_joints(fp3_reader *r, const config_setting_t *list);
+/* All shapes that a body's entry gives it. */
+fp3_status fp3_read_shapes(fp3_reader *r, const config_setting_t *entry, uint64_t handle);
+
+#endif

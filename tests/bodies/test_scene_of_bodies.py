@@ -1,0 +1,255 @@
+"""Scenes of rigid bodies: fp3 run --scene has the bits of the calls in Python, on every engine, and files are whole or not there."""
+
+import csv
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
+os.environ["FP3_HOME"] = str(BUILD)
+sys.path.insert(0, str(ROOT / "python"))
+if BUILD.name != "build" and "libasan" not in os.environ.get("LD_PRELOAD", ""):
+    pytest.skip("sanitizers have to be there before Python", allow_module_level=True)
+
+import fp3 as package  # noqa: E402
+
+WORLD = """# a chain of two links hangs over a heap
+steps = 40;
+gravity = [0.5, -10.0];
+h = 0.02;
+substeps = 3;
+bodies = (
+    { name = "ground"; type = "static"; shapes = ( { box = [20.0, 1.0]; centre = [0.0, -1.0]; friction = 0.9; },
+      { chain = { count = 4; at = ("8 - corner", "0.1*corner^2"); }; } ); },
+    { name = "brick"; count = (3, "3 - i"); x = ("1.05*(j + i/2)", "i + 0.5"); angle = "0.01*n";
+      one_of = ( { box = [0.5, 0.5]; }, { circle = 0.5; restitution = 0.4; }, { capsule = ([-0.2, 0.0], [0.2, 0.0]); radius = 0.3; } ); },
+    { name = "link"; count = 2; x = ("i - 5", 5); v = [0.0, 2.0]; w = 1.0; may_not_sleep = true;
+      shapes = { polygon = ( [-0.5, -0.1], [0.5, -0.1], [0.0, 0.2] ); density = 3.0; mask = 0x3; }; },
+    { name = "eye"; x = [1.0, 1.0]; type = "kinematic"; v = [0.1, 0.0]; shapes = { circle = 0.5; is_sensor = true; }; }
+);
+joints = (
+    { hinge = ["ground", "link[0]"]; at = [-5.0, 5.0]; limits = [-2.0, 2.0]; speed = 1.0; most = 5.0; },
+    { count = 1; rod = ["link[n]", "link[n + 1]"]; anchor_a = [0.5, 0.0]; hertz = 3.0; damping = 0.2; }
+);
+"""
+
+
+def world():
+    """The same by calls."""
+    made = package.Bodies(gravity=(0.5, -10), h=0.02, substeps=3)
+    ground = made.add(type="static")
+    made.attach(ground, package.box(20, 1, centre=(0, -1), friction=0.9))
+    made.chain(ground, [(8 - i, 0.1 * i**2) for i in range(4)])
+    shapes = [package.box(0.5, 0.5), package.circle(0.5, restitution=0.4), package.capsule((-0.2, 0), (0.2, 0), 0.3)]
+    bricks = [(i, j) for i in range(3) for j in range(3 - i)]
+    for n, (i, j) in enumerate(bricks):
+        made.attach(made.add(x=(1.05 * (j + i / 2), i + 0.5), angle=0.01 * n), shapes[n % 3])
+    links = [made.add(x=(i - 5, 5), v=(0, 2), w=1, may_not_sleep=True) for i in range(2)]
+    for link in links:
+        made.attach(link, package.polygon([(-0.5, -0.1), (0.5, -0.1), (0, 0.2)], density=3, mask=3))
+    eye = made.add(x=(1, 1), type="kinematic", v=(0.1, 0))
+    made.attach(eye, package.circle(0.5, is_sensor=True))
+    made.join("hinge", ground, links[0], anchor_a=(-5, 5), limits=(-2, 2), speed=1, most=5)
+    made.join("rod", links[0], links[1], anchor_a=(0.5, 0), hertz=3, damping=0.2)
+    return made
+
+
+def start(command, *arguments, folder, code=0):
+    done = subprocess.run([command, *arguments], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == code, done.stderr
+    return done.stdout if code == 0 else done.stderr
+
+
+@pytest.fixture
+def run(fp3, tmp_path):
+    def with_text(text, *arguments, code=0):
+        (tmp_path / "x.scene").write_text(text)
+        return start(fp3, "run", "--scene", "x.scene", *arguments, folder=tmp_path, code=code)
+    return with_text
+
+
+def hash_of(said):
+    return re.search(r"^hash +([0-9a-f]{16})$", said, re.M)[1]
+
+
+def test_a_scene_has_the_bits_of_calls(run):
+    made = world()
+    made.step(40)
+    said = run(WORLD)
+    assert hash_of(said) == f"{made.hash:016x}"
+    assert re.search(r"^bodies +10, of which \d+ are awake$", said, re.M) and "joints           2, of which 0 broke" in said
+    assert hash_of(run(WORLD, "-n", "41")) != hash_of(said)
+
+
+@pytest.mark.parametrize("engine, steps", [("fast", 40), ("isa", 8), pytest.param("rtl", 2, marks=pytest.mark.long)])
+def test_each_engine_has_the_same_bits(run, engine, steps):
+    said = run(WORLD, "-e", engine, "-n", str(steps))
+    assert f"laws on engine {engine}" in said
+    assert hash_of(said) == hash_of(run(WORLD, "-n", str(steps)))
+
+
+def test_the_hardware_has_the_same_bits(run):
+    text = "steps = 1; substeps = 2; bodies = ( { type = \"static\"; shapes = { box = [2.0, 0.5]; }; }, { x = [0.0, 0.99]; v = [1.0, 0.0]; shapes = { circle = 0.5; }; } );"
+    assert hash_of(run(text, "-e", "rtl")) == hash_of(run(text))
+
+
+def test_random_numbers_follow_the_seed_and_the_entry(run):
+    text = 'bodies = ( %s { count = 3; x = ["random", "random"]; angle = "random"; shapes = { circle = 0.1; }; } );'
+    row = re.compile(r"^body 2 +(\S+) +(\S+)", re.M)
+    first = [float(x) for x in row.search(run(text % "", "-n", "0")).groups()]
+    assert all(0 < x < 1 for x in first) and first[0] != first[1]
+    assert [float(x) for x in row.search(run(text % "", "-n", "0", "--seed", "7")).groups()] != first
+    assert run("seed = 7; " + text % "", "-n", "0").splitlines()[:4] == run(text % "", "-n", "0", "--seed", "7").splitlines()[:4]
+
+
+def test_a_file_of_points(run, tmp_path):
+    (tmp_path / "stones.csv").write_text("# three stones\nx,y,size\n0,1,0.5\n2,1,0.25\n4.5,1,0.125\n")
+    (tmp_path / "ground.csv").write_text("x,y\n9,0\n-9,0\n")
+    said = run('bodies = ( { type = "static"; shapes = { chain = "ground.csv"; }; },\n'
+               '{ name = "stone"; points = "stones.csv"; x = ["x", "y"]; shapes = { circle = "size"; }; } );', "-n", "0", "--output", "x.h5")
+    assert re.search(r"^stone\[2\] +4\.5 +1 +0 ", said, re.M)
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert file["shapes:radius"][:, 0].tolist() == [0, 0.5, 0.25, 0.125]
+        assert file["shapes:of"][:].tolist() == [[0, 2, 0], [1, 1, 0], [2, 1, 0], [3, 1, 0]]
+        assert file["shapes:corners"][:2].tolist() == [[9, 0, 0], [-9, 0, 0]]
+    assert "x.csv would overwrite" not in said
+    assert "would overwrite points or chain stones.csv" in run((tmp_path / "x.scene").read_text(), "--output", "stones.csv", code=2)
+
+
+def test_a_recording_has_what_python_reads(run, tmp_path):
+    run(WORLD, "--output", "x.csv", "--every", "16", "--contacts", "changes.csv")
+    rows = list(csv.DictReader((tmp_path / "x.csv").open(newline="")))
+    assert list(rows[0]) == ["step", "time [s]", "object", "x_x [m]", "x_y [m]", "angle [1]", "v_x [m/s]", "v_y [m/s]", "w [1/s]", "at_rest [s]"]
+    assert [int(row["step"]) for row in rows[::10]] == [0, 16, 32, 40]
+    made, changes = world(), []
+    for step in range(41):
+        if step:
+            made.step(1)
+            changes += [(str(step), name, len(made.changes(name))) for name in ("began", "ended", "hit") if len(made.changes(name))]
+        mine = [row for row in rows if int(row["step"]) == step]
+        if mine:
+            wanted = np.column_stack([made.read(name, made.handles) for name in ("x", "angle", "v", "w", "at_rest")])
+            assert np.array_equal([[float(value) for value in list(row.values())[3:]] for row in mine], wanted)
+    told = list(csv.DictReader((tmp_path / "changes.csv").open(newline="")))
+    assert changes and [key for key in dict.fromkeys((row["step"], row["change"]) for row in told)] == [(step, name) for step, name, _ in changes]
+    assert len(told) == sum(count for _, _, count in changes)
+    assert {row["a"] for row in told} <= {"ground", *(f"brick[{i}]" for i in range(6)), "link[0]", "link[1]", "eye"}
+
+
+def test_hdf5_has_shapes_joints_and_contacts(run, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    run(WORLD, "--output", "x.h5", "--times", "0,0.4", "--observe", "x,angle,contacts")
+    made = world()
+    made.step(20)
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert np.array_equal(file["angle"][1], made.read("angle", made.handles)) and file["time"][:].tolist() == [0, 0.4]
+        assert "v_x" not in file and file["shapes:of"][:, 0].tolist() == [0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9]
+        assert file["shapes:of"][-1].tolist() == [9, 1, 1]                                  # a sensor
+        assert file["joints:of"][:, :2].tolist() == [[0, 7], [7, 8]]
+        assert file["joints:anchors"][:].tolist() == [[-5, 5, 0, 0, 0, 0], [0.5, 0, 0, 0, 0, 0]]
+        of, points = file["contacts:of"][:], file["contacts:points"][:]
+        touching = made.contacts()
+        assert len(touching) > 4 and np.array_equal(points[of[:, 0] == 1][:, :2], touching["point"])
+        assert np.allclose(points[of[:, 0] == 1][:, 6], touching["impulse"] * 3 / 0.02, rtol=1e-12)
+    run(WORLD, "--output", "x.h5", "--group", "link")
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert file["x_x"].shape == (2, 2) and file["joints:of"][:].tolist() == [[0, 1, 0]]
+
+
+def test_a_run_that_fails_writes_nothing(run, tmp_path):
+    """A motor that is far too strong."""
+    text = """steps = 400; bodies = ( { name = "a"; type = "static"; }, { name = "b"; x = [1.0, 0.0]; v = [1e12, 0.0]; gravity = 1e12; shapes = { circle = 1e-6; }; } );
+joints = ( { hinge = ["a", "b"]; at = [1e6, 0.0]; speed = 1e9; most = 1e12; } );"""
+    said = run(text, "--output", "x.csv", "--contacts", "y.csv", code=3)
+    assert re.search(r"^fp3 run: x\.scene: .*finite", said, re.M)
+    assert [path.name for path in tmp_path.iterdir()] == ["x.scene"]
+
+
+def body(text):
+    return "bodies = (\n{ name = \"a\"; %s }\n);" % text
+
+
+def joint(text):
+    return 'bodies = ( { name = "a"; shapes = { circle = 1.0; }; }, { name = "b"; type = "static"; }, { name = "c"; count = 3; } );\njoints = (\n{ %s }\n);' % text
+
+
+@pytest.mark.parametrize("text, message", [
+    (body("x = 3;"), r"2: x: found '3', expected two numbers"),
+    (body("x = [1.0, 1e13];"), r"2: a: x\[1\] is 1e\+13, expected -1e12 to 1e12"),
+    (body("\nspin_damping = -1.0;"), r"2: a: damping is below 0"),
+    (body('count = 3; x = ("i +", 0);'), r'2: x: "i \+": column 4: found end of file, expected a number'),
+    (body('count = (2, "j");'), r"2: count: \"j\": found 'j', expected a name of this entry: n, random, i"),
+    (body("count = 2.5;"), r"2: count is 2.5, expected a whole number from 0 to 1000000"),
+    (body('angle = "1/0";'), r"2: angle: .* \(this is infinite\)"),
+    (body('type = "dynamc";'), r"2: type: found 'dynamc', expected \"dynamic\""),
+    (body("shape = {};"), r"2: found 'shape', expected a setting of a body: .* \(did you mean 'shapes'\?\)"),
+    (body("shapes = {};"), r"2: shape: expected one of circle = RADIUS"),
+    (body("shapes = {\nbox = [1.0, 1.0];\nfriction = -1.0; };"), r"4: box: friction is -1, expected 0 to 1e\+06"),
+    (body("shapes = { circle = 1.0; radius = 2.0; };"), r"2: radius: a circle has none but circle = RADIUS"),
+    (body("shapes = { polygon = ([0.0, 0.0], [1.0, 0.0]); };"), r"2: polygon: a polygon has 3 to 8 points, not 2"),
+    (body('shapes = { polygon = { count = 9; at = ("cos(corner)", "sin(corner)"); }; };'), r"2: polygon: found 9 corners, expected at most 8"),
+    (body("shapes = { chain = ([0.0, 0.0], [1.0, 0.0]); };"), r"2: chain: a chain is ground"),
+    (body("one_of = ();"), r"2: one_of: .* expected a list of shapes"),
+    (body('points = "none.csv";'), r"2: none.csv: cannot open"),
+    (body("count = 0;"), r"1: bodies: found no body, expected one"),
+    ("h = 2.0;\n" + body(""), r"1: h is 2, expected 9.53674e-07 to 1"),
+    ("\nsubsteps = 65;\n" + body(""), r"2: substeps is 65, expected 1 to 64"),
+    ('engine = "board";' + body(""), r"1: engine: found 'board', expected \"isa\", \"fast\" or \"rtl\""),
+    ("step = 3;\n" + body(""), r"1: found 'step', expected a setting of a scene of bodies: .*\(did you mean 'steps'\?\)"),
+    ('bodies = ( { name = "a"; },\n{ name = "a"; } );', r"2: name: found 'a' again"),
+    (joint(""), r"3: joint: expected rod, hinge"),
+    (joint('hinge = ["a", "q"];'), r"3: hinge: found 'q', expected the name of a body"),
+    (joint('hinge = ["a", "c"];'), r"3: hinge: there are 3 bodies 'c', expected c\[NUMBER\]"),
+    (joint('hinge = ["a", "c[3]"];'), r"3: hinge: found c\[3\], and there are c\[0\] to c\[2\]"),
+    (joint('hinge = ["a", "a"];'), r"3: hinge: joins a body with itself"),
+    (joint('rod = ["a", "b"]; at = [0.0, 1.0];'), r"3: at: a rod is not at a point"),
+    (joint('hinge = ["a", "b"]; limits = [2.0, 1.0];'), r"3: hinge: low, 2, is above high, 1"),
+    (joint('count = 2; hinge = ["a", "c[n]"];\nmost = "-n";'), r"4: hinge, copy 1: most is -1, expected 0 to 1e\+12"),
+])
+def test_a_wrong_scene_is_refused_where_it_is_wrong(run, text, message):
+    assert re.search(r"^fp3 run: x\.scene:" + message, run(text, code=2), re.M)
+
+
+@pytest.mark.parametrize("arguments, message", [
+    ("--config many", "--config: .*bodies need no configuration"), ("--threads 2", "--threads: .*one thread"), ("--check", "--check, --strict: "),
+    ("--plot x.svg", "--plot: .*fp3 view draws"), ("--checkpoint x.h5", "no checkpoints"), ("--tolerance 1e-3", "--tolerance: only a model"),
+    ("-e board --port x", "--port, --baud: "), ("-e nix", "--engine: found 'nix', expected isa, fast or rtl"), ("--visit 2", "--visit: "),
+    ("--clock 1MHz", "--clock: "), ("--allow-failures", "--allow-failures: "), ("--group a", "nothing is recorded"),
+    ("--output x.csv --group q", "--group: found 'q', expected the name of bodies"), ("--output x.csv --observe xx", r"bodies have no value 'xx' \(did you mean 'x'\?\)"),
+    ("--output x.csv --observe contacts", "only HDF5 .* has contacts"), ("--output x.csv --observe x,x_x", "'x_x' is observed twice"),
+    ("--output x.csv --times 0.1,0.11", "time 0.11 is no multiple of h"), ("--contacts x.scene", "would overwrite --scene"), ("--native x -e fast", "--native: "),
+    ("--set a=1", "values are in the scene"),
+])
+def test_an_option_that_says_nothing_of_bodies_is_refused(run, tmp_path, arguments, message):
+    assert re.search(message, run(body("shapes = { circle = 1.0; };"), *arguments.split(), code=2))
+    assert [path.name for path in tmp_path.iterdir()] == ["x.scene"]
+
+
+def test_other_commands_say_who_takes_bodies(fp3, root, tmp_path):
+    (tmp_path / "x.scene").write_text(body(""))
+    assert "fp3 run alone takes a scene of bodies" in start(fp3, "tune", "x.scene", "--tolerance", "1e-3", folder=tmp_path, code=2)
+    assert "expected --scene x.scene" in start(fp3, "run", "x.scene", folder=tmp_path, code=2)
+    assert "--contacts: expected a --scene of bodies" in start(fp3, "run", root / "programs/kepler.ode", "--contacts", "x.csv", folder=tmp_path, code=2)
+
+
+@pytest.mark.parametrize("name, bodies, joints", [("pyramid", 822, 0), ("car", 24, 23), ("dominoes", 62, 0)])
+def test_the_scenes_of_the_project_run(fp3, root, name, bodies, joints):
+    said = start(fp3, "run", "--scene", f"programs/bodies/{name}.scene", "-n", "20", folder=root)
+    assert f"bodies           {bodies}, of which" in said and (f"joints           {joints}, of which 0 broke" in said or not joints)
+
+
+def test_a_joint_at_a_place_of_the_world(run, tmp_path):
+    """(1, 2) and (-0.5, 0.25) in the axes of two bodies that are turned."""
+    h5py = pytest.importorskip("h5py")
+    run("""bodies = ( { name = "a"; x = ["3 - (cos(0.5) - 2*sin(0.5))", "4 - (sin(0.5) + 2*cos(0.5))"]; angle = 0.5; },
+{ name = "b"; x = ["3 + 0.5*cos(2) + 0.25*sin(2)", "4 + 0.5*sin(2) - 0.25*cos(2)"]; angle = 2.0; } );
+joints = ( { weld = ["a", "b"]; at = [3.0, 4.0]; } );""", "-n", "0", "--output", "x.h5")
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert np.allclose(file["joints:anchors"][0], [1, 2, 0, -0.5, 0.25, 0], rtol=0, atol=1e-14)
