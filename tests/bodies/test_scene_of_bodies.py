@@ -124,12 +124,12 @@ def test_a_file_of_points(run, tmp_path):
 
 
 def test_a_recording_has_what_python_reads(run, tmp_path):
-    run(WORLD, "--output", "x.csv", "--every", "16", "--contacts", "changes.csv")
+    run(WORLD, "-n", "400", "--output", "x.csv", "--every", "160", "--contacts", "changes.csv")
     rows = list(csv.DictReader((tmp_path / "x.csv").open(newline="")))
     assert list(rows[0]) == ["step", "time [s]", "object", "x_x [m]", "x_y [m]", "angle [1]", "v_x [m/s]", "v_y [m/s]", "w [1/s]", "at_rest [s]"]
-    assert [int(row["step"]) for row in rows[::10]] == [0, 16, 32, 40]
+    assert [int(row["step"]) for row in rows[::10]] == [0, 160, 320, 400]
     made, changes = world(), []
-    for step in range(41):
+    for step in range(401):
         if step:
             made.step(1)
             changes += [(str(step), name, len(made.changes(name))) for name in ("began", "ended", "hit") if len(made.changes(name))]

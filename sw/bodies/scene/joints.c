@@ -150,7 +150,8 @@ static fp3_status read_def(fp3_reader *r, const config_setting_t *from, fp3_join
     if (!status)
         status = fp3_read_pair(r, from, "axis", def->axis);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
-        status = fp3_read_value(r, from, numbers[i].name, (double *)((char *)def + numbers[i].at));
+        status = fp3_read_value(r, from, numbers[i].name,
+                                (double *)(void *)((char *)def + numbers[i].at));
     if (!status && limits)
         status = fp3_read_point(r, limits, "limits", ends);
     def->has_limits = limits != NULL;

@@ -49,7 +49,8 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
     if (!status)
         status = fp3_read_pair(r, root, "gravity", def.gravity);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
-        status = fp3_read_value(r, root, numbers[i].name, (double *)((char *)&def + numbers[i].at));
+        status = fp3_read_value(r, root, numbers[i].name,
+                                (double *)(void *)((char *)&def + numbers[i].at));
     if (!status)
         status = read_count(r, "substeps", 1, &substeps);
     if (status)

@@ -46,9 +46,10 @@ static fp3_status read_def(fp3_reader *r, const config_setting_t *from, fp3_body
     if (!status)
         status = fp3_read_pair(r, from, "v", def->v);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
-        status = fp3_read_value(r, from, numbers[i].name, (double *)((char *)def + numbers[i].at));
+        status = fp3_read_value(r, from, numbers[i].name,
+                                (double *)(void *)((char *)def + numbers[i].at));
     for (size_t i = 0; !status && i < sizeof flags / sizeof *flags; i++)
-        status = fp3_read_flag(r, from, flags[i].name, (int *)((char *)def + flags[i].at));
+        status = fp3_read_flag(r, from, flags[i].name, (int *)(void *)((char *)def + flags[i].at));
     return status;
 }
 

@@ -72,7 +72,8 @@ static fp3_status read_bits(fp3_reader *r, const config_setting_t *from, const c
 static fp3_status read_surface(fp3_reader *r, const config_setting_t *from, fp3_shape_def *def) {
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
-        status = fp3_read_value(r, from, numbers[i].name, (double *)((char *)def + numbers[i].at));
+        status = fp3_read_value(r, from, numbers[i].name,
+                                (double *)(void *)((char *)def + numbers[i].at));
     if (!status)
         status = fp3_read_pair(r, from, "centre", def->centre);
     if (!status)
