@@ -92,8 +92,11 @@ static void weigh(fp3_bodies *bodies, uint32_t number) {
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
         all = fp3_weigh_together2((const fp3_mass2[]){all, bodies->shape[s].mass}, 2);
     const fp3_point2 centre = {(float)all.x, (float)all.y};
-    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+    body->extent = 0;
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
         shift(&bodies->shape[s], centre);
+        body->extent = fmaxf(body->extent, bodies->shape[s].shape.extent);
+    }
     /* The origin stays where it is. */
     const double c = body->turn[0], s = body->turn[1], dx = (double)centre.x - body->centre[0],
                  dy = (double)centre.y - body->centre[1];

@@ -107,8 +107,8 @@ static fp3_status end_contacts(fp3_bodies *bodies, const uint64_t *handles, size
         bodies->body[(uint32_t)handles[i]].is_marked = 1;
     for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
         const fp3_touch2 *t = &bodies->touch[k];
-        if (t->is_touching && (bodies->body[bodies->shape[t->a].body].is_marked |
-                               bodies->body[bodies->shape[t->b].body].is_marked))
+        if (t->is_touching &&
+            (bodies->body[t->body_a].is_marked | bodies->body[t->body_b].is_marked))
             status = fp3_contact_tell(bodies, FP3_CONTACT_ENDED, t);
     }
     for (size_t i = 0; i < count; i++)

@@ -27,13 +27,13 @@
 
 typedef struct {
     fp3_point2 normal;
-    uint32_t count;
     struct {
         fp3_point2
             arm; /* from a's position to the middle between both surfaces, in the world's axes */
         float gap;
     } point[2]; /* in the order of the tangent (-normal.y, normal.x); from count on
                  numbers without a meaning */
+    uint32_t count;
 } fp3_manifold2;
 
 /* reach: 0 or more. */

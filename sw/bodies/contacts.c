@@ -15,68 +15,18 @@ static fp3_contact2_row *row_of(const fp3_bodies *bodies, uint32_t i) {
     return (fp3_contact2_row *)bodies->contacts.row + bodies->contacts.lane[i] / FP3_WIDE;
 }
 
-static void fill(fp3_bodies *bodies, uint32_t i, const fp3_softness *softness) {
-    const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
-    const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
-    const float from_x = (float)(y->at[0] - x->at[0]), from_y = (float)(y->at[1] - x->at[1]);
-    const int is_against_ground = fp3_slot_of(bodies, a->body) >= bodies->movable ||
-                                  fp3_slot_of(bodies, b->body) >= bodies->movable;
-    const uint32_t lane = bodies->contacts.lane[i] % FP3_WIDE;
-    fp3_contact2_row *row = row_of(bodies, i);
-    fp3_put(&row->ma, lane, fp3_inverse_mass(x->mass));
-    fp3_put(&row->ia, lane, fp3_inverse_mass(x->inertia));
-    fp3_put(&row->mb, lane, fp3_inverse_mass(y->mass));
-    fp3_put(&row->ib, lane, fp3_inverse_mass(y->inertia));
-    fp3_put(&row->n_x, lane, t->m.normal.x);
-    fp3_put(&row->n_y, lane, t->m.normal.y);
-    const int second = t->m.count == 2;
-    const fp3_point2 arm1 = t->m.point[0].arm, arm2 = t->m.point[second].arm;
-    fp3_put(&row->a1, lane, arm1.x);
-    fp3_put(&row->c1, lane, arm1.y);
-    fp3_put(&row->b1, lane, arm1.x - from_x);
-    fp3_put(&row->e1, lane, arm1.y - from_y);
-    fp3_put(&row->gap1, lane, t->m.point[0].gap);
-    fp3_put(&row->j1, lane, 1);
-    fp3_put(&row->a2, lane, arm2.x);
-    fp3_put(&row->c2, lane, arm2.y);
-    fp3_put(&row->b2, lane, arm2.x - from_x);
-    fp3_put(&row->e2, lane, arm2.y - from_y);
-    fp3_put(&row->gap2, lane, t->m.point[second].gap);
-    fp3_put(&row->j2, lane, (float)second);
-    fp3_put(&row->ra, lane, a->shape.radius);
-    fp3_put(&row->rb, lane, b->shape.radius);
-    fp3_put(&row->mu, lane, sqrtf(a->friction * b->friction));
-    fp3_put(&row->belt, lane, a->belt + b->belt);
-    fp3_put(&row->reach, lane, a->rolling > b->rolling ? a->rolling : b->rolling);
-    fp3_put(&row->rate, lane, softness[is_against_ground].rate);
-    fp3_put(&row->soft, lane, softness[is_against_ground].soft);
-    fp3_put(&row->fade, lane, softness[is_against_ground].fade);
-    fp3_put(&row->p1, lane, t->p[0]);
-    fp3_put(&row->f1, lane, t->f[0]);
-    fp3_put(&row->p2, lane, t->p[1]);
-    fp3_put(&row->f2, lane, t->f[1]);
-    fp3_put(&row->r, lane, t->r);
-    fp3_put(&row->top1, lane, 0);
-    fp3_put(&row->top2, lane, 0);
-    bodies->may_bounce |= a->restitution > 0 || b->restitution > 0;
-}
-
 static fp3_status lay(fp3_bodies *bodies) {
-    const uint32_t count = bodies->contacts.count;
-    uint32_t *ends = NULL, room = 0;
-    fp3_status status =
-        fp3_bodies_room((void **)&ends, &room, 2 * sizeof *ends, count + 1u, bodies->error);
-    for (uint32_t i = 0; !status && i < count; i++) {
-        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-        ends[i] = fp3_slot_of(bodies, bodies->shape[t->a].body);
-        ends[count + i] = fp3_slot_of(bodies, bodies->shape[t->b].body);
+    fp3_law_rows *rows = &bodies->contacts;
+    const fp3_status status = fp3_rows_make_room(bodies, rows, rows->count);
+    bodies->may_bounce = 0;
+    for (uint32_t i = 0; !status && i < rows->count; i++) {
+        const fp3_touch2 *t = &bodies->touch[rows->of[i]];
+        rows->a[i] = fp3_slot_of(bodies, t->body_a);
+        rows->b[i] = fp3_slot_of(bodies, t->body_b);
+        bodies->may_bounce |= t->is_bouncy;
     }
-    if (!status)
-        status =
-            fp3_rows_lay(bodies, &bodies->contacts, ends, ends + count, sizeof(fp3_contact2_row));
-    free(ends);
-    return status;
+    rows->is_whole = 1;
+    return status ? status : fp3_rows_lay(bodies, rows, rows->a, rows->b, sizeof(fp3_contact2_row));
 }
 
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
@@ -84,15 +34,15 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     if (status)
         return status;
     const double hertz = fmin(STIFFNESS, RESOLVED / h);
-    const fp3_softness softness[2] = {fp3_soften(hertz, DAMPING, h),
-                                      fp3_soften(2 * hertz, DAMPING, h)};
-    bodies->may_bounce = 0;
-    for (uint32_t i = 0; i < bodies->contacts.count; i++)
-        fill(bodies, i, softness);
     const fp3_law_rows *rows = &bodies->contacts;
     const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
                             bodies->movable, rows->row,   rows->ends};
-    bodies->solver->prepare(&work, 0, rows->colours.first[rows->colours.count]);
+    const fp3_making2 making = {bodies->touch,
+                                rows->of,
+                                rows->at,
+                                bodies->heft,
+                                {fp3_soften(hertz, DAMPING, h), fp3_soften(2 * hertz, DAMPING, h)}};
+    bodies->solver->prepare(&work, &making, 0, rows->colours.first[rows->colours.count]);
     return FP3_OK;
 }
 

@@ -163,13 +163,10 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
 
 static fp3_status lay(fp3_bodies *bodies, int law) {
     fp3_law_rows *rows = &bodies->joined[law];
-    uint32_t *ends = NULL, room = 0;
     fp3_status status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
                                         bodies->joint_count + 1u, bodies->error);
     if (!status)
-        status = fp3_bodies_room((void **)&ends, &room, 2 * sizeof *ends, bodies->joint_count + 1u,
-                                 bodies->error);
-    uint32_t *others = ends + bodies->joint_count;
+        status = fp3_rows_make_room(bodies, rows, bodies->joint_count);
     for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
         if (!(j->generation & 1) || !(j->laws >> law & 1))
@@ -177,13 +174,12 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)
             continue;
-        ends[rows->count] = a;
-        others[rows->count] = b;
+        rows->a[rows->count] = a;
+        rows->b[rows->count] = b;
         rows->of[rows->count++] = i;
     }
     if (!status && rows->count)
-        status = fp3_rows_lay(bodies, rows, ends, others, sizes[law]);
-    free(ends);
+        status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law]);
     return status;
 }
 

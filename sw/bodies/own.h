@@ -9,6 +9,7 @@
 #include "programs.h"
 #include "shape2.h"
 #include "solve2.h"
+#include "touch2.h"
 
 #include <fp3/bodies.h>
 
@@ -16,19 +17,25 @@
 #define FP3_JOINT_LAWS (FP3_LAWS - FP3_LAW_twist2)
 
 typedef struct {
-    double at[2], angle; /* of the centre of mass; the angle as the caller reads it, in turns too */
-    float turn[2];       /* its cosine and sine, of length 1 */
-    float v[2], w;       /* of the centre of mass */
+    /* What each step goes over. */
+    double at[2];  /* of the centre of mass */
+    float turn[2]; /* its cosine and sine, of length 1 */
+    float v[2], w; /* of the centre of mass */
+    float rest;    /* for how long it has been slow; -1: it sleeps */
+    uint32_t slot; /* where it stands in a step (step.c) */
+    uint8_t type, is_fast, may_not_turn, may_not_sleep, is_marked;
+    double boxed[2];     /* where it was when its shapes' boxes were made, */
+    float boxed_turn[2]; /* and how it was turned */
+    float extent;        /* the largest one of its shapes */
+    float gravity;
+    double angle; /* as the caller reads it, in turns too */
     float force[2], torque;
     float mass, inertia; /* 0 unless dynamic */
     float centre[2];     /* of mass, from the origin, in the body's axes */
-    float damping, spin_damping, gravity;
-    float rest;           /* for how long it has been slow; -1: it sleeps */
+    float damping, spin_damping;
     uint32_t generation;  /* of its number; odd: a body lives there */
     uint32_t first_shape; /* of its chain; FP3_NOBODY: none */
-    uint32_t slot;        /* where it stands in a step (step.c) */
     uint32_t next_asleep; /* asleep: a ring of all that fell asleep together */
-    uint8_t type, may_not_turn, may_not_sleep, is_fast, is_marked;
 } fp3_body;
 
 typedef struct {
@@ -41,24 +48,6 @@ typedef struct {
     uint32_t generation;
     uint8_t is_sensor, is_link;
 } fp3_attached;
-
-/* Two shapes that are or may soon be near: a below b. Points of the manifold are in the order of
- * the tangent, and so are impulses. */
-typedef struct {
-    uint32_t a, b;
-    fp3_manifold2 m; /* from a to b; no points: they do not touch */
-    /* When the shapes were last looked at, and what was found: while both have hardly moved since,
-     * gaps follow from it. is_found 0: it says nothing, also if neither is awake. */
-    fp3_manifold2 found;
-    fp3_point2 from, turn_a, turn_b; /* the way from a to b; their turns */
-    int is_found;
-    fp3_point2 before; /* the normal that the impulses are of */
-    uint32_t points;   /* ... and how many points */
-    float p[2], f[2], r, top;
-    float approach;           /* how fast they come together when a step begins */
-    double at[2];             /* where its deepest point was when it was looked at */
-    int is_touching, is_left; /* is_left: it does nothing in this step */
-} fp3_touch2;
 
 typedef struct {
     fp3_joint_def def;              /* rest is a number */
@@ -76,11 +65,15 @@ typedef struct {
 typedef struct {
     void *row;
     fp3_ends2 *ends;
-    uint32_t *lane; /* of each: block * 8 + lane */
-    uint32_t *of;   /* of each: a contact or a joint */
+    uint32_t *lane;   /* of each: block * 8 + lane */
+    uint32_t *of;     /* of each: a contact or a joint */
+    uint32_t *a, *b;  /* of each: slots of its bodies */
+    uint32_t *at;     /* of each lane: which; FP3_NOBODY: none */
+    uint32_t *colour; /* of each, while rows are laid */
     uint32_t count;
+    int is_whole; /* whoever fills rows writes all words of a block: none is set to 0 before */
     fp3_colours colours;
-    uint32_t row_room, end_room, lane_room, of_room;
+    uint32_t row_room, end_room, lane_room, of_room, a_room, b_room, at_room, colour_room;
 } fp3_law_rows;
 
 struct fp3_bodies {
@@ -103,11 +96,12 @@ struct fp3_bodies {
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
     uint32_t apart_count, apart_room;
 
-    fp3_boxes boxes;   /* of each shape, as pairs.h has them */
-    int is_bouncy;     /* some shape has had a restitution */
-    int is_changed;    /* shapes came or went: pairs are looked for again */
-    fp3_touch2 *touch; /* ascending by a, then b */
-    uint32_t touch_count, touch_room;
+    fp3_boxes boxes;    /* of each shape, as pairs.h has them */
+    int is_bouncy;      /* some shape has had a restitution */
+    int is_changed;     /* shapes came or went: pairs are looked for again */
+    fp3_touch2 *touch;  /* ascending by a, then b */
+    fp3_touch2 *merged; /* room for the next ones */
+    uint32_t touch_count, touch_room, merged_room;
     uint64_t *key; /* room for the pairs that are found */
     size_t key_room;
 
@@ -115,7 +109,7 @@ struct fp3_bodies {
      * moves; then those that the caller moves. */
     uint32_t *in_slot, slot_room;
     uint32_t movable, slots;
-    fp3_four *speed, *way, *base;
+    fp3_four *speed, *way, *base, *heft; /* heft: over mass and over inertia */
     fp3_pull2 *pull;
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
     fp3_contact *change[3], *now; /* by fp3_contact_change; room for fp3_bodies_contacts */
@@ -148,15 +142,12 @@ static inline uint32_t fp3_slot_of(const fp3_bodies *bodies, uint32_t body) {
 
 static inline float fp3_inverse_mass(float mass) { return mass > 0 ? 1 / mass : 0; }
 
-/* A spring or a contact, as laws have it: rate, soft, fade. Of `hertz` and `damping` (of critical
- * damping), in one implicit step of length h. */
-typedef struct {
-    float rate, soft, fade;
-} fp3_softness;
 fp3_softness fp3_soften(double hertz, double damping, double h);
 
-/* Rows of a law for rows->of[0 .. count-1], whose bodies stand in slots a and b: colours, lanes,
- * all words 0. size: of a block. */
+/* Room for the slots of `count` contacts or joints in rows->a and rows->b. */
+fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count);
+/* Rows of a law for rows->of[0 .. count-1], whose bodies stand in slots a and b: colours and
+ * lanes. size: of a block. */
 fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
                         const uint32_t *b, size_t size);
 void fp3_rows_free(fp3_law_rows *rows);

@@ -38,7 +38,7 @@ void fp3_bodies_wake_around(fp3_bodies *bodies, const uint64_t *handles, size_t 
     mark(bodies, handles, count, 1);
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
-        const uint32_t a = bodies->shape[t->a].body, b = bodies->shape[t->b].body;
+        const uint32_t a = t->body_a, b = t->body_b;
         if (!(bodies->body[a].is_marked | bodies->body[b].is_marked))
             continue;
         t->is_found = 0;
@@ -79,7 +79,7 @@ static void stir(fp3_bodies *bodies, uint32_t a, uint32_t b) {
 static void stir_all(fp3_bodies *bodies) {
     for (uint32_t i = 0; i < bodies->contacts.count; i++) {
         const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-        stir(bodies, bodies->shape[t->a].body, bodies->shape[t->b].body);
+        stir(bodies, t->body_a, t->body_b);
     }
     for (uint32_t i = 0; i < bodies->joint_count; i++)
         if (bodies->joint[i].generation & 1)
@@ -93,12 +93,8 @@ static int count_rest(fp3_bodies *bodies) {
     int is_any = 0;
     for (uint32_t k = 0; k < bodies->movable; k++) {
         fp3_body *body = &bodies->body[bodies->in_slot[k]];
-        float extent = 0;
-        for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
-            extent =
-                bodies->shape[s].shape.extent > extent ? bodies->shape[s].shape.extent : extent;
-        const float speed =
-            sqrtf(body->v[0] * body->v[0] + body->v[1] * body->v[1]) + fabsf(body->w) * extent;
+        const float speed = sqrtf(body->v[0] * body->v[0] + body->v[1] * body->v[1]) +
+                            fabsf(body->w) * body->extent;
         body->rest = speed < most && !body->may_not_sleep ? body->rest + h : 0;
     }
     stir_all(bodies);
@@ -140,8 +136,7 @@ fp3_status fp3_bodies_rest(fp3_bodies *bodies) {
             parent[k] = k;
         for (uint32_t i = 0; i < bodies->contacts.count; i++) {
             const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-            const uint32_t a = bodies->body[bodies->shape[t->a].body].slot,
-                           b = bodies->body[bodies->shape[t->b].body].slot;
+            const uint32_t a = bodies->body[t->body_a].slot, b = bodies->body[t->body_b].slot;
             if (a < bodies->movable && b < bodies->movable)
                 unite(parent, a, b);
         }

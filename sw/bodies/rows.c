@@ -16,18 +16,40 @@ fp3_softness fp3_soften(double hertz, double damping, double h) {
     return (fp3_softness){(float)(omega / a1), (float)(a2 * a3), (float)a3};
 }
 
+fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count) {
+    fp3_status status = fp3_bodies_room((void **)&rows->a, &rows->a_room, sizeof *rows->a,
+                                        count + 1u, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&rows->b, &rows->b_room, sizeof *rows->b, count + 1u,
+                                 bodies->error);
+    return status;
+}
+
+/* Whose each lane is. */
+static void give_lanes(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
+                       const uint32_t *b, uint32_t blocks) {
+    memset(rows->at, -1, blocks * FP3_WIDE * sizeof *rows->at);
+    for (uint32_t i = 0; i < rows->count; i++)
+        rows->at[rows->lane[i]] = i;
+    for (uint32_t k = 0; k < blocks; k++) {
+        const uint32_t *at = &rows->at[k * FP3_WIDE];
+        for (uint32_t lane = 0; lane < FP3_WIDE; lane++) {
+            rows->ends[k].a[lane] = at[lane] == FP3_NOBODY ? bodies->movable : a[at[lane]];
+            rows->ends[k].b[lane] = at[lane] == FP3_NOBODY ? bodies->movable : b[at[lane]];
+        }
+    }
+}
+
 fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
                         const uint32_t *b, size_t size) {
-    uint32_t *colour = NULL, room = 0;
-    fp3_status status =
-        fp3_bodies_room((void **)&colour, &room, sizeof *colour, rows->count + 1u, bodies->error);
+    fp3_status status = fp3_bodies_room((void **)&rows->colour, &rows->colour_room,
+                                        sizeof *rows->colour, rows->count + 1u, bodies->error);
     if (!status)
         status = fp3_bodies_room((void **)&rows->lane, &rows->lane_room, sizeof *rows->lane,
                                  rows->count + 1u, bodies->error);
     if (!status)
         status = fp3_colours_find(&rows->colours, a, b, rows->count, bodies->movable, FP3_WIDE, 2,
-                                  colour, rows->lane, bodies->error);
-    free(colour);
+                                  rows->colour, rows->lane, bodies->error);
     if (status)
         return status;
     const uint32_t blocks = rows->colours.first[rows->colours.count];
@@ -35,17 +57,14 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
     if (!status)
         status = fp3_bodies_room((void **)&rows->ends, &rows->end_room, sizeof *rows->ends,
                                  blocks + 1u, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&rows->at, &rows->at_room, sizeof *rows->at,
+                                 (size_t)blocks * FP3_WIDE + 1u, bodies->error);
     if (status)
         return status;
-    memset(rows->row, 0, blocks * size);
-    for (uint32_t i = 0; i < blocks; i++)
-        for (uint32_t lane = 0; lane < FP3_WIDE; lane++)
-            rows->ends[i].a[lane] = rows->ends[i].b[lane] = bodies->movable;
-    for (uint32_t i = 0; i < rows->count; i++) {
-        fp3_ends2 *ends = &rows->ends[rows->lane[i] / FP3_WIDE];
-        ends->a[rows->lane[i] % FP3_WIDE] = a[i];
-        ends->b[rows->lane[i] % FP3_WIDE] = b[i];
-    }
+    if (!rows->is_whole)
+        memset(rows->row, 0, blocks * size);
+    give_lanes(bodies, rows, a, b, blocks);
     return FP3_OK;
 }
 
@@ -54,6 +73,10 @@ void fp3_rows_free(fp3_law_rows *rows) {
     free(rows->ends);
     free(rows->lane);
     free(rows->of);
+    free(rows->a);
+    free(rows->b);
+    free(rows->at);
+    free(rows->colour);
     fp3_colours_free(&rows->colours);
     *rows = (fp3_law_rows){0};
 }

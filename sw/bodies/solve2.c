@@ -3,6 +3,9 @@
  */
 #include "solve2.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #ifndef FP3_SOLVER
 #define FP3_SOLVER fp3_solver2_plain
 #define FP3_SOLVER_NAME "x86-64" /* the least kind of a processor: others have no other */
@@ -51,6 +54,64 @@ FP3_WIDELY void take(const fp3_work2 *work, int has_base, const uint32_t of[FP3_
 
 /* ---- rows ---- */
 
+/* The word after word of eight contacts. */
+FP3_WIDELY void bring_words(const float *const from[FP3_WIDE], uint32_t first,
+                            fp3_wide words[FP3_WIDE]) {
+    fp3_wide x[8], y[8];
+#pragma GCC unroll 8
+    for (int i = 0; i < 8; i++)
+        memcpy(&x[i], from[i] + first, sizeof x[i]);
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) { /* numbers of 0, 2 and of 4, 6; of 1, 3 and of 5, 7 */
+        const int k = i < 2 ? i : i + 2;
+        y[k] = LOW(x[k], x[k + 2]);
+        y[k + 2] = HIGH(x[k], x[k + 2]);
+    }
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) { /* words 0, 1 and 4, 5 of four contacts, or 2, 3 and 6, 7 */
+        x[2 * i] = LOW(y[2 * i], y[2 * i + 1]);
+        x[2 * i + 1] = HIGH(y[2 * i], y[2 * i + 1]);
+    }
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; i++) {
+        words[i] = SHUFFLE(x[i], x[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        words[i + 4] = SHUFFLE(x[i], x[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+/* The place of each word, as fp3_touch2 has it. */
+enum {
+    N_X,
+    N_Y,
+    ARM_X,
+    ARM_Y,
+    GAP,
+    ARM_X2,
+    ARM_Y2,
+    GAP_2,
+    COUNT,
+    P_1,
+    P_2,
+    F_1,
+    F_2,
+    R,
+    FROM_X,
+    FROM_Y,
+    FRICTION,
+    BELT,
+    ROLLING,
+    RADIUS_A,
+    RADIUS_B,
+    MET = 24
+};
+#define IS_AT(word, member)                                                                        \
+    _Static_assert((word) * sizeof(float) == offsetof(fp3_touch2, member), "order of fp3_touch2")
+IS_AT(GAP_2, m.point[1].gap);
+IS_AT(COUNT, m.count);
+IS_AT(R, r);
+IS_AT(FROM_X, from);
+IS_AT(RADIUS_B, radius_b);
+
 FP3_WIDELY fp3_wide quotient(fp3_wide share, fp3_wide by) {
     return fp3_wide_choose((fp3_mask)(fp3_wide_all(0) < by), share / by, fp3_wide_all(0));
 }
@@ -59,9 +120,11 @@ typedef struct {
     fp3_wide *arm_a, *arm_b, *across_a, *across_b, *along, *aside;
 } point;
 
-FP3_WIDELY void prepare_point(const fp3_contact2_row *row, point p) {
-    const fp3_wide ax = *p.arm_a, ay = *p.across_a, bx = *p.arm_b, by = *p.across_b;
-    const fp3_wide nx = row->n_x, ny = row->n_y, is_there = *p.along;
+/* From an arm to what its row has: the arm across and along the normal, at both bodies; masses. */
+FP3_WIDELY void prepare_point(const fp3_contact2_row *row, fp3_wide ax, fp3_wide ay,
+                              const fp3_wide *met, fp3_wide is_there, point p) {
+    const fp3_wide bx = ax - met[FROM_X], by = ay - met[FROM_Y];
+    const fp3_wide nx = row->n_x, ny = row->n_y;
     const fp3_wide an = ax * ny - ay * nx, bn = bx * ny - by * nx;
     const fp3_wide at = ax * nx + ay * ny, bt = bx * nx + by * ny;
     const fp3_wide mass = row->ma + row->mb;
@@ -73,12 +136,65 @@ FP3_WIDELY void prepare_point(const fp3_contact2_row *row, point p) {
     *p.aside = quotient(is_there, mass + row->ia * at * at + row->ib * bt * bt);
 }
 
-static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end) {
+FP3_WIDELY void prepare_row(const fp3_wide met[MET], fp3_contact2_row *r) {
+    const fp3_mask count = (fp3_mask)met[COUNT], is_two = (fp3_mask)(count == 2);
+    r->n_x = met[N_X];
+    r->n_y = met[N_Y];
+    prepare_point(r, met[ARM_X], met[ARM_Y], met,
+                  fp3_wide_lt(fp3_wide_all(0), __builtin_convertvector(count, fp3_wide)),
+                  (point){&r->a1, &r->b1, &r->c1, &r->e1, &r->j1, &r->k1});
+    prepare_point(r, fp3_wide_choose(is_two, met[ARM_X2], met[ARM_X]),
+                  fp3_wide_choose(is_two, met[ARM_Y2], met[ARM_Y]), met,
+                  (fp3_wide)(is_two & (fp3_mask)fp3_wide_all(1)),
+                  (point){&r->a2, &r->b2, &r->c2, &r->e2, &r->j2, &r->k2});
+    r->gap1 = met[GAP];
+    r->gap2 = fp3_wide_choose(is_two, met[GAP_2], met[GAP]);
+    r->jr = quotient(fp3_wide_all(1), r->ia + r->ib);
+    r->mu = met[FRICTION];
+    r->belt = met[BELT];
+    r->reach = met[ROLLING];
+    r->p1 = met[P_1];
+    r->p2 = met[P_2];
+    r->f1 = met[F_1];
+    r->f2 = met[F_2];
+    r->r = met[R];
+    r->ra = met[RADIUS_A];
+    r->rb = met[RADIUS_B];
+    r->top1 = r->top2 = fp3_wide_all(0);
+}
+
+static void prepare(const fp3_work2 *work, const fp3_making2 *making, uint32_t first,
+                    uint32_t end) {
+    static const fp3_touch2 none;
+    const fp3_softness *soft = making->softness;
     for (uint32_t i = first; i < end; i++) {
+        const fp3_ends2 *ends = &work->ends[i];
+        const uint32_t *at = &making->at[i * FP3_WIDE];
+        const float *from[FP3_WIDE];
+        fp3_wide met[MET], heft[3];
+        fp3_mask a, b;
         fp3_contact2_row *r = (fp3_contact2_row *)work->row + i;
-        prepare_point(r, (point){&r->a1, &r->b1, &r->c1, &r->e1, &r->j1, &r->k1});
-        prepare_point(r, (point){&r->a2, &r->b2, &r->c2, &r->e2, &r->j2, &r->k2});
-        r->jr = quotient(fp3_wide_all(1), r->ia + r->ib);
+        for (int lane = 0; lane < FP3_WIDE; lane++)
+            from[lane] = (const float *)(const void *)(at[lane] == UINT32_MAX
+                                                           ? &none
+                                                           : &making->touch[making->of[at[lane]]]);
+#pragma GCC unroll 3
+        for (uint32_t k = 0; k < MET; k += 8)
+            bring_words(from, k, met + k);
+        bring(making->heft, ends->a, heft);
+        r->ma = heft[0];
+        r->ia = heft[1];
+        bring(making->heft, ends->b, heft);
+        r->mb = heft[0];
+        r->ib = heft[1];
+        memcpy(&a, ends->a, sizeof a);
+        memcpy(&b, ends->b, sizeof b);
+        const fp3_mask most = (fp3_mask){0} + ((int)work->movable - 1),
+                       is_held = (fp3_mask)(a > most) | (fp3_mask)(b > most);
+        r->rate = fp3_wide_choose(is_held, fp3_wide_all(soft[1].rate), fp3_wide_all(soft[0].rate));
+        r->soft = fp3_wide_choose(is_held, fp3_wide_all(soft[1].soft), fp3_wide_all(soft[0].soft));
+        r->fade = fp3_wide_choose(is_held, fp3_wide_all(soft[1].fade), fp3_wide_all(soft[0].fade));
+        prepare_row(met, r);
     }
 }
 

@@ -8,6 +8,7 @@
 #define FP3_BODIES_SOLVE2_H
 
 #include "laws.h"
+#include "touch2.h"
 
 #include <fp3/status.h>
 #include <stdint.h>
@@ -47,11 +48,24 @@ typedef struct {
     fp3_four pull, damp, drop;
 } fp3_pull2;
 
+/* A spring or a contact, as laws have it. Of `hertz` and `damping` (of critical damping), in one
+ * implicit step of length h (rows.c). */
+typedef struct {
+    float rate, soft, fade;
+} fp3_softness;
+
+/* What rows of contacts are made of. */
+typedef struct {
+    const fp3_touch2 *touch;
+    const uint32_t *of, *at;  /* of each lane the contact; of each contact its touch */
+    const fp3_four *heft;     /* of each slot: over mass, over inertia */
+    fp3_softness softness[2]; /* between bodies that move; against one that does not */
+} fp3_making2;
+
 typedef struct {
     const char *name;
-    /* A row has in n the normal, in (a1, c1), (a2, c2) the arms at a, in (b1, e1), (b2, e2) those
-     * at b, in j1 and j2 1 where there is a point, else 0; masses and gaps. Makes the row of it. */
-    void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end);
+    /* Makes rows of contacts, blocks first .. end - 1. */
+    void (*prepare)(const fp3_work2 *, const fp3_making2 *, uint32_t first, uint32_t end);
     /* Blocks first .. end - 1, an even number of them, make a pass. */
     void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
                           const float shared[FP3_SHARED]);

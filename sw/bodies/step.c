@@ -22,7 +22,8 @@ static fp3_status give_slots(fp3_bodies *bodies) {
                   {(void **)&bodies->speed, sizeof *bodies->speed},
                   {(void **)&bodies->way, sizeof *bodies->way},
                   {(void **)&bodies->base, sizeof *bodies->base},
-                  {(void **)&bodies->pull, sizeof *bodies->pull}};
+                  {(void **)&bodies->pull, sizeof *bodies->pull},
+                  {(void **)&bodies->heft, sizeof *bodies->heft}};
     uint32_t count = 0, room = bodies->slot_room;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         room = bodies->slot_room;
@@ -56,12 +57,13 @@ static void bring(fp3_bodies *bodies, double h) {
     for (uint32_t k = 0; k < bodies->slots; k++) {
         bodies->way[k] = (fp3_four){0};
         if (bodies->in_slot[k] == FP3_NOBODY) {
-            bodies->speed[k] = (fp3_four){0};
+            bodies->speed[k] = bodies->heft[k] = (fp3_four){0};
             bodies->pull[k] = (fp3_pull2){{0}, {1, 1, 1, 1}, {0}};
             continue;
         }
         const fp3_body *body = &bodies->body[bodies->in_slot[k]];
         const float m = fp3_inverse_mass(body->mass), i = fp3_inverse_mass(body->inertia);
+        bodies->heft[k] = (fp3_four){m, i};
         bodies->speed[k] = (fp3_four){body->v[0], body->v[1], body->w, 0};
         const double *g = bodies->def.gravity;
         const float ax = (float)(h * (body->gravity * g[0] + m * body->force[0]));
@@ -85,11 +87,10 @@ static int flies(const fp3_bodies *bodies, const fp3_touch2 *t) {
 
 static void hold(fp3_bodies *bodies, const fp3_law_rows *rows, int is_contact) {
     for (uint32_t i = 0; i < rows->count; i++) {
-        const fp3_ends2 *ends = &rows->ends[rows->lane[i] / FP3_WIDE];
         if (is_contact && flies(bodies, &bodies->touch[rows->of[i]]))
             continue;
-        bodies->pull[ends->a[rows->lane[i] % FP3_WIDE]].drop = (fp3_four){0};
-        bodies->pull[ends->b[rows->lane[i] % FP3_WIDE]].drop = (fp3_four){0};
+        bodies->pull[rows->a[i]].drop = (fp3_four){0};
+        bodies->pull[rows->b[i]].drop = (fp3_four){0};
     }
 }
 

@@ -49,10 +49,26 @@ static int is_inside(const fp3_box *inner, const fp3_box *outer) {
            inner->high[0] <= outer->high[0] && inner->high[1] <= outer->high[1];
 }
 
+static void box_all(fp3_bodies *bodies, fp3_body *body, double margin) {
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+        bodies->boxes.box[s] =
+            box_of(bodies, s, margin + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy));
+    memcpy(body->boxed, body->at, sizeof body->boxed);
+    memcpy(body->boxed_turn, body->turn, sizeof body->boxed_turn);
+}
+
 void fp3_bodies_place_boxes(fp3_bodies *bodies, uint32_t number) {
-    for (uint32_t s = bodies->body[number].first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
-        bodies->boxes.box[s] = box_of(bodies, s, (REACH + MARGIN) * bodies->def.size);
+    box_all(bodies, &bodies->body[number], (REACH + MARGIN) * bodies->def.size);
     bodies->is_changed = 1;
+}
+
+/* Whether no shape of a body can have left its box since it was made. */
+static int is_boxed(const fp3_bodies *bodies, const fp3_body *body) {
+    const double turned = fabs((double)body->turn[0] - (double)body->boxed_turn[0]) +
+                          fabs((double)body->turn[1] - (double)body->boxed_turn[1]);
+    const double way = fmax(fabs(body->at[0] - body->boxed[0]), fabs(body->at[1] - body->boxed[1]));
+    return !body->is_fast && !bodies->is_bouncy && /* roundings of a box: 2^-20 are enough */
+           way + (turned + 0x1p-20) * (double)body->extent <= MARGIN * bodies->def.size;
 }
 
 /* Whether a shape of something that moves has left its box. */
@@ -60,17 +76,19 @@ static int renew_boxes(fp3_bodies *bodies) {
     const double reach = REACH * bodies->def.size, margin = (REACH + MARGIN) * bodies->def.size;
     int has_left = bodies->is_changed;
     for (uint32_t k = 0; k < bodies->slots; k++) {
-        if (k == bodies->movable)
+        fp3_body *body = k == bodies->movable ? NULL : &bodies->body[bodies->in_slot[k]];
+        if (!body || is_boxed(bodies, body))
             continue;
-        for (uint32_t s = bodies->body[bodies->in_slot[k]].first_shape; s != FP3_NOBODY;
-             s = bodies->shape[s].next) {
-            const double sweep = sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy);
-            const fp3_box now = box_of(bodies, s, reach + sweep);
-            if (is_inside(&now, &bodies->boxes.box[s]))
-                continue;
-            bodies->boxes.box[s] = box_of(bodies, s, margin + sweep);
-            has_left = 1;
+        int is_inside_all = 1;
+        for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
+            const fp3_box now =
+                box_of(bodies, s, reach + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy));
+            is_inside_all &= is_inside(&now, &bodies->boxes.box[s]);
         }
+        if (is_inside_all)
+            continue;
+        has_left = 1;
+        box_all(bodies, body, margin);
     }
     return has_left;
 }
@@ -85,15 +103,30 @@ static int may_touch(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
            !fp3_joints_part(bodies, x->body, y->body);
 }
 
+static fp3_touch2 meet(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    const fp3_attached *x = &bodies->shape[a], *y = &bodies->shape[b];
+    return (fp3_touch2){.a = a,
+                        .b = b,
+                        .body_a = x->body,
+                        .body_b = y->body,
+                        .friction = sqrtf(x->friction * y->friction),
+                        .belt = x->belt + y->belt,
+                        .rolling = x->rolling > y->rolling ? x->rolling : y->rolling,
+                        .radius_a = x->shape.radius,
+                        .radius_b = y->shape.radius,
+                        .is_bouncy = x->restitution > 0 || y->restitution > 0,
+                        .is_sensor = x->is_sensor || y->is_sensor};
+}
+
 /* Both lists ascend. Who was there goes on with what it has. */
 static fp3_status merge(fp3_bodies *bodies, size_t count) {
-    fp3_touch2 *next = NULL;
-    uint32_t room = 0, kept = 0, old = 0;
-    const fp3_status status =
-        fp3_bodies_room((void **)&next, &room, sizeof *next, count + 1, bodies->error);
+    uint32_t kept = 0, old = 0;
+    const fp3_status status = fp3_bodies_room((void **)&bodies->merged, &bodies->merged_room,
+                                              sizeof *bodies->merged, count + 1, bodies->error);
     fp3_status told = FP3_OK;
     if (status)
         return status;
+    fp3_touch2 *next = bodies->merged;
     for (size_t k = 0; k < count; k++) {
         const uint64_t key = bodies->key[k];
         const uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key;
@@ -103,7 +136,7 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
                ((uint64_t)bodies->touch[old].a << 32 | bodies->touch[old].b) < key)
             old++;
         const fp3_touch2 *was = old < bodies->touch_count ? &bodies->touch[old] : NULL;
-        next[kept++] = was && was->a == a && was->b == b ? *was : (fp3_touch2){.a = a, .b = b};
+        next[kept++] = was && was->a == a && was->b == b ? *was : meet(bodies, a, b);
     }
     for (uint32_t k = 0, at = 0; k < bodies->touch_count; k++) { /* who is there no more */
         const fp3_touch2 *was = &bodies->touch[k];
@@ -113,7 +146,9 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
         if (was->is_touching && (at == kept || ((uint64_t)next[at].a << 32 | next[at].b) != key))
             told = told ? told : fp3_contact_tell(bodies, FP3_CONTACT_ENDED, was);
     }
-    free(bodies->touch);
+    const uint32_t room = bodies->merged_room;
+    bodies->merged = bodies->touch;
+    bodies->merged_room = bodies->touch_room;
     bodies->touch = next;
     bodies->touch_room = room;
     bodies->touch_count = kept;
@@ -163,17 +198,16 @@ static float angle_between(fp3_point2 from, const float to[2]) {
 }
 
 /* The manifold by what has moved since it was found; 0: too much has. */
-static int follow(fp3_touch2 *t, const fp3_body *a, const fp3_body *b, fp3_point2 from,
-                  double size) {
+static int follow(fp3_touch2 *t, const fp3_body *a, const fp3_body *b, double size) {
     const float still = (float)(STILL_WAY * size), reach = (float)(REACH * size);
-    const fp3_point2 way = fp3_subtract2(from, t->from);
+    const fp3_point2 way = fp3_subtract2(t->from, t->found_from);
     const float qa = angle_between(t->turn_a, a->turn), qb = angle_between(t->turn_b, b->turn);
     if (!t->is_found || !(fabsf(way.x) < still) || !(fabsf(way.y) < still) ||
         !(fabsf(qa) < STILL_TURN) || !(fabsf(qb) < STILL_TURN))
         return 0;
     t->m = t->found;
     for (uint32_t k = 0; k < t->m.count; k++) {
-        const fp3_point2 arm_a = t->found.point[k].arm, arm_b = fp3_subtract2(arm_a, t->from);
+        const fp3_point2 arm_a = t->found.point[k].arm, arm_b = fp3_subtract2(arm_a, t->found_from);
         t->m.point[k].gap += fp3_dot2(way, t->m.normal) + qb * fp3_cross2(arm_b, t->m.normal) -
                              qa * fp3_cross2(arm_a, t->m.normal);
         if (!(t->m.point[k].gap < reach))
@@ -182,20 +216,13 @@ static int follow(fp3_touch2 *t, const fp3_body *a, const fp3_body *b, fp3_point
     return t->m.count > 0;
 }
 
-static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
+static void collide(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const fp3_body *y) {
     const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
-    const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
     const fp3_pose2 pose_a = turn_of(x);
     fp3_pose2 pose_b = turn_of(y);
-    pose_b.at = (fp3_point2){(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1])};
-    const int is_bouncy = a->restitution > 0 || b->restitution > 0;
-    const double sweep = sweep_of(bodies, a, is_bouncy) + sweep_of(bodies, b, is_bouncy);
+    pose_b.at = t->from;
+    const double sweep = sweep_of(bodies, a, t->is_bouncy) + sweep_of(bodies, b, t->is_bouncy);
     const float reach = (float)(REACH * bodies->def.size + sweep);
-    const fp3_point2 from = pose_b.at;
-    if (follow(t, x, y, from, bodies->def.size)) {
-        go_on(t);
-        return;
-    }
     if (a->is_link)
         fp3_collide_link2(&a->link, &pose_a, &b->shape, &pose_b, reach, &t->m);
     else if (b->is_link) {
@@ -206,11 +233,10 @@ static void collide(fp3_bodies *bodies, fp3_touch2 *t) {
     } else
         fp3_collide2(&a->shape, &pose_a, &b->shape, &pose_b, reach, &t->m);
     t->found = t->m;
-    t->from = from;
+    t->found_from = t->from;
     t->turn_a = (fp3_point2){x->turn[0], x->turn[1]};
     t->turn_b = (fp3_point2){y->turn[0], y->turn[1]};
     t->is_found = 1;
-    go_on(t);
 }
 
 /* Something that moves by itself, or that the caller moves. */
@@ -224,46 +250,45 @@ static uint32_t deepest_of(const fp3_touch2 *t) {
 }
 
 /* How fast the points of both bodies come together where they are nearest. */
-static float approach_of(const fp3_body *x, const fp3_body *y, const fp3_touch2 *t) {
-    const fp3_point2 arm = t->m.point[deepest_of(t)].arm;
-    const float bx = arm.x - (float)(y->at[0] - x->at[0]),
-                by = arm.y - (float)(y->at[1] - x->at[1]);
+static float approach_of(const fp3_body *x, const fp3_body *y, const fp3_touch2 *t,
+                         fp3_point2 arm) {
+    const float bx = arm.x - t->from.x, by = arm.y - t->from.y;
     const float ux = (y->v[0] - y->w * by) - (x->v[0] - x->w * arm.y);
     const float uy = (y->v[1] + y->w * bx) - (x->v[1] + x->w * arm.x);
     return -(ux * t->m.normal.x + uy * t->m.normal.y);
 }
 
-static void keep_place(const fp3_body *x, fp3_touch2 *t) {
+/* Whether the shapes touch. */
+static int look_at(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const fp3_body *y) {
+    t->from = (fp3_point2){(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1])};
+    if (!follow(t, x, y, bodies->def.size))
+        collide(bodies, t, x, y);
+    go_on(t);
+    t->top = 0;
+    if (!t->m.count)
+        return 0;
     const fp3_point2 arm = t->m.point[deepest_of(t)].arm;
+    t->approach = approach_of(x, y, t, arm);
     t->at[0] = x->at[0] + arm.x;
     t->at[1] = x->at[1] + arm.y;
+    return 1;
 }
 
-static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
+static void look_at_all(fp3_bodies *bodies, int *wakes) {
     bodies->contacts.count = 0;
     *wakes = 0;
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
-        const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
-        fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
-        if (!is_awake(x) && !is_awake(y) && t->is_found) {
-            continue;
-        }
-        collide(bodies, t);
-        t->top = 0;
-        if (!t->m.count)
-            continue;
-        t->approach = approach_of(x, y, t);
-        keep_place(x, t);
-        if (a->is_sensor || b->is_sensor)
+        const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
+        if ((!is_awake(x) && !is_awake(y) && t->is_found) || !look_at(bodies, t, x, y) ||
+            t->is_sensor)
             continue;
         bodies->contacts.of[bodies->contacts.count++] = k;
         if (x->rest < 0 || y->rest < 0) {
-            fp3_bodies_wake(bodies, x->rest < 0 ? a->body : b->body);
+            fp3_bodies_wake(bodies, x->rest < 0 ? t->body_a : t->body_b);
             *wakes = 1;
         }
     }
-    return FP3_OK;
 }
 
 fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
@@ -272,5 +297,7 @@ fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
         status =
             fp3_bodies_room((void **)&bodies->contacts.of, &bodies->contacts.of_room,
                             sizeof *bodies->contacts.of, bodies->touch_count + 1u, bodies->error);
-    return status ? status : look_at_all(bodies, wakes);
+    if (!status)
+        look_at_all(bodies, wakes);
+    return status;
 }

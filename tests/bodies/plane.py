@@ -11,7 +11,7 @@ REQUEST = np.dtype([("what", "<u4"), ("a", MAKER), ("b", MAKER), ("pose_a", POSE
                     ("to_a", POSE), ("to_b", POSE)])
 SHAPE = [("count", "<u4"), ("columns", "<f4", (2, 2, 8)), ("radius", "<f4"), ("extent", "<f4"), ("middle", *POINT)]    # columns: corner, normal; x, y
 MASS = [("mass", "<f8"), ("centre", "<f8", 2), ("inertia", "<f8")]
-MANIFOLD = [("normal", *POINT), ("count", "<u4"), ("point", [("arm", *POINT), ("gap", "<f4")], 2)]
+MANIFOLD = [("normal", *POINT), ("point", [("arm", *POINT), ("gap", "<f4")], 2), ("count", "<u4")]
 APART = [("gap", "<f4"), ("normal", *POINT), ("arm_a", *POINT), ("arm_b", *POINT)]
 HIT = [("fraction", "<f4"), ("normal", *POINT), ("arm", *POINT)]
 ANSWER = np.dtype([("failed", "<u4"), ("a", SHAPE), ("b", SHAPE), ("bounds", "<f4", (2, 2)), ("manifold", MANIFOLD), ("is_hit", "<u4"),
