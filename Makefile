@@ -223,7 +223,7 @@ SWEEP_finite      := -DFP3_NEAREST=0 -DFP3_SUBNORMAL=0 -DFP3_FINITE=1
 SWEEP_words       := -DFP3_NEAREST=1 -DFP3_SUBNORMAL=1 -DFP3_OF_WORDS=1
 SWEEPS            := $(addprefix $(BUILD)/obj/sw/engine/fast/sweep_,$(if $(filter x86_64-%,$(MACHINE)),v3.o v4.o) flushed.o cut.o flushed_cut.o finite.o words.o)
 # What goes over contacts, likewise: sw/bodies/choose.c chooses.
-SOLVERS           := $(if $(filter x86_64-%,$(MACHINE)),$(BUILD)/obj/sw/bodies/solve2_v3.o)
+SOLVERS           := $(if $(filter x86_64-%,$(MACHINE)),$(addprefix $(BUILD)/obj/sw/bodies/,solve2_v3.o solve3_v3.o))
 LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS) $(SOLVERS)
 VECTORS           := -O3 -frounding-math -Wno-psabi
 
@@ -236,10 +236,10 @@ $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 # Vectors of eight are never passed between functions.
 $(call obj,$(wildcard sw/bodies/*.c)): CFLAGS += -Wno-psabi
 
-$(BUILD)/obj/sw/bodies/solve2_v3.o: sw/bodies/solve2.c $(BUILD)/flags | $(BUILD)/ready
+$(SOLVERS): $(BUILD)/obj/sw/bodies/solve%_v3.o: sw/bodies/solve%.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (v3)"
-	@$(CCACHE) $(CC_FOR) $(CFLAGS) -Wno-psabi -march=x86-64-v3 -mno-fma -DFP3_SOLVER=fp3_solver2_v3 -DFP3_SOLVER_NAME='"x86-64-v3"' $(INCLUDES) -MMD -MP -c -o $@ $<
+	@$(CCACHE) $(CC_FOR) $(CFLAGS) -Wno-psabi -march=x86-64-v3 -mno-fma -DFP3_SOLVER=fp3_solver$*_v3 -DFP3_SOLVER_NAME='"x86-64-v3"' $(INCLUDES) -MMD -MP -c -o $@ $<
 
 $(SWEEPS): $(BUILD)/obj/sw/engine/fast/sweep_%.o: sw/engine/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)

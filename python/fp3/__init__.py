@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, List
 
 if TYPE_CHECKING:
     from .batch import NOBODY, Batch, Column, Contacts, Failure
-    from .bodies import Bodies, BodiesState, Shape, box, capsule, circle, polygon
+    from .bodies import Bodies, BodiesState, Shape, box, capsule, circle, hull, plane, polygon, sphere
     from .errors import (ArgumentError, DigitsWarning, Error, FailedError, FailedWarning, LimitError, MismatchError, ProgramError,
                          SystemFailure)
     from .model import Model, integrators
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "batch": ("NOBODY", "Batch", "Column", "Contacts", "Failure"),
-    "bodies": ("Bodies", "BodiesState", "Shape", "box", "capsule", "circle", "polygon"),
+    "bodies": ("Bodies", "BodiesState", "Shape", "box", "capsule", "circle", "hull", "plane", "polygon", "sphere"),
     "errors": ("ArgumentError", "DigitsWarning", "Error", "FailedError", "FailedWarning", "LimitError", "MismatchError", "ProgramError", "SystemFailure"),
     "model": ("Model", "integrators"),
     "scene": ("Scene",),

@@ -135,6 +135,8 @@ FP3_FOLDED = 2
 FP3_GEAR = 5
 FP3_GONE = 2
 FP3_HINGE = 1
+FP3_HULL = 5
+FP3_HULL_CORNERS = 32
 FP3_IMAGE_CODE_LIMIT = 65536
 FP3_IMAGE_CONSTANT_WORDS = 2
 FP3_IMAGE_HEADER_WORDS = 9
@@ -212,6 +214,7 @@ FP3_PASS_ZERO = 9
 FP3_PLACES = 64
 FP3_PLACE_EVENTS = 44
 FP3_PLAIN = 0
+FP3_PLANE = 6
 FP3_POLYGON = 3
 FP3_RELATIONS_MAX = 8
 FP3_REMOVED = 4294967295
@@ -221,6 +224,7 @@ FP3_ROD = 0
 FP3_ROSENBROCK = 3
 FP3_RUNGE_KUTTA = 0
 FP3_SLIDER = 2
+FP3_SPHERE = 4
 FP3_SPLITTING = 1
 FP3_STAGES_MAX = 24
 FP3_STANDSTILL_TEXT_SIZE = 192
@@ -979,7 +983,8 @@ class fp3_bodies_def(Structure):
     _fields_ = [
         ("cookie", c_uint32),
         ("error", POINTER(fp3_error)),
-        ("gravity", c_double * 2),
+        ("dimensions", c_uint32),
+        ("gravity", c_double * 3),
         ("h", c_double),
         ("substeps", c_uint32),
         ("size", c_double),
@@ -997,10 +1002,12 @@ class fp3_bodies_def(Structure):
 class fp3_body_def(Structure):
     _fields_ = [
         ("type", c_int),
-        ("x", c_double * 2),
+        ("x", c_double * 3),
+        ("v", c_double * 3),
         ("angle", c_double),
-        ("v", c_double * 2),
         ("w", c_double),
+        ("q", c_double * 4),
+        ("spin", c_double * 3),
         ("damping", c_double),
         ("spin_damping", c_double),
         ("gravity", c_double),
@@ -1013,10 +1020,12 @@ class fp3_body_def(Structure):
 class fp3_shape_def(Structure):
     _fields_ = [
         ("type", c_int),
-        ("centre", c_double * 2),
+        ("centre", c_double * 3),
         ("angle", c_double),
-        ("half", c_double * 2),
-        ("corner", ((c_double * 2) * 8)),
+        ("q", c_double * 4),
+        ("half", c_double * 3),
+        ("normal", c_double * 3),
+        ("corner", ((c_double * 3) * 32)),
         ("corners", c_uint32),
         ("radius", c_double),
         ("density", c_double),
@@ -1024,6 +1033,7 @@ class fp3_shape_def(Structure):
         ("restitution", c_double),
         ("rolling", c_double),
         ("belt", c_double),
+        ("surface", c_double * 3),
         ("category", c_uint32),
         ("mask", c_uint32),
         ("is_sensor", c_int),
@@ -1035,9 +1045,9 @@ class fp3_joint_def(Structure):
         ("type", c_int),
         ("a", c_uint64),
         ("b", c_uint64),
-        ("anchor_a", c_double * 2),
-        ("anchor_b", c_double * 2),
-        ("axis", c_double * 2),
+        ("anchor_a", c_double * 3),
+        ("anchor_b", c_double * 3),
+        ("axis", c_double * 3),
         ("ratio", c_double),
         ("has_limits", c_int),
         ("low", c_double),
@@ -1059,8 +1069,8 @@ class fp3_contact(Structure):
         ("body_b", c_uint64),
         ("shape_a", c_uint64),
         ("shape_b", c_uint64),
-        ("point", c_double * 2),
-        ("normal", c_double * 2),
+        ("point", c_double * 3),
+        ("normal", c_double * 3),
         ("speed", c_double),
         ("impulse", c_double),
     ]
@@ -1070,8 +1080,8 @@ class fp3_hit(Structure):
     _fields_ = [
         ("body", c_uint64),
         ("shape", c_uint64),
-        ("point", c_double * 2),
-        ("normal", c_double * 2),
+        ("point", c_double * 3),
+        ("normal", c_double * 3),
         ("distance", c_double),
         ("fraction", c_double),
     ]
@@ -1282,6 +1292,10 @@ PROTOTYPES = {
     "fp3_shape_set_default": (None, (POINTER(fp3_shape_def), c_size_t)),
     "fp3_bodies_attach": (c_int, (c_void_p, c_void_p, c_size_t, POINTER(fp3_shape_def), c_void_p)),
     "fp3_bodies_attach_chain": (c_int, (c_void_p, c_uint64, c_void_p, c_size_t, c_int, POINTER(fp3_shape_def))),
+    "fp3_bodies_attach_mesh": (c_int,
+        (c_void_p, c_uint64, c_void_p, c_size_t, c_void_p, c_size_t, POINTER(fp3_shape_def))),
+    "fp3_bodies_attach_heights": (c_int,
+        (c_void_p, c_uint64, c_size_t, c_size_t, c_double, c_double, c_void_p, POINTER(fp3_shape_def))),
     "fp3_joint_set_default": (None, (POINTER(fp3_joint_def), c_size_t)),
     "fp3_bodies_join": (c_int, (c_void_p, POINTER(fp3_joint_def), c_size_t, c_void_p)),
     "fp3_bodies_unjoin": (c_int, (c_void_p, c_void_p, c_size_t)),
@@ -1297,9 +1311,9 @@ PROTOTYPES = {
     "fp3_bodies_contacts": (c_int, (c_void_p, POINTER(POINTER(fp3_contact)), c_void_p)),
     "fp3_bodies_ray": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, c_uint32, POINTER(fp3_hit))),
     "fp3_bodies_cast": (c_int,
-        (c_void_p, POINTER(fp3_shape_def), c_void_p, c_double, c_void_p, c_uint32, POINTER(fp3_hit))),
+        (c_void_p, POINTER(fp3_shape_def), c_void_p, c_void_p, c_void_p, c_uint32, POINTER(fp3_hit))),
     "fp3_bodies_overlap": (c_int,
-        (c_void_p, POINTER(fp3_shape_def), c_void_p, c_double, c_uint32, c_size_t, POINTER(fp3_hit), c_void_p)),
+        (c_void_p, POINTER(fp3_shape_def), c_void_p, c_void_p, c_uint32, c_size_t, POINTER(fp3_hit), c_void_p)),
     "fp3_bodies_nearest": (c_int, (c_void_p, c_void_p, c_size_t, c_uint32, POINTER(fp3_hit))),
     "fp3_bodies_save": (c_int, (c_void_p, POINTER(c_void_p))),
     "fp3_bodies_restore": (c_int, (c_void_p, c_void_p)),

@@ -18,7 +18,8 @@ from .given import as_count, as_flag, as_number, as_values, handles_of, shown
 Array = "np.ndarray[Any, Any]"
 Values = Union[float, "np.ndarray[Any, Any]", Sequence[Any]]
 _TYPES = {"dynamic": d.FP3_DYNAMIC, "kinematic": d.FP3_KINEMATIC, "static": d.FP3_STATIC}
-_PAIRS = ("x", "v", "force")  # of which a body has two values
+# How many numbers a value of a body has, in a plane and in space; any other has one.
+_WIDTHS = {2: {"x": 2, "v": 2, "force": 2}, 3: {"x": 3, "v": 3, "force": 3, "q": 4, "spin": 3, "torque": 3, "inertia": 3}}
 _JOINTS = {"rod": d.FP3_ROD, "hinge": d.FP3_HINGE, "slider": d.FP3_SLIDER, "wheel": d.FP3_WHEEL, "weld": d.FP3_WELD, "gear": d.FP3_GEAR}
 _CHANGES = {"began": d.FP3_CONTACT_BEGAN, "ended": d.FP3_CONTACT_ENDED, "hit": d.FP3_CONTACT_HIT}
 
@@ -37,6 +38,21 @@ class BodiesState(Owner):
         self._handle = Handle(pointer, "fp3_bodies_state_free", world._handle)  # which stays: no other world may get its place in memory
 
 
+def _vector(what: str, value: Any, size: int) -> Tuple[float, ...]:
+    array = as_values(what, value, f"{size} numbers")
+    if array.shape != (size,):
+        raise ArgumentError(f"{what}: found shape {array.shape}, expected {size} numbers")
+    return tuple(float(x) for x in array)
+
+
+def _place(what: str, value: Any) -> Tuple[float, ...]:
+    """Of a shape, in a plane or in space: three numbers."""
+    array = as_values(what, value, "two numbers, or three in space")
+    if array.shape not in ((2,), (3,)):
+        raise ArgumentError(f"{what}: found shape {array.shape}, expected two numbers, or three in space")
+    return (*map(float, array), *([0.0] if array.size == 2 else []))
+
+
 def _pair(what: str, value: Any) -> Tuple[float, float]:
     array = as_values(what, value, "two numbers")
     if array.shape != (2,):
@@ -44,10 +60,10 @@ def _pair(what: str, value: Any) -> Tuple[float, float]:
     return float(array[0]), float(array[1])
 
 
-def _points(what: str, value: Any) -> "np.ndarray[Any, Any]":
-    array = as_values(what, value, "two numbers for each point")
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise ArgumentError(f"{what}: found shape {array.shape}, expected two numbers for each point")
+def _points(what: str, value: Any, size: int = 2) -> "np.ndarray[Any, Any]":
+    array = as_values(what, value, f"{size} numbers for each point")
+    if array.ndim != 2 or array.shape[1] != size:
+        raise ArgumentError(f"{what}: found shape {array.shape}, expected {size} numbers for each point")
     return np.require(array, np.float64, ["C", "A"])
 
 
@@ -57,11 +73,12 @@ class Shape:
     __slots__ = ("_definition", "_text")
 
     def __init__(self, text: str, kind: int, radius: float, density: float = 1.0, friction: float = 0.6, restitution: float = 0.0, rolling: float = 0.0,
-                 belt: float = 0.0, category: int = 1, mask: int = 2**32 - 1, is_sensor: bool = False) -> None:
+                 belt: float = 0.0, surface: Values = (0.0, 0.0, 0.0), category: int = 1, mask: int = 2**32 - 1, is_sensor: bool = False) -> None:
         made = _library.library().default(d.fp3_shape_def)
         made.type, made.radius = kind, as_number("radius", radius)
         made.density, made.friction = as_number("density", density), as_number("friction", friction)
         made.restitution, made.rolling, made.belt = as_number("restitution", restitution), as_number("rolling", rolling), as_number("belt", belt)
+        made.surface[:] = _vector("surface", surface, 3)
         made.category, made.mask = as_count("category", category, 0, 2**32 - 1), as_count("mask", mask, 0, 2**32 - 1)
         made.is_sensor = as_flag("is_sensor", is_sensor)
         self._definition, self._text = made, text
@@ -77,24 +94,43 @@ def _shape(shape: Any) -> Any:
 
 
 def circle(radius: float, *, centre: Values = (0.0, 0.0), **material: Any) -> Shape:
-    """A circle. centre: from the body's origin. material: density, friction, restitution, rolling, belt, category, mask, is_sensor (fp3_shape_def)."""
-    middle = _pair("centre", centre)
+    """A circle. centre: from the body's origin. material: density, friction, restitution, rolling, category, mask, is_sensor, in a plane belt, in space surface
+    (fp3_shape_def)."""
+    middle = (*_pair("centre", centre), 0.0)
     made = Shape(f"circle({shown(radius)})", d.FP3_CIRCLE, radius, **material)
     made._definition.centre[:] = middle
     return made
 
 
-def box(half_x: float, half_y: float, *, radius: float = 0.0, centre: Values = (0.0, 0.0), angle: float = 0.0, **material: Any) -> Shape:
-    """A box by half its sides, its corners rounded by a radius that comes on top. centre, angle: as the body has it. material: as of circle."""
-    half, middle, turn = (as_number("half_x", half_x), as_number("half_y", half_y)), _pair("centre", centre), as_number("angle", angle)
-    made = Shape(f"box({half[0]:g}, {half[1]:g})", d.FP3_BOX, radius, **material)
-    made._definition.half[:], made._definition.centre[:], made._definition.angle = half, middle, turn
+def sphere(radius: float, *, centre: Values = (0.0, 0.0, 0.0), **material: Any) -> Shape:
+    """A sphere, in space. material: as of circle."""
+    middle = _vector("centre", centre, 3)
+    made = Shape(f"sphere({shown(radius)})", d.FP3_SPHERE, radius, **material)
+    made._definition.centre[:] = middle
+    return made
+
+
+def plane(normal: Values = (0.0, 1.0, 0.0), *, centre: Values = (0.0, 0.0, 0.0), **material: Any) -> Shape:
+    """All points below a plane through a point, as ground in space. material: as of circle."""
+    up, middle = _vector("normal", normal, 3), _vector("centre", centre, 3)
+    made = Shape(f"plane({up})", d.FP3_PLANE, 0.0, **material)
+    made._definition.normal[:], made._definition.centre[:] = up, middle
+    return made
+
+
+def box(half_x: float, half_y: float, half_z: Optional[float] = None, *, radius: float = 0.0, centre: Values = (0.0, 0.0), angle: float = 0.0,
+        q: Values = (1.0, 0.0, 0.0, 0.0), **material: Any) -> Shape:
+    """A box by half its sides, three in space, its corners rounded by a radius that comes on top. centre, angle or q: as the body has it. material: as of circle."""
+    half = (as_number("half_x", half_x), as_number("half_y", half_y), 0.0 if half_z is None else as_number("half_z", half_z))
+    middle, turn, quaternion = _place("centre", centre), as_number("angle", angle), _vector("q", q, 4)
+    made = Shape(f"box({', '.join(f'{side:g}' for side in half[:2 if half_z is None else 3])})", d.FP3_BOX, radius, **material)
+    made._definition.half[:], made._definition.centre[:], made._definition.angle, made._definition.q[:] = half, middle, turn, quaternion
     return made
 
 
 def capsule(a: Values, b: Values, radius: float, **material: Any) -> Shape:
     """From one end to the other, rounded by a radius; a segment if that is 0. material: as of circle."""
-    ends = _pair("a", a), _pair("b", b)
+    ends = _place("a", a), _place("b", b)
     made = Shape(f"capsule({ends[0]}, {ends[1]}, {shown(radius)})", d.FP3_CAPSULE, radius, **material)
     made._definition.corners = 2
     made._definition.corner[0][:], made._definition.corner[1][:] = ends
@@ -109,12 +145,24 @@ def polygon(points: Values, *, radius: float = 0.0, **material: Any) -> Shape:
     made = Shape(f"polygon({len(corners)} points)", d.FP3_POLYGON, radius, **material)
     made._definition.corners = len(corners)
     for to, corner in zip(made._definition.corner, corners):
+        to[:] = (*corner, 0.0)
+    return made
+
+
+def hull(points: Values, *, radius: float = 0.0, **material: Any) -> Shape:
+    """The hull of 4 to 32 points in space in any order, rounded by a radius that comes on top. material: as of circle."""
+    corners = _points("points", points, 3)
+    if len(corners) > d.FP3_HULL_CORNERS:
+        raise ArgumentError(f"points: found {len(corners)}, expected at most {d.FP3_HULL_CORNERS}")
+    made = Shape(f"hull({len(corners)} points)", d.FP3_HULL, radius, **material)
+    made._definition.corners = len(corners)
+    for to, corner in zip(made._definition.corner, corners):
         to[:] = tuple(corner)
     return made
 
 
 class Bodies(Owner):
-    """Rigid bodies in a plane.
+    """Rigid bodies in a plane, or in space with dimensions=3.
 
         world = fp3.Bodies(gravity=(0, -10))
         ground = world.add(type="static", x=(0, -1))
@@ -134,12 +182,15 @@ class Bodies(Owner):
     _what = "world of bodies"
     __iter__ = None  # len() counts bodies, and values have names: there is no order to go through
 
-    def __init__(self, *, gravity: Values = (0.0, -9.81), h: Optional[float] = None, substeps: int = 4, size: float = 1.0, engine: Optional[str] = None,
-                 config: Optional[str] = None, may_compile: bool = False, laws: Optional[str] = None, push: Optional[float] = None, bounce: Optional[float] = None, rest_speed: Optional[float] = None,
+    def __init__(self, *, dimensions: int = 2, gravity: Optional[Values] = None, h: Optional[float] = None, substeps: int = 4, size: float = 1.0,
+                 engine: Optional[str] = None, config: Optional[str] = None, may_compile: bool = False, laws: Optional[str] = None, push: Optional[float] = None,
+                 bounce: Optional[float] = None, rest_speed: Optional[float] = None,
                  rest_time: Optional[float] = None) -> None:
         self._own()
         definition = self._lib.default(d.fp3_bodies_def)
-        definition.gravity[:] = _pair("gravity", gravity)
+        definition.dimensions = self._width = as_count("dimensions", dimensions, 0, 2**32 - 1)
+        if gravity is not None:
+            definition.gravity[:] = _place("gravity", gravity)
         definition.substeps, definition.size = as_count("substeps", substeps, 0, 2**32 - 1), as_number("size", size)
         for name, value in {"h": h, "push": push, "bounce": bounce, "rest_speed": rest_speed, "rest_time": rest_time}.items():
             if value is not None:
@@ -172,17 +223,18 @@ class Bodies(Owner):
 
     # ---- who is there ----
 
-    def add(self, *, type: str = "dynamic", x: Values = (0.0, 0.0), angle: Values = 0.0, v: Values = (0.0, 0.0), w: Values = 0.0, damping: Values = 0.0,
-            spin_damping: Values = 0.0, gravity: Values = 1.0, may_not_turn: bool = False, may_not_sleep: bool = False,
-            is_fast: bool = False) -> "np.ndarray[Any, Any]":
-        """Adds a body, or as many as a column has rows: x and v are two numbers, or two for each body; the others are a number, or one for each.
+    def add(self, *, type: str = "dynamic", x: Optional[Values] = None, v: Optional[Values] = None, angle: Values = 0.0, w: Values = 0.0,
+            q: Values = (1.0, 0.0, 0.0, 0.0), spin: Values = (0.0, 0.0, 0.0), damping: Values = 0.0, spin_damping: Values = 0.0, gravity: Values = 1.0,
+            may_not_turn: bool = False, may_not_sleep: bool = False, is_fast: bool = False) -> "np.ndarray[Any, Any]":
+        """Adds a body, or as many as a column has rows: x and v are two numbers, or two for each body (three in space, where there are q and spin instead of
+        angle and w); the others are a number, or one for each.
 
         Their handles, always as an array. They get the lowest numbers that are free. type: "dynamic", "kinematic" or "static". After an error none was added.
         """
         if not isinstance(type, str) or type not in _TYPES:
             raise ArgumentError(f"type: found {shown(type)}, expected 'dynamic', 'kinematic' or 'static'")
-        given = {"x": x, "angle": angle, "v": v, "w": w, "damping": damping, "spin_damping": spin_damping, "gravity": gravity}
-        columns, count = self._columns(given)
+        given = {"x": x, "v": v, "angle": angle, "w": w, "q": q, "spin": spin, "damping": damping, "spin_damping": spin_damping, "gravity": gravity}
+        columns, count = self._columns({name: value for name, value in given.items() if value is not None})
         flags = {"may_not_turn": may_not_turn, "may_not_sleep": may_not_sleep, "is_fast": is_fast}
         flags = {name: as_flag(name, value) for name, value in flags.items()}
         default = self._lib.default(d.fp3_body_def)
@@ -191,22 +243,23 @@ class Bodies(Owner):
             setattr(default, name, value)
         made = np.repeat(np.frombuffer(default, np.dtype(d.fp3_body_def)), count)
         for name, column in columns.items():
-            made[name] = column
+            part = made[name] if made[name].ndim == 1 else made[name][:, :column.shape[-1]]
+            part[...] = column
         handles = np.zeros(count, np.uint64)
         with self._c() as c:
             check(self._lib.fp3_bodies_add(c, made.ctypes.data_as(ctypes.POINTER(d.fp3_body_def)), count, handles.ctypes.data), self._error)
         return handles
 
-    @staticmethod
-    def _columns(given: Dict[str, Any]) -> Tuple[Dict[str, "np.ndarray[Any, Any]"], int]:
+    def _columns(self, given: Dict[str, Any]) -> Tuple[Dict[str, "np.ndarray[Any, Any]"], int]:
         """As arrays, and how many bodies they are for: 1, if all are the same for all."""
         columns, rows = {}, {}
         for name, value in given.items():
-            column, own = as_values(name, value), (2,) if name in _PAIRS else ()
+            width = {"q": 4, "spin": 3}.get(name) or _WIDTHS[self._width].get(name)
+            column, own = as_values(name, value), (width,) if width else ()
             if column.ndim == len(own) + 1 and column.shape[1:] == own:
                 rows[name] = len(column)
             elif column.shape != own:
-                raise ArgumentError(f"{name}: found shape {column.shape}, expected {'(2,) or (bodies, 2)' if own else 'a number or one for each body'}")
+                raise ArgumentError(f"{name}: found shape {column.shape}, expected " + (f"{own} or (bodies, {width})" if own else "a number or one for each body"))
             columns[name] = column
         if len(set(rows.values())) > 1:
             raise ArgumentError("columns for different numbers of bodies: " + ", ".join(f"{name} {count}" for name, count in rows.items()))
@@ -240,11 +293,40 @@ class Bodies(Owner):
         What slides over its inner corners does not catch there. loop: from the last corner back to the first. radius: rounds the edges. material: as of circle.
         """
         column, points, is_loop = handles_of(handle), _points("corners", corners), as_flag("loop", loop)
-        if column.size != 1:
-            raise ArgumentError(f"handle: found {column.size}, expected one")
         surface = Shape("", d.FP3_CAPSULE, radius, **material)._definition
         with self._c() as c:
-            check(self._lib.fp3_bodies_attach_chain(c, int(column[0]), points.ctypes.data, len(points), is_loop, ctypes.pointer(surface)), self._error)
+            check(self._lib.fp3_bodies_attach_chain(c, self._one(column), points.ctypes.data, len(points), is_loop, ctypes.pointer(surface)), self._error)
+
+    def mesh(self, handle: Any, points: Values, triangles: Values, **material: Any) -> None:
+        """Gives a body in space that is not dynamic a mesh of triangles as ground: three numbers for each point, three points for each triangle, anticlockwise
+        as seen from outside. material: as of circle."""
+        column, corners = handles_of(handle), _points("points", points, 3)
+        given = np.asarray(triangles)
+        if given.ndim != 2 or given.shape[1] != 3 or given.dtype.kind not in "iu" or (given.size and (given.min() < 0 or given.max() > 2**32 - 1)):
+            raise ArgumentError(f"triangles: found shape {given.shape} of {given.dtype}, expected three numbers of points for each triangle")
+        of = np.require(given, np.uint32, ["C", "A"])
+        with self._c() as c:
+            check(self._lib.fp3_bodies_attach_mesh(c, self._one(column), corners.ctypes.data, len(corners), of.ctypes.data, len(of), self._surface(material)), self._error)
+
+    def heights(self, handle: Any, dx: float, dy: float, heights: Values, **material: Any) -> None:
+        """The same of heights[j, i] above the points (i dx, j dy) of the body's axes; up is z. material: as of circle."""
+        column, grid = handles_of(handle), as_values("heights", heights, "a table")
+        if grid.ndim != 2:
+            raise ArgumentError(f"heights: found shape {grid.shape}, expected rows and columns")
+        table = np.require(grid, np.float64, ["C", "A"])
+        with self._c() as c:
+            check(self._lib.fp3_bodies_attach_heights(c, self._one(column), table.shape[1], table.shape[0], as_number("dx", dx), as_number("dy", dy),
+                                                      table.ctypes.data, self._surface(material)), self._error)
+
+    @staticmethod
+    def _one(column: "np.ndarray[Any, Any]") -> int:
+        if column.size != 1:
+            raise ArgumentError(f"handle: found {column.size}, expected one")
+        return int(column[0])
+
+    @staticmethod
+    def _surface(material: Dict[str, Any]) -> Any:
+        return ctypes.pointer(Shape("", d.FP3_SPHERE, 0.0, **material)._definition)
 
     # ---- joints ----
 
@@ -262,7 +344,7 @@ class Bodies(Owner):
             raise ArgumentError(f"a and b: found {first.size} and {second.size} handles, expected as many")
         first, second = np.broadcast_arrays(first, second)
         one = self._lib.default(d.fp3_joint_def)
-        one.type, one.anchor_a[:], one.anchor_b[:], one.axis[:] = _JOINTS[type], _pair("anchor_a", anchor_a), _pair("anchor_b", anchor_b), _pair("axis", axis)
+        one.type, one.anchor_a[:], one.anchor_b[:], one.axis[:] = _JOINTS[type], _place("anchor_a", anchor_a), _place("anchor_b", anchor_b), _place("axis", axis)
         numbers = {"ratio": ratio, "speed": speed, "most": most, "hertz": hertz, "damping": damping, "force": force, "torque": torque}
         for name, value in numbers.items():
             setattr(one, name, as_number(name, value))
@@ -343,7 +425,15 @@ class Bodies(Owner):
         made = np.zeros(count.value, np.dtype(d.fp3_contact))
         if count.value:
             ctypes.memmove(made.ctypes.data, found, made.nbytes)
-        return made
+        return self._records(made)
+
+    def _records(self, made: "np.ndarray[Any, Any]") -> "np.ndarray[Any, Any]":
+        """In a plane points and normals have two numbers."""
+        if self._width == 3:
+            return made
+        fields = {name: (np.dtype((np.float64, 2)) if name in ("point", "normal") else of[0], of[1]) for name, of in made.dtype.fields.items()}
+        shown_as = np.dtype({"names": list(fields), "formats": [of for of, _ in fields.values()], "offsets": [at for _, at in fields.values()], "itemsize": made.itemsize})
+        return made.view(shown_as)
 
     # ---- questions ----
 
@@ -352,37 +442,41 @@ class Bodies(Owner):
 
         mask: only shapes whose category has a bit of it, as in all questions.
         """
-        start, way = _points("origins", np.atleast_2d(origins)), _points("ways", np.atleast_2d(ways))
+        start, way = _points("origins", np.atleast_2d(origins), self._width), _points("ways", np.atleast_2d(ways), self._width)
         if len(start) != len(way):
             raise ArgumentError(f"origins and ways: found {len(start)} and {len(way)}, expected as many")
         return self._hits(len(start), lambda c, hits: self._lib.fp3_bodies_ray(c, start.ctypes.data, way.ctypes.data, len(start), _mask(mask), hits))
 
-    def cast(self, shape: Shape, x: Values, way: Values, angle: float = 0.0, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
-        """What a shape meets first that stands at x and goes along a way without turning: one record, as of ray."""
-        pose, along = np.array(_pair("x", x)), np.array(_pair("way", way))
-        return self._hits(1, lambda c, hits: self._lib.fp3_bodies_cast(c, _shape(shape), pose.ctypes.data, as_number("angle", angle), along.ctypes.data, _mask(mask), hits))
+    def _turn(self, angle: float, q: Values) -> "np.ndarray[Any, Any]":
+        return np.array([as_number("angle", angle)] if self._width == 2 else _vector("q", q, 4))
 
-    def overlap(self, shape: Shape, x: Values, angle: float = 0.0, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
+    def cast(self, shape: Shape, x: Values, way: Values, angle: float = 0.0, mask: int = 2**32 - 1, *,
+             q: Values = (1.0, 0.0, 0.0, 0.0)) -> "np.ndarray[Any, Any]":
+        """What a shape meets first that stands at x and goes along a way without turning: one record, as of ray. angle, in space q: how it stands."""
+        pose, along, turn = np.array(_vector("x", x, self._width)), np.array(_vector("way", way, self._width)), self._turn(angle, q)
+        return self._hits(1, lambda c, hits: self._lib.fp3_bodies_cast(c, _shape(shape), pose.ctypes.data, turn.ctypes.data, along.ctypes.data, _mask(mask), hits))
+
+    def overlap(self, shape: Shape, x: Values, angle: float = 0.0, mask: int = 2**32 - 1, *, q: Values = (1.0, 0.0, 0.0, 0.0)) -> "np.ndarray[Any, Any]":
         """All shapes that overlap this one, by their numbers: records, whose distance is below 0."""
-        pose, count = np.array(_pair("x", x)), ctypes.c_size_t()
+        pose, turn, count = np.array(_vector("x", x, self._width)), self._turn(angle, q), ctypes.c_size_t()
 
         def ask(room: int) -> "np.ndarray[Any, Any]":
             return self._hits(room, lambda c, hits: self._lib.fp3_bodies_overlap(
-                c, _shape(shape), pose.ctypes.data, as_number("angle", angle), _mask(mask), room, hits, ctypes.byref(count)))
+                c, _shape(shape), pose.ctypes.data, turn.ctypes.data, _mask(mask), room, hits, ctypes.byref(count)))
         with self._c():
             found = ask(64)
             return found[:count.value] if count.value <= 64 else ask(count.value)
 
     def nearest(self, points: Values, mask: int = 2**32 - 1) -> "np.ndarray[Any, Any]":
         """The shape that is nearest to each point: records, as of ray. Within a shape the distance is below 0."""
-        where = _points("points", np.atleast_2d(points))
+        where = _points("points", np.atleast_2d(points), self._width)
         return self._hits(len(where), lambda c, hits: self._lib.fp3_bodies_nearest(c, where.ctypes.data, len(where), _mask(mask), hits))
 
     def _hits(self, count: int, call: Any) -> "np.ndarray[Any, Any]":
         made = np.zeros(count, np.dtype(d.fp3_hit))
         with self._c() as c:
             check(call(c, made.ctypes.data_as(ctypes.POINTER(d.fp3_hit))), self._error)
-        return made
+        return self._records(made)
 
     # ---- back in time ----
 
@@ -413,12 +507,12 @@ class Bodies(Owner):
             return bool(self._lib.fp3_bodies_read(c, key, None, 0, None) == d.FP3_OK)
 
     def __getitem__(self, name: str) -> "np.ndarray[Any, Any]":
-        """A value of all bodies, in the order of their numbers, as `handles` are: of x, v and force two numbers each. It is a copy."""
+        """A value of all bodies, in the order of their numbers, as `handles` are: of x, v and force two numbers each, in space three. It is a copy."""
         with self._c():
             return self.read(name, self.handles)
 
     def read(self, name: str, handles: Any) -> "np.ndarray[Any, Any]":
-        """A value of these bodies, as float64: x, angle, v, w, force, torque, mass, inertia, at_rest; x_x is a part of x. It is a copy."""
+        """A value of these bodies, as float64: x, v, force, mass, inertia, at_rest, torque, in a plane angle and w, in space q and spin; x_x is a part of x. It is a copy."""
         key, column = name_bytes("name", name), handles_of(handles)
         found = np.empty(self._shape(name, column))
         with self._c() as c:
@@ -435,9 +529,8 @@ class Bodies(Owner):
         with self._c() as c:
             check(self._lib.fp3_bodies_write(c, key, column.ctypes.data, column.size, given.ctypes.data), self._error)
 
-    @staticmethod
-    def _shape(name: str, handles: "np.ndarray[Any, Any]") -> Tuple[int, ...]:
-        return (handles.size, 2) if name in _PAIRS else (handles.size,)
+    def _shape(self, name: str, handles: "np.ndarray[Any, Any]") -> Tuple[int, ...]:
+        return (handles.size, _WIDTHS[self._width][name]) if name in _WIDTHS[self._width] else (handles.size,)
 
     # ---- steps ----
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* attach.c - shapes of bodies, and what bodies weigh. */
-#include "own.h"
+#include "own3.h"
 #include "turn.h"
 
 #include "base/host.h"
@@ -38,9 +38,14 @@ fp3_status fp3_shape_make(const fp3_shape_def *def, fp3_shape2 *shape, fp3_error
     }
     case FP3_POLYGON:
         return fp3_polygon2(corner, def->corners, radius, shape, error);
+    case FP3_SPHERE:
+    case FP3_HULL:
+    case FP3_PLANE:
+        break;
     }
     return fp3_fail(error, FP3_E_ARGUMENT,
-                    "type is %d, expected FP3_CIRCLE, FP3_CAPSULE, FP3_BOX or FP3_POLYGON",
+                    "type is %d, expected FP3_CIRCLE, FP3_CAPSULE, FP3_BOX or FP3_POLYGON in a "
+                    "plane",
                     (int)def->type);
 }
 
@@ -49,7 +54,30 @@ typedef struct {
     double value, most;
 } range;
 
-static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error *error) {
+/* What a shape in a plane must not say, and one in space. */
+static fp3_status check_space(const fp3_shape_def *def, int is_space, fp3_error *error) {
+    const double plane[] = {def->angle, def->belt},
+                 space[] = {def->centre[2], def->half[2], def->surface[0], def->surface[1],
+                            def->surface[2]};
+    static const char *const plane_names[] = {"angle", "belt"}, *const space_names[] = {
+                                                                    "centre[2]", "half[2]",
+                                                                    "surface[0]", "surface[1]",
+                                                                    "surface[2]"};
+    const size_t count = is_space ? sizeof plane / sizeof *plane : sizeof space / sizeof *space;
+    for (size_t i = 0; i < count; i++)
+        if ((is_space ? plane : space)[i] != 0)
+            return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 in %s",
+                            (is_space ? plane_names : space_names)[i],
+                            (is_space ? plane : space)[i], is_space ? "space" : "a plane");
+    for (int i = 0; is_space && i < 3; i++)
+        if (!(fabs(def->surface[i]) <= 1e9))
+            return fp3_fail(error, FP3_E_ARGUMENT, "surface[%d] is %g, expected -1e9 to 1e9", i,
+                            def->surface[i]);
+    return FP3_OK;
+}
+
+static fp3_status make(const fp3_bodies *bodies, const fp3_shape_def *def, fp3_attached *placed) {
+    fp3_error *error = bodies->error;
     const range ranges[] = {{"density", def->density, 1e12},
                             {"friction", def->friction, 1e6},
                             {"restitution", def->restitution, 1},
@@ -63,14 +91,20 @@ static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error
                         def->density);
     if (!(fabs(def->belt) <= 1e9))
         return fp3_fail(error, FP3_E_ARGUMENT, "belt is %g, expected -1e9 to 1e9", def->belt);
-    *placed = (fp3_attached){.friction = (float)def->friction,
-                             .restitution = (float)def->restitution,
-                             .rolling = (float)def->rolling,
-                             .belt = (float)def->belt,
-                             .category = def->category,
-                             .mask = def->mask,
-                             .is_sensor = def->is_sensor != 0};
-    const fp3_status status = fp3_shape_make(def, &placed->given, error);
+    *placed = (fp3_attached){
+        .friction = (float)def->friction,
+        .restitution = (float)def->restitution,
+        .rolling = (float)def->rolling,
+        .belt = (float)def->belt,
+        .surface = {(float)def->surface[0], (float)def->surface[1], (float)def->surface[2]},
+        .density = (float)def->density,
+        .category = def->category,
+        .mask = def->mask,
+        .is_sensor = def->is_sensor != 0};
+    fp3_status status = check_space(def, bodies->space != NULL, error);
+    if (status || bodies->space)
+        return status;
+    status = fp3_shape_make(def, &placed->given, error);
     if (status)
         return status;
     placed->mass = fp3_weigh2(&placed->given, def->is_sensor ? 0 : def->density);
@@ -80,6 +114,7 @@ static fp3_status make(const fp3_shape_def *def, fp3_attached *placed, fp3_error
 /* The shape as it lies around the centre of mass. */
 static void shift(fp3_attached *placed, fp3_point2 by) {
     fp3_shift2(&placed->given, by, &placed->shape);
+    placed->extent = placed->shape.extent;
     placed->link = placed->given_link;
     for (uint32_t i = 0; i < 4; i++)
         placed->link.corner[i] = fp3_subtract2(placed->link.corner[i], by);
@@ -87,6 +122,10 @@ static void shift(fp3_attached *placed, fp3_point2 by) {
 
 /* Mass, centre and inertia from shapes. A dynamic body without mass weighs 1, as in Box2D. */
 static void weigh(fp3_bodies *bodies, uint32_t number) {
+    if (bodies->space) {
+        fp3_space_weigh(bodies, number);
+        return;
+    }
     fp3_body *body = &bodies->body[number];
     fp3_mass2 all = {0};
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
@@ -150,6 +189,7 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
     bodies->shape[at].generation = generation;
     bodies->shape[at].body = number;
     bodies->shape[at].next = FP3_NOBODY;
+    fp3_form_keep(made->form);
     bodies->is_bouncy |= made->restitution > 0;
     bodies->boxes.box[at] = (fp3_box){{-INFINITY, -INFINITY, 0}, {-INFINITY, -INFINITY, 0}};
     bodies->boxes.filter[at] =
@@ -171,18 +211,79 @@ static void place_all(fp3_bodies *bodies, const uint64_t *handles, size_t count)
 fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t count,
                              const fp3_shape_def *shape, uint64_t *shapes) {
     FP3_HOST;
-    fp3_attached made;
-    fp3_status status = make(shape, &made, bodies->error);
+    fp3_attached made = {0};
+    fp3_status status = make(bodies, shape, &made);
     uint32_t number;
-    for (size_t i = 0; !status && i < count; i++)
+    if (!status && bodies->space)
+        status = fp3_form_make(shape, &made.form, bodies->error);
+    for (size_t i = 0; !status && i < count; i++) {
         status = fp3_bodies_numbered(bodies, handles, i, &number);
+        if (!status && made.form && made.form->kind != FP3_FORM_HULL &&
+            bodies->body[number].type == FP3_DYNAMIC)
+            status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                              "a plane is ground: its body must not be dynamic");
+    }
     if (!status)
         status = make_room(bodies, count);
     for (size_t i = 0; !status && i < count; i++)
         place_shape(bodies, (uint32_t)handles[i], &made, shapes ? &shapes[i] : NULL);
+    fp3_form_give_back(made.form);
     if (!status)
         place_all(bodies, handles, count);
     return status;
+}
+
+static fp3_status attach_form(fp3_bodies *bodies, uint64_t handle, fp3_form3 *form,
+                              const fp3_shape_def *surface) {
+    fp3_attached made = {0};
+    fp3_shape_def material = *surface;
+    material.type = FP3_SPHERE; /* whatever the caller says: it is not looked at */
+    fp3_status status = make(bodies, &material, &made);
+    if (!status)
+        status = make_room(bodies, 1);
+    made.form = form;
+    if (!status) {
+        place_shape(bodies, (uint32_t)handle, &made, NULL);
+        place_all(bodies, &handle, 1);
+    }
+    fp3_form_give_back(form);
+    return status;
+}
+
+static fp3_status check_ground(const fp3_bodies *bodies, uint64_t handle) {
+    uint32_t number;
+    const fp3_status status = fp3_bodies_numbered(bodies, &handle, 0, &number);
+    if (status)
+        return status;
+    if (!bodies->space)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "triangles and heights are in space: expected a world of 3 dimensions");
+    return bodies->body[number].type == FP3_DYNAMIC
+               ? fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                          "triangles and heights are ground: their body must not be dynamic")
+               : FP3_OK;
+}
+
+fp3_status fp3_bodies_attach_mesh(fp3_bodies *bodies, uint64_t handle, const double *points,
+                                  size_t count, const uint32_t *triangles, size_t triangle_count,
+                                  const fp3_shape_def *surface) {
+    FP3_HOST;
+    fp3_form3 *form = NULL;
+    fp3_status status = check_ground(bodies, handle);
+    if (!status)
+        status = fp3_form_make_mesh(points, count, triangles, triangle_count, &form, bodies->error);
+    return status ? status : attach_form(bodies, handle, form, surface);
+}
+
+fp3_status fp3_bodies_attach_heights(fp3_bodies *bodies, uint64_t handle, size_t columns,
+                                     size_t rows, double dx, double dy, const double *heights,
+                                     const fp3_shape_def *surface) {
+    FP3_HOST;
+    fp3_form3 *form = NULL;
+    fp3_status status = check_ground(bodies, handle);
+    if (!status)
+        status = fp3_form_make_heights(columns, rows, dx, dy, heights, &form, bodies->error);
+    return status ? status : attach_form(bodies, handle, form, surface);
 }
 
 fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
@@ -194,6 +295,9 @@ fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const do
     if (!status && count < (is_loop ? 3u : 2u))
         status = fp3_fail(bodies->error, FP3_E_ARGUMENT, "the chain has %zu corners, expected %d",
                           count, is_loop ? 3 : 2);
+    if (!status && bodies->space)
+        status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                          "a chain is in a plane: expected triangles or heights in space");
     if (!status && bodies->body[number].type == FP3_DYNAMIC)
         status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
                           "a chain is ground: its body must not be dynamic");
@@ -209,7 +313,7 @@ fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const do
         edge.corners = 2;
         for (uint32_t k = 0; k < 2; k++)
             memcpy(edge.corner[k], corners + 2 * ((i + k) % count), sizeof edge.corner[k]);
-        status = make(&edge, &made[i], bodies->error);
+        status = make(bodies, &edge, &made[i]);
         made[i].is_link = 1;
         made[i].given_link.radius = made[i].given.radius;
         made[i].given_link.ends = (!is_loop && i == 0 ? FP3_LINK2_FIRST : 0) +

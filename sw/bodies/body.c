@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* body.c - bodies come and go; handles. */
-#include "own.h"
+#include "own3.h"
 #include "turn.h"
 
 #include "base/host.h"
@@ -8,11 +8,38 @@
 #include <math.h>
 #include <string.h>
 
-static fp3_status check(const fp3_body_def *def, size_t which, fp3_error *error) {
-    const double values[] = {def->x[0], def->x[1],    def->angle,        def->v[0],   def->v[1],
-                             def->w,    def->damping, def->spin_damping, def->gravity};
-    static const char *const names[] = {"x[0]", "x[1]",    "angle",        "v[0]",   "v[1]",
-                                        "w",    "damping", "spin_damping", "gravity"};
+/* What a body in a plane must not say, and one in space. */
+static fp3_status check_space(const fp3_body_def *def, size_t which, int is_space,
+                              fp3_error *error) {
+    const double plane[] = {def->angle, def->w},
+                 space[] = {def->x[2], def->v[2],    def->q[1],    def->q[2],
+                            def->q[3], def->spin[0], def->spin[1], def->spin[2]};
+    static const char *const plane_names[] = {"angle", "w"}, *const space_names[] = {
+                                                                 "x[2]",    "v[2]",   "q[1]",
+                                                                 "q[2]",    "q[3]",   "spin[0]",
+                                                                 "spin[1]", "spin[2]"};
+    const size_t count = is_space ? sizeof plane / sizeof *plane : sizeof space / sizeof *space;
+    for (size_t i = 0; i < count; i++)
+        if ((is_space ? plane : space)[i] != 0)
+            return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: %s is %g, expected 0 in %s", which,
+                            (is_space ? plane_names : space_names)[i],
+                            (is_space ? plane : space)[i], is_space ? "space" : "a plane");
+    const double *q = def->q,
+                 size = sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
+    if (is_space && !(size >= 1e-3 && size <= 1e3))
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "body %zu: the length of q is %g, expected 1e-3 to 1e3", which, size);
+    return FP3_OK;
+}
+
+static fp3_status check(const fp3_body_def *def, size_t which, int is_space, fp3_error *error) {
+    const double values[] = {def->x[0],         def->x[1],    def->x[2],    def->angle,
+                             def->v[0],         def->v[1],    def->v[2],    def->w,
+                             def->spin[0],      def->spin[1], def->spin[2], def->damping,
+                             def->spin_damping, def->gravity};
+    static const char *const names[] = {
+        "x[0]", "x[1]",    "x[2]",    "angle",   "v[0]",    "v[1]",         "v[2]",
+        "w",    "spin[0]", "spin[1]", "spin[2]", "damping", "spin_damping", "gravity"};
     if (def->type != FP3_DYNAMIC && def->type != FP3_KINEMATIC && def->type != FP3_STATIC)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "body %zu: type is %d, expected FP3_DYNAMIC, FP3_KINEMATIC or FP3_STATIC",
@@ -23,14 +50,14 @@ static fp3_status check(const fp3_body_def *def, size_t which, fp3_error *error)
                             which, names[i], values[i]);
     if (def->damping < 0 || def->spin_damping < 0)
         return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: damping is below 0", which);
-    return FP3_OK;
+    return check_space(def, which, is_space, error);
 }
 
 static void place(fp3_body *body, const fp3_body_def *def) {
     double turn[2];
     const uint32_t generation = body->generation + 1;
     fp3_turn2_of(def->angle, turn);
-    *body = (fp3_body){.at = {def->x[0], def->x[1]},
+    *body = (fp3_body){.at = {def->x[0], def->x[1], def->x[2]},
                        .angle = def->angle,
                        .turn = {(float)turn[0], (float)turn[1]},
                        .damping = (float)def->damping,
@@ -49,7 +76,17 @@ static void place(fp3_body *body, const fp3_body_def *def) {
         return;
     body->v[0] = (float)def->v[0];
     body->v[1] = (float)def->v[1];
+    body->v[2] = (float)def->v[2];
     body->w = def->may_not_turn ? 0 : (float)def->w;
+}
+
+static void place_in_space(fp3_body3 *body, const fp3_body_def *def) {
+    const double *q = def->q,
+                 size = sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
+    *body = (fp3_body3){.q = {q[0] / size, q[1] / size, q[2] / size, q[3] / size},
+                        .axes = {1, 0, 0, 0}};
+    for (int i = 0; i < 3; i++)
+        body->spin[i] = def->type == FP3_STATIC || def->may_not_turn ? 0 : (float)def->spin[i];
 }
 
 fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t count,
@@ -57,10 +94,14 @@ fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t c
     FP3_HOST;
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < count; i++)
-        status = check(&defs[i], i, bodies->error);
+        status = check(&defs[i], i, bodies->space != NULL, bodies->error);
     if (!status)
         status = fp3_bodies_room((void **)&bodies->body, &bodies->body_room, sizeof *bodies->body,
                                  bodies->living + count + 1, bodies->error);
+    if (!status && bodies->space)
+        status =
+            fp3_bodies_room((void **)&bodies->space->body, &bodies->space->body_room,
+                            sizeof *bodies->space->body, bodies->living + count + 1, bodies->error);
     if (status)
         return status;
     for (size_t i = 0; i < count; i++) {
@@ -71,6 +112,8 @@ fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t c
         if (number >= bodies->body_count)
             bodies->body_count = number + 1;
         place(&bodies->body[number], &defs[i]);
+        if (bodies->space)
+            place_in_space(&bodies->space->body[number], &defs[i]);
         handles[i] = fp3_bodies_handle(bodies, number);
         bodies->living++;
     }
@@ -80,6 +123,8 @@ fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t c
 static void drop_shapes(fp3_bodies *bodies, fp3_body *body) {
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
         bodies->shape[s].generation++;
+        fp3_form_give_back(bodies->shape[s].form);
+        bodies->shape[s].form = NULL;
         bodies->boxes.box[s].high[0] = -INFINITY;
         bodies->boxes.box[s].low[0] = INFINITY;
         if (s < bodies->free_shape)

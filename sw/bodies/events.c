@@ -15,8 +15,8 @@ static fp3_contact contact_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
         .body_b = fp3_bodies_handle(bodies, b->body),
         .shape_a = (uint64_t)a->generation << 32 | t->a,
         .shape_b = (uint64_t)b->generation << 32 | t->b,
-        .point = {t->at[0], t->at[1]},
-        .normal = {t->m.normal.x, t->m.normal.y},
+        .point = {t->at[0], t->at[1], t->at[2]},
+        .normal = {t->normal[0], t->normal[1], t->normal[2]},
         .speed = t->approach,
         .impulse = t->top,
     };

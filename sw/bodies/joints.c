@@ -78,7 +78,9 @@ static int laws_of(const fp3_joint_def *def) {
     }
 }
 
-static double length_of(const double v[2]) { return sqrt(v[0] * v[0] + v[1] * v[1]); }
+static double length_of(const double v[3]) {
+    return sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+}
 
 typedef struct {
     const char *name;
@@ -86,13 +88,17 @@ typedef struct {
 } range;
 
 static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
+    const double deep = bodies->space ? 1e6 : 0; /* the third number */
     const range ranges[] = {{"type", def->type, FP3_ROD, FP3_GEAR},
                             {"anchor_a[0]", def->anchor_a[0], -1e6, 1e6},
                             {"anchor_a[1]", def->anchor_a[1], -1e6, 1e6},
+                            {"anchor_a[2]", def->anchor_a[2], -deep, deep},
                             {"anchor_b[0]", def->anchor_b[0], -1e6, 1e6},
                             {"anchor_b[1]", def->anchor_b[1], -1e6, 1e6},
+                            {"anchor_b[2]", def->anchor_b[2], -deep, deep},
                             {"axis[0]", def->axis[0], -1e6, 1e6},
                             {"axis[1]", def->axis[1], -1e6, 1e6},
+                            {"axis[2]", def->axis[2], -deep, deep},
                             {"ratio", def->ratio, -1e6, 1e6},
                             {"low", def->low, -1e9, 1e9},
                             {"high", def->high, -1e9, 1e9},
@@ -103,7 +109,9 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
                             {"force", def->force, 0, 1e12},
                             {"torque", def->torque, 0, 1e12}};
     uint32_t a, b;
-    fp3_status status = FP3_OK;
+    fp3_status status = bodies->space
+                            ? fp3_fail(bodies->error, FP3_E_ARGUMENT, "joints are in a plane alone")
+                            : FP3_OK;
     for (size_t i = 0; !status && i < sizeof ranges / sizeof *ranges; i++)
         if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
             status =

@@ -222,6 +222,8 @@ void fp3_free_mesh3(fp3_mesh3 **mesh) {
     free(m);
 }
 
+uint32_t fp3_mesh_triangles3(const fp3_mesh3 *mesh) { return mesh->triangles; }
+
 /* ---- colliding ---- */
 
 /* A triangle as a shape; what does not depend on its corners is there already. */
@@ -288,6 +290,11 @@ typedef struct {
     fp3_point3 middle, low, high; /* of b, in the mesh's frame */
     float reach;
 } visit;
+
+void fp3_mesh_triangle3(const fp3_mesh3 *mesh, uint32_t triangle, fp3_shape3 *shape) {
+    *shape = TRIANGLE;
+    take(mesh, triangle, shape);
+}
 
 static int collide_one(const visit *v, uint32_t triangle, fp3_shape3 *shape, fp3_manifold3 *to) {
     take(v->mesh, triangle, shape);

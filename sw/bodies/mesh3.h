@@ -28,6 +28,10 @@ fp3_status fp3_make_mesh3(uint32_t points, const fp3_point3 *point, uint32_t tri
 fp3_status fp3_make_heights3(uint32_t columns, uint32_t rows, float dx, float dy,
                              const float *height, fp3_mesh3 **mesh, fp3_error *error);
 
+uint32_t fp3_mesh_triangles3(const fp3_mesh3 *mesh);
+/* One of them as a shape. */
+void fp3_mesh_triangle3(const fp3_mesh3 *mesh, uint32_t triangle, fp3_shape3 *shape);
+
 void fp3_free_mesh3(fp3_mesh3 **mesh);
 
 typedef struct {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* open.c - a world is opened and closed; its memory. */
-#include "own.h"
+#include "own3.h"
 
 #include "base/definition.h"
 #include "base/host.h"
@@ -12,6 +12,7 @@
 void fp3_bodies_set_default(fp3_bodies_def *def, size_t size) {
     if (!fp3_definition_begin(def, size, sizeof *def))
         return;
+    def->dimensions = 2;
     def->gravity[1] = -9.81;
     def->h = 1.0 / 60;
     def->substeps = 4;
@@ -28,6 +29,7 @@ void fp3_body_set_default(fp3_body_def *def, size_t size) {
         return;
     def->type = FP3_DYNAMIC;
     def->gravity = 1;
+    def->q[0] = 1;
 }
 
 void fp3_shape_set_default(fp3_shape_def *def, size_t size) {
@@ -38,6 +40,8 @@ void fp3_shape_set_default(fp3_shape_def *def, size_t size) {
     *def = (fp3_shape_def){.type = FP3_CIRCLE,
                            .radius = 0.5,
                            .density = 1,
+                           .q = {1, 0, 0, 0},
+                           .normal = {0, 1, 0},
                            .friction = 0.6,
                            .category = 1,
                            .mask = UINT32_MAX};
@@ -51,11 +55,14 @@ typedef struct {
 static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
     const double small = ldexp(1, -20), large = ldexp(1, 20);
     const range ranges[] = {
+        {"dimensions", def->dimensions, 2, 3},
         {"h", def->h, small, 1},
         {"substeps", def->substeps, 1, 64},
         {"size", def->size, small, large},
         {"gravity[0]", def->gravity[0], -1e9, 1e9},
         {"gravity[1]", def->gravity[1], -1e9, 1e9},
+        {"gravity[2]", def->gravity[2], def->dimensions == 3 ? -1e9 : 0,
+         def->dimensions == 3 ? 1e9 : 0},
         {"push", def->push, 0, 1e9},
         {"bounce", def->bounce, 0, 1e9},
         {"rest_speed", def->rest_speed, 0, 1e9},
@@ -92,14 +99,16 @@ fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies) {
     made->def.bounce *= def->size;
     made->def.rest_speed *= def->size;
     made->error = def->error;
-    made->boxes.dimensions = 2;
-    status = fp3_solver2_choose(&made->solver, error);
+    made->boxes.dimensions = def->dimensions;
+    const fp3_solver3 *space = NULL;
+    status = fp3_solvers_choose(&made->solver, &space, error);
+    if (!status && def->dimensions == 3)
+        status = fp3_space_open(space, &made->space, error);
     if (!status && def->engine)
         status = fp3_laws_open(def, &made->laws, error);
+    *bodies = made;
     if (status)
-        free(made);
-    else
-        *bodies = made;
+        fp3_bodies_close(bodies);
     return status;
 }
 
@@ -112,8 +121,11 @@ void fp3_bodies_close(fp3_bodies **bodies) {
                             b->key,       b->in_slot,   b->speed,     b->way,          b->base,
                             b->pull,      b->heft,      b->merged,    b->joint,        b->apart,
                             b->change[0], b->change[1], b->change[2], b->now};
+    for (uint32_t i = 0; b->space && i < b->shape_count; i++)
+        fp3_form_give_back(b->shape[i].form);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
+    fp3_space_close(&b->space);
     fp3_rows_free(&b->contacts);
     for (int i = 0; i < FP3_JOINT_LAWS; i++)
         fp3_rows_free(&b->joined[i]);

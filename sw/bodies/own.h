@@ -16,22 +16,25 @@
 #define FP3_NOBODY UINT32_MAX
 #define FP3_JOINT_LAWS (FP3_LAWS - FP3_LAW_twist2)
 
+typedef struct fp3_space fp3_space; /* own3.h */
+typedef struct fp3_form3 fp3_form3; /* form3.h */
+
 typedef struct {
     /* What each step goes over. */
-    double at[2];  /* of the centre of mass */
+    double at[3];  /* of the centre of mass */
     float turn[2]; /* its cosine and sine, of length 1 */
-    float v[2], w; /* of the centre of mass */
+    float v[3], w; /* of the centre of mass */
     float rest;    /* for how long it has been slow; -1: it sleeps */
     uint32_t slot; /* where it stands in a step (step.c) */
     uint8_t type, is_fast, may_not_turn, may_not_sleep, is_marked;
-    double boxed[2];     /* where it was when its shapes' boxes were made, */
+    double boxed[3];     /* where it was when its shapes' boxes were made, */
     float boxed_turn[2]; /* and how it was turned */
     float extent;        /* the largest one of its shapes */
     float gravity;
     double angle; /* as the caller reads it, in turns too */
-    float force[2], torque;
+    float force[3], torque;
     float mass, inertia; /* 0 unless dynamic */
-    float centre[2];     /* of mass, from the origin, in the body's axes */
+    float centre[3];     /* of mass, from the origin, in the body's axes */
     float damping, spin_damping;
     uint32_t generation;  /* of its number; odd: a body lives there */
     uint32_t first_shape; /* of its chain; FP3_NOBODY: none */
@@ -42,7 +45,10 @@ typedef struct {
     fp3_shape2 given, shape;    /* in the body's axes, from its origin; from its centre of mass */
     fp3_link2 given_link, link; /* likewise, of an edge of a chain, whose shape is the segment */
     fp3_mass2 mass;             /* of the given shape */
+    fp3_form3 *form;            /* in space, instead of all these */
+    float extent;               /* from the centre of mass to the farthest point */
     float friction, restitution, rolling, belt;
+    float surface[3], density; /* in space */
     uint32_t category, mask;
     uint32_t body, next; /* of the body's chain */
     uint32_t generation;
@@ -80,7 +86,8 @@ struct fp3_bodies {
     fp3_bodies_def def;
     fp3_error *error;
     const fp3_solver2 *solver;
-    fp3_laws *laws; /* NULL: those that are built in */
+    fp3_laws *laws;   /* NULL: those that are built in */
+    fp3_space *space; /* NULL: a plane */
     double time;
     uint64_t steps;
 
@@ -139,6 +146,9 @@ static inline int fp3_body_moves(const fp3_body *body) {
 static inline uint32_t fp3_slot_of(const fp3_bodies *bodies, uint32_t body) {
     return bodies->body[body].slot == FP3_NOBODY ? bodies->movable : bodies->body[body].slot;
 }
+
+/* Whether it has a speed or a spin. */
+int fp3_body_goes(const fp3_bodies *bodies, uint32_t number);
 
 static inline float fp3_inverse_mass(float mass) { return mass > 0 ? 1 / mass : 0; }
 

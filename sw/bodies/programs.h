@@ -8,7 +8,7 @@
 #ifndef FP3_BODIES_PROGRAMS_H
 #define FP3_BODIES_PROGRAMS_H
 
-#include "solve2.h"
+#include "solve3.h"
 
 #include <fp3/bodies.h>
 
@@ -22,8 +22,9 @@ fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **laws, fp3_error *
 const char *fp3_laws_why(const fp3_laws *laws);
 void fp3_laws_close(fp3_laws **laws);
 
-/* Blocks first .. end - 1 of a colour make a pass. FP3_E_SYSTEM. */
-fp3_status fp3_laws_run(fp3_laws *laws, fp3_law law, const fp3_work2 *work, uint32_t first,
-                        uint32_t end, const float shared[FP3_SHARED]);
+/* Blocks first .. end - 1 of a colour make a pass by law FP3_LAW_..., of the plane or of space as
+ * the definition had it; point: of each row, if the law is of one. FP3_E_SYSTEM. */
+fp3_status fp3_laws_run(fp3_laws *laws, uint32_t law, const fp3_work2 *work, uint32_t first,
+                        uint32_t end, uint32_t point, const float shared[FP3_SHARED]);
 
 #endif

@@ -5,10 +5,11 @@
  * with the lowest number, so no order matters. All of an island fall asleep together, in a ring by
  * which they wake together.
  */
-#include "own.h"
+#include "own3.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number) {
     uint32_t next = number;
@@ -69,10 +70,9 @@ static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
 
 /* What moves by itself carries others along: they do not rest. */
 static void stir(fp3_bodies *bodies, uint32_t a, uint32_t b) {
-    const fp3_body *x = &bodies->body[a], *y = &bodies->body[b];
-    if (x->type == FP3_KINEMATIC && (x->v[0] != 0 || x->v[1] != 0 || x->w != 0))
+    if (bodies->body[a].type == FP3_KINEMATIC && fp3_body_goes(bodies, a))
         bodies->body[b].rest = fminf(bodies->body[b].rest, 0);
-    if (y->type == FP3_KINEMATIC && (y->v[0] != 0 || y->v[1] != 0 || y->w != 0))
+    if (bodies->body[b].type == FP3_KINEMATIC && fp3_body_goes(bodies, b))
         bodies->body[a].rest = fminf(bodies->body[a].rest, 0);
 }
 
@@ -86,6 +86,23 @@ static void stir_all(fp3_bodies *bodies) {
             stir(bodies, bodies->joint[i].a, bodies->joint[i].b);
 }
 
+int fp3_body_goes(const fp3_bodies *bodies, uint32_t number) {
+    const fp3_body *body = &bodies->body[number];
+    const float *spin = bodies->space ? bodies->space->body[number].spin : (float[]){body->w, 0, 0};
+    return body->v[0] != 0 || body->v[1] != 0 || body->v[2] != 0 || spin[0] != 0 || spin[1] != 0 ||
+           spin[2] != 0;
+}
+
+static float length_of(const float v[3]) {
+    return sqrtf((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+}
+
+static float speed_of(const fp3_bodies *bodies, uint32_t number, float extent) {
+    const fp3_body *body = &bodies->body[number];
+    const float spin = bodies->space ? length_of(bodies->space->body[number].spin) : fabsf(body->w);
+    return length_of(body->v) + spin * extent;
+}
+
 /* How long each has been slow; whether one has long enough. A fast corner counts, too: the speed of
  * the farthest point of its shapes. */
 static int count_rest(fp3_bodies *bodies) {
@@ -93,8 +110,7 @@ static int count_rest(fp3_bodies *bodies) {
     int is_any = 0;
     for (uint32_t k = 0; k < bodies->movable; k++) {
         fp3_body *body = &bodies->body[bodies->in_slot[k]];
-        const float speed = sqrtf(body->v[0] * body->v[0] + body->v[1] * body->v[1]) +
-                            fabsf(body->w) * body->extent;
+        const float speed = speed_of(bodies, bodies->in_slot[k], body->extent);
         body->rest = speed < most && !body->may_not_sleep ? body->rest + h : 0;
     }
     stir_all(bodies);
@@ -121,7 +137,9 @@ static void fall_asleep(fp3_bodies *bodies, uint32_t *parent, float *least) {
         body->next_asleep = k == root ? number : first->next_asleep;
         first->next_asleep = number;
         body->rest = -1;
-        body->v[0] = body->v[1] = body->w = 0;
+        body->v[0] = body->v[1] = body->v[2] = body->w = 0;
+        if (bodies->space)
+            memset(bodies->space->body[number].spin, 0, sizeof bodies->space->body[number].spin);
         bodies->awake--;
     }
 }

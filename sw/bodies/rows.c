@@ -48,8 +48,8 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
         status = fp3_bodies_room((void **)&rows->lane, &rows->lane_room, sizeof *rows->lane,
                                  rows->count + 1u, bodies->error);
     if (!status)
-        status = fp3_colours_find(&rows->colours, a, b, rows->count, bodies->movable, FP3_WIDE, 2,
-                                  rows->colour, rows->lane, bodies->error);
+        status = fp3_colours_find(&rows->colours, a, b, rows->count, bodies->movable, FP3_WIDE,
+                                  bodies->space ? 1 : 2, rows->colour, rows->lane, bodies->error);
     if (status)
         return status;
     const uint32_t blocks = rows->colours.first[rows->colours.count];

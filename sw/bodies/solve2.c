@@ -207,6 +207,7 @@ typedef struct {
 
 FP3_WIDELY void bring_both(const fp3_work2 *work, uint32_t i, int has_way, both *to) {
     const fp3_ends2 *ends = &work->ends[i];
+    /* cppcheck-suppress uninitvar ; bring writes it */
     FP3_BOTH(bring(work->speed, ends[k].a, to->a[k]));
     FP3_BOTH(bring(work->speed, ends[k].b, to->b[k]));
     if (has_way) {
@@ -228,7 +229,7 @@ FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED])
 }
 
 /* Joints are who reads ways. */
-#define X(name, type, has_speed, has_way)                                                          \
+#define X(name, type, has_speed, has_way, is_of_point, integrator)                                 \
     static void pass_##name(const fp3_work2 *given_work, uint32_t first, uint32_t end,             \
                             const float shared[FP3_SHARED]) {                                      \
         const fp3_work2 work = *given_work;                                                        \
@@ -277,6 +278,6 @@ static void place(const fp3_four *speeds, fp3_four *way, const fp3_pull2 *pull, 
         way[i] += h * speeds[i] - pull[i].drop;
 }
 
-#define X(name, type, has_speed, has_way) pass_##name,
+#define X(name, type, has_speed, has_way, is_of_point, integrator) pass_##name,
 extern const fp3_solver2 FP3_SOLVER;
 const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, {FP3_LAWS2(X)}, moved, speed, place};

@@ -26,7 +26,7 @@ typedef struct {
 /* Rows of a law. */
 typedef struct {
     fp3_four *speed;
-    const fp3_four *way;
+    fp3_four *way; /* turn3 alone writes it */
     /* Of joints: what they do is none of what contacts give, so it goes here, too; NULL: contacts.
      */
     fp3_four *base;
@@ -35,7 +35,7 @@ typedef struct {
     const fp3_ends2 *ends;
 } fp3_work2;
 
-#define X(name, row, speed, way) FP3_LAW_##name,
+#define X(name, row, speed, way, point, integrator) FP3_LAW_##name,
 typedef enum { FP3_LAWS2(X) FP3_LAWS } fp3_law;
 #undef X
 /* What all rows of a pass have: FP3_SHARED_WORDS. */
@@ -78,9 +78,5 @@ typedef struct {
     void (*place)(const fp3_four *speed, fp3_four *way, const fp3_pull2 *pull, uint32_t count,
                   float h);
 } fp3_solver2;
-
-/* The one that suits this processor and the variable FP3_FAST. All have the same bits.
- * FP3_E_ARGUMENT: the variable asks for what is not there. */
-fp3_status fp3_solver2_choose(const fp3_solver2 **solver, fp3_error *error);
 
 #endif

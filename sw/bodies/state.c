@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* state.c - a world is saved and restored. */
-#include "own.h"
+#include "own3.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* What a step depends on. Other arrays are made anew by it. */
-enum { BODIES, SHAPES, BOXES, FILTERS, TOUCHES, JOINTS, APART, ARRAYS };
+enum { BODIES, SHAPES, BOXES, FILTERS, TOUCHES, JOINTS, APART, IN_SPACE, PATCHES, ARRAYS };
 
 typedef struct {
     void **array;
@@ -17,6 +17,7 @@ typedef struct {
 struct fp3_bodies_state {
     const fp3_bodies *of;
     fp3_bodies counts; /* its arrays are not used */
+    fp3_space space;
     void *array[ARRAYS];
     uint32_t room[ARRAYS];
 };
@@ -32,23 +33,45 @@ static part part_of(fp3_bodies *b, int which) {
         [JOINTS] = {(void **)&b->joint, &b->joint_room, b->joint_count, sizeof *b->joint},
         [APART] = {(void **)&b->apart, &b->apart_room, b->apart_count, sizeof *b->apart},
     };
+    fp3_space *s = b->space;
+    if (which == IN_SPACE && s)
+        return (part){(void **)&s->body, &s->body_room, b->body_count, sizeof *s->body};
+    if (which == PATCHES && s)
+        return (part){(void **)&s->patch, &s->patch_room, s->patch_count, sizeof *s->patch};
     return parts[which];
+}
+
+static int arrays_of(const fp3_bodies *bodies) { return bodies->space ? ARRAYS : IN_SPACE; }
+
+/* The forms of shapes, which they share. */
+static void keep_forms(const fp3_attached *shape, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        fp3_form_keep(shape[i].form);
+}
+static void give_back_forms(const fp3_attached *shape, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        fp3_form_give_back(shape[i].form);
 }
 
 fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
     fp3_bodies from = *bodies;
     fp3_bodies_state *to = *state ? *state : calloc(1, sizeof *to);
     fp3_status status = to ? FP3_OK : fp3_no_memory(bodies->error);
-    for (int i = 0; !status && i < ARRAYS; i++) {
+    for (int i = 0; !status && i < arrays_of(bodies); i++) {
         const part p = part_of(&from, i);
         status = fp3_bodies_room(&to->array[i], &to->room[i], p.size, p.count + 1u, bodies->error);
     }
-    for (int i = 0; !status && i < ARRAYS; i++) {
+    if (!status)
+        give_back_forms(to->array[SHAPES], to->counts.shape_count);
+    for (int i = 0; !status && i < arrays_of(bodies); i++) {
         const part p = part_of(&from, i);
         if (p.count)
             memcpy(to->array[i], *p.array, p.count * p.size);
     }
     if (!status) {
+        keep_forms(to->array[SHAPES], from.shape_count);
+        if (from.space)
+            to->space = *from.space;
         to->counts = from;
         to->of = bodies;
     }
@@ -63,22 +86,33 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
 static uint32_t next_even(uint32_t generation) { return generation + (generation & 1); }
 
 fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state) {
-    fp3_bodies from = state->counts;
-    fp3_status status = state->of == bodies ? FP3_OK
-                                            : fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                                                       "the state was saved of another world");
-    for (int i = 0; !status && i < ARRAYS; i++) {
+    fp3_bodies from = {0};
+    fp3_space space = {0};
+    if (state && state->of == bodies) {
+        from = state->counts;
+        space = state->space;
+        from.space = from.space ? &space : NULL;
+    }
+    fp3_status status =
+        state && state->of == bodies
+            ? FP3_OK
+            : fp3_fail(bodies->error, FP3_E_ARGUMENT, "the state was saved of another world");
+    for (int i = 0; !status && i < arrays_of(bodies); i++) {
         const part to = part_of(bodies, i);
         status = fp3_bodies_room(to.array, to.room, to.size, part_of(&from, i).count + 1u,
                                  bodies->error);
     }
-    for (int i = 0; !status && i < ARRAYS; i++) {
+    if (status)
+        return status;
+    give_back_forms(bodies->shape, bodies->shape_count);
+    for (int i = 0; i < arrays_of(bodies); i++) {
         const part p = part_of(&from, i);
         if (p.count)
             memcpy(*part_of(bodies, i).array, state->array[i], p.count * p.size);
     }
-    if (status)
-        return status;
+    keep_forms(bodies->shape, from.shape_count);
+    if (bodies->space)
+        bodies->space->patch_count = space.patch_count;
     for (uint32_t i = from.body_count; i < bodies->body_count; i++)
         bodies->body[i] = (fp3_body){.generation = next_even(bodies->body[i].generation)};
     for (uint32_t i = from.shape_count; i < bodies->shape_count; i++)
@@ -109,6 +143,8 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
 }
 
 void fp3_bodies_state_free(fp3_bodies_state **state) {
+    if (*state)
+        give_back_forms((*state)->array[SHAPES], (*state)->counts.shape_count);
     for (int i = 0; *state && i < ARRAYS; i++)
         free((*state)->array[i]);
     free(*state);

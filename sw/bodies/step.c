@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step.c - a step: who touches, what that does in each substep, and where bodies are then. */
-#include "own.h"
+#include "own3.h"
 #include "turn.h"
 
 #include "base/host.h"
@@ -25,10 +25,11 @@ static fp3_status give_slots(fp3_bodies *bodies) {
                   {(void **)&bodies->pull, sizeof *bodies->pull},
                   {(void **)&bodies->heft, sizeof *bodies->heft}};
     uint32_t count = 0, room = bodies->slot_room;
+    const size_t fours = bodies->space ? FP3_FOURS3 : 1;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         room = bodies->slot_room;
         const fp3_status status = fp3_bodies_room(arrays[i].array, &room, arrays[i].size,
-                                                  bodies->body_count + 1u, bodies->error);
+                                                  fours * (bodies->body_count + 1u), bodies->error);
         if (status)
             return status;
     }
@@ -143,10 +144,10 @@ static fp3_status move(fp3_bodies *bodies) {
 static fp3_status pass_colour(const fp3_bodies *bodies, fp3_law law, const fp3_work2 *work,
                               uint32_t first, uint32_t end, const float shared[FP3_SHARED]) {
     if (bodies->laws) {
-        const fp3_status status = fp3_laws_run(bodies->laws, law, work, first, end, shared);
+        const fp3_status status = fp3_laws_run(bodies->laws, law, work, first, end, 0, shared);
         return status || law != FP3_LAW_gap2
                    ? status
-                   : fp3_laws_run(bodies->laws, FP3_LAW_contact2, work, first, end, shared);
+                   : fp3_laws_run(bodies->laws, FP3_LAW_contact2, work, first, end, 0, shared);
     }
     if (law == FP3_LAW_gap2)
         bodies->solver->moved(work, first, end, shared);
@@ -206,19 +207,9 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
     return status;
 }
 
-static fp3_status step(fp3_bodies *bodies) {
-    const double h = bodies->def.h / bodies->def.substeps;
-    fp3_status status = FP3_OK;
-    bodies->ended_before = bodies->change_count[FP3_CONTACT_ENDED];
-    for (int wakes = 1; !status && wakes;) {
-        status = give_slots(bodies);
-        if (!status)
-            status = fp3_bodies_touch(bodies, &wakes);
-    }
-    if (!status)
-        bring(bodies, h);
-    if (!status)
-        status = fp3_contacts_begin(bodies, h);
+static fp3_status step_in_plane(fp3_bodies *bodies, double h) {
+    bring(bodies, h);
+    fp3_status status = fp3_contacts_begin(bodies, h);
     if (!status)
         status = fp3_joints_begin(bodies, h);
     if (status)
@@ -237,6 +228,22 @@ static fp3_status step(fp3_bodies *bodies) {
     fp3_contacts_end(bodies);
     status = move(bodies);
     fp3_joints_end(bodies, h);
+    return status;
+}
+
+static fp3_status step(fp3_bodies *bodies) {
+    const double h = bodies->def.h / bodies->def.substeps;
+    fp3_status status = FP3_OK;
+    bodies->ended_before = bodies->change_count[FP3_CONTACT_ENDED];
+    for (int wakes = 1; !status && wakes;) {
+        status = give_slots(bodies);
+        if (!status)
+            status = fp3_bodies_touch(bodies, &wakes);
+    }
+    if (!status)
+        status = bodies->space ? fp3_space_step(bodies, h) : step_in_plane(bodies, h);
+    if (status && status != FP3_E_FAILED)
+        return status;
     bodies->steps++;
     bodies->time = (double)bodies->steps * bodies->def.h;
     const fp3_status told = fp3_contacts_tell(bodies), rested = fp3_bodies_rest(bodies);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* touch.c - which shapes touch: boxes, pairs, manifolds. */
-#include "own.h"
+#include "own3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,12 +30,18 @@ static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape, int 
     const double gravity = fabs(bodies->def.gravity[0]) + fabs(bodies->def.gravity[1]);
     if (!body->is_fast && !is_bouncy)
         return 0;
+    if (bodies->space)
+        return bodies->def.h * (fp3_space_speed(bodies, shape->body, shape->extent) +
+                                bodies->def.h * (gravity + fabs(bodies->def.gravity[2])) *
+                                    fabs((double)body->gravity));
     return bodies->def.h * (fabs((double)body->v[0]) + fabs((double)body->v[1]) +
                             fabs((double)body->w) * shape->shape.extent +
                             bodies->def.h * gravity * fabs((double)body->gravity));
 }
 
 static fp3_box box_of(const fp3_bodies *bodies, uint32_t shape, double margin) {
+    if (bodies->space)
+        return fp3_space_box(bodies, shape, margin);
     const fp3_attached *placed = &bodies->shape[shape];
     const fp3_body *body = &bodies->body[placed->body];
     const fp3_pose2 pose = turn_of(body);
@@ -46,7 +52,8 @@ static fp3_box box_of(const fp3_bodies *bodies, uint32_t shape, double margin) {
 
 static int is_inside(const fp3_box *inner, const fp3_box *outer) {
     return outer->low[0] <= inner->low[0] && outer->low[1] <= inner->low[1] &&
-           inner->high[0] <= outer->high[0] && inner->high[1] <= outer->high[1];
+           outer->low[2] <= inner->low[2] && inner->high[0] <= outer->high[0] &&
+           inner->high[1] <= outer->high[1] && inner->high[2] <= outer->high[2];
 }
 
 static void box_all(fp3_bodies *bodies, fp3_body *body, double margin) {
@@ -55,6 +62,8 @@ static void box_all(fp3_bodies *bodies, fp3_body *body, double margin) {
             box_of(bodies, s, margin + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy));
     memcpy(body->boxed, body->at, sizeof body->boxed);
     memcpy(body->boxed_turn, body->turn, sizeof body->boxed_turn);
+    if (bodies->space)
+        fp3_space_boxed(bodies, (uint32_t)(body - bodies->body));
 }
 
 void fp3_bodies_place_boxes(fp3_bodies *bodies, uint32_t number) {
@@ -64,9 +73,13 @@ void fp3_bodies_place_boxes(fp3_bodies *bodies, uint32_t number) {
 
 /* Whether no shape of a body can have left its box since it was made. */
 static int is_boxed(const fp3_bodies *bodies, const fp3_body *body) {
-    const double turned = fabs((double)body->turn[0] - (double)body->boxed_turn[0]) +
-                          fabs((double)body->turn[1] - (double)body->boxed_turn[1]);
-    const double way = fmax(fabs(body->at[0] - body->boxed[0]), fabs(body->at[1] - body->boxed[1]));
+    const double turned = bodies->space
+                              ? fp3_space_turned(bodies, (uint32_t)(body - bodies->body))
+                              : fabs((double)body->turn[0] - (double)body->boxed_turn[0]) +
+                                    fabs((double)body->turn[1] - (double)body->boxed_turn[1]);
+    const double way =
+        fmax(fmax(fabs(body->at[0] - body->boxed[0]), fabs(body->at[1] - body->boxed[1])),
+             fabs(body->at[2] - body->boxed[2]));
     return !body->is_fast && !bodies->is_bouncy && /* roundings of a box: 2^-20 are enough */
            way + (turned + 0x1p-20) * (double)body->extent <= MARGIN * bodies->def.size;
 }
@@ -216,13 +229,19 @@ static int follow(fp3_touch2 *t, const fp3_body *a, const fp3_body *b, double si
     return t->m.count > 0;
 }
 
+/* How near two shapes have points of contact. */
+static float reach_of(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b) {
+    const int is_bouncy = a->restitution > 0 || b->restitution > 0;
+    const double sweep = sweep_of(bodies, a, is_bouncy) + sweep_of(bodies, b, is_bouncy);
+    return (float)(REACH * bodies->def.size + sweep);
+}
+
 static void collide(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const fp3_body *y) {
     const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
     const fp3_pose2 pose_a = turn_of(x);
     fp3_pose2 pose_b = turn_of(y);
     pose_b.at = t->from;
-    const double sweep = sweep_of(bodies, a, t->is_bouncy) + sweep_of(bodies, b, t->is_bouncy);
-    const float reach = (float)(REACH * bodies->def.size + sweep);
+    const float reach = reach_of(bodies, a, b);
     if (a->is_link)
         fp3_collide_link2(&a->link, &pose_a, &b->shape, &pose_b, reach, &t->m);
     else if (b->is_link) {
@@ -240,9 +259,9 @@ static void collide(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const 
 }
 
 /* Something that moves by itself, or that the caller moves. */
-static int is_awake(const fp3_body *body) {
-    return fp3_body_moves(body) ||
-           (body->type == FP3_KINEMATIC && (body->v[0] != 0 || body->v[1] != 0 || body->w != 0));
+static int is_awake(const fp3_bodies *bodies, uint32_t number) {
+    const fp3_body *body = &bodies->body[number];
+    return fp3_body_moves(body) || (body->type == FP3_KINEMATIC && fp3_body_goes(bodies, number));
 }
 
 static uint32_t deepest_of(const fp3_touch2 *t) {
@@ -271,16 +290,29 @@ static int look_at(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const f
     t->approach = approach_of(x, y, t, arm);
     t->at[0] = x->at[0] + arm.x;
     t->at[1] = x->at[1] + arm.y;
+    t->normal[0] = t->m.normal.x;
+    t->normal[1] = t->m.normal.y;
     return 1;
 }
 
-static void look_at_all(fp3_bodies *bodies, int *wakes) {
+static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
     bodies->contacts.count = 0;
     *wakes = 0;
+    const fp3_status begun = bodies->space ? fp3_space_touch_begin(bodies) : FP3_OK;
+    if (begun)
+        return begun;
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
         const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
-        if ((!is_awake(x) && !is_awake(y) && t->is_found) || !look_at(bodies, t, x, y) ||
+        const int is_asleep =
+            t->is_found && !is_awake(bodies, t->body_a) && !is_awake(bodies, t->body_b);
+        if (bodies->space) {
+            const float reach = reach_of(bodies, &bodies->shape[t->a], &bodies->shape[t->b]);
+            const fp3_status status = fp3_space_collide(bodies, t, reach, is_asleep);
+            if (status)
+                return status;
+        }
+        if (is_asleep || !(bodies->space ? t->m.count > 0 : look_at(bodies, t, x, y)) ||
             t->is_sensor)
             continue;
         bodies->contacts.of[bodies->contacts.count++] = k;
@@ -289,6 +321,7 @@ static void look_at_all(fp3_bodies *bodies, int *wakes) {
             *wakes = 1;
         }
     }
+    return FP3_OK;
 }
 
 fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
@@ -297,7 +330,5 @@ fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
         status =
             fp3_bodies_room((void **)&bodies->contacts.of, &bodies->contacts.of_room,
                             sizeof *bodies->contacts.of, bodies->touch_count + 1u, bodies->error);
-    if (!status)
-        look_at_all(bodies, wakes);
-    return status;
+    return status ? status : look_at_all(bodies, wakes);
 }

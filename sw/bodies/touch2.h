@@ -24,8 +24,10 @@ typedef struct {
     float approach;  /* how fast they come together when a step begins */
     uint32_t points; /* ... that the impulses are of */
     uint8_t is_bouncy, is_sensor;
-    uint8_t is_touching, is_left; /* is_left: it does nothing in this step */
-    double at[2];                 /* where its deepest point was when it was looked at */
+    uint8_t is_touching, is_left;  /* is_left: it does nothing in this step */
+    double at[3];                  /* where its deepest point was when it was looked at */
+    float normal[3];               /* there */
+    uint32_t first_patch, patches; /* in space: its manifolds (own3.h) */
 } fp3_touch2;
 
 #endif

@@ -20,8 +20,8 @@
 #include <string.h>
 
 typedef struct {
-    double gravity[2], h;
-    uint64_t substeps, bodies, shapes, joints, chains;
+    double gravity[3], h;
+    uint64_t dimensions, substeps, bodies, shapes, joints, chains;
 } head;
 typedef struct {
     uint64_t body;
@@ -110,6 +110,7 @@ static void build(scene *s, FILE *file, const char *engine, const char *config) 
     def.error = &s->error;
     memcpy(def.gravity, h->gravity, sizeof h->gravity);
     def.h = h->h;
+    def.dimensions = (uint32_t)h->dimensions;
     def.substeps = (uint32_t)h->substeps;
     def.may_compile = engine && !strcmp(engine, "native");
     def.engine = def.may_compile ? "fast" : engine;

@@ -60,7 +60,7 @@ def test_ten_thousand_in_one_call():
 
 
 @pytest.mark.parametrize("options, told", [
-    ({"gravity": 3}, "gravity"), ({"gravity": (1, 2, 3)}, "two numbers"), ({"gravity": (0, NAN)}, r"gravity\[1\]"), ({"gravity": "ab"}, "gravity"),
+    ({"gravity": 3}, "gravity"), ({"gravity": (1, 2, 3)}, r"gravity\[2\]"), ({"gravity": (1, 2, 3, 4)}, "two numbers"), ({"gravity": (0, NAN)}, r"gravity\[1\]"), ({"gravity": "ab"}, "gravity"),
     ({"gravity": (0, 1e10)}, "gravity"),
     ({"h": 0}, "h is 0"), ({"h": 2}, "h is 2"), ({"h": NAN}, "h is"), ({"h": "x"}, "h"), ({"h": [1]}, "h"), ({"substeps": 0}, "substeps"),
     ({"substeps": 65}, "substeps"),

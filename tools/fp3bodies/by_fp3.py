@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 from fp3bodies.engines import Engine
-from fp3bodies.scene import Refused, mass
+from fp3bodies.scene import mass
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python"))
 
@@ -22,12 +22,10 @@ class Made(Engine):
     SUBSTEPS = True
 
     def build(self, scene):
-        if scene.dimensions != 2:
-            raise Refused("it has no space")
         self.lib, self.error = _library.library(), d.fp3_error()
         definition = self.lib.default(d.fp3_bodies_def)
         definition.error = ctypes.pointer(self.error)
-        definition.gravity[:] = scene.gravity
+        definition.dimensions, definition.gravity[:] = scene.dimensions, in_space(scene.gravity)
         definition.h, definition.substeps = scene.step, scene.substeps
         for name, value in ZERO.items():
             setattr(definition, name, value)
@@ -41,9 +39,9 @@ class Made(Engine):
             handle = handles[k:k + 1]
             self.call("attach", self.world, handle.ctypes.data, 1, ctypes.byref(shape), None)
             if (body.mass or body.inertia) and not (body.fixed or body.moving):
-                m, about = mass(body, 2)
+                m, about = mass(body, scene.dimensions)
                 self.write("mass", handle, m)
-                self.write("inertia", handle, about[0])
+                self.write("inertia", handle, *about)
         for corners, surface in made.chains:
             self.call("attach_chain", self.world, int(handles[-1]), corners.ctypes.data, len(corners), 0, ctypes.byref(surface))
         self.pins = np.zeros(len(made.joints), dtype=np.uint64)
@@ -58,8 +56,8 @@ class Made(Engine):
     def call(self, name, *args):
         _library.check(getattr(self.lib, f"fp3_bodies_{name}")(*args), self.error)
 
-    def write(self, name, handle, value):
-        self.call("write", self.world, name.encode(), handle.ctypes.data, 1, np.array([value]).ctypes.data)
+    def write(self, name, handle, *values):
+        self.call("write", self.world, name.encode(), handle.ctypes.data, 1, np.array(values).ctypes.data)
 
     def read(self, *names):
         found = np.zeros((len(names), len(self.handles)))
@@ -77,20 +75,22 @@ class Made(Engine):
         self.call("step", self.world, count)
 
     def places(self):
-        return self.read("x_x", "x_y")
+        return self.vectors("x")
+
+    def vectors(self, name):
+        return self.read(*(f"{name}_{axis}" for axis in "xyz"[:self.scene.dimensions]))
 
     def turns(self):
-        return self.read("angle")
+        return self.read("angle") if self.scene.dimensions == 2 else self.read("q_w", "q_x", "q_y", "q_z")
 
     def speeds(self):
-        return self.read("v_x", "v_y")
+        return self.vectors("v")
 
     def spins(self):
-        return self.read("w")
+        return self.read("w") if self.scene.dimensions == 2 else self.vectors("spin")
 
     def push(self, body, force):
-        for name, value in zip(("force_x", "force_y"), force):
-            self.write(name, self.handles[body:body + 1], value)
+        self.write("force", self.handles[body:body + 1], *map(float, force))
 
 
 class Definitions:
@@ -111,21 +111,26 @@ class Definitions:
     def body(self, body):
         made = self.lib.default(d.fp3_body_def)
         made.type = d.FP3_STATIC if body.fixed else d.FP3_KINEMATIC if body.moving else d.FP3_DYNAMIC
-        made.x[:], made.angle, made.v[:], made.w = body.at, body.angle, body.v or (0.0, 0.0), float(body.w)
+        made.x[:], made.v[:] = in_space(body.at), in_space(body.v or (0.0, 0.0))
+        if self.scene.dimensions == 2:
+            made.angle, made.w = body.angle, float(body.w)
+        else:
+            made.q[:], made.spin[:] = body.q, body.w if isinstance(body.w, tuple) else (0.0, 0.0, 0.0)
         made.is_fast = int(body.fast)
         return made
 
     def shape(self, body):
         shape = self.lib.default(d.fp3_shape_def)
-        shape.type = {"disc": d.FP3_CIRCLE, "box": d.FP3_BOX, "capsule": d.FP3_CAPSULE, "polygon": d.FP3_POLYGON}[body.shape]
+        is_flat = self.scene.dimensions == 2
+        shape.type = {"disc": d.FP3_CIRCLE if is_flat else d.FP3_SPHERE, "box": d.FP3_BOX, "capsule": d.FP3_CAPSULE, "polygon": d.FP3_POLYGON}[body.shape]
         shape.radius = body.size[-1] if body.shape in ("disc", "capsule") else 0.0
         shape.density, shape.friction, shape.restitution = body.density, body.friction, body.restitution
         if body.shape == "box":
-            shape.half[:] = body.size
+            shape.half[:] = in_space(body.size)
         corners = body.size if body.shape == "polygon" else ((-body.size[0], 0.0), (body.size[0], 0.0)) if body.shape == "capsule" else ()
         shape.corners = len(corners)
         for k, corner in enumerate(corners):
-            shape.corner[k][:] = corner
+            shape.corner[k][:] = in_space(corner)
         return shape
 
     def joined(self, type, a, b):
@@ -136,14 +141,14 @@ class Definitions:
     def pin(self, pin):
         made = self.joined(d.FP3_HINGE, pin.a, pin.b)
         for anchor, k in ((made.anchor_a, pin.a), (made.anchor_b, pin.b)):
-            anchor[:] = inside(self.scene.bodies[k], pin.at) if k >= 0 else pin.at
+            anchor[:] = in_space(inside(self.scene.bodies[k], pin.at) if k >= 0 else pin.at)
         return made
 
     def joint(self, joint):
         made = self.joined(getattr(d, f"FP3_{joint.type.upper()}"), joint.a, joint.b)
         for word, value in joint.more.items():
             if isinstance(value, tuple):
-                getattr(made, word)[:] = value
+                getattr(made, word)[:] = in_space(value) if word in ("anchor_a", "anchor_b", "axis") else value
             else:
                 setattr(made, word, value)
         return made
@@ -154,14 +159,23 @@ class Definitions:
             return np.array(numbers, np.uint64).tobytes()
         scene = self.scene
         assert not any(body.mass or body.inertia for body in scene.bodies)
-        parts = [np.array([*scene.gravity, scene.step]).tobytes(), words(scene.substeps, len(self.bodies), len(self.shapes), len(self.joints), len(self.chains)),
+        parts = [np.array([*in_space(scene.gravity), scene.step]).tobytes(), words(scene.dimensions, scene.substeps, len(self.bodies), len(self.shapes), len(self.joints), len(self.chains)),
                  bytes(self.bodies), *(words(k) + bytes(shape) for k, shape in self.shapes),
                  *(words(len(self.bodies) - 1, len(corners), 0) + bytes(surface) + corners.tobytes() for corners, surface in self.chains), bytes(self.joints)]
         return b"".join(parts)
 
 
+def in_space(x):
+    """Three numbers of two or three."""
+    return (*x, 0.0)[:3]
+
+
 def inside(body, at):
     """A point in a body's axes."""
+    if len(at) == 3:
+        x, (w, *p) = np.subtract(at, body.at), body.q
+        twice = 2 * np.cross(np.negative(p), x)
+        return tuple(x + w * twice + np.cross(np.negative(p), twice))
     x, y = at[0] - body.at[0], at[1] - body.at[1]
     c, s = math.cos(body.angle), math.sin(body.angle)
     return c * x + s * y, c * y - s * x

@@ -89,7 +89,8 @@ static fp3_status take_corners(const fp3_reader *r, const config_setting_t *at, 
         return fp3_setting_wrong(r->in, at, "%s: found %zu corners, expected at most %d", what,
                                  count, FP3_CORNERS);
     def->corners = (uint32_t)count;
-    memcpy(def->corner, corners, count * sizeof *def->corner);
+    for (size_t k = 0; k < count; k++)
+        memcpy(def->corner[k], corners + 2 * k, 2 * sizeof *corners);
     return FP3_OK;
 }
 

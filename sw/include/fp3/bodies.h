@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* fp3/bodies.h - rigid bodies with shapes: they collide, rub, stack, and sleep. Experimental.
+/* fp3/bodies.h - rigid bodies with shapes, in a plane or in space: they collide, rub, stack, and
+ * sleep. Experimental.
  *
  *     fp3_error error;
  *     fp3_bodies_def def = fp3_bodies_default();
@@ -40,7 +41,8 @@ typedef struct fp3_bodies fp3_bodies;
 typedef struct {
     uint32_t cookie;  /* set by fp3_bodies_default(): headers and library belong together */
     fp3_error *error; /* receives the message when a call fails; or NULL. Must outlive the bodies */
-    double gravity[2];
+    uint32_t dimensions; /* 2 (default): a plane, x and y; 3: space */
+    double gravity[3];
     double h;          /* of a step: 2^-20 to 1; default 1/60 */
     uint32_t substeps; /* of a step: 1 to 64; default 4 */
     double size;       /* of a typical body, 2^-20 to 2^20; default 1. Gaps and speeds that count as
@@ -91,10 +93,12 @@ typedef enum {
 /* Start from fp3_body_default(): a dynamic body at rest at the origin. */
 typedef struct {
     fp3_body_type type;
-    double x[2];                  /* of the body's origin, to which its shapes are relative */
-    double angle;                 /* in radians, anticlockwise */
-    double v[2];                  /* of its centre of mass */
-    double w;                     /* its spin, in radians per time */
+    double x[3];                  /* of the body's origin, to which its shapes are relative */
+    double v[3];                  /* of its centre of mass */
+    double angle;                 /* in a plane: in radians, anticlockwise */
+    double w;                     /* and its spin, in radians per time */
+    double q[4];                  /* in space: its turn, a quaternion (w, x, y, z) of any length */
+    double spin[3];               /* in the world's axes */
     double damping, spin_damping; /* speed that is lost per speed and time, 1/s; default 0 */
     double gravity;               /* share of gravity; default 1 */
     int may_not_turn;
@@ -122,23 +126,36 @@ void fp3_bodies_handles(const fp3_bodies *bodies, uint64_t *handles);
 
 /* ---- shapes ---- */
 
-typedef enum { FP3_CIRCLE, FP3_CAPSULE, FP3_BOX, FP3_POLYGON } fp3_shape_type;
-#define FP3_CORNERS 8 /* of a polygon, at most */
+typedef enum {
+    FP3_CIRCLE, /* in a plane alone */
+    FP3_CAPSULE,
+    FP3_BOX,
+    FP3_POLYGON, /* in a plane alone */
+    FP3_SPHERE,  /* these are in space alone */
+    FP3_HULL,
+    FP3_PLANE /* all points below a plane, as ground */
+} fp3_shape_type;
+#define FP3_CORNERS 8       /* of a polygon, at most */
+#define FP3_HULL_CORNERS 32 /* of a hull */
 
 /* Start from one of the functions below. */
 typedef struct {
     fp3_shape_type type;
-    double centre[2];              /* of a circle, a box */
-    double angle;                  /* of a box */
-    double half[2];                /* of a box */
-    double corner[FP3_CORNERS][2]; /* of a capsule 2; of a polygon, in any order: its hull counts */
+    double centre[3]; /* of a circle, a sphere, a box; a point of a plane */
+    double angle;     /* of a box in a plane */
+    double q[4];      /* of a box in space: its turn, as of a body */
+    double half[3];   /* of a box */
+    double normal[3]; /* of a plane: upwards; default (0, 1, 0) */
+    /* Of a capsule 2; of a polygon or a hull, in any order: what is inside does not count. */
+    double corner[FP3_HULL_CORNERS][3];
     uint32_t corners;
-    double radius;           /* of a circle, a capsule; others are rounded by it */
-    double density;          /* kg/m^2, 0 or 1e-12 to 1e12; default 1 */
+    double radius;           /* of a circle, a sphere, a capsule; others are rounded by it */
+    double density;          /* kg/m^2 or kg/m^3, 0 or 1e-12 to 1e12; default 1 */
     double friction;         /* default 0.6; of two shapes the root of the product counts */
     double restitution;      /* 0 to 1, default 0; of two the larger */
     double rolling;          /* torque over normal force, in m; default 0; of two the larger */
-    double belt;             /* speed of the surface, anticlockwise around the shape; default 0 */
+    double belt;             /* in a plane: speed of the surface, anticlockwise around the shape */
+    double surface[3];       /* in space: velocity of the surface, in the body's axes */
     uint32_t category, mask; /* shapes collide if each one's mask has a bit of the other's category;
                               * default 1 and all */
     int is_sensor;           /* tells contacts and has no forces */
@@ -158,6 +175,18 @@ static inline fp3_shape_def fp3_shape_box(double half_x, double half_y, double r
     def.type = FP3_BOX;
     def.half[0] = half_x;
     def.half[1] = half_y;
+    return def;
+}
+static inline fp3_shape_def fp3_shape_sphere(double radius) {
+    fp3_shape_def def = fp3_shape_circle(radius);
+    def.type = FP3_SPHERE;
+    return def;
+}
+/* A box in space, likewise. */
+static inline fp3_shape_def fp3_shape_box3(double half_x, double half_y, double half_z,
+                                           double radius) {
+    fp3_shape_def def = fp3_shape_box(half_x, half_y, radius);
+    def.half[2] = half_z;
     return def;
 }
 /* From one end to the other; a segment if the radius is 0. */
@@ -185,6 +214,18 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
  * whatever else is not the shape; its radius rounds the edges. */
 fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
                                    size_t count, int is_loop, const fp3_shape_def *surface);
+/* Gives a body in space that is not dynamic a mesh of triangles as ground: points (x, y and z of
+ * each), and three of their numbers for each triangle, anticlockwise as seen from outside. What
+ * slides over an edge between two triangles does not catch there. surface: as of a chain, without a
+ * radius. FP3_E_ARGUMENT: also numbers beyond 1e6, or corners of a triangle on a line. */
+fp3_status fp3_bodies_attach_mesh(fp3_bodies *bodies, uint64_t handle, const double *points,
+                                  size_t count, const uint32_t *triangles, size_t triangle_count,
+                                  const fp3_shape_def *surface);
+/* The same of heights on a grid: the point of column i and row j is at (i dx, j dy, heights[j
+ * columns + i]) in the body's axes. From 2 to 10,000 columns and rows. */
+fp3_status fp3_bodies_attach_heights(fp3_bodies *bodies, uint64_t handle, size_t columns,
+                                     size_t rows, double dx, double dy, const double *heights,
+                                     const fp3_shape_def *surface);
 
 /* ---- joints ----
  *
@@ -206,9 +247,9 @@ typedef struct {
     fp3_joint_type type;
     uint64_t a; /* both handles; one of the bodies must be dynamic */
     uint64_t b;
-    double anchor_a[2]; /* where the joint is, in the axes of each body, from its origin */
-    double anchor_b[2];
-    double axis[2]; /* of a slider or a wheel: the line, in a's axes; default (1, 0) */
+    double anchor_a[3]; /* where the joint is, in the axes of each body, from its origin */
+    double anchor_b[3];
+    double axis[3]; /* of a slider or a wheel: the line, in a's axes; default (1, 0) */
     double ratio;   /* of a gear; default 1 */
     int has_limits; /* of the distance, the way along the axis, or the angle from the start */
     double low;
@@ -274,8 +315,8 @@ typedef enum {
 typedef struct {
     uint64_t body_a, body_b; /* a's shape has the lower number */
     uint64_t shape_a, shape_b;
-    double point[2];  /* where they touch, in the world: the deepest point */
-    double normal[2]; /* from a to b */
+    double point[3];  /* where they touch, in the world: the deepest point */
+    double normal[3]; /* from a to b */
     double speed;     /* with which they came together; of a contact that ended 0 */
     double impulse; /* the largest along the normal that a substep gave, summed over its points, and
                      * those of its impacts; of sensors 0 */
@@ -298,26 +339,27 @@ fp3_status fp3_bodies_contacts(fp3_bodies *bodies, const fp3_contact **list, siz
 
 typedef struct {
     uint64_t body, shape; /* 0: nothing was found; then distance and fraction are infinite */
-    double point[2];      /* on the surface of what was found, in the world */
-    double normal[2];     /* there, outwards */
+    double point[3];      /* on the surface of what was found, in the world */
+    double normal[3];     /* there, outwards */
     double distance;      /* negative: by how much they overlap */
     double fraction;      /* of the way */
 } fp3_hit;
 
-/* What rays meet first: ray i goes from a point along its whole way (x and y of each). From within
- * a shape: fraction 0. */
+/* What rays meet first: ray i goes from a point along its whole way (x and y of each, in space z,
+ * too). From within a shape: fraction 0. */
 fp3_status fp3_bodies_ray(fp3_bodies *bodies, const double *from, const double *way, size_t count,
                           uint32_t mask, fp3_hit *hits);
-/* What a shape meets first that stands at x with this angle, and goes along a way without turning.
- * At the fraction found it is at most 0.001 size away. */
-fp3_status fp3_bodies_cast(fp3_bodies *bodies, const fp3_shape_def *shape, const double x[2],
-                           double angle, const double way[2], uint32_t mask, fp3_hit *hit);
+/* What a shape meets first that stands at x, and goes along a way without turning. turn: its angle
+ * in a plane, its quaternion in space; NULL: not turned. At the fraction found it is at most 0.001
+ * size away. */
+fp3_status fp3_bodies_cast(fp3_bodies *bodies, const fp3_shape_def *shape, const double *x,
+                           const double *turn, const double *way, uint32_t mask, fp3_hit *hit);
 /* All shapes that overlap this one, by their numbers; *count: how many, of which the first `room`
  * are in hits. */
-fp3_status fp3_bodies_overlap(fp3_bodies *bodies, const fp3_shape_def *shape, const double x[2],
-                              double angle, uint32_t mask, size_t room, fp3_hit *hits,
+fp3_status fp3_bodies_overlap(fp3_bodies *bodies, const fp3_shape_def *shape, const double *x,
+                              const double *turn, uint32_t mask, size_t room, fp3_hit *hits,
                               size_t *count);
-/* The shape that is nearest to each point (x and y of each). */
+/* The shape that is nearest to each point (x and y of each, in space z, too). */
 fp3_status fp3_bodies_nearest(fp3_bodies *bodies, const double *points, size_t count, uint32_t mask,
                               fp3_hit *hits);
 
@@ -340,8 +382,10 @@ void fp3_bodies_state_free(fp3_bodies_state **state);
  * Names: x, angle, v, w as in fp3_body_def; force and torque, which act in the next step alone;
  * mass, inertia (about the centre of mass) and at_rest, the time for which a body has been slow, -1
  * while it sleeps. Of x, v and force each body has two values side by side; x_x, x_y and so on are
- * one of them. What is written wakes a body. FP3_E_ARGUMENT: no such name (the message suggests the
- * nearest); speeds and forces of static bodies; mass and inertia of bodies that are not dynamic.
+ * one of them. In space there are q (four values) and spin instead of angle and w, and of x, v,
+ * spin, force, torque and inertia (about the axes of inertia) each body has three. What is written
+ * wakes a body. FP3_E_ARGUMENT: no such name (the message suggests the nearest); speeds and forces
+ * of static bodies; mass and inertia of bodies that are not dynamic.
  */
 fp3_status fp3_bodies_read(fp3_bodies *bodies, const char *name, const uint64_t *handles,
                            size_t count, double *values);

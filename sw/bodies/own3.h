@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* own3.h - what bodies in space have besides (own.h). */
+#ifndef FP3_BODIES_OWN3_H
+#define FP3_BODIES_OWN3_H
+
+#include "form3.h"
+#include "own.h"
+#include "solve3.h"
+
+typedef struct {
+    double q[4];               /* of the body's axes, of length 1 */
+    double boxed[4];           /* as it was when its shapes' boxes were made */
+    float spin[3], torque[3];  /* in the world's axes */
+    float moment[3];           /* about its axes of inertia; 0: it does not turn */
+    double axes[4];            /* the turn from those axes to the body's */
+    float inertia[6], back[6]; /* of this step, in the world's axes: xx, yy, zz, xy, xz, yz; and
+                                * its inverse. Unit if it does not turn: then `back` counts as 0 */
+} fp3_body3;
+
+/* A manifold of two shapes. Ground of triangles has several with one shape. */
+typedef struct {
+    uint32_t touch;             /* of bodies->touch, in this step */
+    uint32_t a, b, part;        /* shapes; the triangle */
+    fp3_manifold3 m, found;     /* from a to b; as it was when the shapes were last looked at, */
+    fp3_point3 from;            /* ... with b's centre of mass as seen from a's, */
+    float turn_a[4], turn_b[4]; /* ... and their turns */
+    float p[4], twist, top;     /* impulses */
+    float f[3], roll[3];        /* ... in the world's axes */
+} fp3_patch3;
+
+struct fp3_space {
+    const fp3_solver3 *solver;
+    fp3_body3 *body; /* of each body; likewise of each slot its row */
+    uint32_t body_room;
+    /* Of all shapes that are near, in the order of bodies->touch; and those of the step before. */
+    fp3_patch3 *patch, *old;
+    uint32_t patch_count, patch_room, old_room;
+    fp3_law_rows contacts;     /* of: patches */
+    fp3_turning3_row *turning; /* of slots, eight by eight */
+    fp3_ends2 *turning_ends;
+    uint32_t turning_room, turning_end_room;
+    fp3_mesh_touch3 *meeting;
+    uint32_t meeting_room;
+    int is_rolling; /* a contact of this step has rolling resistance */
+};
+
+static inline fp3_point3 fp3_point3_of(const float x[3]) { return (fp3_point3){x[0], x[1], x[2]}; }
+
+/* space.c */
+fp3_status fp3_space_open(const fp3_solver3 *solver, fp3_space **space, fp3_error *error);
+void fp3_space_close(fp3_space **space);
+/* A point of the body's axes, from its origin, as seen from its centre of mass in the world. */
+void fp3_space_arm(const fp3_bodies *bodies, uint32_t body, const float at[3], double arm[3]);
+/* The pose of a body's shapes, its centre of mass at `at`. */
+fp3_pose3 fp3_space_pose(const fp3_bodies *bodies, uint32_t body, fp3_point3 at);
+/* Mass, centre and inertia of a body, from its shapes. */
+void fp3_space_weigh(fp3_bodies *bodies, uint32_t number);
+
+/* touch3.c: of touch.c's work, what is different in space. */
+fp3_box fp3_space_box(const fp3_bodies *bodies, uint32_t shape, double margin);
+/* Its turn is that of its boxes now; how far it has turned since, at most. */
+void fp3_space_boxed(fp3_bodies *bodies, uint32_t body);
+double fp3_space_turned(const fp3_bodies *bodies, uint32_t body);
+double fp3_space_speed(const fp3_bodies *bodies, uint32_t body, float extent);
+fp3_status fp3_space_touch_begin(fp3_bodies *bodies);
+/* The patches of a pair; is_asleep: as they were. */
+fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *touch, float reach, int is_asleep);
+
+/* The touch of a row of contacts; how many there are. */
+static inline fp3_touch2 *fp3_row_touch(const fp3_bodies *bodies, uint32_t row) {
+    const fp3_space *s = bodies->space;
+    return &bodies->touch[s ? s->patch[s->contacts.of[row]].touch : bodies->contacts.of[row]];
+}
+static inline uint32_t fp3_rows_count(const fp3_bodies *bodies) {
+    return bodies->space ? bodies->space->contacts.count : bodies->contacts.count;
+}
+
+/* A symmetric tensor (xx, yy, zz, xy, xz, yz) times a vector. */
+static inline fp3_point3 fp3_tensor3(const float t[6], fp3_point3 v) {
+    return (fp3_point3){t[0] * v.x + t[3] * v.y + t[4] * v.z, t[3] * v.x + t[1] * v.y + t[5] * v.z,
+                        t[4] * v.x + t[5] * v.y + t[2] * v.z};
+}
+
+/* contacts3.c, as contacts.c */
+void fp3_space_contact_leave(fp3_bodies *bodies, uint32_t i, uint32_t point);
+void fp3_space_contacts_follow(fp3_bodies *bodies);
+/* The speed of b against a at which their surfaces do not slide. */
+fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b);
+fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
+void fp3_space_contacts_end(fp3_bodies *bodies);
+
+/* step3.c: a step, behind fp3_bodies_touch. */
+fp3_status fp3_space_step(fp3_bodies *bodies, double h);
+
+#endif

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* touch3.c - which shapes touch in space: boxes and manifolds. */
+#include "own3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As in a plane (touch.c): shapes that have moved and turned less than this are not looked at
+ * again. */
+#define STILL_WAY 1e-3f  /* share of `size` */
+#define STILL_TURN 1e-3f /* rad */
+#define SAME_WAY 0.7f    /* of a normal with the one before: impulses go on */
+#define NEAR 0.2f        /* share of `size`: so far may a point go in a step and be the same */
+
+#define FAR 1e30 /* a plane reaches everywhere */
+
+static fp3_box grown(const fp3_body *body, const fp3_bounds3 *bounds, double margin) {
+    return (fp3_box){{body->at[0] + bounds->low.x - margin, body->at[1] + bounds->low.y - margin,
+                      body->at[2] + bounds->low.z - margin},
+                     {body->at[0] + bounds->high.x + margin, body->at[1] + bounds->high.y + margin,
+                      body->at[2] + bounds->high.z + margin}};
+}
+
+/* Of a mesh, by the corners of its own bounds. */
+static fp3_bounds3 bound_mesh(const fp3_form3 *form, const fp3_pose3 *pose) {
+    fp3_turn3 turn = fp3_turn_of3(pose->q);
+    turn.at = pose->at;
+    fp3_bounds3 all = {{0, 0, 0}, {0, 0, 0}};
+    for (int i = 0; i < 8; i++) {
+        const fp3_bounds3 *b = &form->bounds;
+        const fp3_point3 p = fp3_placed3(&turn, (fp3_point3){i & 1 ? b->high.x : b->low.x,
+                                                             i & 2 ? b->high.y : b->low.y,
+                                                             i & 4 ? b->high.z : b->low.z});
+        const float wide = 1e-6f * (fabsf(p.x) + fabsf(p.y) + fabsf(p.z));
+        const fp3_point3 low = {p.x - wide, p.y - wide, p.z - wide},
+                         high = {p.x + wide, p.y + wide, p.z + wide};
+        if (i == 0)
+            all = (fp3_bounds3){low, high};
+        all.low =
+            (fp3_point3){fminf(all.low.x, low.x), fminf(all.low.y, low.y), fminf(all.low.z, low.z)};
+        all.high = (fp3_point3){fmaxf(all.high.x, high.x), fmaxf(all.high.y, high.y),
+                                fmaxf(all.high.z, high.z)};
+    }
+    return all;
+}
+
+fp3_box fp3_space_box(const fp3_bodies *bodies, uint32_t shape, double margin) {
+    const fp3_attached *placed = &bodies->shape[shape];
+    const fp3_form3 *form = placed->form;
+    const fp3_pose3 pose = fp3_space_pose(bodies, placed->body, (fp3_point3){0, 0, 0});
+    if (form->kind == FP3_FORM_PLANE)
+        return (fp3_box){{-FAR, -FAR, -FAR}, {FAR, FAR, FAR}};
+    const fp3_bounds3 bounds =
+        form->kind == FP3_FORM_MESH ? bound_mesh(form, &pose) : fp3_bound3(&form->shape, &pose, 0);
+    return grown(&bodies->body[placed->body], &bounds, margin);
+}
+
+void fp3_space_boxed(fp3_bodies *bodies, uint32_t body) {
+    fp3_body3 *space = &bodies->space->body[body];
+    memcpy(space->boxed, space->q, sizeof space->boxed);
+}
+
+double fp3_space_turned(const fp3_bodies *bodies, uint32_t body) {
+    const fp3_body3 *space = &bodies->space->body[body];
+    double sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum += fabs(space->q[i] - space->boxed[i]);
+    return 2.5 * sum; /* an angle is twice that of its quaternion */
+}
+
+double fp3_space_speed(const fp3_bodies *bodies, uint32_t body, float extent) {
+    const float *v = bodies->body[body].v, *w = bodies->space->body[body].spin;
+    return (fabs((double)v[0]) + fabs((double)v[1]) + fabs((double)v[2])) +
+           (fabs((double)w[0]) + fabs((double)w[1]) + fabs((double)w[2])) * extent;
+}
+
+/* ---- manifolds ---- */
+
+static fp3_status room_for(fp3_bodies *bodies, uint32_t more) {
+    fp3_space *s = bodies->space;
+    return fp3_bodies_room((void **)&s->patch, &s->patch_room, sizeof *s->patch,
+                           (size_t)s->patch_count + more, bodies->error);
+}
+
+fp3_status fp3_space_touch_begin(fp3_bodies *bodies) {
+    fp3_space *s = bodies->space;
+    fp3_patch3 *const patch = s->patch;
+    const uint32_t room = s->patch_room;
+    s->patch = s->old;
+    s->patch_room = s->old_room;
+    s->old = patch;
+    s->old_room = room;
+    s->patch_count = 0;
+    return room_for(bodies, bodies->touch_count + 1);
+}
+
+/* The small turn from one quaternion to another. */
+static fp3_point3 turn_between(const float p[4], const float q[4]) {
+    const float same = ((p[0] * q[0] + p[1] * q[1]) + (p[2] * q[2] + p[3] * q[3])) < 0 ? -2 : 2;
+    return (fp3_point3){same * ((p[0] * q[1] - q[0] * p[1]) + (q[2] * p[3] - q[3] * p[2])),
+                        same * ((p[0] * q[2] - q[0] * p[2]) + (q[3] * p[1] - q[1] * p[3])),
+                        same * ((p[0] * q[3] - q[0] * p[3]) + (q[1] * p[2] - q[2] * p[1]))};
+}
+
+static int is_small(fp3_point3 p, float most) {
+    return fabsf(p.x) < most && fabsf(p.y) < most && fabsf(p.z) < most;
+}
+
+/* The manifold by what has moved since it was found; 0: too much has. */
+static int follow(fp3_patch3 *p, const fp3_pose3 *a, const fp3_pose3 *b, fp3_point3 from,
+                  float size) {
+    const fp3_point3 way = fp3_subtract3(from, p->from), n = p->found.normal;
+    const fp3_point3 qa = turn_between(p->turn_a, a->q), qb = turn_between(p->turn_b, b->q);
+    if (!is_small(way, STILL_WAY * size) || !is_small(qa, STILL_TURN) || !is_small(qb, STILL_TURN))
+        return 0;
+    p->m = p->found;
+    for (uint32_t k = 0; k < p->m.count; k++) {
+        const fp3_point3 arm_a = p->found.point[k].arm, arm_b = fp3_subtract3(arm_a, p->from);
+        p->m.point[k].gap += fp3_dot3(way, n) + (fp3_dot3(qb, fp3_cross3(arm_b, n)) -
+                                                 fp3_dot3(qa, fp3_cross3(arm_a, n)));
+        if (!(p->m.point[k].gap < 0.02f * size))
+            return 0;
+    }
+    return 1;
+}
+
+/* Impulses go on at the points that there are still. */
+static void go_on(fp3_patch3 *p, const fp3_patch3 *was, float size) {
+    uint8_t from[4];
+    if (!was || fp3_dot3(was->m.normal, p->m.normal) < SAME_WAY)
+        return;
+    fp3_match_manifold3(&was->m, &p->m, NEAR * size, from);
+    for (uint32_t k = 0; k < p->m.count; k++)
+        p->p[k] = from[k] < 4 ? was->p[from[k]] : 0;
+    p->twist = was->twist;
+    memcpy(p->f, was->f, sizeof p->f);
+    memcpy(p->roll, was->roll, sizeof p->roll);
+}
+
+static const fp3_patch3 *find(const fp3_space *s, uint32_t first, uint32_t count, uint32_t part) {
+    for (uint32_t k = first; k < first + count; k++)
+        if (s->old[k].part == part)
+            return &s->old[k];
+    return NULL;
+}
+
+/* What events and sleep have to know of it. */
+static void sum_up(fp3_bodies *bodies, fp3_touch2 *t) {
+    const fp3_space *s = bodies->space;
+    const fp3_patch3 *best = NULL;
+    uint32_t deepest = 0;
+    t->m.count = 0;
+    for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++)
+        for (uint32_t i = 0; i < s->patch[k].m.count; i++)
+            if (!best || s->patch[k].m.point[i].gap < best->m.point[deepest].gap) {
+                best = &s->patch[k];
+                deepest = i;
+            }
+    if (!best)
+        return;
+    const uint32_t a = bodies->shape[t->a].body, b = bodies->shape[t->b].body;
+    const fp3_body *x = &bodies->body[a], *y = &bodies->body[b];
+    const fp3_point3 arm = best->m.point[deepest].arm, n = best->m.normal,
+                     from = {(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1]),
+                             (float)(y->at[2] - x->at[2])};
+    const fp3_point3 wa = fp3_point3_of(bodies->space->body[a].spin),
+                     wb = fp3_point3_of(bodies->space->body[b].spin);
+    const fp3_point3 u =
+        fp3_subtract3(fp3_add3(fp3_point3_of(y->v), fp3_cross3(wb, fp3_subtract3(arm, from))),
+                      fp3_add3(fp3_point3_of(x->v), fp3_cross3(wa, arm)));
+    t->m.count = 1;
+    t->m.point[0].gap = best->m.point[deepest].gap;
+    t->approach = -fp3_dot3(u, n);
+    t->at[0] = x->at[0] + arm.x;
+    t->at[1] = x->at[1] + arm.y;
+    t->at[2] = x->at[2] + arm.z;
+    t->normal[0] = n.x;
+    t->normal[1] = n.y;
+    t->normal[2] = n.z;
+}
+
+static fp3_status look(fp3_bodies *bodies, const fp3_form3 *a, const fp3_pose3 *pose_a,
+                       const fp3_form3 *b, const fp3_pose3 *pose_b, float reach, uint32_t *count) {
+    fp3_space *s = bodies->space;
+    fp3_status status = fp3_bodies_room((void **)&s->meeting, &s->meeting_room, sizeof *s->meeting,
+                                        16, bodies->error);
+    if (status)
+        return status;
+    *count = fp3_form_collide(a, pose_a, b, pose_b, reach, s->meeting_room, s->meeting);
+    if (*count <= s->meeting_room)
+        return FP3_OK;
+    status = fp3_bodies_room((void **)&s->meeting, &s->meeting_room, sizeof *s->meeting, *count,
+                             bodies->error);
+    if (!status)
+        *count = fp3_form_collide(a, pose_a, b, pose_b, reach, s->meeting_room, s->meeting);
+    return status;
+}
+
+/* Arms from the centre of mass of a, not from its origin. */
+static void shift(fp3_manifold3 *m, fp3_point3 by) {
+    for (uint32_t k = 0; k < m->count; k++)
+        m->point[k].arm = fp3_add3(m->point[k].arm, by);
+}
+
+fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach, int is_asleep) {
+    fp3_space *s = bodies->space;
+    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
+    const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
+    const float size = (float)bodies->def.size;
+    const uint32_t old = t->first_patch, olds = t->patches, first = s->patch_count;
+    const fp3_point3 from = {(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1]),
+                             (float)(y->at[2] - x->at[2])};
+    const fp3_pose3 pose_a = fp3_space_pose(bodies, a->body, (fp3_point3){0, 0, 0}),
+                    pose_b = fp3_space_pose(bodies, b->body, from);
+    fp3_status status = room_for(bodies, olds + 1);
+    int is_followed = t->is_found && olds > 0;
+    for (uint32_t k = 0; !status && is_followed && k < olds; k++) {
+        s->patch[first + k] = s->old[old + k];
+        is_followed = is_asleep || follow(&s->patch[first + k], &pose_a, &pose_b, from, size);
+    }
+    t->first_patch = first;
+    if (status)
+        return status;
+    if (is_followed || (is_asleep && t->is_found)) {
+        s->patch_count += is_followed ? olds : 0;
+        t->patches = is_followed ? olds : 0;
+        if (!is_asleep)
+            sum_up(bodies, t);
+        return FP3_OK;
+    }
+    uint32_t count = 0;
+    status = look(bodies, a->form, &pose_a, b->form, &pose_b, reach, &count);
+    if (!status)
+        status = room_for(bodies, count + 1);
+    for (uint32_t k = 0; !status && k < count; k++) {
+        fp3_patch3 *p = &s->patch[s->patch_count++];
+        *p = (fp3_patch3){.a = t->a, .b = t->b, .part = s->meeting[k].triangle, .from = from};
+        p->m = s->meeting[k].manifold;
+        shift(&p->m, pose_a.at);
+        p->found = p->m;
+        memcpy(p->turn_a, pose_a.q, sizeof p->turn_a);
+        memcpy(p->turn_b, pose_b.q, sizeof p->turn_b);
+        go_on(p, find(s, old, olds, p->part), size);
+    }
+    t->patches = count;
+    t->is_found = 1;
+    sum_up(bodies, t);
+    return status;
+}
