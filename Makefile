@@ -582,7 +582,7 @@ $(BUILD)/bench/bodies_box2d.so: bench/bodies/box2d.c
 	@echo "  LD   $@"
 	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(BOX2D)/include -o $@ $< -L$(BOX2D)/lib -lbox2d -lm -Wl,-rpath,$(abspath $(BOX2D)/lib)
 
-bodies-report: ## Write docs/bodies_results.md from what `make bodies` found
+bodies-report: | need-plot ## Write docs/bodies_results.md, docs/bodies_error.md and its pictures from what `make bodies` found
 	@$(PYTHON) tools/bodies.py --input $(RESULTS)/bodies.json --markdown docs/bodies_results.md
 
 # ---- objects divided among processes ------------------------------------------------------------

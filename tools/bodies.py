@@ -4,7 +4,7 @@
     tools/bodies.py                                     all of it, by everyone who is installed: half an hour
     tools/bodies.py --quick                             the same in seconds, for the tests
     tools/bodies.py --parts truths --engines box2d rapier                           only these; the rows of others stay
-    tools/bodies.py --input build/results/bodies.json --markdown docs/bodies_results.md       the page
+    tools/bodies.py --input build/results/bodies.json --markdown docs/bodies_results.md       the page, and that of errors with its pictures beside it
 
 Writes build/results/bodies.json; parts that are not measured stay as they were in it. A peer's row that does not hold is no fault
 of ours. Exit code 1: an engine failed, a row of fp3 does not hold, or a scene has two hashes.
@@ -12,6 +12,7 @@ of ours. Exit code 1: an engine failed, a row of fp3 does not hold, or a scene h
 
 import argparse
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -20,8 +21,10 @@ import time
 import bench
 from fp3bodies import report
 
-PARTS = ("truths", "standing", "speed", "hashes")
+PARTS = ("truths", "standing", "speed", "error", "hashes")
 ALONE = {"hashes"}  # parts without peers
+# Who is a part of an engine that is there already has its own parts; implicitfast is Euler where nothing damps.
+SOME = {"mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
 OWN = "fp3"
 SETTLE, MOST, TURN = 600, 20.0, 0.1  # steps before a scene is timed, seconds that they may take, seconds of a turn
 STAND = 100.0                         # seconds that a scene may take to stand
@@ -74,6 +77,9 @@ class Lab:
         self.engines, self.quick, self.say = {name: Engine(name, pythons[name]) for name in wanted}, options.quick, say
         self.failed, self.scenes = [], options.scenes
 
+    def who(self, part):
+        return [name for name in self.engines if part in SOME.get(name, PARTS)]
+
     def wanted(self, scenes):
         return [scene for scene in scenes if not self.scenes or scene in self.scenes]
 
@@ -90,7 +96,7 @@ class Lab:
         from fp3bodies import truths  # it needs NumPy, which the page does not
         rows, refused = [], []
         for truth in [truths.slope, truths.pendulum] if self.quick else truths.TRUTHS:
-            for name in self.engines:
+            for name in self.who("truths"):
                 answer = self.ask(name, do="truth", test=truth.__name__) or {"rows": [], "refuses": []}
                 rows += [row | {"peer": name} for row in answer["rows"]]
                 refused += [row | {"peer": name} for row in answer["refuses"]]
@@ -102,7 +108,7 @@ class Lab:
         from fp3bodies import standing
         rows, refused = [], []
         for scene in self.wanted(standing.QUICK if self.quick else standing.SCENES):
-            for name in self.engines:
+            for name in self.who("standing"):
                 answer = self.ask(name, do="stand", scene=scene, seconds=2 if self.quick else standing.SCENES[scene][1], most=STAND)
                 if answer and "refused" not in answer:
                     rows.append({"scene": scene, "engine": name} | answer)
@@ -116,8 +122,7 @@ class Lab:
         from fp3bodies import scene as sc
         rows, refused = [], []
         for scene in self.wanted(["pyramid 10"] if self.quick else [make().name for make in sc.FAST]):
-            made = {name: self.ask(name, do="make", scene=scene, steps=20 if self.quick else SETTLE, most=MOST) for name in self.engines
-                    if name != "mujoco, RK4"}
+            made = {name: self.ask(name, do="make", scene=scene, steps=20 if self.quick else SETTLE, most=MOST) for name in self.who("speed")}
             refused += [{"scene": scene, "engine": name, "why": answer["refused"]} for name, answer in made.items() if answer and "refused" in answer]
             made = {name: answer for name, answer in made.items() if answer and "refused" not in answer}
             steps = {name: max(1, round(TURN * answer["steps"] / max(answer["seconds"], 1e-6))) for name, answer in made.items()}
@@ -128,7 +133,7 @@ class Lab:
                     if answer is None:
                         made.pop(name)
                         continue
-                    best[name] = min(best.get(name, float("inf")), answer["seconds"] / steps[name])
+                    best[name] = min(best.get(name, math.inf), answer["seconds"] / steps[name])
             for name, answer in made.items():
                 row = {"scene": scene, "engine": name, "threads": 1, "bodies": answer["bodies"], "settled": answer["steps"],
                        "substeps": answer["substeps"], "ns_per_body_step": 1e9 * best[name] / answer["bodies"],
@@ -145,6 +150,27 @@ class Lab:
         except hashes.Failed as why:
             self.failed.append(str(why))
             return {}
+
+    def error(self):
+        """Likewise in turns; who has taken long has no more."""
+        from fp3bodies import error
+        rows, refused = [], []
+        for run in self.wanted(error.QUICK if self.quick else error.RUNS):
+            for substeps in error.SUBSTEPS[:3:2] if self.quick else error.SUBSTEPS:
+                found = {name: self.ask(name, do="error", run=run, substeps=substeps) for name in self.who("error")}
+                refused += [{"scene": run, "engine": name, "why": answer["refused"]} for name, answer in found.items()
+                            if answer and "refused" in answer and substeps == error.SUBSTEPS[0]]
+                found = {name: answer["off"] for name, answer in found.items() if answer and "refused" not in answer}
+                best, spent = {}, dict.fromkeys(found, 0.0)
+                for _ in range(1 if self.quick else 7):
+                    for name in [name for name in found if spent[name] < 2]:
+                        begin, answer = time.monotonic(), self.ask(name, do="pace", run=run, substeps=substeps)
+                        spent[name] += time.monotonic() - begin
+                        best[name] = min(best.get(name, math.inf), answer["ns"] if answer else math.inf)
+                rows += [{"scene": run, "engine": name, "substeps": substeps, "error": off if math.isfinite(off) else None, "ns_per_body_step": best[name]}
+                         for name, off in found.items() if math.isfinite(best[name])]
+                self.say(f"{run}, {substeps} substeps")
+        return {"error": rows, "error_refused": refused}
 
 
 def joined(options, data, found):
@@ -207,6 +233,8 @@ def main():
     if options.input:
         data = json.loads(options.input.read_text(encoding="utf-8"))
         bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
+        for name, text in report.beside(data).items():
+            bench.write(options.markdown.parent / name, text)
         return 0
     errors = 0
     for error in measure(options):

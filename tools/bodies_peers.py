@@ -7,6 +7,8 @@
     {"do": "truth", "test": "slope"}                 rows, and what is refused
     {"do": "stand", "scene": "pyramid 40", "seconds": 60, "most": 200}
     {"do": "make", "scene": "pyramid 40", "steps": 300, "most": 60}    a scene, settled; no longer than so many seconds
+    {"do": "error", "run": "chain", "substeps": 4}   how far it is from theory
+    {"do": "pace", "run": "chain", "substeps": 4}    what a step costs
     {"do": "turn", "steps": 10}                      seconds of processor time that so many steps of the last scene take
 
 One thread. An answer with "refused" says what the engine has not, one with "error" that it failed.
@@ -19,6 +21,7 @@ import sys
 import time
 
 from fp3bodies import engines
+from fp3bodies import error
 from fp3bodies import scene as sc
 from fp3bodies import standing
 from fp3bodies import truths
@@ -53,9 +56,16 @@ class Worker:
         self.engine.step(steps)
         return {"seconds": time.process_time() - begin}
 
+    def error(self, run, substeps):
+        return {"off": error.error(run, self.make(error.scene(run, substeps)))}
+
+    def pace(self, run, substeps):
+        return {"ns": error.pace(run, self.make(error.scene(run, substeps)))}
+
     def answer(self, do, **more):
         try:
-            return {"truth": self.truth, "stand": self.stand, "make": self.settle, "turn": self.turn}[do](**more)
+            return {"truth": self.truth, "stand": self.stand, "make": self.settle, "turn": self.turn, "error": self.error,
+                    "pace": self.pace}[do](**more)
         except sc.Refused as why:
             return {"refused": str(why)}
         except Exception as why:  # whatever a peer does: the others go on  # pylint: disable=broad-exception-caught

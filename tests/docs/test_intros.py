@@ -40,3 +40,4 @@ def test_bodies(root, tool):
     made, page = tool("fp3bodies.report"), (root / "docs/bodies_results.md").read_text(encoding="utf-8")
     for text in (made.HEAD, made.TRUTHS, made.STANDING, made.SPEED):
         assert f"\n\n{text}\n\n" in page
+    assert f"\n\n{made.ERROR}\n\n" in (root / "docs/bodies_error.md").read_text(encoding="utf-8")

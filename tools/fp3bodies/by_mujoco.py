@@ -110,8 +110,7 @@ class Made(InSpace):
                     self.data.qvel[first:first + many] = (*body.v[:2], spin[2]) if scene.planar else (*(body.v or (0, 0, 0)), *own)
 
     def step(self, count=1):
-        for _ in range(count * self.scene.substeps):
-            mujoco.mj_step(self.model, self.data)
+        mujoco.mj_step(self.model, self.data, nstep=count * self.scene.substeps)
         self.data.xfrc_applied[:] = 0
 
     def state(self):
@@ -136,6 +135,14 @@ class Made(InSpace):
 class RungeKutta(Made):
     NOTE = "elliptic cones, the integrator RK4; pins are the joints of a tree"
     INTEGRATOR = "RK4"
+
+
+class Euler(Made):
+    INTEGRATOR = "Euler"
+
+
+class Implicit(Made):
+    INTEGRATOR = "implicit"
 
 
 def times(p, q):

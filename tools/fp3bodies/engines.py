@@ -9,7 +9,9 @@ from fp3bodies.scene import Refused, lifted
 # Name: the module of this folder and its class, and the package that it needs beside NumPy.
 ENGINES = {"fp3": ("by_fp3", "Made", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
            "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"), "mujoco": ("by_mujoco", "Made", "mujoco"),
-           "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"), "bullet": ("by_bullet", "Made", "pybullet")}
+           "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"),
+           "mujoco, Euler": ("by_mujoco", "Euler", "mujoco"), "mujoco, implicit": ("by_mujoco", "Implicit", "mujoco"),
+           "bullet": ("by_bullet", "Made", "pybullet")}
 
 
 class Engine:

@@ -12,9 +12,10 @@ def slid(angle, friction, g, t):
     return max(0.0, g * (math.sin(angle) - friction * math.cos(angle)) * t * t / 2)
 
 
-def braked(speed, friction, g):
-    """How far a block slides on a level."""
-    return speed * speed / (2 * friction * g)
+def braked(speed, friction, g, t=math.inf):
+    """How far a block slides on a level, after a time."""
+    t = min(t, speed / (friction * g))
+    return speed * t - friction * g * t * t / 2
 
 
 def rolled(speed, friction, g, share, t):
@@ -54,25 +55,43 @@ def period(about, mass, length, g, angle):
     return 2 * math.pi * math.sqrt(about / (mass * g * length)) / mean(1.0, math.cos(angle / 2))
 
 
-def two_rods(angles, length, about, mass, g, t, steps=6000):
-    """Angles from straight down, after t, of two rods that hang on each other, from rest: Lagrange's equations by the classical Runge-Kutta method."""
-    half = length / 2
+def rods(angles, length, about, mass, g, t, steps=6000):
+    """Angles from straight down, at first and after each step, of rods that hang on each other, from rest: Lagrange's equations by the classical
+    Runge-Kutta method. about: a rod's moment about its centre."""
+    count = len(angles)
+    below = count - np.arange(count) - 0.5  # rods that each turns with itself, its own as a half
+    arms = mass * length ** 2 * np.minimum.outer(below, below)
+    arms[np.diag_indices(count)] += about - mass * length ** 2 / 4
 
     def slopes(y):
-        a, b, u, v = y
-        c, s = math.cos(a - b), math.sin(a - b)
-        m11, m12, m22 = about + mass * (half * half + length * length), mass * length * half * c, about + mass * half * half
-        f1 = -mass * length * half * s * v * v - mass * g * (half + length) * math.sin(a)
-        f2 = mass * length * half * s * u * u - mass * g * half * math.sin(b)
-        det = m11 * m22 - m12 * m12
-        return np.array([u, v, (m22 * f1 - m12 * f2) / det, (m11 * f2 - m12 * f1) / det])
-    y, h = np.array([*angles, 0.0, 0.0]), t / steps
+        angle, w = y
+        apart = angle[:, None] - angle
+        return np.array([w, np.linalg.solve(arms * np.cos(apart), -(arms * np.sin(apart)) @ (w * w) - mass * g * length * below * np.sin(angle))])
+    y, h = np.array([angles, np.zeros(count)]), t / steps
+    path = [y[0]]
     for _ in range(steps):
         p = slopes(y)
         q = slopes(y + h / 2 * p)
         r = slopes(y + h / 2 * q)
         y = y + h / 6 * (p + 2 * q + 2 * r + slopes(y + h * r))
-    return y[:2]
+        path.append(y[0])
+    return np.array(path)
+
+
+# ---- impacts ----
+
+def bounced(high, restitution, g, t):
+    """How high a ball is that has fallen from there: Goldsmith, Impact, chapter 1. restitution: below 1."""
+    speed = math.sqrt(2 * g * high)
+    if t < speed / g:
+        return high - g * t * t / 2
+    t -= speed / g
+    while speed > 1e-9:
+        speed *= restitution
+        if t < 2 * speed / g:
+            return t * (speed - g * t / 2)
+        t -= 2 * speed / g
+    return 0.0
 
 
 # ---- what stands ----

@@ -1,6 +1,8 @@
 """The page of rigid bodies beside theory and other engines, from what make bodies has found."""
 
+from fp3bench.figures import COLOURS, DASHES, MARKS
 from fp3gen.text import markdown
+from plot import draw
 
 HEAD = """\
 `make bodies` gives the same scenes to every engine of rigid bodies that is there, and compares what they do with theory and with each other;
@@ -26,6 +28,20 @@ each, and the shortest turn counts, in time that the processor gave. Nothing sle
 one step of 1/60 s, as their users do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled;
 nanoseconds for a step of a body; how many times that of Box2D, which is the user's own one if there is one."""
 
+ERROR = """\
+How far an engine is from theory when it may take shorter substeps, and what a step of 1/60 s costs then. *Double pendulum*: two rods of 1 m let go from the
+horizontal, 3 s. *Bounces*: a ball that falls 5 m on a floor of restitution 0.8, 4 s. *Sliding block*: at 5 m/s with friction 0.5 until it lies still, 1.5 s.
+*Chain*: ten rods of 0.5 m let go from the horizontal, 2 s. The error is the root mean square of the distance of a point from where theory has it, over all
+steps: of the tip of the last rod, else of the centre. Theory is a formula, or Lagrange's equations in double. Each run is there sixteen times in one world. Time is
+nanoseconds of processor time for a step of 1/60 s of one body, over the whole run: the shortest of up to 7 turns, which all engines make one after another.
+
+An engine without substeps of its own takes as many steps instead. MuJoCo is here by its integrators Euler, implicit and RK4; implicitfast, with which
+other pages have it, is Euler where nothing damps. It works in double and in coordinates of joints, so its rods cannot come apart. In a table, a cell is the error in m, then the time in ns. An
+error is bold if there is no smaller one in the table for as much time or less. FP3 is *beaten* by who has a smaller error for as much time or less.
+
+FP3 has first order: with substeps half as long its error is about half. MuJoCo's RK4 has fourth order where nothing touches, so who needs joints to five digits is better off there. Bounces are
+the exception: FP3 finds the time of each impact, so one substep is enough, and more of them add roundings, as speeds are float32."""
+
 ENGINES = """\
 *box2d* is `pyb2d3` from PyPI: its Box2D has vectors of 4 numbers (SSE2). Newer Box2D with AVX2 is faster, but no registry has it: who has
 built one from its repository (newer than 3.1, `BUILD_SHARED_LIBS=ON`, `BOX2D_AVX2=ON`) says `make bodies BOX2D=DIR`, where `include/` and `lib/libbox2d.so`
@@ -39,6 +55,9 @@ Each scene is stepped in several ways, and `fp3_bodies_hash` tells of each where
 and with a return to a saved state (*restored*); `isa`, `fast` and `rtl` execute the laws as programs, the hardware on two configurations. The hardware makes the
 first steps alone: a step takes it seconds. Here bodies sleep. The scenes: boxes that stand; figures with limits in their hinges on stairs; a car with springs, a motor
 and a rope on hills and a bridge, with every type of joint; shapes that bounce into a heap; dominoes."""
+
+
+LOOKS = ("fp3", "box2d", "mujoco", "rapier")  # engines with a colour of their own; the others are grey
 
 
 def number(value):
@@ -90,6 +109,90 @@ def runs(rows):
         yield [scene, steps, f"`{found}`", len(of), who]
 
 
+def beats(rows):
+    """Those that no other beats in error for as much time or less."""
+    return [row for row in rows if row["error"] is not None and not any(
+        other["error"] is not None and other["error"] < row["error"] and other["ns_per_body_step"] <= row["ns_per_body_step"] for other in rows)]
+
+
+def error(rows):
+    """A line for each engine of one run, a column for each number of substeps."""
+    many, best = sorted(set(order(rows, "substeps"))), beats(rows)
+    found = {(row["engine"], row["substeps"]): row for row in rows}
+
+    def cell(row):
+        if row is None:
+            return ""
+        off = "none" if row["error"] is None else f"{row['error']:.2g}"
+        return (f"**{off}**" if row in best else off) + f", {row['ns_per_body_step']:,.0f}"
+    return ["substeps", *map(str, many)], ([engine, *(cell(found.get((engine, one))) for one in many)] for engine in order(rows, "engine"))
+
+
+def listed(names):
+    *most, last = dict.fromkeys(names)
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def worse(rows):
+    """Where fp3 is beaten: by whom, at how many substeps; and who is better however long it takes."""
+    rows, by = [row for row in rows if row["error"] is not None], {}
+    own, others = [row for row in rows if row["engine"] == "fp3"], [row for row in rows if row["engine"] != "fp3"]
+    for row in own:
+        for other in others:
+            if other["error"] < row["error"] and other["ns_per_body_step"] <= row["ns_per_body_step"]:
+                by.setdefault(other["engine"], []).append(str(row["substeps"]))
+    for engine, many in by.items():
+        yield f"With {listed(many)} substep{'s' if many != ['1'] else ''} FP3 is beaten by *{engine}*."
+    better = [f"*{other['engine']}*" for other in others if own and other["error"] < min(row["error"] for row in own)]
+    if better:
+        yield f"A smaller error than FP3 ever reaches {'has' if len(set(better)) == 1 else 'have'} {listed(better)}."
+
+
+def picture(scene):
+    return f"bodies_error_{scene.replace(' ', '_')}.svg"
+
+
+def beside(data):
+    """Files beside the page, each with its text: the page of errors, and for each run the curves of all engines."""
+    if "error" not in data:
+        return {}
+    return {"bodies_error.md": "\n".join(of_error(data)).rstrip("\n") + "\n"} | pictures(data["error"])
+
+
+def pictures(rows):
+    colours = dict(zip(LOOKS, (COLOURS["fast"], COLOURS["gsl"], COLOURS["plain_c"], COLOURS["rtl"])))
+
+    def look(engine):
+        family = next((one for one in LOOKS if one in engine), None)
+        member = [one for one in sorted(set(order(rows, "engine"))) if family and family in one or not family and not any(other in one for other in LOOKS)]
+        return colours.get(family, "#888888"), DASHES[member.index(engine) % len(DASHES)], MARKS[member.index(engine)]
+
+    def series(scene):
+        for engine in order(rows, "engine"):
+            points = [(row["ns_per_body_step"], row["error"]) for row in rows if (row["scene"], row["engine"]) == (scene, engine) and row["error"] and row["error"] < 10]
+            if points:
+                yield {"name": engine, "look": look(engine), "points": points}
+    return {picture(scene): draw(list(series(scene)), "ns for a step of 1/60 s of a body", "error, m") for scene in order(rows, "scene")}
+
+
+def of_error(data):
+    """Its page."""
+    about, when = data["about"], data["measured"]["error"]
+    yield "<!-- Generated by tools/bodies.py (make bodies-report): do not edit. -->"
+    yield "# Rigid bodies: error against time"
+    yield from ("", ERROR, "")
+    yield (f"Measured on {when['date']}, revision `{when['revision']}`, by `make bodies PARTS=error` on {about['processors']} processors, {about['processor']}, at a load average of "
+           f"{when['load']:.1f}. [bodies_results.md](bodies_results.md) says which engines these are, and has truths, standing and speed.")
+    for scene in order(data["error"], "scene"):
+        rows = [row for row in data["error"] if row["scene"] == scene]
+        yield from ("", f"## {scene[0].upper()}{scene[1:]}", "", f"![{scene}: error against time]({picture(scene)})", "")
+        yield from markdown(*error(rows))
+        beaten = list(worse(rows))
+        if beaten:
+            yield from ("", " ".join(beaten))
+    yield from left(data["error_refused"])
+
+
 def left(rows):
     if rows:
         yield from ("", "Left out: " + "; ".join(f"{row['engine']} of {row['scene']} ({row['why']})" for row in rows) + ".")
@@ -100,7 +203,7 @@ def page(data):
     yield "<!-- Generated by tools/bodies.py (make bodies-report): do not edit. -->"
     yield "# Rigid bodies beside theory and other engines"
     yield from ("", HEAD, "")
-    when = "; ".join(f"{part} {one['date']}, revision `{one['revision']}`, load {one['load']:.1f}" for part, one in data["measured"].items())
+    when = "; ".join(f"{part} {one['date']}, revision `{one['revision']}`, load {one['load']:.1f}" for part, one in data["measured"].items() if part != "error")
     yield f"Found by `{about['command']}` on {about['processors']} processors: {about['processor']}. {when[0].upper()}{when[1:]}. {ENGINES}"
     if "truths" in data:
         yield from ("", "## Truths", "", TRUTHS, "")

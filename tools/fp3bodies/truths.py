@@ -190,7 +190,7 @@ def double_pendulum(make):
     for substeps in (4, 16):
         engine = make(Scene("double pendulum", rods, [Pin(-1, 0, (0.0, 0.0)), Pin(0, 1, (1.0, 0.0))], substeps=substeps))
         engine.step(3 * SECOND)
-        a, b = formulas.two_rods((angle, angle), 1.0, 1 / 12, 1.0, G, 3.0)
+        a, b = formulas.rods((angle, angle), 1.0, 1 / 12, 1.0, G, 3.0)[-1]
         tip = np.array([math.sin(a) + math.sin(b), -math.cos(a) - math.cos(b)])
         turn = float(engine.turns()[1])
         found = engine.places()[1] + 0.5 * np.array([math.cos(turn), math.sin(turn)])
