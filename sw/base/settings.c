@@ -21,9 +21,12 @@ static fp3_status parse(fp3_settings *s) {
         return FP3_OK;
     }
     const char *why = config_error_text(&s->file);
-    return fp3_fail_at(
-        s->error, s->wrong, s->name, (unsigned)config_error_line(&s->file), 0, "%s%s", why,
-        strcmp(why, "syntax error") == 0 ? ", expected settings as name = value;" : "");
+    return fp3_fail_at(s->error, s->wrong, s->name, (unsigned)config_error_line(&s->file), 0,
+                       "%s%s", why,
+                       strcmp(why, "syntax error") == 0 ? ", expected settings as name = value;"
+                       : strncmp(why, "mismatched element type", 23) == 0
+                           ? ", expected ( ) around a list in which numbers and texts are mixed"
+                           : "");
 }
 
 fp3_status fp3_settings_read(const char *text, size_t size, const char *name, fp3_status wrong,

@@ -9,6 +9,7 @@
  * anticlockwise. */
 typedef struct {
     uint64_t body; /* its handle */
+    fp3_body_type type;
     uint32_t corners;
     int is_sensor;
     double radius;
@@ -17,7 +18,7 @@ typedef struct {
 
 typedef struct {
     fp3_joint_type type;
-    uint64_t a, b;
+    uint64_t joint, a, b; /* handles */
     double anchor_a[3], anchor_b[3];
 } fp3_outline_joint;
 

@@ -49,6 +49,22 @@ static void box(struct argp_state *state, fp3_view_page *page, char *text) {
     page->box_axes = k;
 }
 
+static void see(struct argp_state *state, fp3_view_page *page, char *text) {
+    unsigned k = 0;
+    for (char *part; (part = strsep(&text, ",")); k++) {
+        char *colon = strchr(part, ':');
+        if (k == FP3_VIEW_AXES || !colon)
+            argp_error(state, "--see: found '%s', expected X0:X1,Y0:Y1,Z0:Z1", part);
+        *colon = 0;
+        page->seen[k][0] = number(state, "--see", part);
+        page->seen[k][1] = number(state, "--see", colon + 1);
+        if (!(page->seen[k][0] < page->seen[k][1]))
+            argp_error(state, "--see: found %s:%s, expected the smaller number first", part,
+                       colon + 1);
+    }
+    page->seen_axes = k;
+}
+
 static void range(struct argp_state *state, fp3_view_options *o, char *text) {
     char *colon = strchr(text, ':');
     if (!colon)
@@ -115,6 +131,11 @@ static void take_box(void *user, struct argp_state *state, char *text) {
     box(state, &o->page, text);
 }
 
+static void take_see(void *user, struct argp_state *state, char *text) {
+    fp3_view_options *o = user;
+    see(state, &o->page, text);
+}
+
 static void take_up(void *user, struct argp_state *state, char *text) {
     fp3_view_options *o = user;
     o->page.up = up(state, text);
@@ -171,6 +192,13 @@ static const fp3_option table[] = {
      "Draw a wall where the position's x, y or z has this value; may be repeated",
      FP3_CALL(take_plane), .is_repeated = 1},
     {"box", 0, "X0:X1,Y0:Y1,Z0:Z1", "Draw the edges of a box", FP3_CALL(take_box)},
+    {"see", 0, "X0:X1,Y0:Y1,Z0:Z1",
+     "What is seen at first, of each axis of the position (default: all that moves)",
+     FP3_CALL(take_see)},
+    {"contacts", 0, NULL,
+     "Of bodies: draw where they touch, with forces as lines; fp3 run --observe contacts records "
+     "them",
+     FP3_FLAG(fp3_view_options, page.has_contacts)},
     {"up", 0, "AXIS", "The axis of the position that points up, y or z (default y)",
      FP3_CALL(take_up)},
     {"title", 0, "TEXT", "The title (default: the model's name)",

@@ -207,6 +207,22 @@ static fp3_status choose_colour(fp3_view_recording *r, const char *wish, fp3_vie
     return count ? FP3_OK : fp3_view_want(r, axes->colour, &column, error);
 }
 
+/* ---- shapes ---- */
+
+/* Bodies in the plane have an angle; how bodies in space are turned is not known here yet. */
+static void choose_shapes(fp3_view_recording *r, fp3_view_axes *axes) {
+    static const char *const names[] = {"x_x", "x_y"};
+    axes->turn = fp3_view_find(r, "angle");
+    axes->asleep = fp3_view_find(r, "at_rest");
+    axes->has_shapes = r->shape_count && axes->count == 2 && axes->turn != FP3_VIEW_NO_COLUMN;
+    for (unsigned k = 0; k < 2 && axes->has_shapes; k++)
+        axes->has_shapes = axes->columns[k] == fp3_view_find(r, names[k]);
+    if (axes->has_shapes)
+        r->columns[axes->turn].is_wanted = 1;
+    if (axes->has_shapes && axes->asleep != FP3_VIEW_NO_COLUMN)
+        r->columns[axes->asleep].is_wanted = 1;
+}
+
 /* ---- all ---- */
 
 static fp3_status want_observed(fp3_view_recording *r, const char *names, fp3_error *error) {
@@ -235,6 +251,8 @@ fp3_status fp3_view_choose(fp3_view_recording *r, const fp3_view_wishes *wishes,
     fp3_status status = want_observed(r, wishes->observed, error);
     if (!status)
         status = choose_position(r, wishes->position, axes, error);
+    if (!status)
+        choose_shapes(r, axes);
     if (!status)
         status = choose_size(r, wishes->size, axes, error);
     if (!status)

@@ -2,51 +2,21 @@
 /* camera.c - see camera.h. */
 #include "camera.h"
 
+#include "outline.h"
+#include "turned.h"
+
 #include <math.h>
 #include <string.h>
 
 #define TANGENT 0.31529878887983855 /* of half the field of view, 17.5 degrees, as in the page */
-#define DEGREE 0.017453292519943295
-#define ROOM_FLAT 1.28 /* around what is seen, for names and numbers; as in the page */
+#define ROOM_FLAT 1.28              /* around what is seen, for names and numbers; as in the page */
 #define ROOM 1.04
-#define TERMS 15
-
-/* The series: within 1e-15 up to 90 degrees, and the same on every machine. */
-static double series(double x, double term, int first) {
-    double sum = term;
-    for (int i = 0; i < TERMS; i++) {
-        term = -term * x * x / ((first + 2 * i + 1) * (first + 2 * i + 2));
-        sum += term;
-    }
-    return sum;
-}
-
-/* Into -180 .. 180 degrees. */
-static double wrapped(double degrees) { return degrees - 360 * floor(degrees / 360 + 0.5); }
-static double sine(double degrees) {
-    const double x = wrapped(degrees) * DEGREE;
-    return series(x, x, 1);
-}
-static double cosine(double degrees) { return series(wrapped(degrees) * DEGREE, 1, 0); }
 
 /* ---- the world ---- */
 
 static void widen(double ends[2], double value) {
     ends[0] = value < ends[0] ? value : ends[0];
     ends[1] = value > ends[1] ? value : ends[1];
-}
-
-static void find_ends(const fp3_view_page *page, unsigned k, double reach, double ends[2]) {
-    const fp3_view_recording *r = page->recording;
-    const fp3_view_scale range =
-        fp3_view_scale_of(r->columns[page->axes->columns[k]].values, r->snapshots * r->objects, 1);
-    ends[0] = range.least - reach;
-    ends[1] = range.most + reach;
-    for (unsigned end = 0; end < 2 && page->box_axes; end++)
-        widen(ends, page->box[end][k]);
-    for (unsigned i = 0; i < page->plane_count; i++)
-        if (page->planes[i].axis == k)
-            widen(ends, page->planes[i].at);
 }
 
 static double largest_radius(const fp3_view_page *page) {
@@ -58,13 +28,32 @@ static double largest_radius(const fp3_view_page *page) {
     return range.most > 0 ? range.most : 0;
 }
 
+static void find_ends(const fp3_view_page *page, unsigned k, double ends[2]) {
+    const fp3_view_recording *r = page->recording;
+    const double reach = largest_radius(page);
+    if (page->seen_axes) {
+        memcpy(ends, page->seen[k], sizeof page->seen[k]);
+        return;
+    }
+    const fp3_view_scale range =
+        fp3_view_scale_of(r->columns[page->axes->columns[k]].values, r->snapshots * r->objects, 1);
+    ends[0] = range.least - reach;
+    ends[1] = range.most + reach;
+    if (page->axes->has_shapes)
+        fp3_view_outline_ends(r, page->axes, k, ends);
+    for (unsigned end = 0; end < 2 && page->box_axes; end++)
+        widen(ends, page->box[end][k]);
+    for (unsigned i = 0; i < page->plane_count; i++)
+        if (page->planes[i].axis == k)
+            widen(ends, page->planes[i].at);
+}
+
 static void find_world(const fp3_view_page *page, fp3_view_camera *c) {
     static const double shape[FP3_VIEW_AXES] = {3.2, 2, 2}; /* of axes in different units */
     double width[FP3_VIEW_AXES] = {0}, widest = 0;
-    const double reach = largest_radius(page);
     for (unsigned k = 0; k < page->axes->count; k++) {
         double ends[2];
-        find_ends(page, k, reach, ends);
+        find_ends(page, k, ends);
         c->middle[k] = (ends[0] + ends[1]) / 2;
         width[k] = ends[1] - ends[0];
         widest = width[k] > widest ? width[k] : widest;
@@ -79,8 +68,10 @@ static void find_world(const fp3_view_page *page, fp3_view_camera *c) {
 /* ---- the eye ---- */
 
 static void turn(fp3_view_camera *c, const fp3_view_page *page, double azimuth, double elevation) {
-    const double ca = cosine(azimuth), sa = sine(azimuth);
-    const double ce = cosine(elevation), se = sine(elevation);
+    double a[2], e[2];
+    fp3_view_turned(azimuth, a);
+    fp3_view_turned(elevation, e);
+    const double ca = a[0], sa = a[1], ce = e[0], se = e[1];
     const double right[3] = {ca, 0, -sa}, back[3] = {sa * ce, se, ca * ce};
     const double up[3] = {-sa * se, ce, -ca * se};
     const double *const from[] = {right, up, back};
@@ -124,7 +115,8 @@ static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static int32_t whole(double x) { return (int32_t)floor(x + 0.5); }
+/* What is far outside of the picture is not drawn, and must not overflow. */
+static int32_t whole(double x) { return (int32_t)floor(fmin(fmax(x, -1e9), 1e9) + 0.5); }
 
 double fp3_view_camera_deep(const fp3_view_camera *c) { return FP3_VIEW_DEPTH_MOST / c->depth; }
 

@@ -6,6 +6,7 @@
 #include "record/library_hdf5.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -151,6 +152,129 @@ static fp3_status check_rows(const fp3_view_recording *r, fp3_error *error) {
     return FP3_OK;
 }
 
+/* ---- rigid bodies ---- */
+
+/* A table by its name, or no rows; the caller frees *data. */
+static fp3_status read_table(const fp3_view_recording *r, const char *name, uint64_t columns,
+                             fp3_hdf5_type type, void **data, size_t *rows, fp3_error *error) {
+    const hdf5 *self = (const hdf5 *)r->reader;
+    const size_t size = type == FP3_HDF5_DOUBLE ? sizeof(double) : sizeof(uint32_t);
+    fp3_hdf5_table table;
+    *data = NULL;
+    *rows = 0;
+    for (int i = 0; i < self->calls->count(self->file); i++) {
+        if (self->calls->describe(self->file, i, &table))
+            return failed(r, error);
+        if (strcmp(table.name, name) != 0)
+            continue;
+        if (table.columns != columns || table.rows > FP3_VIEW_VALUES_MOST)
+            return fp3_fail(error, FP3_E_ARGUMENT,
+                            "%s: '%s' has %" PRIu64 " columns, expected %" PRIu64, r->path, name,
+                            table.columns, columns);
+        const fp3_hdf5_part part = {.rows = table.rows, .columns = columns};
+        *rows = table.rows;
+        if (!(*data = malloc((table.rows + 1) * columns * size)))
+            return fp3_no_memory(error);
+        return self->calls->read(self->file, i, type, &part, *data) ? failed(r, error) : FP3_OK;
+    }
+    return FP3_OK;
+}
+
+static fp3_status unfit(const fp3_view_recording *r, const char *name, size_t row,
+                        fp3_error *error) {
+    return fp3_fail(error, FP3_E_ARGUMENT, "%s: row %zu of '%s' fits no other table of the file",
+                    r->path, row, name);
+}
+
+/* Two tables with as many rows. */
+static fp3_status read_two(const fp3_view_recording *r, const char *const names[2],
+                           const uint64_t columns[2], uint32_t **words, double **numbers,
+                           size_t *rows, fp3_error *error) {
+    size_t others = 0;
+    fp3_status status =
+        read_table(r, names[0], columns[0], FP3_HDF5_UINT32, (void **)words, rows, error);
+    *numbers = NULL;
+    if (!status)
+        status =
+            read_table(r, names[1], columns[1], FP3_HDF5_DOUBLE, (void **)numbers, &others, error);
+    return status || others == *rows ? status : unfit(r, names[1], others, error);
+}
+
+static fp3_status take_shapes(fp3_view_recording *r, const uint32_t *words, const double *radii,
+                              size_t rows, size_t corners, fp3_error *error) {
+    size_t first = 0;
+    if (rows && !(r->shapes = calloc(rows, sizeof *r->shapes)))
+        return fp3_no_memory(error);
+    for (size_t i = 0; i < rows; i++, words += 4) {
+        r->shapes[i] = (fp3_view_shape){words[0], words[1], words[2], words[3], radii[i], first};
+        if (words[0] >= r->objects || !words[1] || words[1] > corners - first ||
+            !(radii[i] >= 0 && isfinite(radii[i])))
+            return unfit(r, "shapes:of", i, error);
+        first += words[1];
+    }
+    r->shape_count = rows;
+    return first == corners ? FP3_OK : unfit(r, "shapes:corners", first, error);
+}
+
+static fp3_status read_shapes(fp3_view_recording *r, fp3_error *error) {
+    uint32_t *words = NULL;
+    double *radii = NULL;
+    size_t rows = 0, corners = 0;
+    fp3_status status = read_two(r, (const char *const[]){"shapes:of", "shapes:radius"},
+                                 (const uint64_t[]){4, 1}, &words, &radii, &rows, error);
+    if (!status)
+        status = read_table(r, "shapes:corners", 3, FP3_HDF5_DOUBLE, (void **)&r->corners, &corners,
+                            error);
+    for (size_t i = 0; !status && i < 3 * corners; i++)
+        if (!isfinite(r->corners[i / 3][i % 3]))
+            status = unfit(r, "shapes:corners", i / 3, error);
+    if (!status)
+        status = take_shapes(r, words, radii, rows, corners, error);
+    free(words);
+    free(radii);
+    return status;
+}
+
+static fp3_status read_joints(fp3_view_recording *r, fp3_error *error) {
+    uint32_t *words = NULL;
+    double *anchors = NULL;
+    fp3_status status =
+        read_two(r, (const char *const[]){"joints:of", "joints:anchors"}, (const uint64_t[]){4, 6},
+                 &words, &anchors, &r->joint_count, error);
+    if (!status && r->joint_count && !(r->joints = calloc(r->joint_count, sizeof *r->joints)))
+        status = fp3_no_memory(error);
+    for (size_t i = 0; !status && i < r->joint_count; i++) {
+        const uint32_t *w = words + 4 * i;
+        r->joints[i] = (fp3_view_joint){.a = w[0], .b = w[1], .type = w[2], .snapshots = w[3]};
+        memcpy(r->joints[i].anchor, anchors + 6 * i, sizeof r->joints[i].anchor);
+        if (w[0] >= r->objects || w[1] >= r->objects)
+            status = unfit(r, "joints:of", i, error);
+    }
+    free(words);
+    free(anchors);
+    return status;
+}
+
+/* Of every N-th snapshot. */
+static fp3_status load_contacts(fp3_view_recording *r, uint64_t every, fp3_error *error) {
+    uint32_t *words = NULL;
+    double *points = NULL;
+    size_t rows = 0;
+    fp3_status status = read_two(r, (const char *const[]){"contacts:of", "contacts:points"},
+                                 (const uint64_t[]){3, 7}, &words, &points, &rows, error);
+    if (!status && rows && !(r->contacts = calloc(rows, sizeof *r->contacts)))
+        status = fp3_no_memory(error);
+    for (size_t i = 0; !status && i < rows; i++) {
+        const double *p = points + 7 * i;
+        if (words[3 * i] % every == 0)
+            r->contacts[r->contact_count++] = (fp3_view_contact){
+                words[3 * i] / every, {p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6]};
+    }
+    free(words);
+    free(points);
+    return status;
+}
+
 static void read_texts(fp3_view_recording *r) {
     const hdf5 *self = (const hdf5 *)r->reader;
     r->model = self->calls->text_of(self->file, -1, "model");
@@ -186,6 +310,10 @@ static fp3_status look(fp3_view_recording *r, fp3_error *error) {
         status = check_rows(r, error);
     for (size_t i = 0; !status && i < r->relation_count; i++)
         status = check_pairs(r, &r->relations[i], error);
+    if (!status)
+        status = read_shapes(r, error);
+    if (!status)
+        status = read_joints(r, error);
     if (!status && self->calls->numbers(self->file, note_near, &search))
         status = failed(r, error);
     read_texts(r);
@@ -266,6 +394,10 @@ static fp3_status hdf5_load(fp3_view_recording *r, uint64_t every, fp3_error *er
     fp3_status status = fp3_view_check_size(r, r->snapshots, r->objects, error);
     if (!status)
         status = load_times(r, every, error);
+    if (!status)
+        status = load_contacts(r, every, error);
+    for (size_t i = 0; i < r->joint_count; i++) /* in so many of those that are loaded */
+        r->joints[i].snapshots = (uint32_t)((r->joints[i].snapshots + every - 1) / every);
     for (size_t i = 0; !status && i < r->column_count; i++)
         if (r->columns[i].is_wanted && !r->columns[i].is_made)
             status = load_column(r, &r->columns[i], every, error);

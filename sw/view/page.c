@@ -4,6 +4,7 @@
  */
 #include "page.h"
 
+#include "outline.h"
 #include "text.h"
 
 #include <inttypes.h>
@@ -143,6 +144,78 @@ static json_t *position_of(const fp3_view_page *page) {
                      axes->has_one_scale);
 }
 
+static json_t *list_of(const double *numbers, size_t count) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(list, json_real(numbers[i]));
+    return list;
+}
+
+/* From where to where is seen at first along each axis; null: wherever objects are. */
+static json_t *ends_of(const fp3_view_page *page) {
+    json_t *list = json_array();
+    for (unsigned k = 0; k < page->axes->count; k++) {
+        double ends[2] = {page->seen[k][0], page->seen[k][1]};
+        if (!page->seen_axes && page->axes->has_shapes)
+            fp3_view_outline_ends(page->recording, page->axes, k, ends);
+        json_array_append_new(list, list_of(ends, 2));
+    }
+    if (page->seen_axes || page->axes->has_shapes)
+        return list;
+    json_decref(list);
+    return json_null();
+}
+
+static json_t *shapes_of(const fp3_view_recording *r) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < r->shape_count; i++) {
+        const fp3_view_shape *s = &r->shapes[i];
+        json_t *corners = json_array();
+        for (uint32_t k = 0; k < s->corners; k++)
+            json_array_append_new(corners, list_of(r->corners[s->first + k], 2));
+        json_array_append_new(list, json_pack("{sI sb si sf so}", "object", (json_int_t)s->object,
+                                              "isSensor", s->is_sensor != 0, "type", (int)s->type,
+                                              "radius", s->radius, "corners", corners));
+    }
+    return list;
+}
+
+static json_t *joints_of(const fp3_view_recording *r) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < r->joint_count; i++) {
+        const fp3_view_joint *j = &r->joints[i];
+        json_array_append_new(list, json_pack("{s[II] sI s[oo]}", "of", (json_int_t)j->a,
+                                              (json_int_t)j->b, "snapshots",
+                                              (json_int_t)j->snapshots, "anchors",
+                                              list_of(j->anchor[0], 2), list_of(j->anchor[1], 2)));
+    }
+    return list;
+}
+
+static json_t *contacts_of(const fp3_view_page *page) {
+    const fp3_view_recording *r = page->recording;
+    json_t *list = json_array();
+    for (size_t i = 0; page->has_contacts && i < r->contact_count; i++) {
+        const fp3_view_contact *c = &r->contacts[i];
+        const double numbers[] = {(double)c->snapshot, c->point[0],  c->point[1],
+                                  c->normal[0],        c->normal[1], c->force};
+        json_array_append_new(list, list_of(numbers, 6));
+    }
+    return list;
+}
+
+static json_t *bodies_of(const fp3_view_page *page) {
+    const fp3_view_recording *r = page->recording;
+    const fp3_view_axes *axes = page->axes;
+    const int has_asleep = axes->asleep != FP3_VIEW_NO_COLUMN;
+    return axes->has_shapes
+               ? json_pack("{sI sI si so so so}", "turn", shown(r, axes->turn), "asleep",
+                           has_asleep ? shown(r, axes->asleep) : (json_int_t)-1, "ways",
+                           FP3_VIEW_WAYS, "shapes", shapes_of(r), "joints", joints_of(r),
+                           "contacts", contacts_of(page))
+               : json_null();
+}
+
 /* Snapshots of a piece; the first piece is one snapshot, which is there at once. */
 static size_t rows_at(const fp3_view_recording *r, size_t first) {
     const size_t left = r->snapshots - first;
@@ -164,8 +237,9 @@ static json_t *about(const fp3_view_page *page, const fp3_view_scale *scales) {
     const int has_colour = page->fields->colour != FP3_VIEW_NO_COLUMN;
     const char *title = page->title ? page->title : *r->model ? r->model : base_name(r->path);
     json_t *made =
-        json_pack("{so so sI sI so so so so so so so so so so sf sI sI si}", "title", text(title),
-                  "facts", facts_of(r), "objects", (json_int_t)r->objects, "snapshots",
+        json_pack("{so so sb so so sI sI so so so so so so so so so so sf sI sI si}", "bodies",
+                  bodies_of(page), "ends", ends_of(page), "isSeen", page->seen_axes != 0, "title",
+                  text(title), "facts", facts_of(r), "objects", (json_int_t)r->objects, "snapshots",
                   (json_int_t)r->snapshots, "steps", steps_of(r), "times", times_of(r), "timeUnit",
                   text(r->time_unit), "columns", columns_of(r, scales), "fields", fields_of(page),
                   "position", position_of(page), "relations", relations_of(r), "planes",
@@ -260,14 +334,22 @@ fp3_status fp3_view_page_check(const fp3_view_page *page, fp3_error *error) {
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--box: the position has %u axes, found a range for %u", count,
                         page->box_axes);
+    if (page->seen_axes && page->seen_axes != count)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--see: the position has %u axes, found a range for %u", count,
+                        page->seen_axes);
+    if (page->has_contacts && !page->axes->has_shapes)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "--contacts: the recording has no shapes of bodies at this position");
     return FP3_OK;
 }
 
 fp3_status fp3_view_page_write(const fp3_view_page *page, FILE *out, fp3_view_scale *scales,
                                fp3_error *error) {
     const fp3_view_recording *r = page->recording;
-    const char *const scripts[] = {fp3_view_text_data,  fp3_view_text_camera, fp3_view_text_shaders,
-                                   fp3_view_text_scene, fp3_view_text_plot,   fp3_view_text_app};
+    const char *const scripts[] = {
+        fp3_view_text_data,  fp3_view_text_camera, fp3_view_text_shaders, fp3_view_text_bodies,
+        fp3_view_text_scene, fp3_view_text_plot,   fp3_view_text_app};
     for (size_t i = 0; i < r->column_count; i++)
         if (r->columns[i].values)
             scales[i] =

@@ -22,11 +22,14 @@ typedef struct {
     const fp3_view_fields *fields;
     fp3_view_plane planes[FP3_VIEW_PLANES_MOST];
     unsigned plane_count;
-    double box[2][FP3_VIEW_AXES]; /* its corners */
-    unsigned box_axes;            /* 0: there is no box */
-    const char *title;            /* NULL: the model's name, or the file's */
-    int up;                       /* the axis that points up */
-    int is_exact;                 /* all bits of FP32, instead of 16 */
+    double box[2][FP3_VIEW_AXES];  /* its corners */
+    unsigned box_axes;             /* 0: there is no box */
+    double seen[FP3_VIEW_AXES][2]; /* from where to where is seen at first */
+    unsigned seen_axes;            /* 0: all that moves is seen */
+    int has_contacts;              /* contacts are drawn, if they are recorded */
+    const char *title;             /* NULL: the model's name, or the file's */
+    int up;                        /* the axis that points up */
+    int is_exact;                  /* all bits of FP32, instead of 16 */
 } fp3_view_page;
 
 /* FP3_E_ARGUMENT: a wall is along an axis that the position does not have. */

@@ -126,6 +126,109 @@ void fp3_view_raster_line(fp3_view_raster *r, fp3_view_place from, fp3_view_plac
     }
 }
 
+/* ---- areas ---- */
+
+/* An edge, turned such that the area is to its left. */
+typedef struct {
+    int64_t x, y, wide, high;
+    int64_t within; /* of this and more a point's cross product is farther from it than the width */
+    int is_short;
+} edge;
+
+#define SHORT 48           /* parts of a pixel */
+#define FARTHEST (1 << 24) /* parts of a pixel: farther away a picture has no pixel */
+
+static unsigned find_edges(const fp3_view_place *corners, unsigned count, int32_t width,
+                           edge edges[FP3_VIEW_AREA_MOST]) {
+    int64_t area = 0, x[FP3_VIEW_AREA_MOST], y[FP3_VIEW_AREA_MOST];
+    unsigned made = 0;
+    for (unsigned i = 0; i < count; i++) {
+        x[i] = clamp(corners[i].x, -FARTHEST, FARTHEST);
+        y[i] = clamp(corners[i].y, -FARTHEST, FARTHEST);
+    }
+    for (unsigned i = 0; i < count; i++) {
+        const unsigned next = i + 1 < count ? i + 1 : 0;
+        area += x[i] * y[next] - x[next] * y[i];
+    }
+    for (unsigned i = 0; i < count; i++) {
+        const unsigned next = i + 1 < count ? i + 1 : 0;
+        const int64_t wide = x[next] - x[i], high = y[next] - y[i];
+        const int64_t length = root((uint64_t)(wide * wide + high * high));
+        if (!length)
+            continue;
+        edges[made++] = (edge){area > 0 ? x[i] : x[next],
+                               area > 0 ? y[i] : y[next],
+                               area > 0 ? wide : -wide,
+                               area > 0 ? high : -high,
+                               width * length,
+                               length < SHORT};
+    }
+    return made;
+}
+
+/* The line of a short edge says little, since its ends are rounded: it is taken for a point. */
+static int is_near(const edge *edges, unsigned count, int32_t width, int64_t x, int64_t y) {
+    for (unsigned i = 0; i < count; i++) {
+        const edge *e = &edges[i];
+        const int64_t right = x - e->x, down = y - e->y;
+        if (e->is_short ? right * right + down * down < (int64_t)width * width
+                        : e->wide * down - e->high * right < e->within)
+            return 1;
+    }
+    return 0;
+}
+
+/* From where to where a row is within. Corners are rounded, so a small area may be a little hollow,
+ * and only its ends are asked for. */
+static int find_row(const edge *edges, unsigned count, int64_t y, int64_t *left, int64_t *right) {
+    *left = INT64_MAX;
+    *right = INT64_MIN;
+    for (unsigned i = 0; i < count; i++) {
+        const int64_t from = edges[i].y, to = from + edges[i].high;
+        if (y < (from < to ? from : to) || y >= (from < to ? to : from))
+            continue;
+        const int64_t x = edges[i].x + edges[i].wide * (y - from) / edges[i].high;
+        *left = x < *left ? x : *left;
+        *right = x > *right ? x : *right;
+    }
+    return *left <= *right;
+}
+
+static void put_area(fp3_view_raster *r, int32_t column, int32_t row, int32_t depth,
+                     fp3_view_ink ink) {
+    const size_t i = (size_t)row * (size_t)r->width + (size_t)column;
+    if (depth > r->depths[i])
+        return;
+    r->depths[i] = depth;
+    r->pixels[i] = ink;
+}
+
+void fp3_view_raster_area(fp3_view_raster *r, const fp3_view_place *corners, unsigned count,
+                          int32_t width, fp3_view_ink ink, fp3_view_ink ink_of_edge) {
+    edge edges[FP3_VIEW_AREA_MOST];
+    const int32_t half = FP3_VIEW_PART / 2;
+    int64_t above = INT32_MAX, below = INT32_MIN, left, right;
+    const unsigned made =
+        count <= FP3_VIEW_AREA_MOST ? find_edges(corners, count, width, edges) : 0;
+    for (unsigned i = 0; i < made; i++) {
+        above = edges[i].y < above ? edges[i].y : above;
+        below = edges[i].y > below ? edges[i].y : below;
+    }
+    const int32_t last = clamp(below / FP3_VIEW_PART, -1, r->height - 1);
+    for (int32_t row = clamp(above / FP3_VIEW_PART, 0, r->height); row <= last; row++) {
+        const int64_t y = (int64_t)row * FP3_VIEW_PART + half;
+        if (!find_row(edges, made, y, &left, &right) || right < half)
+            continue;
+        const int32_t end = clamp((right - half) / FP3_VIEW_PART, -1, r->width - 1);
+        const int64_t begin = left > half ? (left - half + FP3_VIEW_PART - 1) / FP3_VIEW_PART : 0;
+        for (int32_t column = clamp(begin, 0, r->width); column <= end; column++)
+            put_area(r, column, row, corners[0].depth,
+                     is_near(edges, made, width, (int64_t)column * FP3_VIEW_PART + half, y)
+                         ? ink_of_edge
+                         : ink);
+    }
+}
+
 /* ---- the picture ---- */
 
 void fp3_view_raster_take(const fp3_view_raster *r, uint8_t *pixels) {

@@ -44,6 +44,12 @@ void fp3_view_raster_ball(fp3_view_raster *raster, fp3_view_place at, int32_t ra
 /* A line that lets 256 - cover parts of 256 through. */
 void fp3_view_raster_line(fp3_view_raster *raster, fp3_view_place from, fp3_view_place to,
                           fp3_view_ink ink, uint32_t cover);
+/* A convex area, anticlockwise or clockwise, with an edge of this width within it, in parts of a
+ * pixel. It hides what was drawn before and is not nearer to the eye. At most FP3_VIEW_AREA_MOST
+ * corners; of more nothing is drawn. */
+#define FP3_VIEW_AREA_MOST 64
+void fp3_view_raster_area(fp3_view_raster *raster, const fp3_view_place *corners, unsigned count,
+                          int32_t width, fp3_view_ink ink, fp3_view_ink edge);
 /* The picture: 3 bytes of each pixel. */
 void fp3_view_raster_take(const fp3_view_raster *raster, uint8_t *pixels);
 

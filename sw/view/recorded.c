@@ -122,6 +122,10 @@ void fp3_view_recorded_free(fp3_view_recording *r) {
         free(r->columns[i].values);
     }
     free_relations(r);
+    free(r->shapes);
+    free(r->corners);
+    free(r->joints);
+    free(r->contacts);
     free(r->columns);
     free(r->model);
     free(r->doc);

@@ -30,6 +30,23 @@ typedef struct {
     char *position;  /* names of what the reach is measured in, with commas; "" */
 } fp3_view_relation;
 
+/* Shapes of rigid bodies, as docs/outputs.md has them. */
+typedef struct {
+    uint32_t object, corners, is_sensor, type; /* type: 0 moves, 2 never does */
+    double radius;
+    size_t first; /* corner */
+} fp3_view_shape;
+
+typedef struct {
+    uint32_t a, b, type, snapshots; /* objects; it is there in so many snapshots of the file */
+    double anchor[2][3];
+} fp3_view_joint;
+
+typedef struct {
+    uint64_t snapshot; /* of those that are loaded */
+    double point[3], normal[3], force;
+} fp3_view_contact;
+
 typedef struct fp3_view_reader fp3_view_reader;
 
 typedef struct {
@@ -39,6 +56,11 @@ typedef struct {
     size_t column_count;
     fp3_view_relation relations[FP3_VIEW_RELATIONS_MOST];
     size_t relation_count;
+    fp3_view_shape *shapes;
+    double (*corners)[3]; /* of all shapes */
+    fp3_view_joint *joints;
+    fp3_view_contact *contacts; /* snapshot by snapshot */
+    size_t shape_count, joint_count, contact_count;
     size_t objects, snapshots; /* of CSV known when it is loaded */
     uint64_t *steps;           /* of each snapshot */
     double *times;             /* likewise; NULL: there is no time */

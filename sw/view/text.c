@@ -11,5 +11,5 @@
 
 __asm__(".section .rodata\n" TEXT("head", "head.html") TEXT("style", "style.css")
             TEXT("body", "body.html") TEXT("data", "data.js") TEXT("camera", "camera.js")
-                TEXT("shaders", "shaders.js") TEXT("scene", "scene.js") TEXT("plot", "plot.js")
-                    TEXT("app", "app.js") ".previous\n");
+                TEXT("shaders", "shaders.js") TEXT("bodies", "bodies.js") TEXT("scene", "scene.js")
+                    TEXT("plot", "plot.js") TEXT("app", "app.js") ".previous\n");

@@ -5,6 +5,6 @@
 
 extern const char fp3_view_text_head[], fp3_view_text_style[], fp3_view_text_body[];
 extern const char fp3_view_text_data[], fp3_view_text_camera[], fp3_view_text_shaders[],
-    fp3_view_text_scene[], fp3_view_text_plot[], fp3_view_text_app[];
+    fp3_view_text_bodies[], fp3_view_text_scene[], fp3_view_text_plot[], fp3_view_text_app[];
 
 #endif

@@ -117,7 +117,7 @@ def test_a_file_of_points(run, tmp_path):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "x.h5") as file:
         assert file["shapes:radius"][:, 0].tolist() == [0, 0.5, 0.25, 0.125]
-        assert file["shapes:of"][:].tolist() == [[0, 2, 0], [1, 1, 0], [2, 1, 0], [3, 1, 0]]
+        assert file["shapes:of"][:].tolist() == [[0, 2, 0, 2], [1, 1, 0, 0], [2, 1, 0, 0], [3, 1, 0, 0]]
         assert file["shapes:corners"][:2].tolist() == [[9, 0, 0], [-9, 0, 0]]
     assert "x.csv would overwrite" not in said
     assert "would overwrite points or chain stones.csv" in run((tmp_path / "x.scene").read_text(), "--output", "stones.csv", code=2)
@@ -151,8 +151,8 @@ def test_hdf5_has_shapes_joints_and_contacts(run, tmp_path):
     with h5py.File(tmp_path / "x.h5") as file:
         assert np.array_equal(file["angle"][1], made.read("angle", made.handles)) and file["time"][:].tolist() == [0, 0.4]
         assert "v_x" not in file and file["shapes:of"][:, 0].tolist() == [0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9]
-        assert file["shapes:of"][-1].tolist() == [9, 1, 1]                                  # a sensor
-        assert file["joints:of"][:, :2].tolist() == [[0, 7], [7, 8]]
+        assert file["shapes:of"][-1].tolist() == [9, 1, 1, 1]                                # a sensor
+        assert file["joints:of"][:].tolist() == [[0, 7, 1, 2], [7, 8, 0, 2]]
         assert file["joints:anchors"][:].tolist() == [[-5, 5, 0, 0, 0, 0], [0.5, 0, 0, 0, 0, 0]]
         of, points = file["contacts:of"][:], file["contacts:points"][:]
         touching = made.contacts()
@@ -160,7 +160,7 @@ def test_hdf5_has_shapes_joints_and_contacts(run, tmp_path):
         assert np.allclose(points[of[:, 0] == 1][:, 6], touching["impulse"] * 3 / 0.02, rtol=1e-12)
     run(WORLD, "--output", "x.h5", "--group", "link")
     with h5py.File(tmp_path / "x.h5") as file:
-        assert file["x_x"].shape == (2, 2) and file["joints:of"][:].tolist() == [[0, 1, 0]]
+        assert file["x_x"].shape == (2, 2) and file["joints:of"][:].tolist() == [[0, 1, 0, 2]]
 
 
 def test_a_run_that_fails_writes_nothing(run, tmp_path):
@@ -182,6 +182,7 @@ def joint(text):
 
 @pytest.mark.parametrize("text, message", [
     (body("x = 3;"), r"2: x: found '3', expected two numbers"),
+    (body('x = ["n", 1];'), r"2: mismatched element type in array, expected \( \) around a list in which numbers and texts are mixed"),
     (body("x = [1.0, 1e13];"), r"2: a: x\[1\] is 1e\+13, expected -1e12 to 1e12"),
     (body("\nspin_damping = -1.0;"), r"2: a: damping is below 0"),
     (body('count = 3; x = ("i +", 0);'), r'2: x: "i \+": column 4: found end of file, expected a number'),
@@ -253,3 +254,12 @@ def test_a_joint_at_a_place_of_the_world(run, tmp_path):
 joints = ( { weld = ["a", "b"]; at = [3.0, 4.0]; } );""", "-n", "0", "--output", "x.h5")
     with h5py.File(tmp_path / "x.h5") as file:
         assert np.allclose(file["joints:anchors"][0], [1, 2, 0, -0.5, 0.25, 0], rtol=0, atol=1e-14)
+
+
+def test_a_recording_says_when_a_joint_broke(run, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    said = run("""bodies = ( { name = "a"; type = "static"; }, { name = "b"; count = 2; x = ("i", -1); shapes = { circle = 0.3; }; } );
+joints = ( { rod = ["a", "b[0]"]; }, { rod = ["a", "b[1]"]; force = 1.0; } );""", "-n", "40", "--every", "10", "--output", "x.h5")
+    assert "joints           2, of which 1 broke" in said
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert file["joints:of"][:].tolist() == [[0, 1, 0, 5], [0, 2, 0, 1]]

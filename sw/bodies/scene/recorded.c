@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHAPE_WORDS = 3, JOINT_WORDS = 3, CONTACT_WORDS = 3, PLACE = 3, POINT = 7 };
+enum { SHAPE_WORDS = 4, JOINT_WORDS = 4, CONTACT_WORDS = 3, PLACE = 3, POINT = 7 };
 
 /* The number of a body in the recording; below 0: it is not recorded. Nobody was removed, so a
  * body's number is its place in the scene. */
@@ -40,6 +40,7 @@ static fp3_status add_shape(void *user, const fp3_outline *o) {
     words[0] = (uint32_t)object;
     words[1] = o->corners;
     words[2] = (uint32_t)o->is_sensor;
+    words[3] = (uint32_t)o->type;
     t->radii[t->shape_count++] = o->radius;
     memcpy(t->corners + PLACE * t->corner_count, o->corner, o->corners * sizeof *o->corner);
     t->corner_count = corners;
@@ -55,6 +56,8 @@ static fp3_status add_joint(void *user, const fp3_outline_joint *o) {
     fp3_status status =
         grow(t, &t->joints, &t->joint_room, JOINT_WORDS * sizeof *t->joints, t->joint_count + 1);
     if (!status)
+        status = grow(t, &t->handles, &t->handle_room, sizeof *t->handles, t->joint_count + 1);
+    if (!status)
         status = grow(t, &t->anchors, &t->anchor_room, 2 * PLACE * sizeof *t->anchors,
                       t->joint_count + 1);
     if (status)
@@ -63,6 +66,8 @@ static fp3_status add_joint(void *user, const fp3_outline_joint *o) {
     words[0] = (uint32_t)a;
     words[1] = (uint32_t)b;
     words[2] = (uint32_t)o->type;
+    words[3] = 0;
+    t->handles[t->joint_count] = o->joint;
     double *anchors = t->anchors + 2 * PLACE * t->joint_count++;
     memcpy(anchors, o->anchor_a, sizeof o->anchor_a);
     memcpy(anchors + PLACE, o->anchor_b, sizeof o->anchor_b);
@@ -103,9 +108,14 @@ static fp3_status add_contact(fp3_bodies_tables *t, uint64_t number, const fp3_c
     return FP3_OK;
 }
 
-fp3_status fp3_bodies_tables_touch(fp3_bodies_tables *t, uint64_t number) {
+fp3_status fp3_bodies_tables_look(fp3_bodies_tables *t, uint64_t number, int has_contacts) {
     const fp3_contact *list;
     size_t count;
+    for (size_t i = 0; i < t->joint_count; i++)
+        if (fp3_bodies_is_joined(t->scene->bodies, t->handles[i]))
+            t->joints[JOINT_WORDS * i + 3] = (uint32_t)number + 1;
+    if (!has_contacts)
+        return FP3_OK;
     fp3_status status = fp3_bodies_contacts(t->scene->bodies, &list, &count);
     for (size_t i = 0; !status && i < count; i++)
         status = add_contact(t, number, &list[i]);
@@ -130,6 +140,7 @@ void fp3_bodies_tables_close(fp3_bodies_tables *t) {
     free(t->corners);
     free(t->joints);
     free(t->anchors);
+    free(t->handles);
     free(t->contacts);
     free(t->points);
     *t = (fp3_bodies_tables){0};

@@ -17,9 +17,10 @@ typedef struct {
     size_t first, count; /* the bodies that are recorded */
     uint32_t *shapes, *joints, *contacts;
     double *radii, *corners, *anchors, *points;
+    uint64_t *handles; /* of the joints */
     size_t shape_count, corner_count, joint_count, contact_count;
-    uint32_t shape_room, radius_room, corner_room, joint_room, anchor_room, contact_room,
-        point_room;
+    uint32_t shape_room, radius_room, corner_room, joint_room, handle_room, anchor_room,
+        contact_room, point_room;
     fp3_extra extras[FP3_BODIES_TABLES];
     fp3_error *error;
 } fp3_bodies_tables;
@@ -28,8 +29,8 @@ typedef struct {
  * too. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_bodies_tables_open(const fp3_bodies_scene *scene, size_t first, size_t count,
                                   fp3_bodies_tables *tables, fp3_error *error);
-/* What touches now, of snapshot `number`. */
-fp3_status fp3_bodies_tables_touch(fp3_bodies_tables *tables, uint64_t number);
+/* At snapshot `number`: which joints are there and, if it is asked for, what touches. */
+fp3_status fp3_bodies_tables_look(fp3_bodies_tables *tables, uint64_t number, int has_contacts);
 /* Sets extras, which hold until the next call or the end. */
 void fp3_bodies_tables_gather(fp3_bodies_tables *tables);
 void fp3_bodies_tables_close(fp3_bodies_tables *tables);

@@ -174,8 +174,8 @@ static fp3_status take_snapshot(run *u, uint64_t step) {
     for (size_t i = 0; !status && i < u->columns.count; i++)
         status = fp3_bodies_read(bodies, u->columns.list[i].name, u->scene->handles + u->def->first,
                                  u->def->count, u->columns.list[i].values);
-    if (!status && u->has_contacts)
-        status = fp3_bodies_tables_touch(&u->tables, block.number);
+    if (!status)
+        status = fp3_bodies_tables_look(&u->tables, block.number, u->has_contacts);
     return status ? failed(u, status) : u->sink->put(u->sink, &block, u->error);
 }
 

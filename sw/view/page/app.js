@@ -146,7 +146,7 @@ const setUp = () => {
   of("ramp").style.background = `linear-gradient(to right, ${fp3.stops.map(c => `rgb(${c})`).join()})`;
   of("scrub").max = last;
   of("has-up").hidden = fp3.isFlat;
-  of("has-links").hidden = !about.relations.some(relation => relation.links);
+  of("has-links").hidden = !about.relations.some(relation => relation.links) && !(about.bodies && about.bodies.joints.length);
   of("trails").checked = scene.trails;
   colourBy(about.colour);
 };

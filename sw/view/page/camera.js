@@ -9,7 +9,8 @@ const isFlat = axes.length < 3;
 const reach = about.radiusOf >= 0 ? Math.max(0, about.columns[about.radiusOf].most) : about.radius;
 const ends = [0, 1, 2].map(k => {
   if (k >= axes.length) return [0, 0];
-  const list = [axes[k].least - reach, axes[k].most + reach];
+  if (about.isSeen) return about.ends[k];
+  const list = about.ends ? [...about.ends[k]] : [axes[k].least - reach, axes[k].most + reach];
   if (about.box.length) list.push(about.box[k], about.box[3 + k]);
   for (const plane of about.planes) if (plane.axis === k) list.push(plane.at);
   return [Math.min(...list), Math.max(...list)];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws a snapshot with WebGL: objects, links, trails, walls, axes.
-const {about, camera, world, axes} = fp3;
+const {about, bodies, camera, world, axes} = fp3;
 const canvas = document.getElementById("scene");
 const gl = canvas.getContext("webgl2", {antialias: true, alpha: false});
 const count = about.objects;
 const life = about.columns.find(column => column.name === "life");
-const scene = {links: true, trails: count <= 8, frame: true, field: null, picked: -1, snapshot: 0};
+const scene = {links: true, trails: count <= 8 && !bodies, frame: true, field: null, picked: -1, snapshot: 0};
 fp3.scene = scene;
 
 // ---- which objects are there ----
@@ -98,6 +98,14 @@ const make = () => {
   for (let k = 0; k < 3; k++) {
     gl.enableVertexAttribArray(k);
     gl.vertexAttribPointer(k, 1, gl.FLOAT, false, 12, 4 * k);
+  }
+  parts.tinted = buffer(gl.ARRAY_BUFFER, 0, gl.DYNAMIC_DRAW);
+  parts.tintedArray = gl.createVertexArray();
+  gl.bindVertexArray(parts.tintedArray);
+  gl.bindBuffer(gl.ARRAY_BUFFER, parts.tinted);
+  for (let k = 0; k < 4; k++) {
+    gl.enableVertexAttribArray(k);
+    gl.vertexAttribPointer(k, 1, gl.FLOAT, false, 16, 4 * k);
   }
   parts.pairs = scene.pairs ? index(scene.pairs) : null;
   parts.filled = -1;
@@ -204,6 +212,85 @@ const drawLinks = colours => {
   gl.drawElements(gl.LINES, scene.pairs.length, gl.UNSIGNED_INT, 0);
 };
 
+// ---- bodies ----
+
+const blend = (a, b, share) => a.map((x, k) => x + (b[k] - x) * share);
+const PALE = {sensor: 0.8, static: 0.3, asleep: 0.6, awake: 0.3};
+
+// Points of the world, three numbers each, and the tint that each has.
+const drawTinted = (kind, points, ink, mixed) => {
+  if (!points.length) return;
+  const u = begin(parts.lines, palette());
+  place(u, true);
+  gl.uniform4f(u.ink, ...ink, 1);
+  gl.uniform1f(u.mixed, mixed);
+  gl.bindVertexArray(parts.tintedArray);
+  gl.bindBuffer(gl.ARRAY_BUFFER, parts.tinted);
+  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points), gl.DYNAMIC_DRAW);
+  gl.drawArrays(kind, 0, points.length / 4);
+};
+
+const gather = snapshot => {
+  const groups = {};
+  for (const shape of bodies.shapes) {
+    const isPicked = shape.object === scene.picked, kind = isPicked ? "picked" : bodies.kindOf(shape, snapshot);
+    const to = groups[kind] ||= {fills: [], rims: []};
+    const tint = kind === "asleep" || kind === "awake" ? tints[shape.object] : -1;
+    const points = bodies.points(shape, snapshot);
+    if (!points.every(point => point.every(Number.isFinite))) continue;
+    points.forEach((point, i) => {
+      const next = points[(i + 1) % points.length];
+      if (i > 0 && i + 1 < points.length) for (const p of [points[0], point, next]) to.fills.push(p[0], p[1], 0, tint);
+      to.rims.push(point[0], point[1], 0, tint, next[0], next[1], 0, tint);
+    });
+    if (shape.corners.length === 1) for (const p of [bodies.middle(shape, snapshot), points[0]]) to.rims.push(p[0], p[1], 0, tint);
+  }
+  return groups;
+};
+
+// What pixels are as a length of the world.
+const pixels = n => n * devicePixelRatio * 2 * camera.high / canvas.height;
+
+const cross = ([x, y]) => [x - pixels(3), y, 0, x + pixels(3), y, 0, x, y - pixels(3), 0, x, y + pixels(3), 0];
+
+const drawJoints = colours => {
+  const lines = [];
+  for (const joint of bodies.joints) {
+    if (scene.snapshot >= joint.snapshots) continue;
+    const [a, b] = bodies.ends(joint, scene.snapshot);
+    lines.push(...a, 0, ...b, 0, ...cross(a), ...cross(b));
+  }
+  if (lines.length) drawLoose(gl.LINES, lines, [...colours.mark, 1]);
+};
+
+// A line is as long as the root of the force, as in pictures.
+const drawContacts = () => {
+  const lines = [];
+  for (const [snapshot, x, y, nx, ny, force] of bodies.contacts) {
+    if (snapshot !== scene.snapshot) continue;
+    const from = [world.of(0, x), world.of(1, y)], long = bodies.most > 0 ? pixels(60) * Math.sqrt(Math.max(0, force) / bodies.most) : 0;
+    lines.push(...from, 0, from[0] + long * nx, from[1] + long * ny, 0, ...cross(from));
+  }
+  if (lines.length) drawLoose(gl.LINES, lines, [0.85, 0.53, 0.1, 1]);
+};
+
+// What comes later is in front of what is as far away.
+const drawBodies = colours => {
+  const groups = gather(scene.snapshot);
+  gl.depthFunc(gl.LEQUAL);
+  for (const kind of ["sensor", "static", "asleep", "awake", "picked"]) {
+    if (!groups[kind]) continue;
+    const pale = PALE[kind] || 0.3;
+    const full = kind === "picked" ? colours.mark : kind === "static" ? [0.5, 0.5, 0.5] : colours.plain;
+    const fill = blend(full, colours.back, pale);
+    drawTinted(gl.TRIANGLES, groups[kind].fills, scene.field ? blend(colours.back, full, 1 - pale) : fill, scene.field ? 1 - pale : 0);
+    drawTinted(gl.LINES, groups[kind].rims, blend(fill, colours.ink, 0.5), 0);
+  }
+  if (scene.links) drawJoints(colours);
+  drawContacts();
+  gl.depthFunc(gl.LESS);
+};
+
 // Points of the world, three numbers each.
 const drawLoose = (kind, points, ink) => {
   const u = begin(parts.lines, palette());
@@ -292,7 +379,8 @@ scene.draw = () => {
   gl.enable(gl.DEPTH_TEST);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-  drawBalls(colours);
+  if (bodies) drawBodies(colours);
+  else drawBalls(colours);
   if (scene.links && parts.pairs) drawLinks(colours);
   drawTrails(colours);
   if (scene.frame) drawLoose(gl.LINES, edges(frameBox), [...colours.ink, 0.3]);
@@ -310,6 +398,11 @@ scene.at = (x, y) => {
     if (mayHide && !isShown(scene.snapshot, i)) continue;
     const p = axes.map((column, k) => world.of(k, fp3.value(column, at)));
     const seen = camera.see(p[0], p[1] || 0, p[2] || 0);
+    if (bodies) { // the last is in front
+      const edges = bodies.byObject[i].map(shape => bodies.points(shape, scene.snapshot).map(([px, py]) => camera.see(px, py, 0)).map(s => [s.x * wide, s.y * high]));
+      if (edges.some(edge => bodies.covers(edge, x, y))) best = i;
+      continue;
+    }
     const own = about.radiusOf >= 0 ? fp3.value(about.columns[about.radiusOf], at) : about.radius;
     const radius = Math.max(own * world.scale[0] * seen.size * high, scene.least() / devicePixelRatio) || 0;
     const off = Math.hypot(seen.x * wide - x, seen.y * high - y);
