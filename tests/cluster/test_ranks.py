@@ -62,12 +62,12 @@ def mixed(root, folder, name):
 
 @pytest.mark.parametrize("name", MIXED)
 def test_several_relations_and_what_pairs_remember(hash_of, mpirun, fp3, root, tmp_path, name):
-    scene = mixed(root, tmp_path, name)
-    one = hash_of(scene, 1, "fast", 160)
-    assert all(hash_of(scene, *of, 160) == one for of in ((2, "fast"), (3, "isa")))
-    done = mpirun(2, fp3, "run", "--scene", scene, "-e", "fast", "--steps", 73, "--checkpoint", tmp_path / "x.ck")
+    scene, steps = mixed(root, tmp_path, name), 160 if name == "more" else 64  # engine isa takes long where each sees all
+    one = hash_of(scene, 1, "fast", steps)
+    assert all(hash_of(scene, *of, steps) == one for of in ((2, "fast"), (3, "isa")))
+    done = mpirun(2, fp3, "run", "--scene", scene, "-e", "fast", "--steps", steps // 2 - 7, "--checkpoint", tmp_path / "x.ck")
     assert done.returncode == 0, done.stderr
-    assert hash_of(scene, 3, "fast", 160, "--restart", tmp_path / "x.ck")[1] == one[1]
+    assert hash_of(scene, 3, "fast", steps, "--restart", tmp_path / "x.ck")[1] == one[1]
 
 
 @pytest.mark.parametrize("name", ["near", "more"])

@@ -37,7 +37,7 @@ def test_every_host_port_answers_everything(build, tmp_path):
 
 @pytest.mark.smoke
 def test_schedulers_run_programs_of_their_own(build, tmp_path):
-    assert ", 0 failed" in start(build / "tests/different_programs", cwd=tmp_path)
+    assert ", 0 failed" in start(build / "tests/different_programs", "1", "10", cwd=tmp_path)
     # A batch begins whose contexts are not among those that were awake in the one before, and a program without a last part.
     assert ", 0 failed" in start(build / "tests/different_programs", "307", "1", cwd=tmp_path)
 

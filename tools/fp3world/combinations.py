@@ -298,11 +298,19 @@ FEATURES = [
 ]
 
 
-def measure(fp3, folder, say, features=FEATURES):
-    """A row of each cell."""
+def sampled(number):
+    """With which relations a feature is tried in the quick form: one after the other has each pair of neighbours in their list, in turn."""
+    relations = list(RELATIONS)
+    return {relations[number % len(relations)], relations[(number + 1) % len(relations)]}
+
+
+def measure(fp3, folder, say, features=None, is_quick=False):
+    """A row of each cell; is_quick: of each feature with two of the relations."""
     rows = []
     for relation in RELATIONS:
-        for feature in features:
+        for number, feature in enumerate(features or FEATURES):
+            if is_quick and relation not in sampled(number):
+                continue
             wanted = run(Cell(fp3, folder, relation, feature, feature.engines[0])) if feature.is_beside else None
             for engine in feature.engines:
                 try:
@@ -339,6 +347,18 @@ def table(rows):
     works = sum(row["state"] == "works" for row in rows)
     yield from ("", f"{works} of {len(rows)} cells work ({len(ENGINES)} engines, or `fast` alone for commands that measure or draw, for processes and for columns). The others are refused, in these words:", "")
     yield from (f"{number}. {text}" for text, number in why.items())
+
+
+def differing(text, rows):
+    """Of rows, those that the page does not have so, and features that it does not have."""
+    whys = dict(re.findall(r"^(\d+)\. (.*)$", text, re.M))
+    lines = {cells[0]: dict(zip(HEADS, cells[1:])) for cells in (line[2:-2].split(" | ") for line in text.splitlines() if line.startswith("| "))}
+
+    def said(feature, relation, engine):
+        cell = lines.get(feature, {}).get(relation, "missing")
+        cell = dict(re.findall(r"`(\w+)` (yes|\[\d+\])", cell)).get(engine, cell)
+        return "works" if cell == "yes" else whys.get(cell.strip("[]"), cell)
+    return [row for row in rows if said(row["feature"], row["relation"], row["engine"]) != row["state"]]
 
 
 BEGIN, END = "<!-- combinations -->\n", "<!-- combinations end -->\n"
