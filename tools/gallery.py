@@ -29,7 +29,7 @@ from fp3world import physics
 from fp3world import scene as ws
 
 ROOT = ws.ROOT
-HERE, WORLD = ROOT / "programs/gallery", ROOT / "programs/world"
+HERE, WORLD, BODIES = ROOT / "programs/gallery", ROOT / "programs/world", ROOT / "programs/bodies"
 DATA, PAGE, PICTURES = ROOT / "docs/gallery.json", ROOT / "docs/gallery.md", ROOT / "docs/gallery"
 TURNS, ENOUGH = 40, 5.0                     # runs that are timed, at most, and seconds: the shortest counts
 LONG = 0.02                                 # seconds of a run that others interrupt: the time that the processor gave it counts
@@ -52,6 +52,10 @@ class Scene:
     @property
     def path(self):
         return self.folder / f"{self.name}.scene"
+
+    @property
+    def is_bodies(self):
+        return self.folder == BODIES
 
     @property
     def form(self):
@@ -93,6 +97,11 @@ SCENES = [
     Scene("ships", "Ships that leave one after the other"),
     of_world("chain", "A chain in the hardware", configs=("world", "fabric")),
     Scene("lorenz", "An ensemble on Lorenz's attractor", steps=32),
+    Scene("pyramid", "A pyramid is shot", BODIES, steps=4, changes=((r'count = \(40, "40 - i"\)', 'count = (3, "3 - i")'),), small="6 bricks"),
+    Scene("ragdolls", "Dolls fall down stairs", BODIES, steps=4),
+    Scene("car", "A car on a bridge", BODIES, steps=4),
+    Scene("dominoes", "A run of dominoes", BODIES, steps=4, changes=((r"count = 60", "count = 6"),), small="6 dominoes"),
+    Scene("tumbler", "400 bodies in a drum", BODIES, steps=4, changes=((r"count = \(20, 20\)", "count = (3, 3)"),), small="9 bodies"),
 ]
 
 
@@ -108,7 +117,7 @@ def seconds_of(said):
 
 
 def timed(fp3, path, options, turns):
-    """What is said, what is counted, and the shortest time of several runs: by the clock, and what the processor gave the whole command."""
+    """What is said, and the shortest time of several runs: by the clock, and what the processor gave the whole command."""
     end, clock, given, said = time.monotonic() + ENOUGH, [], [], ""
     while not said or len(clock) < turns and time.monotonic() < end:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -116,7 +125,7 @@ def timed(fp3, path, options, turns):
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         clock.append(seconds_of(said))
         given.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return said, chip.counters(said), min(clock), min(given)
+    return said, min(clock), min(given)
 
 
 def run(fp3, folder, scene, engine, is_small=False, config=""):
@@ -125,8 +134,8 @@ def run(fp3, folder, scene, engine, is_small=False, config=""):
     path = ws.put(folder, text, scene.name)
     options = ["--engine", engine, "--all", *(["--config", config] if config else []), *(["--threads", 1] if engine == "fast" else [])]
     is_timed = engine == "isa" or engine == "fast" and not is_small       # a start-up is longer than a few steps by native code
-    said, count, clock, given = timed(fp3, path, [*options, *(["--steps", scene.steps] if is_small else [])], TURNS if is_timed else 1)
-    found, _ = ws.words_of(said)
+    said, clock, given = timed(fp3, path, [*options, *(["--steps", scene.steps] if is_small else [])], TURNS if is_timed else 1)
+    count, (found, _) = chip.counters(said), ws.words_of(said)
     row = {"engine": engine, "config": config or setting(text, "config", "world"), "objects": len(found), "object_steps": count["object_steps"],
            "form": scene.form if is_small else "", "hash": ws.hash_of(found)}
     if engine == "rtl":
@@ -135,9 +144,25 @@ def run(fp3, folder, scene, engine, is_small=False, config=""):
         return row
     steps = count["object_steps"]
     if clock > LONG:
-        _, first, _, start = timed(fp3, path, [*options, "--steps", 1], TURNS)
-        clock, steps = min(clock, given - start), steps - first["object_steps"]
+        first, _, start = timed(fp3, path, [*options, "--steps", 1], TURNS)
+        clock, steps = min(clock, given - start), steps - chip.counters(first)["object_steps"]
     return row | {"ns_per_object_step": round(1e9 * clock / steps, 3)}
+
+
+def run_bodies(fp3, folder, scene, engine, is_small=False):
+    """Likewise, of rigid bodies: laws of contacts are built in, or an engine executes them."""
+    path = ws.put(folder, scene.text(folder, is_small), scene.name)
+    options = [*(["--engine", engine] if engine else []), *(["--steps", scene.steps] if is_small else [])]
+    said, clock, given = timed(fp3, path, options, 1 if is_small else TURNS)
+    objects, steps = (int(re.search(rf"^{name} +(\d+)", said, re.M)[1]) for name in ("bodies", "steps"))
+    row = {"engine": engine or page.BUILT_IN, "config": "", "objects": objects, "object_steps": objects * steps, "form": scene.form if is_small else "",
+           "hash": re.search(r"^hash +(\w{16})$", said, re.M)[1]}
+    if is_small:
+        return row
+    if clock > LONG:
+        _, _, start = timed(fp3, path, ["--steps", 1], TURNS)
+        clock = min(clock, (given - start) * steps / (steps - 1))
+    return row | {"ns_per_object_step": round(1e9 * clock / row["object_steps"], 3)}
 
 
 def refusal(fp3, folder, scene, engine, is_small=False):
@@ -160,6 +185,11 @@ def engines_of(fp3, folder, scene, is_small):
 
 def measure(fp3, folder, scene):
     """All that the page has of a scene."""
+    if scene.is_bodies:
+        rows = [run_bodies(fp3, folder, scene, "")] + [run_bodies(fp3, folder, scene, engine, True) for engine in ("", "fast", *scene.engines)]
+        if len({row["hash"] for row in rows[1:]}) > 1:
+            raise ws.Failed(f"{scene.name}: engines differ: {', '.join(row['engine'] + ' ' + row['hash'] for row in rows[1:])}")
+        return {"rows": rows, "errors": list(gallery_errors.of_bodies(fp3, folder, scene)), "refused": []}
     whole = [run(fp3, folder, scene, "fast")] if scene.steps else list(engines_of(fp3, folder, scene, False))
     small = list(engines_of(fp3, folder, scene, True)) if scene.steps else []
     for rows in (whole, small):

@@ -7,6 +7,7 @@ light pages and on dark ones.
 import subprocess
 
 from fp3gallery import errors
+from fp3gallery import recorded
 import matplotlib.image
 import numpy as np
 import PIL.Image
@@ -223,6 +224,44 @@ def lorenz(fp3, folder, scene):
         one.set_title(f"t = {t}", y=0.0)
         bare(one, (-22, 22), (-5, 51))
     return figure
+
+
+# ---- rigid bodies ----
+
+def bodies(fp3, folder, scene, times, box, rows=1, height=HEIGHT, still=1):
+    """A picture for each time. still: how many bodies, the first ones, are grey; the others have the colours of the rainbow, paler while they sleep."""
+    found = recorded.Recording(fp3, folder, scene, "--times", ",".join(map(str, times)))
+    count = found.x.shape[1]
+    paint = np.concatenate([np.tile(matplotlib.colors.to_rgba("#6b7079"), (still, 1)), colours_of("turbo", count - still, 0.08, 0.92)])
+    figure, axes = canvas(height, nrows=rows, ncols=len(times) // rows)
+    for n, one in enumerate(np.atleast_1d(axes).flat):
+        of, outlines = zip(*found.shapes(n))
+        asleep = (found.rest[n] < 0) & (np.arange(count) >= still)
+        faces = np.where(asleep[:, None], 0.5 + 0.5 * paint, paint)
+        one.add_collection(PolyCollection(outlines, facecolors=faces[list(of)], edgecolors=INK, linewidths=0.4))
+        one.text(0.98, 0.96, f"{times[n]:g} s", ha="right", va="top", transform=one.transAxes)
+        bare(one, *box)
+    return figure
+
+
+def pyramid(fp3, folder, scene):
+    return bodies(fp3, folder, scene, (0.5, 1, 2, 10), ((-32, 48), (-1.5, 43.5)), rows=2)
+
+
+def ragdolls(fp3, folder, scene):
+    return bodies(fp3, folder, scene, (1, 1.5, 2.5, 10), ((-0.6, 26), (-0.5, 14.2)), rows=2, still=17)
+
+
+def car(fp3, folder, scene):
+    return bodies(fp3, folder, scene, (1, 4, 6), ((-20, 20), (-8, 5)), rows=3, height=540)
+
+
+def dominoes(fp3, folder, scene):
+    return bodies(fp3, folder, scene, (2, 4, 8), ((-35, 35), (-1.5, 4)), rows=3, height=300)
+
+
+def tumbler(fp3, folder, scene):
+    return bodies(fp3, folder, scene, (0, 3, 10), ((-15, 15), (-15, 15)), height=330)
 
 
 # ---- all of them ----

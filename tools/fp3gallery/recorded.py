@@ -1,0 +1,44 @@
+"""A recording of rigid bodies: where they are, their shapes as polygons, and the gaps in their joints."""
+
+import h5py
+import numpy as np
+from fp3world import scene as ws
+
+HINGE = 1           # fp3_joint_type
+AROUND = 90         # points of a circle
+
+
+class Recording:
+    """Of a scene that is run once: arrays begin with the snapshot."""
+
+    def __init__(self, fp3, folder, scene, *options):
+        path = folder / f"{scene.name}.h5"
+        ws.call(fp3, ws.put(folder, scene.text(folder), scene.name), "--output", path, *options)
+        with h5py.File(path) as file:
+            self.times, self.rest = file["time"][:], file["at_rest"][:]
+            self.x, self.angle = np.stack([file["x_x"][:], file["x_y"][:]], 2), file["angle"][:]
+            self.of, self.corners, self.radius = file["shapes:of"][:, :2].astype(int), file["shapes:corners"][:, :2], file["shapes:radius"][:, 0]
+            self.joints = file["joints:of"][:].astype(int) if "joints:of" in file else np.zeros((0, 3), int)
+            self.anchors = file["joints:anchors"][:] if "joints:anchors" in file else np.zeros((0, 6))
+        path.unlink()
+        self.first = np.cumsum(self.of[:, 1]) - self.of[:, 1]
+
+    def world(self, snapshot, body, points):
+        """Points in a body's axes, or one for each body."""
+        c, s = np.cos(self.angle[snapshot, body]), np.sin(self.angle[snapshot, body])
+        x, y = points[..., 0], points[..., 1]
+        return self.x[snapshot, body] + np.stack([c * x - s * y, s * x + c * y], -1)
+
+    def shapes(self, snapshot):
+        """The body of each shape, and its outline in the world."""
+        way = 2 * np.pi * np.arange(AROUND) / AROUND
+        way = np.stack([np.cos(way), np.sin(way)], 1)
+        for (body, count), first, radius in zip(self.of, self.first, self.radius):
+            corners = self.world(snapshot, body, self.corners[first:first + count])
+            yield body, corners[np.argmax(corners @ way.T, 0)] + radius * way if radius else corners
+
+    def gap(self):
+        """The largest distance between both points of a hinge, ever."""
+        a, b, _ = hinges = self.joints[self.joints[:, 2] == HINGE].T
+        at = self.anchors[self.joints[:, 2] == HINGE]
+        return max(np.linalg.norm(self.world(n, a, at[:, :2]) - self.world(n, b, at[:, 3:5]), axis=1).max() for n in range(len(self.times))) if hinges.size else 0.0
