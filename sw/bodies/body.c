@@ -111,6 +111,7 @@ fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t c
         bodies->free_body = number + 1;
         if (number >= bodies->body_count)
             bodies->body_count = number + 1;
+        bodies->is_still = 0;
         place(&bodies->body[number], &defs[i]);
         if (bodies->space)
             place_in_space(&bodies->space->body[number], &defs[i]);

@@ -19,30 +19,38 @@ static fp3_status lay(fp3_bodies *bodies) {
     fp3_law_rows *rows = &bodies->contacts;
     const fp3_status status = fp3_rows_make_room(bodies, rows, rows->count);
     bodies->may_bounce = 0;
+    rows->is_whole = rows->is_same = 1;
     for (uint32_t i = 0; !status && i < rows->count; i++) {
         const fp3_touch2 *t = &bodies->touch[rows->of[i]];
-        rows->a[i] = fp3_slot_of(bodies, t->body_a);
-        rows->b[i] = fp3_slot_of(bodies, t->body_b);
+        fp3_rows_put(rows, i, fp3_slot_of(bodies, t->body_a), fp3_slot_of(bodies, t->body_b));
         bodies->may_bounce |= t->is_bouncy;
     }
-    rows->is_whole = 1;
     return status ? status : fp3_rows_lay(bodies, rows, rows->a, rows->b, sizeof(fp3_contact2_row));
+}
+
+static fp3_work2 work_of(const fp3_bodies *bodies) {
+    return (fp3_work2){bodies->speed,   bodies->way,          NULL,
+                       bodies->movable, bodies->contacts.row, bodies->contacts.ends};
+}
+
+/* What their rows are made of; h: of a substep. */
+static fp3_making2 making_of(const fp3_bodies *bodies, double h) {
+    const double hertz = fmin(STIFFNESS, RESOLVED / h);
+    return (fp3_making2){bodies->touch,
+                         bodies->contacts.of,
+                         bodies->contacts.at,
+                         bodies->heft,
+                         {fp3_soften(hertz, DAMPING, h), fp3_soften(2 * hertz, DAMPING, h)}};
 }
 
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     const fp3_status status = lay(bodies);
     if (status)
         return status;
-    const double hertz = fmin(STIFFNESS, RESOLVED / h);
-    const fp3_law_rows *rows = &bodies->contacts;
-    const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
-                            bodies->movable, rows->row,   rows->ends};
-    const fp3_making2 making = {bodies->touch,
-                                rows->of,
-                                rows->at,
-                                bodies->heft,
-                                {fp3_soften(hertz, DAMPING, h), fp3_soften(2 * hertz, DAMPING, h)}};
-    bodies->solver->prepare(&work, &making, 0, rows->colours.first[rows->colours.count]);
+    const fp3_work2 work = work_of(bodies);
+    const fp3_making2 making = making_of(bodies, h);
+    const fp3_colours *colours = &bodies->contacts.colours;
+    bodies->solver->prepare(&work, &making, 0, colours->first[colours->count]);
     return FP3_OK;
 }
 
@@ -78,18 +86,9 @@ void fp3_contacts_follow(fp3_bodies *bodies) {
     }
 }
 
-void fp3_contacts_end(fp3_bodies *bodies) {
-    for (uint32_t i = 0; i < bodies->contacts.count; i++) {
-        fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-        const fp3_contact2_row *row = row_of(bodies, i);
-        const uint32_t lane = bodies->contacts.lane[i] % FP3_WIDE;
-        t->p[0] = row->p1[lane];
-        t->f[0] = row->f1[lane];
-        t->p[1] = row->p2[lane];
-        t->f[1] = row->f2[lane];
-        t->r = row->r[lane];
-        t->top += row->top1[lane] + row->top2[lane];
-        if (!isfinite(t->p[0] + t->f[0] + t->p[1] + t->f[1] + t->r)) /* else it would never heal */
-            t->p[0] = t->f[0] = t->p[1] = t->f[1] = t->r = 0;
-    }
+void fp3_contacts_end(fp3_bodies *bodies, double h) {
+    const fp3_work2 work = work_of(bodies);
+    const fp3_making2 making = making_of(bodies, h);
+    const fp3_colours *colours = &bodies->contacts.colours;
+    bodies->solver->keep(&work, &making, 0, colours->first[colours->count]);
 }

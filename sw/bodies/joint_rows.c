@@ -167,6 +167,7 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
                                         bodies->joint_count + 1u, bodies->error);
     if (!status)
         status = fp3_rows_make_room(bodies, rows, bodies->joint_count);
+    rows->is_same = 1;
     for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
         if (!(j->generation & 1) || !(j->laws >> law & 1))
@@ -174,8 +175,7 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)
             continue;
-        rows->a[rows->count] = a;
-        rows->b[rows->count] = b;
+        fp3_rows_put(rows, rows->count, a, b);
         rows->of[rows->count++] = i;
     }
     if (!status && rows->count)

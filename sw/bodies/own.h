@@ -77,6 +77,10 @@ typedef struct {
     uint32_t *at;     /* of each lane: which; FP3_NOBODY: none */
     uint32_t *colour; /* of each, while rows are laid */
     uint32_t count;
+    /* Slots are those of the last time: their colours and lanes stay. Whoever does not ask for it
+     * leaves it 0. */
+    int is_same;
+    uint32_t laid, laid_movable;
     int is_whole; /* whoever fills rows writes all words of a block: none is set to 0 before */
     fp3_colours colours;
     uint32_t row_room, end_room, lane_room, of_room, a_room, b_room, at_room, colour_room;
@@ -124,6 +128,7 @@ struct fp3_bodies {
         ended_before; /* told: ended, up to the last step */
     int may_bounce;   /* a contact of this step has a restitution */
     uint32_t awake, touching;
+    int is_still; /* all sleep, and nothing is moved by the caller: a step changes nothing */
 };
 
 /* Grows an array of `size` bytes an element to hold `wanted`; FP3_E_SYSTEM: unchanged. Elements are
@@ -156,6 +161,11 @@ fp3_softness fp3_soften(double hertz, double damping, double h);
 
 /* Room for the slots of `count` contacts or joints in rows->a and rows->b. */
 fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count);
+static inline void fp3_rows_put(fp3_law_rows *rows, uint32_t i, uint32_t a, uint32_t b) {
+    rows->is_same &= (rows->a[i] == a) & (rows->b[i] == b);
+    rows->a[i] = a;
+    rows->b[i] = b;
+}
 /* Rows of a law for rows->of[0 .. count-1], whose bodies stand in slots a and b: colours and
  * lanes. size: of a block. */
 fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
@@ -169,7 +179,7 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);
 void fp3_contact_leave(fp3_bodies *bodies, uint32_t i, uint32_t point);
 /* Gaps, after impacts have moved bodies. */
 void fp3_contacts_follow(fp3_bodies *bodies);
-void fp3_contacts_end(fp3_bodies *bodies);
+void fp3_contacts_end(fp3_bodies *bodies, double h);
 /* Impacts of this step, behind fp3_contacts_begin; whether there was any, so that bodies have
  * moved. */
 fp3_status fp3_impacts(fp3_bodies *bodies, int *is_any);

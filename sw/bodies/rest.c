@@ -13,6 +13,7 @@
 
 void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number) {
     uint32_t next = number;
+    bodies->is_still = 0;
     while (bodies->body[next].rest < 0) {
         fp3_body *body = &bodies->body[next];
         next = body->next_asleep;
@@ -34,6 +35,7 @@ static void wake_pair(fp3_bodies *bodies, uint32_t a, uint32_t b) {
 }
 
 void fp3_bodies_wake_around(fp3_bodies *bodies, const uint64_t *handles, size_t count) {
+    bodies->is_still = 0;
     for (size_t i = 0; i < count; i++)
         fp3_bodies_wake(bodies, (uint32_t)handles[i]);
     mark(bodies, handles, count, 1);

@@ -42,6 +42,12 @@ static void give_lanes(const fp3_bodies *bodies, fp3_law_rows *rows, const uint3
 
 fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
                         const uint32_t *b, size_t size) {
+    if (rows->is_same && rows->laid == rows->count && rows->laid_movable == bodies->movable) {
+        if (!rows->is_whole)
+            memset(rows->row, 0, rows->colours.first[rows->colours.count] * size);
+        return FP3_OK;
+    }
+    rows->laid = FP3_NOBODY;
     fp3_status status = fp3_bodies_room((void **)&rows->colour, &rows->colour_room,
                                         sizeof *rows->colour, rows->count + 1u, bodies->error);
     if (!status)
@@ -65,6 +71,8 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
     if (!rows->is_whole)
         memset(rows->row, 0, blocks * size);
     give_lanes(bodies, rows, a, b, blocks);
+    rows->laid = rows->count;
+    rows->laid_movable = bodies->movable;
     return FP3_OK;
 }
 

@@ -54,13 +54,9 @@ FP3_WIDELY void take(const fp3_work2 *work, int has_base, const uint32_t of[FP3_
 
 /* ---- rows ---- */
 
-/* The word after word of eight contacts. */
-FP3_WIDELY void bring_words(const float *const from[FP3_WIDE], uint32_t first,
-                            fp3_wide words[FP3_WIDE]) {
-    fp3_wide x[8], y[8];
-#pragma GCC unroll 8
-    for (int i = 0; i < 8; i++)
-        memcpy(&x[i], from[i] + first, sizeof x[i]);
+/* Eight vectors of eight: number k of vector i becomes number i of vector k. */
+FP3_WIDELY void flip(fp3_wide x[8], fp3_wide words[8]) {
+    fp3_wide y[8];
 #pragma GCC unroll 4
     for (int i = 0; i < 4; i++) { /* numbers of 0, 2 and of 4, 6; of 1, 3 and of 5, 7 */
         const int k = i < 2 ? i : i + 2;
@@ -108,6 +104,7 @@ enum {
     _Static_assert((word) * sizeof(float) == offsetof(fp3_touch2, member), "order of fp3_touch2")
 IS_AT(GAP_2, m.point[1].gap);
 IS_AT(COUNT, m.count);
+IS_AT(P_1, p);
 IS_AT(R, r);
 IS_AT(FROM_X, from);
 IS_AT(RADIUS_B, radius_b);
@@ -163,24 +160,48 @@ FP3_WIDELY void prepare_row(const fp3_wide met[MET], fp3_contact2_row *r) {
     r->top1 = r->top2 = fp3_wide_all(0);
 }
 
+/* Of the contacts of a block; `none` where there is none. */
+FP3_WIDELY void touches(const fp3_making2 *making, const uint32_t *at, fp3_touch2 *none,
+                        fp3_touch2 *of[FP3_WIDE]) {
+    for (int lane = 0; lane < FP3_WIDE; lane++)
+        of[lane] = at[lane] == UINT32_MAX ? none : &making->touch[making->of[at[lane]]];
+}
+
+/* How fast the points of both bodies come together where they are nearest. */
+FP3_WIDELY fp3_wide approach(const fp3_work2 *work, const fp3_ends2 *ends,
+                             const fp3_wide met[MET]) {
+    const fp3_mask is_second =
+        (fp3_mask)((fp3_mask)met[COUNT] == 2) & (fp3_mask)(met[GAP_2] < met[GAP]);
+    const fp3_wide ax = fp3_wide_choose(is_second, met[ARM_X2], met[ARM_X]),
+                   ay = fp3_wide_choose(is_second, met[ARM_Y2], met[ARM_Y]);
+    const fp3_wide bx = ax - met[FROM_X], by = ay - met[FROM_Y];
+    fp3_wide x[3], y[3];
+    bring(work->speed, ends->a, x);
+    bring(work->speed, ends->b, y);
+    const fp3_wide ux = (y[0] - y[2] * by) - (x[0] - x[2] * ay);
+    const fp3_wide uy = (y[1] + y[2] * bx) - (x[1] + x[2] * ax);
+    return -(ux * met[N_X] + uy * met[N_Y]);
+}
+
 static void prepare(const fp3_work2 *work, const fp3_making2 *making, uint32_t first,
                     uint32_t end) {
-    static const fp3_touch2 none;
     const fp3_softness *soft = making->softness;
     for (uint32_t i = first; i < end; i++) {
         const fp3_ends2 *ends = &work->ends[i];
         const uint32_t *at = &making->at[i * FP3_WIDE];
-        const float *from[FP3_WIDE];
+        fp3_touch2 none = {.approach = 0}, *of[FP3_WIDE];
         fp3_wide met[MET], heft[3];
         fp3_mask a, b;
         fp3_contact2_row *r = (fp3_contact2_row *)work->row + i;
-        for (int lane = 0; lane < FP3_WIDE; lane++)
-            from[lane] = (const float *)(const void *)(at[lane] == UINT32_MAX
-                                                           ? &none
-                                                           : &making->touch[making->of[at[lane]]]);
+        touches(making, at, &none, of);
 #pragma GCC unroll 3
-        for (uint32_t k = 0; k < MET; k += 8)
-            bring_words(from, k, met + k);
+        for (uint32_t k = 0; k < MET; k += 8) {
+            fp3_wide x[8];
+#pragma GCC unroll 8
+            for (int lane = 0; lane < FP3_WIDE; lane++)
+                memcpy(&x[lane], (const float *)(const void *)of[lane] + k, sizeof x[lane]);
+            flip(x, met + k);
+        }
         bring(making->heft, ends->a, heft);
         r->ma = heft[0];
         r->ia = heft[1];
@@ -195,6 +216,32 @@ static void prepare(const fp3_work2 *work, const fp3_making2 *making, uint32_t f
         r->soft = fp3_wide_choose(is_held, fp3_wide_all(soft[1].soft), fp3_wide_all(soft[0].soft));
         r->fade = fp3_wide_choose(is_held, fp3_wide_all(soft[1].fade), fp3_wide_all(soft[0].fade));
         prepare_row(met, r);
+        const fp3_wide speed = approach(work, ends, met);
+        for (int lane = 0; lane < FP3_WIDE; lane++)
+            of[lane]->approach = speed[lane];
+    }
+}
+
+/* A row that is not finite is forgotten: else it would never heal. */
+static void keep(const fp3_work2 *work, const fp3_making2 *making, uint32_t first, uint32_t end) {
+    for (uint32_t i = first; i < end; i++) {
+        const fp3_contact2_row *r = (const fp3_contact2_row *)work->row + i;
+        const fp3_wide all = r->p1 + r->f1 + r->p2 + r->f2 + r->r;
+        const fp3_mask is_finite = (fp3_mask)(all - all == 0);
+        const fp3_wide given[6] = {r->p1, r->p2, r->f1, r->f2, r->r, r->top1 + r->top2};
+        fp3_touch2 none, *of[FP3_WIDE];
+        fp3_wide x[8], words[8];
+#pragma GCC unroll 8
+        for (int k = 0; k < 8; k++)
+            x[k] = k < 5   ? fp3_wide_choose(is_finite, given[k], fp3_wide_all(0))
+                   : k < 6 ? given[k]
+                           : fp3_wide_all(0);
+        flip(x, words);
+        touches(making, &making->at[i * FP3_WIDE], &none, of);
+        for (int lane = 0; lane < FP3_WIDE; lane++) {
+            memcpy(of[lane]->p, &words[lane], 5 * sizeof(float));
+            of[lane]->top += words[lane][5];
+        }
     }
 }
 
@@ -280,4 +327,5 @@ static void place(const fp3_four *speeds, fp3_four *way, const fp3_pull2 *pull, 
 
 #define X(name, type, has_speed, has_way, is_of_point, integrator) pass_##name,
 extern const fp3_solver2 FP3_SOLVER;
-const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, {FP3_LAWS2(X)}, moved, speed, place};
+const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, keep, {FP3_LAWS2(X)},
+                                moved,           speed,   place};

@@ -56,7 +56,7 @@ typedef struct {
 
 /* What rows of contacts are made of. */
 typedef struct {
-    const fp3_touch2 *touch;
+    fp3_touch2 *touch;
     const uint32_t *of, *at;  /* of each lane the contact; of each contact its touch */
     const fp3_four *heft;     /* of each slot: over mass, over inertia */
     fp3_softness softness[2]; /* between bodies that move; against one that does not */
@@ -64,8 +64,10 @@ typedef struct {
 
 typedef struct {
     const char *name;
-    /* Makes rows of contacts, blocks first .. end - 1. */
+    /* Makes rows of contacts, blocks first .. end - 1, and how fast their bodies come together. */
     void (*prepare)(const fp3_work2 *, const fp3_making2 *, uint32_t first, uint32_t end);
+    /* Impulses of rows go back to their touches. */
+    void (*keep)(const fp3_work2 *, const fp3_making2 *, uint32_t first, uint32_t end);
     /* Blocks first .. end - 1, an even number of them, make a pass. */
     void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
                           const float shared[FP3_SHARED]);

@@ -136,6 +136,7 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
     bodies->is_changed = from.is_changed;
     bodies->awake = from.awake;
     bodies->touching = from.touching;
+    bodies->is_still = 0;
     for (int i = 0; i < 3; i++)
         bodies->change_count[i] = 0;
     bodies->told = 0;

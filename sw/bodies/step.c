@@ -54,6 +54,10 @@ static fp3_status give_slots(fp3_bodies *bodies) {
 
 /* ---- bodies ---- */
 
+static float slowed(float damping, double h) {
+    return damping == 0 ? 1 : (float)(1 / (1 + h * damping));
+}
+
 static void bring(fp3_bodies *bodies, double h) {
     for (uint32_t k = 0; k < bodies->slots; k++) {
         bodies->way[k] = (fp3_four){0};
@@ -70,8 +74,7 @@ static void bring(fp3_bodies *bodies, double h) {
         const float ax = (float)(h * (body->gravity * g[0] + m * body->force[0]));
         const float ay = (float)(h * (body->gravity * g[1] + m * body->force[1]));
         const float aw = (float)(h * (i * body->torque));
-        const float slow = (float)(1 / (1 + h * body->damping)),
-                    slow_spin = (float)(1 / (1 + h * body->spin_damping));
+        const float slow = slowed(body->damping, h), slow_spin = slowed(body->spin_damping, h);
         bodies->pull[k] = (fp3_pull2){{ax, ay, aw, 0}, {slow, slow, slow_spin, 1}, {0}};
         if (k > bodies->movable)
             bodies->pull[k] = (fp3_pull2){{0}, {1, 1, 1, 1}, {0}};
@@ -225,15 +228,24 @@ static fp3_status step_in_plane(fp3_bodies *bodies, double h) {
     if (status)
         return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
                         bodies->laws ? fp3_laws_why(bodies->laws) : "");
-    fp3_contacts_end(bodies);
+    fp3_contacts_end(bodies, h);
     status = move(bodies);
     fp3_joints_end(bodies, h);
     return status;
 }
 
+static void count_step(fp3_bodies *bodies) {
+    bodies->steps++;
+    bodies->time = (double)bodies->steps * bodies->def.h;
+}
+
 static fp3_status step(fp3_bodies *bodies) {
     const double h = bodies->def.h / bodies->def.substeps;
     fp3_status status = FP3_OK;
+    if (bodies->is_still && !bodies->is_changed) {
+        count_step(bodies);
+        return FP3_OK;
+    }
     bodies->ended_before = bodies->change_count[FP3_CONTACT_ENDED];
     for (int wakes = 1; !status && wakes;) {
         status = give_slots(bodies);
@@ -244,9 +256,9 @@ static fp3_status step(fp3_bodies *bodies) {
         status = bodies->space ? fp3_space_step(bodies, h) : step_in_plane(bodies, h);
     if (status && status != FP3_E_FAILED)
         return status;
-    bodies->steps++;
-    bodies->time = (double)bodies->steps * bodies->def.h;
+    count_step(bodies);
     const fp3_status told = fp3_contacts_tell(bodies), rested = fp3_bodies_rest(bodies);
+    bodies->is_still = bodies->slots == 1;
     return status ? status : told ? told : rested;
 }
 

@@ -287,7 +287,8 @@ static int look_at(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const f
     if (!t->m.count)
         return 0;
     const fp3_point2 arm = t->m.point[deepest_of(t)].arm;
-    t->approach = approach_of(x, y, t, arm);
+    if (t->is_sensor) /* others get it with their rows */
+        t->approach = approach_of(x, y, t, arm);
     t->at[0] = x->at[0] + arm.x;
     t->at[1] = x->at[1] + arm.y;
     t->normal[0] = t->m.normal.x;
