@@ -17,7 +17,9 @@ typedef struct {
 
 typedef struct {
     const fp3_boxes *boxes;
+    place *own;       /* of each box */
     place *places;    /* bucket by bucket, in each in the order of boxes */
+    uint32_t *of;     /* ... of each box the bucket */
     uint32_t *bucket; /* where each begins; one more behind the last */
     uint32_t mask;    /* buckets - 1 */
     uint64_t levels;  /* bit l: a box is of level l */
@@ -27,24 +29,32 @@ typedef struct {
 
 static int is_there(const fp3_box *box) { return box->low[0] <= box->high[0]; }
 
-static double cell_size(uint32_t level) { return ldexp(1, (int)level + LEVEL_LEAST); }
+static double two_to(int exponent) {
+    const uint64_t bits = (uint64_t)(1023 + exponent) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+static double cell_size(uint32_t level) { return two_to((int)level + LEVEL_LEAST); }
 
 static uint32_t level_of(const fp3_boxes *boxes, const fp3_box *box) {
     double extent = 0;
     for (uint32_t k = 0; k < boxes->dimensions; k++)
-        extent = fmax(extent, box->high[k] - box->low[k]);
-    int exponent;
-    frexp(extent, &exponent); /* extent < 2^exponent */
-    const int level = extent > 0 ? exponent - LEVEL_LEAST : 0;
+        if (extent < box->high[k] - box->low[k])
+            extent = box->high[k] - box->low[k];
+    uint64_t bits;
+    memcpy(&bits, &extent, sizeof bits);
+    const int level = (int)(bits >> 52) - 1022 - LEVEL_LEAST; /* extent < 2^(level + LEVEL_LEAST) */
     return level < 0 ? 0 : level >= LEVELS ? LEVELS - 1 : (uint32_t)level;
 }
 
 /* The coarsest level is one cell: what is there may be larger than any. */
 static int32_t cell_of(double x, uint32_t level) {
-    const double size = cell_size(level);
+    const double at = x * two_to(-(int)level - LEVEL_LEAST);
     if (level == LEVELS - 1)
         return 0;
-    return (int32_t)fmax(fmin(floor(x / size), FARTHEST), -FARTHEST);
+    const int32_t cell = (int32_t)(at < FARTHEST ? at > -FARTHEST ? at : -FARTHEST : FARTHEST);
+    return cell - (at < (double)cell);
 }
 
 static uint32_t bucket_of(const search *s, const int32_t cell[3], uint32_t level) {
@@ -73,29 +83,27 @@ static fp3_status fill(search *s, fp3_error *error) {
         buckets *= 2;
     s->mask = buckets - 1;
     s->bucket = calloc((size_t)buckets + 1, sizeof *s->bucket);
+    s->own = malloc(((size_t)count + 1) * sizeof *s->own);
     s->places = malloc(((size_t)count + 1) * sizeof *s->places);
-    if (!s->bucket || !s->places)
+    s->of = malloc(((size_t)count + 1) * sizeof *s->of);
+    if (!s->bucket || !s->own || !s->places || !s->of)
         return fp3_no_memory(error);
     for (uint32_t i = 0; i < count; i++) {
         if (!is_there(&s->boxes->box[i]))
             continue;
-        const place p = place_of(s->boxes, i);
-        s->levels |= (uint64_t)1 << p.level;
-        s->bucket[bucket_of(s, p.cell, p.level) + 1]++;
+        s->own[i] = place_of(s->boxes, i);
+        s->of[i] = bucket_of(s, s->own[i].cell, s->own[i].level);
+        s->levels |= (uint64_t)1 << s->own[i].level;
+        s->bucket[s->of[i]]++;
     }
-    for (uint32_t b = 0; b < buckets; b++)
-        s->bucket[b + 1] += s->bucket[b];
-    /* From the last one down, so that `bucket` ends where each one begins. */
-    for (uint32_t i = count; i-- > 0;) {
-        if (!is_there(&s->boxes->box[i]))
-            continue;
-        const place p = place_of(s->boxes, i);
-        s->places[--s->bucket[bucket_of(s, p.cell, p.level) + 1]] = p;
+    for (uint32_t b = 0, sum = 0; b <= buckets; b++) {
+        sum += s->bucket[b];
+        s->bucket[b] = sum;
     }
-    memmove(s->bucket, s->bucket + 1, buckets * sizeof *s->bucket);
-    s->bucket[buckets] = 0;
-    for (uint32_t i = 0; i < count; i++)
-        s->bucket[buckets] += (uint32_t)is_there(&s->boxes->box[i]);
+    /* From the last one down: `bucket` goes from where each one ends to where it begins. */
+    for (uint32_t i = count; i-- > 0;)
+        if (is_there(&s->boxes->box[i]))
+            s->places[--s->bucket[s->of[i]]] = s->own[i];
     return FP3_OK;
 }
 
@@ -161,6 +169,22 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* Keys nearly ascend, as boxes look one after another: each goes to its place among the last ones.
+ * Where many are out of order, as where boxes of several sizes meet, sorting as usual is faster. */
+static void sort(uint64_t *keys, size_t count) {
+    size_t moves = 0;
+    for (size_t k = 1; k < count && moves <= 8 * count; k++) {
+        const uint64_t key = keys[k];
+        size_t to = k;
+        for (; to > 0 && keys[to - 1] > key; to--)
+            keys[to] = keys[to - 1];
+        keys[to] = key;
+        moves += k - to;
+    }
+    if (moves > 8 * count)
+        qsort(keys, count, sizeof *keys, ascending);
+}
+
 fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room, size_t *count,
                           fp3_error *error) {
     search s = {.boxes = boxes, .keys = keys, .room = room};
@@ -168,14 +192,16 @@ fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room,
     for (uint32_t i = 0; !status && i < boxes->count; i++) {
         if (!is_there(&boxes->box[i]))
             continue;
-        const place own = place_of(boxes, i);
-        for (uint64_t left = s.levels >> own.level << own.level; !status && left; left &= left - 1)
-            status = look(&s, &own, (uint32_t)__builtin_ctzll(left), error);
+        const place *own = &s.own[i];
+        for (uint64_t left = s.levels >> own->level << own->level; !status && left;
+             left &= left - 1)
+            status = look(&s, own, (uint32_t)__builtin_ctzll(left), error);
     }
     free(s.bucket);
+    free(s.own);
     free(s.places);
-    if (s.count)
-        qsort(*keys, s.count, sizeof **keys, ascending);
+    free(s.of);
+    sort(*keys, s.count);
     *count = s.count;
     return status;
 }

@@ -208,16 +208,26 @@ def test_two_equal_discs_swap_their_speeds():
 
 
 def test_a_pyramid_stands_and_sleeps():
-    """10 s of base 10: no box is more than 1 cm from its place; after 2 s all sleep, and then no word changes. The floor holds the weight."""
+    """10 s of base 10: no box is more than 1 cm from its place; after 2 s all sleep, and then no word changes. The floor holds the weight.
+
+    From there a world goes back to when it was awake.
+    """
     world, _ = floor()
     places = pyramid(10)
     boxes = world.add(x=places)
     world.attach(boxes, BOX)
-    world.step(120)
+    world.step(20)
+    moving = world.save()
+    world.step(100)
     assert world.awake == 0 and world.touching == 100 and (world.read("at_rest", boxes) == -1).all()
     slept = world.hash
     world.step(480)
     assert world.hash == slept and world.time == 10 and abs(world.read("x", boxes) - places).max() < 0.01 and not world["v"].any()
+    world.restore(moving)
+    world.step(10)
+    assert world.awake == len(boxes) and world["v"].any()
+    world.step(90)
+    assert world.hash == slept
 
 
 def test_a_stack_wakes_when_its_support_goes():
