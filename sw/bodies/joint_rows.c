@@ -136,13 +136,13 @@ static void fill_point(const filling *f, fp3_pin2_row *row) {
     fp3_put(&row->p_y, f->lane, j->point[1]);
 }
 
-static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h) {
+static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_softness firm) {
     const fp3_law_rows *rows = &bodies->joined[law];
     const fp3_joint *j = &bodies->joint[rows->of[i]];
     const fp3_body *a = &bodies->body[j->a], *b = &bodies->body[j->b];
     const filling f = {.joint = j,
                        .stance = fp3_joint_stance(bodies, j),
-                       .firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h),
+                       .firm = firm,
                        .spring = fp3_soften(j->def.hertz, j->def.damping, h),
                        .ma = fp3_inverse_mass(a->mass),
                        .ia = fp3_inverse_mass(a->inertia),
@@ -184,13 +184,14 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
 }
 
 fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {
+    const fp3_softness firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h);
     fp3_status status = FP3_OK;
     for (int law = 0; !status && law < FP3_JOINT_LAWS; law++) {
         bodies->joined[law].count = 0;
         if (bodies->joints)
             status = lay(bodies, law);
         for (uint32_t i = 0; !status && i < bodies->joined[law].count; i++)
-            fill(bodies, law, i, h);
+            fill(bodies, law, i, h, firm);
     }
     return status;
 }

@@ -124,7 +124,7 @@ static int overlap(const search *s, uint32_t a, uint32_t b) {
     const fp3_box *x = &s->boxes->box[a], *y = &s->boxes->box[b];
     int is_apart = 0;
     for (uint32_t k = 0; k < s->boxes->dimensions; k++)
-        is_apart |= x->low[k] > y->high[k] || y->low[k] > x->high[k];
+        is_apart |= (x->low[k] > y->high[k]) | (y->low[k] > x->high[k]);
     return !is_apart;
 }
 
@@ -139,9 +139,9 @@ static fp3_status look_into(search *s, const place *own, const int32_t cell[3], 
     fp3_status status = FP3_OK;
     for (uint32_t k = s->bucket[bucket]; !status && k < s->bucket[bucket + 1]; k++) {
         const place *p = &s->places[k];
-        if (p->level == level && memcmp(p->cell, cell, sizeof p->cell) == 0 &&
-            (level != own->level || p->box > own->box) && may_be(s->boxes, own->box, p->box) &&
-            overlap(s, own->box, p->box))
+        if ((level != own->level || p->box > own->box) && p->level == level &&
+            p->cell[0] == cell[0] && p->cell[1] == cell[1] && p->cell[2] == cell[2] &&
+            overlap(s, own->box, p->box) && may_be(s->boxes, own->box, p->box))
             status = found(s, own->box, p->box, error);
     }
     return status;

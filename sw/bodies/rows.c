@@ -9,10 +9,10 @@
 #define PI 3.14159265358979323846
 
 fp3_softness fp3_soften(double hertz, double damping, double h) {
-    const double omega = 2 * PI * hertz, a1 = 2 * damping + h * omega, a2 = h * omega * a1,
-                 a3 = 1 / (1 + a2);
     if (!(hertz > 0))
         return (fp3_softness){0, 0, 0};
+    const double omega = 2 * PI * hertz, a1 = 2 * damping + h * omega, a2 = h * omega * a1,
+                 a3 = 1 / (1 + a2);
     return (fp3_softness){(float)(omega / a1), (float)(a2 * a3), (float)a3};
 }
 

@@ -131,8 +131,9 @@ static fp3_touch2 meet(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
                         .is_sensor = x->is_sensor || y->is_sensor};
 }
 
-/* Both lists ascend. Who was there goes on with what it has. */
-static fp3_status merge(fp3_bodies *bodies, size_t count) {
+/* Both lists ascend. Who was there goes on with what it has. is_apart_new: who is joined has
+ * changed. */
+static fp3_status merge(fp3_bodies *bodies, size_t count, int is_apart_new) {
     uint32_t kept = 0, old = 0;
     const fp3_status status = fp3_bodies_room((void **)&bodies->merged, &bodies->merged_room,
                                               sizeof *bodies->merged, count + 1, bodies->error);
@@ -143,13 +144,13 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
     for (size_t k = 0; k < count; k++) {
         const uint64_t key = bodies->key[k];
         const uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key;
-        if (!may_touch(bodies, a, b))
-            continue;
         while (old < bodies->touch_count &&
                ((uint64_t)bodies->touch[old].a << 32 | bodies->touch[old].b) < key)
             old++;
         const fp3_touch2 *was = old < bodies->touch_count ? &bodies->touch[old] : NULL;
-        next[kept++] = was && was->a == a && was->b == b ? *was : meet(bodies, a, b);
+        const int is_known = was && was->a == a && was->b == b;
+        if ((is_known && !is_apart_new) || may_touch(bodies, a, b))
+            next[kept++] = is_known ? *was : meet(bodies, a, b);
     }
     for (uint32_t k = 0, at = 0; k < bodies->touch_count; k++) { /* who is there no more */
         const fp3_touch2 *was = &bodies->touch[k];
@@ -171,10 +172,11 @@ static fp3_status merge(fp3_bodies *bodies, size_t count) {
 
 static fp3_status renew_pairs(fp3_bodies *bodies) {
     size_t count = 0;
+    const int is_apart_new = bodies->is_apart_stale;
     fp3_joints_find_apart(bodies);
     const fp3_status status =
         fp3_pairs_find(&bodies->boxes, &bodies->key, &bodies->key_room, &count, bodies->error);
-    return status ? status : merge(bodies, count);
+    return status ? status : merge(bodies, count, is_apart_new);
 }
 
 /* ---- manifolds ---- */
