@@ -41,7 +41,8 @@ PLANE = Family(2, "sw/bodies/laws.h",
 # Words of a point stand in the row once for each of its points.
 SPACE = Family(3, "sw/bodies/laws3.h",
                {"push3": ("contact3", "euler"), "gap3": ("contact3", "euler"), "rub3": ("contact3", "euler"), "roll3": ("contact3", "euler"),
-                "turn3": ("turning3", "rk4")},
+                "turn3": ("turning3", "rk4"), "pin3": ("pin3", "euler"), "spin3": ("spin3", "euler"), "line3": ("line3", "euler"),
+                "twist3": ("twist3", "euler")},
                ["v_x", "v_y", "v_z", "-", "w_x", "w_y", "w_z", "-", "d_x", "d_y", "d_z", "e", "q_x", "q_y", "q_z", "-"], 8,
                ("a_x", "a_y", "a_z", "b_x", "b_y", "b_z", "gap", "j", "p", "top"))
 OPERATIONS = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "madd": "{2} + {0} * {1}", "msub": "{2} - {0} * {1}",

@@ -17,6 +17,7 @@ FP3_ALIVE = 1
 FP3_ALL = 2
 FP3_ARITHMETICS = 4
 FP3_ASLEEP = 2
+FP3_BALL = 6
 FP3_BANK_OBJECT_BASE = 0
 FP3_BANK_OBJECT_COUNT = 64
 FP3_BANK_SHARED_BASE = 64
@@ -1048,6 +1049,7 @@ class fp3_joint_def(Structure):
         ("anchor_a", c_double * 3),
         ("anchor_b", c_double * 3),
         ("axis", c_double * 3),
+        ("axle", c_double * 3),
         ("ratio", c_double),
         ("has_limits", c_int),
         ("low", c_double),

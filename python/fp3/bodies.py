@@ -20,7 +20,8 @@ Values = Union[float, "np.ndarray[Any, Any]", Sequence[Any]]
 _TYPES = {"dynamic": d.FP3_DYNAMIC, "kinematic": d.FP3_KINEMATIC, "static": d.FP3_STATIC}
 # How many numbers a value of a body has, in a plane and in space; any other has one.
 _WIDTHS = {2: {"x": 2, "v": 2, "force": 2}, 3: {"x": 3, "v": 3, "force": 3, "q": 4, "spin": 3, "torque": 3, "inertia": 3}}
-_JOINTS = {"rod": d.FP3_ROD, "hinge": d.FP3_HINGE, "slider": d.FP3_SLIDER, "wheel": d.FP3_WHEEL, "weld": d.FP3_WELD, "gear": d.FP3_GEAR}
+_JOINTS = {"rod": d.FP3_ROD, "hinge": d.FP3_HINGE, "slider": d.FP3_SLIDER, "wheel": d.FP3_WHEEL, "weld": d.FP3_WELD, "gear": d.FP3_GEAR,
+           "ball": d.FP3_BALL}
 _CHANGES = {"began": d.FP3_CONTACT_BEGAN, "ended": d.FP3_CONTACT_ENDED, "hit": d.FP3_CONTACT_HIT}
 
 
@@ -330,10 +331,10 @@ class Bodies(Owner):
 
     # ---- joints ----
 
-    def join(self, type: str, a: Any, b: Any, *, anchor_a: Values = (0.0, 0.0), anchor_b: Values = (0.0, 0.0), axis: Values = (1.0, 0.0), ratio: float = 1.0,
+    def join(self, type: str, a: Any, b: Any, *, anchor_a: Values = (0.0, 0.0), anchor_b: Values = (0.0, 0.0), axis: Values = (1.0, 0.0), axle: Values = (0.0, 0.0, 1.0), ratio: float = 1.0,
              limits: Optional[Values] = None, speed: float = 0.0, most: float = 0.0, hertz: float = 0.0, damping: float = 0.7, rest: Optional[float] = None,
              force: float = 0.0, torque: float = 0.0, may_collide: bool = False) -> "np.ndarray[Any, Any]":
-        """Joins bodies, pair by pair: "rod", "hinge", "slider", "wheel", "weld" or "gear" (fp3_joint_def has each word). One body goes with all of the others.
+        """Joins bodies, pair by pair: "rod", "hinge", "slider", "wheel", "weld", in a plane "gear", in space "ball" (fp3_joint_def has each word). One body goes with all of the others.
 
         The joints' handles, always as an array. limits: (low, high). rest: None: where a rod or spring is now. After an error nothing is joined.
         """
@@ -345,6 +346,7 @@ class Bodies(Owner):
         first, second = np.broadcast_arrays(first, second)
         one = self._lib.default(d.fp3_joint_def)
         one.type, one.anchor_a[:], one.anchor_b[:], one.axis[:] = _JOINTS[type], _place("anchor_a", anchor_a), _place("anchor_b", anchor_b), _place("axis", axis)
+        one.axle[:] = _vector("axle", axle, 3)
         numbers = {"ratio": ratio, "speed": speed, "most": most, "hertz": hertz, "damping": damping, "force": force, "torque": torque}
         for name, value in numbers.items():
             setattr(one, name, as_number(name, value))

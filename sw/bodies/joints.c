@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* joints.c - joints come and go; their values. */
-#include "own.h"
+#include "own3.h"
 
 #include "base/host.h"
 #include "base/nearest.h"
@@ -14,7 +14,7 @@ void fp3_joint_set_default(fp3_joint_def *def, size_t size) {
     memset(def, 0, size);
     if (size != sizeof *def)
         return;
-    def->axis[0] = 1;
+    def->axis[0] = def->axle[2] = 1;
     def->ratio = 1;
     def->damping = 0.7;
     def->rest = NAN;
@@ -89,7 +89,7 @@ typedef struct {
 
 static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
     const double deep = bodies->space ? 1e6 : 0; /* the third number */
-    const range ranges[] = {{"type", def->type, FP3_ROD, FP3_GEAR},
+    const range ranges[] = {{"type", def->type, FP3_ROD, FP3_BALL},
                             {"anchor_a[0]", def->anchor_a[0], -1e6, 1e6},
                             {"anchor_a[1]", def->anchor_a[1], -1e6, 1e6},
                             {"anchor_a[2]", def->anchor_a[2], -deep, deep},
@@ -99,6 +99,9 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
                             {"axis[0]", def->axis[0], -1e6, 1e6},
                             {"axis[1]", def->axis[1], -1e6, 1e6},
                             {"axis[2]", def->axis[2], -deep, deep},
+                            {"axle[0]", def->axle[0], -1e6, 1e6},
+                            {"axle[1]", def->axle[1], -1e6, 1e6},
+                            {"axle[2]", def->axle[2], -1e6, 1e6},
                             {"ratio", def->ratio, -1e6, 1e6},
                             {"low", def->low, -1e9, 1e9},
                             {"high", def->high, -1e9, 1e9},
@@ -109,9 +112,11 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
                             {"force", def->force, 0, 1e12},
                             {"torque", def->torque, 0, 1e12}};
     uint32_t a, b;
-    fp3_status status = bodies->space
-                            ? fp3_fail(bodies->error, FP3_E_ARGUMENT, "joints are in a plane alone")
-                            : FP3_OK;
+    fp3_status status = FP3_OK;
+    if (def->type == (bodies->space ? FP3_GEAR : FP3_BALL))
+        status =
+            fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: %s", which,
+                     bodies->space ? "a gear is in a plane alone" : "a ball is in space alone");
     for (size_t i = 0; !status && i < sizeof ranges / sizeof *ranges; i++)
         if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
             status =
@@ -129,9 +134,9 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
     if (bodies->body[a].type != FP3_DYNAMIC && bodies->body[b].type != FP3_DYNAMIC)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: neither of its bodies is dynamic", which);
-    if (!(length_of(def->axis) > 1e-6))
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: its axis has no direction",
-                        which);
+    if (!(length_of(def->axis) > 1e-6) || !(length_of(def->axle) > 1e-6))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: its ax%s has no direction",
+                        which, length_of(def->axis) > 1e-6 ? "le" : "is");
     if (def->has_limits && def->low > def->high)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: low, %g, is above high, %g",
                         which, def->low, def->high);
@@ -165,7 +170,11 @@ static void place(fp3_bodies *bodies, fp3_joint *j, const fp3_joint_def *def) {
                      .a = (uint32_t)def->a,
                      .b = (uint32_t)def->b,
                      .generation = generation,
-                     .laws = (uint8_t)laws_of(def)};
+                     .laws = (uint8_t)(bodies->space ? fp3_space_laws_of(def) : laws_of(def))};
+    if (bodies->space) {
+        fp3_space_joint_place(bodies, (uint32_t)(j - bodies->joint));
+        return;
+    }
     for (int i = 0; i < 2; i++) {
         j->anchor_a[i] = (float)def->anchor_a[i];
         j->anchor_b[i] = (float)def->anchor_b[i];
@@ -192,6 +201,9 @@ fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t
     if (!status)
         status = fp3_bodies_room((void **)&bodies->apart, &bodies->apart_room,
                                  sizeof *bodies->apart, wanted, bodies->error);
+    if (!status && bodies->space)
+        status = fp3_bodies_room((void **)&bodies->space->joint, &bodies->space->joint_room,
+                                 sizeof *bodies->space->joint, wanted, bodies->error);
     if (status)
         return status;
     uint32_t number = bodies->free_joint;
@@ -256,14 +268,32 @@ size_t fp3_bodies_joints(const fp3_bodies *bodies) { return bodies->joints; }
 
 /* ---- values ---- */
 
-typedef enum { SPEED, MOST, LOW, HIGH, REST, AT, FORCE_X, FORCE_Y, TORQUE, VALUES } value;
-static const char *const names[VALUES] = {"speed", "most",    "low",     "high",  "rest",
-                                          "at",    "force_x", "force_y", "torque"};
+typedef enum {
+    SPEED,
+    MOST,
+    LOW,
+    HIGH,
+    REST,
+    AT,
+    FORCE_X,
+    FORCE_Y,
+    TORQUE,  /* in a plane */
+    FORCE_Z, /* these are in space */
+    TORQUE_X,
+    TORQUE_Y,
+    TORQUE_Z,
+    VALUES
+} value;
+static const char *const names[VALUES] = {"speed",    "most",     "low",     "high",   "rest",
+                                          "at",       "force_x",  "force_y", "torque", "force_z",
+                                          "torque_x", "torque_y", "torque_z"};
 
 static fp3_status find(const fp3_bodies *bodies, const char *name, value *found) {
     const char *best = NULL;
     const fp3_token wanted = {.text = name, .length = strlen(name)};
     for (int i = 0; i < VALUES; i++) {
+        if (bodies->space ? i == TORQUE : i > TORQUE)
+            continue;
         *found = (value)i;
         if (strcmp(name, names[i]) == 0)
             return FP3_OK;
@@ -279,6 +309,29 @@ static double *setting(fp3_joint *j, value which) {
     return settings[which];
 }
 
+static double get(const fp3_bodies *bodies, uint32_t number, value which) {
+    fp3_joint *j = &bodies->joint[number];
+    const fp3_joint3 *space = bodies->space ? &bodies->space->joint[number] : NULL;
+    const float *force = space ? space->force : j->force;
+    switch (which) {
+    case AT:
+        return space ? fp3_space_joint_at(bodies, number) : fp3_joint_at(bodies, j);
+    case FORCE_X:
+    case FORCE_Y:
+        return force[which - FORCE_X];
+    case FORCE_Z:
+        return force[2];
+    case TORQUE:
+        return j->torque;
+    case TORQUE_X:
+    case TORQUE_Y:
+    case TORQUE_Z:
+        return space->torque[which - TORQUE_X];
+    default:
+        return *setting(j, which);
+    }
+}
+
 fp3_status fp3_bodies_joint_read(fp3_bodies *bodies, const char *name, const uint64_t *joints,
                                  size_t count, double *values) {
     FP3_HOST;
@@ -286,14 +339,8 @@ fp3_status fp3_bodies_joint_read(fp3_bodies *bodies, const char *name, const uin
     fp3_status status = find(bodies, name, &which);
     if (!status)
         status = check_all(bodies, joints, count);
-    for (size_t i = 0; !status && i < count; i++) {
-        fp3_joint *j = &bodies->joint[(uint32_t)joints[i]];
-        values[i] = which == AT        ? fp3_joint_at(bodies, j)
-                    : which == FORCE_X ? j->force[0]
-                    : which == FORCE_Y ? j->force[1]
-                    : which == TORQUE  ? j->torque
-                                       : *setting(j, which);
-    }
+    for (size_t i = 0; !status && i < count; i++)
+        values[i] = get(bodies, (uint32_t)joints[i], which);
     return status;
 }
 
@@ -320,7 +367,8 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
     for (size_t i = 0; !status && i < count; i++) {
         fp3_joint *j = &bodies->joint[(uint32_t)joints[i]];
         *setting(j, which) = values[i];
-        j->laws = (uint8_t)(j->laws | laws_of(&j->def));
+        j->laws =
+            (uint8_t)(j->laws | (bodies->space ? fp3_space_laws_of(&j->def) : laws_of(&j->def)));
         wake(bodies, j);
     }
     return status;

@@ -28,6 +28,27 @@ typedef struct {
     float f[3], roll[3];        /* ... in the world's axes */
 } fp3_patch3;
 
+typedef struct {
+    double q[4];                     /* b's turn as a had it when it was made */
+    double anchor_a[3], anchor_b[3]; /* which its rows hold */
+    double axis_b[3], axle_b[3];     /* a's axis and axle as b had them then, of length 1 */
+    float pin[3], spin[3], line[4], twist[4]; /* impulses, as their rows have them */
+    float force[3], torque[3];                /* on b, in the last substep */
+} fp3_joint3;
+
+/* Where a joint is in a step, in the world's axes. */
+typedef struct {
+    fp3_point3 arm_a, arm_b; /* of its points, from the centres of mass */
+    fp3_point3 gap;          /* from a's point to b's */
+    fp3_point3 axis, axle;   /* of a, of length 1 */
+    fp3_point3 error;    /* about this, of length its angle, b has turned from where it was made */
+    fp3_point3 lean;     /* likewise, b's axis (of a wheel: axle) from a's */
+    double about, swing; /* the angle about the axis (axle), and that between both axes */
+    float back_a[6], back_b[6]; /* inverse inertias now */
+} fp3_stance3;
+
+#define FP3_JOINT_LAWS3 (FP3_LAWS_IN_SPACE - FP3_LAW_pin3)
+
 struct fp3_space {
     const fp3_solver3 *solver;
     fp3_body3 *body; /* of each body; likewise of each slot its row */
@@ -39,6 +60,11 @@ struct fp3_space {
     fp3_turning3_row *turning; /* of slots, eight by eight */
     fp3_ends2 *turning_ends;
     uint32_t turning_room, turning_end_room;
+    fp3_joint3 *joint; /* of each joint */
+    uint32_t joint_room;
+    fp3_stance3 *stance;                  /* of each joint, in a substep */
+    fp3_law_rows joined[FP3_JOINT_LAWS3]; /* by law - FP3_LAW_pin3 */
+    uint32_t stance_room;
     fp3_mesh_touch3 *meeting;
     uint32_t meeting_room;
     int is_rolling; /* a contact of this step has rolling resistance */
@@ -88,6 +114,27 @@ void fp3_space_contacts_follow(fp3_bodies *bodies);
 fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b);
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
 void fp3_space_contacts_end(fp3_bodies *bodies);
+
+/* stance3.c: after the way that both bodies have come in the step, if `has_way`. */
+fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t joint, int has_way);
+/* The distance, way or angle that its limits are of. */
+double fp3_space_joint_at(const fp3_bodies *bodies, uint32_t joint);
+double fp3_stance_at(const fp3_stance3 *stance, fp3_joint_type type);
+
+/* Which laws a joint is made of: bits by law - FP3_LAW_pin3. */
+int fp3_space_laws_of(const fp3_joint_def *def);
+/* All that is of a new joint, from its definition. */
+void fp3_space_joint_place(fp3_bodies *bodies, uint32_t number);
+
+/* joints3.c */
+fp3_status fp3_space_joints_begin(fp3_bodies *bodies);
+/* Rows for where bodies are now in the step; is_first: with the impulses of the step before. */
+void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first);
+void fp3_space_joints_end(fp3_bodies *bodies, double h);
+
+/* space.c, in double: a product of quaternions; a vector turned by one of length 1. */
+void fp3_multiply3(const double p[4], const double q[4], double to[4]);
+void fp3_turned3_by(const double q[4], const double p[3], double to[3]);
 
 /* step3.c: a step, behind fp3_bodies_touch. */
 fp3_status fp3_space_step(fp3_bodies *bodies, double h);

@@ -28,14 +28,17 @@ typedef struct {
 } family;
 
 static const char *const shared_words[FP3_SHARED] = {FP3_SHARED_WORDS};
-static const char *const contact2_words[] = {FP3_CONTACT2_WORDS, NULL},
-                         *const twist2_words[] = {FP3_TWIST2_WORDS, NULL},
-                         *const slide2_words[] = {FP3_SLIDE2_WORDS, NULL},
-                         *const rod2_words[] = {FP3_ROD2_WORDS, NULL},
-                         *const pin2_words[] = {FP3_PIN2_WORDS, NULL},
-                         *const contact3_words[] = {FP3_CONTACT3_WORDS, NULL},
-                         *const contact3_point_words[] = {FP3_CONTACT3_POINT_WORDS, NULL},
-                         *const turning3_words[] = {FP3_TURNING3_WORDS, NULL};
+static const char *const
+    contact2_words[] = {FP3_CONTACT2_WORDS, NULL},
+    *const twist2_words[] = {FP3_TWIST2_WORDS, NULL},
+    *const slide2_words[] = {FP3_SLIDE2_WORDS, NULL}, *const rod2_words[] = {FP3_ROD2_WORDS, NULL},
+    *const pin2_words[] = {FP3_PIN2_WORDS, NULL},
+    *const contact3_words[] = {FP3_CONTACT3_WORDS, NULL},
+    *const contact3_point_words[] = {FP3_CONTACT3_POINT_WORDS, NULL},
+    *const turning3_words[] = {FP3_TURNING3_WORDS, NULL},
+    *const pin3_words[] = {FP3_PIN3_WORDS, NULL}, *const spin3_words[] = {FP3_SPIN3_WORDS, NULL},
+    *const line3_words[] = {FP3_LINE3_WORDS, NULL},
+    *const twist3_words[] = {FP3_TWIST3_WORDS, NULL};
 #define POINTS_0 NULL
 #define POINTS_1 contact3_point_words
 #define X(name, row, speed, way, point, integrator)                                                \

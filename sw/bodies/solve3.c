@@ -145,6 +145,25 @@ static void pass(const fp3_work2 *work, uint32_t first, uint32_t end,
     }
 }
 
+#define JOINT(name)                                                                                \
+    static void pass_##name(const fp3_work2 *work, uint32_t first, uint32_t end,                   \
+                            const float shared[FP3_SHARED]) {                                      \
+        fp3_wide given[FP3_SHARED];                                                                \
+        both of;                                                                                   \
+        give(shared, given);                                                                       \
+        for (uint32_t i = first; i < end; i++) {                                                   \
+            bring_speeds(work, work->ends[i].a, of.a);                                             \
+            bring_speeds(work, work->ends[i].b, of.b);                                             \
+            fp3_law_##name((fp3_##name##_row *)work->row + i, of.a, of.b, given);                  \
+            take_speeds(work, work->ends[i].a, of.a);                                              \
+            take_speeds(work, work->ends[i].b, of.b);                                              \
+        }                                                                                          \
+    }
+JOINT(pin3)
+JOINT(spin3)
+JOINT(line3)
+JOINT(twist3)
+
 static void turn(const fp3_work2 *work, uint32_t first, uint32_t end,
                  const float shared[FP3_SHARED]) {
     fp3_wide given[FP3_SHARED], words[16];
@@ -168,4 +187,5 @@ static void turn(const fp3_work2 *work, uint32_t first, uint32_t end,
 }
 
 extern const fp3_solver3 FP3_SOLVER;
-const fp3_solver3 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, pass, turn};
+const fp3_solver3 FP3_SOLVER = {
+    FP3_SOLVER_NAME, prepare, pass, {pass_pin3, pass_spin3, pass_line3, pass_twist3}, turn};

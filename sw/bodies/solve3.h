@@ -25,6 +25,9 @@ typedef struct {
      * contact has rolling resistance; has_moved: gaps first. */
     void (*pass)(const fp3_work2 *, uint32_t first, uint32_t end, const float shared[FP3_SHARED],
                  int is_rolling, int has_moved);
+    /* A pass of a law of joints: law - FP3_LAW_pin3. */
+    void (*joint[FP3_LAWS_IN_SPACE - FP3_LAW_pin3])(const fp3_work2 *, uint32_t first, uint32_t end,
+                                                    const float shared[FP3_SHARED]);
     /* Bodies turn. Rows are of the bodies that `ends` has as a. */
     void (*turn)(const fp3_work2 *, uint32_t first, uint32_t end, const float shared[FP3_SHARED]);
 } fp3_solver3;

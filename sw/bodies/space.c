@@ -18,14 +18,23 @@ void fp3_space_close(fp3_space **space) {
     *space = NULL;
     if (!s)
         return;
-    void *const arrays[] = {s->body, s->patch, s->old, s->turning, s->turning_ends, s->meeting, s};
+    void *const arrays[] = {s->body,    s->patch, s->old,    s->turning, s->turning_ends,
+                            s->meeting, s->joint, s->stance, s};
     fp3_rows_free(&s->contacts);
+    for (int i = 0; i < FP3_JOINT_LAWS3; i++)
+        fp3_rows_free(&s->joined[i]);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         free(arrays[i]);
 }
 
-/* The turn of a unit quaternion, in double. */
-static void turned(const double q[4], const double p[3], double to[3]) {
+void fp3_multiply3(const double p[4], const double q[4], double to[4]) {
+    to[0] = (p[0] * q[0] - p[1] * q[1]) - (p[2] * q[2] + p[3] * q[3]);
+    to[1] = (p[0] * q[1] + p[1] * q[0]) + (p[2] * q[3] - p[3] * q[2]);
+    to[2] = (p[0] * q[2] + p[2] * q[0]) + (p[3] * q[1] - p[1] * q[3]);
+    to[3] = (p[0] * q[3] + p[3] * q[0]) + (p[1] * q[2] - p[2] * q[1]);
+}
+
+void fp3_turned3_by(const double q[4], const double p[3], double to[3]) {
     const double x = q[2] * p[2] - q[3] * p[1], y = q[3] * p[0] - q[1] * p[2],
                  z = q[1] * p[1] - q[2] * p[0];
     to[0] = p[0] + 2 * (q[0] * x + (q[2] * z - q[3] * y));
@@ -36,7 +45,7 @@ static void turned(const double q[4], const double p[3], double to[3]) {
 void fp3_space_arm(const fp3_bodies *bodies, uint32_t body, const float at[3], double arm[3]) {
     const float *c = bodies->body[body].centre;
     const double from[3] = {(double)at[0] - c[0], (double)at[1] - c[1], (double)at[2] - c[2]};
-    turned(bodies->space->body[body].q, from, arm);
+    fp3_turned3_by(bodies->space->body[body].q, from, arm);
 }
 
 fp3_pose3 fp3_space_pose(const fp3_bodies *bodies, uint32_t body, fp3_point3 at) {
@@ -67,7 +76,7 @@ static void move_centre(fp3_bodies *bodies, uint32_t number, const double centre
     const double by[3] = {centre[0] - body->centre[0], centre[1] - body->centre[1],
                           centre[2] - body->centre[2]};
     double way[3];
-    turned(bodies->space->body[number].q, by, way);
+    fp3_turned3_by(bodies->space->body[number].q, by, way);
     const fp3_point3 w = fp3_point3_of(spin), d = {(float)way[0], (float)way[1], (float)way[2]},
                      more = fp3_cross3(w, d);
     for (int i = 0; i < 3; i++) {

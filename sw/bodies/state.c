@@ -6,7 +6,19 @@
 #include <string.h>
 
 /* What a step depends on. Other arrays are made anew by it. */
-enum { BODIES, SHAPES, BOXES, FILTERS, TOUCHES, JOINTS, APART, IN_SPACE, PATCHES, ARRAYS };
+enum {
+    BODIES,
+    SHAPES,
+    BOXES,
+    FILTERS,
+    TOUCHES,
+    JOINTS,
+    APART,
+    IN_SPACE,
+    PATCHES,
+    JOINTS_IN_SPACE,
+    ARRAYS
+};
 
 typedef struct {
     void **array;
@@ -36,6 +48,8 @@ static part part_of(fp3_bodies *b, int which) {
     fp3_space *s = b->space;
     if (which == IN_SPACE && s)
         return (part){(void **)&s->body, &s->body_room, b->body_count, sizeof *s->body};
+    if (which == JOINTS_IN_SPACE && s)
+        return (part){(void **)&s->joint, &s->joint_room, b->joint_count, sizeof *s->joint};
     if (which == PATCHES && s)
         return (part){(void **)&s->patch, &s->patch_room, s->patch_count, sizeof *s->patch};
     return parts[which];

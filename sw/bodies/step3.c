@@ -8,13 +8,6 @@
 
 /* ---- bodies ---- */
 
-static void multiply(const double p[4], const double q[4], double to[4]) {
-    to[0] = (p[0] * q[0] - p[1] * q[1]) - (p[2] * q[2] + p[3] * q[3]);
-    to[1] = (p[0] * q[1] + p[1] * q[0]) + (p[2] * q[3] - p[3] * q[2]);
-    to[2] = (p[0] * q[2] + p[2] * q[0]) + (p[3] * q[1] - p[1] * q[3]);
-    to[3] = (p[0] * q[3] + p[3] * q[0]) + (p[1] * q[2] - p[2] * q[1]);
-}
-
 /* The inertia in the world's axes, and its inverse. */
 static void turn_inertia(fp3_body3 *body) {
     static const float unit[6] = {1, 1, 1, 0, 0, 0};
@@ -25,7 +18,7 @@ static void turn_inertia(fp3_body3 *body) {
         memcpy(body->back, unit, sizeof unit);
         return;
     }
-    multiply(body->q, body->axes, q);
+    fp3_multiply3(body->q, body->axes, q);
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     const double axis[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
                                {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
@@ -123,6 +116,13 @@ static void let_fall(fp3_bodies *bodies, double h) {
         bodies->pull[2 * fp3_slot_of(bodies, bodies->shape[t->a].body)].drop = (fp3_four){0};
         bodies->pull[2 * fp3_slot_of(bodies, bodies->shape[t->b].body)].drop = (fp3_four){0};
     }
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (!(j->generation & 1))
+            continue;
+        bodies->pull[2 * fp3_slot_of(bodies, j->a)].drop = (fp3_four){0};
+        bodies->pull[2 * fp3_slot_of(bodies, j->b)].drop = (fp3_four){0};
+    }
 }
 
 static int is_finite(const fp3_bodies *bodies, uint32_t slot) {
@@ -147,7 +147,7 @@ static void move_one(fp3_bodies *bodies, uint32_t slot) {
         body->at[i] += way[i];
         body->force[i] = space->torque[i] = 0;
     }
-    multiply(by, space->q, turn);
+    fp3_multiply3(by, space->q, turn);
     const double size =
         sqrt((turn[0] * turn[0] + turn[1] * turn[1]) + (turn[2] * turn[2] + turn[3] * turn[3]));
     for (int i = 0; i < 4; i++)
@@ -213,6 +213,33 @@ static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3
     return status;
 }
 
+static fp3_status pass_joints(const fp3_bodies *bodies, const float shared[FP3_SHARED]) {
+    const fp3_space *s = bodies->space;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 1; !status && i <= FP3_JOINT_LAWS3; i++) {
+        const uint32_t law = i % FP3_JOINT_LAWS3; /* points last: they must not come apart */
+        const fp3_law_rows *rows = &s->joined[law];
+        const fp3_work2 work = {bodies->speed,   bodies->way, bodies->base,
+                                bodies->movable, rows->row,   rows->ends};
+        const uint32_t *first = rows->colours.first;
+        for (uint32_t k = 0; !status && rows->count && k < rows->colours.count; k++) {
+            if (bodies->laws)
+                status = fp3_laws_run(bodies->laws, FP3_LAW_pin3 + law, &work, first[k],
+                                      first[k + 1], 0, shared);
+            else
+                s->solver->joint[law](&work, first[k], first[k + 1], shared);
+        }
+    }
+    return status;
+}
+
+/* Joints first: contacts have the last word. */
+static fp3_status pass_all(const fp3_bodies *bodies, const float shared[FP3_SHARED],
+                           int has_moved) {
+    const fp3_status status = pass_joints(bodies, shared);
+    return status ? status : pass_contacts(bodies, shared, has_moved);
+}
+
 static fp3_status turn(const fp3_bodies *bodies, const float shared[FP3_SHARED]) {
     const fp3_space *s = bodies->space;
     const fp3_work2 work = {bodies->speed, bodies->way, bodies->base,
@@ -242,12 +269,15 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
         if (step == 0)
             status = pass_contacts(bodies, warm, 0);
         if (!status)
-            status = pass_contacts(bodies, push, 0);
+            status = pass_joints(bodies, warm);
+        if (!status)
+            status = pass_all(bodies, push, 0);
         place(bodies, (float)h);
         if (!status)
             status = turn(bodies, mend);
+        fp3_space_joints_follow(bodies, h, 0);
         if (!status)
-            status = pass_contacts(bodies, mend, 1);
+            status = pass_all(bodies, mend, 1);
     }
     return status;
 }
@@ -257,8 +287,11 @@ fp3_status fp3_space_step(fp3_bodies *bodies, double h) {
     fp3_status status = lay_turning(bodies);
     if (!status)
         status = fp3_space_contacts_begin(bodies, h);
+    if (!status)
+        status = fp3_space_joints_begin(bodies);
     if (status)
         return status;
+    fp3_space_joints_follow(bodies, h, 1);
     int has_hit;
     status = fp3_impacts(bodies, &has_hit);
     if (status)
@@ -271,5 +304,7 @@ fp3_status fp3_space_step(fp3_bodies *bodies, double h) {
         return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
                         bodies->laws ? fp3_laws_why(bodies->laws) : "");
     fp3_space_contacts_end(bodies);
-    return move(bodies);
+    status = move(bodies);
+    fp3_space_joints_end(bodies, h);
+    return status;
 }

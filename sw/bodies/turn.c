@@ -37,6 +37,29 @@ void fp3_turn2_of(double angle, double turn[2]) {
     turn[1] = quarter == 0 ? s : quarter == 1 ? c : quarter == 2 ? -s : -c;
 }
 
+#define PI 3.14159265358979323846
+
+/* Half of the angle three times; then the series of the arctangent. */
+double fp3_angle_of(double sine, double cosine) {
+    double y = fabs(sine), x = cosine, length = sqrt(x * x + y * y), sum = 0;
+    if (!(length > 0))
+        return 0;
+    if (x < 0 && y == 0)
+        return PI;
+    for (int k = 0; k < 3; k++) { /* tan a/2 = y/(length + x) */
+        const double far = length + x;
+        if (far <= 0)
+            return sine < 0 ? -PI : PI;
+        y /= far;
+        x = 1;
+        length = sqrt(1 + y * y);
+    }
+    const double z = y * y; /* tan pi/8: below 0.172 */
+    for (int k = 21; k > 0; k -= 2)
+        sum = 1.0 / k - z * sum;
+    return (sine < 0 ? -8 : 8) * y * sum;
+}
+
 void fp3_turn2_by(float turn[2], float angle) {
     float by[2];
     if (fabsf(angle) <= 0.5f) {

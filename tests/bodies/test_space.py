@@ -274,3 +274,125 @@ def test_a_plane_is_no_space(wrong, said):
     body = made.add()
     with pytest.raises(fp3.ArgumentError, match=said):
         wrong(made, body)
+
+
+# ---- joints ----
+
+def hung(type, x, anchor, shape=None, gravity=UP, **how):
+    """Something that hangs from the origin by a joint."""
+    made = world(gravity=gravity, rest_speed=0)
+    wall, body = made.add(type="static"), made.add(x=x)
+    made.attach(body, shape or fp3.box(0.5, 0.2, 0.1))
+    return made, body, made.join(type, wall, body, anchor_b=anchor, **how)
+
+
+def test_a_ball_joint_swings_as_a_pendulum():
+    """T = 2 pi sqrt(I/(m g l))/agm(1, cos 1/2) from 1 rad."""
+    made, body, _ = hung("ball", (np.sin(1), -np.cos(1), 0), (-np.sin(1), np.cos(1), 0), fp3.sphere(0.1))
+    last, times = 0.0, []
+    for _ in range(400):
+        made.step()
+        v = made.read("v_x", body)[0]
+        if last * v < 0:
+            times.append(made.time - v / (v - last) / 60)
+        last = v
+    a, b = 1.0, np.cos(0.5)
+    for _ in range(6):
+        a, b = (a + b) / 2, np.sqrt(a * b)
+    assert 2 * np.diff(times).mean() == pytest.approx(2 * np.pi * np.sqrt((0.4 * 0.01 + 1) / 10) / a, rel=5e-4)
+    assert np.linalg.norm(made.read("x", body)) == pytest.approx(1, abs=2e-3)
+
+
+def test_a_motor_turns_a_hinge_about_its_axis():
+    made, body, hinge = hung("hinge", (1, 0, 0), (-1, 0, 0), gravity=(0, 0, 0), axis=(0, 1, 1), speed=2, most=100)
+    made.step(60)
+    assert np.allclose(made.read("spin", body), [[0, np.sqrt(2), np.sqrt(2)]], atol=2e-3)
+    assert made.read_joint("at", hinge)[0] == pytest.approx(2, abs=2e-3)
+
+
+def test_a_hinge_stops_at_its_limit_and_carries():
+    made, body, hinge = hung("hinge", (1, 0, 0), (-1, 0, 0), axis=(0, 0, 1), limits=(-0.5, 0.5))
+    made.step(240)
+    assert made.read_joint("at", hinge)[0] == pytest.approx(-0.5, abs=2e-3)
+    weight = 10 * made.read("mass", body)[0]
+    assert made.read_joint("force_y", hinge)[0] == pytest.approx(weight, rel=1e-3)
+    assert made.read_joint("torque_z", hinge)[0] == pytest.approx(weight * np.cos(0.5), rel=2e-3)
+
+
+def test_a_slider_keeps_its_line_and_its_turn():
+    made, body, slider = hung("slider", (0, 0, 0), (0, 0, 0), axis=(0, 1, 0), hertz=1, damping=0.7)
+    made.write("torque", body, (1, 2, 3))
+    made.step(600)
+    assert made.read_joint("at", slider)[0] == pytest.approx(-10 / (2 * np.pi) ** 2, rel=1e-3)
+    assert np.allclose(made.read("x", body)[0, [0, 2]], 0, atol=1e-4) and np.allclose(made.read("q", body)[0], [1, 0, 0, 0], atol=1e-4)
+
+
+def test_welds_hold_what_sticks_out_of_a_wall():
+    made = world(rest_speed=0)
+    wall, row = made.add(type="static"), made.add(x=[(1 + i, 0, 0) for i in range(4)])
+    made.attach(row, fp3.box(0.5, 0.2, 0.2))
+    first = made.join("weld", wall, row[:1], anchor_a=(0.5, 0, 0), anchor_b=(-0.5, 0, 0))
+    made.join("weld", row[:-1], row[1:], anchor_a=(0.5, 0, 0), anchor_b=(-0.5, 0, 0))
+    made.step(600)
+    x = made.read("x", row)
+    assert np.abs(x - [(1 + i, 0, 0) for i in range(4)]).max() < 0.05 and np.abs(made.read("v", row)).max() < 1e-3
+    weight = 40 * made.read("mass", row)[0]
+    assert made.read_joint("force_y", first)[0] == pytest.approx(weight, rel=1e-3)
+    assert made.read_joint("torque_z", first)[0] == pytest.approx(2 * weight, rel=2e-3)
+
+
+def test_a_ball_joint_stays_within_its_cone():
+    made, body, ball = hung("ball", (0.5, -1, 0), (0, 0.6, 0), fp3.box(0.1, 0.5, 0.1), anchor_a=(0.5, -0.4, 0), axis=(0, -1, 0), limits=(0, 0.3))
+    made.write("v", body, (5, 0, 3))
+    swing = []
+    for _ in range(120):
+        made.step()
+        swing.append(made.read_joint("at", ball)[0])
+    assert 0.29 < max(swing) < 0.31
+
+
+def test_a_car_on_four_wheels_drives():
+    made = world(rest_speed=0)
+    ground(made)
+    car, wheels = made.add(x=(0, 1, 0)), made.add(x=[(x, 0.4, z) for x in (-0.8, 0.8) for z in (-0.7, 0.7)])
+    made.attach(car, fp3.box(1, 0.2, 0.5, density=2))
+    made.attach(wheels, fp3.sphere(0.4, friction=1))
+    for i, wheel in enumerate(wheels):
+        x, _, z = made.read("x", [wheel])[0]
+        made.join("wheel", car, [wheel], anchor_a=(x, -0.6, z), axis=(0, 1, 0), axle=(0, 0, 1), hertz=4, damping=0.7, speed=-5, most=20 if i < 2 else 0)
+    made.step(240)
+    assert np.allclose(made.read("v", car), [[2, 0, 0]], atol=5e-3)
+    assert np.allclose(made.read("spin", wheels), [[0, 0, -5]] * 4, atol=5e-3)
+
+
+def test_joints_have_the_same_bits_and_go_back():
+    def chain(**options):
+        made = world(**options)
+        wall, links = made.add(type="static"), made.add(x=[(0.5 + i, 0, 0.1 * i) for i in range(6)])
+        made.attach(links, fp3.box(0.4, 0.1, 0.2))
+        before = np.concatenate([wall, links[:-1]])
+        kinds = ["ball", "hinge", "weld", "slider", "rod", "wheel"]
+        for i, kind in enumerate(kinds):
+            made.join(kind, before[i:i + 1], links[i:i + 1], anchor_a=(0.5 if i else 0, 0, 0), anchor_b=(-0.5, 0, 0), hertz=3 if kind == "wheel" else 0, most=1,
+                      speed=1, **({"limits": (-0.4, 0.4)} if kind in ("hinge", "slider") else {}))
+        return made
+    built_in, isa = chain(), chain(engine="isa")
+    for made in (built_in, isa):
+        made.step(12)
+    assert built_in.hash == isa.hash
+    saved = built_in.save()
+    built_in.step(30)
+    after = built_in.hash
+    built_in.restore(saved)
+    built_in.step(30)
+    assert built_in.hash == after
+
+
+@pytest.mark.parametrize("how, said", [({"type": "gear"}, "a gear is in a plane alone"), ({"type": "hinge", "axis": (0, 0, 0)}, "its axis has no direction"),
+                                       ({"type": "wheel", "axle": (0, 0, 0)}, "its axle has no direction")])
+def test_joints_that_cannot_be(how, said):
+    made = world()
+    a, b = made.add(x=[(0, 0, 0), (1, 0, 0)])
+    with pytest.raises(fp3.ArgumentError, match=said):
+        made.join(how.pop("type"), [a], [b], **how)
+    assert made.joints == 0

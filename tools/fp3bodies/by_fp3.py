@@ -139,7 +139,7 @@ class Definitions:
         return made
 
     def pin(self, pin):
-        made = self.joined(d.FP3_HINGE, pin.a, pin.b)
+        made = self.joined(d.FP3_HINGE if self.scene.dimensions == 2 else d.FP3_BALL, pin.a, pin.b)
         for anchor, k in ((made.anchor_a, pin.a), (made.anchor_b, pin.b)):
             anchor[:] = in_space(inside(self.scene.bodies[k], pin.at) if k >= 0 else pin.at)
         return made

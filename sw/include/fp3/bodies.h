@@ -235,11 +235,13 @@ fp3_status fp3_bodies_attach_heights(fp3_bodies *bodies, uint64_t handle, size_t
 
 typedef enum {
     FP3_ROD,    /* two points at a distance: rigid; with `hertz` a spring; with limits a rope */
-    FP3_HINGE,  /* a point of b stays at a point of a */
+    FP3_HINGE,  /* a point of b stays at a point of a; in space b turns about the axis */
     FP3_SLIDER, /* a point of b stays on a line of a, and b does not turn against a */
     FP3_WHEEL,  /* a point of b stays on a line of a, with a spring; b turns, with a motor */
     FP3_WELD,   /* b stays where it is, as seen from a; with `hertz` it may turn, with a spring */
-    FP3_GEAR    /* the angle of b and `ratio` times that of a keep their sum */
+    FP3_GEAR,   /* in a plane: the angle of b and `ratio` times that of a keep their sum */
+    FP3_BALL /* in space: a point of b stays at a point of a, and b turns in any way; with `hertz` a
+              * spring turns it back, with limits its axis leaves that of a by at most `high` */
 } fp3_joint_type;
 
 /* Start from fp3_joint_default(). */
@@ -249,7 +251,9 @@ typedef struct {
     uint64_t b;
     double anchor_a[3]; /* where the joint is, in the axes of each body, from its origin */
     double anchor_b[3];
-    double axis[3]; /* of a slider or a wheel: the line, in a's axes; default (1, 0) */
+    double axis[3]; /* of a slider or a wheel: the line, in a's axes; default (1, 0, 0). In space of
+                     * a hinge, too: it turns about this axis; and of a ball with limits */
+    double axle[3]; /* in space, of a wheel: b turns about it, in a's axes; default (0, 0, 1) */
     double ratio;   /* of a gear; default 1 */
     int has_limits; /* of the distance, the way along the axis, or the angle from the start */
     double low;
@@ -282,8 +286,9 @@ fp3_status fp3_bodies_unjoin(fp3_bodies *bodies, const uint64_t *joints, size_t 
 size_t fp3_bodies_joints(const fp3_bodies *bodies);
 /* Whether there is such a joint: it may have broken. */
 int fp3_bodies_is_joined(const fp3_bodies *bodies, uint64_t joint);
-/* at: the distance, way or angle from the start; force_x, force_y, torque: what the joint did to b
- * in the last substep; speed, most, low, high, rest as in fp3_joint_def. */
+/* at: the distance, way or angle from the start, which in space is from -pi to pi; force_x,
+ * force_y, torque (in space force_z, torque_x, torque_y, torque_z): what the joint did to b in the
+ * last substep; speed, most, low, high, rest as in fp3_joint_def. */
 fp3_status fp3_bodies_joint_read(fp3_bodies *bodies, const char *name, const uint64_t *joints,
                                  size_t count, double *values);
 /* speed, most, low, high, rest. Wakes the joint's bodies. */

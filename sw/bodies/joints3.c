@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* joints3.c - joints in space, and their rows.
+ *
+ * A joint is made of up to four laws: pin3 holds a point, spin3 a turn, line3 a distance or a way,
+ * twist3 an angle. What a law must leave free, a line or an axis, is left out of the matrix of the
+ * masses that it feels. Arms, errors and masses are made anew in each substep, here, for every
+ * engine.
+ */
+#include "own3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Springs that hold, as in a plane (joint_rows.c), but softer: with 90 Hz four welded boxes that
+ * stick out of a wall swing more and more. */
+#define STIFFNESS 60.0
+#define RESOLVED 0.25
+#define DAMPING 5.0
+
+#define LAW(name) (FP3_LAW_##name - FP3_LAW_pin3)
+
+/* ---- before a step ---- */
+
+static const size_t sizes[FP3_JOINT_LAWS3] = {
+    [LAW(pin3)] = sizeof(fp3_pin3_row),
+    [LAW(spin3)] = sizeof(fp3_spin3_row),
+    [LAW(line3)] = sizeof(fp3_line3_row),
+    [LAW(twist3)] = sizeof(fp3_twist3_row),
+};
+
+static fp3_status lay(fp3_bodies *bodies, int law) {
+    fp3_law_rows *rows = &bodies->space->joined[law];
+    fp3_status status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
+                                        bodies->joint_count + 1u, bodies->error);
+    if (!status)
+        status = fp3_rows_make_room(bodies, rows, bodies->joint_count);
+    for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (!(j->generation & 1) || !(j->laws >> law & 1))
+            continue;
+        const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
+        if (a >= bodies->movable && b >= bodies->movable)
+            continue;
+        rows->a[rows->count] = a;
+        rows->b[rows->count] = b;
+        rows->of[rows->count++] = i;
+    }
+    return !status && rows->count ? fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law])
+                                  : status;
+}
+
+fp3_status fp3_space_joints_begin(fp3_bodies *bodies) {
+    fp3_space *s = bodies->space;
+    fp3_status status = fp3_bodies_room((void **)&s->stance, &s->stance_room, sizeof *s->stance,
+                                        bodies->joint_count + 1u, bodies->error);
+    for (int law = 0; !status && law < FP3_JOINT_LAWS3; law++) {
+        s->joined[law].count = 0;
+        if (bodies->joints)
+            status = lay(bodies, law);
+    }
+    return status;
+}
+
+/* ---- in a substep ---- */
+
+typedef struct {
+    const fp3_joint *joint;
+    const fp3_joint3 *space;
+    const fp3_stance3 *stance;
+    float ma, mb;
+    fp3_softness firm, spring; /* of what is held; of its spring */
+    double h;
+    uint32_t lane;
+    int is_first; /* impulses are those of the step before */
+} filling;
+
+#define PUT3(row, name, lane, p)                                                                   \
+    do {                                                                                           \
+        fp3_put(&(row)->name##_x, lane, (p).x);                                                    \
+        fp3_put(&(row)->name##_y, lane, (p).y);                                                    \
+        fp3_put(&(row)->name##_z, lane, (p).z);                                                    \
+    } while (0)
+
+/* A symmetric matrix by its diagonal and by xy, xz, yz. */
+#define PUT6(row, i, o, lane, t)                                                                   \
+    do {                                                                                           \
+        PUT3(row, i, lane, fp3_point3_of(t));                                                      \
+        PUT3(row, o, lane, fp3_point3_of((t) + 3));                                                \
+    } while (0)
+
+#define PUT_INERTIAS(row, f)                                                                       \
+    do {                                                                                           \
+        PUT6(row, ia, oa, (f)->lane, (f)->stance->back_a);                                         \
+        PUT6(row, ib, ob, (f)->lane, (f)->stance->back_b);                                         \
+    } while (0)
+
+#define PUT_MASSES(row, f)                                                                         \
+    do {                                                                                           \
+        fp3_put(&(row)->ma, (f)->lane, (f)->ma);                                                   \
+        fp3_put(&(row)->mb, (f)->lane, (f)->mb);                                                   \
+        PUT_INERTIAS(row, f);                                                                      \
+    } while (0)
+
+#define PUT_SOFTNESS(row, f, s)                                                                    \
+    do {                                                                                           \
+        fp3_put(&(row)->rate, (f)->lane, (s).rate);                                                \
+        fp3_put(&(row)->soft, (f)->lane, (s).soft);                                                \
+        fp3_put(&(row)->fade, (f)->lane, (s).fade);                                                \
+    } while (0)
+
+/* The inverse of a symmetric matrix without what is along `free` (NULL: all of it counts): with a
+ * large number there the inverse has nothing but its reciprocal there, which is taken off again. */
+static void invert(const double k[6], const fp3_point3 *is_free, float to[6]) {
+    const double n[3] = {is_free ? is_free->x : 0, is_free ? is_free->y : 0,
+                         is_free ? is_free->z : 0};
+    static const int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+    const double trace = (k[0] + k[1]) + k[2];
+    const double kn[3] = {(k[0] * n[0] + k[3] * n[1]) + k[4] * n[2],
+                          (k[3] * n[0] + k[1] * n[1]) + k[5] * n[2],
+                          (k[4] * n[0] + k[5] * n[1]) + k[2] * n[2]};
+    const double nkn = (n[0] * kn[0] + n[1] * kn[1]) + n[2] * kn[2];
+    double m[6]; /* P k P + trace n n', with P = 1 - n n' */
+    for (int i = 0; i < 6; i++) {
+        const double a = n[row[i]], b = n[column[i]];
+        m[i] = ((k[i] - a * kn[column[i]]) - kn[row[i]] * b) + (nkn + trace) * (a * b);
+    }
+    const double c[6] = {m[1] * m[2] - m[5] * m[5], m[0] * m[2] - m[4] * m[4],
+                         m[0] * m[1] - m[3] * m[3], m[4] * m[5] - m[3] * m[2],
+                         m[3] * m[5] - m[4] * m[1], m[3] * m[4] - m[0] * m[5]};
+    const double det = (m[0] * c[0] + m[3] * c[3]) + m[4] * c[4];
+    for (int i = 0; i < 6; i++)
+        to[i] =
+            det > 0 ? (float)(c[i] / det - (is_free ? n[row[i]] * n[column[i]] / trace : 0)) : 0;
+}
+
+/* m - [r] t [r], of one body: what an impulse at an arm does to the speed there. */
+static void add_arm(const float t[6], fp3_point3 r, double k[6]) {
+    const fp3_point3 x = {0, r.z, -r.y}, y = {-r.z, 0, r.x}, z = {r.y, -r.x, 0}; /* r x unit */
+    const fp3_point3 tx = fp3_tensor3(t, x), ty = fp3_tensor3(t, y), tz = fp3_tensor3(t, z);
+    const double more[6] = {fp3_dot3(x, tx), fp3_dot3(y, ty), fp3_dot3(z, tz),
+                            fp3_dot3(x, ty), fp3_dot3(x, tz), fp3_dot3(y, tz)};
+    for (int i = 0; i < 6; i++)
+        k[i] += more[i];
+}
+
+static int is_on_line(fp3_joint_type type) { return type == FP3_SLIDER || type == FP3_WHEEL; }
+
+static void fill_pin(const filling *f, fp3_pin3_row *row) {
+    const fp3_stance3 *s = f->stance;
+    const double m = (double)f->ma + f->mb;
+    double k[6] = {m, m, m, 0, 0, 0};
+    float inverse[6];
+    const int is_line = is_on_line(f->joint->def.type);
+    const fp3_point3 arm_a = is_line ? fp3_add3(s->arm_a, s->gap) : s->arm_a;
+    const fp3_point3 gap =
+        is_line ? fp3_along3(s->gap, -fp3_dot3(s->gap, s->axis), s->axis) : s->gap;
+    add_arm(s->back_a, arm_a, k);
+    add_arm(s->back_b, s->arm_b, k);
+    invert(k, is_line ? &s->axis : NULL, inverse);
+    PUT_MASSES(row, f);
+    PUT3(row, a, f->lane, arm_a);
+    PUT3(row, b, f->lane, s->arm_b);
+    PUT3(row, gap, f->lane, gap);
+    PUT6(row, j, k, f->lane, inverse);
+    PUT_SOFTNESS(row, f, f->firm);
+    if (f->is_first)
+        PUT3(row, p, f->lane, fp3_point3_of(f->space->pin));
+}
+
+static void fill_spin(const filling *f, fp3_spin3_row *row) {
+    const fp3_stance3 *s = f->stance;
+    const fp3_joint_type type = f->joint->def.type;
+    const int is_free = type == FP3_HINGE || type == FP3_WHEEL;
+    const int is_spring = type == FP3_BALL || (type == FP3_WELD && f->joint->def.hertz > 0);
+    double k[6];
+    float inverse[6];
+    for (int i = 0; i < 6; i++)
+        k[i] = (double)s->back_a[i] + s->back_b[i];
+    invert(k, !is_free ? NULL : type == FP3_WHEEL ? &s->axle : &s->axis, inverse);
+    PUT_INERTIAS(row, f);
+    PUT3(row, gap, f->lane, is_free ? s->lean : s->error);
+    PUT6(row, j, k, f->lane, inverse);
+    fp3_put(&row->firm, f->lane, is_spring ? 0 : 1);
+    PUT_SOFTNESS(row, f, is_spring ? f->spring : f->firm);
+    if (f->is_first)
+        PUT3(row, p, f->lane, fp3_point3_of(f->space->spin));
+}
+
+/* Limits, motor, spring or lock, in line3 and twist3. */
+#define PUT_ROW(row, f, use, is_firm, where, impulses)                                             \
+    do {                                                                                           \
+        const fp3_joint_def *def_ = &(f)->joint->def;                                              \
+        const fp3_softness none_ = {0, 0, 0};                                                      \
+        const int has_limits_ = (use)&USES_LIMITS && def_->has_limits;                             \
+        fp3_put(&(row)->firm, (f)->lane, (is_firm) ? 1 : 0);                                       \
+        PUT_SOFTNESS(row, f,                                                                       \
+                     (is_firm)                                        ? (f)->firm                  \
+                     : (use)&USES_SPRING && (f)->joint->def.hertz > 0 ? (f)->spring                \
+                                                                      : none_);                    \
+        fp3_put(&(row)->off, (f)->lane, (float)((where)-def_->rest));                              \
+        fp3_put(&(row)->speed, (f)->lane, (float)def_->speed);                                     \
+        fp3_put(&(row)->most, (f)->lane, (use)&USES_MOTOR ? (float)(def_->most * (f)->h) : 0);     \
+        fp3_put(&(row)->over, (f)->lane, has_limits_ ? (float)((where)-def_->low) : 1e12f);        \
+        fp3_put(&(row)->under, (f)->lane, has_limits_ ? (float)(def_->high - (where)) : 1e12f);    \
+        fp3_put(&(row)->hold, (f)->lane, (f)->firm.rate);                                          \
+        fp3_put(&(row)->give, (f)->lane, (f)->firm.soft);                                          \
+        if ((f)->is_first) {                                                                       \
+            fp3_put(&(row)->s, (f)->lane, (impulses)[0]);                                          \
+            fp3_put(&(row)->m, (f)->lane, (impulses)[1]);                                          \
+            fp3_put(&(row)->l, (f)->lane, (impulses)[2]);                                          \
+            fp3_put(&(row)->u, (f)->lane, (impulses)[3]);                                          \
+        }                                                                                          \
+    } while (0)
+enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
+
+static float inverse_of(float x) { return x > 0 ? 1 / x : 0; }
+
+static void fill_line(const filling *f, fp3_line3_row *row) {
+    const fp3_stance3 *s = f->stance;
+    const fp3_joint_def *def = &f->joint->def;
+    const float size = fp3_size3(s->gap);
+    const int is_rod = def->type == FP3_ROD;
+    const fp3_point3 n = !is_rod    ? s->axis
+                         : size > 0 ? fp3_times3(1 / size, s->gap)
+                                    : (fp3_point3){0, 1, 0};
+    const fp3_point3 a = fp3_cross3(is_rod ? s->arm_a : fp3_add3(s->arm_a, s->gap), n),
+                     b = fp3_cross3(s->arm_b, n);
+    const float mass = (f->ma + f->mb) + fp3_dot3(a, fp3_tensor3(s->back_a, a)) +
+                       fp3_dot3(b, fp3_tensor3(s->back_b, b));
+    PUT_MASSES(row, f);
+    PUT3(row, n, f->lane, n);
+    PUT3(row, a, f->lane, a);
+    PUT3(row, b, f->lane, b);
+    fp3_put(&row->j, f->lane, inverse_of(mass));
+    const int use = def->type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL;
+    PUT_ROW(row, f, use, is_rod && !(def->hertz > 0) && !def->has_limits,
+            fp3_stance_at(s, def->type), f->space->line);
+}
+
+static void fill_twist(const filling *f, fp3_twist3_row *row) {
+    const fp3_stance3 *s = f->stance;
+    const fp3_joint_type type = f->joint->def.type;
+    const float size = fp3_size3(s->lean);
+    const fp3_point3 n = type == FP3_BALL ? (size > 0 ? fp3_times3(1 / size, s->lean) : s->axle)
+                                          : (type == FP3_WHEEL ? s->axle : s->axis);
+    const int use = type == FP3_HINGE ? USES_ALL : type == FP3_BALL ? USES_LIMITS : USES_MOTOR;
+    PUT_INERTIAS(row, f);
+    PUT3(row, n, f->lane, n);
+    fp3_put(&row->j, f->lane,
+            inverse_of(fp3_dot3(n, fp3_tensor3(s->back_a, n)) +
+                       fp3_dot3(n, fp3_tensor3(s->back_b, n))));
+    PUT_ROW(row, f, use, 0, type == FP3_BALL ? s->swing : s->about, f->space->twist);
+}
+
+static void fill(const fp3_bodies *bodies, int law, uint32_t i, filling *f) {
+    const fp3_law_rows *rows = &bodies->space->joined[law];
+    const uint32_t block = rows->lane[i] / FP3_WIDE;
+    f->lane = rows->lane[i] % FP3_WIDE;
+    if (law == LAW(pin3))
+        fill_pin(f, (fp3_pin3_row *)rows->row + block);
+    else if (law == LAW(spin3))
+        fill_spin(f, (fp3_spin3_row *)rows->row + block);
+    else if (law == LAW(line3))
+        fill_line(f, (fp3_line3_row *)rows->row + block);
+    else
+        fill_twist(f, (fp3_twist3_row *)rows->row + block);
+}
+
+void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first) {
+    fp3_space *s = bodies->space;
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (j->generation & 1 && (fp3_slot_of(bodies, j->a) < bodies->movable ||
+                                  fp3_slot_of(bodies, j->b) < bodies->movable))
+            s->stance[i] = fp3_space_stance(bodies, i, !is_first);
+    }
+    for (int law = 0; law < FP3_JOINT_LAWS3; law++)
+        for (uint32_t i = 0; i < s->joined[law].count; i++) {
+            const uint32_t of = s->joined[law].of[i];
+            const fp3_joint *j = &bodies->joint[of];
+            filling f = {.joint = j,
+                         .space = &s->joint[of],
+                         .stance = &s->stance[of],
+                         .ma = fp3_inverse_mass(bodies->body[j->a].mass),
+                         .mb = fp3_inverse_mass(bodies->body[j->b].mass),
+                         .firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h),
+                         .spring = fp3_soften(j->def.hertz, j->def.damping, h),
+                         .h = h,
+                         .is_first = is_first};
+            fill(bodies, law, i, &f);
+        }
+}
+
+/* ---- after a step ---- */
+
+#define KEEP3(to, row, lane)                                                                       \
+    do {                                                                                           \
+        (to)[0] = (row)->p_x[lane];                                                                \
+        (to)[1] = (row)->p_y[lane];                                                                \
+        (to)[2] = (row)->p_z[lane];                                                                \
+    } while (0)
+#define KEEP4(to, row, lane)                                                                       \
+    do {                                                                                           \
+        (to)[0] = (row)->s[lane];                                                                  \
+        (to)[1] = (row)->m[lane];                                                                  \
+        (to)[2] = (row)->l[lane];                                                                  \
+        (to)[3] = (row)->u[lane];                                                                  \
+    } while (0)
+
+/* What is no number is forgotten, so that a joint of a body that failed goes on. */
+static void mend(float *impulse, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(impulse[i]))
+            impulse[i] = 0;
+}
+
+static void keep(const fp3_bodies *bodies, int law, uint32_t i) {
+    const fp3_law_rows *rows = &bodies->space->joined[law];
+    fp3_joint3 *j = &bodies->space->joint[rows->of[i]];
+    const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
+    if (law == LAW(pin3)) {
+        KEEP3(j->pin, (const fp3_pin3_row *)rows->row + block, lane);
+        mend(j->pin, 3);
+    } else if (law == LAW(spin3)) {
+        KEEP3(j->spin, (const fp3_spin3_row *)rows->row + block, lane);
+        mend(j->spin, 3);
+    } else if (law == LAW(line3)) {
+        KEEP4(j->line, (const fp3_line3_row *)rows->row + block, lane);
+        mend(j->line, 4);
+    } else {
+        KEEP4(j->twist, (const fp3_twist3_row *)rows->row + block, lane);
+        mend(j->twist, 4);
+    }
+}
+
+static float sum(const float impulse[4]) {
+    return impulse[0] + impulse[1] + impulse[2] - impulse[3];
+}
+
+/* What the joint did to b. */
+static void weigh(const fp3_bodies *bodies, uint32_t number, double h) {
+    fp3_joint3 *j = &bodies->space->joint[number];
+    const fp3_joint_type type = bodies->joint[number].def.type;
+    const fp3_stance3 *s = &bodies->space->stance[number];
+    const float size = fp3_size3(s->gap), lean = fp3_size3(s->lean), back = (float)(1 / h);
+    const fp3_point3 line = type != FP3_ROD ? s->axis
+                            : size > 0      ? fp3_times3(1 / size, s->gap)
+                                            : (fp3_point3){0, 1, 0};
+    const fp3_point3 axis = type == FP3_WHEEL  ? s->axle
+                            : type != FP3_BALL ? s->axis
+                            : lean > 0         ? fp3_times3(1 / lean, s->lean)
+                                               : s->axle;
+    const fp3_point3 force = fp3_along3(fp3_point3_of(j->pin), sum(j->line), line);
+    fp3_point3 torque = fp3_along3(fp3_point3_of(j->spin), sum(j->twist), axis);
+    /* About the anchor that the caller knows. */
+    const double moved[3] = {j->anchor_b[0] - bodies->joint[number].def.anchor_b[0],
+                             j->anchor_b[1] - bodies->joint[number].def.anchor_b[1],
+                             j->anchor_b[2] - bodies->joint[number].def.anchor_b[2]};
+    double arm[3];
+    fp3_turned3_by(bodies->space->body[bodies->joint[number].b].q, moved, arm);
+    torque = fp3_add3(torque,
+                      fp3_cross3((fp3_point3){(float)arm[0], (float)arm[1], (float)arm[2]}, force));
+    const float forces[3] = {back * force.x, back * force.y, back * force.z},
+                torques[3] = {back * torque.x, back * torque.y, back * torque.z};
+    memcpy(j->force, forces, sizeof forces);
+    memcpy(j->torque, torques, sizeof torques);
+}
+
+void fp3_space_joints_end(fp3_bodies *bodies, double h) {
+    for (int law = 0; law < FP3_JOINT_LAWS3; law++)
+        for (uint32_t i = 0; i < bodies->space->joined[law].count; i++)
+            keep(bodies, law, i);
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (!(j->generation & 1) || (fp3_slot_of(bodies, j->a) >= bodies->movable &&
+                                     fp3_slot_of(bodies, j->b) >= bodies->movable))
+            continue;
+        weigh(bodies, i, h);
+        const fp3_joint3 *space = &bodies->space->joint[i];
+        const float force = fp3_size3(fp3_point3_of(space->force)),
+                    torque = fp3_size3(fp3_point3_of(space->torque));
+        if ((j->def.force > 0 && force > (float)j->def.force) ||
+            (j->def.torque > 0 && torque > (float)j->def.torque))
+            fp3_joint_drop(bodies, i);
+    }
+}
