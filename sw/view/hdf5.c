@@ -266,6 +266,7 @@ static fp3_status load_contacts(fp3_view_recording *r, uint64_t every, fp3_error
         status = fp3_no_memory(error);
     for (size_t i = 0; !status && i < rows; i++) {
         const double *p = points + 7 * i;
+        r->force_most = p[6] > r->force_most ? p[6] : r->force_most;
         if (words[3 * i] % every == 0)
             r->contacts[r->contact_count++] = (fp3_view_contact){
                 words[3 * i] / every, {p[0], p[1], p[2]}, {p[3], p[4], p[5]}, p[6]};

@@ -208,12 +208,12 @@ static json_t *bodies_of(const fp3_view_page *page) {
     const fp3_view_recording *r = page->recording;
     const fp3_view_axes *axes = page->axes;
     const int has_asleep = axes->asleep != FP3_VIEW_NO_COLUMN;
-    return axes->has_shapes
-               ? json_pack("{sI sI si so so so}", "turn", shown(r, axes->turn), "asleep",
-                           has_asleep ? shown(r, axes->asleep) : (json_int_t)-1, "ways",
-                           FP3_VIEW_WAYS, "shapes", shapes_of(r), "joints", joints_of(r),
-                           "contacts", contacts_of(page))
-               : json_null();
+    return axes->has_shapes ? json_pack("{sf sI sI si so so so}", "most", r->force_most, "turn",
+                                        shown(r, axes->turn), "asleep",
+                                        has_asleep ? shown(r, axes->asleep) : (json_int_t)-1,
+                                        "ways", FP3_VIEW_WAYS, "shapes", shapes_of(r), "joints",
+                                        joints_of(r), "contacts", contacts_of(page))
+                            : json_null();
 }
 
 /* Snapshots of a piece; the first piece is one snapshot, which is there at once. */

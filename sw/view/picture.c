@@ -225,7 +225,6 @@ static void draw_bodies(fp3_view_picture *p, size_t snapshot) {
     const fp3_view_recording *r = p->page->recording;
     const size_t first = snapshot * r->objects;
     const double pixel = pixel_of(p);
-    double most = 0;
     for (uint32_t others = 0; others < 2; others++) /* sensors are behind all others */
         for (size_t i = 0; i < r->shape_count; i++)
             if (others == !r->shapes[i].is_sensor)
@@ -233,11 +232,9 @@ static void draw_bodies(fp3_view_picture *p, size_t snapshot) {
     for (size_t i = 0; i < r->joint_count; i++)
         if (snapshot < r->joints[i].snapshots)
             draw_joint(p, &r->joints[i], first, pixel);
-    for (size_t i = 0; i < r->contact_count; i++)
-        most = fmax(most, r->contacts[i].force);
     for (size_t i = 0; p->page->has_contacts && i < r->contact_count; i++)
         if (r->contacts[i].snapshot == snapshot)
-            draw_contact(p, &r->contacts[i], most, pixel);
+            draw_contact(p, &r->contacts[i], r->force_most, pixel);
 }
 
 /* ---- walls ---- */

@@ -46,7 +46,6 @@ const placed = (p, object, [x, y]) => {
 if (bodies) {
   for (const shape of bodies.shapes) shape.outline = outlineOf(shape);
   bodies.shapes.sort((a, b) => b.isSensor - a.isSensor); // behind all others
-  bodies.most = bodies.contacts.reduce((most, c) => Math.max(most, c[5]), 0);
   bodies.byObject = Array.from({length: count}, () => []);
   for (const shape of bodies.shapes) bodies.byObject[shape.object].push(shape);
 
