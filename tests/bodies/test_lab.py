@@ -272,10 +272,12 @@ def test_who_is_beaten(part):
             (("fp3", 1, 0.1, 100), ("fp3", 4, 0.01, 200), ("quick", 1, 0.05, 90), ("exact", 1, 1e-6, 900), ("lost", 1, None, 10))]
     assert [row["engine"] for row in report.beats(rows)] == ["fp3", "quick", "exact"]
     assert list(report.worse(rows)) == ["With 1 substep FP3 is beaten by *quick*.", "A smaller error than FP3 ever reaches has *exact*."]
-    assert list(report.worse(rows[:1] + rows[2:])) == ["With 1 substep FP3 is beaten by *quick*.", "A smaller error than FP3 ever reaches have *quick* and *exact*."]
+    assert list(report.worse(rows[:1] + rows[2:])) == ["With 1 substep FP3 is beaten by *quick*.",
+                                                       "A smaller error than FP3 ever reaches have *quick* and *exact*."]
     assert list(report.worse(rows[:2])) == list(report.worse(rows[2:])) == []
     head, lines = report.error(rows)
-    assert head == ["substeps", "1", "4"] and list(lines) == [["fp3", "0.1, 100", "**0.01**, 200"], ["quick", "**0.05**, 90", ""], ["exact", "**1e-06**, 900", ""], ["lost", "none, 10", ""]]
+    assert head == ["substeps", "1", "4"]
+    assert list(lines) == [["fp3", "0.1, 100", "**0.01**, 200"], ["quick", "**0.05**, 90", ""], ["exact", "**1e-06**, 900", ""], ["lost", "none, 10", ""]]
 
 
 def test_an_engine_that_fails_is_named(lab):

@@ -67,6 +67,19 @@ def test_bodies_have_the_hash_of_the_page(fp3, tmp_path, name):
     assert hash_of_bodies(fp3, path, "--steps", 0) != rows[1]["hash"]
 
 
+def test_what_a_recording_of_bodies_says(fp3, tmp_path):
+    """Of what moves and what does not, where shapes are, and how far hinges are apart: not at all before the first step."""
+    pytest.importorskip("h5py")
+    from fp3gallery import recorded
+    found = recorded.Recording(fp3, tmp_path, BY_NAME["ragdolls"], "--steps", 200, "--every", 100)
+    assert found.times.tolist() == pytest.approx([0, 100 / 60, 200 / 60]) and found.moves.tolist() == [False] * 17 + [True] * 48
+    outlines = dict(found.shapes(0))
+    assert outlines[0].max(0) == pytest.approx((18, 0)) and outlines[17].max(0) - outlines[17].min(0) == pytest.approx((0.3, 0.9), abs=1e-3)
+    assert 1e-6 < found.gap() < 0.1
+    found.angle[:, 17:] += 0.1
+    assert found.gap() > 0.05
+
+
 def test_the_data_are_of_all_scenes_and_engines_agree():
     assert list(DATA["scenes"]) == list(BY_NAME) and len(BY_NAME) == 17
     for name, found in DATA["scenes"].items():

@@ -228,15 +228,15 @@ def lorenz(fp3, folder, scene):
 
 # ---- rigid bodies ----
 
-def bodies(fp3, folder, scene, times, box, rows=1, height=HEIGHT, still=1):
-    """A picture for each time. still: how many bodies, the first ones, are grey; the others have the colours of the rainbow, paler while they sleep."""
+def bodies(fp3, folder, scene, times, box, rows=1, height=HEIGHT):
+    """A picture for each time. What is dynamic has the colours of the rainbow, paler while it sleeps."""
     found = recorded.Recording(fp3, folder, scene, "--times", ",".join(map(str, times)))
-    count = found.x.shape[1]
-    paint = np.concatenate([np.tile(matplotlib.colors.to_rgba("#6b7079"), (still, 1)), colours_of("turbo", count - still, 0.08, 0.92)])
+    paint = np.tile(matplotlib.colors.to_rgba("#6b7079"), (len(found.moves), 1))
+    paint[found.moves] = colours_of("turbo", found.moves.sum(), 0.08, 0.92)
     figure, axes = canvas(height, nrows=rows, ncols=len(times) // rows)
     for n, one in enumerate(np.atleast_1d(axes).flat):
         of, outlines = zip(*found.shapes(n))
-        asleep = (found.rest[n] < 0) & (np.arange(count) >= still)
+        asleep = found.moves & (found.rest[n] < 0)
         faces = np.where(asleep[:, None], 0.5 + 0.5 * paint, paint)
         one.add_collection(PolyCollection(outlines, facecolors=faces[list(of)], edgecolors=INK, linewidths=0.4))
         one.text(0.98, 0.96, f"{times[n]:g} s", ha="right", va="top", transform=one.transAxes)
@@ -249,7 +249,7 @@ def pyramid(fp3, folder, scene):
 
 
 def ragdolls(fp3, folder, scene):
-    return bodies(fp3, folder, scene, (1, 1.5, 2.5, 10), ((-0.6, 26), (-0.5, 14.2)), rows=2, still=17)
+    return bodies(fp3, folder, scene, (1, 1.5, 2.5, 10), ((-0.6, 26), (-0.5, 14.2)), rows=2)
 
 
 def car(fp3, folder, scene):

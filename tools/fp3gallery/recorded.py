@@ -5,6 +5,7 @@ import numpy as np
 from fp3world import scene as ws
 
 HINGE = 1           # fp3_joint_type
+DYNAMIC = 0         # fp3_body_type
 AROUND = 90         # points of a circle
 
 
@@ -17,10 +18,12 @@ class Recording:
         with h5py.File(path) as file:
             self.times, self.rest = file["time"][:], file["at_rest"][:]
             self.x, self.angle = np.stack([file["x_x"][:], file["x_y"][:]], 2), file["angle"][:]
-            self.of, self.corners, self.radius = file["shapes:of"][:, :2].astype(int), file["shapes:corners"][:, :2], file["shapes:radius"][:, 0]
-            self.joints = file["joints:of"][:].astype(int) if "joints:of" in file else np.zeros((0, 3), int)
+            of, self.corners, self.radius = file["shapes:of"][:].astype(int), file["shapes:corners"][:, :2], file["shapes:radius"][:, 0]
+            self.joints = file["joints:of"][:, :3].astype(int) if "joints:of" in file else np.zeros((0, 3), int)
             self.anchors = file["joints:anchors"][:] if "joints:anchors" in file else np.zeros((0, 6))
         path.unlink()
+        self.of, self.moves = of[:, :2], np.ones(self.x.shape[1], bool)
+        self.moves[of[of[:, 3] != DYNAMIC, 0]] = False
         self.first = np.cumsum(self.of[:, 1]) - self.of[:, 1]
 
     def world(self, snapshot, body, points):
@@ -39,6 +42,7 @@ class Recording:
 
     def gap(self):
         """The largest distance between both points of a hinge, ever."""
-        a, b, _ = hinges = self.joints[self.joints[:, 2] == HINGE].T
+        a, b, _ = self.joints[self.joints[:, 2] == HINGE].T
         at = self.anchors[self.joints[:, 2] == HINGE]
-        return max(np.linalg.norm(self.world(n, a, at[:, :2]) - self.world(n, b, at[:, 3:5]), axis=1).max() for n in range(len(self.times))) if hinges.size else 0.0
+        apart = (self.world(n, a, at[:, :2]) - self.world(n, b, at[:, 3:5]) for n in range(len(self.times)))
+        return max(np.linalg.norm(one, axis=1).max() for one in apart)
