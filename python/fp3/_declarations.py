@@ -1320,6 +1320,8 @@ PROTOTYPES = {
     "fp3_bodies_save": (c_int, (c_void_p, POINTER(c_void_p))),
     "fp3_bodies_restore": (c_int, (c_void_p, c_void_p)),
     "fp3_bodies_state_free": (None, (POINTER(c_void_p),)),
+    "fp3_bodies_checkpoint": (c_int, (c_void_p, c_char_p)),
+    "fp3_bodies_restart": (c_int, (POINTER(fp3_bodies_def), c_char_p, POINTER(c_void_p))),
     "fp3_bodies_read": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_bodies_write": (c_int, (c_void_p, c_char_p, c_void_p, c_size_t, c_void_p)),
     "fp3_bodies_hash": (c_uint64, (c_void_p,)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import time
 from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
@@ -196,6 +197,9 @@ class Bodies(Owner):
         for name, value in {"h": h, "push": push, "bounce": bounce, "rest_speed": rest_speed, "rest_time": rest_time}.items():
             if value is not None:
                 setattr(definition, name, as_number(name, value))
+        self._open(definition, engine, config, may_compile, laws, self._lib.fp3_bodies_open)
+
+    def _open(self, definition: Any, engine: Optional[str], config: Optional[str], may_compile: bool, laws: Optional[str], call: Any) -> None:
         definition.engine = None if engine is None else name_bytes("engine", engine)
         definition.config = None if config is None else name_bytes("config", config)
         definition.may_compile = as_flag("may_compile", may_compile)
@@ -203,11 +207,22 @@ class Bodies(Owner):
         definition.error = ctypes.pointer(self._error)
         pointer = ctypes.c_void_p()
         with _library.loading:
-            check(self._lib.fp3_bodies_open(definition, pointer), self._error)
+            check(call(definition, pointer), self._error)
         self._handle = Handle(pointer, "fp3_bodies_close", definition, self._error)
         self._part = 1
         self._told: Optional[Dict[str, Any]] = None  # changes of a step call that was made in parts
         self._ended = 0  # contacts that had ended when the last part was made
+
+    @classmethod
+    def restart(cls, path: Union[str, "os.PathLike[str]"], *, engine: Optional[str] = None, config: Optional[str] = None, may_compile: bool = False,
+                laws: Optional[str] = None) -> "Bodies":
+        """Opens the world of a checkpoint, which goes on with the same bits; handles stay. Gravity and the like are those of the file."""
+        made, where = cls.__new__(cls), name_bytes("path", path)
+        made._own()
+        made._width = 2
+        made._open(made._lib.default(d.fp3_bodies_def), engine, config, may_compile, laws,
+                   lambda definition, pointer: made._lib.fp3_bodies_restart(definition, where, pointer))
+        return made
 
     def __enter__(self) -> "Bodies":
         return self
@@ -488,6 +503,11 @@ class Bodies(Owner):
         with self._c() as c:
             check(self._lib.fp3_bodies_save(c, ctypes.byref(pointer)), self._error)
         return BodiesState(pointer, self)
+
+    def checkpoint(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes all that the world is to a file, for Bodies.restart: whole, or not at all. What the file held before stays as path.1."""
+        with self._c() as c:
+            check(self._lib.fp3_bodies_checkpoint(c, name_bytes("path", path)), self._error)
 
     def restore(self, state: BodiesState) -> None:
         """Goes back to what was saved of this world; a step then has the same bits."""

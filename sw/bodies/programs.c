@@ -4,6 +4,8 @@
 
 #include "text.h"
 
+#include "base/file.h"
+
 #include <fp3/engine.h>
 #include <fp3/program.h>
 #include <stdio.h>
@@ -65,6 +67,7 @@ typedef struct {
 
 typedef struct {
     const kind *kind;
+    char *own; /* the text of the folder; NULL: that of the library */
     fp3_program *program;
     fp3_engine *engine;
     word words[REGISTERS];
@@ -148,16 +151,20 @@ static fp3_status read_law(fp3_laws *laws, law *l, const fp3_bodies_def *bodies,
     const kind *k = l->kind;
     const char *folder = bodies->laws;
     char path[4096];
+    size_t size;
     fp3_program_def def = fp3_program_default();
     def.integrator = k->integrator;
     def.compile.config = config;
     def.is_model = 1;
     snprintf(path, sizeof path, "%s/%s.ode", folder ? folder : "programs/bodies", k->name);
-    const int is_own = folder && access(path, F_OK) == 0;
-    laws->own += is_own;
-    return is_own
-               ? fp3_program_open(path, &def, &l->program, NULL, error)
-               : fp3_program_read(k->text, strlen(k->text), path, &def, &l->program, NULL, error);
+    if (folder && access(path, F_OK) == 0) {
+        const fp3_status status = fp3_file_read(path, &l->own, &size, error);
+        if (status)
+            return status;
+    }
+    laws->own += l->own != NULL;
+    const char *text = l->own ? l->own : k->text;
+    return fp3_program_read(text, strlen(text), path, &def, &l->program, NULL, error);
 }
 
 static fp3_status open_law(fp3_laws *laws, uint32_t which, const fp3_bodies_def *bodies,
@@ -205,12 +212,17 @@ fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **made, fp3_error *
 
 const char *fp3_laws_why(const fp3_laws *laws) { return laws->error.text; }
 
+const char *fp3_laws_text(const fp3_laws *laws, uint32_t which) {
+    return laws && laws->law[which].own ? laws->law[which].own : in_plane[which].text;
+}
+
 void fp3_laws_close(fp3_laws **laws) {
     fp3_laws *l = *laws;
     *laws = NULL;
     for (uint32_t i = 0; l && l->law && i < l->family->count; i++) {
         fp3_engine_close(&l->law[i].engine);
         fp3_program_close(&l->law[i].program);
+        free(l->law[i].own);
     }
     if (l)
         free(l->law);

@@ -20,6 +20,8 @@ typedef struct fp3_laws fp3_laws;
 fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **laws, fp3_error *error);
 /* Why the last run failed. */
 const char *fp3_laws_why(const fp3_laws *laws);
+/* Of the plane. laws: NULL: the one that is built in. */
+const char *fp3_laws_text(const fp3_laws *laws, uint32_t law);
 void fp3_laws_close(fp3_laws **laws);
 
 /* Blocks first .. end - 1 of a colour make a pass by law FP3_LAW_..., of the plane or of space as

@@ -1,30 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* state.c - a world is saved and restored. */
+#include "fields.h"
 #include "own3.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* What a step depends on. Other arrays are made anew by it. */
-enum {
-    BODIES,
-    SHAPES,
-    BOXES,
-    FILTERS,
-    TOUCHES,
-    JOINTS,
-    APART,
-    IN_SPACE,
-    PATCHES,
-    JOINTS_IN_SPACE,
-    ARRAYS
-};
-
-typedef struct {
-    void **array;
-    uint32_t *room, count;
-    size_t size;
-} part;
+/* Behind the arrays of all worlds those of space. */
+enum { IN_SPACE = FP3_PARTS, PATCHES, JOINTS_IN_SPACE, ARRAYS };
 
 struct fp3_bodies_state {
     const fp3_bodies *of;
@@ -34,25 +17,17 @@ struct fp3_bodies_state {
     uint32_t room[ARRAYS];
 };
 
-static part part_of(fp3_bodies *b, int which) {
-    const part parts[ARRAYS] = {
-        [BODIES] = {(void **)&b->body, &b->body_room, b->body_count, sizeof *b->body},
-        [SHAPES] = {(void **)&b->shape, &b->shape_room, b->shape_count, sizeof *b->shape},
-        [BOXES] = {(void **)&b->boxes.box, &b->boxes.room, b->shape_count, sizeof *b->boxes.box},
-        [FILTERS] = {(void **)&b->boxes.filter, &b->boxes.filter_room, b->shape_count,
-                     sizeof *b->boxes.filter},
-        [TOUCHES] = {(void **)&b->touch, &b->touch_room, b->touch_count, sizeof *b->touch},
-        [JOINTS] = {(void **)&b->joint, &b->joint_room, b->joint_count, sizeof *b->joint},
-        [APART] = {(void **)&b->apart, &b->apart_room, b->apart_count, sizeof *b->apart},
-    };
+static fp3_kept_part part_of(fp3_bodies *b, int which) {
     fp3_space *s = b->space;
-    if (which == IN_SPACE && s)
-        return (part){(void **)&s->body, &s->body_room, b->body_count, sizeof *s->body};
-    if (which == JOINTS_IN_SPACE && s)
-        return (part){(void **)&s->joint, &s->joint_room, b->joint_count, sizeof *s->joint};
-    if (which == PATCHES && s)
-        return (part){(void **)&s->patch, &s->patch_room, s->patch_count, sizeof *s->patch};
-    return parts[which];
+    if (which == IN_SPACE)
+        return (fp3_kept_part){(void **)&s->body, &s->body_room, &b->body_count, sizeof *s->body};
+    if (which == JOINTS_IN_SPACE)
+        return (fp3_kept_part){(void **)&s->joint, &s->joint_room, &b->joint_count,
+                               sizeof *s->joint};
+    if (which == PATCHES)
+        return (fp3_kept_part){(void **)&s->patch, &s->patch_room, &s->patch_count,
+                               sizeof *s->patch};
+    return fp3_part_of(b, which);
 }
 
 static int arrays_of(const fp3_bodies *bodies) { return bodies->space ? ARRAYS : IN_SPACE; }
@@ -72,18 +47,18 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
     fp3_bodies_state *to = *state ? *state : calloc(1, sizeof *to);
     fp3_status status = to ? FP3_OK : fp3_no_memory(bodies->error);
     for (int i = 0; !status && i < arrays_of(bodies); i++) {
-        const part p = part_of(&from, i);
-        status = fp3_bodies_room(&to->array[i], &to->room[i], p.size, p.count + 1u, bodies->error);
+        const fp3_kept_part p = part_of(&from, i);
+        status = fp3_bodies_room(&to->array[i], &to->room[i], p.size, *p.count + 1u, bodies->error);
     }
     if (!status)
-        give_back_forms(to->array[SHAPES], to->counts.shape_count);
+        give_back_forms(to->array[FP3_PART_SHAPES], to->counts.shape_count);
     for (int i = 0; !status && i < arrays_of(bodies); i++) {
-        const part p = part_of(&from, i);
-        if (p.count)
-            memcpy(to->array[i], *p.array, p.count * p.size);
+        const fp3_kept_part p = part_of(&from, i);
+        if (*p.count)
+            memcpy(to->array[i], *p.array, *p.count * p.size);
     }
     if (!status) {
-        keep_forms(to->array[SHAPES], from.shape_count);
+        keep_forms(to->array[FP3_PART_SHAPES], from.shape_count);
         if (from.space)
             to->space = *from.space;
         to->counts = from;
@@ -112,17 +87,17 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
             ? FP3_OK
             : fp3_fail(bodies->error, FP3_E_ARGUMENT, "the state was saved of another world");
     for (int i = 0; !status && i < arrays_of(bodies); i++) {
-        const part to = part_of(bodies, i);
-        status = fp3_bodies_room(to.array, to.room, to.size, part_of(&from, i).count + 1u,
+        const fp3_kept_part to = part_of(bodies, i);
+        status = fp3_bodies_room(to.array, to.room, to.size, *part_of(&from, i).count + 1u,
                                  bodies->error);
     }
     if (status)
         return status;
     give_back_forms(bodies->shape, bodies->shape_count);
     for (int i = 0; i < arrays_of(bodies); i++) {
-        const part p = part_of(&from, i);
-        if (p.count)
-            memcpy(*part_of(bodies, i).array, state->array[i], p.count * p.size);
+        const fp3_kept_part p = part_of(&from, i);
+        if (*p.count)
+            memcpy(*part_of(bodies, i).array, state->array[i], *p.count * p.size);
     }
     keep_forms(bodies->shape, from.shape_count);
     if (bodies->space)
@@ -159,7 +134,7 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
 
 void fp3_bodies_state_free(fp3_bodies_state **state) {
     if (*state)
-        give_back_forms((*state)->array[SHAPES], (*state)->counts.shape_count);
+        give_back_forms((*state)->array[FP3_PART_SHAPES], (*state)->counts.shape_count);
     for (int i = 0; *state && i < ARRAYS; i++)
         free((*state)->array[i]);
     free(*state);

@@ -8,12 +8,13 @@
  * are finite;
  * - energy is never above what was put in: kinetic and potential energy, without springs and
  * motors;
- * - what was saved in the middle goes on, after a restore, with the same bits.
+ * - what was saved in the middle goes on, after a restore, with the same bits; with FILE so does
+ *   what is opened from a checkpoint there.
  *
- *     random_bodies FIRST COUNT [ENGINE]
+ *     random_bodies FIRST COUNT [ENGINE [FILE]]
  *
- * With an engine, the laws are executed by it: the hash of each world, which is printed, must be
- * the same. Exit code 1: a check failed, and the message names the world.
+ * With an engine (other than "-"), the laws are executed by it: the hash of each world, which is
+ * printed, must be the same. Exit code 1: a check failed, and the message names the world.
  */
 #include <fp3/bodies.h>
 #include <inttypes.h>
@@ -229,7 +230,25 @@ static uint64_t end(world *w, fp3_bodies_state **state) {
     return 0;
 }
 
-static uint64_t run(uint64_t number, const char *engine) {
+/* The rest of the steps, by what is opened from a checkpoint. */
+static void go_on(const world *w, const char *file, int steps, uint64_t hash) {
+    world v = *w;
+    fp3_bodies_def def = fp3_bodies_default();
+    def.error = &v.error;
+    must(&v, fp3_bodies_restart(&def, file, &v.bodies), "restart");
+    for (int i = 0; i < steps; i++)
+        if (!step(&v, 0))
+            fail(&v, "fails after a restart alone", i);
+    if (fp3_bodies_hash(v.bodies) != hash)
+        fail(&v, "other bits after a restart", 0);
+    if (fp3_bodies_count(v.bodies) != (size_t)v.count + 1)
+        fail(&v, "bodies are lost or left over after a restart",
+             (double)fp3_bodies_count(v.bodies));
+    add(&v);
+    fp3_bodies_close(&v.bodies);
+}
+
+static uint64_t run(uint64_t number, const char *engine, const char *file) {
     world w = {.number = number};
     double slack;
     seed = number * 0x632be59bd9b4e019u + 1;
@@ -254,10 +273,14 @@ static uint64_t run(uint64_t number, const char *engine) {
     for (int i = 0; i < steps; i++) {
         if (i == steps / 2)
             must(&w, fp3_bodies_save(w.bodies, &state), "save");
+        if (file && i == steps / 2)
+            must(&w, fp3_bodies_checkpoint(w.bodies, file), "checkpoint");
         if (!step(&w, check_energy))
             return end(&w, &state);
     }
     const uint64_t hash = fp3_bodies_hash(w.bodies);
+    if (file)
+        go_on(&w, file, steps - steps / 2, hash);
     /* What comes between, and what goes, is undone. */
     const int count = w.count, joints = w.joints;
     add(&w);
@@ -305,7 +328,8 @@ int main(int argc, char **argv) {
     if (argc < 3)
         return 2;
     const uint64_t first = strtoull(argv[1], NULL, 10), count = strtoull(argv[2], NULL, 10);
+    const char *engine = argc > 3 && strcmp(argv[3], "-") ? argv[3] : NULL;
     for (uint64_t i = first; i < first + count; i++)
-        printf("%" PRIu64 " %016" PRIx64 "\n", i, run(i, argc > 3 ? argv[3] : NULL));
+        printf("%" PRIu64 " %016" PRIx64 "\n", i, run(i, engine, argc > 4 ? argv[4] : NULL));
     return 0;
 }

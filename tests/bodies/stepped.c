@@ -11,7 +11,9 @@
  * - whole (default): everything is added in as few calls as there can be, and one call makes all
  *   steps;
  * - calls: a call for each body, shape, joint and step;
- * - restored: after half of the steps the world is saved, makes 5 steps more and goes back.
+ * - restored: after half of the steps the world is saved, makes 5 steps more and goes back;
+ * - fileN: built-in laws make all steps but the last N; a checkpoint is written beside the scene,
+ *   and what is opened from it makes the rest by ENGINE.
  */
 #include <fp3/bodies.h>
 #include <inttypes.h>
@@ -104,17 +106,22 @@ static void add_chains(scene *s, FILE *file, size_t count) {
     }
 }
 
-static void build(scene *s, FILE *file, const char *engine, const char *config) {
+static fp3_bodies_def def_of(scene *s, const char *engine, const char *config) {
     fp3_bodies_def def = fp3_bodies_default();
-    head *h = take(file, sizeof *h, 1);
     def.error = &s->error;
+    def.may_compile = engine && !strcmp(engine, "native");
+    def.engine = def.may_compile ? "fast" : engine;
+    def.config = config;
+    return def;
+}
+
+static void build(scene *s, FILE *file, const char *engine, const char *config) {
+    fp3_bodies_def def = def_of(s, engine, config);
+    head *h = take(file, sizeof *h, 1);
     memcpy(def.gravity, h->gravity, sizeof h->gravity);
     def.h = h->h;
     def.dimensions = (uint32_t)h->dimensions;
     def.substeps = (uint32_t)h->substeps;
-    def.may_compile = engine && !strcmp(engine, "native");
-    def.engine = def.may_compile ? "fast" : engine;
-    def.config = config;
     must(s, fp3_bodies_open(&def, &s->world));
     add_bodies(s, file, h->bodies);
     attach(s, file, h->shapes);
@@ -131,6 +138,15 @@ static void go_back(scene *s) {
     fp3_bodies_state_free(&state);
 }
 
+static void from_file(scene *s, const char *path, const char *engine, const char *config) {
+    char name[4096];
+    fp3_bodies_def def = def_of(s, engine, config);
+    snprintf(name, sizeof name, "%s.ck", path);
+    must(s, fp3_bodies_checkpoint(s->world, name));
+    fp3_bodies_close(&s->world);
+    must(s, fp3_bodies_restart(&def, name, &s->world));
+}
+
 static void make_steps(scene *s, uint64_t count) {
     const uint64_t each = s->by_calls || !count ? 1 : count;
     for (uint64_t i = 0; i < count; i += each)
@@ -145,15 +161,20 @@ int main(int argc, char **argv) {
     scene s = {.by_calls = !strcmp(way, "calls")};
     FILE *file = argc > 2 ? fopen(argv[1], "rb") : NULL;
     if (!file) {
-        fputs("usage: stepped SCENE STEPS [ENGINE [CONFIG [whole|calls|restored]]]\n", stderr);
+        fputs("usage: stepped SCENE STEPS [ENGINE [CONFIG [whole|calls|restored|fileN]]]\n",
+              stderr);
         return 2;
     }
-    build(&s, file, engine, config);
+    const int has_file = !strncmp(way, "file", 4);
+    const uint64_t last = has_file ? strtoull(way + 4, NULL, 10) : steps / 2;
+    build(&s, file, has_file ? NULL : engine, has_file ? NULL : config);
     fclose(file);
-    make_steps(&s, steps / 2);
+    make_steps(&s, steps - last);
     if (!strcmp(way, "restored"))
         go_back(&s);
-    make_steps(&s, steps - steps / 2);
+    if (has_file)
+        from_file(&s, argv[1], engine, config);
+    make_steps(&s, last);
     printf("%016" PRIx64 "\n", fp3_bodies_hash(s.world));
     fp3_bodies_close(&s.world);
     free(s.handles);

@@ -291,12 +291,12 @@ def test_one_hash_a_scene(part, build, monkeypatch):
     monkeypatch.setenv("FP3_HOME", str(build))
     hashes, said = part("hashes"), []
     rows = hashes.measure(True, said.append)
-    assert {row["engine"] for row in rows} == {"built in", "isa", "fast", "rtl"} and len(said) == len(rows) == 15
+    assert {row["engine"] for row in rows} == {"built in", "isa", "fast", "rtl"} and len(said) == len(rows) == 19
     assert hashes.differing(rows) == [] and len({row["hash"] for row in rows}) == 4
     rows[3]["hash"] = rows[-1]["hash"]
     assert hashes.differing(rows) == [rows[3]]
     page = list(part("report").runs(rows))
-    assert [line[3] for line in page] == [4, 1, 2, 5, 3]
+    assert [line[3] for line in page] == [6, 1, 2, 7, 3]
 
 
 def test_errors_of_fp3_fall_with_substeps(part, build, monkeypatch):

@@ -20,5 +20,11 @@ def test_worlds_by_chance(build, first, count):
     assert len(set(hashes)) > 0.98 * (count - failed)
 
 
+@pytest.mark.parametrize("first, count", [(0, 12), pytest.param(1000, 1000, marks=pytest.mark.long)])
+def test_a_checkpoint_in_the_middle(build, tmp_path, first, count):
+    """The world that is opened from it makes the same steps."""
+    assert len(set(worlds(build, first, count, "-", tmp_path / "w.ck"))) > 0.9 * count
+
+
 def test_engines_agree(build):
     assert worlds(build, 3, 4, "isa") == worlds(build, 3, 4, "fast") == worlds(build, 3, 4, "built-in")

@@ -60,6 +60,10 @@ def of_scene(name, path, folder, quick):
     yield "built in", "whole", few, stepped(path, few)
     for config in QUICK[name] if quick else CONFIGS:
         yield "rtl", config, few, stepped(path, few, "rtl", config)
+    yield "built in", f"file, last {steps // 2}", steps, stepped(path, steps, way=f"file{steps // 2}")
+    yield "isa", f"file, last {few}", steps, stepped(path, steps, "isa", way=f"file{few}")
+    for config in [] if quick else CONFIGS:
+        yield "rtl", f"{config}, file, last {few}", steps, stepped(path, steps, "rtl", config, f"file{few}")
     for kind in [] if quick else kinds():
         yield "fast", f"native {kind}", steps, native(folder, path, steps, kind)
 

@@ -382,6 +382,16 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state);
 fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state);
 void fp3_bodies_state_free(fp3_bodies_state **state);
 
+/* Writes all that a world is to a file (docs/checkpoints.md#rigid-bodies), whole or not at all;
+ * what the file held before stays as path.1. FP3_E_ARGUMENT: bodies in space; it is no regular
+ * file, or another process is writing it. FP3_E_SYSTEM: it cannot be written. */
+fp3_status fp3_bodies_checkpoint(fp3_bodies *bodies, const char *path);
+/* Opens the world of a checkpoint: it goes on with the same bits, and handles are those of the
+ * world that was written. Of def it takes error, engine, config, may_compile and laws alone.
+ * FP3_E_ARGUMENT: as of fp3_bodies_open; the file is cut off, damaged, of another version or
+ * something else; laws are others. The caller closes *bodies, which is NULL on failure. */
+fp3_status fp3_bodies_restart(const fp3_bodies_def *def, const char *path, fp3_bodies **bodies);
+
 /* ---- values ----
  *
  * Names: x, angle, v, w as in fp3_body_def; force and torque, which act in the next step alone;
