@@ -166,6 +166,9 @@ fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
     fp3_status status = choose(bodies);
     if (!status)
         status = lay(bodies);
+    if (!status)
+        status = fp3_bodies_room((void **)&s->points, &s->points_room, sizeof *s->points,
+                                 s->contacts.count + 64u, bodies->error);
     if (status)
         return status;
     const double hertz = fmin(STIFFNESS, RESOLVED / h);
@@ -177,7 +180,10 @@ fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
     const fp3_law_rows *rows = &s->contacts;
     const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
                             bodies->movable, rows->row,   rows->ends};
-    s->solver->prepare(&work, 0, rows->colours.first[rows->colours.count]);
+    const uint32_t blocks = rows->colours.first[rows->colours.count];
+    for (uint32_t i = 0; i < blocks; i++)
+        s->points[i] = (uint8_t)fp3_points_of3((const fp3_contact3_row *)rows->row + i);
+    s->solver->prepare(&work, 0, blocks);
     return FP3_OK;
 }
 
@@ -218,7 +224,7 @@ void fp3_space_contacts_follow(fp3_bodies *bodies) {
 }
 
 static int is_finite(const fp3_patch3 *p) {
-    float sum = p->twist;
+    float sum = p->twist + p->top;
     for (int k = 0; k < 4; k++)
         sum += p->p[k];
     for (int k = 0; k < 3; k++)
@@ -249,7 +255,7 @@ void fp3_space_contacts_end(fp3_bodies *bodies) {
             memset(p->p, 0, sizeof p->p);
             memset(p->f, 0, sizeof p->f);
             memset(p->roll, 0, sizeof p->roll);
-            p->twist = 0;
+            p->twist = p->top = 0;
         }
     }
     for (uint32_t i = 0; i < bodies->contacts.count; i++) {

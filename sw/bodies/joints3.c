@@ -71,6 +71,7 @@ typedef struct {
     float ma, mb;
     fp3_softness firm, spring; /* of what is held; of its spring */
     double h;
+    float farthest;
     uint32_t lane;
     int is_first; /* impulses are those of the step before */
 } filling;
@@ -130,8 +131,9 @@ static void invert(const double k[6], const fp3_point3 *is_free, float to[6]) {
                          m[3] * m[5] - m[4] * m[1], m[3] * m[4] - m[0] * m[5]};
     const double det = (m[0] * c[0] + m[3] * c[3]) + m[4] * c[4];
     for (int i = 0; i < 6; i++)
-        to[i] =
-            det > 0 ? (float)(c[i] / det - (is_free ? n[row[i]] * n[column[i]] / trace : 0)) : 0;
+        to[i] = det > 0 && trace > 0
+                    ? (float)(c[i] / det - (is_free ? n[row[i]] * n[column[i]] / trace : 0))
+                    : 0;
 }
 
 /* m - [r] t [r], of one body: what an impulse at an arm does to the speed there. */
@@ -142,6 +144,16 @@ static void add_arm(const float t[6], fp3_point3 r, double k[6]) {
                             fp3_dot3(x, ty), fp3_dot3(x, tz), fp3_dot3(y, tz)};
     for (int i = 0; i < 6; i++)
         k[i] += more[i];
+}
+
+/* What is farther apart is pulled no faster: a joint that was made far from where it holds, or was
+ * torn, comes together as if this were all. */
+#define FARTHEST 0.2f /* share of `size` */
+#define LARGEST 0.2f  /* rad */
+
+static fp3_point3 at_most(fp3_point3 v, float most) {
+    const float size = fp3_size3(v);
+    return size > most ? fp3_times3(most / size, v) : v;
 }
 
 static int is_on_line(fp3_joint_type type) { return type == FP3_SLIDER || type == FP3_WHEEL; }
@@ -161,7 +173,7 @@ static void fill_pin(const filling *f, fp3_pin3_row *row) {
     PUT_MASSES(row, f);
     PUT3(row, a, f->lane, arm_a);
     PUT3(row, b, f->lane, s->arm_b);
-    PUT3(row, gap, f->lane, gap);
+    PUT3(row, gap, f->lane, at_most(gap, f->farthest));
     PUT6(row, j, k, f->lane, inverse);
     PUT_SOFTNESS(row, f, f->firm);
     if (f->is_first)
@@ -179,7 +191,8 @@ static void fill_spin(const filling *f, fp3_spin3_row *row) {
         k[i] = (double)s->back_a[i] + s->back_b[i];
     invert(k, !is_free ? NULL : type == FP3_WHEEL ? &s->axle : &s->axis, inverse);
     PUT_INERTIAS(row, f);
-    PUT3(row, gap, f->lane, is_free ? s->lean : s->error);
+    const fp3_point3 error = is_free ? s->lean : s->error;
+    PUT3(row, gap, f->lane, is_spring ? error : at_most(error, LARGEST));
     PUT6(row, j, k, f->lane, inverse);
     fp3_put(&row->firm, f->lane, is_spring ? 0 : 1);
     PUT_SOFTNESS(row, f, is_spring ? f->spring : f->firm);
@@ -287,6 +300,7 @@ void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first) {
                          .firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h),
                          .spring = fp3_soften(j->def.hertz, j->def.damping, h),
                          .h = h,
+                         .farthest = FARTHEST * (float)bodies->def.size,
                          .is_first = is_first};
             fill(bodies, law, i, &f);
         }

@@ -56,6 +56,8 @@ struct fp3_space {
     /* Of all shapes that are near, in the order of bodies->touch; and those of the step before. */
     fp3_patch3 *patch, *old;
     uint32_t patch_count, patch_room, old_room;
+    uint8_t *points; /* of each block of contacts */
+    uint32_t points_room;
     fp3_law_rows contacts;     /* of: patches */
     fp3_turning3_row *turning; /* of slots, eight by eight */
     fp3_ends2 *turning_ends;

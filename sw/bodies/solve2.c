@@ -239,7 +239,7 @@ static void keep(const fp3_work2 *work, const fp3_making2 *making, uint32_t firs
         flip(x, words);
         touches(making, &making->at[i * FP3_WIDE], &none, of);
         for (int lane = 0; lane < FP3_WIDE; lane++) {
-            memcpy(of[lane]->p, &words[lane], 5 * sizeof(float));
+            memcpy((char *)of[lane] + offsetof(fp3_touch2, p), &words[lane], 5 * sizeof(float));
             of[lane]->top += words[lane][5];
         }
     }

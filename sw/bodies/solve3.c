@@ -99,17 +99,20 @@ FP3_WIDELY void bring_speeds(const fp3_work2 *work, const uint32_t of[FP3_WIDE],
     fp3_lanes_bring(work->speed + 1, FP3_FOURS3, of, words + 4);
 }
 
-FP3_WIDELY void take_speeds(const fp3_work2 *work, const uint32_t of[FP3_WIDE],
+/* has_base: what they do goes there, too. */
+FP3_WIDELY void take_speeds(const fp3_work2 *work, int has_base, const uint32_t of[FP3_WIDE],
                             const fp3_wide words[8]) {
     fp3_four to[2][FP3_WIDE];
     fp3_lanes_make(words, fp3_wide_all(0), to[0]);
     fp3_lanes_make(words + 4, fp3_wide_all(0), to[1]);
+#pragma GCC unroll 8
     for (int lane = 0; lane < FP3_WIDE; lane++) {
         if (of[lane] >= work->movable)
             continue;
+#pragma GCC unroll 2
         for (uint32_t k = 0; k < 2; k++) {
             const uint32_t at = FP3_FOURS3 * of[lane] + k;
-            if (work->base)
+            if (has_base)
                 work->base[at] += to[k][lane] - work->speed[at];
             work->speed[at] = to[k][lane];
         }
@@ -117,31 +120,30 @@ FP3_WIDELY void take_speeds(const fp3_work2 *work, const uint32_t of[FP3_WIDE],
 }
 
 FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED]) {
+#pragma GCC unroll 8
     for (int i = 0; i < FP3_SHARED; i++)
         given[i] = fp3_wide_all(shared[i]);
 }
 
-static void pass(const fp3_work2 *work, uint32_t first, uint32_t end,
+static void pass(const fp3_work2 *given_work, const uint8_t *points, uint32_t first, uint32_t end,
                  const float shared[FP3_SHARED], int is_rolling, int has_moved) {
+    const fp3_work2 work = *given_work;
     fp3_wide given[FP3_SHARED];
-    both of;
     give(shared, given);
     for (uint32_t i = first; i < end; i++) {
-        fp3_contact3_row *row = (fp3_contact3_row *)work->row + i;
-        const uint32_t points = fp3_points_of3(row);
-        if (points == 0)
-            continue;
-        bring_speeds(work, work->ends[i].a, of.a);
-        bring_speeds(work, work->ends[i].b, of.b);
-        for (uint32_t k = 0; has_moved && k < points; k++)
+        fp3_contact3_row *row = (fp3_contact3_row *)work.row + i;
+        both of;
+        bring_speeds(&work, work.ends[i].a, of.a);
+        bring_speeds(&work, work.ends[i].b, of.b);
+        for (uint32_t k = 0; has_moved && k < points[i]; k++)
             fp3_law_gap3(row, &row->point[k], of.a, of.b, given);
         if (is_rolling)
             fp3_law_roll3(row, of.a, of.b, given);
-        for (uint32_t k = 0; k < points; k++)
+        for (uint32_t k = 0; k < points[i]; k++)
             fp3_law_push3(row, &row->point[k], of.a, of.b, given);
         fp3_law_rub3(row, of.a, of.b, given);
-        take_speeds(work, work->ends[i].a, of.a);
-        take_speeds(work, work->ends[i].b, of.b);
+        take_speeds(&work, 0, work.ends[i].a, of.a);
+        take_speeds(&work, 0, work.ends[i].b, of.b);
     }
 }
 
@@ -155,8 +157,8 @@ static void pass(const fp3_work2 *work, uint32_t first, uint32_t end,
             bring_speeds(work, work->ends[i].a, of.a);                                             \
             bring_speeds(work, work->ends[i].b, of.b);                                             \
             fp3_law_##name((fp3_##name##_row *)work->row + i, of.a, of.b, given);                  \
-            take_speeds(work, work->ends[i].a, of.a);                                              \
-            take_speeds(work, work->ends[i].b, of.b);                                              \
+            take_speeds(work, 1, work->ends[i].a, of.a);                                           \
+            take_speeds(work, 1, work->ends[i].b, of.b);                                           \
         }                                                                                          \
     }
 JOINT(pin3)
@@ -176,7 +178,7 @@ static void turn(const fp3_work2 *work, uint32_t first, uint32_t end,
         fp3_lanes_bring(way, FP3_FOURS3, of, words + 8);
         fp3_lanes_bring(way + 1, FP3_FOURS3, of, words + 12);
         fp3_law_turn3((fp3_turning3_row *)work->row + i, words, words, given);
-        take_speeds(work, of, words);
+        take_speeds(work, 1, of, words);
         fp3_lanes_make(words + 8, words[11], to);
         for (int lane = 0; lane < FP3_WIDE; lane++)
             way[FP3_FOURS3 * of[lane]] = to[lane];

@@ -21,10 +21,11 @@ typedef struct {
     /* A row has normals, tangents, arms, masses and inertias, `radius` as the mean distance of the
      * points from the middle, and in j of a point 1 if it is there, else 0. Makes the row of it. */
     void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end);
-    /* Blocks first .. end - 1 make a pass: each point of theirs, then friction. is_rolling: some
-     * contact has rolling resistance; has_moved: gaps first. */
-    void (*pass)(const fp3_work2 *, uint32_t first, uint32_t end, const float shared[FP3_SHARED],
-                 int is_rolling, int has_moved);
+    /* Blocks first .. end - 1 make a pass: each point of theirs, then friction. points: of each
+     * block, fp3_points_of3. is_rolling: some contact has rolling resistance; has_moved: gaps
+     * first. */
+    void (*pass)(const fp3_work2 *, const uint8_t *points, uint32_t first, uint32_t end,
+                 const float shared[FP3_SHARED], int is_rolling, int has_moved);
     /* A pass of a law of joints: law - FP3_LAW_pin3. */
     void (*joint[FP3_LAWS_IN_SPACE - FP3_LAW_pin3])(const fp3_work2 *, uint32_t first, uint32_t end,
                                                     const float shared[FP3_SHARED]);

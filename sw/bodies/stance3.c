@@ -64,8 +64,9 @@ static void turned_since(const fp3_joint3 *j, const pose *a, const pose *b, doub
     double now[4];
     fp3_multiply3(back_a, b->q, now);
     fp3_multiply3(now, from, r);
+    const double sign = r[0] < 0 ? -1 : 1; /* the shorter way round */
     for (int i = 0; i < 4; i++)
-        r[i] = r[0] < 0 ? -r[i] : r[i];
+        r[i] *= sign;
 }
 
 static void direction(const double v[3], double to[3]) {

@@ -18,6 +18,13 @@ static void turn_inertia(fp3_body3 *body) {
         memcpy(body->back, unit, sizeof unit);
         return;
     }
+    if (body->moment[0] == body->moment[1] && body->moment[0] == body->moment[2]) {
+        for (int k = 0; k < 6; k++) {
+            body->inertia[k] = unit[k] * body->moment[0];
+            body->back[k] = unit[k] * (1 / body->moment[0]);
+        }
+        return;
+    }
     fp3_multiply3(body->q, body->axes, q);
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     const double axis[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
@@ -183,7 +190,7 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
     fp3_laws *laws = bodies->laws;
     fp3_status status = FP3_OK;
     for (uint32_t i = first; !status && i < end; i++) {
-        const uint32_t points = fp3_points_of3((const fp3_contact3_row *)work->row + i);
+        const uint32_t points = bodies->space->points[i];
         for (uint32_t k = 0; !status && has_moved && k < points; k++)
             status = fp3_laws_run(laws, FP3_LAW_gap3, work, i, i + 1, k, shared);
         if (!status && points && bodies->space->is_rolling)
@@ -208,7 +215,8 @@ static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3
         if (bodies->laws)
             status = run_pass(bodies, &work, first[k], first[k + 1], shared, has_moved);
         else
-            s->solver->pass(&work, first[k], first[k + 1], shared, s->is_rolling, has_moved);
+            s->solver->pass(&work, s->points, first[k], first[k + 1], shared, s->is_rolling,
+                            has_moved);
     }
     return status;
 }
