@@ -61,7 +61,7 @@ typedef struct {
     fp3_view_joint *joints;
     fp3_view_contact *contacts; /* snapshot by snapshot */
     size_t shape_count, joint_count, contact_count;
-    double force_most; /* of all contacts of the file */
+    double force_most;         /* of all contacts of the file */
     size_t objects, snapshots; /* of CSV known when it is loaded */
     uint64_t *steps;           /* of each snapshot */
     double *times;             /* likewise; NULL: there is no time */
