@@ -68,9 +68,14 @@ def order(rows, key):
     return list(dict.fromkeys(row[key] for row in rows))
 
 
+def peers_of(rows):
+    """FP3 first, whoever was measured last."""
+    return sorted(order(rows, "peer"), key=lambda peer: peer != "fp3")
+
+
 def truths(rows):
     """A line for each quantity, a column for each engine."""
-    peers = order(rows, "peer")
+    peers = peers_of(rows)
     found = {(row["what"], row["peer"]): row for row in rows}
 
     def cell(row):
@@ -84,7 +89,7 @@ def truths(rows):
 
 
 def score(rows):
-    for peer in order(rows, "peer"):
+    for peer in peers_of(rows):
         of = [row for row in rows if row["peer"] == peer]
         yield [peer, sum(row["holds"] for row in of), len(of)]
 
