@@ -42,7 +42,8 @@ static void give_lanes(const fp3_bodies *bodies, fp3_law_rows *rows, const uint3
 
 fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
                         const uint32_t *b, size_t size) {
-    if (rows->is_same && rows->laid == rows->count && rows->laid_movable == bodies->movable) {
+    if (rows->ends && rows->is_same && rows->laid == rows->count &&
+        rows->laid_movable == bodies->movable) {
         if (!rows->is_whole)
             memset(rows->row, 0, rows->colours.first[rows->colours.count] * size);
         return FP3_OK;

@@ -76,6 +76,22 @@ def test_a_restart_in_contact(tmp_path):
     assert np.array_equal(found.add(x=(0, 9)), world.add(x=(0, 9)))
 
 
+def test_all_sleep(tmp_path):
+    """The first step of what is opened has no contact to look at."""
+    world = fp3.Bodies(rest_time=0.1)
+    world.attach(world.add(type="static"), fp3.box(5, 1, centre=(0, -1)))
+    box = world.add(x=(0, 0.5))
+    world.attach(box, fp3.box(0.5, 0.5))
+    world.step(60)
+    world.checkpoint(tmp_path / "w.ck")
+    found = fp3.Bodies.restart(tmp_path / "w.ck")
+    for one in (world, found):
+        one.step(3)
+        one.write("v", box, (0, 1))
+        one.step(30)
+    assert world.awake == found.awake and found.hash == world.hash
+
+
 def test_a_body_that_failed(tmp_path):
     """Its contacts have impulses that are no numbers."""
     world = fp3.Bodies()
