@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* joint_rows.c - the rows of joints: what a joint is made of, before and after a step. */
 #include "own.h"
+#include "trees.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -140,17 +141,21 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
     const fp3_law_rows *rows = &bodies->joined[law];
     const fp3_joint *j = &bodies->joint[rows->of[i]];
     const fp3_body *a = &bodies->body[j->a], *b = &bodies->body[j->b];
-    const filling f = {.joint = j,
-                       .stance = fp3_joint_stance(bodies, j),
-                       .firm = firm,
-                       .spring = fp3_soften(j->def.hertz, j->def.damping, h),
-                       .ma = fp3_inverse_mass(a->mass),
-                       .ia = fp3_inverse_mass(a->inertia),
-                       .mb = fp3_inverse_mass(b->mass),
-                       .ib = fp3_inverse_mass(b->inertia),
-                       .h = h,
-                       .lane = rows->lane[i] % FP3_WIDE};
+    filling f = {.joint = j,
+                 .stance = fp3_joint_stance(bodies, j),
+                 .firm = firm,
+                 .spring = fp3_soften(j->def.hertz, j->def.damping, h),
+                 .ma = fp3_inverse_mass(a->mass),
+                 .ia = fp3_inverse_mass(a->inertia),
+                 .mb = fp3_inverse_mass(b->mass),
+                 .ib = fp3_inverse_mass(b->inertia),
+                 .h = h,
+                 .lane = rows->lane[i] % FP3_WIDE};
     const uint32_t block = rows->lane[i] / FP3_WIDE;
+    if (j->is_in_tree && (law == LAW(pin2) || j->def.type == FP3_WELD)) {
+        f.firm.soft = 1; /* what is found at once does not yield */
+        f.firm.fade = 0;
+    }
     if (law == LAW(twist2))
         fill_twist(bodies, &f, (fp3_twist2_row *)rows->row + block);
     else if (law == LAW(slide2))
@@ -190,9 +195,12 @@ fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {
         bodies->joined[law].count = 0;
         if (bodies->joints)
             status = lay(bodies, law);
-        for (uint32_t i = 0; !status && i < bodies->joined[law].count; i++)
-            fill(bodies, law, i, h, firm);
     }
+    if (!status)
+        status = fp3_trees_find(bodies);
+    for (int law = 0; !status && law < FP3_JOINT_LAWS; law++)
+        for (uint32_t i = 0; i < bodies->joined[law].count; i++)
+            fill(bodies, law, i, h, firm);
     return status;
 }
 

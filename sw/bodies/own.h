@@ -18,6 +18,7 @@
 
 typedef struct fp3_space fp3_space; /* own3.h */
 typedef struct fp3_form3 fp3_form3; /* form3.h */
+typedef struct fp3_trees fp3_trees; /* trees.h */
 
 typedef struct {
     /* What each step goes over. */
@@ -62,7 +63,8 @@ typedef struct {
     float axis[2];
     double from; /* what the angle of b and `ratio` times that of a had when it was made */
     uint32_t generation;
-    uint8_t laws; /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
+    uint8_t laws;       /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
+    uint8_t is_in_tree; /* in this step: trees.h */
     float point[2], rod[4], slide[5], twist[4]; /* impulses, as their rows have them */
     float force[2], torque;                     /* on b, in the last substep */
 } fp3_joint;
@@ -103,6 +105,7 @@ struct fp3_bodies {
 
     fp3_joint *joint;
     uint32_t joint_count, joint_room, joints, free_joint;
+    fp3_trees *trees; /* NULL: there was none yet */
     int is_apart_stale;
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
     uint32_t apart_count, apart_room;

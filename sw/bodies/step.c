@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step.c - a step: who touches, what that does in each substep, and where bodies are then. */
 #include "own3.h"
+#include "trees.h"
 #include "turn.h"
 
 #include "base/host.h"
@@ -178,8 +179,8 @@ static fp3_status pass_joints(const fp3_bodies *bodies, const float shared[FP3_S
 }
 
 /* Joints first: contacts have the last word. */
-static fp3_status pass_all(const fp3_bodies *bodies, int has_moved,
-                           const float shared[FP3_SHARED]) {
+static fp3_status pass_all(fp3_bodies *bodies, int has_moved, const float shared[FP3_SHARED]) {
+    fp3_trees_solve(bodies, !has_moved);
     const fp3_status status = pass_joints(bodies, shared);
     return status ? status
                   : pass(bodies, has_moved ? FP3_LAW_gap2 : FP3_LAW_contact2, &bodies->contacts, 0,
@@ -199,6 +200,7 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
         solver->speed(bodies->speed, bodies->base, bodies->pull, bodies->movable, step == 0);
         if (step == 0)
             status = pass(bodies, FP3_LAW_warm2, &bodies->contacts, 0, warm);
+        fp3_trees_forget(bodies);
         if (!status)
             status = pass_joints(bodies, warm);
         if (!status)
