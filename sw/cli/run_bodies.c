@@ -93,17 +93,20 @@ static fp3_status find_steps(const fp3_run_options *o, const fp3_bodies_scene *s
 /* ---- what is printed ---- */
 
 static void print_states(const fp3_bodies_scene *scene, int all) {
-    static const char *const names[] = {"x_x", "x_y", "angle", "v_x", "v_y", "w"};
+    static const char *const plane[] = {"x_x", "x_y", "angle", "v_x", "v_y", "w", NULL};
+    static const char *const space[] = {"x_x", "x_y", "x_z", "q_w", "q_x", "q_y",
+                                        "q_z", "v_x", "v_y", "v_z", NULL};
+    const char *const *names = scene->dimensions == 3 ? space : plane;
     const size_t shown = all || scene->count < SHOWN ? scene->count : SHOWN;
     printf("%-16s", "body");
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+    for (size_t k = 0; names[k]; k++)
         printf(" %-15s", names[k]);
     putchar('\n');
     for (size_t i = 0; i < shown; i++) {
         char name[FP3_NAME_SIZE + 24];
         fp3_bodies_scene_name(scene, i, name);
         printf("%-16s", name);
-        for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        for (size_t k = 0; names[k]; k++) {
             double value = 0;
             if (!fp3_bodies_read(scene->bodies, names[k], &scene->handles[i], 1, &value))
                 printf(" %-15.9g", value);

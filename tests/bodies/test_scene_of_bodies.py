@@ -240,7 +240,7 @@ def test_other_commands_say_who_takes_bodies(fp3, root, tmp_path):
     assert "--contacts: expected a --scene of bodies" in start(fp3, "run", root / "programs/kepler.ode", "--contacts", "x.csv", folder=tmp_path, code=2)
 
 
-@pytest.mark.parametrize("name, bodies, joints", [("pyramid", 822, 0), ("car", 24, 23), ("dominoes", 62, 0)])
+@pytest.mark.parametrize("name, bodies, joints", [("pyramid", 822, 0), ("car", 24, 23), ("dominoes", 62, 0), ("heap", 62, 1)])
 def test_the_scenes_of_the_project_run(fp3, root, name, bodies, joints):
     said = start(fp3, "run", "--scene", f"programs/bodies/{name}.scene", "-n", "20", folder=root)
     assert f"bodies           {bodies}, of which" in said and (f"joints           {joints}, of which 0 broke" in said or not joints)
@@ -263,3 +263,66 @@ joints = ( { rod = ["a", "b[0]"]; }, { rod = ["a", "b[1]"]; force = 1.0; } );"""
     assert "joints           2, of which 1 broke" in said
     with h5py.File(tmp_path / "x.h5") as file:
         assert file["joints:of"][:].tolist() == [[0, 1, 0, 5], [0, 2, 0, 1]]
+
+
+SPACE = """dimensions = 3;
+steps = 30;
+gravity = [0.0, -10.0, 1.0];
+bodies = (
+    { name = "ground"; type = "static"; shapes = ( { plane = [0.0, 1.0, 0.1]; centre = [0.0, 0.25, 0.0]; friction = 0.3; surface = [0.5, 0.0, 0.0]; },
+      { box = [1.0, 2.0, 3.0]; centre = [-4.0, 1.0, 0.0]; q = [1.0, 0.0, 0.5, 0.0]; } ); },
+    { name = "thing"; count = [2, 2]; x = ("j", "1 + i", "0.1*n"); q = (1, "i", "j", 0); v = [0.0, 1.0, 0.0]; spin = ("n", 0, 1);
+      one_of = ( { box = [0.4, 0.3, 0.2]; radius = 0.05; }, { sphere = 0.4; centre = [0.1, 0.0, 0.0]; }, { capsule = ([-0.2, 0.0, 0.1], [0.2, 0.0, 0.0]); radius = 0.2; },
+                 { hull = ([0.5, 0.0, 0.0], [-0.4, 0.4, 0.0], [-0.4, -0.4, 0.0], [0.0, 0.0, 0.6]); density = 2.0; } ); }
+);
+joints = ( { ball = ["thing[0]", "thing[1]"]; at = [0.5, 1.25, 0.0]; },
+           { hinge = ["ground", "thing[3]"]; anchor_a = [1.0, 2.0, 0.5]; axis = [0.0, 0.0, 1.0]; limits = [-1.0, 1.0]; } );
+"""
+
+
+def space():
+    made = package.Bodies(dimensions=3, gravity=(0, -10, 1))
+    ground = made.add(type="static")
+    made.attach(ground, package.plane((0, 1, 0.1), centre=(0, 0.25, 0), friction=0.3, surface=(0.5, 0, 0)))
+    made.attach(ground, package.box(1, 2, 3, centre=(-4, 1, 0), q=(1, 0, 0.5, 0)))
+    shapes = [package.box(0.4, 0.3, 0.2, radius=0.05), package.sphere(0.4, centre=(0.1, 0, 0)), package.capsule((-0.2, 0, 0.1), (0.2, 0, 0), 0.2),
+              package.hull([(0.5, 0, 0), (-0.4, 0.4, 0), (-0.4, -0.4, 0), (0, 0, 0.6)], density=2)]
+    things = [made.add(x=(j, 1 + i, 0.1 * (2 * i + j)), q=(1, i, j, 0), v=(0, 1, 0), spin=(2 * i + j, 0, 1)) for i in range(2) for j in range(2)]
+    for thing, shape in zip(things, shapes):
+        made.attach(thing, shape)
+    return made, ground, things
+
+
+def test_a_scene_in_space_has_the_bits_of_calls(run, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    said = run(SPACE, "--output", "x.h5", "--every", "30", "--contacts", "x.csv", "--observe", "contacts")
+    made, ground, things = space()
+    with h5py.File(tmp_path / "x.h5") as file:
+        a, b = file["joints:anchors"][0, :3], file["joints:anchors"][0, 3:]
+        assert np.allclose(a, [0.5, 0.25, 0], atol=1e-15) and np.allclose(b, [0.1, 0.25, -0.5], atol=1e-15)    # a quarter of a turn about y
+        made.join("ball", things[0], things[1], anchor_a=a, anchor_b=b)
+        made.join("hinge", ground, things[3], anchor_a=(1, 2, 0.5), anchor_b=(0, 0, 0), axis=(0, 0, 1), limits=(-1, 1))
+        made.step(30)
+        assert hash_of(said) == f"{made.hash:016x}"
+        for name in ("x", "q", "v", "spin"):
+            assert np.array_equal(np.stack([file[f"{name}_{k}"][1] for k in ("wxyz" if name == "q" else "xyz")], axis=1), made.read(name, made.handles))
+        assert file["shapes:of"][:].tolist() == [[0, 8, 0, 2], [1, 8, 0, 0], [2, 1, 0, 0], [3, 2, 0, 0], [4, 4, 0, 0]]        # a plane has no corners
+        assert file["shapes:corners"][16].tolist() == [np.float32(0.1), 0, 0] and len(file["contacts:of"]) > 0
+        assert np.array_equal(file["contacts:points"][:, 3:6][file["contacts:of"][:, 0] == 1], made.contacts()["normal"])
+    assert hash_of(run(SPACE, "-n", "4", "-e", "isa")) == hash_of(run(SPACE, "-n", "4"))
+
+
+@pytest.mark.parametrize("text, message", [
+    ("dimensions = 4;" + body(""), r"1: dimensions: found '4', expected 2, a plane, or 3, space"),
+    ("dimensions = 3;" + body("x = [0, 1];"), r"2: x: .* expected three numbers"),
+    ("dimensions = 3;" + body("angle = 1;"), r"2: angle: a plane alone has it, and the scene has dimensions = 3"),
+    ("dimensions = 3;" + body("shapes = { circle = 1; };"), r"2: circle: a plane alone has it"),
+    ("dimensions = 3;" + body("q = [1, 0, 0];"), r"2: q: .* expected four numbers"),
+    ("dimensions = 3;" + body("q = [0, 0, 0, 0];"), r"2: a: the length of q is 0"),
+    ("dimensions = 3;" + joint('gear = ["a", "b"];').replace("circle", "sphere"), r"3: gear: a plane alone has it"),
+    (body("shapes = { sphere = 1; };"), r"2: sphere: space alone has it, and the scene has dimensions = 2"),
+    (body("spin = [0, 1];"), r"2: spin: space alone has it"),
+    (joint('ball = ["a", "b"];'), r"3: ball: space alone has it"),
+])
+def test_what_a_plane_or_space_has_not_is_refused(run, text, message):
+    assert re.search(r"^fp3 run: x\.scene:" + message, run(text, code=2), re.M)

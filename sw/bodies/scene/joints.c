@@ -11,8 +11,8 @@
 #include <string.h>
 
 static const char *const types[] = {
-    [FP3_ROD] = "rod",     [FP3_HINGE] = "hinge", [FP3_SLIDER] = "slider",
-    [FP3_WHEEL] = "wheel", [FP3_WELD] = "weld",   [FP3_GEAR] = "gear"};
+    [FP3_ROD] = "rod",   [FP3_HINGE] = "hinge", [FP3_SLIDER] = "slider", [FP3_WHEEL] = "wheel",
+    [FP3_WELD] = "weld", [FP3_GEAR] = "gear",   [FP3_BALL] = "ball"};
 #define TYPES (sizeof types / sizeof *types)
 
 typedef struct {
@@ -91,7 +91,7 @@ static fp3_status find_bodies(fp3_reader *r, const config_setting_t *from, fp3_j
     }
     if (!found)
         return fp3_setting_wrong(r->in, from,
-                                 "joint: expected rod, hinge, slider, wheel, weld or "
+                                 "joint: expected rod, hinge, slider, wheel, weld, ball or "
                                  "gear with two bodies, as hinge = [\"a\", \"b\"]");
     if (!fp3_setting_is_list(found) || config_setting_length(found) != 2)
         return fp3_setting_expected(r->in, found, types[def->type],
@@ -103,15 +103,36 @@ static fp3_status find_bodies(fp3_reader *r, const config_setting_t *from, fp3_j
 
 /* ---- where ---- */
 
-static fp3_status anchor(const fp3_reader *r, uint64_t handle, const double at[2], double made[2]) {
-    double x[2], angle, turn[2];
+/* A way of the world in the axes of a body in space, which is turned by a quaternion of length 1.
+ */
+static void turn_back(const double q[4], const double way[3], double made[3]) {
+    double t[3];
+    for (int k = 0; k < 3; k++) {
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        t[k] = 2 * (q[1 + m] * way[n] - q[1 + n] * way[m]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        made[k] = way[k] - q[0] * t[k] + (q[1 + m] * t[n] - q[1 + n] * t[m]);
+    }
+}
+
+static fp3_status anchor(const fp3_reader *r, uint64_t handle, const double at[3], double made[3]) {
+    double x[3] = {0}, way[3] = {0}, angle, turn[2], q[4];
     fp3_status status = fp3_bodies_read(r->scene->bodies, "x", &handle, 1, x);
     if (!status)
-        status = fp3_bodies_read(r->scene->bodies, "angle", &handle, 1, &angle);
+        status = r->dimensions == 3
+                     ? fp3_bodies_read(r->scene->bodies, "q", &handle, 1, q)
+                     : fp3_bodies_read(r->scene->bodies, "angle", &handle, 1, &angle);
+    for (unsigned k = 0; k < r->dimensions; k++)
+        way[k] = at[k] - x[k];
     if (status)
         return status;
+    if (r->dimensions == 3) {
+        turn_back(q, way, made);
+        return FP3_OK;
+    }
     fp3_turn2_of(angle, turn);
-    const double way[2] = {at[0] - x[0], at[1] - x[1]};
     made[0] = turn[0] * way[0] + turn[1] * way[1];
     made[1] = turn[0] * way[1] - turn[1] * way[0];
     return FP3_OK;
@@ -119,10 +140,10 @@ static fp3_status anchor(const fp3_reader *r, uint64_t handle, const double at[2
 
 static fp3_status read_anchors(fp3_reader *r, const config_setting_t *from, fp3_joint_def *def) {
     const config_setting_t *at = config_setting_get_member(from, "at");
-    double point[2];
+    double point[3] = {0};
     if (!at) {
-        fp3_status status = fp3_read_pair(r, from, "anchor_a", def->anchor_a);
-        return status ? status : fp3_read_pair(r, from, "anchor_b", def->anchor_b);
+        fp3_status status = fp3_read_place(r, from, "anchor_a", def->anchor_a);
+        return status ? status : fp3_read_place(r, from, "anchor_b", def->anchor_b);
     }
     for (int i = 0; i < 2; i++) {
         const char *name = i ? "anchor_b" : "anchor_a";
@@ -144,16 +165,22 @@ static fp3_status read_anchors(fp3_reader *r, const config_setting_t *from, fp3_
 static fp3_status read_def(fp3_reader *r, const config_setting_t *from, fp3_joint_def *def) {
     const config_setting_t *limits = config_setting_get_member(from, "limits");
     double ends[2] = {0};
-    fp3_status status = find_bodies(r, from, def);
+    static const char *const plane[] = {"gear", "ratio", NULL}, *const space[] = {"ball", "axle",
+                                                                                  NULL};
+    fp3_status status = fp3_read_fits(r, from, plane, space);
+    if (!status)
+        status = find_bodies(r, from, def);
     if (!status)
         status = read_anchors(r, from, def);
     if (!status)
-        status = fp3_read_pair(r, from, "axis", def->axis);
+        status = fp3_read_place(r, from, "axis", def->axis);
+    if (!status)
+        status = fp3_read_place(r, from, "axle", def->axle);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
         status = fp3_read_value(r, from, numbers[i].name,
                                 (double *)(void *)((char *)def + numbers[i].at));
     if (!status && limits)
-        status = fp3_read_point(r, limits, "limits", ends);
+        status = fp3_read_numbers(r, limits, "limits", 2, ends);
     def->has_limits = limits != NULL;
     def->low = ends[0];
     def->high = ends[1];
@@ -188,7 +215,7 @@ fp3_status fp3_read_joints(fp3_reader *r, const config_setting_t *list) {
     static const char *const names[] = {
         "rod",      "hinge", "slider", "wheel",  "weld",        "gear",  "count", "anchor_a",
         "anchor_b", "at",    "axis",   "limits", "ratio",       "speed", "most",  "hertz",
-        "damping",  "rest",  "force",  "torque", "may_collide", NULL};
+        "damping",  "rest",  "force",  "torque", "may_collide", "ball",  "axle",  NULL};
     fp3_status status = FP3_OK;
     if (!config_setting_is_list(list))
         return fp3_setting_expected(r->in, list, "joints", "a list of joints, ( { ... }, ... )");

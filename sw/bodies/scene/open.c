@@ -32,7 +32,7 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
     const config_setting_t *root = r->in->root, *at = config_setting_get_member(root, "engine");
     fp3_bodies_scene *scene = r->scene;
     fp3_bodies_def def = fp3_bodies_default();
-    uint64_t substeps = def.substeps;
+    uint64_t substeps = def.substeps, dimensions = 2;
     const char *name = engine;
     fp3_status status = at && !engine ? fp3_setting_text(r->in, at, "engine", &name) : FP3_OK;
     if (!status && name && !(scene->engine = strdup(name)))
@@ -47,7 +47,13 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
                                           "\"rtl\"; without it the laws of bodies are built in",
                                           name);
     if (!status)
-        status = fp3_read_pair(r, root, "gravity", def.gravity);
+        status = read_count(r, "dimensions", 2, &dimensions);
+    if (!status && dimensions > 3)
+        status = fp3_setting_expected(r->in, config_setting_get_member(root, "dimensions"),
+                                      "dimensions", "2, a plane, or 3, space");
+    r->dimensions = scene->dimensions = def.dimensions = (uint32_t)dimensions;
+    if (!status)
+        status = fp3_read_place(r, root, "gravity", def.gravity);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
         status = fp3_read_value(r, root, numbers[i].name,
                                 (double *)(void *)((char *)&def + numbers[i].at));
@@ -65,9 +71,9 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
 }
 
 static fp3_status read_scene(fp3_reader *r, const char *engine, uint32_t seed) {
-    static const char *const names[] = {"steps",     "seed",     "engine", "gravity", "h",
-                                        "size",      "substeps", "push",   "bounce",  "rest_speed",
-                                        "rest_time", "bodies",   "joints", NULL};
+    static const char *const names[] = {"dimensions", "steps",     "seed",     "engine", "gravity",
+                                        "h",          "size",      "substeps", "push",   "bounce",
+                                        "rest_speed", "rest_time", "bodies",   "joints", NULL};
     const config_setting_t *root = r->in->root;
     fp3_status status = fp3_setting_keys(r->in, root, "a scene of bodies", names);
     if (!status)

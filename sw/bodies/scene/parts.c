@@ -40,11 +40,18 @@ static fp3_status read_type(const fp3_reader *r, const config_setting_t *from,
 }
 
 static fp3_status read_def(fp3_reader *r, const config_setting_t *from, fp3_body_def *def) {
-    fp3_status status = read_type(r, from, &def->type);
+    static const char *const plane[] = {"angle", "w", NULL}, *const space[] = {"q", "spin", NULL};
+    fp3_status status = fp3_read_fits(r, from, plane, space);
     if (!status)
-        status = fp3_read_pair(r, from, "x", def->x);
+        status = read_type(r, from, &def->type);
     if (!status)
-        status = fp3_read_pair(r, from, "v", def->v);
+        status = fp3_read_turn(r, from, def->q);
+    if (!status)
+        status = fp3_read_place(r, from, "spin", def->spin);
+    if (!status)
+        status = fp3_read_place(r, from, "x", def->x);
+    if (!status)
+        status = fp3_read_place(r, from, "v", def->v);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
         status = fp3_read_value(r, from, numbers[i].name,
                                 (double *)(void *)((char *)def + numbers[i].at));
@@ -100,6 +107,8 @@ static fp3_status read_name(const fp3_reader *r, const config_setting_t *from,
 
 static fp3_status read_entry(fp3_reader *r, const config_setting_t *from) {
     static const char *const names[] = {"name",
+                                        "q",
+                                        "spin",
                                         "type",
                                         "count",
                                         "points",

@@ -116,13 +116,23 @@ fp3_status fp3_read_number(fp3_reader *r, const config_setting_t *at, const char
     return fp3_setting_number(r->in, at, what, value);
 }
 
+fp3_status fp3_read_numbers(fp3_reader *r, const config_setting_t *at, const char *what,
+                            unsigned count, double *numbers) {
+    static const char *const expected[] = {
+        [2] = "two numbers, as [0, 1.5], or with formulas (0, \"i + 1\")",
+        [3] = "three numbers, as [0, 1.5, 0], or with formulas (0, \"i + 1\", 0)",
+        [4] = "four numbers, as [1, 0, 0, 0]"};
+    fp3_status status = FP3_OK;
+    if (!fp3_setting_is_list(at) || (unsigned)config_setting_length(at) != count)
+        return fp3_setting_expected(r->in, at, what, expected[count]);
+    for (unsigned k = 0; !status && k < count; k++)
+        status = fp3_read_number(r, config_setting_get_elem(at, k), what, &numbers[k]);
+    return status;
+}
+
 fp3_status fp3_read_point(fp3_reader *r, const config_setting_t *at, const char *what,
-                          double point[2]) {
-    if (!fp3_setting_is_list(at) || config_setting_length(at) != 2)
-        return fp3_setting_expected(r->in, at, what,
-                                    "two numbers, as [0, 1.5], or with formulas (0, \"i + 1\")");
-    fp3_status status = fp3_read_number(r, config_setting_get_elem(at, 0), what, &point[0]);
-    return status ? status : fp3_read_number(r, config_setting_get_elem(at, 1), what, &point[1]);
+                          double *point) {
+    return fp3_read_numbers(r, at, what, r->dimensions, point);
 }
 
 fp3_status fp3_read_value(fp3_reader *r, const config_setting_t *group, const char *name,
@@ -131,10 +141,28 @@ fp3_status fp3_read_value(fp3_reader *r, const config_setting_t *group, const ch
     return at ? fp3_read_number(r, at, name, value) : FP3_OK;
 }
 
-fp3_status fp3_read_pair(fp3_reader *r, const config_setting_t *group, const char *name,
-                         double pair[2]) {
+fp3_status fp3_read_place(fp3_reader *r, const config_setting_t *group, const char *name,
+                          double *place) {
     const config_setting_t *at = config_setting_get_member(group, name);
-    return at ? fp3_read_point(r, at, name, pair) : FP3_OK;
+    return at ? fp3_read_point(r, at, name, place) : FP3_OK;
+}
+
+fp3_status fp3_read_turn(fp3_reader *r, const config_setting_t *group, double q[4]) {
+    const config_setting_t *at = config_setting_get_member(group, "q");
+    return at ? fp3_read_numbers(r, at, "q", 4, q) : FP3_OK;
+}
+
+fp3_status fp3_read_fits(const fp3_reader *r, const config_setting_t *group,
+                         const char *const *plane, const char *const *space) {
+    const int is_space = r->dimensions == 3;
+    for (const char *const *name = is_space ? plane : space; *name; name++) {
+        const config_setting_t *at = config_setting_get_member(group, *name);
+        if (at)
+            return fp3_setting_wrong(r->in, at,
+                                     "%s: %s alone has it, and the scene has dimensions = %u",
+                                     *name, is_space ? "a plane" : "space", r->dimensions);
+    }
+    return FP3_OK;
 }
 
 fp3_status fp3_read_flag(fp3_reader *r, const config_setting_t *group, const char *name,
@@ -183,18 +211,19 @@ static fp3_status read_table(fp3_reader *r, const config_setting_t *at, const ch
 
 static fp3_status corners_of_file(fp3_reader *r, const config_setting_t *at, const char *what,
                                   const char *name, double **corners, size_t *count) {
+    static const char *const axes[] = {"x", "y", "z"};
     fp3_table table = {0};
     fp3_status status = read_table(r, at, name, &table);
-    if (!status && (table.columns != 2 || strcmp(table.names[0], "x") != 0 ||
-                    strcmp(table.names[1], "y") != 0))
-        status = fp3_setting_wrong(r->in, at,
-                                   "%s: '%s' has no head x,y, expected that and a line "
-                                   "of two numbers for each corner",
-                                   what, name);
-    if (!status && !(*corners = malloc((2 * table.rows + 1) * sizeof **corners)))
+    for (size_t k = 0; !status && k < r->dimensions; k++)
+        if (table.columns != r->dimensions || strcmp(table.names[k], axes[k]) != 0)
+            status = fp3_setting_wrong(r->in, at,
+                                       "%s: '%s' has no head %s, expected that and a line of "
+                                       "numbers for each corner",
+                                       what, name, r->dimensions == 3 ? "x,y,z" : "x,y");
+    if (!status && !(*corners = malloc((r->dimensions * table.rows + 1) * sizeof **corners)))
         status = fp3_no_memory(r->in->error);
-    for (size_t i = 0; !status && i < 2 * table.rows; i++)
-        (*corners)[i] = table.number[i % 2 * table.rows + i / 2];
+    for (size_t i = 0; !status && i < r->dimensions * table.rows; i++)
+        (*corners)[i] = table.number[i % r->dimensions * table.rows + i / r->dimensions];
     *count = status ? 0 : table.rows;
     fp3_table_close(&table);
     return status;
@@ -233,13 +262,13 @@ fp3_status fp3_read_corners(fp3_reader *r, const config_setting_t *at, const cha
         status = fp3_setting_expected(r->in, at, what,
                                       "corners, as ( [0, 0], [1, 0], [0, 1] ), { count = 6; at = "
                                       "(\"cos(pi*corner/3)\", \"sin(pi*corner/3)\"); }, or a file");
-    if (!status && !(*corners = malloc((2 * *count + 1) * sizeof **corners)))
+    if (!status && !(*corners = malloc((r->dimensions * *count + 1) * sizeof **corners)))
         status = fp3_no_memory(r->in->error);
     r->has_corner = made != NULL;
     for (size_t i = 0; !status && i < *count; i++) {
         r->corner = (double)i;
         status = fp3_read_point(r, made ? made : config_setting_get_elem(at, (unsigned)i), what,
-                                *corners + 2 * i);
+                                *corners + r->dimensions * i);
     }
     r->has_corner = 0;
     return status;

@@ -22,6 +22,7 @@ typedef struct {
     const fp3_settings *in;
     fp3_bodies_scene *scene;
     uint64_t seed;
+    unsigned dimensions; /* 2: a plane; 3: space */
     /* What names in formulas stand for. */
     double counter[FP3_COUNTERS], number, corner;
     unsigned counters;       /* that the entry has */
@@ -37,18 +38,26 @@ typedef struct {
 /* What is the setting's name in a message. */
 fp3_status fp3_read_number(fp3_reader *r, const config_setting_t *at, const char *what,
                            double *value);
-/* x and y; a formula each. */
+/* A list of 2 to 4 numbers. */
+fp3_status fp3_read_numbers(fp3_reader *r, const config_setting_t *at, const char *what,
+                            unsigned count, double *numbers);
+/* x and y, in space z, too. */
 fp3_status fp3_read_point(fp3_reader *r, const config_setting_t *at, const char *what,
-                          double point[2]);
+                          double *point);
 /* Of settings that may be missing: *value is unchanged then. */
 fp3_status fp3_read_value(fp3_reader *r, const config_setting_t *group, const char *name,
                           double *value);
-fp3_status fp3_read_pair(fp3_reader *r, const config_setting_t *group, const char *name,
-                         double pair[2]);
+fp3_status fp3_read_place(fp3_reader *r, const config_setting_t *group, const char *name,
+                          double *place);
+fp3_status fp3_read_turn(fp3_reader *r, const config_setting_t *group, double q[4]);
 fp3_status fp3_read_flag(fp3_reader *r, const config_setting_t *group, const char *name, int *flag);
 
+/* Whether no setting is there that only the other kind of world has; the lists end with NULL. */
+fp3_status fp3_read_fits(const fp3_reader *r, const config_setting_t *group,
+                         const char *const *plane, const char *const *space);
+
 /* Points in a list, ( [0, 0], [1, 0] ), or { count = 12; at = [...]; } with the name `corner`, or
- * "FILE". The caller frees *corners (x and y of each), after a failure too. */
+ * "FILE". The caller frees *corners (2 or 3 numbers of each), after a failure too. */
 fp3_status fp3_read_corners(fp3_reader *r, const config_setting_t *at, const char *what,
                             double **corners, size_t *count);
 

@@ -99,10 +99,10 @@ static fp3_status add_contact(fp3_bodies_tables *t, uint64_t number, const fp3_c
     double *point = t->points + POINT * t->contact_count++;
     const double values[POINT] = {c->point[0],
                                   c->point[1],
-                                  0,
+                                  c->point[2],
                                   c->normal[0],
                                   c->normal[1],
-                                  0,
+                                  c->normal[2],
                                   c->impulse * t->scene->substeps / t->scene->h};
     memcpy(point, values, sizeof values);
     return FP3_OK;

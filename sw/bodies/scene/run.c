@@ -18,22 +18,25 @@
 
 #define PARTS 200 /* of a run, after which progress is told */
 
-/* What bodies have. */
+/* What bodies have; how many numbers in a plane and in space, 0: it is not there. */
 typedef struct {
     const char *name, *unit, *doc;
-    int is_vector, is_usual;
+    unsigned width[2];
+    int is_usual;
 } quantity;
 
 static const quantity quantities[] = {
-    {"x", "m", "where the body's origin is", 1, 1},
-    {"angle", "1", "how far it is turned, anticlockwise", 0, 1},
-    {"v", "m/s", "the speed of its centre of mass", 1, 1},
-    {"w", "1/s", "its spin", 0, 1},
-    {"force", "N", "what acts in the next step", 1, 0},
-    {"torque", "N*m", "what turns it in the next step", 0, 0},
-    {"mass", "kg", "its mass", 0, 0},
-    {"inertia", "kg*m^2", "its inertia about the centre of mass", 0, 0},
-    {"at_rest", "s", "for how long it has been slow; -1 while it sleeps", 0, 1}};
+    {"x", "m", "where the body's origin is", {2, 3}, 1},
+    {"angle", "1", "how far it is turned, anticlockwise", {1, 0}, 1},
+    {"q", "1", "how it is turned, a quaternion", {0, 4}, 1},
+    {"v", "m/s", "the speed of its centre of mass", {2, 3}, 1},
+    {"w", "1/s", "its spin", {1, 0}, 1},
+    {"spin", "1/s", "its spin, in the world's axes", {0, 3}, 1},
+    {"force", "N", "what acts in the next step", {2, 3}, 0},
+    {"torque", "N*m", "what turns it in the next step", {1, 3}, 0},
+    {"mass", "kg", "its mass", {1, 1}, 0},
+    {"inertia", "kg*m^2", "its inertia about the centre of mass", {1, 3}, 0},
+    {"at_rest", "s", "for how long it has been slow; -1 while it sleeps", {1, 1}, 1}};
 #define QUANTITIES (sizeof quantities / sizeof *quantities)
 
 typedef struct {
@@ -75,26 +78,36 @@ static fp3_status add_column(run *u, const quantity *q, const char *end) {
     return made->values ? FP3_OK : fp3_no_memory(u->error);
 }
 
+static unsigned width_of(const run *u, const quantity *q) {
+    return q->width[u->scene->dimensions == 3];
+}
+
+/* "_x" of the first of two or three numbers, "_w" of the first of four. */
+static const char *end_of(unsigned width, unsigned k) {
+    static const char *const ends[] = {"_w", "_x", "_y", "_z"};
+    return width == 1 ? "" : ends[width == 4 ? k : k + 1];
+}
+
 static fp3_status add_quantity(run *u, const quantity *q) {
-    if (!q->is_vector)
-        return add_column(u, q, "");
-    const fp3_status status = add_column(u, q, "_x");
-    return status ? status : add_column(u, q, "_y");
+    fp3_status status = FP3_OK;
+    for (unsigned k = 0; !status && k < width_of(u, q); k++)
+        status = add_column(u, q, end_of(width_of(u, q), k));
+    return status;
 }
 
 /* A name that there is not is refused by the world, which suggests one. */
 static fp3_status observe(run *u, const char *name) {
-    const size_t length = strlen(name);
     for (size_t i = 0; i < QUANTITIES; i++) {
         const quantity *q = &quantities[i];
-        if (!strcmp(q->name, name))
+        const unsigned width = width_of(u, q);
+        const size_t length = strlen(q->name);
+        if (width && !strcmp(q->name, name))
             return add_quantity(u, q);
-        if (q->is_vector && length > 2 && strlen(q->name) == length - 2 &&
-            !strncmp(q->name, name, length - 2) &&
-            (!strcmp(name + length - 2, "_x") || !strcmp(name + length - 2, "_y")))
-            return add_column(u, q, name + length - 2);
+        for (unsigned k = 0; width > 1 && k < width; k++)
+            if (!strncmp(q->name, name, length) && !strcmp(name + length, end_of(width, k)))
+                return add_column(u, q, end_of(width, k));
     }
-    double value[2];
+    double value[4];
     const fp3_status status = fp3_bodies_read(u->scene->bodies, name, u->scene->handles, 1, value);
     return fp3_fail(u->error, status ? status : FP3_E_ARGUMENT, "--observe: %s",
                     status ? u->scene->why.text : name);
@@ -156,9 +169,9 @@ static fp3_status open_sink(run *u) {
 static fp3_status open_contacts(run *u) {
     fp3_status status = fp3_output_open(u->def->contacts, &u->contacts, u->error);
     if (!status)
-        fputs(
-            "step,time [s],change,a,b,x [m],y [m],normal_x,normal_y,speed [m/s],impulse [N*s]\r\n",
-            fp3_output_stream(u->contacts));
+        fputs("step,time [s],change,a,b,x [m],y [m],z [m],normal_x,normal_y,normal_z,speed "
+              "[m/s],impulse [N*s]\r\n",
+              fp3_output_stream(u->contacts));
     return status;
 }
 
@@ -189,9 +202,9 @@ static void write_changes(const run *u, uint64_t step, fp3_contact_change change
         const fp3_contact *c = &list[i];
         fp3_bodies_scene_name(u->scene, (uint32_t)c->body_a, a);
         fp3_bodies_scene_name(u->scene, (uint32_t)c->body_b, b);
-        fprintf(out, "%" PRIu64 ",%.17g,%s,%s,%s,%.17g,%.17g,%.9g,%.9g,%.9g,%.9g\r\n", step,
-                (double)step * u->scene->h, names[change], a, b, c->point[0], c->point[1],
-                c->normal[0], c->normal[1], c->speed, c->impulse);
+        fprintf(out, "%" PRIu64 ",%.17g,%s,%s,%s,%.17g,%.17g,%.17g,%.9g,%.9g,%.9g,%.9g,%.9g\r\n",
+                step, (double)step * u->scene->h, names[change], a, b, c->point[0], c->point[1],
+                c->point[2], c->normal[0], c->normal[1], c->normal[2], c->speed, c->impulse);
     }
 }
 

@@ -26,7 +26,7 @@ typedef struct {
     char *path, *engine; /* engine: NULL: laws are built in */
     uint64_t steps;
     double h;
-    uint32_t substeps;
+    uint32_t substeps, dimensions;
     fp3_bodies *bodies;
     fp3_error why; /* where the world puts its errors */
     fp3_bodies_entry *entries;

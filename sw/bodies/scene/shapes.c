@@ -7,11 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum { CIRCLE, BOX, CAPSULE, POLYGON, CHAIN, KINDS } kind;
+typedef enum { CIRCLE, BOX, CAPSULE, POLYGON, CHAIN, SPHERE, HULL, PLANE, KINDS } kind;
 
-static const char *const kinds[] = {"circle", "box", "capsule", "polygon", "chain"};
+static const char *const kinds[] = {"circle", "box",    "capsule", "polygon",
+                                    "chain",  "sphere", "hull",    "plane"};
 static const char expected[] = "one of circle = RADIUS, box = [HALF_X, HALF_Y], capsule = ([X, Y], "
-                               "[X, Y]), polygon = (...) and chain = (...)";
+                               "[X, Y]), polygon = (...) and chain = (...); in space of sphere, "
+                               "box, capsule, hull = (...) and plane = NORMAL";
 
 /* A number of fp3_shape_def. */
 typedef struct {
@@ -45,9 +47,10 @@ static fp3_status check_fit(const fp3_reader *r, const config_setting_t *from, k
     static const struct {
         const char *name;
         unsigned of;
-    } some[] = {{"radius", 1u << BOX | 1u << CAPSULE | 1u << POLYGON | 1u << CHAIN},
-                {"centre", 1u << CIRCLE | 1u << BOX},
+    } some[] = {{"radius", 1u << BOX | 1u << CAPSULE | 1u << POLYGON | 1u << CHAIN | 1u << HULL},
+                {"centre", 1u << CIRCLE | 1u << BOX | 1u << SPHERE | 1u << PLANE},
                 {"angle", 1u << BOX},
+                {"q", 1u << BOX},
                 {"loop", 1u << CHAIN}};
     for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
         const config_setting_t *at = config_setting_get_member(from, some[i].name);
@@ -70,12 +73,18 @@ static fp3_status read_bits(fp3_reader *r, const config_setting_t *from, const c
 
 /* All but the form. */
 static fp3_status read_surface(fp3_reader *r, const config_setting_t *from, fp3_shape_def *def) {
-    fp3_status status = FP3_OK;
+    static const char *const plane[] = {"circle", "polygon", "chain", "angle", "belt", NULL};
+    static const char *const space[] = {"sphere", "hull", "plane", "q", "surface", NULL};
+    fp3_status status = fp3_read_fits(r, from, plane, space);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
         status = fp3_read_value(r, from, numbers[i].name,
                                 (double *)(void *)((char *)def + numbers[i].at));
     if (!status)
-        status = fp3_read_pair(r, from, "centre", def->centre);
+        status = fp3_read_place(r, from, "centre", def->centre);
+    if (!status)
+        status = fp3_read_turn(r, from, def->q);
+    if (!status)
+        status = fp3_read_place(r, from, "surface", def->surface);
     if (!status)
         status = read_bits(r, from, "category", &def->category);
     if (!status)
@@ -85,12 +94,13 @@ static fp3_status read_surface(fp3_reader *r, const config_setting_t *from, fp3_
 
 static fp3_status take_corners(const fp3_reader *r, const config_setting_t *at, const char *what,
                                const double *corners, size_t count, fp3_shape_def *def) {
-    if (count > FP3_CORNERS)
+    const int most = r->dimensions == 3 ? FP3_HULL_CORNERS : FP3_CORNERS;
+    if (count > (size_t)most)
         return fp3_setting_wrong(r->in, at, "%s: found %zu corners, expected at most %d", what,
-                                 count, FP3_CORNERS);
+                                 count, most);
     def->corners = (uint32_t)count;
     for (size_t k = 0; k < count; k++)
-        memcpy(def->corner[k], corners + 2 * k, 2 * sizeof *corners);
+        memcpy(def->corner[k], corners + r->dimensions * k, r->dimensions * sizeof *corners);
     return FP3_OK;
 }
 
@@ -100,11 +110,19 @@ static fp3_status read_form(fp3_reader *r, const config_setting_t *at, kind is,
     size_t count = 0;
     if (is == CIRCLE)
         return fp3_read_number(r, at, "circle", &def->radius);
+    if (is == SPHERE) {
+        def->type = FP3_SPHERE;
+        return fp3_read_number(r, at, "sphere", &def->radius);
+    }
+    if (is == PLANE) {
+        def->type = FP3_PLANE;
+        return fp3_read_point(r, at, "plane", def->normal);
+    }
     if (is == BOX) {
         def->type = FP3_BOX;
         return fp3_read_point(r, at, "box", def->half);
     }
-    def->type = is == CAPSULE ? FP3_CAPSULE : FP3_POLYGON;
+    def->type = is == CAPSULE ? FP3_CAPSULE : is == HULL ? FP3_HULL : FP3_POLYGON;
     fp3_status status = fp3_read_corners(r, at, kinds[is], &corners, &count);
     if (!status)
         status = take_corners(r, at, kinds[is], corners, count, def);
@@ -134,7 +152,8 @@ static fp3_status read_shape(fp3_reader *r, const config_setting_t *from, uint64
     static const char *const names[] = {
         "circle",      "box",    "capsule",  "polygon", "chain",     "loop",
         "radius",      "centre", "angle",    "density", "friction",  "rolling",
-        "restitution", "belt",   "category", "mask",    "is_sensor", NULL};
+        "restitution", "belt",   "category", "mask",    "is_sensor", "sphere",
+        "hull",        "plane",  "q",        "surface", NULL};
     kind is;
     fp3_shape_def def = fp3_shape_circle(0);
     if (!config_setting_is_group(from))
