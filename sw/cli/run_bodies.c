@@ -40,7 +40,7 @@ static fp3_status check_options(const fp3_run_options *o, fp3_error *error) {
         {"--allow-failures", o->allows_failures, "a run of bodies ends with the first that fails"},
         {"--plot", def->plot != NULL, "fp3 view draws a recording of bodies"},
         {"--checkpoint, --restart", def->checkpoint || def->restart,
-         "bodies have no checkpoints in files yet"},
+         "only programs write a world of bodies to a file (fp3_bodies_checkpoint)"},
         {"fp3 verify", def->expected != NULL, "a recording of bodies has no chain of hashes"},
         {"several ranks", o->ranks != NULL, "a world of bodies is in one process"}};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)

@@ -220,7 +220,7 @@ def test_a_wrong_scene_is_refused_where_it_is_wrong(run, text, message):
 
 @pytest.mark.parametrize("arguments, message", [
     ("--config many", "--config: .*bodies need no configuration"), ("--threads 2", "--threads: .*one thread"), ("--check", "--check, --strict: "),
-    ("--plot x.svg", "--plot: .*fp3 view draws"), ("--checkpoint x.h5", "no checkpoints"), ("--tolerance 1e-3", "--tolerance: only a model"),
+    ("--plot x.svg", "--plot: .*fp3 view draws"), ("--checkpoint x.h5", "fp3_bodies_checkpoint"), ("--tolerance 1e-3", "--tolerance: only a model"),
     ("-e board --port x", "--port, --baud: "), ("-e nix", "--engine: found 'nix', expected isa, fast or rtl"), ("--visit 2", "--visit: "),
     ("--clock 1MHz", "--clock: "), ("--allow-failures", "--allow-failures: "), ("--group a", "nothing is recorded"),
     ("--output x.csv --group q", "--group: found 'q', expected the name of bodies"), ("--output x.csv --observe xx", r"bodies have no value 'xx' \(did you mean 'x'\?\)"),
