@@ -33,23 +33,43 @@ static int ascending(const void *a, const void *b) {
 
 int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
     const uint64_t key = key_of(a, b);
-    return bodies->apart_count &&
-           bsearch(&key, bodies->apart, bodies->apart_count, sizeof key, ascending) != NULL;
+    const uint32_t lower = (uint32_t)(key >> 32);
+    int is_there = 0;
+    if (lower >= bodies->apart_bodies)
+        return 0;
+    for (uint32_t k = bodies->apart_first[lower]; k < bodies->apart_first[lower + 1]; k++)
+        is_there |= bodies->apart[k] == key;
+    return is_there;
 }
 
-/* There is room for as many as there are joints. */
-void fp3_joints_find_apart(fp3_bodies *bodies) {
+fp3_status fp3_joints_find_apart(fp3_bodies *bodies) {
     if (!bodies->is_apart_stale)
-        return;
-    bodies->is_apart_stale = 0;
-    bodies->apart_count = 0;
+        return FP3_OK;
+    fp3_status status =
+        fp3_bodies_room((void **)&bodies->apart_first, &bodies->apart_first_room,
+                        sizeof *bodies->apart_first, bodies->body_count + 1u, bodies->error);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->apart, &bodies->apart_room,
+                                 sizeof *bodies->apart, bodies->joint_count + 1u, bodies->error);
+    if (status)
+        return status;
+    uint32_t count = 0;
     for (uint32_t i = 0; i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
         if (j->generation & 1 && !j->def.may_collide)
-            bodies->apart[bodies->apart_count++] = key_of(j->a, j->b);
+            bodies->apart[count++] = key_of(j->a, j->b);
     }
-    if (bodies->apart_count)
-        qsort(bodies->apart, bodies->apart_count, sizeof *bodies->apart, ascending);
+    if (count)
+        qsort(bodies->apart, count, sizeof *bodies->apart, ascending);
+    for (uint32_t body = 0, k = 0; body <= bodies->body_count; body++) {
+        while (k < count && bodies->apart[k] >> 32 < body)
+            k++;
+        bodies->apart_first[body] = k;
+    }
+    bodies->apart_count = count;
+    bodies->apart_bodies = bodies->body_count;
+    bodies->is_apart_stale = 0;
+    return FP3_OK;
 }
 
 /* ---- they come ---- */

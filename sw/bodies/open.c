@@ -118,10 +118,10 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     *bodies = NULL;
     if (!b)
         return;
-    void *const arrays[] = {b->body,      b->shape,     b->boxes.box, b->boxes.filter, b->touch,
-                            b->key,       b->in_slot,   b->speed,     b->way,          b->base,
-                            b->pull,      b->heft,      b->merged,    b->joint,        b->apart,
-                            b->change[0], b->change[1], b->change[2], b->now};
+    void *const arrays[] = {b->body,        b->shape,     b->boxes.box, b->boxes.filter, b->touch,
+                            b->key,         b->in_slot,   b->speed,     b->way,          b->base,
+                            b->pull,        b->heft,      b->merged,    b->joint,        b->apart,
+                            b->apart_first, b->change[0], b->change[1], b->change[2],    b->now};
     for (uint32_t i = 0; b->space && i < b->shape_count; i++)
         fp3_form_give_back(b->shape[i].form);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)

@@ -108,7 +108,8 @@ struct fp3_bodies {
     fp3_trees *trees; /* NULL: there was none yet */
     int is_apart_stale;
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
-    uint32_t apart_count, apart_room;
+    uint32_t *apart_first; /* where those of each lower one begin */
+    uint32_t apart_count, apart_room, apart_first_room, apart_bodies;
 
     fp3_boxes boxes;    /* of each shape, as pairs.h has them */
     int is_bouncy;      /* some shape has had a restitution */
@@ -203,7 +204,7 @@ void fp3_joint_drop(fp3_bodies *bodies, uint32_t number);
 /* Joints of bodies that are marked, because they are removed. */
 void fp3_joints_drop(fp3_bodies *bodies);
 /* Who is joined and does not collide, anew where joints have changed. */
-void fp3_joints_find_apart(fp3_bodies *bodies);
+fp3_status fp3_joints_find_apart(fp3_bodies *bodies);
 /* Whether two bodies are joined and do not collide. */
 int fp3_joints_part(const fp3_bodies *bodies, uint32_t a, uint32_t b);
 

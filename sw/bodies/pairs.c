@@ -133,15 +133,25 @@ static int may_be(const fp3_boxes *boxes, uint32_t a, uint32_t b) {
     return (x->may_move | y->may_move) && x->category & y->mask && y->category & x->mask;
 }
 
+/* Of two boxes of a level the one whose cell is before the other's finds the other; in one cell the
+ * one with the lower number. */
+static int is_before(const int32_t a[3], const int32_t b[3]) {
+    return a[2] != b[2] ? a[2] < b[2] : a[1] != b[1] ? a[1] < b[1] : a[0] < b[0];
+}
+
 static fp3_status look_into(search *s, const place *own, const int32_t cell[3], uint32_t level,
                             fp3_error *error) {
+    const int is_level = level == own->level;
+    if (is_level && is_before(cell, own->cell))
+        return FP3_OK;
+    const uint32_t least = is_level && !is_before(own->cell, cell) ? own->box + 1 : 0;
     const uint32_t bucket = bucket_of(s, cell, level);
     fp3_status status = FP3_OK;
     for (uint32_t k = s->bucket[bucket]; !status && k < s->bucket[bucket + 1]; k++) {
         const place *p = &s->places[k];
-        if ((level != own->level || p->box > own->box) && p->level == level &&
-            p->cell[0] == cell[0] && p->cell[1] == cell[1] && p->cell[2] == cell[2] &&
-            overlap(s, own->box, p->box) && may_be(s->boxes, own->box, p->box))
+        if (p->box >= least && p->level == level && p->cell[0] == cell[0] &&
+            p->cell[1] == cell[1] && p->cell[2] == cell[2] && overlap(s, own->box, p->box) &&
+            may_be(s->boxes, own->box, p->box))
             status = found(s, own->box, p->box, error);
     }
     return status;
@@ -169,20 +179,44 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Keys nearly ascend, as boxes look one after another: each goes to its place among the last ones.
- * Where many are out of order, as where boxes of several sizes meet, sorting as usual is faster. */
-static void sort(uint64_t *keys, size_t count) {
-    size_t moves = 0;
-    for (size_t k = 1; k < count && moves <= 8 * count; k++) {
+/* A large box has many. */
+static void sort_few(uint64_t *keys, uint32_t count) {
+    if (count > 16) {
+        qsort(keys, count, sizeof *keys, ascending);
+        return;
+    }
+    for (uint32_t k = 1; k < count; k++) {
         const uint64_t key = keys[k];
-        size_t to = k;
+        uint32_t to = k;
         for (; to > 0 && keys[to - 1] > key; to--)
             keys[to] = keys[to - 1];
         keys[to] = key;
-        moves += k - to;
     }
-    if (moves > 8 * count)
-        qsort(keys, count, sizeof *keys, ascending);
+}
+
+/* By counting the lower numbers; each has few others, of which each goes to its place. */
+static fp3_status sort(search *s, fp3_error *error) {
+    uint64_t *keys = *s->keys, *to = malloc((s->count + 1) * sizeof *to);
+    uint32_t *first = calloc((size_t)s->boxes->count + 1, sizeof *first);
+    const int is_made = to && first;
+    for (size_t k = 0; is_made && k < s->count; k++)
+        first[keys[k] >> 32]++;
+    for (uint32_t i = 0, sum = 0; is_made && i <= s->boxes->count; i++) {
+        const uint32_t own = first[i];
+        first[i] = sum;
+        sum += own;
+    }
+    for (size_t k = 0; is_made && k < s->count; k++)
+        to[first[keys[k] >> 32]++] = keys[k];
+    for (uint32_t i = 0; is_made && i < s->boxes->count; i++) { /* first: where it ends now */
+        const uint32_t begin = i ? first[i - 1] : 0;
+        sort_few(to + begin, first[i] - begin);
+    }
+    if (is_made)
+        memcpy(keys, to, s->count * sizeof *keys);
+    free(to);
+    free(first);
+    return is_made ? FP3_OK : fp3_no_memory(error);
 }
 
 fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room, size_t *count,
@@ -201,7 +235,8 @@ fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room,
     free(s.own);
     free(s.places);
     free(s.of);
-    sort(*keys, s.count);
+    if (!status && s.count)
+        status = sort(&s, error);
     *count = s.count;
     return status;
 }

@@ -310,6 +310,7 @@ static fp3_status read_all(reader *r, const fp3_bodies_def *def, fp3_bodies **ma
     if (status)
         return status;
     (*made)->boxes.count = (*made)->shape_count;
+    (*made)->is_apart_stale = 1;
     return check(r, *made);
 }
 

@@ -119,7 +119,7 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
     bodies->joint_count = from.joint_count;
     bodies->joints = from.joints;
     bodies->free_joint = from.free_joint;
-    bodies->is_apart_stale = from.is_apart_stale;
+    bodies->is_apart_stale = 1;
     bodies->is_bouncy = from.is_bouncy;
     bodies->apart_count = from.apart_count;
     bodies->is_changed = from.is_changed;

@@ -173,9 +173,10 @@ static fp3_status merge(fp3_bodies *bodies, size_t count, int is_apart_new) {
 static fp3_status renew_pairs(fp3_bodies *bodies) {
     size_t count = 0;
     const int is_apart_new = bodies->is_apart_stale;
-    fp3_joints_find_apart(bodies);
-    const fp3_status status =
-        fp3_pairs_find(&bodies->boxes, &bodies->key, &bodies->key_room, &count, bodies->error);
+    fp3_status status = fp3_joints_find_apart(bodies);
+    if (!status)
+        status =
+            fp3_pairs_find(&bodies->boxes, &bodies->key, &bodies->key_room, &count, bodies->error);
     return status ? status : merge(bodies, count, is_apart_new);
 }
 
