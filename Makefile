@@ -234,7 +234,7 @@ $(call obj,sw/bodies/text.c): $(wildcard programs/bodies/*.ode)
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
 # Vectors of eight are never passed between functions.
-$(call obj,$(wildcard sw/bodies/*.c)): CFLAGS += -Wno-psabi
+$(call obj,$(wildcard sw/bodies/*.c) tests/bodies/stepped.c): CFLAGS += -Wno-psabi
 
 $(SOLVERS): $(BUILD)/obj/sw/bodies/solve%_v3.o: sw/bodies/solve%.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -680,7 +680,7 @@ $(BUILD)/netlist/ecp5_%.vvp: tools/netlist.sh $(BUILD)/rtl/fp3_%.v $(RTL) sim/re
 
 .PHONY: everywhere everywhere-report $(ELSEWHERE)
 $(ELSEWHERE): %: $(ABROAD)/%/root/done $(BUILD)/ready
-	@+$(MAKE) -s BUILD=$(ABROAD)/$* CROSS=$*- SYSROOT=$(abspath $(ABROAD)/$*/root) $(ABROAD)/$*/bin/fp3 $(ABROAD)/$*/tests/operations
+	@+$(MAKE) -s BUILD=$(ABROAD)/$* CROSS=$*- SYSROOT=$(abspath $(ABROAD)/$*/root) $(ABROAD)/$*/bin/fp3 $(ABROAD)/$*/tests/operations $(ABROAD)/$*/tests/stepped
 
 everywhere: $(ELSEWHERE) $(BUILD)/wasm/fp3.wasm $(BUILD)/wasm/operations.wasm $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp $(BUILD)/netlist/ecp5_single.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64, WebAssembly and the hardware: build/results/everywhere.json
 	@$(PYTHON) tools/everywhere.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/everywhere.json --replays $(BUILD)/icarus --netlist $(BUILD)/netlist/ecp5_single.vvp --all

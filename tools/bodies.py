@@ -21,8 +21,8 @@ import time
 import bench
 from fp3bodies import report
 
-PARTS = ("truths", "standing", "speed", "error", "hashes")
-ALONE = {"hashes"}  # parts without peers
+PARTS = ("truths", "standing", "speed", "error", "hashes", "chip")
+ALONE = {"hashes", "chip"}  # parts without peers
 # Who is a part of an engine that is there already has its own parts; implicitfast is Euler where nothing damps.
 SOME = {"mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
 OWN = "fp3"
@@ -143,6 +143,14 @@ class Lab:
                 self.say(f"{scene}, {name}: {row['ns_per_body_step']:.0f} ns")
         return {"speed": rows, "speed_refused": refused}
 
+    def chip(self):
+        from fp3bodies import chip, hashes
+        try:
+            return {"chip": chip.measure(self.quick, self.say, self.wanted(chip.SCENES) if self.scenes else ())}
+        except hashes.Failed as why:
+            self.failed.append(str(why))
+            return {}
+
     def hashes(self):
         from fp3bodies import hashes
         try:
@@ -185,6 +193,10 @@ def wrong(found):
     for row in found.get("truths", []):
         if row["peer"] == OWN and not row["holds"]:
             yield f"{row['what']}: found {row['found']}, expected {row['expected']:.6g} within {row['within']:.2g}"
+    if "chip" in found:
+        from fp3bodies import chip
+        for row in chip.wrong(found["chip"]):
+            yield f"{row['scene']}, {row['config']}, {row['law']}: {row['cycles']} cycles, foreseen {row['runs']} times {row['foreseen']}"
     if "hashes" in found:
         from fp3bodies import hashes
         for row in hashes.differing(found["hashes"]):

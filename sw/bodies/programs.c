@@ -72,6 +72,7 @@ typedef struct {
     fp3_engine *engine;
     word words[REGISTERS];
     uint32_t word_count;
+    uint64_t runs, lanes, cycles;
     uint32_t row_count, point_count; /* words of a row, and of each of its points behind them */
     int shared[FP3_SHARED];          /* register of each; -1: the law does not read it */
 } law;
@@ -216,6 +217,15 @@ const char *fp3_laws_text(const fp3_laws *laws, uint32_t which) {
     return laws && laws->law[which].own ? laws->law[which].own : in_plane[which].text;
 }
 
+int fp3_laws_used(const fp3_laws *laws, uint32_t which, fp3_laws_use *use) {
+    if (which >= laws->family->count)
+        return 0;
+    const law *l = &laws->law[which];
+    *use = (fp3_laws_use){l->kind->name, l->program->image, l->runs,
+                          l->lanes,      l->cycles,         fp3_engine_bus(l->engine)};
+    return 1;
+}
+
 void fp3_laws_close(fp3_laws **laws) {
     fp3_laws *l = *laws;
     *laws = NULL;
@@ -307,8 +317,12 @@ static fp3_status take(const passing *p, uint32_t first, uint32_t end) {
 /* What is not finite shows in the bodies. */
 static fp3_status run(const passing *p, uint32_t first, uint32_t end) {
     fp3_status status = bring(p, first, end);
+    fp3_stats stats = {.schedulers = 0};
     if (!status)
-        status = fp3_engine_run(p->law->engine, 1, NULL);
+        status = fp3_engine_run(p->law->engine, 1, &stats);
+    p->law->runs++;
+    p->law->lanes += (end - first) * FP3_WIDE;
+    p->law->cycles += stats.counter[FP3_COUNTER_CYCLES];
     return status && status != FP3_E_FAILED ? status : take(p, first, end);
 }
 

@@ -11,6 +11,7 @@
 #include "solve3.h"
 
 #include <fp3/bodies.h>
+#include <fp3/engine.h>
 
 typedef struct fp3_laws fp3_laws;
 
@@ -22,6 +23,15 @@ fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **laws, fp3_error *
 const char *fp3_laws_why(const fp3_laws *laws);
 /* Of the plane. laws: NULL: the one that is built in. */
 const char *fp3_laws_text(const fp3_laws *laws, uint32_t law);
+/* What the runs of a law have cost so far, on hardware; 0: there is no such law. A run is of one
+ * colour, at most, and has so many lanes of rows in it. */
+typedef struct {
+    const char *name;
+    const fp3_image *image;
+    uint64_t runs, lanes, cycles;
+    fp3_bus_use bus;
+} fp3_laws_use;
+int fp3_laws_used(const fp3_laws *laws, uint32_t law, fp3_laws_use *use);
 void fp3_laws_close(fp3_laws **laws);
 
 /* Blocks first .. end - 1 of a colour make a pass by law FP3_LAW_..., of the plane or of space as

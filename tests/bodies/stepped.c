@@ -15,6 +15,10 @@
  * - fileN: built-in laws make all steps but the last N; a checkpoint is written beside the scene,
  *   and what is opened from it makes the rest by ENGINE.
  */
+#include "bodies/own.h"
+#include "machine/cycles.h"
+#include "machine/visit.h"
+
 #include <fp3/bodies.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -153,6 +157,35 @@ static void make_steps(scene *s, uint64_t count) {
         must(s, fp3_bodies_step(s->world, each));
 }
 
+/* Cycles of a run, which always has so many objects, as they are foreseen. */
+#define OBJECTS 64 /* as programs.c has them */
+static uint64_t foreseen(const fp3_image *image, const fp3_config *config) {
+    fp3_visit *visit = NULL;
+    fp3_error error;
+    if (fp3_visit_make(image, &visit, &error))
+        return 0;
+    const fp3_swept swept = {visit->decoded, visit->code_count, visit->step, visit->last, 1};
+    const uint32_t lanes = config->lanes;
+    const uint64_t cycles =
+        fp3_cycles_interleaved(config, (OBJECTS + lanes - 1) / lanes, 1, &swept);
+    fp3_visit_free(&visit);
+    return cycles;
+}
+
+/* A line for each law of the hardware: its runs, contacts or joints and empty lanes in them,
+ * cycles, those foreseen for a run, by 38 lanes, too, and words and cycles of the bus. */
+static void print_use(const scene *s, const char *name) {
+    const fp3_config *config = fp3_config_find(name ? name : "world");
+    fp3_config wide = *config;
+    fp3_laws_use use;
+    wide.lanes = 38;
+    for (uint32_t i = 0; fp3_laws_used(s->world->laws, i, &use); i++)
+        printf("%s %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64
+               "\n",
+               use.name, use.runs, use.lanes, use.cycles, foreseen(use.image, config),
+               foreseen(use.image, &wide), use.bus.transfers, use.bus.cycles);
+}
+
 int main(int argc, char **argv) {
     const char *engine = argc > 3 && strcmp(argv[3], "-") ? argv[3] : NULL,
                *config = argc > 4 && strcmp(argv[4], "-") ? argv[4] : NULL,
@@ -176,6 +209,8 @@ int main(int argc, char **argv) {
         from_file(&s, argv[1], engine, config);
     make_steps(&s, last);
     printf("%016" PRIx64 "\n", fp3_bodies_hash(s.world));
+    if (engine && !strcmp(engine, "rtl"))
+        print_use(&s, config);
     fp3_bodies_close(&s.world);
     free(s.handles);
     return 0;

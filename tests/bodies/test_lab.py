@@ -309,6 +309,16 @@ def test_errors_of_fp3_fall_with_substeps(part, build, monkeypatch):
     assert max(found["bounces"]) < 1e-3, found
 
 
+def test_cycles_are_those_foreseen(part, build, monkeypatch):
+    """Of each law that dominoes have, in a step on the hardware."""
+    monkeypatch.setenv("FP3_HOME", str(build))
+    chip = part("chip")
+    rows = chip.measure(True, str)
+    assert {"contact2", "gap2", "warm2", "pin2"} == {row["law"] for row in rows} and chip.wrong(rows) == []
+    rows[0]["foreseen"] += 1
+    assert chip.wrong(rows) == rows[:1] and len(list(part("report").cycles(rows))) == 4
+
+
 def test_fp3_holds_what_it_held(part, build, monkeypatch):
     """Truths of friction, impacts and joints, by bodies of FP3; not so with another friction than theory takes it for."""
     monkeypatch.setenv("FP3_HOME", str(build))

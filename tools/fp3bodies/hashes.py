@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 
@@ -14,8 +15,9 @@ SCENES = {one.name: make for make in (lambda: sc.pyramid(10), sc.ragdolls, sc.ca
           for one in [make()]}
 QUICK = {"2 ragdolls": [], "30 dominoes, 0.35 apart": ["world"]}  # and the hardware's configurations
 STEPS = {True: 60, False: 360}
-STEPS_RTL = {True: 1, False: 4}
+STEPS_RTL = {True: 1, False: 2}
 CONFIGS = ["world", "fabric"]
+ABROAD = {"arm64": "aarch64", "riscv64": "riscv64"}  # as tools/everywhere.py has them
 WAYS = ("calls", "restored")
 
 
@@ -30,13 +32,26 @@ def write(folder, scene):
     return path
 
 
-def stepped(path, steps, engine="-", config="-", way="whole", fast="", cache=""):
+def elsewhere():
+    """Machines of other families under qemu, where `make everywhere` has compiled for them."""
+    for platform, family in ABROAD.items():
+        program, qemu = BUILD / f"everywhere/{family}-linux-gnu/tests/stepped", shutil.which(f"qemu-{family}")
+        if program.exists() and qemu:
+            yield platform, [qemu, "-L", f"/usr/{family}-linux-gnu", program]
+
+
+def said(path, steps, engine="-", config="-", way="whole", fast="", cache="", by=(BUILD / "tests/stepped",)):
     mine = {name: value for name, value in os.environ.items() if not name.startswith("FP3_")}
     mine |= {"FP3_FAST": fast, "FP3_RTL_DIR": str(BUILD / "lib/fp3")} | ({"FP3_CACHE_DIR": str(cache)} if cache else {})
-    done = subprocess.run([BUILD / "tests/stepped", path, str(steps), engine, config, way], env=mine, capture_output=True, text=True)
+    done = subprocess.run([*by, path, str(steps), engine, config, way], env=mine, capture_output=True, text=True)
     if done.returncode:
         raise Failed(f"{path.stem}, {engine}, {way}: exit code {done.returncode}: {done.stderr.strip()}")
-    return done.stdout.strip()
+    return done.stdout
+
+
+def stepped(*words, **more):
+    """The hash alone."""
+    return said(*words, **more).split()[0]
 
 
 def native(folder, path, steps, kind):
@@ -58,14 +73,20 @@ def of_scene(name, path, folder, quick):
     yield "isa", "whole", few if quick else steps, stepped(path, few if quick else steps, "isa")
     yield "fast", "interpreter", steps, stepped(path, steps, "fast", fast="interpreter")
     yield "built in", "whole", few, stepped(path, few)
-    for config in QUICK[name] if quick else CONFIGS:
+    for config in QUICK[name] if quick else CONFIGS[:1]:
         yield "rtl", config, few, stepped(path, few, "rtl", config)
     yield "built in", f"file, last {steps // 2}", steps, stepped(path, steps, way=f"file{steps // 2}")
     yield "isa", f"file, last {few}", steps, stepped(path, steps, "isa", way=f"file{few}")
     for config in [] if quick else CONFIGS:
         yield "rtl", f"{config}, file, last {few}", steps, stepped(path, steps, "rtl", config, f"file{few}")
-    for kind in [] if quick else kinds():
+    if quick:
+        return
+    for kind in kinds():
         yield "fast", f"native {kind}", steps, native(folder, path, steps, kind)
+    for platform, by in elsewhere():
+        for way in ("whole", "calls", "restored"):
+            yield "built in", f"{platform}, {way}", steps, stepped(path, steps, way=way, by=by)
+        yield "fast", f"{platform}, interpreter", steps, stepped(path, steps, "fast", fast="interpreter", by=by)
 
 
 def measure(quick, say, names=()):

@@ -52,12 +52,28 @@ body is a multibody, as robots have them; Bullet's rigid bodies, which games hav
 HASHES = """\
 Each scene is stepped in several ways, and `fp3_bodies_hash` tells of each where bodies are, how they move, who sleeps, and the impulses of contacts.
 {differ} of {runs} runs differ. *built in* are the laws as C, on each kind of processor (`FP3_FAST`), with a call for each body, shape, joint and step (*calls*),
-and with a return to a saved state (*restored*); `isa`, `fast` and `rtl` execute the laws as programs, the hardware on two configurations. The hardware makes the
-first steps alone: a step takes it seconds. Here bodies sleep. The scenes: boxes that stand; figures with limits in their hinges on stairs; a car with springs, a motor
+and with a return to a saved state (*restored*); `isa`, `fast` and `rtl` execute the laws as programs, the hardware on two configurations. *file, last 2*: built-in
+laws make all steps but the last 2, and a restart from a [checkpoint](checkpoints.md#rigid-bodies) makes the rest. The hardware makes few steps: one takes it seconds. *arm64* and
+*riscv64* are machines under qemu-user, for which the library was compiled. Here bodies sleep. The scenes: boxes that stand; figures with limits in their hinges on stairs; a car with springs, a motor
 and a rope on hills and a bridge, with every type of joint; shapes that bounce into a heap; dominoes."""
 
 
 LOOKS = ("fp3", "box2d", "mujoco", "rapier")  # engines with a colour of their own; the others are grey
+
+
+CHIP = """\
+The simulated hardware executes the laws of a first step: each colour of contacts or joints is a run of at most 64, and the host brings the words of rows and bodies before it and
+takes them back behind it. A run always has 64 objects, empty lanes among them. *foreseen* is what the program, its loads and stores, and `isa/timing.toml` say of a run; {off} of {rows} rows
+were measured otherwise. *38 lanes* is that of the same configuration with so many: two objects in a lane are too few to hide the latency, so a run of 64 takes as long as with 8 lanes; 38
+lanes have contexts for 912 objects. Each hash was that of built-in laws. *bus* is what the words take between runs, measured from first handshake to response, and the host's own time is not in it. If a colour's passes followed
+each other on the chip, so that each law found in its neighbours what the one before left, these are the cycles that would go, but for one transport there and back in a step; it takes a
+store into words of neighbours, which the hardware does not have."""
+
+
+def cycles(rows):
+    for row in rows:
+        yield [row["scene"], f"`{row['config']}`", f"`{row['law']}`", row["runs"], f"{row['lanes'] / row['runs']:.0f}", f"{row['cycles']:,}", f"{row['cycles'] / row['runs']:,.0f}",
+               f"{row['foreseen']:,}", f"{row['foreseen_38']:,}", f"{row['bus_words'] / row['runs']:,.0f}", f"{row['bus_cycles'] / row['runs']:,.0f}"]
 
 
 def number(value):
@@ -222,6 +238,10 @@ def page(data):
         yield from ("", "## Standing", "", STANDING, "")
         yield from markdown(["scene", "engine", "s", "drift, m", "sag, m", "overlap, m", "energy, J", "floor"], standing(data["standing"]))
         yield from left(data["standing_refused"])
+    if "chip" in data:
+        from fp3bodies import chip
+        yield from ("", "## Cycles of the hardware", "", CHIP.format(rows=len(data["chip"]), off=len(chip.wrong(data["chip"]))), "")
+        yield from markdown(["scene", "configuration", "law", "runs", "lanes in a run", "cycles", "of a run", "foreseen", "38 lanes", "words on the bus", "bus cycles"], cycles(data["chip"]))
     if "hashes" in data:
         from fp3bodies import hashes
         yield from ("", "## One hash a scene", "", HASHES.format(runs=len(data["hashes"]), differ=len(hashes.differing(data["hashes"]))), "")
