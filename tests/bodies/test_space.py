@@ -396,3 +396,14 @@ def test_joints_that_cannot_be(how, said):
     with pytest.raises(fp3.ArgumentError, match=said):
         made.join(how.pop("type"), [a], [b], **how)
     assert made.joints == 0
+
+
+def test_impulses_without_a_root_do_no_harm():
+    """Cubes that just touch have impulses so small that their squares are no ordinary numbers."""
+    made = world(rest_speed=0, bounce=0)
+    made.attach(made.add(type="static"), fp3.box(50, 1, 5, centre=(0, -1, 0)))
+    x = [(column - (30 - row) / 2, row + 0.5, 0) for row in range(30) for column in range(30 - row)]
+    cubes = made.add(x=x)
+    made.attach(cubes, fp3.box(0.5, 0.5, 0.5))
+    made.step(10)
+    assert np.abs(made.read("x", cubes) - x).max() < 0.06

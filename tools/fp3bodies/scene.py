@@ -156,6 +156,12 @@ def pyramid(base):
     return Scene(f"pyramid {base}", [ground(base), *boxes])
 
 
+def pyramid_in_space(base):
+    """Of cubes, side by side in a plane that nothing holds them in."""
+    made = lifted(pyramid(base))
+    return dataclasses.replace(made, name=f"pyramid {base} of cubes", planar=False)
+
+
 def stacks(count=10, high=10):
     boxes = [Body("box", (0.5, 0.5), (3.0 * (column - (count - 1) / 2), row + 0.5)) for column in range(count) for row in range(high)]
     return Scene(f"{count} stacks of {high}", [ground(3.0 * count), *boxes])
@@ -200,10 +206,10 @@ def grid(side=30):
 
 
 def wall(high=20, wide=50):
-    """Bricks of 0.4 x 0.2 x 0.2 m in space, each course half a brick off."""
+    """Bricks of 0.4 x 0.2 x 0.2 m in space, each course half a brick off: every second one has a brick more, so that none stands out by half."""
     bricks = [Body("box", (0.2, 0.1, 0.1), (0.4 * (k - wide / 2) + 0.2 * (row % 2), 0.2 * row + 0.1, 0.0), density=1000.0)
-              for row in range(high) for k in range(wide)]
-    return Scene(f"wall of {high * wide} bricks", [Body("box", (0.4 * wide, 1.0, 5.0), (0.0, -1.0, 0.0), fixed=True), *bricks], gravity=(0.0, -10.0, 0.0))
+              for row in range(high) for k in range(wide + 1 - row % 2)]
+    return Scene(f"wall of {len(bricks)} bricks", [Body("box", (0.4 * wide, 1.0, 5.0), (0.0, -1.0, 0.0), fixed=True), *bricks], gravity=(0.0, -10.0, 0.0))
 
 
 DOMINO = {"high": 1.0, "thick": 0.15, "apart": 0.35, "push": 1.0}
@@ -283,4 +289,4 @@ def car(planks=8):
 
 
 FAST = [lambda: pyramid(10), lambda: pyramid(20), lambda: pyramid(40), lambda: pyramid(100), stacks, mixed, lambda: chain(200), grid,
-        lambda: chain(20, heavy=1000.0), wall]
+        lambda: chain(20, heavy=1000.0), wall, lambda: pyramid_in_space(20), lambda: pyramid_in_space(40)]

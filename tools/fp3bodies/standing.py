@@ -15,7 +15,8 @@ def heavy_on_light(ratio=1000.0):
 # Name: the scene, and how many seconds it stands.
 SCENES = {"pyramid 10": (lambda: sc.pyramid(10), 10), "pyramid 40": (lambda: sc.pyramid(40), 60), "pyramid 100": (lambda: sc.pyramid(100), 60),
           "10 stacks of 10": (sc.stacks, 60),
-          "1000 kg on 1 kg": (heavy_on_light, 20), "wall of 1000 bricks": (sc.wall, 30)}
+          "1000 kg on 1 kg": (heavy_on_light, 20), "wall of 1010 bricks": (sc.wall, 30),
+          "pyramid 20 of cubes": (lambda: sc.pyramid_in_space(20), 30)}
 QUICK = ["pyramid 10", "1000 kg on 1 kg"]
 
 
