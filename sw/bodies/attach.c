@@ -222,6 +222,8 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
             bodies->body[number].type == FP3_DYNAMIC)
             status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
                               "a plane is ground: its body must not be dynamic");
+        if (!status && bodies->space)
+            status = fp3_space_may_weigh(bodies, number, &made);
     }
     if (!status)
         status = make_room(bodies, count);

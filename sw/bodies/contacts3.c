@@ -202,8 +202,8 @@ void fp3_space_contact_leave(fp3_bodies *bodies, uint32_t i, uint32_t point) {
 
 /* The way of a point of a body along n. */
 static float way_of(const fp3_bodies *bodies, uint32_t slot, fp3_point3 arm, fp3_point3 n) {
-    const fp3_four d = bodies->way[2 * slot], q = bodies->way[2 * slot + 1];
-    const fp3_point3 way = {d[0], d[1], d[2]}, turn = {2 * q[0], 2 * q[1], 2 * q[2]};
+    const fp3_four d = bodies->way[2 * slot];
+    const fp3_point3 way = {d[0], d[1], d[2]}, turn = fp3_turn_of_way(&bodies->way[2 * slot]);
     return fp3_dot3(way, n) + fp3_dot3(turn, fp3_cross3(arm, n));
 }
 

@@ -107,7 +107,12 @@ static fp3_status finish(fp3_mesh3 *mesh, const fp3_point3 *point, size_t count,
     made->bounds = (fp3_bounds3){point[0], point[0]};
     for (size_t i = 1; i < count; i++)
         bound(&made->bounds, point[i]);
-    return fp3_ball3((fp3_point3){0, 0, 0}, 0, &made->shape, error);
+    const fp3_point3 low = made->bounds.low, high = made->bounds.high,
+                     far = {fmaxf(fabsf(low.x), fabsf(high.x)), fmaxf(fabsf(low.y), fabsf(high.y)),
+                            fmaxf(fabsf(low.z), fabsf(high.z))};
+    const fp3_status status = fp3_ball3((fp3_point3){0, 0, 0}, 0, &made->shape, error);
+    made->shape.extent = 1.000001f * fp3_size3(far);
+    return status;
 }
 
 fp3_status fp3_form_make_mesh(const double *points, size_t count, const uint32_t *triangles,
@@ -134,7 +139,7 @@ fp3_status fp3_form_make_mesh(const double *points, size_t count, const uint32_t
 
 fp3_status fp3_form_make_heights(size_t columns, size_t rows, double dx, double dy,
                                  const double *heights, fp3_form3 **form, fp3_error *error) {
-    const size_t most = 10000, count = columns < most && rows < most ? columns * rows : 0;
+    const size_t most = 10000, count = columns <= most && rows <= most ? columns * rows : 0;
     fp3_mesh3 *mesh = NULL;
     float *height = malloc((count + 1) * sizeof *height);
     fp3_status status = height ? FP3_OK : fp3_no_memory(error);
@@ -142,8 +147,8 @@ fp3_status fp3_form_make_heights(size_t columns, size_t rows, double dx, double 
     for (size_t i = 0; !status && i < count; i++)
         height[i] = (float)heights[i];
     if (!status)
-        status = fp3_make_heights3((uint32_t)(columns < most ? columns : most + 1),
-                                   (uint32_t)(rows < most ? rows : most + 1), (float)dx, (float)dy,
+        status = fp3_make_heights3((uint32_t)(columns <= most ? columns : most + 1),
+                                   (uint32_t)(rows <= most ? rows : most + 1), (float)dx, (float)dy,
                                    height, &mesh, error);
     if (!status) {
         fp3_point3 corner[2] = {{0, 0, height[0]},

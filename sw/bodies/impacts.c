@@ -13,6 +13,7 @@
  * moved by -d t.
  */
 #include "own3.h"
+#include "turn.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,17 +63,33 @@ static motion motion_of(const fp3_bodies *b, const fp3_four *list, uint32_t slot
     return (motion){{v[0], v[1], v[2]}, {w[0], w[1], w[2]}};
 }
 
-/* In space the way's turn is half of it, in a quaternion. */
+/* In space the way has a quaternion. */
 static motion way_of(const fp3_bodies *b, uint32_t slot) {
     motion way = motion_of(b, b->way, slot);
     if (b->space)
-        way.w = fp3_times3(2, way.w);
+        way.w = fp3_turn_of_way(&b->way[2 * slot]);
     return way;
 }
 
 static fp3_point3 pull_of(const fp3_bodies *b, uint32_t slot) {
     const fp3_four pull = b->pull[b->space ? 2 * slot : slot].pull;
     return (fp3_point3){pull[0], pull[1], b->space ? pull[2] : 0};
+}
+
+/* The turn of a way, and then one about a vector by its length. */
+static void turn_by(fp3_four way[2], fp3_point3 by) {
+    const float angle = fp3_size3(by);
+    double half[2];
+    if (!(angle > 0))
+        return;
+    fp3_turn2_of(0.5 * (double)angle, half);
+    const float c = (float)half[0], s = (float)half[1] / angle;
+    const fp3_point3 p = fp3_times3(s, by), q = {way[1][0], way[1][1], way[1][2]};
+    const float e = way[0][3];
+    const fp3_point3 made =
+        fp3_add3(fp3_add3(fp3_times3(c, q), fp3_times3(e, p)), fp3_cross3(p, q));
+    way[0][3] = c * e - fp3_dot3(p, q);
+    way[1] = (fp3_four){made.x, made.y, made.z, 0};
 }
 
 static void change(fp3_bodies *b, uint32_t slot, motion by, float time) {
@@ -86,7 +103,7 @@ static void change(fp3_bodies *b, uint32_t slot, motion by, float time) {
     b->speed[2 * slot] += v;
     b->speed[2 * slot + 1] += w;
     b->way[2 * slot] -= time * v;
-    b->way[2 * slot + 1] -= 0.5f * time * w;
+    turn_by(&b->way[2 * slot], fp3_times3(-time, by.w));
 }
 
 static party party_of(const fp3_bodies *b, uint32_t number) {

@@ -146,6 +146,15 @@ static void add_arm(const float t[6], fp3_point3 r, double k[6]) {
         k[i] += more[i];
 }
 
+#define VECTOR(row, name, lane)                                                                    \
+    ((fp3_point3){(row)->name##_x[lane], (row)->name##_y[lane], (row)->name##_z[lane]})
+
+/* Impulses stay square to what is free, which turns with a: what they would have along it would
+ * drive it. */
+static fp3_point3 without(fp3_point3 p, fp3_point3 axis) {
+    return fp3_along3(p, -fp3_dot3(p, axis), axis);
+}
+
 /* What is farther apart is pulled no faster: a joint that was made far from where it holds, or was
  * torn, comes together as if this were all. */
 #define FARTHEST 0.2f /* share of `size` */
@@ -176,8 +185,8 @@ static void fill_pin(const filling *f, fp3_pin3_row *row) {
     PUT3(row, gap, f->lane, at_most(gap, f->farthest));
     PUT6(row, j, k, f->lane, inverse);
     PUT_SOFTNESS(row, f, f->firm);
-    if (f->is_first)
-        PUT3(row, p, f->lane, fp3_point3_of(f->space->pin));
+    const fp3_point3 p = f->is_first ? fp3_point3_of(f->space->pin) : VECTOR(row, p, f->lane);
+    PUT3(row, p, f->lane, is_line ? without(p, s->axis) : p);
 }
 
 static void fill_spin(const filling *f, fp3_spin3_row *row) {
@@ -196,8 +205,8 @@ static void fill_spin(const filling *f, fp3_spin3_row *row) {
     PUT6(row, j, k, f->lane, inverse);
     fp3_put(&row->firm, f->lane, is_spring ? 0 : 1);
     PUT_SOFTNESS(row, f, is_spring ? f->spring : f->firm);
-    if (f->is_first)
-        PUT3(row, p, f->lane, fp3_point3_of(f->space->spin));
+    const fp3_point3 p = f->is_first ? fp3_point3_of(f->space->spin) : VECTOR(row, p, f->lane);
+    PUT3(row, p, f->lane, is_free ? without(p, type == FP3_WHEEL ? s->axle : s->axis) : p);
 }
 
 /* Limits, motor, spring or lock, in line3 and twist3. */
@@ -264,6 +273,8 @@ static void fill_twist(const filling *f, fp3_twist3_row *row) {
             inverse_of(fp3_dot3(n, fp3_tensor3(s->back_a, n)) +
                        fp3_dot3(n, fp3_tensor3(s->back_b, n))));
     PUT_ROW(row, f, use, 0, type == FP3_BALL ? s->swing : s->about, f->space->twist);
+    if (type == FP3_BALL) /* nothing is nearer to the axis than 0 */
+        fp3_put(&row->over, f->lane, 1e12f);
 }
 
 static void fill(const fp3_bodies *bodies, int law, uint32_t i, filling *f) {

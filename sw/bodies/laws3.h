@@ -177,9 +177,10 @@ FP3_WIDELY void fp3_law_push3(fp3_contact3_row *row, fp3_contact3_point *point, 
     b[6] = b[6] + t8 * t3;
     t3 = point->p + fp3_wide_all(-0.0f);
     point->p = fp3_wide_sel(point->p, t6, shared[3]);
-    point->top = fp3_wide_max(point->top, point->p);
     t3 = point->p - t3;
     row->total = row->total + t3;
+    t3 = fp3_wide_max(point->top, point->p);
+    point->top = fp3_wide_sel(point->top, t3, shared[3]);
 }
 
 FP3_WIDELY void fp3_law_gap3(fp3_contact3_row *row, fp3_contact3_point *point, fp3_wide *a,

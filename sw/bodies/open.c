@@ -95,6 +95,12 @@ fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies) {
     fp3_bodies *made = calloc(1, sizeof *made);
     if (!made)
         return fp3_no_memory(error);
+    made->identity = malloc(sizeof *made->identity);
+    if (!made->identity) {
+        free(made);
+        return fp3_no_memory(error);
+    }
+    *made->identity = 1;
     made->def = *def;
     made->def.push *= def->size;
     made->def.bounce *= def->size;
@@ -132,5 +138,6 @@ void fp3_bodies_close(fp3_bodies **bodies) {
         fp3_rows_free(&b->joined[i]);
     fp3_trees_free(b);
     fp3_laws_close(&b->laws);
+    fp3_identity_give_back(b->identity);
     free(b);
 }

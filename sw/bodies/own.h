@@ -92,8 +92,10 @@ struct fp3_bodies {
     fp3_bodies_def def;
     fp3_error *error;
     const fp3_solver2 *solver;
-    fp3_laws *laws;   /* NULL: those that are built in */
-    fp3_space *space; /* NULL: a plane */
+    fp3_laws *laws;     /* NULL: those that are built in */
+    fp3_space *space;   /* NULL: a plane */
+    uint32_t *identity; /* how many hold it: the world and what was saved of it, so that no other
+                         * world gets its place in memory */
     double time;
     uint64_t steps;
 
@@ -134,6 +136,9 @@ struct fp3_bodies {
     uint32_t awake, touching;
     int is_still; /* all sleep, and nothing is moved by the caller: a step changes nothing */
 };
+
+/* The last one to hold it frees it; NULL: nobody. */
+void fp3_identity_give_back(uint32_t *identity);
 
 /* Grows an array of `size` bytes an element to hold `wanted`; FP3_E_SYSTEM: unchanged. Elements are
  * aligned to 64 bytes. */

@@ -83,6 +83,9 @@ void fp3_space_arm(const fp3_bodies *bodies, uint32_t body, const float at[3], d
 fp3_pose3 fp3_space_pose(const fp3_bodies *bodies, uint32_t body, fp3_point3 at);
 /* Mass, centre and inertia of a body, from its shapes. */
 void fp3_space_weigh(fp3_bodies *bodies, uint32_t number);
+/* Whether it may have this shape, too: FP3_E_ARGUMENT, a mass or an inertia would be no float, or
+ * its inverse none. */
+fp3_status fp3_space_may_weigh(const fp3_bodies *bodies, uint32_t number, const fp3_attached *more);
 
 /* touch3.c: of touch.c's work, what is different in space. */
 fp3_box fp3_space_box(const fp3_bodies *bodies, uint32_t shape, double margin);
@@ -91,6 +94,8 @@ void fp3_space_boxed(fp3_bodies *bodies, uint32_t body);
 double fp3_space_turned(const fp3_bodies *bodies, uint32_t body);
 double fp3_space_speed(const fp3_bodies *bodies, uint32_t body, float extent);
 fp3_status fp3_space_touch_begin(fp3_bodies *bodies);
+/* After a failure: what was found of all pairs counts no more. */
+void fp3_space_forget(fp3_bodies *bodies);
 /* The patches of a pair; is_asleep: as they were. */
 fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *touch, float reach, int is_asleep);
 
@@ -107,6 +112,13 @@ static inline uint32_t fp3_rows_count(const fp3_bodies *bodies) {
 static inline fp3_point3 fp3_tensor3(const float t[6], fp3_point3 v) {
     return (fp3_point3){t[0] * v.x + t[3] * v.y + t[4] * v.z, t[3] * v.x + t[1] * v.y + t[5] * v.z,
                         t[4] * v.x + t[5] * v.y + t[2] * v.z};
+}
+
+/* The vector about which a body has turned in a step, of length its angle: to the first order,
+ * which gaps follow. */
+static inline fp3_point3 fp3_turn_of_way(const fp3_four way[2]) {
+    const float sign = way[0][3] < 0 ? -2 : 2;
+    return (fp3_point3){sign * way[1][0], sign * way[1][1], sign * way[1][2]};
 }
 
 /* contacts3.c, as contacts.c */

@@ -7,6 +7,11 @@
 
 #define ALIGNED 64
 
+void fp3_identity_give_back(uint32_t *identity) {
+    if (identity && --*identity == 0)
+        free(identity);
+}
+
 fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
                            fp3_error *error) {
     if (wanted <= *room)

@@ -88,6 +88,32 @@ static void move_centre(fp3_bodies *bodies, uint32_t number, const double centre
     body->v[2] += more.z;
 }
 
+#define LEAST 1e-36
+#define MOST 1e36
+
+fp3_status fp3_space_may_weigh(const fp3_bodies *bodies, uint32_t number,
+                               const fp3_attached *more) {
+    const fp3_body *body = &bodies->body[number];
+    fp3_mass3 all = mass_of(more);
+    double moment[3], q[4];
+    if (body->type != FP3_DYNAMIC || !more->form)
+        return FP3_OK;
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+        all = fp3_weigh_together3((const fp3_mass3[]){all, mass_of(&bodies->shape[s])}, 2);
+    fp3_axes_of_mass3(&all, moment, q);
+    if (all.mass == 0)
+        return FP3_OK;
+    if (!(all.mass >= LEAST && all.mass <= MOST))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "a body would have a mass of %g, expected %g to %g", all.mass, LEAST, MOST);
+    for (int i = 0; i < 3 && !body->may_not_turn; i++)
+        if (!(moment[i] >= LEAST && moment[i] <= MOST))
+            return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                            "a body would have an inertia of %g, expected %g to %g", moment[i],
+                            LEAST, MOST);
+    return FP3_OK;
+}
+
 void fp3_space_weigh(fp3_bodies *bodies, uint32_t number) {
     fp3_body *body = &bodies->body[number];
     fp3_body3 *space = &bodies->space->body[number];

@@ -10,7 +10,7 @@
 enum { IN_SPACE = FP3_PARTS, PATCHES, JOINTS_IN_SPACE, ARRAYS };
 
 struct fp3_bodies_state {
-    const fp3_bodies *of;
+    uint32_t *of;      /* the world's identity */
     fp3_bodies counts; /* its arrays are not used */
     fp3_space space;
     void *array[ARRAYS];
@@ -62,7 +62,9 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
         if (from.space)
             to->space = *from.space;
         to->counts = from;
-        to->of = bodies;
+        fp3_identity_give_back(to->of);
+        to->of = bodies->identity;
+        ++*to->of;
     }
     if (!status || *state)
         *state = to;
@@ -77,13 +79,13 @@ static uint32_t next_even(uint32_t generation) { return generation + (generation
 fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state) {
     fp3_bodies from = {0};
     fp3_space space = {0};
-    if (state && state->of == bodies) {
+    if (state && state->of == bodies->identity) {
         from = state->counts;
         space = state->space;
         from.space = from.space ? &space : NULL;
     }
     fp3_status status =
-        state && state->of == bodies
+        state && state->of == bodies->identity
             ? FP3_OK
             : fp3_fail(bodies->error, FP3_E_ARGUMENT, "the state was saved of another world");
     for (int i = 0; !status && i < arrays_of(bodies); i++) {
@@ -133,8 +135,10 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
 }
 
 void fp3_bodies_state_free(fp3_bodies_state **state) {
-    if (*state)
+    if (*state) {
         give_back_forms((*state)->array[FP3_PART_SHAPES], (*state)->counts.shape_count);
+        fp3_identity_give_back((*state)->of);
+    }
     for (int i = 0; *state && i < ARRAYS; i++)
         free((*state)->array[i]);
     free(*state);

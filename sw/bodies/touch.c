@@ -303,8 +303,10 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
     bodies->contacts.count = 0;
     *wakes = 0;
     const fp3_status begun = bodies->space ? fp3_space_touch_begin(bodies) : FP3_OK;
-    if (begun)
+    if (begun) {
+        fp3_space_forget(bodies);
         return begun;
+    }
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
         const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
@@ -313,8 +315,10 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
         if (bodies->space) {
             const float reach = reach_of(bodies, &bodies->shape[t->a], &bodies->shape[t->b]);
             const fp3_status status = fp3_space_collide(bodies, t, reach, is_asleep);
-            if (status)
+            if (status) {
+                fp3_space_forget(bodies);
                 return status;
+            }
         }
         if (is_asleep || !(bodies->space ? t->m.count > 0 : look_at(bodies, t, x, y)) ||
             t->is_sensor)

@@ -95,6 +95,13 @@ fp3_status fp3_space_touch_begin(fp3_bodies *bodies) {
     return room_for(bodies, bodies->touch_count + 1);
 }
 
+void fp3_space_forget(fp3_bodies *bodies) {
+    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+        bodies->touch[k].patches = 0;
+        bodies->touch[k].is_found = 0;
+    }
+}
+
 /* The small turn from one quaternion to another. */
 static fp3_point3 turn_between(const float p[4], const float q[4]) {
     const float same = ((p[0] * q[0] + p[1] * q[1]) + (p[2] * q[2] + p[3] * q[3])) < 0 ? -2 : 2;
@@ -151,6 +158,7 @@ static void sum_up(fp3_bodies *bodies, fp3_touch2 *t) {
     const fp3_patch3 *best = NULL;
     uint32_t deepest = 0;
     t->m.count = 0;
+    t->top = 0;
     for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++)
         for (uint32_t i = 0; i < s->patch[k].m.count; i++)
             if (!best || s->patch[k].m.point[i].gap < best->m.point[deepest].gap) {

@@ -192,6 +192,11 @@ static fp3_status check(const fp3_bodies *bodies, const named *which, const uint
     if (body->type == FP3_STATIC && of >= V && of <= TORQUE)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body is static", which->name,
                         i);
+    if (of == INERTIA && which->width == 1 && bodies->space &&
+        !(bodies->space->body[number].moment[0] > 0))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "%s %zu: the body has no inertia, expected all three numbers", which->name,
+                        i);
     double square = 0;
     for (uint32_t k = 0; k < which->width; k++) {
         const double x = values[i * which->width + k];

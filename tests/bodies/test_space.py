@@ -407,3 +407,88 @@ def test_impulses_without_a_root_do_no_harm():
     made.attach(cubes, fp3.box(0.5, 0.5, 0.5))
     made.step(10)
     assert np.abs(made.read("x", cubes) - x).max() < 0.06
+
+
+# ---- what a reader found ----
+
+@pytest.mark.parametrize("yaw", [1.0, 6.0])
+@pytest.mark.parametrize("kind", ["hinge", "wheel"])
+def test_a_flywheel_keeps_its_spin_on_a_body_that_turns(kind, yaw):
+    made = world(gravity=(0, 0, 0), rest_speed=0)
+    base, wheel = made.add(type="kinematic", spin=(0, yaw, 0)), made.add(spin=(0, yaw, 5))
+    made.attach(wheel, fp3.sphere(0.5))
+    made.join(kind, base, wheel, axis=(0, 0, 1) if kind == "hinge" else (0, 1, 0), axle=(0, 0, 1))
+    made.step(300)
+    w = made.read("spin", wheel)[0]
+    about = np.array([np.sin(5 * yaw), 0, np.cos(5 * yaw)])
+    assert w @ about == pytest.approx(5, rel=0.03)
+
+
+def test_the_impulse_of_a_contact_is_that_of_its_step():
+    made = world(rest_speed=0)
+    ground(made)
+    box = made.add(x=(0, 0.5, 0))
+    made.attach(box, fp3.box(0.5, 0.5, 0.5))
+    made.step(60)
+    assert made.contacts()["impulse"] == pytest.approx([10 / 240], rel=0.02)
+    made.write("x", box, (0, 0.512, 0))
+    made.write("v", box, (0, 1, 0))
+    made.step()
+    assert made.touching == 0
+
+
+def test_a_mesh_that_turns_takes_along_what_it_meets():
+    found = []
+    for is_mesh in (False, True):
+        made = world(gravity=(0, 0, 0), rest_speed=0)
+        beam, ball = made.add(type="kinematic", spin=(0, -0.5, 0)), made.add(x=(0, 0, 8))
+        made.attach(ball, fp3.sphere(0.4))
+        if is_mesh:
+            corners = [(x, y, z) for x in (-10, 10) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+            made.mesh(beam, corners, [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)])
+        else:
+            made.attach(beam, fp3.box(10, 0.5, 0.5))
+        made.step(240)
+        found.append(made.read("x", ball)[0])
+    assert abs(found[0][0]) > 1 and np.allclose(found[0], found[1], atol=1e-2)
+
+
+def test_an_impact_turns_a_ball_by_its_spin():
+    made = world(rest_speed=0, bounce=0)
+    ground(made, friction=1.0)
+    ball = made.add(x=(0, 0.25, 0), v=(20, -10, 0))
+    made.attach(ball, fp3.sphere(0.1, friction=1.0, restitution=0.9))
+    made.step()
+    spin, q = made.read("spin", ball)[0, 2], made.read("q", ball)[0]
+    assert 2 * np.arctan2(q[3], q[0]) == pytest.approx(spin * (1 / 60 - 0.015), rel=0.1)
+
+
+def test_a_ball_joint_with_a_cone_does_not_brake():
+    lost = []
+    for limits in (None, (0, 1.5)):
+        made, body, _ = hung("ball", (np.sin(0.5), -np.cos(0.5), 0), (-np.sin(0.5), np.cos(0.5), 0), fp3.sphere(0.1), axis=(0, 1, 0), limits=limits)
+        y = []
+        for _ in range(300):
+            made.step()
+            y.append(made.read("x_y", body)[0])
+        lost.append(max(y[150:]))
+    assert lost[0] == pytest.approx(lost[1], abs=1e-6)
+
+
+@pytest.mark.parametrize("shape", [fp3.box(1e6, 1e6, 1e6, density=1e12), fp3.sphere(1e-6, density=1e-12), fp3.capsule((0, 0, 0), (100, 0, 0), 1e-8, density=1e-12)], ids=str)
+def test_an_inertia_has_to_be_a_number(shape):
+    made = world()
+    body = made.add()
+    with pytest.raises(fp3.ArgumentError, match="a body would have an? (mass|inertia)"):
+        made.attach(body, shape)
+    with pytest.raises(fp3.ArgumentError, match="expected all three numbers"):
+        made.write("inertia_y", body, 1)
+    made.write("inertia", body, (1, 2, 3))
+    made.step()
+
+
+def test_heights_of_ten_thousand_columns():
+    made = world()
+    made.heights(made.add(type="static"), 1.0, 1.0, np.zeros((2, 10000)))
+    with pytest.raises(fp3.ArgumentError, match="10,000"):
+        made.heights(made.add(type="static"), 1.0, 1.0, np.zeros((2, 10001)))
