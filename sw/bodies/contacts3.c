@@ -60,8 +60,8 @@ static float distance_of(const fp3_manifold3 *m, fp3_point3 middle) {
 static void fill_points(const fp3_patch3 *p, fp3_contact3_row *row, uint32_t lane) {
     for (uint32_t k = 0; k < p->m.count; k++) {
         fp3_contact3_point *to = &row->point[k];
-        PUT3(to, a, lane, p->m.point[k].arm);
-        PUT3(to, b, lane, fp3_subtract3(p->m.point[k].arm, p->from));
+        PUT3(to, a, lane, fp3_arm_a3(p, p->m.point[k].arm, p->m.point[k].gap));
+        PUT3(to, b, lane, fp3_arm_b3(p, p->m.point[k].arm, p->m.point[k].gap));
         fp3_put(&to->gap, lane, p->m.point[k].gap);
         fp3_put(&to->j, lane, 1);
         fp3_put(&to->p, lane, p->p[k]);
@@ -88,9 +88,12 @@ static void fill_friction(fp3_bodies *bodies, const fp3_patch3 *p, fp3_contact3_
     const fp3_point3 middle = middle_of(&p->m), n = p->m.normal, d = tangent_of(n),
                      s = fp3_cross3(n, d), f = fp3_point3_of(p->f), l = fp3_point3_of(p->roll);
     const fp3_point3 belt = fp3_space_belt(bodies, a, b);
+    float gap = 0;
+    for (uint32_t k = 0; k < p->m.count; k++)
+        gap += p->m.point[k].gap / (float)p->m.count;
     PUT3(row, d, lane, d);
-    PUT3(row, c, lane, middle);
-    PUT3(row, e, lane, fp3_subtract3(middle, p->from));
+    PUT3(row, c, lane, fp3_arm_a3(p, middle, gap));
+    PUT3(row, e, lane, fp3_arm_b3(p, middle, gap));
     fp3_put(&row->s1, lane, fp3_dot3(belt, d));
     fp3_put(&row->s2, lane, fp3_dot3(belt, s));
     fp3_put(&row->mu, lane, sqrtf(a->friction * b->friction));

@@ -216,9 +216,10 @@ static void bring_points(const fp3_bodies *b, uint32_t row, pair *p, point at[4]
         p->n = patch->m.normal;
         p->count = patch->m.count;
         for (uint32_t k = 0; k < p->count; k++)
-            at[k] = (point){.arm_a = patch->m.point[k].arm,
-                            .arm_b = fp3_subtract3(patch->m.point[k].arm, patch->from),
-                            .gap = patch->m.point[k].gap};
+            at[k] =
+                (point){.arm_a = fp3_arm_a3(patch, patch->m.point[k].arm, patch->m.point[k].gap),
+                        .arm_b = fp3_arm_b3(patch, patch->m.point[k].arm, patch->m.point[k].gap),
+                        .gap = patch->m.point[k].gap};
         return;
     }
     const fp3_touch2 *t = &b->touch[b->contacts.of[row]];
@@ -228,7 +229,10 @@ static void bring_points(const fp3_bodies *b, uint32_t row, pair *p, point at[4]
     p->count = t->m.count;
     for (uint32_t k = 0; k < p->count; k++) {
         const fp3_point3 arm = {t->m.point[k].arm.x, t->m.point[k].arm.y, 0};
-        at[k] = (point){.arm_a = arm, .arm_b = fp3_subtract3(arm, from), .gap = t->m.point[k].gap};
+        const float half = 0.5f * t->m.point[k].gap; /* each to its own surface */
+        at[k] = (point){.arm_a = fp3_along3(arm, -half, p->n),
+                        .arm_b = fp3_subtract3(fp3_along3(arm, half, p->n), from),
+                        .gap = t->m.point[k].gap};
     }
 }
 

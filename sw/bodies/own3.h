@@ -49,6 +49,15 @@ typedef struct {
 
 #define FP3_JOINT_LAWS3 (FP3_LAWS_IN_SPACE - FP3_LAW_pin3)
 
+/* The arms of both surfaces at a point midway between them: with that of the point itself a ball
+ * that is still far away would be rubbed at the end of a lever. */
+static inline fp3_point3 fp3_arm_a3(const fp3_patch3 *p, fp3_point3 arm, float gap) {
+    return fp3_along3(arm, -0.5f * gap, p->m.normal);
+}
+static inline fp3_point3 fp3_arm_b3(const fp3_patch3 *p, fp3_point3 arm, float gap) {
+    return fp3_subtract3(fp3_along3(arm, 0.5f * gap, p->m.normal), p->from);
+}
+
 struct fp3_space {
     const fp3_solver3 *solver;
     fp3_body3 *body; /* of each body; likewise of each slot its row */

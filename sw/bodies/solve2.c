@@ -117,13 +117,15 @@ typedef struct {
     fp3_wide *arm_a, *arm_b, *across_a, *across_b, *along, *aside;
 } point;
 
-/* From an arm to what its row has: the arm across and along the normal, at both bodies; masses. */
-FP3_WIDELY void prepare_point(const fp3_contact2_row *row, fp3_wide ax, fp3_wide ay,
+/* From an arm to what its row has: the arm across and along the normal, at both bodies, each to its
+ * own surface; masses. */
+FP3_WIDELY void prepare_point(const fp3_contact2_row *row, fp3_wide ax, fp3_wide ay, fp3_wide gap,
                               const fp3_wide *met, fp3_wide is_there, point p) {
+    const fp3_wide half = fp3_wide_all(0.5f) * gap;
     const fp3_wide bx = ax - met[FROM_X], by = ay - met[FROM_Y];
     const fp3_wide nx = row->n_x, ny = row->n_y;
     const fp3_wide an = ax * ny - ay * nx, bn = bx * ny - by * nx;
-    const fp3_wide at = ax * nx + ay * ny, bt = bx * nx + by * ny;
+    const fp3_wide at = ax * nx + ay * ny - half, bt = bx * nx + by * ny + half;
     const fp3_wide mass = row->ma + row->mb;
     *p.arm_a = an;
     *p.arm_b = bn;
@@ -137,11 +139,11 @@ FP3_WIDELY void prepare_row(const fp3_wide met[MET], fp3_contact2_row *r) {
     const fp3_mask count = (fp3_mask)met[COUNT], is_two = (fp3_mask)(count == 2);
     r->n_x = met[N_X];
     r->n_y = met[N_Y];
-    prepare_point(r, met[ARM_X], met[ARM_Y], met,
+    prepare_point(r, met[ARM_X], met[ARM_Y], met[GAP], met,
                   fp3_wide_lt(fp3_wide_all(0), __builtin_convertvector(count, fp3_wide)),
                   (point){&r->a1, &r->b1, &r->c1, &r->e1, &r->j1, &r->k1});
     prepare_point(r, fp3_wide_choose(is_two, met[ARM_X2], met[ARM_X]),
-                  fp3_wide_choose(is_two, met[ARM_Y2], met[ARM_Y]), met,
+                  fp3_wide_choose(is_two, met[ARM_Y2], met[ARM_Y]), met[GAP_2], met,
                   (fp3_wide)(is_two & (fp3_mask)fp3_wide_all(1)),
                   (point){&r->a2, &r->b2, &r->c2, &r->e2, &r->j2, &r->k2});
     r->gap1 = met[GAP];

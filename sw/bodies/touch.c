@@ -23,20 +23,27 @@ static fp3_pose2 turn_of(const fp3_body *body) {
     return (fp3_pose2){.c = body->turn[0], .s = body->turn[1]};
 }
 
-/* How far a shape may come in a step, where that counts: of what bounces, so that its impact is
- * found in the step in which it is; of what is marked fast, so that it does not pass through. */
-static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape, int is_bouncy) {
+/* How far a shape may come in a step. */
+static double way_of(const fp3_bodies *bodies, uint32_t number, float extent) {
+    const fp3_body *body = &bodies->body[number];
+    const double *g = bodies->def.gravity,
+                 gravity = (fabs(g[0]) + fabs(g[1]) + fabs(g[2])) * fabs((double)body->gravity);
+    const double speed = bodies->space ? fp3_space_speed(bodies, number, extent)
+                                       : fabs((double)body->v[0]) + fabs((double)body->v[1]) +
+                                             fabs((double)body->w) * (double)extent;
+    return bodies->def.h * (speed + bodies->def.h * gravity);
+}
+
+/* ... where that counts: of what bounces, so that its impact is found in the step in which it is;
+ * of what is marked fast, so that it does not pass through; and of whoever comes farther in a step
+ * than points of contact reach, so that it does not pass through ground. */
+static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape, int is_bouncy,
+                       int is_ground) {
     const fp3_body *body = &bodies->body[shape->body];
-    const double gravity = fabs(bodies->def.gravity[0]) + fabs(bodies->def.gravity[1]);
-    if (!body->is_fast && !is_bouncy)
+    if (body->type == FP3_STATIC || (!body->is_fast && !is_bouncy && !is_ground))
         return 0;
-    if (bodies->space)
-        return bodies->def.h * (fp3_space_speed(bodies, shape->body, shape->extent) +
-                                bodies->def.h * (gravity + fabs(bodies->def.gravity[2])) *
-                                    fabs((double)body->gravity));
-    return bodies->def.h * (fabs((double)body->v[0]) + fabs((double)body->v[1]) +
-                            fabs((double)body->w) * shape->shape.extent +
-                            bodies->def.h * gravity * fabs((double)body->gravity));
+    const double way = way_of(bodies, shape->body, shape->extent);
+    return body->is_fast || is_bouncy || way > REACH * bodies->def.size ? way : 0;
 }
 
 static fp3_box box_of(const fp3_bodies *bodies, uint32_t shape, double margin) {
@@ -59,7 +66,7 @@ static int is_inside(const fp3_box *inner, const fp3_box *outer) {
 static void box_all(fp3_bodies *bodies, fp3_body *body, double margin) {
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
         bodies->boxes.box[s] =
-            box_of(bodies, s, margin + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy));
+            box_of(bodies, s, margin + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy, 1));
     memcpy(body->boxed, body->at, sizeof body->boxed);
     memcpy(body->boxed_turn, body->turn, sizeof body->boxed_turn);
     if (bodies->space)
@@ -80,7 +87,9 @@ static int is_boxed(const fp3_bodies *bodies, const fp3_body *body) {
     const double way =
         fmax(fmax(fabs(body->at[0] - body->boxed[0]), fabs(body->at[1] - body->boxed[1])),
              fabs(body->at[2] - body->boxed[2]));
-    return !body->is_fast && !bodies->is_bouncy && /* roundings of a box: 2^-20 are enough */
+    return !body->is_fast && !bodies->is_bouncy &&
+           way_of(bodies, (uint32_t)(body - bodies->body), body->extent) <=
+               REACH * bodies->def.size && /* roundings of a box: 2^-20 are enough */
            way + (turned + 0x1p-20) * (double)body->extent <= MARGIN * bodies->def.size;
 }
 
@@ -94,8 +103,8 @@ static int renew_boxes(fp3_bodies *bodies) {
             continue;
         int is_inside_all = 1;
         for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
-            const fp3_box now =
-                box_of(bodies, s, reach + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy));
+            const fp3_box now = box_of(
+                bodies, s, reach + sweep_of(bodies, &bodies->shape[s], bodies->is_bouncy, 1));
             is_inside_all &= is_inside(&now, &bodies->boxes.box[s]);
         }
         if (is_inside_all)
@@ -235,7 +244,10 @@ static int follow(fp3_touch2 *t, const fp3_body *a, const fp3_body *b, double si
 /* How near two shapes have points of contact. */
 static float reach_of(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b) {
     const int is_bouncy = a->restitution > 0 || b->restitution > 0;
-    const double sweep = sweep_of(bodies, a, is_bouncy) + sweep_of(bodies, b, is_bouncy);
+    const int is_ground =
+        bodies->body[a->body].type != FP3_DYNAMIC || bodies->body[b->body].type != FP3_DYNAMIC;
+    const double sweep =
+        sweep_of(bodies, a, is_bouncy, is_ground) + sweep_of(bodies, b, is_bouncy, is_ground);
     return (float)(REACH * bodies->def.size + sweep);
 }
 

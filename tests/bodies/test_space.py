@@ -475,6 +475,29 @@ def test_a_ball_joint_with_a_cone_does_not_brake():
     assert lost[0] == pytest.approx(lost[1], abs=1e-6)
 
 
+@pytest.mark.parametrize("radius, speed", [(0.01, 20), (0.01, 100), (0.2, 50)])
+def test_a_ball_that_spins_is_not_thrown_where_it_hits(radius, speed):
+    for is_fast in (False, True):
+        made = world(gravity=(0, 0, 0), rest_speed=0)
+        ground(made)
+        ball = made.add(x=(0, 1.013, 0), v=(0, -speed, 0), spin=(0, 0, -10), is_fast=is_fast)
+        made.attach(ball, fp3.sphere(radius))
+        made.step(30)
+        assert np.allclose(made.read("v", ball), [[2 / 7 * radius * 10, 0, 0]], atol=1e-4)
+
+
+@pytest.mark.parametrize("speed", [8, 13, 100])
+def test_nothing_falls_through_ground(speed):
+    made = world(gravity=(0, 0, 0))
+    made.mesh(made.add(type="static"), [(-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)], [(0, 1, 2), (0, 2, 3)])
+    made.attach(made.add(type="static", x=(20, 0, 0)), fp3.box(5, 5, 0.001))
+    at = [(0.03 * i - 1.5 + dx, 0.2, 1 + 0.003 * i) for i in range(60) for dx in (0, 20)]
+    balls = made.add(x=at, v=(0, 0, -speed))
+    made.attach(balls, fp3.sphere(0.1, category=2, mask=1))
+    made.step(60)
+    assert made.read("x_z", balls).min() > 0
+
+
 @pytest.mark.parametrize("shape", [fp3.box(1e6, 1e6, 1e6, density=1e12), fp3.sphere(1e-6, density=1e-12), fp3.capsule((0, 0, 0), (100, 0, 0), 1e-8, density=1e-12)], ids=str)
 def test_an_inertia_has_to_be_a_number(shape):
     made = world()

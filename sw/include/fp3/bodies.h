@@ -103,7 +103,8 @@ typedef struct {
     double gravity;               /* share of gravity; default 1 */
     int may_not_turn;
     int may_not_sleep;
-    int is_fast; /* it must not pass through anything, however fast it is */
+    int is_fast; /* it must not pass through anything, however fast it is; nobody passes through
+                  * what is not dynamic */
 } fp3_body_def;
 
 void fp3_body_set_default(fp3_body_def *def, size_t size);
