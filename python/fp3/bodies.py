@@ -91,7 +91,7 @@ class Shape:
 
 def _shape(shape: Any) -> Any:
     if not isinstance(shape, Shape):
-        raise ArgumentError(f"shape: found {shown(shape)}, expected what fp3.circle, box, capsule or polygon made")
+        raise ArgumentError(f"shape: found {shown(shape)}, expected what fp3.circle, box, capsule, polygon, sphere, hull or plane made")
     return ctypes.pointer(shape._definition)
 
 
@@ -465,6 +465,8 @@ class Bodies(Owner):
         return self._hits(len(start), lambda c, hits: self._lib.fp3_bodies_ray(c, start.ctypes.data, way.ctypes.data, len(start), _mask(mask), hits))
 
     def _turn(self, angle: float, q: Values) -> "np.ndarray[Any, Any]":
+        if angle != 0 if self._width == 3 else tuple(np.ravel(np.asarray(q))) != (1, 0, 0, 0):
+            raise ArgumentError("in space q says how a shape stands, not angle" if self._width == 3 else "in a plane angle says how a shape stands, not q")
         return np.array([as_number("angle", angle)] if self._width == 2 else _vector("q", q, 4))
 
     def cast(self, shape: Shape, x: Values, way: Values, angle: float = 0.0, mask: int = 2**32 - 1, *,

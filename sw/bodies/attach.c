@@ -69,6 +69,14 @@ static fp3_status check_space(const fp3_shape_def *def, int is_space, fp3_error 
             return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 in %s",
                             (is_space ? plane_names : space_names)[i],
                             (is_space ? plane : space)[i], is_space ? "space" : "a plane");
+    for (int i = 1; !is_space && i < 4; i++)
+        if (def->q[i] != 0)
+            return fp3_fail(error, FP3_E_ARGUMENT, "q[%d] is %g, expected 0 in a plane", i,
+                            def->q[i]);
+    for (uint32_t i = 0; !is_space && i < def->corners && i < FP3_CORNERS; i++)
+        if (def->corner[i][2] != 0)
+            return fp3_fail(error, FP3_E_ARGUMENT, "corner[%u][2] is %g, expected 0 in a plane", i,
+                            def->corner[i][2]);
     for (int i = 0; is_space && i < 3; i++)
         if (!(fabs(def->surface[i]) <= 1e9))
             return fp3_fail(error, FP3_E_ARGUMENT, "surface[%d] is %g, expected -1e9 to 1e9", i,
@@ -314,7 +322,7 @@ fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const do
         edge.type = FP3_CAPSULE;
         edge.corners = 2;
         for (uint32_t k = 0; k < 2; k++)
-            memcpy(edge.corner[k], corners + 2 * ((i + k) % count), sizeof edge.corner[k]);
+            memcpy(edge.corner[k], corners + 2 * ((i + k) % count), 2 * sizeof *corners);
         status = make(bodies, &edge, &made[i]);
         made[i].is_link = 1;
         made[i].given_link.radius = made[i].given.radius;

@@ -107,6 +107,34 @@ typedef struct {
     double value, least, most;
 } range;
 
+#define PI 3.14159265358979323846
+
+/* Angles in space are from -pi to pi. */
+static fp3_status check_space(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
+    const int is_angle = def->type == FP3_HINGE || def->type == FP3_BALL;
+    const double *a = def->axis, *b = def->axle,
+                 along =
+                     ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) / (length_of(a) * length_of(b));
+    if (is_angle && def->has_limits && !(def->low >= -PI && def->high <= PI))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: its limits are %g and %g, expected angles from -pi to pi",
+                        which, def->low, def->high);
+    if (def->type == FP3_BALL && def->has_limits && def->high < 0)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: high is %g, expected an angle from 0 to pi", which, def->high);
+    if ((def->type == FP3_BALL || def->type == FP3_WELD) && def->most > 0)
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: most is %g: a %s has no motor",
+                        which, def->most, def->type == FP3_BALL ? "ball" : "weld");
+    if (def->type == FP3_WHEEL && !(fabs(along) < 0.9))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: the axle of a wheel is along its axis, expected across it",
+                        which);
+    if (!isnan(def->rest) && !(fabs(def->rest) <= 1e9))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: rest is %g, expected -1e9 to 1e9, or NaN", which, def->rest);
+    return FP3_OK;
+}
+
 static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
     const double deep = bodies->space ? 1e6 : 0; /* the third number */
     const range ranges[] = {{"type", def->type, FP3_ROD, FP3_BALL},
@@ -160,6 +188,8 @@ static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size
     if (def->has_limits && def->low > def->high)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: low, %g, is above high, %g",
                         which, def->low, def->high);
+    if (bodies->space)
+        return check_space(bodies, def, which);
     if (!isnan(def->rest) && !(fabs(def->rest) <= 1e9))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: rest is %g, expected -1e9 to 1e9, or NaN", which, def->rest);

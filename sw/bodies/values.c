@@ -50,6 +50,11 @@ static fp3_status find(const fp3_bodies *bodies, const char *name, named *found)
         if (width)
             fp3_nearest(wanted, own, &best);
     }
+    /* What a plane calls otherwise. */
+    if (strcmp(name, "angle") == 0 || strcmp(name, "q") == 0)
+        best = is_space ? "q" : "angle";
+    if (strcmp(name, "w") == 0 || strcmp(name, "spin") == 0)
+        best = is_space ? "spin" : "w";
     return fp3_fail(bodies->error, FP3_E_ARGUMENT, "bodies have no value '%s' (did you mean '%s'?)",
                     name, best ? best : "x");
 }

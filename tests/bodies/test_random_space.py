@@ -71,8 +71,9 @@ def build(number, engine=None):
     for _ in range(int(chance.integers(0, 4))):
         a, b = chance.choice(count, 2, replace=False)
         x, y = (made.read("x", bodies[k:k + 1])[0] for k in (a, b))
-        made.join(str(chance.choice(KINDS)), bodies[a:a + 1], bodies[b:b + 1], anchor_a=np.clip(y - x, -0.5, 0.5), axis=chance.normal(size=3) + 0.01,
-                  axle=chance.normal(size=3) + 0.01, hertz=float(chance.choice([0.0, 3.0])), most=float(chance.choice([0.0, 1.0])), speed=1.0)
+        kind, axis = str(chance.choice(KINDS)), chance.normal(size=3) + 0.01
+        made.join(kind, bodies[a:a + 1], bodies[b:b + 1], anchor_a=np.clip(y - x, -0.5, 0.5), axis=axis,
+                  axle=np.cross(axis, chance.normal(size=3)), hertz=float(chance.choice([0.0, 3.0])), most=float(chance.choice([0.0, 1.0])) if kind not in ("ball", "weld") else 0.0, speed=1.0)
     return chance, made, bodies, ground
 
 

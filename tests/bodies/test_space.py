@@ -252,7 +252,7 @@ def test_questions_find_what_is_there():
     (lambda w, b: w.write("q", b, (0, 0, 0, 0)), "q 0 has the length 0"),
     (lambda w, b: w.write("q_x", b, 1), "cannot be written alone"),
     (lambda w, b: w.write("x", b, (0, np.nan, 0)), "x_y 0 is nan"),
-    (lambda w, b: w.read("angle", b), "bodies have no value 'angle'"),
+    (lambda w, b: w.read("angle", b), "bodies have no value 'angle' (did you mean 'q'"), (lambda w, b: w.cast(fp3.sphere(1), (0, 0, 0), (1, 0, 0), angle=1.0), "in space q says"),
     (lambda w, b: w.write("inertia", b, (1, 0, 1)), "inertia 0 is 0"),
 ])
 def test_what_is_wrong_is_refused(wrong, said):
@@ -267,7 +267,8 @@ def test_what_is_wrong_is_refused(wrong, said):
 
 @pytest.mark.parametrize("wrong, said", [
     (lambda w, b: w.add(q=(0, 1, 0, 0)), "expected 0 in a plane"), (lambda w, b: w.attach(b, fp3.sphere(1)), "expected FP3_CIRCLE"),
-    (lambda w, b: w.attach(b, fp3.box(1, 1, 1)), "half\\[2\\] is 1, expected 0 in a plane"), (lambda w, b: w.mesh(b, np.zeros((3, 3)), [(0, 1, 2)]), "in space"),
+    (lambda w, b: w.attach(b, fp3.capsule((0, 0, 1), (1, 0, 2), 0.1)), "corner\\[0\\]\\[2\\] is 1"), (lambda w, b: w.attach(b, fp3.box(1, 1, q=(1, 1, 0, 0))), "q\\[1\\] is 1"),
+    (lambda w, b: w.read("spin", b), "did you mean 'w'"), (lambda w, b: w.attach(b, fp3.box(1, 1, 1)), "half\\[2\\] is 1, expected 0 in a plane"), (lambda w, b: w.mesh(b, np.zeros((3, 3)), [(0, 1, 2)]), "in space"),
     (lambda w, b: fp3.Bodies(dimensions=4), "dimensions is 4"), (lambda w, b: fp3.Bodies(gravity=(0, 0, 1)), "gravity\\[2\\] is 1")])
 def test_a_plane_is_no_space(wrong, said):
     made = fp3.Bodies()
@@ -373,7 +374,7 @@ def test_joints_have_the_same_bits_and_go_back():
         before = np.concatenate([wall, links[:-1]])
         kinds = ["ball", "hinge", "weld", "slider", "rod", "wheel"]
         for i, kind in enumerate(kinds):
-            made.join(kind, before[i:i + 1], links[i:i + 1], anchor_a=(0.5 if i else 0, 0, 0), anchor_b=(-0.5, 0, 0), hertz=3 if kind == "wheel" else 0, most=1,
+            made.join(kind, before[i:i + 1], links[i:i + 1], anchor_a=(0.5 if i else 0, 0, 0), anchor_b=(-0.5, 0, 0), hertz=3 if kind == "wheel" else 0, most=0 if kind in ("ball", "weld") else 1,
                       speed=1, **({"limits": (-0.4, 0.4)} if kind in ("hinge", "slider") else {}))
         return made
     built_in, isa = chain(), chain(engine="isa")
@@ -389,7 +390,10 @@ def test_joints_have_the_same_bits_and_go_back():
 
 
 @pytest.mark.parametrize("how, said", [({"type": "gear"}, "a gear is in a plane alone"), ({"type": "hinge", "axis": (0, 0, 0)}, "its axis has no direction"),
-                                       ({"type": "wheel", "axle": (0, 0, 0)}, "its axle has no direction")])
+                                       ({"type": "wheel", "axle": (0, 0, 0)}, "its axle has no direction"),
+                                       ({"type": "hinge", "limits": (-5, 5)}, "expected angles from -pi to pi"), ({"type": "ball", "limits": (-2, -1)}, "from 0 to pi"),
+                                       ({"type": "ball", "most": 4, "speed": 3}, "a ball has no motor"),
+                                       ({"type": "wheel", "axis": (1, 0, 0), "axle": (1, 0, 0)}, "expected across it")])
 def test_joints_that_cannot_be(how, said):
     made = world()
     a, b = made.add(x=[(0, 0, 0), (1, 0, 0)])
