@@ -120,9 +120,20 @@ static fp3_status make(const fp3_bodies *bodies, const fp3_shape_def *def, fp3_a
 }
 
 /* The shape as it lies around the centre of mass. */
+/* From the middle of a shape's corners to its nearest side. */
+static float inner_of(const fp3_shape2 *shape) {
+    const fp3_core2 *core = &shape->core;
+    float least = core->count > 2 ? INFINITY : 0;
+    for (uint32_t i = 0; core->count > 2 && i < core->count; i++)
+        least = fminf(least, (core->corner.x[i] - shape->middle.x) * core->normal.x[i] +
+                                 (core->corner.y[i] - shape->middle.y) * core->normal.y[i]);
+    return least + shape->radius;
+}
+
 static void shift(fp3_attached *placed, fp3_point2 by) {
     fp3_shift2(&placed->given, by, &placed->shape);
     placed->extent = placed->shape.extent;
+    placed->inner = inner_of(&placed->shape);
     placed->link = placed->given_link;
     for (uint32_t i = 0; i < 4; i++)
         placed->link.corner[i] = fp3_subtract2(placed->link.corner[i], by);
@@ -140,9 +151,11 @@ static void weigh(fp3_bodies *bodies, uint32_t number) {
         all = fp3_weigh_together2((const fp3_mass2[]){all, bodies->shape[s].mass}, 2);
     const fp3_point2 centre = {(float)all.x, (float)all.y};
     body->extent = 0;
+    body->inner = body->first_shape == FP3_NOBODY ? 0 : INFINITY;
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
         shift(&bodies->shape[s], centre);
         body->extent = fmaxf(body->extent, bodies->shape[s].shape.extent);
+        body->inner = fminf(body->inner, bodies->shape[s].inner);
     }
     /* The origin stays where it is. */
     const double c = body->turn[0], s = body->turn[1], dx = (double)centre.x - body->centre[0],

@@ -29,7 +29,7 @@ static const fp3_kept_field world[] = {
 #define THIS fp3_body
 static const fp3_kept_field bodies[] = {
     D(at), F(turn), F(v), F(w), F(rest), B(type), B(is_fast), B(may_not_turn), B(may_not_sleep), D(boxed),
-    F(boxed_turn), F(extent), F(gravity), D(angle), F(force), F(torque), F(mass), F(inertia), F(centre),
+    F(boxed_turn), F(extent), F(inner), F(gravity), D(angle), F(force), F(torque), F(mass), F(inertia), F(centre),
     F(damping), F(spin_damping), W(generation), W(first_shape), W(next_asleep)};
 #undef THIS
 
@@ -37,7 +37,7 @@ static const fp3_kept_field bodies[] = {
 #define SHAPE(of) W(of.core.count), F(of.core.corner), F(of.core.normal), F(of.radius), F(of.extent), F(of.middle)
 #define LINK(of) F(of.corner), F(of.radius), W(of.ends)
 static const fp3_kept_field shapes[] = {
-    SHAPE(given), SHAPE(shape), LINK(given_link), LINK(link), D(mass), F(extent), F(friction), F(restitution),
+    SHAPE(given), SHAPE(shape), LINK(given_link), LINK(link), D(mass), F(extent), F(inner), F(friction), F(restitution),
     F(rolling), F(belt), F(surface), F(density), W(category), W(mask), W(body), W(next), W(generation), B(is_sensor), B(is_link)};
 #undef THIS
 

@@ -31,6 +31,7 @@ typedef struct {
     double boxed[3];     /* where it was when its shapes' boxes were made, */
     float boxed_turn[2]; /* and how it was turned */
     float extent;        /* the largest one of its shapes */
+    float inner;         /* the smallest one of theirs */
     float gravity;
     double angle; /* as the caller reads it, in turns too */
     float force[3], torque;
@@ -48,6 +49,7 @@ typedef struct {
     fp3_mass2 mass;             /* of the given shape */
     fp3_form3 *form;            /* in space, instead of all these */
     float extent;               /* from the centre of mass to the farthest point */
+    float inner;                /* from the middle of its corners to the nearest side */
     float friction, restitution, rolling, belt;
     float surface[3], density; /* in space */
     uint32_t category, mask;

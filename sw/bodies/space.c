@@ -128,8 +128,13 @@ void fp3_space_weigh(fp3_bodies *bodies, uint32_t number) {
     for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
         bodies->shape[s].extent = bodies->shape[s].form->shape.extent + (float)size;
     body->extent = 0;
-    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next)
+    body->inner = body->first_shape == FP3_NOBODY ? 0 : INFINITY;
+    for (uint32_t s = body->first_shape; s != FP3_NOBODY; s = bodies->shape[s].next) {
+        const fp3_shape3 *shape = &bodies->shape[s].form->shape;
+        bodies->shape[s].inner = shape->inner + shape->radius;
         body->extent = fmaxf(body->extent, bodies->shape[s].extent);
+        body->inner = fminf(body->inner, bodies->shape[s].inner);
+    }
     const int is_dynamic = body->type == FP3_DYNAMIC;
     body->mass = !is_dynamic ? 0 : all.mass > 0 ? (float)all.mass : 1;
     fp3_axes_of_mass3(&all, moment, space->axes);

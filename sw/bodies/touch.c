@@ -34,16 +34,22 @@ static double way_of(const fp3_bodies *bodies, uint32_t number, float extent) {
     return bodies->def.h * (speed + bodies->def.h * gravity);
 }
 
-/* ... where that counts: of what bounces, so that its impact is found in the step in which it is;
- * of what is marked fast, so that it does not pass through; and of whoever comes farther in a step
- * than points of contact reach, so that it does not pass through ground. */
+/* So far may it come in a step that points of contact on ground are found before its middle is
+ * through. */
+static double least_of(const fp3_bodies *bodies, float inner) {
+    return REACH * bodies->def.size + 0.5 * (double)inner;
+}
+
+/* How far it may come, where that counts: of what bounces, so that its impact is found in the step
+ * in which it is; of what is marked fast, so that it does not pass through; and of whoever is too
+ * fast for ground. */
 static double sweep_of(const fp3_bodies *bodies, const fp3_attached *shape, int is_bouncy,
                        int is_ground) {
     const fp3_body *body = &bodies->body[shape->body];
     if (body->type == FP3_STATIC || (!body->is_fast && !is_bouncy && !is_ground))
         return 0;
     const double way = way_of(bodies, shape->body, shape->extent);
-    return body->is_fast || is_bouncy || way > REACH * bodies->def.size ? way : 0;
+    return body->is_fast || is_bouncy || way > least_of(bodies, shape->inner) ? way : 0;
 }
 
 static fp3_box box_of(const fp3_bodies *bodies, uint32_t shape, double margin) {
@@ -89,7 +95,7 @@ static int is_boxed(const fp3_bodies *bodies, const fp3_body *body) {
              fabs(body->at[2] - body->boxed[2]));
     return !body->is_fast && !bodies->is_bouncy &&
            way_of(bodies, (uint32_t)(body - bodies->body), body->extent) <=
-               REACH * bodies->def.size && /* roundings of a box: 2^-20 are enough */
+               least_of(bodies, body->inner) && /* roundings of a box: 2^-20 are enough */
            way + (turned + 0x1p-20) * (double)body->extent <= MARGIN * bodies->def.size;
 }
 

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEAVY 100.0 /* a tree's mass over that of its lightest body */
+#define HEAVY 250.0 /* a tree's mass over that of its lightest body */
 #define STANDS 1e12 /* what a body that may not turn resists, of its mass */
 
 typedef double square[3][3];

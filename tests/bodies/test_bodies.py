@@ -365,6 +365,24 @@ def test_who_spins_and_is_fast_is_not_thrown_where_it_hits():
     assert world.read("v_x", disc)[0] == pytest.approx(10 * 0.01 / 3, rel=0.02)
 
 
+def test_a_grid_of_pins_and_a_row_of_welds_come_to_rest():
+    """Springs that hold must not make energy: softer ones do not."""
+    world = fp3.Bodies(gravity=(0, -G), rest_speed=0)
+    wall, side = world.add(type="static"), 12
+    discs = world.add(x=[(column, -row) for row in range(side) for column in range(side)]).reshape(side, side)
+    world.attach(discs.ravel(), fp3.circle(0.4))
+    for column in range(side):
+        world.join("hinge", wall, discs[0, column:column + 1], anchor_a=(column, 0))
+    world.join("hinge", discs[:, :-1].ravel(), discs[:, 1:].ravel(), anchor_a=(0.5, 0), anchor_b=(-0.5, 0))
+    world.join("hinge", discs[:-1].ravel(), discs[1:].ravel(), anchor_a=(0, -0.5), anchor_b=(0, 0.5))
+    row = world.add(x=[(101 + i, 0) for i in range(4)])
+    world.attach(row, fp3.box(0.5, 0.2))
+    world.join("weld", wall, row[:1], anchor_a=(100.5, 0), anchor_b=(-0.5, 0))
+    world.join("weld", row[:-1], row[1:], anchor_a=(0.5, 0), anchor_b=(-0.5, 0))
+    world.step(600)
+    assert np.abs(world["v"]).max() < 0.02
+
+
 def test_who_may_not_turn_or_sleep():
     world, _ = floor()
     stiff = body(world, x=(0, 3), angle=0.3, may_not_turn=True)

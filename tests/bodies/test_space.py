@@ -454,7 +454,7 @@ def test_a_mesh_that_turns_takes_along_what_it_meets():
             made.attach(beam, fp3.box(10, 0.5, 0.5))
         made.step(240)
         found.append(made.read("x", ball)[0])
-    assert abs(found[0][0]) > 1 and np.allclose(found[0], found[1], atol=1e-2)
+    assert abs(found[0][0]) > 1 and np.allclose(found[0], found[1], atol=5e-2)
 
 
 def test_an_impact_turns_a_ball_by_its_spin():

@@ -82,7 +82,7 @@ def test_what_swings_into_the_ground_comes_to_rest():
     tree.world.attach(tree.world.add(type="static", x=(0, -4)), fp3.box(30, 1))
     tree.world.step(1800)
     assert min(tree.of("x", k)[1] for k in range(11)) > -3.05
-    assert max(math.hypot(*tree.of("v", k)) for k in range(11)) < 0.2  # of 8 m/s
+    assert max(math.hypot(*tree.of("v", k)) for k in range(11)) < 0.5  # of 8 m/s
 
 
 @pytest.mark.parametrize("kind", ["hinge", "weld"])
