@@ -206,9 +206,10 @@ def grid(side=30):
 
 
 def wall(high=20, wide=50):
-    """Bricks of 0.4 x 0.2 x 0.2 m in space, each course half a brick off: every second one has a brick more, so that none stands out by half."""
-    bricks = [Body("box", (0.2, 0.1, 0.1), (0.4 * (k - wide / 2) + 0.2 * (row % 2), 0.2 * row + 0.1, 0.0), density=1000.0)
-              for row in range(high) for k in range(wide + 1 - row % 2)]
+    """Bricks of 0.4 x 0.2 x 0.2 m in space, each course half a brick off, with half bricks at its ends."""
+    edge = 0.2 * wide
+    courses = [[(0.2, 0.4 * k + 0.2 - edge) for k in range(wide)], [(0.1, 0.1 - edge), *((0.2, 0.4 * k + 0.4 - edge) for k in range(wide - 1)), (0.1, edge - 0.1)]]
+    bricks = [Body("box", (half, 0.1, 0.1), (x, 0.2 * row + 0.1, 0.0), density=1000.0) for row in range(high) for half, x in courses[row % 2]]
     return Scene(f"wall of {len(bricks)} bricks", [Body("box", (0.4 * wide, 1.0, 5.0), (0.0, -1.0, 0.0), fixed=True), *bricks], gravity=(0.0, -10.0, 0.0))
 
 
