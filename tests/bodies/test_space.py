@@ -147,6 +147,20 @@ def test_a_wall_of_bricks_stands_and_sleeps():
     assert made.awake == len(bricks)
 
 
+def test_a_high_wall_of_one_brick_stands_with_eight_substeps():
+    """4 m high and 0.2 m thick: on softer contacts it buckles."""
+    made, wide = world(rest_speed=0, substeps=8), 8
+    made.attach(made.add(type="static"), fp3.box(50, 1, 5, centre=(0, -1, 0)))
+    edge = 0.2 * wide
+    courses = [[(0.2, 0.4 * k + 0.2 - edge) for k in range(wide)], [(0.1, 0.1 - edge), *((0.2, 0.4 * k + 0.4 - edge) for k in range(wide - 1)), (0.1, edge - 0.1)]]
+    at = [(half, (x, 0.2 * row + 0.1, 0)) for row in range(20) for half, x in courses[row % 2]]
+    bricks = made.add(x=[x for _, x in at])
+    for brick, (half, _) in zip(bricks, at):
+        made.attach([brick], fp3.box(half, 0.1, 0.1, density=1000))
+    made.step(300)
+    assert np.abs(made.read("x", bricks) - [x for _, x in at]).max() < 0.03
+
+
 def test_ground_of_triangles_and_of_heights_carries():
     made = world(gravity=(0, 0, -10))
     place = made.add(type="static", x=[(-10, -10, 0), (100, 0, 0)])
