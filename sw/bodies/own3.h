@@ -60,7 +60,7 @@ static inline fp3_point3 fp3_arm_b3(const fp3_patch3 *p, fp3_point3 arm, float g
 
 struct fp3_space {
     const fp3_solver3 *solver;
-    fp3_body3 *body; /* of each body; likewise of each slot its row */
+    fp3_body3 *body; /* of each body */
     uint32_t body_room;
     /* Of all shapes that are near, in the order of bodies->touch; and those of the step before. */
     fp3_patch3 *patch, *old;
