@@ -573,14 +573,16 @@ world-report: ## Write docs/world.md from what `make world` found
 	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
 
 .PHONY: bodies bodies-report
-bodies: all $(if $(BOX2D),$(BUILD)/bench/bodies_box2d.so) ## Rigid bodies beside theory and other engines: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier", BOX2D=DIR of one that you built
+bodies: all $(if $(BOX2D),$(BUILD)/bench/bodies_box2d.so) $(if $(BOX3D),$(BUILD)/bench/bodies_box3d.so) ## Rigid bodies beside theory and other engines: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier", BOX2D=DIR and BOX3D=DIR of those that you built
 	@$(PYTHON) tools/bodies.py --output $(RESULTS)/bodies.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(ENGINES),--engines $(ENGINES))
 
 # -isystem: its headers are not as strict as ours.
-$(BUILD)/bench/bodies_box2d.so: bench/bodies/box2d.c
+$(BUILD)/bench/bodies_box2d.so: OWN = $(BOX2D)
+$(BUILD)/bench/bodies_box3d.so: OWN = $(BOX3D)
+$(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
-	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(BOX2D)/include -o $@ $< -L$(BOX2D)/lib -lbox2d -lm -Wl,-rpath,$(abspath $(BOX2D)/lib)
+	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(OWN)/include -o $@ $< -L$(OWN)/lib -l$* -lm -Wl,-rpath,$(abspath $(OWN)/lib)
 
 bodies-report: | need-plot ## Write docs/bodies_results.md, docs/bodies_error.md and its pictures from what `make bodies` found
 	@$(PYTHON) tools/bodies.py --input $(RESULTS)/bodies.json --markdown docs/bodies_results.md

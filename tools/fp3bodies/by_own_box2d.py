@@ -8,7 +8,8 @@ import numpy as np
 from fp3bodies.engines import Engine
 from fp3bodies.scene import Refused, mass
 
-LIBRARY = pathlib.Path(os.environ.get("FP3_BUILD", pathlib.Path(__file__).resolve().parents[2] / "build")) / "bench/bodies_box2d.so"
+FOLDER = pathlib.Path(os.environ.get("FP3_BUILD", pathlib.Path(__file__).resolve().parents[2] / "build")) / "bench"
+LIBRARY = FOLDER / "bodies_box2d.so"
 SHAPES = ("disc", "box", "capsule", "polygon")
 
 

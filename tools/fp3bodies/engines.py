@@ -8,6 +8,7 @@ from fp3bodies.scene import Refused, lifted
 
 # Name: the module of this folder and its class, and the package that it needs beside NumPy.
 ENGINES = {"fp3": ("by_fp3", "Made", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
+           "own box3d": ("by_box3d", "Made", None),
            "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"), "mujoco": ("by_mujoco", "Made", "mujoco"),
            "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"),
            "mujoco, Euler": ("by_mujoco", "Euler", "mujoco"), "mujoco, implicit": ("by_mujoco", "Implicit", "mujoco"),
@@ -85,6 +86,6 @@ def find(name):
 
 
 def installed():
-    from fp3bodies import by_own_box2d
-    return [name for name, (_, _, package) in ENGINES.items()
-            if importlib.util.find_spec(package or "numpy") and (name != "own box2d" or by_own_box2d.is_there())]
+    from fp3bodies import by_box3d, by_own_box2d
+    own = {"own box2d": by_own_box2d, "own box3d": by_box3d}
+    return [name for name, (_, _, package) in ENGINES.items() if importlib.util.find_spec(package or "numpy") and (name not in own or own[name].is_there())]

@@ -45,7 +45,8 @@ the exception: FP3 finds the time of each impact, so one substep is enough, and 
 ENGINES = """\
 *box2d* is `pyb2d3` from PyPI: its Box2D has vectors of 4 numbers (SSE2). Newer Box2D with AVX2 is faster, but no registry has it: who has
 built one from its repository (newer than 3.1, `BUILD_SHARED_LIBS=ON`, `BOX2D_AVX2=ON`) says `make bodies BOX2D=DIR`, where `include/` and `lib/libbox2d.so`
-are in DIR; that is *own box2d*. Chipmunk is `pymunk`, Rapier `rapier3d`, Bullet `pybullet`; `make setup-bench` installs them. In `pybullet` each
+are in DIR; that is *own box2d*. *own box3d* is Box3D, which no registry has either, built in the same way (`BOX3D_VALIDATE=OFF`) and named by `BOX3D=DIR`; it has vectors
+of 4 numbers (SSE2). Chipmunk is `pymunk`, Rapier `rapier3d`, Bullet `pybullet`; `make setup-bench` installs them. In `pybullet` each
 body is a multibody, as robots have them; Bullet's rigid bodies, which games have, may be better at impacts, and are not measured."""
 
 

@@ -160,6 +160,29 @@ def cradle(make):
         yield f"the largest speed of the others {name}, m/s", 0.0, float(abs(v[:4]).max()), 3e-3
 
 
+def cube_of_balls(make):
+    """6 x 6 x 6 balls as in SimBenchmark (leggedrobotics.github.io/SimBenchmark, "666" and "elastic 666"): rigid ones do not overlap, elastic ones keep their energy"""
+    place, r = np.random.default_rng(1), 0.5
+    surface = {"friction": 0.0, "restitution": 0.0}
+
+    def cube(high):
+        balls = [Body("disc", (r,), tuple(1.02 * np.array(at) + (0.0, high, 0.0) + place.uniform(-0.01, 0.01, 3)), density=10.0 / (4 / 3 * math.pi * r ** 3), **surface)
+                 for at in np.ndindex(6, 6, 6)]
+        return make(Scene("cube of balls", [Body("box", (200.0, 1.0, 200.0), (0.0, -1.0, 0.0), fixed=True, **surface), *balls], gravity=(*DOWN, 0.0)))
+    deep = path(cube(0.5), 5, lambda engine: overlap(engine.places()[1:], r))
+    yield "mean overlap of those of 216 balls that overlap, in 5 s, of their radius", 0.0, float(deep.mean()), 0.01
+    surface["restitution"] = 1.0
+    energy = path(cube(1.5), 5, lambda engine: (engine.speeds()[1:] ** 2).sum() / 2 + G * engine.places()[1:, 1].sum())
+    yield "change of the energy of 216 elastic balls in 5 s, as a share", 0.0, float(abs(energy / energy[0] - 1).max()), 0.01
+
+
+def overlap(x, r):
+    """The mean of all pairs of balls that overlap, the floor among them, in radii."""
+    first, second = np.triu_indices(len(x), 1)
+    deep = np.concatenate([2 * r - np.linalg.norm(x[first] - x[second], axis=1), r - x[:, 1]])
+    return deep[deep > 0].mean() / r if (deep > 0).any() else 0.0
+
+
 def wall(make):
     """Nothing passes through a wall"""
     scene = sc.bullets()
@@ -335,7 +358,7 @@ def heavy_top(make):
     yield "how far its tilt leaves 60 degrees in 10 s, rad", 0.0, float(abs(np.arccos(np.clip(x[:, 1] / np.linalg.norm(x, axis=1), -1, 1)) - tilt).max()), 2e-3
 
 
-TRUTHS = [slope, braking, slide_and_roll, roll_down, cone, belt, bounces, cradle, wall, pendulum, double_pendulum,
+TRUTHS = [slope, braking, slide_and_roll, roll_down, cone, belt, bounces, cradle, cube_of_balls, wall, pendulum, double_pendulum,
           hanging_chain, heavy_end, tipping, arch, domino_run, free_top, heavy_top]
 
 
