@@ -15,7 +15,7 @@ typedef struct {
 } node;
 
 struct fp3_mesh3 {
-    uint32_t triangles, nodes;
+    uint32_t points, triangles, nodes;
     fp3_point3 *point, *normal;
     uint32_t (*corner)[3];
     int32_t (*beside)[3]; /* over the edge from a corner to the next: a triangle, or NOBODY */
@@ -168,6 +168,7 @@ fp3_status fp3_make_mesh3(uint32_t points, const fp3_point3 *point, uint32_t tri
     fp3_mesh3 *m = calloc(1, sizeof *m);
     if (!m)
         return fp3_no_memory(error);
+    m->points = points;
     m->triangles = triangles;
     const fp3_status status = fill(m, points, point, corner, error);
     if (status)
@@ -290,6 +291,14 @@ typedef struct {
     fp3_point3 middle, low, high; /* of b, in the mesh's frame */
     float reach;
 } visit;
+
+uint32_t fp3_mesh_points3(const fp3_mesh3 *mesh) { return mesh->points; }
+
+fp3_point3 fp3_mesh_point3(const fp3_mesh3 *mesh, uint32_t point) { return mesh->point[point]; }
+
+const uint32_t *fp3_mesh_corners3(const fp3_mesh3 *mesh, uint32_t triangle) {
+    return mesh->corner[triangle];
+}
 
 void fp3_mesh_triangle3(const fp3_mesh3 *mesh, uint32_t triangle, fp3_shape3 *shape) {
     *shape = TRIANGLE;

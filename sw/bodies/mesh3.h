@@ -29,6 +29,10 @@ fp3_status fp3_make_heights3(uint32_t columns, uint32_t rows, float dx, float dy
                              const float *height, fp3_mesh3 **mesh, fp3_error *error);
 
 uint32_t fp3_mesh_triangles3(const fp3_mesh3 *mesh);
+uint32_t fp3_mesh_points3(const fp3_mesh3 *mesh);
+fp3_point3 fp3_mesh_point3(const fp3_mesh3 *mesh, uint32_t point);
+/* The three points of one of them. */
+const uint32_t *fp3_mesh_corners3(const fp3_mesh3 *mesh, uint32_t triangle);
 /* One of them as a shape. */
 void fp3_mesh_triangle3(const fp3_mesh3 *mesh, uint32_t triangle, fp3_shape3 *shape);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* hdf5.c - a recording in HDF5: a dataset of each name, links and reaches beside them. */
+#include "edges.h"
 #include "reader.h"
 
 #include "base/path.h"
@@ -206,14 +207,48 @@ static fp3_status take_shapes(fp3_view_recording *r, const uint32_t *words, cons
     if (rows && !(r->shapes = calloc(rows, sizeof *r->shapes)))
         return fp3_no_memory(error);
     for (size_t i = 0; i < rows; i++, words += 4) {
-        r->shapes[i] = (fp3_view_shape){words[0], words[1], words[2], words[3], radii[i], first};
-        if (words[0] >= r->objects || !words[1] || words[1] > corners - first ||
-            !(radii[i] >= 0 && isfinite(radii[i])))
+        r->shapes[i] = (fp3_view_shape){.object = words[0],
+                                        .corners = words[1],
+                                        .is_sensor = words[2],
+                                        .type = words[3],
+                                        .radius = radii[i],
+                                        .first = first};
+        if (words[0] >= r->objects || !words[1] || words[1] > corners - first || !(radii[i] >= 0) ||
+            (isinf(radii[i]) && words[1] != 2))
             return unfit(r, "shapes:of", i, error);
         first += words[1];
     }
     r->shape_count = rows;
     return first == corners ? FP3_OK : unfit(r, "shapes:corners", first, error);
+}
+
+/* Each has its corners in one shape, and shapes follow each other. */
+static fp3_status take_triangles(fp3_view_recording *r, const uint32_t (*rows)[3],
+                                 fp3_error *error) {
+    size_t i = 0;
+    if (!(r->triangles = malloc((r->triangle_count + 1) * sizeof *r->triangles)))
+        return fp3_no_memory(error);
+    for (size_t k = 0; k < r->shape_count; k++) {
+        fp3_view_shape *s = &r->shapes[k];
+        s->triangle = i;
+        for (; i < r->triangle_count && rows[i][0] - s->first < s->corners; i++) {
+            r->triangles[i] = (fp3_view_triangle){{rows[i][0], rows[i][1], rows[i][2]}, 0};
+            if (rows[i][1] - s->first >= s->corners || rows[i][2] - s->first >= s->corners)
+                return unfit(r, "shapes:triangles", i, error);
+        }
+        s->triangles = i - s->triangle;
+    }
+    return i == r->triangle_count ? FP3_OK : unfit(r, "shapes:triangles", i, error);
+}
+
+static fp3_status read_triangles(fp3_view_recording *r, fp3_error *error) {
+    uint32_t *rows = NULL;
+    fp3_status status = read_table(r, "shapes:triangles", 3, FP3_HDF5_UINT32, (void **)&rows,
+                                   &r->triangle_count, error);
+    if (!status)
+        status = take_triangles(r, (const uint32_t(*)[3])rows, error);
+    free(rows);
+    return status ? status : fp3_view_edges_find(r, error);
 }
 
 static fp3_status read_shapes(fp3_view_recording *r, fp3_error *error) {
@@ -230,6 +265,8 @@ static fp3_status read_shapes(fp3_view_recording *r, fp3_error *error) {
             status = unfit(r, "shapes:corners", i / 3, error);
     if (!status)
         status = take_shapes(r, words, radii, rows, corners, error);
+    if (!status)
+        status = read_triangles(r, error);
     free(words);
     free(radii);
     return status;

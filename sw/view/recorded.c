@@ -124,6 +124,8 @@ void fp3_view_recorded_free(fp3_view_recording *r) {
     free_relations(r);
     free(r->shapes);
     free(r->corners);
+    free(r->triangles);
+    free(r->edges);
     free(r->joints);
     free(r->contacts);
     free(r->columns);

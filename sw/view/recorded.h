@@ -30,12 +30,25 @@ typedef struct {
     char *position;  /* names of what the reach is measured in, with commas; "" */
 } fp3_view_relation;
 
-/* Shapes of rigid bodies, as docs/outputs.md has them. */
+/* Shapes of rigid bodies, as docs/outputs.md has them. An infinite radius is a plane. */
 typedef struct {
     uint32_t object, corners, is_sensor, type; /* type: 0 moves, 2 never does */
     double radius;
-    size_t first; /* corner */
+    size_t first;                            /* corner */
+    size_t triangle, triangles, edge, edges; /* the first of them, and how many there are */
 } fp3_view_shape;
+
+/* Two rows of the corners; of a sphere or a circle twice the same. A sharp one is drawn as a line.
+ */
+typedef struct {
+    uint32_t ends[2];
+    int is_sharp;
+} fp3_view_edge;
+
+typedef struct {
+    uint32_t corners[3]; /* rows of them, anticlockwise as seen from outside */
+    uint32_t rims;       /* bit k: the edge from corner k on is sharp */
+} fp3_view_triangle;
 
 typedef struct {
     uint32_t a, b, type, snapshots; /* objects; it is there in so many snapshots of the file */
@@ -58,9 +71,11 @@ typedef struct {
     size_t relation_count;
     fp3_view_shape *shapes;
     double (*corners)[3]; /* of all shapes */
+    fp3_view_triangle *triangles;
+    fp3_view_edge *edges;
     fp3_view_joint *joints;
     fp3_view_contact *contacts; /* snapshot by snapshot */
-    size_t shape_count, joint_count, contact_count;
+    size_t shape_count, triangle_count, joint_count, contact_count;
     double force_most;         /* of all contacts of the file */
     size_t objects, snapshots; /* of CSV known when it is loaded */
     uint64_t *steps;           /* of each snapshot */

@@ -306,8 +306,15 @@ def test_a_scene_in_space_has_the_bits_of_calls(run, tmp_path):
         assert hash_of(said) == f"{made.hash:016x}"
         for name in ("x", "q", "v", "spin"):
             assert np.array_equal(np.stack([file[f"{name}_{k}"][1] for k in ("wxyz" if name == "q" else "xyz")], axis=1), made.read(name, made.handles))
-        assert file["shapes:of"][:].tolist() == [[0, 8, 0, 2], [1, 8, 0, 0], [2, 1, 0, 0], [3, 2, 0, 0], [4, 4, 0, 0]]        # a plane has no corners
-        assert file["shapes:corners"][16].tolist() == [np.float32(0.1), 0, 0] and len(file["contacts:of"]) > 0
+        assert file["shapes:of"][:].tolist() == [[0, 2, 0, 2], [0, 8, 0, 2], [1, 8, 0, 0], [2, 1, 0, 0], [3, 2, 0, 0], [4, 4, 0, 0]]
+        corners, triangles, above = file["shapes:corners"][:], file["shapes:triangles"][:], np.array([0, 1, 0.1]) / np.hypot(1, 0.1)
+        assert np.isinf(file["shapes:radius"][:, 0]).tolist() == [True] + 5 * [False] and corners[18].tolist() == [np.float32(0.1), 0, 0]
+        assert np.allclose([corners[1] - corners[0], corners[0]], [above, 0.25 * above[1] * above], atol=1e-6)       # a plane: a point of it, and one above
+        whose = np.digitize(triangles, [2, 10, 18, 19, 21])
+        assert (whose == whose[:, :1]).all() and np.bincount(whose[:, 0]).tolist() == [0, 12, 12, 0, 0, 4]
+        for shape, volume in ((1, 48), (2, 0.192), (5, 0.9 * 0.8 / 2 * 0.6 / 3)):       # above 0: anticlockwise as seen from outside
+            assert np.linalg.det(corners[triangles[whose[:, 0] == shape]]).sum() / 6 == pytest.approx(volume, rel=1e-6)
+        assert len(file["contacts:of"]) > 0
         assert np.array_equal(file["contacts:points"][:, 3:6][file["contacts:of"][:, 0] == 1], made.contacts()["normal"])
     assert hash_of(run(SPACE, "-n", "4", "-e", "isa")) == hash_of(run(SPACE, "-n", "4"))
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHAPE_WORDS = 4, JOINT_WORDS = 4, CONTACT_WORDS = 3, PLACE = 3, POINT = 7 };
+enum { SHAPE_WORDS = 4, CORNERS = 3, JOINT_WORDS = 4, CONTACT_WORDS = 3, PLACE = 3, POINT = 7 };
 
 /* The number of a body in the recording; below 0: it is not recorded. Nobody was removed, so a
  * body's number is its place in the scene. */
@@ -26,6 +26,7 @@ static fp3_status add_shape(void *user, const fp3_outline *o) {
     fp3_bodies_tables *t = user;
     const int64_t object = object_of(t, o->body);
     const size_t shapes = t->shape_count + 1, corners = t->corner_count + o->corners;
+    const size_t triangles = t->triangle_count + o->triangles;
     if (object < 0)
         return FP3_OK;
     fp3_status status =
@@ -34,14 +35,21 @@ static fp3_status add_shape(void *user, const fp3_outline *o) {
         status = grow(t, &t->radii, &t->radius_room, sizeof *t->radii, shapes);
     if (!status)
         status = grow(t, &t->corners, &t->corner_room, PLACE * sizeof *t->corners, corners);
+    if (!status)
+        status =
+            grow(t, &t->triangles, &t->triangle_room, CORNERS * sizeof *t->triangles, triangles);
     if (status)
         return status;
     uint32_t *words = t->shapes + SHAPE_WORDS * t->shape_count;
     words[0] = (uint32_t)object;
-    words[1] = o->corners;
+    words[1] = (uint32_t)o->corners;
     words[2] = (uint32_t)o->is_sensor;
     words[3] = (uint32_t)o->type;
     t->radii[t->shape_count++] = o->radius;
+    for (size_t i = 0; i < CORNERS * o->triangles; i++)
+        t->triangles[CORNERS * t->triangle_count + i] =
+            (uint32_t)t->corner_count + o->triangle[i / CORNERS][i % CORNERS];
+    t->triangle_count = triangles;
     memcpy(t->corners + PLACE * t->corner_count, o->corner, o->corners * sizeof *o->corner);
     t->corner_count = corners;
     return FP3_OK;
@@ -77,7 +85,7 @@ static fp3_status add_joint(void *user, const fp3_outline_joint *o) {
 fp3_status fp3_bodies_tables_open(const fp3_bodies_scene *scene, size_t first, size_t count,
                                   fp3_bodies_tables *tables, fp3_error *error) {
     *tables = (fp3_bodies_tables){.scene = scene, .first = first, .count = count, .error = error};
-    const fp3_status status = fp3_bodies_outlines(scene->bodies, add_shape, tables);
+    const fp3_status status = fp3_bodies_outlines(scene->bodies, add_shape, tables, error);
     return status ? status : fp3_bodies_outline_joints(scene->bodies, add_joint, tables);
 }
 
@@ -127,6 +135,7 @@ void fp3_bodies_tables_gather(fp3_bodies_tables *t) {
         {"shapes:of", FP3_EXTRA_UINT32, t->shape_count, SHAPE_WORDS, t->shapes},
         {"shapes:radius", FP3_EXTRA_DOUBLE, t->shape_count, 1, t->radii},
         {"shapes:corners", FP3_EXTRA_DOUBLE, t->corner_count, PLACE, t->corners},
+        {"shapes:triangles", FP3_EXTRA_UINT32, t->triangle_count, CORNERS, t->triangles},
         {"joints:of", FP3_EXTRA_UINT32, t->joint_count, JOINT_WORDS, t->joints},
         {"joints:anchors", FP3_EXTRA_DOUBLE, t->joint_count, 2 * PLACE, t->anchors},
         {"contacts:of", FP3_EXTRA_UINT32, t->contact_count, CONTACT_WORDS, t->contacts},
@@ -138,6 +147,7 @@ void fp3_bodies_tables_close(fp3_bodies_tables *t) {
     free(t->shapes);
     free(t->radii);
     free(t->corners);
+    free(t->triangles);
     free(t->joints);
     free(t->anchors);
     free(t->handles);

@@ -10,17 +10,17 @@
 
 #include "record/sink.h"
 
-#define FP3_BODIES_TABLES 7
+#define FP3_BODIES_TABLES 8
 
 typedef struct {
     const fp3_bodies_scene *scene;
     size_t first, count; /* the bodies that are recorded */
-    uint32_t *shapes, *joints, *contacts;
+    uint32_t *shapes, *triangles, *joints, *contacts;
     double *radii, *corners, *anchors, *points;
     uint64_t *handles; /* of the joints */
-    size_t shape_count, corner_count, joint_count, contact_count;
-    uint32_t shape_room, radius_room, corner_room, joint_room, handle_room, anchor_room,
-        contact_room, point_room;
+    size_t shape_count, corner_count, triangle_count, joint_count, contact_count;
+    uint32_t shape_room, radius_room, corner_room, triangle_room, joint_room, handle_room,
+        anchor_room, contact_room, point_room;
     fp3_extra extras[FP3_BODIES_TABLES];
     fp3_error *error;
 } fp3_bodies_tables;
