@@ -24,7 +24,7 @@ from fp3bodies import report
 PARTS = ("truths", "standing", "speed", "error", "hashes", "chip")
 ALONE = {"hashes", "chip"}  # parts without peers
 # Who is a part of an engine that is there already has its own parts; implicitfast is Euler where nothing damps.
-SOME = {"mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
+SOME = {"fp3, laws on fast": ("speed",), "mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
 OWN = "fp3"
 SETTLE, MOST, TURN = 600, 20.0, 0.1  # steps before a scene is timed, seconds that they may take, seconds of a turn
 STAND = 100.0                         # seconds that a scene may take to stand

@@ -10,10 +10,6 @@
 #define STIFFNESS 30.0 /* Hz, at most */
 #define RESOLVED 0.25
 #define DAMPING 10.0 /* of critical damping */
-/* Up to this where substeps are so short that it is a smaller share of their rate: a high wall of
- * one brick buckles on softer contacts. */
-#define FIRMEST 60.0
-#define EASILY 0.125
 
 static fp3_contact3_row *row_of(const fp3_space *s, uint32_t i) {
     return (fp3_contact3_row *)s->contacts.row + s->contacts.lane[i] / FP3_WIDE;
@@ -178,7 +174,7 @@ fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
                                  s->contacts.count + 64u, bodies->error);
     if (status)
         return status;
-    const double hertz = fmax(fmin(STIFFNESS, RESOLVED / h), fmin(FIRMEST, EASILY / h));
+    const double hertz = fmin(STIFFNESS, RESOLVED / h);
     const fp3_softness softness[2] = {fp3_soften(hertz, DAMPING, h),
                                       fp3_soften(2 * hertz, DAMPING, h)};
     bodies->may_bounce = s->is_rolling = 0;

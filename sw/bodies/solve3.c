@@ -129,6 +129,7 @@ static void pass(const fp3_work2 *given_work, const uint8_t *points, uint32_t fi
                  const float shared[FP3_SHARED], int is_rolling, int has_moved) {
     const fp3_work2 work = *given_work;
     fp3_wide given[FP3_SHARED];
+    const int has_friction = fp3_has_friction3(shared);
     give(shared, given);
     for (uint32_t i = first; i < end; i++) {
         fp3_contact3_row *row = (fp3_contact3_row *)work.row + i;
@@ -137,11 +138,12 @@ static void pass(const fp3_work2 *given_work, const uint8_t *points, uint32_t fi
         bring_speeds(&work, work.ends[i].b, of.b);
         for (uint32_t k = 0; has_moved && k < points[i]; k++)
             fp3_law_gap3(row, &row->point[k], of.a, of.b, given);
-        if (is_rolling)
+        if (is_rolling && has_friction)
             fp3_law_roll3(row, of.a, of.b, given);
         for (uint32_t k = 0; k < points[i]; k++)
             fp3_law_push3(row, &row->point[k], of.a, of.b, given);
-        fp3_law_rub3(row, of.a, of.b, given);
+        if (has_friction)
+            fp3_law_rub3(row, of.a, of.b, given);
         take_speeds(&work, 0, work.ends[i].a, of.a);
         take_speeds(&work, 0, work.ends[i].b, of.b);
     }

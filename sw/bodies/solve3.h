@@ -21,9 +21,9 @@ typedef struct {
     /* A row has normals, tangents, arms, masses and inertias, `radius` as the mean distance of the
      * points from the middle, and in j of a point 1 if it is there, else 0. Makes the row of it. */
     void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end);
-    /* Blocks first .. end - 1 make a pass: each point of theirs, then friction. points: of each
-     * block, fp3_points_of3. is_rolling: some contact has rolling resistance; has_moved: gaps
-     * first. */
+    /* Blocks first .. end - 1 make a pass: each point of theirs, then friction where it acts.
+     * points: of each block, fp3_points_of3. is_rolling: some contact has rolling resistance;
+     * has_moved: gaps first. */
     void (*pass)(const fp3_work2 *, const uint8_t *points, uint32_t first, uint32_t end,
                  const float shared[FP3_SHARED], int is_rolling, int has_moved);
     /* A pass of a law of joints: law - FP3_LAW_pin3. */
@@ -37,6 +37,13 @@ typedef struct {
  * FP3_E_ARGUMENT: the variable asks for what is not there. */
 fp3_status fp3_solvers_choose(const fp3_solver2 **plane, const fp3_solver3 **space,
                               fp3_error *error);
+
+/* Friction acts in passes that mend speeds, and at the impulses that a step begins with. In passes
+ * that push overlaps apart it would hold what these speeds move aside, and give it back later: a
+ * wide wall of bricks came to wave. */
+static inline int fp3_has_friction3(const float shared[FP3_SHARED]) {
+    return shared[FP3_PUSH] == 0 || shared[FP3_WARM] != 0;
+}
 
 /* How many points the contacts of a block have, at most: behind them none has any. */
 static inline uint32_t fp3_points_of3(const fp3_contact3_row *row) {

@@ -188,16 +188,17 @@ static fp3_status move(fp3_bodies *bodies) {
 static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint32_t first,
                            uint32_t end, const float shared[FP3_SHARED], int has_moved) {
     fp3_laws *laws = bodies->laws;
+    const int has_friction = fp3_has_friction3(shared);
     fp3_status status = FP3_OK;
     for (uint32_t i = first; !status && i < end; i++) {
         const uint32_t points = bodies->space->points[i];
         for (uint32_t k = 0; !status && has_moved && k < points; k++)
             status = fp3_laws_run(laws, FP3_LAW_gap3, work, i, i + 1, k, shared);
-        if (!status && points && bodies->space->is_rolling)
+        if (!status && points && has_friction && bodies->space->is_rolling)
             status = fp3_laws_run(laws, FP3_LAW_roll3, work, i, i + 1, 0, shared);
         for (uint32_t k = 0; !status && k < points; k++)
             status = fp3_laws_run(laws, FP3_LAW_push3, work, i, i + 1, k, shared);
-        if (!status && points)
+        if (!status && points && has_friction)
             status = fp3_laws_run(laws, FP3_LAW_rub3, work, i, i + 1, 0, shared);
     }
     return status;

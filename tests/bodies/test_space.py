@@ -147,9 +147,9 @@ def test_a_wall_of_bricks_stands_and_sleeps():
     assert made.awake == len(bricks)
 
 
-def test_a_high_wall_of_one_brick_stands_with_eight_substeps():
-    """4 m high and 0.2 m thick: on softer contacts it buckles."""
-    made, wide = world(rest_speed=0, substeps=8), 8
+def test_a_high_wall_of_one_brick_stands():
+    """4 m high and 0.2 m thick. It buckles if arms follow each lean, and waves if friction acts while overlaps are pushed apart."""
+    made, wide = world(rest_speed=0), 50
     made.attach(made.add(type="static"), fp3.box(50, 1, 5, centre=(0, -1, 0)))
     edge = 0.2 * wide
     courses = [[(0.2, 0.4 * k + 0.2 - edge) for k in range(wide)], [(0.1, 0.1 - edge), *((0.2, 0.4 * k + 0.4 - edge) for k in range(wide - 1)), (0.1, edge - 0.1)]]
@@ -158,7 +158,10 @@ def test_a_high_wall_of_one_brick_stands_with_eight_substeps():
     for brick, (half, _) in zip(bricks, at):
         made.attach([brick], fp3.box(half, 0.1, 0.1, density=1000))
     made.step(300)
-    assert np.abs(made.read("x", bricks) - [x for _, x in at]).max() < 0.03
+    before = made.read("x", bricks)
+    made.step(60)
+    assert np.abs(before - [x for _, x in at]).max() < 0.07 and np.abs(made.read("x", bricks) - before).max() < 5e-3
+    assert np.abs(made.read("v", bricks)).max() < 0.02
 
 
 def test_ground_of_triangles_and_of_heights_carries():

@@ -20,6 +20,7 @@ ZERO = {"bounce": 0.0, "rest_speed": 0.0}  # every contact bounces, nobody sleep
 class Made(Engine):
     ARITHMETIC = "float32"
     SUBSTEPS = True
+    LAWS = {}  # words of fp3_bodies_def that say who executes the laws
 
     def build(self, scene):
         self.lib, self.error = _library.library(), d.fp3_error()
@@ -27,7 +28,7 @@ class Made(Engine):
         definition.error = ctypes.pointer(self.error)
         definition.dimensions, definition.gravity[:] = scene.dimensions, in_space(scene.gravity)
         definition.h, definition.substeps = scene.step, scene.substeps
-        for name, value in ZERO.items():
+        for name, value in (ZERO | self.LAWS).items():
             setattr(definition, name, value)
         self.world = ctypes.c_void_p()
         self.call("open", ctypes.byref(definition), ctypes.byref(self.world))
@@ -91,6 +92,12 @@ class Made(Engine):
 
     def push(self, body, force):
         self.write("force", self.handles[body:body + 1], *map(float, force))
+
+
+class ByEngine(Made):
+    """Laws as programs, which anybody may change, compiled to native code."""
+    NOTE = "contacts and joints by their texts, as native code of the engine `fast`"
+    LAWS = {"engine": b"fast", "may_compile": 1}
 
 
 class Definitions:

@@ -7,7 +7,7 @@ import numpy as np
 from fp3bodies.scene import Refused, lifted
 
 # Name: the module of this folder and its class, and the package that it needs beside NumPy.
-ENGINES = {"fp3": ("by_fp3", "Made", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
+ENGINES = {"fp3": ("by_fp3", "Made", None), "fp3, laws on fast": ("by_fp3", "ByEngine", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
            "own box3d": ("by_box3d", "Made", None),
            "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"), "mujoco": ("by_mujoco", "Made", "mujoco"),
            "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"),
