@@ -233,8 +233,16 @@ def test_a_world_goes_back_with_the_same_bits():
     made.attach(made.add(x=(0, 9, 0)), fp3.sphere(0.3))
     made.step(5)
     made.restore(saved)
-    made.step(40)
+    made.step(20)
+    assert made.save(saved) is saved
+    made.step(20)
     assert made.hash == after
+    made.restore(saved)
+    made.step(20)
+    assert made.hash == after
+    for wrong in (scene().save(), 1):
+        with pytest.raises(fp3.ArgumentError, match="into: found"):
+            made.save(wrong)
 
 
 # ---- questions, refusals ----
