@@ -40,11 +40,11 @@ PLANE = Family(2, "sw/bodies/laws.h",
                ["v_x", "v_y", "w", "d_x", "d_y", "q"], 3)
 # Words of a point stand in the row once for each of its points.
 SPACE = Family(3, "sw/bodies/laws3.h",
-               {"push3": ("contact3", "euler"), "gap3": ("contact3", "euler"), "rub3": ("contact3", "euler"), "roll3": ("contact3", "euler"),
-                "turn3": ("turning3", "rk4"), "pin3": ("pin3", "euler"), "spin3": ("spin3", "euler"), "line3": ("line3", "euler"),
+               {"gap3": ("contact3", "euler"), "roll3": ("contact3", "euler"), "meet3": ("contact3", "euler"), "push3": ("contact3", "euler"),
+                "rub3": ("contact3", "euler"), "give3": ("contact3", "euler"), "turn3": ("turning3", "rk4"), "pin3": ("pin3", "euler"), "spin3": ("spin3", "euler"), "line3": ("line3", "euler"),
                 "twist3": ("twist3", "euler")},
                ["v_x", "v_y", "v_z", "-", "w_x", "w_y", "w_z", "-", "d_x", "d_y", "d_z", "e", "q_x", "q_y", "q_z", "-"], 8,
-               ("a_x", "a_y", "a_z", "b_x", "b_y", "b_z", "gap", "j", "p", "top"))
+               ("x", "y", "g", "gt_x", "gt_y", "gap", "j", "p", "top"))
 OPERATIONS = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "madd": "{2} + {0} * {1}", "msub": "{2} - {0} * {1}",
               "min": "fp3_wide_min({0}, {1})", "max": "fp3_wide_max({0}, {1})", "lt": "fp3_wide_lt({0}, {1})",
               "le": "fp3_wide_le({0}, {1})", "sel": "fp3_wide_sel({0}, {1}, {2})", "abs": "fp3_wide_abs({0})",
@@ -121,8 +121,9 @@ def function(law):
            "const fp3_wide *shared) {")
     if not law.shared:
         yield "    (void)shared;"
-    if not any((family.body_word(word) or "a").startswith("b") for word in law.words()):
-        yield "    (void)b;"
+    for body in "ab":
+        if not any((family.body_word(word) or "").startswith(body) for word in law.words()):
+            yield f"    (void){body};"
 
     def operand(name):
         if re.match(r"[-\d.]", name):

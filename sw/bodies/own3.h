@@ -17,17 +17,6 @@ typedef struct {
                                 * its inverse. Unit if it does not turn: then `back` counts as 0 */
 } fp3_body3;
 
-/* A manifold of two shapes. Ground of triangles has several with one shape. */
-typedef struct {
-    uint32_t touch;             /* of bodies->touch, in this step */
-    uint32_t a, b, part;        /* shapes; the triangle */
-    fp3_manifold3 m, found;     /* from a to b; as it was when the shapes were last looked at, */
-    fp3_point3 from;            /* ... with b's centre of mass as seen from a's, */
-    float turn_a[4], turn_b[4]; /* ... and their turns */
-    float p[4], twist, top;     /* impulses */
-    float f[3], roll[3];        /* ... in the world's axes */
-} fp3_patch3;
-
 typedef struct {
     double q[4];                     /* b's turn as a had it when it was made */
     double anchor_a[3], anchor_b[3]; /* which its rows hold */
@@ -62,9 +51,10 @@ struct fp3_space {
     const fp3_solver3 *solver;
     fp3_body3 *body; /* of each body */
     uint32_t body_room;
-    /* Of all shapes that are near, in the order of bodies->touch; and those of the step before. */
-    fp3_patch3 *patch, *old;
+    fp3_patch3 *patch, *old; /* of all pairs: fp3_touch2.first_patch; room for the next ones */
     uint32_t patch_count, patch_room, old_room;
+    fp3_pose3 *pose; /* of each body's shapes, from its centre of mass, when a step begins */
+    uint32_t pose_room;
     uint8_t *points; /* of each block of contacts */
     uint32_t points_room;
     fp3_law_rows contacts;     /* of: patches */
@@ -78,7 +68,8 @@ struct fp3_space {
     uint32_t stance_room;
     fp3_mesh_touch3 *meeting;
     uint32_t meeting_room;
-    int is_rolling; /* a contact of this step has rolling resistance */
+    int is_rolling,
+        has_belts; /* a contact of this step has rolling resistance, a surface that moves */
 };
 
 static inline fp3_point3 fp3_point3_of(const float x[3]) { return (fp3_point3){x[0], x[1], x[2]}; }
@@ -105,8 +96,12 @@ double fp3_space_speed(const fp3_bodies *bodies, uint32_t body, float extent);
 fp3_status fp3_space_touch_begin(fp3_bodies *bodies);
 /* After a failure: what was found of all pairs counts no more. */
 void fp3_space_forget(fp3_bodies *bodies);
-/* The patches of a pair; is_asleep: as they were. */
-fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *touch, float reach, int is_asleep);
+/* Behind a new list of pairs: where their patches are. */
+fp3_status fp3_space_lay_patches(fp3_bodies *bodies);
+/* Whether both have hardly moved since they were looked at: gaps follow. */
+int fp3_space_follow(fp3_bodies *bodies, fp3_touch2 *touch);
+/* Looks at them: points of contact within `reach`. */
+fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *touch, float reach);
 
 /* The touch of a row of contacts; how many there are. */
 static inline fp3_touch2 *fp3_row_touch(const fp3_bodies *bodies, uint32_t row) {
@@ -136,7 +131,7 @@ void fp3_space_contacts_follow(fp3_bodies *bodies);
 /* The speed of b against a at which their surfaces do not slide. */
 fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b);
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
-void fp3_space_contacts_end(fp3_bodies *bodies);
+void fp3_space_contacts_end(fp3_bodies *bodies, double h);
 
 /* stance3.c: after the way that both bodies have come in the step, if `has_way`. */
 fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t joint, int has_way);

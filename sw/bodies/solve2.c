@@ -3,6 +3,8 @@
  */
 #include "solve2.h"
 
+#include "lanes.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -11,21 +13,17 @@
 #define FP3_SOLVER_NAME "x86-64" /* the least kind of a processor: others have no other */
 #endif
 
-#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
-#define JOIN(a, b) SHUFFLE(a, b, 0, 1, 2, 3, 4, 5, 6, 7)
-/* Of each half in turn: the first two of a and of b, the last two. */
-#define LOW(a, b) SHUFFLE(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
-#define HIGH(a, b) SHUFFLE(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
+#define JOIN(a, b) FP3_SHUFFLE(a, b, 0, 1, 2, 3, 4, 5, 6, 7)
 
 /* Fours of eight bodies become three vectors of eight: of the fours' last numbers nothing is kept.
  */
 FP3_WIDELY void bring(const fp3_four *from, const uint32_t of[FP3_WIDE], fp3_wide words[3]) {
     const fp3_wide m0 = JOIN(from[of[0]], from[of[4]]), m1 = JOIN(from[of[1]], from[of[5]]),
                    m2 = JOIN(from[of[2]], from[of[6]]), m3 = JOIN(from[of[3]], from[of[7]]);
-    const fp3_wide low02 = LOW(m0, m2), low13 = LOW(m1, m3);
-    words[0] = LOW(low02, low13);
-    words[1] = HIGH(low02, low13);
-    words[2] = LOW(HIGH(m0, m2), HIGH(m1, m3));
+    const fp3_wide low02 = FP3_LOW(m0, m2), low13 = FP3_LOW(m1, m3);
+    words[0] = FP3_LOW(low02, low13);
+    words[1] = FP3_HIGH(low02, low13);
+    words[2] = FP3_LOW(FP3_HIGH(m0, m2), FP3_HIGH(m1, m3));
 }
 
 /* ... and back. has_base: what they do goes there, too. */
@@ -39,41 +37,20 @@ FP3_WIDELY void take_four(const fp3_work2 *work, int has_base, uint32_t body, fp
 FP3_WIDELY void take(const fp3_work2 *work, int has_base, const uint32_t of[FP3_WIDE],
                      const fp3_wide words[3]) {
     const fp3_wide none = fp3_wide_all(0);
-    const fp3_wide xy[2] = {LOW(words[0], words[1]), HIGH(words[0], words[1])};
-    const fp3_wide w[2] = {LOW(words[2], none), HIGH(words[2], none)};
+    const fp3_wide xy[2] = {FP3_LOW(words[0], words[1]), FP3_HIGH(words[0], words[1])};
+    const fp3_wide w[2] = {FP3_LOW(words[2], none), FP3_HIGH(words[2], none)};
 #pragma GCC unroll 2
     for (int i = 0; i < 2; i++) {
-        const fp3_wide even = SHUFFLE(xy[i], w[i], 0, 1, 8, 9, 4, 5, 12, 13),
-                       odd = SHUFFLE(xy[i], w[i], 2, 3, 10, 11, 6, 7, 14, 15);
-        take_four(work, has_base, of[2 * i], SHUFFLE(even, even, 0, 1, 2, 3));
-        take_four(work, has_base, of[2 * i + 1], SHUFFLE(odd, odd, 0, 1, 2, 3));
-        take_four(work, has_base, of[2 * i + 4], SHUFFLE(even, even, 4, 5, 6, 7));
-        take_four(work, has_base, of[2 * i + 5], SHUFFLE(odd, odd, 4, 5, 6, 7));
+        const fp3_wide even = FP3_SHUFFLE(xy[i], w[i], 0, 1, 8, 9, 4, 5, 12, 13),
+                       odd = FP3_SHUFFLE(xy[i], w[i], 2, 3, 10, 11, 6, 7, 14, 15);
+        take_four(work, has_base, of[2 * i], FP3_SHUFFLE(even, even, 0, 1, 2, 3));
+        take_four(work, has_base, of[2 * i + 1], FP3_SHUFFLE(odd, odd, 0, 1, 2, 3));
+        take_four(work, has_base, of[2 * i + 4], FP3_SHUFFLE(even, even, 4, 5, 6, 7));
+        take_four(work, has_base, of[2 * i + 5], FP3_SHUFFLE(odd, odd, 4, 5, 6, 7));
     }
 }
 
 /* ---- rows ---- */
-
-/* Eight vectors of eight: number k of vector i becomes number i of vector k. */
-FP3_WIDELY void flip(fp3_wide x[8], fp3_wide words[8]) {
-    fp3_wide y[8];
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) { /* numbers of 0, 2 and of 4, 6; of 1, 3 and of 5, 7 */
-        const int k = i < 2 ? i : i + 2;
-        y[k] = LOW(x[k], x[k + 2]);
-        y[k + 2] = HIGH(x[k], x[k + 2]);
-    }
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) { /* words 0, 1 and 4, 5 of four contacts, or 2, 3 and 6, 7 */
-        x[2 * i] = LOW(y[2 * i], y[2 * i + 1]);
-        x[2 * i + 1] = HIGH(y[2 * i], y[2 * i + 1]);
-    }
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) {
-        words[i] = SHUFFLE(x[i], x[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-        words[i + 4] = SHUFFLE(x[i], x[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-    }
-}
 
 /* The place of each word, as fp3_touch2 has it. */
 enum {
@@ -202,7 +179,7 @@ static void prepare(const fp3_work2 *work, const fp3_making2 *making, uint32_t f
 #pragma GCC unroll 8
             for (int lane = 0; lane < FP3_WIDE; lane++)
                 memcpy(&x[lane], (const float *)(const void *)of[lane] + k, sizeof x[lane]);
-            flip(x, met + k);
+            fp3_lanes_flip(x, met + k);
         }
         bring(making->heft, ends->a, heft);
         r->ma = heft[0];
@@ -238,7 +215,7 @@ static void keep(const fp3_work2 *work, const fp3_making2 *making, uint32_t firs
             x[k] = k < 5   ? fp3_wide_choose(is_finite, given[k], fp3_wide_all(0))
                    : k < 6 ? given[k]
                            : fp3_wide_all(0);
-        flip(x, words);
+        fp3_lanes_flip(x, words);
         touches(making, &making->at[i * FP3_WIDE], &none, of);
         for (int lane = 0; lane < FP3_WIDE; lane++) {
             memcpy((char *)of[lane] + offsetof(fp3_touch2, p), &words[lane], 5 * sizeof(float));

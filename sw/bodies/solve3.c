@@ -5,6 +5,9 @@
 
 #include "lanes.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #ifndef FP3_SOLVER
 #define FP3_SOLVER fp3_solver3_plain
 #define FP3_SOLVER_NAME "x86-64" /* the least kind of a processor: others have no other */
@@ -20,6 +23,10 @@ FP3_WIDELY wide3 cross(wide3 a, wide3 b) {
     return (wide3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 FP3_WIDELY fp3_wide dot(wide3 a, wide3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+FP3_WIDELY wide3 add(wide3 a, wide3 b) { return (wide3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+FP3_WIDELY wide3 along(wide3 a, fp3_wide s, wide3 d) {
+    return (wide3){a.x + s * d.x, a.y + s * d.y, a.z + s * d.z};
+}
 
 /* An inverse inertia by its diagonal and the rest. */
 typedef struct {
@@ -40,49 +47,267 @@ FP3_WIDELY fp3_wide larger(fp3_wide a, fp3_wide b) {
 }
 
 #define VECTOR(row, name) ((wide3){(row)->name##_x, (row)->name##_y, (row)->name##_z})
+#define PUT(row, name, v)                                                                          \
+    do {                                                                                           \
+        (row)->name##_x = (v).x;                                                                   \
+        (row)->name##_y = (v).y;                                                                   \
+        (row)->name##_z = (v).z;                                                                   \
+    } while (0)
 
-typedef struct {
-    fp3_wide mass; /* the sum of both inverse masses */
-    tensor a, b;
-} pair;
+/* The place of each word, as fp3_patch3 has it. */
+enum {
+    N,
+    COUNT = 3,
+    ARM = 4,
+    GAP = 7,
+    P = 20,
+    TWIST = 24,
+    F,
+    ROLL = 28,
+    TOP = 31,
+    FROM,
+    FRICTION = 35,
+    ROLLING,
+    RADIUS_A,
+    RADIUS_B,
+    MET = 40
+};
+#define IS_AT(word, member)                                                                        \
+    _Static_assert((word) * sizeof(float) == offsetof(fp3_patch3, member), "order of fp3_patch3")
+IS_AT(N, m.normal);
+IS_AT(COUNT, m.count);
+IS_AT(ARM, m.point[0].arm);
+IS_AT(GAP, m.point[0].gap);
+IS_AT(ARM + 4, m.point[1].arm);
+IS_AT(P, p);
+IS_AT(TWIST, twist);
+IS_AT(F, f);
+IS_AT(ROLL, roll);
+IS_AT(TOP, top);
+IS_AT(FROM, from);
+IS_AT(RADIUS_B, radius_b);
+#define MET3(met, word) ((wide3){(met)[word], (met)[(word) + 1], (met)[(word) + 2]})
 
-/* What an impulse along y at both arms changes of the speed along x. */
-FP3_WIDELY fp3_wide answer(const pair *p, wide3 xa, wide3 xb, wide3 ya, wide3 yb) {
-    return dot(xa, times(p->a, ya)) + dot(xb, times(p->b, yb));
+/* A tangent that hardly turns while the normal hardly does: square to the axis on which the normal
+ * is smallest. */
+FP3_WIDELY wide3 tangent(wide3 n) {
+    const fp3_wide x = fp3_wide_abs(n.x), y = fp3_wide_abs(n.y), z = fp3_wide_abs(n.z),
+                   none = fp3_wide_all(0);
+    const fp3_mask is_x = (fp3_mask)(x <= y) & (fp3_mask)(x <= z),
+                   is_y = ~is_x & (fp3_mask)(y <= z);
+    const wide3 d = {
+        fp3_wide_choose(is_x, none, fp3_wide_choose(is_y, none - n.z, n.y)),
+        fp3_wide_choose(is_x, n.z, fp3_wide_choose(is_y, none, none - n.x)),
+        fp3_wide_choose(is_x, none - n.y, fp3_wide_choose(is_y, n.x, none)),
+    };
+    const fp3_wide share = fp3_wide_all(1) / fp3_wide_sqrt(dot(d, d));
+    return (wide3){share * d.x, share * d.y, share * d.z};
 }
 
-static void prepare_friction(fp3_contact3_row *r, const pair *p) {
-    const wide3 n = VECTOR(r, n), d = VECTOR(r, d), s = cross(n, d);
-    const wide3 c = VECTOR(r, c), e = VECTOR(r, e);
-    const wide3 cd = cross(c, d), ed = cross(e, d), cs = cross(c, s), es = cross(e, s);
-    const fp3_wide k11 = p->mass + answer(p, cd, ed, cd, ed), k12 = answer(p, cd, ed, cs, es),
-                   k22 = p->mass + answer(p, cs, es, cs, es);
-    const fp3_wide det = k11 * k22 - k12 * k12;
+/* What a unit of an impulse turns both bodies by: a force at the middle, by its torques at them. */
+typedef struct {
+    wide3 a, b, own_a, own_b; /* own: torques; others: spins that these give */
+} effect;
+
+FP3_WIDELY effect effect_of(const tensor *a, const tensor *b, wide3 at_a, wide3 at_b) {
+    return (effect){times(*a, at_a), times(*b, at_b), at_a, at_b};
+}
+FP3_WIDELY fp3_wide answer(const effect *x, const effect *y) {
+    return dot(x->a, y->own_a) + dot(x->b, y->own_b);
+}
+
+/* Points by where they are from the middle, along both tangents. `along_n` and others: effects of
+ * an impulse along n, and of torques about -s and d. */
+FP3_WIDELY void prepare_points(fp3_contact3_row *r, const fp3_wide met[MET], wide3 middle,
+                               const effect *n, const effect *x, const effect *y) {
+    const fp3_wide mass = r->ma + r->mb;
+    const fp3_wide nn = mass + answer(n, n), nx = answer(n, x), ny = answer(n, y),
+                   xx = answer(x, x), xy = answer(x, y), yy = answer(y, y);
+    const wide3 d = VECTOR(r, d), s = cross(VECTOR(r, n), d);
+    const fp3_mask count = (fp3_mask)met[COUNT];
+    fp3_wide sum = fp3_wide_all(0);
+#pragma GCC unroll 4
+    for (int k = 0; k < FP3_POINTS3; k++) {
+        fp3_contact3_point *to = &r->point[k];
+        const fp3_mask is_there = (fp3_mask)(count > k);
+        const wide3 arm = along(MET3(met, ARM + 4 * k), fp3_wide_all(-1), middle);
+        const fp3_wide none = fp3_wide_all(0), px = fp3_wide_choose(is_there, dot(arm, d), none),
+                       py = fp3_wide_choose(is_there, dot(arm, s), none);
+        to->x = px;
+        to->y = py;
+        to->g = nn + px * nx + py * ny;
+        to->gt_x = nx + px * xx + py * xy;
+        to->gt_y = ny + px * xy + py * yy;
+        to->gap = fp3_wide_choose(is_there, met[GAP + 4 * k], none);
+        to->j = quotient((fp3_wide)(is_there & (fp3_mask)fp3_wide_all(1)),
+                         to->g + px * to->gt_x + py * to->gt_y);
+        to->p = fp3_wide_choose(is_there, met[P + k], none);
+        to->top = none;
+        sum += fp3_wide_sqrt(px * px + py * py);
+    }
+    r->radius = quotient(sum, __builtin_convertvector(count, fp3_wide));
+    r->total = (r->point[0].p + r->point[1].p) + (r->point[2].p + r->point[3].p);
+}
+
+FP3_WIDELY void prepare_row(const fp3_wide met[MET], const tensor *a, const tensor *b,
+                            fp3_contact3_row *r) {
+    const wide3 n = MET3(met, N), d = tangent(n), s = cross(n, d), f = MET3(met, F),
+                l = MET3(met, ROLL);
+    const fp3_mask count = (fp3_mask)met[COUNT];
+    const fp3_wide none = fp3_wide_all(0), one = fp3_wide_all(1);
+    wide3 middle = {none, none, none};
+    fp3_wide gap = none;
+#pragma GCC unroll 4
+    for (int k = 0; k < FP3_POINTS3; k++) {
+        const fp3_mask is_there = (fp3_mask)(count > k);
+        middle = add(middle, (wide3){fp3_wide_choose(is_there, met[ARM + 4 * k], none),
+                                     fp3_wide_choose(is_there, met[ARM + 4 * k + 1], none),
+                                     fp3_wide_choose(is_there, met[ARM + 4 * k + 2], none)});
+        gap += fp3_wide_choose(is_there, met[GAP + 4 * k], none);
+    }
+    const fp3_wide share = quotient(one, __builtin_convertvector(count, fp3_wide)),
+                   half = fp3_wide_all(0.5f) * share * gap;
+    middle = (wide3){share * middle.x, share * middle.y, share * middle.z};
+    /* Each to its own surface: with the arm of the middle itself a ball that is still far away
+     * would be rubbed at the end of a lever. */
+    const wide3 c = along(middle, none - half, n),
+                e = along(along(middle, half, n), fp3_wide_all(-1), MET3(met, FROM));
+    PUT(r, n, n);
+    PUT(r, d, d);
+    PUT(r, c, c);
+    PUT(r, e, e);
+    const effect along_n = effect_of(a, b, cross(c, n), cross(e, n)),
+                 along_d = effect_of(a, b, cross(c, d), cross(e, d)),
+                 along_s = effect_of(a, b, cross(c, s), cross(e, s));
+    const wide3 back = {none - s.x, none - s.y, none - s.z};
+    const effect of_x = effect_of(a, b, back, back), of_y = effect_of(a, b, d, d),
+                 about_n = effect_of(a, b, n, n);
+    prepare_points(r, met, middle, &along_n, &of_x, &of_y);
+    r->hq_x = answer(&along_n, &along_d);
+    r->hq_y = answer(&along_n, &along_s);
+    r->hx_x = answer(&of_x, &along_d);
+    r->hx_y = answer(&of_x, &along_s);
+    r->hy_x = answer(&of_y, &along_d);
+    r->hy_y = answer(&of_y, &along_s);
+    r->hn_x = answer(&about_n, &along_d);
+    r->hn_y = answer(&about_n, &along_s);
+    r->hs = answer(&along_n, &about_n);
+    r->hl_x = answer(&of_x, &about_n);
+    r->hl_y = answer(&of_y, &about_n);
+    const fp3_wide mass = r->ma + r->mb, k11 = mass + answer(&along_d, &along_d),
+                   k12 = answer(&along_d, &along_s), k22 = mass + answer(&along_s, &along_s),
+                   det = k11 * k22 - k12 * k12;
     r->k11 = quotient(k22, det);
-    r->k12 = quotient(fp3_wide_all(0) - k12, det);
+    r->k12 = quotient(none - k12, det);
     r->k22 = quotient(k11, det);
-    r->kt = quotient(fp3_wide_all(1), answer(p, n, n, n, n));
+    r->kt = quotient(one, answer(&about_n, &about_n));
+    r->f1 = dot(f, d);
+    r->f2 = dot(f, s);
+    r->ft = met[TWIST];
+    r->mu = met[FRICTION];
+    r->reach = met[ROLLING];
+    r->ra = met[RADIUS_A];
+    r->rb = met[RADIUS_B];
+    const wide3 roll = along(l, none - dot(l, n), n);
+    PUT(r, l, roll);
+    r->s1 = r->s2 = r->lift = r->slope_x = r->slope_y = none;
     /* The largest sum of a row is no less than the largest inertia's inverse. */
-    const tensor both = {{p->a.i.x + p->b.i.x, p->a.i.y + p->b.i.y, p->a.i.z + p->b.i.z},
-                         {p->a.o.x + p->b.o.x, p->a.o.y + p->b.o.y, p->a.o.z + p->b.o.z}};
+    const tensor both = {add(a->i, b->i), add(a->o, b->o)};
     const fp3_wide xy = fp3_wide_abs(both.o.x), xz = fp3_wide_abs(both.o.y),
                    yz = fp3_wide_abs(both.o.z);
-    r->kr = quotient(fp3_wide_all(1),
-                     larger(both.i.x + xy + xz, larger(both.i.y + xy + yz, both.i.z + xz + yz)));
+    r->kr =
+        quotient(one, larger(both.i.x + xy + xz, larger(both.i.y + xy + yz, both.i.z + xz + yz)));
 }
 
-static void prepare(const fp3_work2 *work, uint32_t first, uint32_t end) {
+/* Of a body: 1/mass, xx, yy, zz; xy, xz, yz of its inverse inertia. */
+FP3_WIDELY tensor bring_heft(const fp3_making3 *making, const uint32_t of[FP3_WIDE],
+                             fp3_wide *mass) {
+    fp3_wide heft[8];
+    fp3_lanes_bring(making->heft, FP3_FOURS3, of, heft);
+    fp3_lanes_bring(making->heft + 1, FP3_FOURS3, of, heft + 4);
+    *mass = heft[0];
+    return (tensor){{heft[1], heft[2], heft[3]}, {heft[4], heft[5], heft[6]}};
+}
+
+/* Of the contacts of a block; `none` where there is none. */
+FP3_WIDELY void patches(const fp3_making3 *making, const uint32_t *at, fp3_patch3 *none,
+                        fp3_patch3 *of[FP3_WIDE]) {
+    for (int lane = 0; lane < FP3_WIDE; lane++)
+        of[lane] = at[lane] == UINT32_MAX ? none : &making->patch[making->of[at[lane]]];
+}
+
+static void prepare(const fp3_work2 *work, const fp3_making3 *making, uint32_t first,
+                    uint32_t end) {
+    const fp3_softness *soft = making->softness;
     for (uint32_t i = first; i < end; i++) {
+        const fp3_ends2 *ends = &work->ends[i];
+        fp3_patch3 none = {.m.normal = {0, 1, 0}}, *of[FP3_WIDE];
+        fp3_wide met[MET];
+        fp3_mask a, b;
         fp3_contact3_row *r = (fp3_contact3_row *)work->row + i;
-        const pair p = {
-            r->ma + r->mb, {VECTOR(r, ia), VECTOR(r, oa)}, {VECTOR(r, ib), VECTOR(r, ob)}};
-        const wide3 n = VECTOR(r, n);
-        for (int k = 0; k < FP3_POINTS3; k++) {
-            fp3_contact3_point *point = &r->point[k];
-            const wide3 ca = cross(VECTOR(point, a), n), cb = cross(VECTOR(point, b), n);
-            point->j = quotient(point->j, p.mass + answer(&p, ca, cb, ca, cb));
+        uint32_t points = 0;
+        patches(making, &making->at[i * FP3_WIDE], &none, of);
+#pragma GCC unroll 5
+        for (uint32_t k = 0; k < MET; k += 8) {
+            fp3_wide x[8];
+#pragma GCC unroll 8
+            for (int lane = 0; lane < FP3_WIDE; lane++)
+                memcpy(&x[lane], (const float *)(const void *)of[lane] + k, sizeof x[lane]);
+            fp3_lanes_flip(x, met + k);
         }
-        prepare_friction(r, &p);
+        for (int lane = 0; lane < FP3_WIDE; lane++)
+            points = of[lane]->m.count > points ? of[lane]->m.count : points;
+        making->points[i] = (uint8_t)points;
+        const tensor heft_a = bring_heft(making, ends->a, &r->ma),
+                     heft_b = bring_heft(making, ends->b, &r->mb);
+        PUT(r, ia, heft_a.i);
+        PUT(r, oa, heft_a.o);
+        PUT(r, ib, heft_b.i);
+        PUT(r, ob, heft_b.o);
+        memcpy(&a, ends->a, sizeof a);
+        memcpy(&b, ends->b, sizeof b);
+        const fp3_mask most = (fp3_mask){0} + ((int)work->movable - 1),
+                       is_held = (fp3_mask)(a > most) | (fp3_mask)(b > most);
+        r->rate = fp3_wide_choose(is_held, fp3_wide_all(soft[1].rate), fp3_wide_all(soft[0].rate));
+        r->soft = fp3_wide_choose(is_held, fp3_wide_all(soft[1].soft), fp3_wide_all(soft[0].soft));
+        r->fade = fp3_wide_choose(is_held, fp3_wide_all(soft[1].fade), fp3_wide_all(soft[0].fade));
+        prepare_row(met, &heft_a, &heft_b, r);
+    }
+}
+
+/* A row that is not finite is forgotten: else it would never heal. */
+static void keep(const fp3_work2 *work, const fp3_making3 *making, uint32_t first, uint32_t end) {
+    for (uint32_t i = first; i < end; i++) {
+        const fp3_contact3_row *r = (const fp3_contact3_row *)work->row + i;
+        const wide3 n = VECTOR(r, n), d = VECTOR(r, d), s = cross(n, d);
+        const wide3 f = {r->f1 * d.x + r->f2 * s.x, r->f1 * d.y + r->f2 * s.y,
+                         r->f1 * d.z + r->f2 * s.z};
+        const fp3_wide top =
+            (r->point[0].top + r->point[1].top) + (r->point[2].top + r->point[3].top);
+        const fp3_wide given[12] = {r->point[0].p, r->point[1].p, r->point[2].p, r->point[3].p,
+                                    r->ft,         f.x,           f.y,           f.z,
+                                    r->l_x,        r->l_y,        r->l_z,        top};
+        fp3_wide sum = given[0];
+#pragma GCC unroll 11
+        for (int k = 1; k < 12; k++)
+            sum += given[k];
+        const fp3_mask is_finite = (fp3_mask)(sum - sum == 0);
+        fp3_patch3 none, *of[FP3_WIDE];
+        fp3_wide x[8], words[16];
+#pragma GCC unroll 2
+        for (int half = 0; half < 2; half++) {
+#pragma GCC unroll 8
+            for (int k = 0; k < 8; k++)
+                x[k] = 8 * half + k < 12
+                           ? fp3_wide_choose(is_finite, given[8 * half + k], fp3_wide_all(0))
+                           : fp3_wide_all(0);
+            fp3_lanes_flip(x, words + 8 * half);
+        }
+        patches(making, &making->at[i * FP3_WIDE], &none, of);
+        for (int lane = 0; lane < FP3_WIDE; lane++) {
+            memcpy((float *)(void *)of[lane] + P, &words[lane], 8 * sizeof(float));
+            memcpy((float *)(void *)of[lane] + ROLL, &words[lane + 8], 4 * sizeof(float));
+        }
     }
 }
 
@@ -136,14 +361,16 @@ static void pass(const fp3_work2 *given_work, const uint8_t *points, uint32_t fi
         both of;
         bring_speeds(&work, work.ends[i].a, of.a);
         bring_speeds(&work, work.ends[i].b, of.b);
-        for (uint32_t k = 0; has_moved && k < points[i]; k++)
-            fp3_law_gap3(row, &row->point[k], of.a, of.b, given);
+        if (has_moved)
+            fp3_law_gap3(row, of.a, of.b, given);
         if (is_rolling && has_friction)
             fp3_law_roll3(row, of.a, of.b, given);
+        fp3_law_meet3(row, of.a, of.b, given);
         for (uint32_t k = 0; k < points[i]; k++)
             fp3_law_push3(row, &row->point[k], of.a, of.b, given);
         if (has_friction)
             fp3_law_rub3(row, of.a, of.b, given);
+        fp3_law_give3(row, of.a, of.b, given);
         take_speeds(&work, 0, work.ends[i].a, of.a);
         take_speeds(&work, 0, work.ends[i].b, of.b);
     }
@@ -192,4 +419,4 @@ static void turn(const fp3_work2 *work, uint32_t first, uint32_t end,
 
 extern const fp3_solver3 FP3_SOLVER;
 const fp3_solver3 FP3_SOLVER = {
-    FP3_SOLVER_NAME, prepare, pass, {pass_pin3, pass_spin3, pass_line3, pass_twist3}, turn};
+    FP3_SOLVER_NAME, prepare, keep, pass, {pass_pin3, pass_spin3, pass_line3, pass_twist3}, turn};

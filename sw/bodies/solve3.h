@@ -8,6 +8,7 @@
 #define FP3_BODIES_SOLVE3_H
 
 #include "laws3.h"
+#include "patch3.h"
 #include "solve2.h"
 
 enum { FP3_FOURS3 = 2, FP3_POINTS3 = 4 };
@@ -16,14 +17,24 @@ enum { FP3_FOURS3 = 2, FP3_POINTS3 = 4 };
 typedef enum { FP3_LAWS3(X) FP3_LAWS_IN_SPACE } fp3_law3;
 #undef X
 
+/* What rows of contacts are made of. */
+typedef struct {
+    fp3_patch3 *patch;
+    const uint32_t *of, *at; /* of each contact its patch; of each lane the contact */
+    const fp3_four
+        *heft; /* of each slot two: 1/mass and the inverse inertia, as solve3.c has them */
+    fp3_softness softness[2]; /* between bodies that move; against one that does not */
+    uint8_t *points;          /* of each block: how many its contacts have, at most */
+} fp3_making3;
+
 typedef struct {
     const char *name;
-    /* A row has normals, tangents, arms, masses and inertias, `radius` as the mean distance of the
-     * points from the middle, and in j of a point 1 if it is there, else 0. Makes the row of it. */
-    void (*prepare)(const fp3_work2 *, uint32_t first, uint32_t end);
+    /* Makes rows of contacts, blocks first .. end - 1, and their `points`. */
+    void (*prepare)(const fp3_work2 *, const fp3_making3 *, uint32_t first, uint32_t end);
+    /* Impulses of rows go back to their patches. */
+    void (*keep)(const fp3_work2 *, const fp3_making3 *, uint32_t first, uint32_t end);
     /* Blocks first .. end - 1 make a pass: each point of theirs, then friction where it acts.
-     * points: of each block, fp3_points_of3. is_rolling: some contact has rolling resistance;
-     * has_moved: gaps first. */
+     * is_rolling: some contact has rolling resistance; has_moved: gaps first. */
     void (*pass)(const fp3_work2 *, const uint8_t *points, uint32_t first, uint32_t end,
                  const float shared[FP3_SHARED], int is_rolling, int has_moved);
     /* A pass of a law of joints: law - FP3_LAW_pin3. */
@@ -43,16 +54,6 @@ fp3_status fp3_solvers_choose(const fp3_solver2 **plane, const fp3_solver3 **spa
  * wide wall of bricks came to wave. */
 static inline int fp3_has_friction3(const float shared[FP3_SHARED]) {
     return shared[FP3_PUSH] == 0 || shared[FP3_WARM] != 0;
-}
-
-/* How many points the contacts of a block have, at most: behind them none has any. */
-static inline uint32_t fp3_points_of3(const fp3_contact3_row *row) {
-    uint32_t count = 0;
-    for (uint32_t k = 0; k < FP3_POINTS3; k++)
-        for (uint32_t lane = 0; lane < FP3_WIDE; lane++)
-            if (row->point[k].j[lane] > 0)
-                count = k + 1;
-    return count;
 }
 
 #endif

@@ -42,6 +42,7 @@ static void turn_inertia(fp3_body3 *body) {
     }
 }
 
+static const float NOTHING[6] = {0};
 static const fp3_pull2 NO_PULL = {{0}, {1, 1, 1, 1}, {0}};
 
 static void bring_one(fp3_bodies *bodies, uint32_t slot, double h) {
@@ -50,6 +51,9 @@ static void bring_one(fp3_bodies *bodies, uint32_t slot, double h) {
     const fp3_body3 *space = &bodies->space->body[number];
     const double *g = bodies->def.gravity;
     const float m = fp3_inverse_mass(body->mass);
+    const float *i = space->moment[0] > 0 ? space->back : NOTHING;
+    bodies->heft[2 * slot] = (fp3_four){m, i[0], i[1], i[2]};
+    bodies->heft[2 * slot + 1] = (fp3_four){i[3], i[4], i[5], 0};
     bodies->speed[2 * slot] = (fp3_four){body->v[0], body->v[1], body->v[2], 0};
     bodies->speed[2 * slot + 1] = (fp3_four){space->spin[0], space->spin[1], space->spin[2], 0};
     if (slot > bodies->movable)
@@ -57,8 +61,8 @@ static void bring_one(fp3_bodies *bodies, uint32_t slot, double h) {
     const float slow = (float)(1 / (1 + h * body->damping)),
                 slow_spin = (float)(1 / (1 + h * body->spin_damping));
     fp3_pull2 *pull = &bodies->pull[2 * slot];
-    for (int i = 0; i < 3; i++)
-        pull[0].pull[i] = (float)(h * (body->gravity * g[i] + m * body->force[i]));
+    for (int k = 0; k < 3; k++)
+        pull[0].pull[k] = (float)(h * (body->gravity * g[k] + m * body->force[k]));
     pull[0].damp = (fp3_four){slow, slow, slow, 1};
     pull[1].damp = (fp3_four){slow_spin, slow_spin, slow_spin, 1};
     if (space->moment[0] > 0) {
@@ -71,6 +75,7 @@ static void bring(fp3_bodies *bodies, double h) {
     for (uint32_t k = 0; k < bodies->slots; k++) {
         bodies->way[2 * k] = (fp3_four){0, 0, 0, 1};
         bodies->way[2 * k + 1] = bodies->speed[2 * k] = bodies->speed[2 * k + 1] = (fp3_four){0};
+        bodies->heft[2 * k] = bodies->heft[2 * k + 1] = (fp3_four){0};
         bodies->pull[2 * k] = bodies->pull[2 * k + 1] = NO_PULL;
         if (bodies->in_slot[k] == FP3_NOBODY)
             continue;
@@ -191,15 +196,18 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
     const int has_friction = fp3_has_friction3(shared);
     fp3_status status = FP3_OK;
     for (uint32_t i = first; !status && i < end; i++) {
-        const uint32_t points = bodies->space->points[i];
-        for (uint32_t k = 0; !status && has_moved && k < points; k++)
-            status = fp3_laws_run(laws, FP3_LAW_gap3, work, i, i + 1, k, shared);
-        if (!status && points && has_friction && bodies->space->is_rolling)
+        if (has_moved)
+            status = fp3_laws_run(laws, FP3_LAW_gap3, work, i, i + 1, 0, shared);
+        if (!status && has_friction && bodies->space->is_rolling)
             status = fp3_laws_run(laws, FP3_LAW_roll3, work, i, i + 1, 0, shared);
-        for (uint32_t k = 0; !status && k < points; k++)
+        if (!status)
+            status = fp3_laws_run(laws, FP3_LAW_meet3, work, i, i + 1, 0, shared);
+        for (uint32_t k = 0; !status && k < bodies->space->points[i]; k++)
             status = fp3_laws_run(laws, FP3_LAW_push3, work, i, i + 1, k, shared);
-        if (!status && points && has_friction)
+        if (!status && has_friction)
             status = fp3_laws_run(laws, FP3_LAW_rub3, work, i, i + 1, 0, shared);
+        if (!status)
+            status = fp3_laws_run(laws, FP3_LAW_give3, work, i, i + 1, 0, shared);
     }
     return status;
 }
@@ -312,7 +320,7 @@ fp3_status fp3_space_step(fp3_bodies *bodies, double h) {
     if (status)
         return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
                         bodies->laws ? fp3_laws_why(bodies->laws) : "");
-    fp3_space_contacts_end(bodies);
+    fp3_space_contacts_end(bodies, h);
     status = move(bodies);
     fp3_space_joints_end(bodies, h);
     return status;

@@ -10,6 +10,6 @@
     ".byte 0\n"
 
 __asm__(".section .rodata\n" TEXT("contact2") TEXT("gap2") TEXT("warm2") TEXT("twist2")
-            TEXT("slide2") TEXT("rod2") TEXT("pin2") TEXT("push3") TEXT("gap3") TEXT("rub3")
-                TEXT("roll3") TEXT("turn3") TEXT("pin3") TEXT("spin3") TEXT("line3")
-                    TEXT("twist3") ".previous\n");
+            TEXT("slide2") TEXT("rod2") TEXT("pin2") TEXT("gap3") TEXT("roll3") TEXT("meet3")
+                TEXT("push3") TEXT("rub3") TEXT("give3") TEXT("turn3") TEXT("pin3") TEXT("spin3")
+                    TEXT("line3") TEXT("twist3") ".previous\n");

@@ -5,8 +5,8 @@
 
 extern const char fp3_law_text_contact2[], fp3_law_text_gap2[], fp3_law_text_warm2[],
     fp3_law_text_twist2[], fp3_law_text_slide2[], fp3_law_text_rod2[], fp3_law_text_pin2[],
-    fp3_law_text_push3[], fp3_law_text_gap3[], fp3_law_text_rub3[], fp3_law_text_roll3[],
-    fp3_law_text_turn3[], fp3_law_text_pin3[], fp3_law_text_spin3[], fp3_law_text_line3[],
-    fp3_law_text_twist3[];
+    fp3_law_text_meet3[], fp3_law_text_give3[], fp3_law_text_push3[], fp3_law_text_gap3[],
+    fp3_law_text_rub3[], fp3_law_text_roll3[], fp3_law_text_turn3[], fp3_law_text_pin3[],
+    fp3_law_text_spin3[], fp3_law_text_line3[], fp3_law_text_twist3[];
 
 #endif

@@ -131,8 +131,13 @@ static int may_touch(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
            !fp3_joints_part(bodies, x->body, y->body);
 }
 
+static float radius_of(const fp3_attached *shape) {
+    return shape->form ? shape->form->shape.radius : shape->shape.radius;
+}
+
 static fp3_touch2 meet(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
     const fp3_attached *x = &bodies->shape[a], *y = &bodies->shape[b];
+    static const float still[3] = {0, 0, 0};
     return (fp3_touch2){.a = a,
                         .b = b,
                         .body_a = x->body,
@@ -140,8 +145,10 @@ static fp3_touch2 meet(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
                         .friction = sqrtf(x->friction * y->friction),
                         .belt = x->belt + y->belt,
                         .rolling = x->rolling > y->rolling ? x->rolling : y->rolling,
-                        .radius_a = x->shape.radius,
-                        .radius_b = y->shape.radius,
+                        .radius_a = radius_of(x),
+                        .radius_b = radius_of(y),
+                        .has_belt = memcmp(x->surface, still, sizeof still) != 0 ||
+                                    memcmp(y->surface, still, sizeof still) != 0,
                         .is_bouncy = x->restitution > 0 || y->restitution > 0,
                         .is_sensor = x->is_sensor || y->is_sensor};
 }
@@ -182,7 +189,12 @@ static fp3_status merge(fp3_bodies *bodies, size_t count, int is_apart_new) {
     bodies->touch_room = room;
     bodies->touch_count = kept;
     bodies->is_changed = 0;
-    return told;
+    if (!bodies->space)
+        return told;
+    const fp3_status laid = fp3_space_lay_patches(bodies);
+    if (laid)
+        fp3_space_forget(bodies);
+    return told ? told : laid;
 }
 
 static fp3_status renew_pairs(fp3_bodies *bodies) {
@@ -330,16 +342,17 @@ static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
         const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
         const int is_asleep =
             t->is_found && !is_awake(bodies, t->body_a) && !is_awake(bodies, t->body_b);
-        if (bodies->space) {
+        if (is_asleep)
+            continue;
+        if (bodies->space && !fp3_space_follow(bodies, t)) {
             const float reach = reach_of(bodies, &bodies->shape[t->a], &bodies->shape[t->b]);
-            const fp3_status status = fp3_space_collide(bodies, t, reach, is_asleep);
+            const fp3_status status = fp3_space_collide(bodies, t, reach);
             if (status) {
                 fp3_space_forget(bodies);
                 return status;
             }
         }
-        if (is_asleep || !(bodies->space ? t->m.count > 0 : look_at(bodies, t, x, y)) ||
-            t->is_sensor)
+        if (!(bodies->space ? t->m.count > 0 : look_at(bodies, t, x, y)) || t->is_sensor)
             continue;
         bodies->contacts.of[bodies->contacts.count++] = k;
         if (x->rest < 0 || y->rest < 0) {

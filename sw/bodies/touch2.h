@@ -21,13 +21,13 @@ typedef struct {
     fp3_point2 found_from, turn_a, turn_b;
     uint32_t is_found;
     uint32_t a, b, body_a, body_b;
-    float approach;  /* how fast they come together when a step begins */
-    uint32_t points; /* ... that the impulses are of */
-    uint8_t is_bouncy, is_sensor;
-    uint8_t is_touching, is_left;  /* is_left: it does nothing in this step */
-    double at[3];                  /* where its deepest point was when it was looked at */
-    float normal[3];               /* there */
-    uint32_t first_patch, patches; /* in space: its manifolds (own3.h) */
+    float approach;                         /* how fast they come together when a step begins */
+    uint32_t points;                        /* ... that the impulses are of */
+    uint8_t is_bouncy, is_sensor, has_belt; /* has_belt: in space, a surface moves */
+    uint8_t is_touching, is_left;           /* is_left: it does nothing in this step */
+    double at[3];                           /* where its deepest point was when it was looked at */
+    float normal[3];                        /* there */
+    uint32_t first_patch, patches, patch_room; /* in space: its manifolds (patch3.h) */
 } fp3_touch2;
 
 #endif

@@ -78,22 +78,53 @@ double fp3_space_speed(const fp3_bodies *bodies, uint32_t body, float extent) {
 
 /* ---- manifolds ---- */
 
-static fp3_status room_for(fp3_bodies *bodies, uint32_t more) {
+/* Room for `count` patches behind all that there are; the first one's number. */
+static fp3_status append(fp3_bodies *bodies, uint32_t count, uint32_t *first) {
     fp3_space *s = bodies->space;
-    return fp3_bodies_room((void **)&s->patch, &s->patch_room, sizeof *s->patch,
-                           (size_t)s->patch_count + more, bodies->error);
+    const fp3_status status = fp3_bodies_room((void **)&s->patch, &s->patch_room, sizeof *s->patch,
+                                              (size_t)s->patch_count + count, bodies->error);
+    *first = s->patch_count;
+    if (!status)
+        s->patch_count += count;
+    return status;
 }
 
-fp3_status fp3_space_touch_begin(fp3_bodies *bodies) {
+/* A list of pairs that is new: patches in its order, each pair with room for one or more. */
+fp3_status fp3_space_lay_patches(fp3_bodies *bodies) {
     fp3_space *s = bodies->space;
+    size_t count = 0;
+    for (uint32_t k = 0; k < bodies->touch_count; k++)
+        count += bodies->touch[k].patches ? bodies->touch[k].patches : 1;
+    const fp3_status status =
+        fp3_bodies_room((void **)&s->old, &s->old_room, sizeof *s->old, count + 1, bodies->error);
+    if (status)
+        return status;
+    uint32_t next = 0;
+    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+        fp3_touch2 *t = &bodies->touch[k];
+        if (t->patches)
+            memcpy(&s->old[next], &s->patch[t->first_patch], t->patches * sizeof *s->old);
+        t->first_patch = next;
+        t->patch_room = t->patches ? t->patches : 1;
+        next += t->patch_room;
+    }
     fp3_patch3 *const patch = s->patch;
     const uint32_t room = s->patch_room;
     s->patch = s->old;
     s->patch_room = s->old_room;
+    s->patch_count = next;
     s->old = patch;
     s->old_room = room;
-    s->patch_count = 0;
-    return room_for(bodies, bodies->touch_count + 1);
+    return FP3_OK;
+}
+
+fp3_status fp3_space_touch_begin(fp3_bodies *bodies) {
+    fp3_space *s = bodies->space;
+    const fp3_status status = fp3_bodies_room((void **)&s->pose, &s->pose_room, sizeof *s->pose,
+                                              bodies->body_count, bodies->error);
+    for (uint32_t k = 0; !status && k < bodies->body_count; k++)
+        s->pose[k] = fp3_space_pose(bodies, k, (fp3_point3){0, 0, 0});
+    return status;
 }
 
 void fp3_space_forget(fp3_bodies *bodies) {
@@ -122,11 +153,11 @@ static int follow(fp3_patch3 *p, const fp3_pose3 *a, const fp3_pose3 *b, fp3_poi
     const fp3_point3 qa = turn_between(p->turn_a, a->q), qb = turn_between(p->turn_b, b->q);
     if (!is_small(way, STILL_WAY * size) || !is_small(qa, STILL_TURN) || !is_small(qb, STILL_TURN))
         return 0;
-    p->m = p->found;
+    /* Of a point whose arm at a is r: (way + qb x (r - from) - qa x r) . n */
+    const fp3_point3 slope = fp3_cross3(n, fp3_subtract3(qb, qa));
+    const float rise = fp3_dot3(way, n) - fp3_dot3(p->from, fp3_cross3(n, qb));
     for (uint32_t k = 0; k < p->m.count; k++) {
-        const fp3_point3 arm_a = p->found.point[k].arm, arm_b = fp3_subtract3(arm_a, p->from);
-        p->m.point[k].gap += fp3_dot3(way, n) + (fp3_dot3(qb, fp3_cross3(arm_b, n)) -
-                                                 fp3_dot3(qa, fp3_cross3(arm_a, n)));
+        p->m.point[k].gap = p->found.point[k].gap + (rise + fp3_dot3(p->m.point[k].arm, slope));
         if (!(p->m.point[k].gap < 0.02f * size))
             return 0;
     }
@@ -146,15 +177,15 @@ static void go_on(fp3_patch3 *p, const fp3_patch3 *was, float size) {
     memcpy(p->roll, was->roll, sizeof p->roll);
 }
 
-static const fp3_patch3 *find(const fp3_space *s, uint32_t first, uint32_t count, uint32_t part) {
-    for (uint32_t k = first; k < first + count; k++)
-        if (s->old[k].part == part)
-            return &s->old[k];
+static const fp3_patch3 *find(const fp3_patch3 *old, uint32_t count, uint32_t part) {
+    for (uint32_t k = 0; k < count; k++)
+        if (old[k].part == part)
+            return &old[k];
     return NULL;
 }
 
 /* What events and sleep have to know of it. */
-static void sum_up(fp3_bodies *bodies, fp3_touch2 *t) {
+static void sum_up(fp3_bodies *bodies, fp3_touch2 *t, fp3_point3 from) {
     const fp3_space *s = bodies->space;
     const fp3_patch3 *best = NULL;
     uint32_t deepest = 0;
@@ -168,13 +199,10 @@ static void sum_up(fp3_bodies *bodies, fp3_touch2 *t) {
             }
     if (!best)
         return;
-    const uint32_t a = bodies->shape[t->a].body, b = bodies->shape[t->b].body;
-    const fp3_body *x = &bodies->body[a], *y = &bodies->body[b];
-    const fp3_point3 arm = best->m.point[deepest].arm, n = best->m.normal,
-                     from = {(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1]),
-                             (float)(y->at[2] - x->at[2])};
-    const fp3_point3 wa = fp3_point3_of(bodies->space->body[a].spin),
-                     wb = fp3_point3_of(bodies->space->body[b].spin);
+    const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
+    const fp3_point3 arm = best->m.point[deepest].arm, n = best->m.normal;
+    const fp3_point3 wa = fp3_point3_of(s->body[t->body_a].spin),
+                     wb = fp3_point3_of(s->body[t->body_b].spin);
     const fp3_point3 u =
         fp3_subtract3(fp3_add3(fp3_point3_of(y->v), fp3_cross3(wb, fp3_subtract3(arm, from))),
                       fp3_add3(fp3_point3_of(x->v), fp3_cross3(wa, arm)));
@@ -212,48 +240,71 @@ static void shift(fp3_manifold3 *m, fp3_point3 by) {
         m->point[k].arm = fp3_add3(m->point[k].arm, by);
 }
 
-fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach, int is_asleep) {
+/* Who was there goes to the other array: new ones take their place. */
+static fp3_status put_aside(fp3_bodies *bodies, fp3_touch2 *t, uint32_t count) {
     fp3_space *s = bodies->space;
-    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
-    const fp3_body *x = &bodies->body[a->body], *y = &bodies->body[b->body];
-    const float size = (float)bodies->def.size;
-    const uint32_t old = t->first_patch, olds = t->patches, first = s->patch_count;
-    const fp3_point3 from = {(float)(y->at[0] - x->at[0]), (float)(y->at[1] - x->at[1]),
-                             (float)(y->at[2] - x->at[2])};
-    const fp3_pose3 pose_a = fp3_space_pose(bodies, a->body, (fp3_point3){0, 0, 0}),
-                    pose_b = fp3_space_pose(bodies, b->body, from);
-    fp3_status status = room_for(bodies, olds + 1);
-    int is_followed = t->is_found && olds > 0;
-    for (uint32_t k = 0; !status && is_followed && k < olds; k++) {
-        s->patch[first + k] = s->old[old + k];
-        is_followed = is_asleep || follow(&s->patch[first + k], &pose_a, &pose_b, from, size);
-    }
-    t->first_patch = first;
+    fp3_status status = fp3_bodies_room((void **)&s->old, &s->old_room, sizeof *s->old,
+                                        t->patches + 1u, bodies->error);
     if (status)
         return status;
-    if (is_followed || (is_asleep && t->is_found)) {
-        s->patch_count += is_followed ? olds : 0;
-        t->patches = is_followed ? olds : 0;
-        if (!is_asleep)
-            sum_up(bodies, t);
+    memcpy(s->old, &s->patch[t->first_patch], t->patches * sizeof *s->old);
+    if (count <= t->patch_room)
         return FP3_OK;
-    }
+    status = append(bodies, 2 * count, &t->first_patch);
+    t->patch_room = status ? 0 : 2 * count;
+    return status;
+}
+
+static fp3_point3 from_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    const double *a = bodies->body[t->body_a].at, *b = bodies->body[t->body_b].at;
+    return (fp3_point3){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
+}
+
+int fp3_space_follow(fp3_bodies *bodies, fp3_touch2 *t) {
+    const fp3_space *s = bodies->space;
+    const fp3_point3 from = from_of(bodies, t);
+    int is_followed = t->is_found && t->patches > 0;
+    for (uint32_t k = 0; is_followed && k < t->patches; k++)
+        is_followed = follow(&s->patch[t->first_patch + k], &s->pose[t->body_a],
+                             &s->pose[t->body_b], from, (float)bodies->def.size);
+    if (is_followed)
+        sum_up(bodies, t, from);
+    return is_followed;
+}
+
+fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach) {
+    fp3_space *s = bodies->space;
+    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
+    const uint32_t olds = t->patches;
+    const fp3_point3 from = from_of(bodies, t);
+    const fp3_pose3 *pose_a = &s->pose[t->body_a];
+    fp3_pose3 pose_b = s->pose[t->body_b];
+    pose_b.at = fp3_add3(from, pose_b.at);
     uint32_t count = 0;
-    status = look(bodies, a->form, &pose_a, b->form, &pose_b, reach, &count);
-    if (!status)
-        status = room_for(bodies, count + 1);
-    for (uint32_t k = 0; !status && k < count; k++) {
-        fp3_patch3 *p = &s->patch[s->patch_count++];
-        *p = (fp3_patch3){.a = t->a, .b = t->b, .part = s->meeting[k].triangle, .from = from};
+    fp3_status status = look(bodies, a->form, pose_a, b->form, &pose_b, reach, &count);
+    if (!status && (count || olds))
+        status = put_aside(bodies, t, count);
+    if (status)
+        return status;
+    for (uint32_t k = 0; k < count; k++) {
+        fp3_patch3 *p = &s->patch[t->first_patch + k];
+        *p = (fp3_patch3){.a = t->a,
+                          .b = t->b,
+                          .part = s->meeting[k].triangle,
+                          .from = from,
+                          .friction = t->friction,
+                          .rolling = t->rolling,
+                          .radius_a = t->radius_a,
+                          .radius_b = t->radius_b};
         p->m = s->meeting[k].manifold;
-        shift(&p->m, pose_a.at);
+        shift(&p->m, pose_a->at);
         p->found = p->m;
-        memcpy(p->turn_a, pose_a.q, sizeof p->turn_a);
+        memcpy(p->turn_a, pose_a->q, sizeof p->turn_a);
         memcpy(p->turn_b, pose_b.q, sizeof p->turn_b);
-        go_on(p, find(s, old, olds, p->part), size);
+        go_on(p, find(s->old, olds, p->part), (float)bodies->def.size);
     }
     t->patches = count;
     t->is_found = 1;
-    sum_up(bodies, t);
-    return status;
+    sum_up(bodies, t, from);
+    return FP3_OK;
 }

@@ -265,6 +265,16 @@ static uint64_t add(uint64_t hash, const void *bytes, size_t size) {
     return hash;
 }
 
+static uint64_t add_patch(uint64_t hash, const fp3_patch3 *p) {
+    hash = add(hash, &p->a, sizeof p->a);
+    hash = add(hash, &p->b, sizeof p->b);
+    hash = add(hash, &p->part, sizeof p->part);
+    hash = add(hash, p->p, sizeof p->p);
+    hash = add(hash, p->f, sizeof p->f);
+    hash = add(hash, &p->twist, sizeof p->twist);
+    return add(hash, p->roll, sizeof p->roll);
+}
+
 uint64_t fp3_bodies_hash(const fp3_bodies *bodies) {
     uint64_t hash = 0xcbf29ce484222325u;
     for (uint32_t i = 0; i < bodies->body_count; i++) {
@@ -285,18 +295,10 @@ uint64_t fp3_bodies_hash(const fp3_bodies *bodies) {
         }
         hash = add(hash, &b->rest, sizeof b->rest);
     }
-    for (uint32_t k = 0; bodies->space && k < bodies->space->patch_count; k++) {
-        const fp3_patch3 *p = &bodies->space->patch[k];
-        hash = add(hash, &p->a, sizeof p->a);
-        hash = add(hash, &p->b, sizeof p->b);
-        hash = add(hash, &p->part, sizeof p->part);
-        hash = add(hash, p->p, sizeof p->p);
-        hash = add(hash, p->f, sizeof p->f);
-        hash = add(hash, &p->twist, sizeof p->twist);
-        hash = add(hash, p->roll, sizeof p->roll);
-    }
     for (uint32_t k = 0; k < bodies->touch_count; k++) {
         const fp3_touch2 *t = &bodies->touch[k];
+        for (uint32_t i = 0; bodies->space && i < t->patches; i++)
+            hash = add_patch(hash, &bodies->space->patch[t->first_patch + i]);
         if (!t->points)
             continue;
         hash = add(hash, &t->a, sizeof t->a);

@@ -14,6 +14,7 @@
 #include "gen/estimates.h"
 
 #include <machine/estimate.h>
+#include <math.h>
 
 #define FP3_WIDE 8
 typedef float fp3_wide __attribute__((vector_size(4 * FP3_WIDE), may_alias));
@@ -66,6 +67,15 @@ FP3_WIDELY fp3_wide fp3_wide_le(fp3_wide a, fp3_wide b) {
 }
 FP3_WIDELY fp3_wide fp3_wide_sel(fp3_wide a, fp3_wide b, fp3_wide c) {
     return fp3_wide_choose((fp3_mask)(c != fp3_wide_all(0)), a, b);
+}
+FP3_WIDELY fp3_wide fp3_wide_sqrt(fp3_wide a) {
+#ifdef __AVX__
+    return __builtin_ia32_sqrtps256(a);
+#else
+    for (int i = 0; i < FP3_WIDE; i++)
+        a[i] = sqrtf(a[i]);
+    return a;
+#endif
 }
 FP3_WIDELY fp3_wide fp3_wide_abs(fp3_wide a) { return (fp3_wide)((fp3_mask)a & 0x7fffffff); }
 
