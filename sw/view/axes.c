@@ -209,16 +209,22 @@ static fp3_status choose_colour(fp3_view_recording *r, const char *wish, fp3_vie
 
 /* ---- shapes ---- */
 
-/* Bodies in the plane have an angle; how bodies in space are turned is not known here yet. */
+/* Bodies in a plane have an angle, bodies in space a quaternion. */
 static void choose_shapes(fp3_view_recording *r, fp3_view_axes *axes) {
-    static const char *const names[] = {"x_x", "x_y"};
-    axes->turn = fp3_view_find(r, "angle");
+    static const char *const places[] = {"x_x", "x_y", "x_z"};
+    static const char *const turns[][4] = {{"angle"}, {"q_w", "q_x", "q_y", "q_z"}};
+    const int in_space = axes->count == 3;
+    axes->turns = in_space ? 4 : 1;
     axes->asleep = fp3_view_find(r, "at_rest");
-    axes->has_shapes = r->shape_count && axes->count == 2 && axes->turn != FP3_VIEW_NO_COLUMN;
-    for (unsigned k = 0; k < 2 && axes->has_shapes; k++)
-        axes->has_shapes = axes->columns[k] == fp3_view_find(r, names[k]);
-    if (axes->has_shapes)
-        r->columns[axes->turn].is_wanted = 1;
+    axes->has_shapes = r->shape_count && axes->count >= 2;
+    for (unsigned k = 0; k < axes->count && axes->has_shapes; k++)
+        axes->has_shapes = axes->columns[k] == fp3_view_find(r, places[k]);
+    for (unsigned k = 0; k < axes->turns; k++) {
+        axes->turn[k] = fp3_view_find(r, turns[in_space][k]);
+        axes->has_shapes = axes->has_shapes && axes->turn[k] != FP3_VIEW_NO_COLUMN;
+    }
+    for (unsigned k = 0; k < axes->turns && axes->has_shapes; k++)
+        r->columns[axes->turn[k]].is_wanted = 1;
     if (axes->has_shapes && axes->asleep != FP3_VIEW_NO_COLUMN)
         r->columns[axes->asleep].is_wanted = 1;
 }

@@ -21,12 +21,14 @@ typedef struct {
     unsigned count;
     int has_one_scale; /* all in one unit: a metre is as long along each */
     char name[FP3_VIEW_AXES * 64];
-    double radius;       /* in the unit of the position; 0: unknown */
-    size_t radius_of;    /* column that has each object's; or FP3_VIEW_NO_COLUMN */
-    int has_shapes;      /* the recording has shapes, and this is where their bodies are: */
-    size_t turn, asleep; /* columns: the angle; what is below 0 of one that sleeps, or none */
-    const char *colour;  /* a field's name; NULL: none */
-    char speed[64];      /* the default field of colours; "" */
+    double radius;      /* in the unit of the position; 0: unknown */
+    size_t radius_of;   /* column that has each object's; or FP3_VIEW_NO_COLUMN */
+    int has_shapes;     /* the recording has shapes, and this is where their bodies are: */
+    size_t turn[4];     /* columns: the angle, or in space a quaternion */
+    unsigned turns;     /* how many */
+    size_t asleep;      /* column: below 0 of one that sleeps; or none */
+    const char *colour; /* a field's name; NULL: none */
+    char speed[64];     /* the default field of colours; "" */
 } fp3_view_axes;
 
 /* Before the recording is loaded: chooses, and wants all that is shown. FP3_E_ARGUMENT: nothing can

@@ -120,12 +120,24 @@ static int32_t whole(double x) { return (int32_t)floor(fmin(fmax(x, -1e9), 1e9) 
 
 double fp3_view_camera_deep(const fp3_view_camera *c) { return FP3_VIEW_DEPTH_MOST / c->depth; }
 
-fp3_view_place fp3_view_camera_see(const fp3_view_camera *c, const double point[3], double *size) {
-    const double away = c->distance - dot(c->back, point);
-    *size = c->zoom / (c->is_flat ? 1 : away);
+void fp3_view_camera_eye(const fp3_view_camera *c, const double point[3], double eye[3]) {
+    eye[0] = dot(c->right, point);
+    eye[1] = dot(c->up, point);
+    eye[2] = c->distance - dot(c->back, point);
+}
+
+fp3_view_place fp3_view_camera_place(const fp3_view_camera *c, const double eye[3]) {
+    const double size = c->zoom / (c->is_flat ? 1 : eye[2]);
     return (fp3_view_place){
-        whole(c->width * FP3_VIEW_PART / 2 + dot(c->right, point) * *size),
-        whole(c->height * FP3_VIEW_PART / 2 - dot(c->up, point) * *size),
-        whole((away - c->nearest) * fp3_view_camera_deep(c)),
+        whole(c->width * FP3_VIEW_PART / 2 + eye[0] * size),
+        whole(c->height * FP3_VIEW_PART / 2 - eye[1] * size),
+        whole((eye[2] - c->nearest) * fp3_view_camera_deep(c)),
     };
+}
+
+fp3_view_place fp3_view_camera_see(const fp3_view_camera *c, const double point[3], double *size) {
+    double eye[3];
+    fp3_view_camera_eye(c, point, eye);
+    *size = c->zoom / (c->is_flat ? 1 : eye[2]);
+    return fp3_view_camera_place(c, eye);
 }

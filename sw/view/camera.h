@@ -26,6 +26,8 @@ typedef struct {
     int is_flat;
 } fp3_view_camera;
 
+#define FP3_VIEW_NEAR 0.02 /* of the distance: what is nearer to the eye is not seen */
+
 fp3_view_camera fp3_view_camera_of(const fp3_view_page *page, const fp3_view_look *look);
 
 /* A value along an axis, in the world: 0 in the middle, 2 from end to end of the longest side. */
@@ -33,6 +35,10 @@ double fp3_view_camera_world(const fp3_view_camera *camera, unsigned axis, doubl
 /* A point of the world. *size: parts of a pixel that a length of 1 there takes. */
 fp3_view_place fp3_view_camera_see(const fp3_view_camera *camera, const double point[3],
                                    double *size);
+/* A point of the world from the eye: to the right, up, and away. */
+void fp3_view_camera_eye(const fp3_view_camera *camera, const double point[3], double eye[3]);
+/* Where that is in the picture. */
+fp3_view_place fp3_view_camera_place(const fp3_view_camera *camera, const double eye[3]);
 /* What a length of 1 is as a depth. */
 double fp3_view_camera_deep(const fp3_view_camera *camera);
 

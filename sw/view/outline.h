@@ -7,24 +7,25 @@
 
 #define FP3_VIEW_WAYS 48 /* directions in which the edge is looked for */
 
-/* The convex edge of a shape, anticlockwise, in the axes of its body: of each direction the corner
- * that is farthest, and the radius beyond it. least: a radius that circles and capsules have at
- * least, so that a segment can be seen. Returns how many points there are: those that are equal
- * stand once. */
+/* The convex edge of a shape in a plane, anticlockwise, in the axes of its body: of each direction
+ * the corner that is farthest, and the radius beyond it. least: a radius that circles and capsules
+ * have at least, so that a segment can be seen. Returns how many points there are: those that are
+ * equal stand once. */
 unsigned fp3_view_outline(const fp3_view_recording *r, const fp3_view_shape *shape, double least,
-                          double points[FP3_VIEW_WAYS][2]);
+                          double points[FP3_VIEW_WAYS][3]);
 
-/* Where the body of an object is at value `at`, which is snapshot * objects + object, with the
- * cosine and the sine of its angle. 0: it is nowhere. */
+/* Where the body of an object is at value `at`, which is snapshot * objects + object, and how it is
+ * turned. 0: it is nowhere. */
 typedef struct {
-    double x[2], turn[2];
+    double x[3], turn[3][3];
 } fp3_view_pose;
 int fp3_view_pose_of(const fp3_view_recording *r, const fp3_view_axes *axes, size_t at,
                      fp3_view_pose *pose);
-static inline void fp3_view_pose_place(const fp3_view_pose *pose, const double from[2],
-                                       double to[2]) {
-    to[0] = pose->x[0] + (pose->turn[0] * from[0] - pose->turn[1] * from[1]);
-    to[1] = pose->x[1] + (pose->turn[1] * from[0] + pose->turn[0] * from[1]);
+static inline void fp3_view_pose_place(const fp3_view_pose *pose, const double from[3],
+                                       double to[3]) {
+    for (int k = 0; k < 3; k++)
+        to[k] = pose->x[k] + ((pose->turn[k][0] * from[0] + pose->turn[k][1] * from[1]) +
+                              pose->turn[k][2] * from[2]);
 }
 
 /* From where to where bodies that are not static reach along an axis in all snapshots; where there

@@ -166,16 +166,40 @@ static json_t *ends_of(const fp3_view_page *page) {
     return json_null();
 }
 
+/* Corners are counted from the shape's first one. */
+static json_t *triangles_of(const fp3_view_recording *r, const fp3_view_shape *s) {
+    json_t *list = json_array();
+    for (size_t i = s->triangle; i < s->triangle + s->triangles; i++) {
+        json_t *corners = json_array();
+        for (int k = 0; k < 3; k++)
+            json_array_append_new(
+                corners, json_integer((json_int_t)(r->triangles[i].corners[k] - s->first)));
+        json_array_append_new(list, corners);
+    }
+    return list;
+}
+
+static json_t *edges_of(const fp3_view_recording *r, const fp3_view_shape *s) {
+    json_t *list = json_array();
+    for (size_t i = s->edge; i < s->edge + s->edges; i++)
+        json_array_append_new(list, json_pack("[IIi]", (json_int_t)(r->edges[i].ends[0] - s->first),
+                                              (json_int_t)(r->edges[i].ends[1] - s->first),
+                                              r->edges[i].is_sharp));
+    return list;
+}
+
 static json_t *shapes_of(const fp3_view_recording *r) {
     json_t *list = json_array();
     for (size_t i = 0; i < r->shape_count; i++) {
         const fp3_view_shape *s = &r->shapes[i];
         json_t *corners = json_array();
         for (uint32_t k = 0; k < s->corners; k++)
-            json_array_append_new(corners, list_of(r->corners[s->first + k], 2));
-        json_array_append_new(list, json_pack("{sI sb si sf so}", "object", (json_int_t)s->object,
-                                              "isSensor", s->is_sensor != 0, "type", (int)s->type,
-                                              "radius", s->radius, "corners", corners));
+            json_array_append_new(corners, list_of(r->corners[s->first + k], 3));
+        json_array_append_new(
+            list, json_pack("{sI sb sb si sf so so so}", "object", (json_int_t)s->object,
+                            "isSensor", s->is_sensor != 0, "isPlane", isinf(s->radius) != 0, "type",
+                            (int)s->type, "radius", isinf(s->radius) ? 0 : s->radius, "corners",
+                            corners, "triangles", triangles_of(r, s), "edges", edges_of(r, s)));
     }
     return list;
 }
@@ -187,7 +211,7 @@ static json_t *joints_of(const fp3_view_recording *r) {
         json_array_append_new(list, json_pack("{s[II] sI s[oo]}", "of", (json_int_t)j->a,
                                               (json_int_t)j->b, "snapshots",
                                               (json_int_t)j->snapshots, "anchors",
-                                              list_of(j->anchor[0], 2), list_of(j->anchor[1], 2)));
+                                              list_of(j->anchor[0], 3), list_of(j->anchor[1], 3)));
     }
     return list;
 }
@@ -197,9 +221,9 @@ static json_t *contacts_of(const fp3_view_page *page) {
     json_t *list = json_array();
     for (size_t i = 0; page->has_contacts && i < r->contact_count; i++) {
         const fp3_view_contact *c = &r->contacts[i];
-        const double numbers[] = {(double)c->snapshot, c->point[0],  c->point[1],
-                                  c->normal[0],        c->normal[1], c->force};
-        json_array_append_new(list, list_of(numbers, 6));
+        const double numbers[] = {(double)c->snapshot, c->point[0],  c->point[1],  c->point[2],
+                                  c->normal[0],        c->normal[1], c->normal[2], c->force};
+        json_array_append_new(list, list_of(numbers, 8));
     }
     return list;
 }
@@ -208,8 +232,8 @@ static json_t *bodies_of(const fp3_view_page *page) {
     const fp3_view_recording *r = page->recording;
     const fp3_view_axes *axes = page->axes;
     const int has_asleep = axes->asleep != FP3_VIEW_NO_COLUMN;
-    return axes->has_shapes ? json_pack("{sf sI sI si so so so}", "most", r->force_most, "turn",
-                                        shown(r, axes->turn), "asleep",
+    return axes->has_shapes ? json_pack("{sf so sI si so so so}", "most", r->force_most, "turn",
+                                        shown_list(r, axes->turn, axes->turns), "asleep",
                                         has_asleep ? shown(r, axes->asleep) : (json_int_t)-1,
                                         "ways", FP3_VIEW_WAYS, "shapes", shapes_of(r), "joints",
                                         joints_of(r), "contacts", contacts_of(page))

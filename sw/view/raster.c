@@ -46,6 +46,10 @@ static uint32_t root(uint64_t x) {
 
 static uint8_t lit(uint8_t colour, uint32_t light) { return (uint8_t)((colour * light) >> 8); }
 
+fp3_view_ink fp3_view_lit(fp3_view_ink ink, uint32_t light) {
+    return (fp3_view_ink){lit(ink.red, light), lit(ink.green, light), lit(ink.blue, light)};
+}
+
 /* From 128 where the light does not come to 256: its way is (-5, 8, 10)/14, to the left, up, to the
  * eye. */
 static uint32_t light_of(int64_t x, int64_t y, int64_t z, int64_t radius) {
@@ -67,7 +71,7 @@ static void put_ball(fp3_view_raster *r, fp3_view_place at, int32_t radius, int3
         return;
     const uint32_t light = light_of(x, y, z, radius);
     r->depths[i] = depth;
-    r->pixels[i] = (fp3_view_ink){lit(ink.red, light), lit(ink.green, light), lit(ink.blue, light)};
+    r->pixels[i] = fp3_view_lit(ink, light);
 }
 
 static int32_t clamp(int64_t value, int32_t least, int32_t most) {
@@ -96,6 +100,11 @@ static uint8_t mixed(uint8_t under, uint8_t over, uint32_t cover) {
     return (uint8_t)((under * (256 - cover) + over * cover) >> 8);
 }
 
+static fp3_view_ink over(fp3_view_ink under, fp3_view_ink ink, uint32_t cover) {
+    return (fp3_view_ink){mixed(under.red, ink.red, cover), mixed(under.green, ink.green, cover),
+                          mixed(under.blue, ink.blue, cover)};
+}
+
 static void put_line(fp3_view_raster *r, int64_t x, int64_t y, int64_t depth, fp3_view_ink ink,
                      uint32_t cover) {
     if (x < 0 || y < 0 || x >= r->width || y >= r->height)
@@ -104,8 +113,7 @@ static void put_line(fp3_view_raster *r, int64_t x, int64_t y, int64_t depth, fp
     fp3_view_ink *to = &r->pixels[i];
     if (depth > r->depths[i])
         return;
-    *to = (fp3_view_ink){mixed(to->red, ink.red, cover), mixed(to->green, ink.green, cover),
-                         mixed(to->blue, ink.blue, cover)};
+    *to = over(*to, ink, cover);
 }
 
 static int64_t size_of(int64_t x) { return x < 0 ? -x : x; }
@@ -132,14 +140,15 @@ void fp3_view_raster_line(fp3_view_raster *r, fp3_view_place from, fp3_view_plac
 typedef struct {
     int64_t x, y, wide, high;
     int64_t within; /* of this and more a point's cross product is farther from it than the width */
-    int is_short;
+    int is_short, has_rim;
 } edge;
 
 #define SHORT 48           /* parts of a pixel */
 #define FARTHEST (1 << 24) /* parts of a pixel: farther away a picture has no pixel */
+#define FARTHEST_DEPTH 1000000000
 
-static unsigned find_edges(const fp3_view_place *corners, unsigned count, int32_t width,
-                           edge edges[FP3_VIEW_AREA_MOST]) {
+static unsigned find_edges(const fp3_view_place *corners, unsigned count,
+                           const fp3_view_paint *paint, edge edges[FP3_VIEW_AREA_MOST]) {
     int64_t area = 0, x[FP3_VIEW_AREA_MOST], y[FP3_VIEW_AREA_MOST];
     unsigned made = 0;
     for (unsigned i = 0; i < count; i++) {
@@ -156,23 +165,21 @@ static unsigned find_edges(const fp3_view_place *corners, unsigned count, int32_
         const int64_t length = root((uint64_t)(wide * wide + high * high));
         if (!length)
             continue;
-        edges[made++] = (edge){area > 0 ? x[i] : x[next],
-                               area > 0 ? y[i] : y[next],
-                               area > 0 ? wide : -wide,
-                               area > 0 ? high : -high,
-                               width * length,
-                               length < SHORT};
+        edges[made++] =
+            (edge){area > 0 ? x[i] : x[next],  area > 0 ? y[i] : y[next], area > 0 ? wide : -wide,
+                   area > 0 ? high : -high,    paint->width * length,     length < SHORT,
+                   (int)(paint->rims >> i & 1)};
     }
     return made;
 }
 
 /* The line of a short edge says little, since its ends are rounded: it is taken for a point. */
-static int is_near(const edge *edges, unsigned count, int32_t width, int64_t x, int64_t y) {
+static int is_near(const edge *edges, unsigned count, int64_t width, int64_t x, int64_t y) {
     for (unsigned i = 0; i < count; i++) {
         const edge *e = &edges[i];
         const int64_t right = x - e->x, down = y - e->y;
-        if (e->is_short ? right * right + down * down < (int64_t)width * width
-                        : e->wide * down - e->high * right < e->within)
+        if (e->has_rim && (e->is_short ? right * right + down * down < width * width
+                                       : e->wide * down - e->high * right < e->within))
             return 1;
     }
     return 0;
@@ -194,22 +201,25 @@ static int find_row(const edge *edges, unsigned count, int64_t y, int64_t *left,
     return *left <= *right;
 }
 
-static void put_area(fp3_view_raster *r, int32_t column, int32_t row, int32_t depth,
-                     fp3_view_ink ink) {
+void fp3_view_raster_put(fp3_view_raster *r, int32_t column, int32_t row, double depth,
+                         fp3_view_ink ink, uint32_t cover) {
     const size_t i = (size_t)row * (size_t)r->width + (size_t)column;
-    if (depth > r->depths[i])
+    const int32_t deep = depth < FARTHEST_DEPTH
+                             ? depth > -FARTHEST_DEPTH ? (int32_t)depth : -FARTHEST_DEPTH
+                             : FARTHEST_DEPTH;
+    if (deep > r->depths[i])
         return;
-    r->depths[i] = depth;
-    r->pixels[i] = ink;
+    r->depths[i] = cover == 256 ? deep : r->depths[i];
+    r->pixels[i] = cover == 256 ? ink : over(r->pixels[i], ink, cover);
 }
 
 void fp3_view_raster_area(fp3_view_raster *r, const fp3_view_place *corners, unsigned count,
-                          int32_t width, fp3_view_ink ink, fp3_view_ink ink_of_edge) {
+                          const fp3_view_slope *slope, const fp3_view_paint *paint) {
     edge edges[FP3_VIEW_AREA_MOST];
     const int32_t half = FP3_VIEW_PART / 2;
     int64_t above = INT32_MAX, below = INT32_MIN, left, right;
     const unsigned made =
-        count <= FP3_VIEW_AREA_MOST ? find_edges(corners, count, width, edges) : 0;
+        count <= FP3_VIEW_AREA_MOST ? find_edges(corners, count, paint, edges) : 0;
     for (unsigned i = 0; i < made; i++) {
         above = edges[i].y < above ? edges[i].y : above;
         below = edges[i].y > below ? edges[i].y : below;
@@ -221,11 +231,13 @@ void fp3_view_raster_area(fp3_view_raster *r, const fp3_view_place *corners, uns
             continue;
         const int32_t end = clamp((right - half) / FP3_VIEW_PART, -1, r->width - 1);
         const int64_t begin = left > half ? (left - half + FP3_VIEW_PART - 1) / FP3_VIEW_PART : 0;
-        for (int32_t column = clamp(begin, 0, r->width); column <= end; column++)
-            put_area(r, column, row, corners[0].depth,
-                     is_near(edges, made, width, (int64_t)column * FP3_VIEW_PART + half, y)
-                         ? ink_of_edge
-                         : ink);
+        for (int32_t column = clamp(begin, 0, r->width); column <= end; column++) {
+            const int64_t x = (int64_t)column * FP3_VIEW_PART + half;
+            const double away = slope->one + slope->right * (double)x + slope->down * (double)y;
+            fp3_view_raster_put(r, column, row, slope->first + slope->rest / away,
+                                is_near(edges, made, paint->width, x, y) ? paint->rim : paint->ink,
+                                paint->cover);
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* raster.h - balls and lines as pixels.
+/* raster.h - balls, lines and areas as pixels.
  *
- * Which pixels are drawn, and in what colour, is decided in whole numbers alone, so they are the
- * same on every machine. A picture is drawn twice as wide and high, and each pixel is the mean of
- * four.
+ * Which pixels are drawn, and in what colour, is decided in whole numbers and by sums, products and
+ * quotients in double, so they are the same on every machine. A picture is drawn twice as wide and
+ * high, and each pixel is the mean of four.
  */
 #ifndef FP3_VIEW_RASTER_H
 #define FP3_VIEW_RASTER_H
@@ -44,12 +44,31 @@ void fp3_view_raster_ball(fp3_view_raster *raster, fp3_view_place at, int32_t ra
 /* A line that lets 256 - cover parts of 256 through. */
 void fp3_view_raster_line(fp3_view_raster *raster, fp3_view_place from, fp3_view_place to,
                           fp3_view_ink ink, uint32_t cover);
-/* A convex area, anticlockwise or clockwise, with an edge of this width within it, in parts of a
- * pixel. It hides what was drawn before and is not nearer to the eye. At most FP3_VIEW_AREA_MOST
- * corners; of more nothing is drawn. */
+
+/* Of a plane as seen: at (x, y), in parts, the depth is first + rest / (one + right x + down y). */
+typedef struct {
+    double first, rest, one, right, down;
+} fp3_view_slope;
+
+/* How an area is drawn: with a rim of this width within it, in parts of a pixel, along the edges
+ * from the corners of these bits. */
+typedef struct {
+    fp3_view_ink ink, rim;
+    int32_t width;
+    uint64_t rims;
+    uint32_t cover; /* 256 hides what is behind; else 256 - cover parts of 256 come through */
+} fp3_view_paint;
+
+/* A convex area, anticlockwise or clockwise, where nothing nearer to the eye was drawn. At most
+ * FP3_VIEW_AREA_MOST corners; of more nothing is drawn. */
 #define FP3_VIEW_AREA_MOST 64
 void fp3_view_raster_area(fp3_view_raster *raster, const fp3_view_place *corners, unsigned count,
-                          int32_t width, fp3_view_ink ink, fp3_view_ink edge);
+                          const fp3_view_slope *slope, const fp3_view_paint *paint);
+/* A pixel of the drawing. */
+void fp3_view_raster_put(fp3_view_raster *raster, int32_t column, int32_t row, double depth,
+                         fp3_view_ink ink, uint32_t cover);
+/* An ink in a light from 0 to 256. */
+fp3_view_ink fp3_view_lit(fp3_view_ink ink, uint32_t light);
 /* The picture: 3 bytes of each pixel. */
 void fp3_view_raster_take(const fp3_view_raster *raster, uint8_t *pixels);
 

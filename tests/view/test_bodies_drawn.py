@@ -163,6 +163,6 @@ def test_the_page_has_the_same(page, run, world, tmp_path):
     page.click(*seen(page, 3.4, 0.3))
     assert page.data("picked") == "3"
     page.click(*seen(page, -3.2, 0.6))
-    assert page.data("picked") == "7"                      # of two the last: a sensor
+    assert page.data("picked") == "1"                      # of two the one in front, not the sensor
     assert page.script("const [a, b] = [[0, 0], [1, 1]].map(([x, y]) => fp3.camera.see(fp3.world.of(0, x), fp3.world.of(1, y), 0)), box = document.getElementById('scene');"
                        "return Math.abs((b.x - a.x) * box.clientWidth / ((a.y - b.y) * box.clientHeight) - 1) < 1e-3")

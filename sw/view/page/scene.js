@@ -99,14 +99,7 @@ const make = () => {
     gl.enableVertexAttribArray(k);
     gl.vertexAttribPointer(k, 1, gl.FLOAT, false, 12, 4 * k);
   }
-  parts.tinted = buffer(gl.ARRAY_BUFFER, 0, gl.DYNAMIC_DRAW);
-  parts.tintedArray = gl.createVertexArray();
-  gl.bindVertexArray(parts.tintedArray);
-  gl.bindBuffer(gl.ARRAY_BUFFER, parts.tinted);
-  for (let k = 0; k < 4; k++) {
-    gl.enableVertexAttribArray(k);
-    gl.vertexAttribPointer(k, 1, gl.FLOAT, false, 16, 4 * k);
-  }
+  if (bodies) bodies.make(gl, link, buffer);
   parts.pairs = scene.pairs ? index(scene.pairs) : null;
   parts.filled = -1;
 };
@@ -214,85 +207,45 @@ const drawLinks = colours => {
 
 // ---- bodies ----
 
-const blend = (a, b, share) => a.map((x, k) => x + (b[k] - x) * share);
-const PALE = {sensor: 0.8, static: 0.3, asleep: 0.6, awake: 0.3};
-
-// Points of the world, three numbers each, and the tint that each has.
-const drawTinted = (kind, points, ink, mixed) => {
-  if (!points.length) return;
-  const u = begin(parts.lines, palette());
-  place(u, true);
-  gl.uniform4f(u.ink, ...ink, 1);
-  gl.uniform1f(u.mixed, mixed);
-  gl.bindVertexArray(parts.tintedArray);
-  gl.bindBuffer(gl.ARRAY_BUFFER, parts.tinted);
-  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points), gl.DYNAMIC_DRAW);
-  gl.drawArrays(kind, 0, points.length / 4);
+// As the graphics colour balls.
+const colourOf = (object, colours) => {
+  const t = tints[object], stop = Math.min(4, Math.floor(5 * Math.max(0, t)));
+  if (t < 0) return t < -1.5 ? [0.5, 0.5, 0.5] : colours.plain;
+  return fp3.stops[stop].map((x, k) => (x + (fp3.stops[stop + 1][k] - x) * (5 * t - stop)) / 255);
 };
 
-const gather = snapshot => {
-  const groups = {};
-  for (const shape of bodies.shapes) {
-    const isPicked = shape.object === scene.picked, kind = isPicked ? "picked" : bodies.kindOf(shape, snapshot);
-    const to = groups[kind] ||= {fills: [], rims: []};
-    const tint = kind === "asleep" || kind === "awake" ? tints[shape.object] : -1;
-    const points = bodies.points(shape, snapshot);
-    if (!points.every(point => point.every(Number.isFinite))) continue;
-    points.forEach((point, i) => {
-      const next = points[(i + 1) % points.length];
-      if (i > 0 && i + 1 < points.length) for (const p of [points[0], point, next]) to.fills.push(p[0], p[1], 0, tint);
-      to.rims.push(point[0], point[1], 0, tint, next[0], next[1], 0, tint);
-    });
-    if (shape.corners.length === 1) for (const p of [bodies.middle(shape, snapshot), points[0]]) to.rims.push(p[0], p[1], 0, tint);
-  }
-  return groups;
-};
+const lookAt = (colours, isPicking) => ({snapshot: scene.snapshot, picked: scene.picked, colours, isPicking, colourOf: object => colourOf(object, colours)});
 
 // What pixels are as a length of the world.
 const pixels = n => n * devicePixelRatio * 2 * camera.high / canvas.height;
 
-const cross = ([x, y]) => [x - pixels(3), y, 0, x + pixels(3), y, 0, x, y - pixels(3), 0, x, y + pixels(3), 0];
+// Beside a point, across the view.
+const beside = (point, right, up) => point.map((x, k) => x + pixels(right) * camera.view[4 * k] + pixels(up) * camera.view[4 * k + 1]);
+const cross = point => [[-3, 0], [3, 0], [0, -3], [0, 3]].flatMap(way => beside(point, ...way));
 
-const drawJoints = colours => {
-  const lines = [];
-  for (const joint of bodies.joints) {
-    if (scene.snapshot >= joint.snapshots) continue;
-    const [a, b] = bodies.ends(joint, scene.snapshot);
-    lines.push(...a, 0, ...b, 0, ...cross(a), ...cross(b));
-  }
-  if (lines.length) drawLoose(gl.LINES, lines, [...colours.mark, 1]);
-};
+const jointLines = () => bodies.joints.filter(joint => scene.snapshot < joint.snapshots).flatMap(joint => {
+  const [a, b] = bodies.ends(joint, scene.snapshot);
+  return [...a, ...b, ...cross(a), ...cross(b)];
+});
 
 // A line is as long as the root of the force, as in pictures.
-const drawContacts = () => {
-  const lines = [];
-  for (const [snapshot, x, y, nx, ny, force] of bodies.contacts) {
-    if (snapshot !== scene.snapshot) continue;
-    const from = [world.of(0, x), world.of(1, y)], long = bodies.most > 0 ? pixels(60) * Math.sqrt(Math.max(0, force) / bodies.most) : 0;
-    lines.push(...from, 0, from[0] + long * nx, from[1] + long * ny, 0, ...cross(from));
-  }
-  if (lines.length) drawLoose(gl.LINES, lines, [0.85, 0.53, 0.1, 1]);
-};
+const contactLines = () => bodies.contacts.filter(([snapshot]) => snapshot === scene.snapshot).flatMap(([, ...c]) => {
+  const from = [0, 1, 2].map(k => k < axes.length ? world.of(k, c[k]) : 0), long = bodies.most > 0 ? pixels(60) * Math.sqrt(Math.max(0, c[6]) / bodies.most) : 0;
+  return [...from, ...from.map((x, k) => x + long * c[3 + k]), ...cross(from)];
+});
 
-// What comes later is in front of what is as far away.
+// In space marks are before all bodies.
 const drawBodies = colours => {
-  const groups = gather(scene.snapshot);
-  gl.depthFunc(gl.LEQUAL);
-  for (const kind of ["sensor", "static", "asleep", "awake", "picked"]) {
-    if (!groups[kind]) continue;
-    const pale = PALE[kind] || 0.3;
-    const full = kind === "picked" ? colours.mark : kind === "static" ? [0.5, 0.5, 0.5] : colours.plain;
-    const fill = blend(full, colours.back, pale);
-    drawTinted(gl.TRIANGLES, groups[kind].fills, scene.field ? blend(colours.back, full, 1 - pale) : fill, scene.field ? 1 - pale : 0);
-    drawTinted(gl.LINES, groups[kind].rims, blend(fill, colours.ink, 0.5), 0);
-  }
-  if (scene.links) drawJoints(colours);
-  drawContacts();
+  bodies.draw(lookAt(colours, false));
+  gl.depthFunc(fp3.isFlat ? gl.LEQUAL : gl.ALWAYS);
+  if (scene.links) drawLoose(gl.LINES, jointLines(), [...colours.mark, 1]);
+  drawLoose(gl.LINES, contactLines(), [0.85, 0.53, 0.1, 1]);
   gl.depthFunc(gl.LESS);
 };
 
 // Points of the world, three numbers each.
 const drawLoose = (kind, points, ink) => {
+  if (!points.length) return;
   const u = begin(parts.lines, palette());
   place(u, true);
   gl.uniform4f(u.ink, ...ink);
@@ -389,8 +342,32 @@ scene.draw = () => {
 
 // ---- picking ----
 
+// The graphics draw numbers instead of colours, in the one pixel that is asked for.
+const bodyAt = (x, y) => {
+  const pixel = new Uint8Array(4), [column, row] = [Math.floor(x * devicePixelRatio), canvas.height - 1 - Math.floor(y * devicePixelRatio)];
+  const frame = gl.createFramebuffer(), stores = [[gl.COLOR_ATTACHMENT0, gl.RGBA8], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]].map(([point, form]) => {
+    const store = gl.createRenderbuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.bindRenderbuffer(gl.RENDERBUFFER, store);
+    gl.renderbufferStorage(gl.RENDERBUFFER, form, canvas.width, canvas.height);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, point, gl.RENDERBUFFER, store);
+    return store;
+  });
+  gl.enable(gl.SCISSOR_TEST);
+  gl.scissor(column, row, 1, 1);
+  gl.clearColor(0, 0, 0, 0);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  bodies.draw(lookAt(palette(), true));
+  gl.readPixels(column, row, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  gl.disable(gl.SCISSOR_TEST);
+  gl.deleteFramebuffer(frame);
+  for (const store of stores) gl.deleteRenderbuffer(store);
+  return pixel[3] ? bodies.objectOf(pixel[0] + 256 * pixel[1] + 65536 * pixel[2]) : -1;
+};
+
 // The nearest object under a point of the picture (pixels of the page), or -1.
 scene.at = (x, y) => {
+  if (bodies) return bodyAt(x, y);
   const high = canvas.clientHeight, wide = canvas.clientWidth;
   let best = -1, bestScore = Infinity;
   for (let i = 0; i < count; i++) {
@@ -398,11 +375,6 @@ scene.at = (x, y) => {
     if (mayHide && !isShown(scene.snapshot, i)) continue;
     const p = axes.map((column, k) => world.of(k, fp3.value(column, at)));
     const seen = camera.see(p[0], p[1] || 0, p[2] || 0);
-    if (bodies) { // the last is in front
-      const edges = bodies.byObject[i].map(shape => bodies.points(shape, scene.snapshot).map(([px, py]) => camera.see(px, py, 0)).map(s => [s.x * wide, s.y * high]));
-      if (edges.some(edge => bodies.covers(edge, x, y))) best = i;
-      continue;
-    }
     const own = about.radiusOf >= 0 ? fp3.value(about.columns[about.radiusOf], at) : about.radius;
     const radius = Math.max(own * world.scale[0] * seen.size * high, scene.least() / devicePixelRatio) || 0;
     const off = Math.hypot(seen.x * wide - x, seen.y * high - y);
