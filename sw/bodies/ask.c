@@ -11,6 +11,7 @@
 #include "base/host.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #define FARTHEST 1e9
 
@@ -88,8 +89,20 @@ static fp3_status check(const fp3_bodies *bodies, const char *name, const double
                         size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!(fabs(values[i]) <= FARTHEST))
-            return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu is %g, expected -1e9 to 1e9",
-                            name, i / bodies->def.dimensions, values[i]);
+            return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s[%zu] is %g, expected -1e9 to 1e9",
+                            name, i, values[i]);
+    return FP3_OK;
+}
+
+/* Of several rows of `width` numbers. */
+static fp3_status check_rows(const fp3_bodies *bodies, const char *name, const double *values,
+                             size_t rows, size_t width) {
+    char of[32];
+    for (size_t i = 0; i < rows * width; i++)
+        if (!(fabs(values[i]) <= FARTHEST)) {
+            snprintf(of, sizeof of, "%s[%zu]", name, i / width);
+            return check(bodies, of, values + i / width * width, width);
+        }
     return FP3_OK;
 }
 
@@ -143,9 +156,9 @@ fp3_status fp3_bodies_ray(fp3_bodies *bodies, const double *from, const double *
                           uint32_t mask, fp3_hit *hits) {
     FP3_HOST;
     const size_t width = bodies->def.dimensions;
-    fp3_status status = check(bodies, "from", from, width * count);
+    fp3_status status = check_rows(bodies, "from", from, count, width);
     if (!status)
-        status = check(bodies, "way", way, width * count);
+        status = check_rows(bodies, "way", way, count, width);
     for (size_t i = 0; !status && i < count; i++) {
         const asker point = point_at(from + width * i, width);
         hits[i] = first_hit(bodies, &point, way + width * i, mask);
@@ -253,7 +266,7 @@ fp3_status fp3_bodies_nearest(fp3_bodies *bodies, const double *points, size_t c
                               fp3_hit *hits) {
     FP3_HOST;
     const size_t width = bodies->def.dimensions;
-    const fp3_status status = check(bodies, "point", points, width * count);
+    const fp3_status status = check_rows(bodies, "points", points, count, width);
     const fp3_form3 point = {.shape = {.count = 1}};
     for (size_t k = 0; !status && k < count; k++) {
         const asker own = point_at(points + width * k, width);

@@ -49,56 +49,41 @@ fp3_status fp3_shape_make(const fp3_shape_def *def, fp3_shape2 *shape, fp3_error
                     (int)def->type);
 }
 
-typedef struct {
-    const char *name;
-    double value, most;
-} range;
-
-/* What a shape in a plane must not say, and one in space. */
-static fp3_status check_space(const fp3_shape_def *def, int is_space, fp3_error *error) {
-    const double plane[] = {def->angle, def->belt},
-                 space[] = {def->centre[2], def->half[2], def->surface[0], def->surface[1],
-                            def->surface[2]};
-    static const char *const plane_names[] = {"angle", "belt"}, *const space_names[] = {
-                                                                    "centre[2]", "half[2]",
-                                                                    "surface[0]", "surface[1]",
-                                                                    "surface[2]"};
-    const size_t count = is_space ? sizeof plane / sizeof *plane : sizeof space / sizeof *space;
-    for (size_t i = 0; i < count; i++)
-        if ((is_space ? plane : space)[i] != 0)
-            return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 in %s",
-                            (is_space ? plane_names : space_names)[i],
-                            (is_space ? plane : space)[i], is_space ? "space" : "a plane");
-    for (int i = 1; !is_space && i < 4; i++)
-        if (def->q[i] != 0)
-            return fp3_fail(error, FP3_E_ARGUMENT, "q[%d] is %g, expected 0 in a plane", i,
-                            def->q[i]);
-    for (uint32_t i = 0; !is_space && i < def->corners && i < FP3_CORNERS; i++)
+/* Numbers in range, and none that does not count in these dimensions. */
+static fp3_status check_numbers(const fp3_shape_def *def, int is_space, fp3_error *error) {
+    const double plane = is_space ? 0 : 1e9, space = is_space ? 1e9 : 0; /* the most in each */
+    const fp3_bodies_range ranges[] = {{"density", def->density, 0, 1e12},
+                                       {"friction", def->friction, 0, 1e6},
+                                       {"restitution", def->restitution, 0, 1},
+                                       {"rolling", def->rolling, 0, 1e6},
+                                       {"belt", def->belt, 0 - plane, plane},
+                                       {"angle", def->angle, 0 - 1e3 * plane, 1e3 * plane},
+                                       {"surface[0]", def->surface[0], 0 - space, space},
+                                       {"surface[1]", def->surface[1], 0 - space, space},
+                                       {"surface[2]", def->surface[2], 0 - space, space}};
+    const double third[] = {def->centre[2], def->half[2], def->q[1], def->q[2], def->q[3]};
+    static const char *const names[] = {"centre[2]", "half[2]", "q[1]", "q[2]", "q[3]"};
+    fp3_status status =
+        fp3_ranges_check(ranges, sizeof ranges / sizeof *ranges, "", is_space, error);
+    if (!status && def->density > 0 && def->density < 1e-12)
+        status = fp3_fail(error, FP3_E_ARGUMENT, /* the inverse of an inertia has to be a float */
+                          "density is %g, expected 0 or 1e-12 to 1e12", def->density);
+    for (size_t i = 0; !status && !is_space && i < sizeof third / sizeof *third; i++)
+        if (third[i] != 0)
+            status = fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 in a plane", names[i],
+                              third[i]);
+    for (uint32_t i = 0; !status && !is_space && i < def->corners && i < FP3_CORNERS; i++)
         if (def->corner[i][2] != 0)
-            return fp3_fail(error, FP3_E_ARGUMENT, "corner[%u][2] is %g, expected 0 in a plane", i,
-                            def->corner[i][2]);
-    for (int i = 0; is_space && i < 3; i++)
-        if (!(fabs(def->surface[i]) <= 1e9))
-            return fp3_fail(error, FP3_E_ARGUMENT, "surface[%d] is %g, expected -1e9 to 1e9", i,
-                            def->surface[i]);
-    return FP3_OK;
+            status = fp3_fail(error, FP3_E_ARGUMENT, "corner[%u][2] is %g, expected 0 in a plane",
+                              i, def->corner[i][2]);
+    return status;
 }
 
 static fp3_status make(const fp3_bodies *bodies, const fp3_shape_def *def, fp3_attached *placed) {
     fp3_error *error = bodies->error;
-    const range ranges[] = {{"density", def->density, 1e12},
-                            {"friction", def->friction, 1e6},
-                            {"restitution", def->restitution, 1},
-                            {"rolling", def->rolling, 1e6}};
-    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
-        if (!(ranges[i].value >= 0 && ranges[i].value <= ranges[i].most))
-            return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected 0 to %g", ranges[i].name,
-                            ranges[i].value, ranges[i].most);
-    if (def->density > 0 && def->density < 1e-12) /* the inverse of an inertia has to be a float */
-        return fp3_fail(error, FP3_E_ARGUMENT, "density is %g, expected 0 or 1e-12 to 1e12",
-                        def->density);
-    if (!(fabs(def->belt) <= 1e9))
-        return fp3_fail(error, FP3_E_ARGUMENT, "belt is %g, expected -1e9 to 1e9", def->belt);
+    fp3_status status = check_numbers(def, bodies->space != NULL, error);
+    if (status)
+        return status;
     *placed = (fp3_attached){
         .friction = (float)def->friction,
         .restitution = (float)def->restitution,
@@ -109,9 +94,8 @@ static fp3_status make(const fp3_bodies *bodies, const fp3_shape_def *def, fp3_a
         .category = def->category,
         .mask = def->mask,
         .is_sensor = def->is_sensor != 0};
-    fp3_status status = check_space(def, bodies->space != NULL, error);
-    if (status || bodies->space)
-        return status;
+    if (bodies->space)
+        return FP3_OK;
     status = fp3_shape_make(def, &placed->given, error);
     if (status)
         return status;
@@ -194,16 +178,17 @@ static fp3_status make_room(fp3_bodies *bodies, size_t more) {
     return status;
 }
 
-/* Behind the last of the chain: shapes are in the order in which they came. */
-static void chain(fp3_bodies *bodies, uint32_t number, uint32_t shape) {
-    uint32_t *last = &bodies->body[number].first_shape;
-    while (*last != FP3_NOBODY)
-        last = &bodies->shape[*last].next;
-    *last = shape;
+/* Where a body's next shape goes: shapes are in the order in which they came. */
+static uint32_t *end_of(fp3_bodies *bodies, uint32_t number) {
+    uint32_t *end = &bodies->body[number].first_shape;
+    while (*end != FP3_NOBODY)
+        end = &bodies->shape[*end].next;
+    return end;
 }
 
+/* There is room. *end becomes where the next one goes. */
 static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached *made,
-                        uint64_t *handle) {
+                        uint32_t **end, uint64_t *handle) {
     const uint32_t at = next_free(bodies);
     const uint32_t generation = bodies->shape[at].generation + 1;
     bodies->shape[at] = *made;
@@ -215,7 +200,8 @@ static void place_shape(fp3_bodies *bodies, uint32_t number, const fp3_attached 
     bodies->boxes.box[at] = (fp3_box){{-INFINITY, -INFINITY, 0}, {-INFINITY, -INFINITY, 0}};
     bodies->boxes.filter[at] =
         (fp3_box_filter){made->category, made->mask, bodies->body[number].type != FP3_STATIC};
-    chain(bodies, number, at);
+    **end = at;
+    *end = &bodies->shape[at].next;
     if (handle)
         *handle = (uint64_t)generation << 32 | at;
 }
@@ -248,8 +234,10 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
     }
     if (!status)
         status = make_room(bodies, count);
-    for (size_t i = 0; !status && i < count; i++)
-        place_shape(bodies, (uint32_t)handles[i], &made, shapes ? &shapes[i] : NULL);
+    for (size_t i = 0; !status && i < count; i++) {
+        uint32_t *end = end_of(bodies, (uint32_t)handles[i]);
+        place_shape(bodies, (uint32_t)handles[i], &made, &end, shapes ? &shapes[i] : NULL);
+    }
     fp3_form_give_back(made.form);
     if (!status)
         place_all(bodies, handles, count);
@@ -266,7 +254,8 @@ static fp3_status attach_form(fp3_bodies *bodies, uint64_t handle, fp3_form3 *fo
         status = make_room(bodies, 1);
     made.form = form;
     if (!status) {
-        place_shape(bodies, (uint32_t)handle, &made, NULL);
+        uint32_t *end = end_of(bodies, (uint32_t)handle);
+        place_shape(bodies, (uint32_t)handle, &made, &end, NULL);
         place_all(bodies, &handle, 1);
     }
     fp3_form_give_back(form);
@@ -354,8 +343,9 @@ fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const do
             }
         }
     }
+    uint32_t *end = status ? NULL : end_of(bodies, number);
     for (size_t i = 0; !status && i < edges; i++)
-        place_shape(bodies, number, &made[i], NULL);
+        place_shape(bodies, number, &made[i], &end, NULL);
     free(made);
     if (!status)
         place_all(bodies, &handle, 1);

@@ -6,51 +6,40 @@
 #include "base/host.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-/* What a body in a plane must not say, and one in space. */
-static fp3_status check_space(const fp3_body_def *def, size_t which, int is_space,
-                              fp3_error *error) {
-    const double plane[] = {def->angle, def->w},
-                 space[] = {def->x[2], def->v[2],    def->q[1],    def->q[2],
-                            def->q[3], def->spin[0], def->spin[1], def->spin[2]};
-    static const char *const plane_names[] = {"angle", "w"}, *const space_names[] = {
-                                                                 "x[2]",    "v[2]",   "q[1]",
-                                                                 "q[2]",    "q[3]",   "spin[0]",
-                                                                 "spin[1]", "spin[2]"};
-    const size_t count = is_space ? sizeof plane / sizeof *plane : sizeof space / sizeof *space;
-    for (size_t i = 0; i < count; i++)
-        if ((is_space ? plane : space)[i] != 0)
-            return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: %s is %g, expected 0 in %s", which,
-                            (is_space ? plane_names : space_names)[i],
-                            (is_space ? plane : space)[i], is_space ? "space" : "a plane");
+static fp3_status check(const fp3_body_def *def, size_t which, int is_space, fp3_error *error) {
+    const double plane = is_space ? 0 : 1e12, space = is_space ? 1e12 : 0; /* the most in each */
+    const fp3_bodies_range ranges[] = {{"x[0]", def->x[0], -1e12, 1e12},
+                                       {"x[1]", def->x[1], -1e12, 1e12},
+                                       {"x[2]", def->x[2], 0 - space, space},
+                                       {"angle", def->angle, 0 - plane, plane},
+                                       {"v[0]", def->v[0], -1e12, 1e12},
+                                       {"v[1]", def->v[1], -1e12, 1e12},
+                                       {"v[2]", def->v[2], 0 - space, space},
+                                       {"w", def->w, 0 - plane, plane},
+                                       {"q[1]", def->q[1], 0 - space, space},
+                                       {"q[2]", def->q[2], 0 - space, space},
+                                       {"q[3]", def->q[3], 0 - space, space},
+                                       {"spin[0]", def->spin[0], 0 - space, space},
+                                       {"spin[1]", def->spin[1], 0 - space, space},
+                                       {"spin[2]", def->spin[2], 0 - space, space},
+                                       {"damping", def->damping, 0, 1e12},
+                                       {"spin_damping", def->spin_damping, 0, 1e12},
+                                       {"gravity", def->gravity, -1e12, 1e12}};
     const double *q = def->q,
                  size = sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
-    if (is_space && !(size >= 1e-3 && size <= 1e3))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "body %zu: the length of q is %g, expected 1e-3 to 1e3", which, size);
-    return FP3_OK;
-}
-
-static fp3_status check(const fp3_body_def *def, size_t which, int is_space, fp3_error *error) {
-    const double values[] = {def->x[0],         def->x[1],    def->x[2],    def->angle,
-                             def->v[0],         def->v[1],    def->v[2],    def->w,
-                             def->spin[0],      def->spin[1], def->spin[2], def->damping,
-                             def->spin_damping, def->gravity};
-    static const char *const names[] = {
-        "x[0]", "x[1]",    "x[2]",    "angle",   "v[0]",    "v[1]",         "v[2]",
-        "w",    "spin[0]", "spin[1]", "spin[2]", "damping", "spin_damping", "gravity"};
+    char of[32];
+    snprintf(of, sizeof of, "body %zu: ", which);
     if (def->type != FP3_DYNAMIC && def->type != FP3_KINEMATIC && def->type != FP3_STATIC)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "body %zu: type is %d, expected FP3_DYNAMIC, FP3_KINEMATIC or FP3_STATIC",
-                        which, (int)def->type);
-    for (size_t i = 0; i < sizeof values / sizeof *values; i++)
-        if (!(fabs(values[i]) <= 1e12))
-            return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: %s is %g, expected -1e12 to 1e12",
-                            which, names[i], values[i]);
-    if (def->damping < 0 || def->spin_damping < 0)
-        return fp3_fail(error, FP3_E_ARGUMENT, "body %zu: damping is below 0", which);
-    return check_space(def, which, is_space, error);
+                        "%stype is %d, expected FP3_DYNAMIC, FP3_KINEMATIC or FP3_STATIC", of,
+                        (int)def->type);
+    if (is_space && !(size >= 1e-3 && size <= 1e3))
+        return fp3_fail(error, FP3_E_ARGUMENT, "%sthe length of q is %g, expected 1e-3 to 1e3", of,
+                        size);
+    return fp3_ranges_check(ranges, sizeof ranges / sizeof *ranges, of, is_space, error);
 }
 
 static void place(fp3_body *body, const fp3_body_def *def) {

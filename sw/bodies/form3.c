@@ -43,6 +43,8 @@ static fp3_status make_shape(const fp3_shape_def *def, fp3_form3 *form, fp3_erro
         corner[i] = point_of(def->corner[i]);
     switch (def->type) {
     case FP3_SPHERE:
+        if (radius == 0) /* as a circle in a plane: it would weigh nothing */
+            return fp3_fail(error, FP3_E_ARGUMENT, "a sphere has radius 0");
         return fp3_ball3(point_of(def->centre), radius, &form->shape, error);
     case FP3_CAPSULE:
         if (def->corners != 2)

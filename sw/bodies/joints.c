@@ -7,6 +7,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -102,12 +103,26 @@ static double length_of(const double v[3]) {
     return sqrt((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
 }
 
-typedef struct {
-    const char *name;
-    double value, least, most;
-} range;
-
 #define PI 3.14159265358979323846
+
+/* What a type has besides a place: whoever says more would think that it counts. */
+static fp3_status check_words(const fp3_bodies *bodies, const fp3_joint_def *def, const char *of) {
+    static const struct {
+        const char *name;
+        uint8_t has_limits, has_motor, has_spring;
+    } types[] = {[FP3_ROD] = {"rod", 1, 1, 1},       [FP3_HINGE] = {"hinge", 1, 1, 1},
+                 [FP3_SLIDER] = {"slider", 1, 1, 1}, [FP3_WHEEL] = {"wheel", 1, 1, 1},
+                 [FP3_WELD] = {"weld", 0, 0, 1},     [FP3_GEAR] = {"gear", 0, 0, 0},
+                 [FP3_BALL] = {"ball", 1, 0, 1}};
+    const char *extra = def->has_limits && !types[def->type].has_limits  ? "limits"
+                        : def->most > 0 && !types[def->type].has_motor   ? "motor: most must be 0"
+                        : def->hertz > 0 && !types[def->type].has_spring ? "spring: hertz must be 0"
+                        : def->ratio != 1 && def->type != FP3_GEAR       ? "ratio: it must be 1"
+                                                                         : NULL;
+    return extra ? fp3_fail(bodies->error, FP3_E_ARGUMENT, "%sa %s has no %s", of,
+                            types[def->type].name, extra)
+                 : FP3_OK;
+}
 
 /* Angles in space are from -pi to pi. */
 static fp3_status check_space(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
@@ -122,9 +137,6 @@ static fp3_status check_space(const fp3_bodies *bodies, const fp3_joint_def *def
     if (def->type == FP3_BALL && def->has_limits && def->high < 0)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: high is %g, expected an angle from 0 to pi", which, def->high);
-    if ((def->type == FP3_BALL || def->type == FP3_WELD) && def->most > 0)
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: most is %g: a %s has no motor",
-                        which, def->most, def->type == FP3_BALL ? "ball" : "weld");
     if (def->type == FP3_WHEEL && !(fabs(along) < 0.9))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: the axle of a wheel is along its axis, expected across it",
@@ -137,39 +149,41 @@ static fp3_status check_space(const fp3_bodies *bodies, const fp3_joint_def *def
 
 static fp3_status check(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
     const double deep = bodies->space ? 1e6 : 0; /* the third number */
-    const range ranges[] = {{"type", def->type, FP3_ROD, FP3_BALL},
-                            {"anchor_a[0]", def->anchor_a[0], -1e6, 1e6},
-                            {"anchor_a[1]", def->anchor_a[1], -1e6, 1e6},
-                            {"anchor_a[2]", def->anchor_a[2], -deep, deep},
-                            {"anchor_b[0]", def->anchor_b[0], -1e6, 1e6},
-                            {"anchor_b[1]", def->anchor_b[1], -1e6, 1e6},
-                            {"anchor_b[2]", def->anchor_b[2], -deep, deep},
-                            {"axis[0]", def->axis[0], -1e6, 1e6},
-                            {"axis[1]", def->axis[1], -1e6, 1e6},
-                            {"axis[2]", def->axis[2], -deep, deep},
-                            {"axle[0]", def->axle[0], -1e6, 1e6},
-                            {"axle[1]", def->axle[1], -1e6, 1e6},
-                            {"axle[2]", def->axle[2], -1e6, 1e6},
-                            {"ratio", def->ratio, -1e6, 1e6},
-                            {"low", def->low, -1e9, 1e9},
-                            {"high", def->high, -1e9, 1e9},
-                            {"speed", def->speed, -1e9, 1e9},
-                            {"most", def->most, 0, 1e12},
-                            {"hertz", def->hertz, 0, 1e6},
-                            {"damping", def->damping, 0, 1e6},
-                            {"force", def->force, 0, 1e12},
-                            {"torque", def->torque, 0, 1e12}};
+    const fp3_bodies_range ranges[] = {{"type", def->type, FP3_ROD, FP3_BALL},
+                                       {"anchor_a[0]", def->anchor_a[0], -1e6, 1e6},
+                                       {"anchor_a[1]", def->anchor_a[1], -1e6, 1e6},
+                                       {"anchor_a[2]", def->anchor_a[2], 0 - deep, deep},
+                                       {"anchor_b[0]", def->anchor_b[0], -1e6, 1e6},
+                                       {"anchor_b[1]", def->anchor_b[1], -1e6, 1e6},
+                                       {"anchor_b[2]", def->anchor_b[2], 0 - deep, deep},
+                                       {"axis[0]", def->axis[0], -1e6, 1e6},
+                                       {"axis[1]", def->axis[1], -1e6, 1e6},
+                                       {"axis[2]", def->axis[2], 0 - deep, deep},
+                                       {"axle[0]", def->axle[0], -1e6, 1e6},
+                                       {"axle[1]", def->axle[1], -1e6, 1e6},
+                                       {"axle[2]", def->axle[2], -1e6, 1e6},
+                                       {"ratio", def->ratio, -1e6, 1e6},
+                                       {"low", def->low, -1e9, 1e9},
+                                       {"high", def->high, -1e9, 1e9},
+                                       {"speed", def->speed, -1e9, 1e9},
+                                       {"most", def->most, 0, 1e12},
+                                       {"hertz", def->hertz, 0, 1e6},
+                                       {"damping", def->damping, 0, 1e6},
+                                       {"force", def->force, 0, 1e12},
+                                       {"torque", def->torque, 0, 1e12}};
     uint32_t a, b;
+    char of[32];
     fp3_status status = FP3_OK;
     if (def->type == (bodies->space ? FP3_GEAR : FP3_BALL))
         status =
             fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: %s", which,
                      bodies->space ? "a gear is in a plane alone" : "a ball is in space alone");
-    for (size_t i = 0; !status && i < sizeof ranges / sizeof *ranges; i++)
-        if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
-            status =
-                fp3_fail(bodies->error, FP3_E_ARGUMENT, "joint %zu: %s is %g, expected %g to %g",
-                         which, ranges[i].name, ranges[i].value, ranges[i].least, ranges[i].most);
+    snprintf(of, sizeof of, "joint %zu: ", which);
+    if (!status)
+        status = fp3_ranges_check(ranges, sizeof ranges / sizeof *ranges, of, bodies->space != NULL,
+                                  bodies->error);
+    if (!status)
+        status = check_words(bodies, def, of);
     if (!status && (fp3_bodies_numbered(bodies, &def->a, 0, &a) ||
                     fp3_bodies_numbered(bodies, &def->b, 0, &b)))
         status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
@@ -406,13 +420,19 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
     for (size_t i = 0; !status && i < count; i++) {
         const fp3_joint_def *def = &bodies->joint[(uint32_t)joints[i]].def;
         const double x = values[i];
+        fp3_joint_def next = *def;
+        char of[32];
+        snprintf(of, sizeof of, "most[%zu]: ", i);
+        next.most = which == MOST ? x : next.most;
         if (!(fabs(x) <= (which == MOST ? 1e12 : 1e9)) ||
             ((which == LOW || which == HIGH) && !def->has_limits) || (which == MOST && x < 0) ||
             (which == LOW && x > def->high) || (which == HIGH && x < def->low))
             status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                              "%s %zu is %g, which this joint cannot have (limits: only if it was "
-                              "made with them)",
+                              "%s[%zu] is %g, which this joint cannot have (limits: only if it "
+                              "was made with them)",
                               name, i, x);
+        else
+            status = check_words(bodies, &next, of);
     }
     for (size_t i = 0; !status && i < count; i++) {
         fp3_joint *j = &bodies->joint[(uint32_t)joints[i]];

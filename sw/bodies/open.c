@@ -48,31 +48,26 @@ void fp3_shape_set_default(fp3_shape_def *def, size_t size) {
                            .mask = UINT32_MAX};
 }
 
-typedef struct {
-    const char *name;
-    double value, least, most;
-} range;
-
 static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
     const double small = ldexp(1, -20), large = ldexp(1, 20);
-    const range ranges[] = {
+    const int is_space = def->dimensions == 3;
+    const fp3_bodies_range ranges[] = {
         {"dimensions", def->dimensions, 2, 3},
         {"h", def->h, small, 1},
         {"substeps", def->substeps, 1, 64},
         {"size", def->size, small, large},
         {"gravity[0]", def->gravity[0], -1e9, 1e9},
         {"gravity[1]", def->gravity[1], -1e9, 1e9},
-        {"gravity[2]", def->gravity[2], def->dimensions == 3 ? -1e9 : 0,
-         def->dimensions == 3 ? 1e9 : 0},
+        {"gravity[2]", def->gravity[2], is_space ? -1e9 : 0, is_space ? 1e9 : 0},
         {"push", def->push, 0, 1e9},
         {"bounce", def->bounce, 0, 1e9},
         {"rest_speed", def->rest_speed, 0, 1e9},
         {"rest_time", def->rest_time, 0, 1e9},
     };
-    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++)
-        if (!(ranges[i].value >= ranges[i].least && ranges[i].value <= ranges[i].most))
-            return fp3_fail(error, FP3_E_ARGUMENT, "%s is %g, expected %g to %g", ranges[i].name,
-                            ranges[i].value, ranges[i].least, ranges[i].most);
+    const fp3_status status =
+        fp3_ranges_check(ranges, sizeof ranges / sizeof *ranges, "", is_space, error);
+    if (status)
+        return status;
     if ((def->laws || def->config || def->may_compile) && !def->engine)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: expected an engine, too, which executes laws (\"fast\")",

@@ -147,6 +147,16 @@ void fp3_identity_give_back(uint32_t *identity);
 fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
                            fp3_error *error);
 
+/* A number of the caller's, and between which it must lie; both 0: it does not count in these
+ * dimensions, and must be 0. */
+typedef struct {
+    const char *name;
+    double value, least, most;
+} fp3_bodies_range;
+/* FP3_E_ARGUMENT, with the name of the first that lies outside, behind `of` ("joint 3: "). */
+fp3_status fp3_ranges_check(const fp3_bodies_range *ranges, size_t count, const char *of,
+                            int is_space, fp3_error *error);
+
 /* The number of a handle's body. FP3_E_ARGUMENT: it was removed, or never there. */
 fp3_status fp3_bodies_numbered(const fp3_bodies *bodies, const uint64_t *handles, size_t which,
                                uint32_t *number);

@@ -192,15 +192,15 @@ static fp3_status check(const fp3_bodies *bodies, const named *which, const uint
                         "at_rest cannot be written: any other value "
                         "that is written wakes a body");
     if (body->may_not_turn && (of == W || of == SPIN || of == INERTIA))
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body may not turn", which->name,
-                        i);
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s[%zu]: the body may not turn",
+                        which->name, i);
     if (body->type == FP3_STATIC && of >= V && of <= TORQUE)
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s %zu: the body is static", which->name,
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "%s[%zu]: the body is static", which->name,
                         i);
     if (of == INERTIA && which->width == 1 && bodies->space &&
         !(bodies->space->body[number].moment[0] > 0))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                        "%s %zu: the body has no inertia, expected all three numbers", which->name,
+                        "%s[%zu]: the body has no inertia, expected all three numbers", which->name,
                         i);
     double square = 0;
     for (uint32_t k = 0; k < which->width; k++) {
@@ -208,12 +208,12 @@ static fp3_status check(const fp3_bodies *bodies, const named *which, const uint
         square += x * x;
         if (!(fabs(x) <= 1e12))
             return fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                            "%s%s%.1s %zu is %g, expected -1e12 to 1e12", which->name,
+                            "%s%s%.1s[%zu] is %g, expected -1e12 to 1e12", which->name,
                             which->width > 1 ? "_" : "",
                             which->width > 1 ? (which->width == 4 ? "wxyz" : "xyz") + k : "", i, x);
         if ((of == MASS || of == INERTIA) && (body->type != FP3_DYNAMIC || !(x >= LEAST)))
             return fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                            "%s %zu is %g, expected %g to 1e12, of a dynamic body", which->name, i,
+                            "%s[%zu] is %g, expected %g to 1e12, of a dynamic body", which->name, i,
                             x, LEAST);
     }
     if (of == Q && which->width == 1)
@@ -221,7 +221,7 @@ static fp3_status check(const fp3_bodies *bodies, const named *which, const uint
                         "%s cannot be written alone: expected all four numbers of q", which->name);
     if (of == Q && !(square >= 1e-6 && square <= 1e6))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                        "q %zu has the length %g, expected 1e-3 to 1e3", i, sqrt(square));
+                        "q[%zu] has the length %g, expected 1e-3 to 1e3", i, sqrt(square));
     return FP3_OK;
 }
 

@@ -183,8 +183,8 @@ def joint(text):
 @pytest.mark.parametrize("text, message", [
     (body("x = 3;"), r"2: x: found '3', expected two numbers"),
     (body('x = ["n", 1];'), r"2: mismatched element type in array, expected \( \) around a list in which numbers and texts are mixed"),
-    (body("x = [1.0, 1e13];"), r"2: a: x\[1\] is 1e\+13, expected -1e12 to 1e12"),
-    (body("\nspin_damping = -1.0;"), r"2: a: damping is below 0"),
+    (body("x = [1.0, 1e13];"), r"2: a: x\[1\] is 1e\+13, expected -1e\+12 to 1e\+12"),
+    (body("\nspin_damping = -1.0;"), r"3: a: spin_damping is -1, expected 0 to 1e\+12"),
     (body('count = 3; x = ("i +", 0);'), r'2: x: "i \+": column 4: found end of file, expected a number'),
     (body('count = (2, "j");'), r"2: count: \"j\": found 'j', expected a name of this entry: n, random, i"),
     (body("count = 2.5;"), r"2: count is 2.5, expected a whole number from 0 to 1000000"),

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import sys
 
 import numpy as np
@@ -270,22 +271,26 @@ def test_questions_find_what_is_there():
     (lambda w, b: w.add(q=(0, 0, 0, 0)), "the length of q is 0"),
     (lambda w, b: w.attach(b, fp3.circle(1)), "expected FP3_SPHERE"),
     (lambda w, b: w.attach(b, fp3.box(1, 1)), "side"),
+    (lambda w, b: w.attach(b, fp3.sphere(0)), "a sphere has radius 0"), (lambda w, b: w.cast(fp3.sphere(0), (0, 0, 0), (1, 0, 0)), "a sphere has radius 0"),
+    (lambda w, b: w.ray([(0, 0, 0), (0, np.nan, 0)], [(1, 0, 0)] * 2), "from[1][1] is nan, expected -1e9 to 1e9"),
+    (lambda w, b: w.ray((0, 0, 0), (1, 0, np.inf)), "way[0][2] is inf"), (lambda w, b: w.nearest([(0, 0, 0), (2e9, 0, 0)]), "points[1][0] is 2e+09"),
+    (lambda w, b: w.cast(fp3.sphere(1), (0, 0, 0), (1, 0, 0), q=(1, 0, 0, np.nan)), "turn[3] is nan"),
     (lambda w, b: w.attach(b, fp3.plane()), "a plane is ground"),
     (lambda w, b: w.attach(b, fp3.sphere(1, belt=1)), "belt is 1, expected 0 in space"),
     (lambda w, b: w.chain(b, [(0, 0), (1, 0)]), "a chain is in a plane"),
     (lambda w, b: w.heights(b, 1, 1, np.zeros((3, 3))), "must not be dynamic"),
-    (lambda w, b: w.write("q", b, (0, 0, 0, 0)), "q 0 has the length 0"),
+    (lambda w, b: w.write("q", b, (0, 0, 0, 0)), "q[0] has the length 0"),
     (lambda w, b: w.write("q_x", b, 1), "cannot be written alone"),
-    (lambda w, b: w.write("x", b, (0, np.nan, 0)), "x_y 0 is nan"),
+    (lambda w, b: w.write("x", b, (0, np.nan, 0)), "x_y[0] is nan"),
     (lambda w, b: w.read("angle", b), "bodies have no value 'angle' (did you mean 'q'"), (lambda w, b: w.cast(fp3.sphere(1), (0, 0, 0), (1, 0, 0), angle=1.0), "in space q says"),
-    (lambda w, b: w.write("inertia", b, (1, 0, 1)), "inertia 0 is 0"),
+    (lambda w, b: w.write("inertia", b, (1, 0, 1)), "inertia[0] is 0"),
 ])
 def test_what_is_wrong_is_refused(wrong, said):
     made = world()
     body = made.add()
     made.attach(body, fp3.sphere(0.5))
     before = made.hash
-    with pytest.raises(fp3.ArgumentError, match=said.replace("(", r"\(")):
+    with pytest.raises(fp3.ArgumentError, match=re.escape(said)):
         wrong(made, body)
     assert made.hash == before
 
@@ -300,6 +305,31 @@ def test_a_plane_is_no_space(wrong, said):
     body = made.add()
     with pytest.raises(fp3.ArgumentError, match=said):
         wrong(made, body)
+
+
+@pytest.mark.parametrize("how, said", [({"type": "hinge", "axis": (0, 0, 1)}, "axis[2] is 1, expected 0 in a plane"), ({"type": "hinge", "ratio": -1}, "a hinge has no ratio"),
+                                       ({"type": "gear", "limits": (0, 1)}, "a gear has no limits"), ({"type": "gear", "hertz": 1}, "a gear has no spring: hertz must be 0"),
+                                       ({"type": "weld", "most": 1}, "a weld has no motor"), ({"type": "ball"}, "a ball is in space alone")])
+def test_joints_that_cannot_be_in_a_plane(how, said):
+    made = fp3.Bodies()
+    a, b = made.add(x=[(0, 0), (1, 0)])
+    with pytest.raises(fp3.ArgumentError, match=re.escape(said)):
+        made.join(how.pop("type"), [a], [b], **how)
+    assert made.joints == 0
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("is_first", [False, True])
+def test_a_ball_that_lands_rolls_whoever_has_the_lower_number(is_first, restitution):
+    """Friction acts at its surface, however far away it was when the contact was found: 5/7 of the speed is left, and it rolls."""
+    made, bodies = world(), {}
+    for name in ("ball", "floor") if is_first else ("floor", "ball"):
+        bodies[name] = made.add(x=(0, 3, 0), v=(4, -5, 0)) if name == "ball" else made.add(type="static")
+        made.attach(bodies[name], fp3.sphere(0.5, restitution=restitution) if name == "ball" else fp3.box(50, 1, 50, centre=(0, -1, 0)))
+    while made.read("v_y", bodies["ball"])[0] < -1:
+        made.step()
+    assert made.read("v_x", bodies["ball"])[0] == pytest.approx(20 / 7, rel=2e-3)
+    assert made.read("spin", bodies["ball"])[0] == pytest.approx([0, 0, -40 / 7], rel=2e-3)
 
 
 # ---- joints ----
@@ -417,7 +447,8 @@ def test_joints_have_the_same_bits_and_go_back():
 @pytest.mark.parametrize("how, said", [({"type": "gear"}, "a gear is in a plane alone"), ({"type": "hinge", "axis": (0, 0, 0)}, "its axis has no direction"),
                                        ({"type": "wheel", "axle": (0, 0, 0)}, "its axle has no direction"),
                                        ({"type": "hinge", "limits": (-5, 5)}, "expected angles from -pi to pi"), ({"type": "ball", "limits": (-2, -1)}, "from 0 to pi"),
-                                       ({"type": "ball", "most": 4, "speed": 3}, "a ball has no motor"),
+                                       ({"type": "ball", "most": 4, "speed": 3}, "a ball has no motor: most must be 0"),
+                                       ({"type": "weld", "limits": (-1, 1)}, "a weld has no limits"), ({"type": "hinge", "ratio": 2}, "joint 0: a hinge has no ratio: it must be 1"),
                                        ({"type": "wheel", "axis": (1, 0, 0), "axle": (1, 0, 0)}, "expected across it")])
 def test_joints_that_cannot_be(how, said):
     made = world()
@@ -425,6 +456,17 @@ def test_joints_that_cannot_be(how, said):
     with pytest.raises(fp3.ArgumentError, match=said):
         made.join(how.pop("type"), [a], [b], **how)
     assert made.joints == 0
+
+
+@pytest.mark.parametrize("dimensions, types", [(2, ("gear", "weld")), (3, ("ball", "weld"))])
+def test_a_joint_gets_no_motor_later_that_it_cannot_have(dimensions, types):
+    made = fp3.Bodies(dimensions=dimensions)
+    a, b = made.add(x=np.eye(2, dimensions))
+    for kind in types:
+        joint = made.join(kind, [a], [b])
+        with pytest.raises(fp3.ArgumentError, match=rf"most\[0\]: a {kind} has no motor"):
+            made.write_joint("most", joint, 1)
+        made.write_joint("most", joint, 0)
 
 
 def test_impulses_without_a_root_do_no_harm():

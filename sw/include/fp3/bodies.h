@@ -212,7 +212,8 @@ fp3_status fp3_bodies_attach(fp3_bodies *bodies, const uint64_t *handles, size_t
 /* Gives a body that is not dynamic a chain of edges as ground, to the left of the way along its
  * corners (x and y of each): a floor runs from right to left. What slides over its inner corners
  * does not catch there. is_loop: from the last corner back to the first. surface: friction and
- * whatever else is not the shape; its radius rounds the edges. */
+ * whatever else is not the shape; its radius rounds the edges, and its density does not count, as
+ * the body is not dynamic. */
 fp3_status fp3_bodies_attach_chain(fp3_bodies *bodies, uint64_t handle, const double *corners,
                                    size_t count, int is_loop, const fp3_shape_def *surface);
 /* Gives a body in space that is not dynamic a mesh of triangles as ground: points (x, y and z of
@@ -280,7 +281,9 @@ static inline fp3_joint_def fp3_joint_default(fp3_joint_type type, uint64_t a, u
 }
 
 /* Joins bodies; joints[i] receives the handle of each joint. FP3_E_ARGUMENT: no such type, a body
- * twice, none that is dynamic, an axis of length 0, low above high; nothing is joined. */
+ * twice, none that is dynamic, an axis of length 0, low above high; limits, a motor, a spring or a
+ * ratio of a type that has none (a weld has a spring alone, a ball no motor, a gear a ratio alone,
+ * and nobody else a ratio); nothing is joined. */
 fp3_status fp3_bodies_join(fp3_bodies *bodies, const fp3_joint_def *defs, size_t count,
                            uint64_t *joints);
 fp3_status fp3_bodies_unjoin(fp3_bodies *bodies, const uint64_t *joints, size_t count);
