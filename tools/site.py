@@ -19,7 +19,7 @@ from manpage import commands, said, split
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 # Which pages the navigation has, in which order: title, pages. Whatever docs has beside these is an error, so that none is forgotten.
 PARTS = {
-    "Tutorials": ["tutorials/game_loop", "tutorials/bridge", "tutorials/accuracy", "tutorials/fpga"],
+    "Tutorials": ["tutorials/game_loop", "tutorials/bridge", "tutorials/castle", "tutorials/accuracy", "tutorials/fpga"],
     "Models": ["models", "gallery", "integrators", "adaptive", "relations", "scenes", "outputs", "checkpoints", "cluster", "cluster_boards", "view"],
     "Command and libraries": ["command", "tuner", "fast", "batch", "bodies", "python", "playground", "installing"],
     "Hardware": ["integration", "configurations", "arithmetic", "logarithmic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],

@@ -1,4 +1,4 @@
-"""The examples with rigid bodies: a box in C and ten in Python, which the page shows; a game in both; a tower in C++."""
+"""The examples with rigid bodies: a box in C and ten in Python, which the page shows; a game and a tower in space in both; a tower in C++."""
 
 import math
 import os
@@ -24,7 +24,7 @@ def said(tmp_path, name, *compiler):
     library, sanitize = BUILD / "lib/libfp3.so.0", ["-fsanitize=address,undefined"] if BUILD.name != "build" else []
     program = tmp_path / pathlib.Path(name).stem
     subprocess.run([*compiler, "-O2", "-Wall", "-Wextra", "-Wshadow", "-Wconversion", "-Werror", *sanitize, f"-I{ROOT}/sw/include", ROOT / "examples" / name, library,
-                    f"-Wl,-rpath,{library.parent}", "-o", program], check=True)
+                    f"-Wl,-rpath,{library.parent}", "-lm", "-o", program], check=True)
     return subprocess.run([program], capture_output=True, text=True, check=True, timeout=60).stdout
 
 
@@ -55,6 +55,16 @@ def test_a_game_has_the_same_bits_in_c_and_python(tmp_path, capsys):
     assert guess != played and here == there
     points, high, frame = re.match(r"(\d+) points, ([\d.]+) m high, goal in frame (\d+), hash [0-9a-f]{16}$", here).groups()
     assert 0 < int(points) <= 90 and 1.3 < float(high) < 3 and 0 < int(frame) < 540
+
+
+def test_a_tower_in_space_has_the_same_bits_in_c_and_python(tmp_path, capsys):
+    """And a shot does what its trial did."""
+    runpy.run_path(str(ROOT / "examples/castle.py"), run_name="__main__")
+    printed = capsys.readouterr().out
+    assert said(tmp_path, "castle.c", "gcc", "-std=c11") == printed
+    trials = dict(re.findall(r"aim (\d): (\d+) bricks fall", printed))
+    aim, fallen = re.search(r"shot with (\d): (\d+) of 96 bricks fell, hash [0-9a-f]{16}\n$", printed).groups()
+    assert len(trials) == 4 and trials[aim] == fallen == max(trials.values(), key=int) and 20 < int(fallen) < 96
 
 
 def test_a_tower_in_cpp(tmp_path):
