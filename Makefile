@@ -684,7 +684,7 @@ $(BUILD)/netlist/ecp5_%.vvp: tools/netlist.sh $(BUILD)/rtl/fp3_%.v $(RTL) sim/re
 $(ELSEWHERE): %: $(ABROAD)/%/root/done $(BUILD)/ready
 	@+$(MAKE) -s BUILD=$(ABROAD)/$* CROSS=$*- SYSROOT=$(abspath $(ABROAD)/$*/root) $(ABROAD)/$*/bin/fp3 $(ABROAD)/$*/tests/operations $(ABROAD)/$*/tests/stepped
 
-everywhere: $(ELSEWHERE) $(BUILD)/wasm/fp3.wasm $(BUILD)/wasm/operations.wasm $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp $(BUILD)/netlist/ecp5_single.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64, WebAssembly and the hardware: build/results/everywhere.json
+everywhere: $(ELSEWHERE) $(BUILD)/wasm/fp3.wasm $(BUILD)/wasm/operations.wasm $(BUILD)/wasm/stepped.wasm $(BUILD)/fp3 $(BUILD)/tests/operations $(BUILD)/icarus/replay_many_full.vvp $(BUILD)/icarus/replay_world.vvp $(BUILD)/netlist/ecp5_single.vvp | need-everywhere ## One hash of each scene on x86-64, arm64, riscv64, WebAssembly and the hardware: build/results/everywhere.json
 	@$(PYTHON) tools/everywhere.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/everywhere.json --replays $(BUILD)/icarus --netlist $(BUILD)/netlist/ecp5_single.vvp --all
 
 PICTURE = $(PYTHON) tools/picture.py --fp3 $(BUILD)/bin/fp3 --output docs/picture.svg

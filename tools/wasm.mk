@@ -3,13 +3,13 @@
 ZIG      := .venv/bin/python -m ziglang
 WASM     := $(BUILD)/wasm
 WASM_CC   = $(ZIG) cc -target wasm32-wasi -msimd128
-# What the command does not have (bodies), and what needs other programs, other processes, loaded libraries, serial ports or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
+# What needs other programs, other processes, loaded libraries, serial ports or GSL: sw/cli/wasm/absent.c says so to whoever asks for it.
 WASM_NOT := sw/engine/board/port.c $(wildcard sw/engine/fast/cache.c sw/engine/fast/native.c sw/engine/fast/text.c sw/engine/fast/write*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
-    $(wildcard sw/engine/cluster/*.c) sw/cli/run_ranks.c sw/engine/common/library.c $(wildcard sw/bodies/*.c sw/bodies/scene/*.c) sw/cli/run_bodies.c sw/record/figure.c sw/record/gnuplot.c sw/record/plot.c \
+    $(wildcard sw/engine/cluster/*.c) sw/cli/run_ranks.c sw/engine/common/library.c sw/record/figure.c sw/record/gnuplot.c sw/record/plot.c \
     $(foreach c,bench_% board cmd_bench cmd_board cmd_compare cmd_doctor processor cmd_stress cmd_tune cmd_view compare_% json tune_% view_%,sw/cli/$(c).c)
 WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/lab/check/*.c sw/cli/wasm/*.c)
 WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)
-WASM_OPERATIONS := $(WASM)/obj/tests/everywhere/operations.o
+WASM_TESTS := $(WASM)/obj/tests/everywhere/operations.o $(WASM)/obj/tests/bodies/stepped.o
 WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/engine/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o words.o)
 WASM_EMULATED := SIGNAL GETPID
 WASM_CFLAGS := -std=c11 -D_GNU_SOURCE -O2 $(WARN) $(NUMBERS) -include sw/cli/wasm/posix.h -Isw/cli/wasm/include \
@@ -21,7 +21,7 @@ $(eval $(call NOTE,$(WASM)/flags,$(WASM_CC) $(WASM_CFLAGS)))
 $(WASM)/root/done: tools/sysroot.sh | need-playground
 	@tools/sysroot.sh wasm32-wasi $(@D)
 
-$(WASM_O) $(WASM_OPERATIONS): $(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/flags | $(BUILD)/ready
+$(WASM_O) $(WASM_TESTS): $(WASM)/obj/%.o: %.c $(WASM)/root/done $(WASM)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (wasm)"
 	@$(WASM_CC) $(WASM_CFLAGS) -MMD -MP -c -o $@ $<
@@ -44,7 +44,9 @@ $(BUILD)/playground/index.html: tools/playground.py $(WASM)/fp3.wasm $(wildcard 
 	@echo "  PAGE $@"
 	@$(PYTHON) $< --wasm $(WASM)/fp3.wasm --output $@
 
-$(WASM)/operations.wasm: $(WASM_OPERATIONS) $(filter-out %/main.o,$(WASM_O)) $(WASM_SWEEPS)
+$(WASM)/operations.wasm: $(WASM)/obj/tests/everywhere/operations.o
+$(WASM)/stepped.wasm: $(WASM)/obj/tests/bodies/stepped.o
+$(WASM)/operations.wasm $(WASM)/stepped.wasm: $(filter-out %/main.o,$(WASM_O)) $(WASM_SWEEPS)
 	@echo "  LD   $@"
 	@$(WASM_CC) -O2 -s -o $@ $^ $(WASM_LIBS)
 

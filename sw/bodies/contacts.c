@@ -49,8 +49,7 @@ fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
         return status;
     const fp3_work2 work = work_of(bodies);
     const fp3_making2 making = making_of(bodies, h);
-    const fp3_colours *colours = &bodies->contacts.colours;
-    bodies->solver->prepare(&work, &making, 0, colours->first[colours->count]);
+    bodies->solver->prepare(&work, &making, 0, bodies->contacts.blocks);
     return FP3_OK;
 }
 
@@ -89,6 +88,5 @@ void fp3_contacts_follow(fp3_bodies *bodies) {
 void fp3_contacts_end(fp3_bodies *bodies, double h) {
     const fp3_work2 work = work_of(bodies);
     const fp3_making2 making = making_of(bodies, h);
-    const fp3_colours *colours = &bodies->contacts.colours;
-    bodies->solver->keep(&work, &making, 0, colours->first[colours->count]);
+    bodies->solver->keep(&work, &making, 0, bodies->contacts.blocks);
 }

@@ -97,14 +97,13 @@ fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
         status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizeof(fp3_contact3_row));
     if (status)
         return status;
-    const uint32_t blocks = rows->colours.first[rows->colours.count];
-    status = fp3_bodies_room((void **)&s->points, &s->points_room, sizeof *s->points, blocks + 1u,
-                             bodies->error);
+    status = fp3_bodies_room((void **)&s->points, &s->points_room, sizeof *s->points,
+                             rows->blocks + 1u, bodies->error);
     if (status)
         return status;
     const fp3_work2 work = work_of(bodies);
     const fp3_making3 making = making_of(bodies, h);
-    s->solver->prepare(&work, &making, 0, blocks);
+    s->solver->prepare(&work, &making, 0, rows->blocks);
     if (s->has_belts)
         put_belts(bodies);
     return FP3_OK;
@@ -150,7 +149,7 @@ void fp3_space_contacts_end(fp3_bodies *bodies, double h) {
     const fp3_space *s = bodies->space;
     const fp3_work2 work = work_of(bodies);
     const fp3_making3 making = making_of(bodies, h);
-    s->solver->keep(&work, &making, 0, s->contacts.colours.first[s->contacts.colours.count]);
+    s->solver->keep(&work, &making, 0, s->contacts.blocks);
     for (uint32_t i = 0; i < bodies->contacts.count; i++) {
         fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
         for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++)

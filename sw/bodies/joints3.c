@@ -7,6 +7,7 @@
  * engine.
  */
 #include "own3.h"
+#include "share.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -291,18 +292,31 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, filling *f) {
         fill_twist(f, (fp3_twist3_row *)rows->row + block);
 }
 
-void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first) {
-    fp3_space *s = bodies->space;
+/* Joints whose rows this process passes over, or the others. */
+static void stand(fp3_bodies *bodies, int is_own, int has_way) {
     for (uint32_t i = 0; i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
-        if (j->generation & 1 && (fp3_slot_of(bodies, j->a) < bodies->movable ||
-                                  fp3_slot_of(bodies, j->b) < bodies->movable))
-            s->stance[i] = fp3_space_stance(bodies, i, !is_first);
+        const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
+        if (j->generation & 1 && (a < bodies->movable || b < bodies->movable) &&
+            fp3_share_has(bodies, a, b) == is_own)
+            bodies->space->stance[i] = fp3_space_stance(bodies, i, has_way);
     }
+}
+
+void fp3_space_joints_stand(fp3_bodies *bodies) {
+    if (bodies->share)
+        stand(bodies, 0, 1);
+}
+
+void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first) {
+    fp3_space *s = bodies->space;
+    stand(bodies, 1, !is_first);
     for (int law = 0; law < FP3_JOINT_LAWS3; law++)
         for (uint32_t i = 0; i < s->joined[law].count; i++) {
             const uint32_t of = s->joined[law].of[i];
             const fp3_joint *j = &bodies->joint[of];
+            if (!fp3_share_has(bodies, s->joined[law].a[i], s->joined[law].b[i]))
+                continue;
             filling f = {.joint = j,
                          .space = &s->joint[of],
                          .stance = &s->stance[of],

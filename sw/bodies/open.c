@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* open.c - a world is opened and closed; its memory. */
 #include "own3.h"
+#include "share.h"
 #include "trees.h"
 
 #include "base/definition.h"
@@ -132,6 +133,7 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     for (int i = 0; i < FP3_JOINT_LAWS; i++)
         fp3_rows_free(&b->joined[i]);
     fp3_trees_free(b);
+    fp3_share_free(b);
     fp3_laws_close(&b->laws);
     fp3_identity_give_back(b->identity);
     free(b);

@@ -19,6 +19,7 @@
 typedef struct fp3_space fp3_space; /* own3.h */
 typedef struct fp3_form3 fp3_form3; /* form3.h */
 typedef struct fp3_trees fp3_trees; /* trees.h */
+typedef struct fp3_share fp3_share; /* share.h */
 
 typedef struct {
     /* What each step goes over. */
@@ -81,10 +82,11 @@ typedef struct {
     uint32_t *at;     /* of each lane: which; FP3_NOBODY: none */
     uint32_t *colour; /* of each, while rows are laid */
     uint32_t count;
+    uint32_t blocks; /* of all colours, and behind them those of rows that other ranks pass over */
     /* Slots are those of the last time: their colours and lanes stay. Whoever does not ask for it
      * leaves it 0. */
     int is_same;
-    uint32_t laid, laid_movable;
+    uint32_t laid, laid_movable, laid_share;
     int is_whole; /* whoever fills rows writes all words of a block: none is set to 0 before */
     fp3_colours colours;
     uint32_t row_room, end_room, lane_room, of_room, a_room, b_room, at_room, colour_room;
@@ -110,6 +112,7 @@ struct fp3_bodies {
     fp3_joint *joint;
     uint32_t joint_count, joint_room, joints, free_joint;
     fp3_trees *trees; /* NULL: there was none yet */
+    fp3_share *share; /* NULL: one process steps the world */
     int is_apart_stale;
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
     uint32_t *apart_first; /* where those of each lower one begin */
@@ -239,6 +242,8 @@ void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number);
 void fp3_bodies_wake_around(fp3_bodies *bodies, const uint64_t *handles, size_t count);
 /* After a step: who rests long enough falls asleep by islands. */
 fp3_status fp3_bodies_rest(fp3_bodies *bodies);
+/* Of each slot that moves the lowest one of its island, which touch each other or are joined. */
+void fp3_bodies_islands(const fp3_bodies *bodies, uint32_t *root);
 /* Finds pairs, manifolds, and which contacts are active. Who is touched by something awake wakes:
  * then wakes is 1, and all has to be done again, with slots for those. */
 fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes);

@@ -148,6 +148,8 @@ void fp3_space_joint_place(fp3_bodies *bodies, uint32_t number);
 fp3_status fp3_space_joints_begin(fp3_bodies *bodies);
 /* Rows for where bodies are now in the step; is_first: with the impulses of the step before. */
 void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first);
+/* Behind the passes, those that other ranks have passed over. */
+void fp3_space_joints_stand(fp3_bodies *bodies);
 void fp3_space_joints_end(fp3_bodies *bodies, double h);
 
 /* space.c, in double: a product of quaternions; a vector turned by one of length 1. */

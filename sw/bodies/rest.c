@@ -64,10 +64,27 @@ static uint32_t root_of(uint32_t *parent, uint32_t i) {
     return i;
 }
 
-static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
+static void unite(const fp3_bodies *bodies, uint32_t *parent, uint32_t body_a, uint32_t body_b) {
+    uint32_t a = bodies->body[body_a].slot, b = bodies->body[body_b].slot;
+    if (a >= bodies->movable || b >= bodies->movable)
+        return;
     a = root_of(parent, a);
     b = root_of(parent, b);
     parent[a > b ? a : b] = a < b ? a : b;
+}
+
+void fp3_bodies_islands(const fp3_bodies *bodies, uint32_t *root) {
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        root[k] = k;
+    for (uint32_t i = 0; i < bodies->contacts.count; i++) {
+        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+        unite(bodies, root, t->body_a, t->body_b);
+    }
+    for (uint32_t i = 0; i < bodies->joint_count; i++)
+        if (bodies->joint[i].generation & 1)
+            unite(bodies, root, bodies->joint[i].a, bodies->joint[i].b);
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        root[k] = root_of(root, k);
 }
 
 /* What moves by itself carries others along: they do not rest. */
@@ -123,20 +140,19 @@ static int count_rest(fp3_bodies *bodies) {
     return is_any;
 }
 
-static void fall_asleep(fp3_bodies *bodies, uint32_t *parent, float *least) {
+static void fall_asleep(fp3_bodies *bodies, const uint32_t *root, float *least) {
     const uint32_t count = bodies->movable;
     for (uint32_t k = 0; k < count; k++)
         least[k] = INFINITY;
     for (uint32_t k = 0; k < count; k++) {
-        const uint32_t root = root_of(parent, k);
-        least[root] = fminf(least[root], bodies->body[bodies->in_slot[k]].rest);
+        least[root[k]] = fminf(least[root[k]], bodies->body[bodies->in_slot[k]].rest);
     }
     for (uint32_t k = 0; k < count; k++) {
-        const uint32_t root = root_of(parent, k), number = bodies->in_slot[k];
-        fp3_body *body = &bodies->body[number], *first = &bodies->body[bodies->in_slot[root]];
-        if (!(least[root] > 0) || !(least[root] >= (float)bodies->def.rest_time))
+        const uint32_t number = bodies->in_slot[k];
+        fp3_body *body = &bodies->body[number], *first = &bodies->body[bodies->in_slot[root[k]]];
+        if (!(least[root[k]] > 0) || !(least[root[k]] >= (float)bodies->def.rest_time))
             continue;
-        body->next_asleep = k == root ? number : first->next_asleep;
+        body->next_asleep = k == root[k] ? number : first->next_asleep;
         first->next_asleep = number;
         body->rest = -1;
         body->v[0] = body->v[1] = body->v[2] = body->w = 0;
@@ -149,29 +165,14 @@ static void fall_asleep(fp3_bodies *bodies, uint32_t *parent, float *least) {
 fp3_status fp3_bodies_rest(fp3_bodies *bodies) {
     if (!(bodies->def.rest_speed > 0) || !count_rest(bodies))
         return FP3_OK;
-    uint32_t *parent = malloc((bodies->movable + 1u) * sizeof *parent);
+    uint32_t *root = malloc((bodies->movable + 1u) * sizeof *root);
     float *least = malloc((bodies->movable + 1u) * sizeof *least);
-    if (parent && least) {
-        for (uint32_t k = 0; k < bodies->movable; k++)
-            parent[k] = k;
-        for (uint32_t i = 0; i < bodies->contacts.count; i++) {
-            const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-            const uint32_t a = bodies->body[t->body_a].slot, b = bodies->body[t->body_b].slot;
-            if (a < bodies->movable && b < bodies->movable)
-                unite(parent, a, b);
-        }
-        for (uint32_t i = 0; i < bodies->joint_count; i++) {
-            const fp3_joint *j = &bodies->joint[i];
-            if (!(j->generation & 1))
-                continue;
-            const uint32_t a = bodies->body[j->a].slot, b = bodies->body[j->b].slot;
-            if (a < bodies->movable && b < bodies->movable)
-                unite(parent, a, b);
-        }
-        fall_asleep(bodies, parent, least);
+    if (root && least) {
+        fp3_bodies_islands(bodies, root);
+        fall_asleep(bodies, root, least);
     }
-    const int is_made = parent && least;
-    free(parent);
+    const int is_made = root && least;
+    free(root);
     free(least);
     return is_made ? FP3_OK : fp3_no_memory(bodies->error);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* rows.c - rows of a law: their colours, their lanes. */
 #include "own.h"
+#include "share.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,12 +41,56 @@ static void give_lanes(const fp3_bodies *bodies, fp3_law_rows *rows, const uint3
     }
 }
 
+/* Rows that other ranks pass over stand behind all colours. */
+static fp3_status find_own(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
+                           const uint32_t *b, uint32_t together) {
+    const uint32_t count = rows->count;
+    uint32_t *of = NULL, room = 0, own = 0, others = 0;
+    fp3_status status =
+        fp3_bodies_room((void **)&of, &room, 4 * sizeof *of, count + 1u, bodies->error);
+    if (status)
+        return status;
+    uint32_t *own_a = of + count, *own_b = own_a + count, *lane = own_b + count;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!fp3_share_has(bodies, a[i], b[i]))
+            continue;
+        own_a[own] = a[i];
+        own_b[own] = b[i];
+        of[own++] = i;
+    }
+    status = fp3_colours_find(&rows->colours, own_a, own_b, own, bodies->movable, FP3_WIDE,
+                              together, rows->colour, lane, bodies->error);
+    rows->blocks = status ? 0 : rows->colours.first[rows->colours.count];
+    for (uint32_t i = 0; i < count; i++)
+        rows->lane[i] = FP3_NOBODY;
+    for (uint32_t i = 0; !status && i < own; i++)
+        rows->lane[of[i]] = lane[i];
+    for (uint32_t i = 0; i < count; i++)
+        if (rows->lane[i] == FP3_NOBODY)
+            rows->lane[i] = rows->blocks * FP3_WIDE + others++;
+    rows->blocks += (others + together * FP3_WIDE - 1) / (together * FP3_WIDE) * together;
+    free(of);
+    return status;
+}
+
+static fp3_status find_colours(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
+                               const uint32_t *b) {
+    const uint32_t together = bodies->space ? 1 : 2;
+    if (bodies->share)
+        return find_own(bodies, rows, a, b, together);
+    const fp3_status status =
+        fp3_colours_find(&rows->colours, a, b, rows->count, bodies->movable, FP3_WIDE, together,
+                         rows->colour, rows->lane, bodies->error);
+    rows->blocks = status ? 0 : rows->colours.first[rows->colours.count];
+    return status;
+}
+
 fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
                         const uint32_t *b, size_t size) {
     if (rows->ends && rows->is_same && rows->laid == rows->count &&
-        rows->laid_movable == bodies->movable) {
+        rows->laid_movable == bodies->movable && rows->laid_share == fp3_share_number(bodies)) {
         if (!rows->is_whole)
-            memset(rows->row, 0, rows->colours.first[rows->colours.count] * size);
+            memset(rows->row, 0, rows->blocks * size);
         return FP3_OK;
     }
     rows->laid = FP3_NOBODY;
@@ -55,11 +100,10 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
         status = fp3_bodies_room((void **)&rows->lane, &rows->lane_room, sizeof *rows->lane,
                                  rows->count + 1u, bodies->error);
     if (!status)
-        status = fp3_colours_find(&rows->colours, a, b, rows->count, bodies->movable, FP3_WIDE,
-                                  bodies->space ? 1 : 2, rows->colour, rows->lane, bodies->error);
+        status = find_colours(bodies, rows, a, b);
     if (status)
         return status;
-    const uint32_t blocks = rows->colours.first[rows->colours.count];
+    const uint32_t blocks = rows->blocks;
     status = fp3_bodies_room(&rows->row, &rows->row_room, size, blocks + 1u, bodies->error);
     if (!status)
         status = fp3_bodies_room((void **)&rows->ends, &rows->end_room, sizeof *rows->ends,
@@ -74,6 +118,7 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
     give_lanes(bodies, rows, a, b, blocks);
     rows->laid = rows->count;
     rows->laid_movable = bodies->movable;
+    rows->laid_share = fp3_share_number(bodies);
     return FP3_OK;
 }
 

@@ -215,8 +215,10 @@ FP3_WIDELY void prepare_row(const fp3_wide met[MET], const tensor *a, const tens
     const tensor both = {add(a->i, b->i), add(a->o, b->o)};
     const fp3_wide xy = fp3_wide_abs(both.o.x), xz = fp3_wide_abs(both.o.y),
                    yz = fp3_wide_abs(both.o.z);
-    r->kr =
+    const fp3_wide kr =
         quotient(one, larger(both.i.x + xy + xz, larger(both.i.y + xy + yz, both.i.z + xz + yz)));
+    /* What does not resist gives nothing, whoever rolls beside it. */
+    r->kr = fp3_wide_choose((fp3_mask)(r->reach > 0), kr, none);
 }
 
 /* Of a body: 1/mass, xx, yy, zz; xy, xz, yz of its inverse inertia. */

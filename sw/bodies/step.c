@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step.c - a step: who touches, what that does in each substep, and where bodies are then. */
 #include "own3.h"
+#include "share.h"
 #include "trees.h"
 #include "turn.h"
 
@@ -226,7 +227,7 @@ static fp3_status step_in_plane(fp3_bodies *bodies, double h) {
     if (has_hit)
         fp3_contacts_follow(bodies);
     let_fall(bodies, h);
-    status = solve(bodies, h);
+    status = fp3_share_gather(bodies, solve(bodies, h));
     if (status)
         return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
                         bodies->laws ? fp3_laws_why(bodies->laws) : "");
@@ -254,6 +255,8 @@ static fp3_status step(fp3_bodies *bodies) {
         if (!status)
             status = fp3_bodies_touch(bodies, &wakes);
     }
+    if (!status)
+        status = fp3_share_divide(bodies);
     if (!status)
         status = bodies->space ? fp3_space_step(bodies, h) : step_in_plane(bodies, h);
     if (status && status != FP3_E_FAILED)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step3.c - a step in space. */
 #include "own3.h"
+#include "share.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -316,10 +317,11 @@ fp3_status fp3_space_step(fp3_bodies *bodies, double h) {
     if (has_hit)
         fp3_space_contacts_follow(bodies);
     let_fall(bodies, h);
-    status = solve(bodies, h);
+    status = fp3_share_gather(bodies, solve(bodies, h));
     if (status)
         return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
                         bodies->laws ? fp3_laws_why(bodies->laws) : "");
+    fp3_space_joints_stand(bodies);
     fp3_space_contacts_end(bodies, h);
     status = move(bodies);
     fp3_space_joints_end(bodies, h);

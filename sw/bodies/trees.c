@@ -2,6 +2,8 @@
 /* trees.c - see trees.h. */
 #include "trees.h"
 
+#include "share.h"
+
 #include "turn.h"
 
 #include <math.h>
@@ -166,6 +168,8 @@ static int is_heavy_tree(place *places, uint32_t k) {
 static void put_bond(fp3_bodies *bodies, uint32_t pin, uint32_t below) {
     fp3_trees *t = bodies->trees;
     const fp3_law_rows *pins = &bodies->joined[PIN];
+    if (!fp3_share_has(bodies, pins->a[pin], pins->b[pin]))
+        return;
     const int is_b = pins->b[pin] == below;
     const uint32_t above = is_b ? pins->a[pin] : pins->b[pin], twist = t->twist[pins->of[pin]];
     t->bond[t->bonds++] = (bond){.below = below,

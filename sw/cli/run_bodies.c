@@ -5,6 +5,7 @@
 #include "cli.h"
 
 #include "bodies/scene/run.h"
+#include "bodies/share.h"
 #include "record/plan.h"
 
 #include <inttypes.h>
@@ -41,8 +42,7 @@ static fp3_status check_options(const fp3_run_options *o, fp3_error *error) {
         {"--plot", def->plot != NULL, "fp3 view draws a recording of bodies"},
         {"--checkpoint, --restart", def->checkpoint || def->restart,
          "only programs write a world of bodies to a file (fp3_bodies_checkpoint)"},
-        {"fp3 verify", def->expected != NULL, "a recording of bodies has no chain of hashes"},
-        {"several ranks", o->ranks != NULL, "a world of bodies is in one process"}};
+        {"fp3 verify", def->expected != NULL, "a recording of bodies has no chain of hashes"}};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
         if (list[i].is_given)
             return fp3_fail(error, FP3_E_ARGUMENT, "%s: %s is a scene of bodies: %s",
@@ -117,6 +117,14 @@ static void print_states(const fp3_bodies_scene *scene, int all) {
         printf("%-16s %zu bodies, which --all prints\n", "more", scene->count - shown);
 }
 
+static void print_ranks(const fp3_bodies *bodies) {
+    const fp3_share_use use = fp3_share_used(bodies);
+    for (uint32_t r = 0; r < use.ranks; r++)
+        printf("rank %-11" PRIu32 " %" PRIu64 " rows of contacts and joints\n", r, use.rows[r]);
+    if (use.ranks)
+        printf("%-16s %" PRIu64 " bytes; %" PRIu32 " ranks\n", "exchange", use.bytes, use.ranks);
+}
+
 static void print(const fp3_bodies_scene *scene, const fp3_bodies_tally *tally, int all) {
     size_t joints = 0;
     print_states(scene, all);
@@ -137,10 +145,17 @@ static void print(const fp3_bodies_scene *scene, const fp3_bodies_tally *tally, 
                (double)tally->steps * (double)scene->count / tally->seconds);
     printf("; laws %s%s\n", scene->engine ? "on engine " : "built in",
            scene->engine ? scene->engine : "");
+    print_ranks(scene->bodies);
     printf("%-16s %016" PRIx64 "\n", "hash", fp3_bodies_hash(scene->bodies));
 }
 
 /* ---- all ---- */
+
+static fp3_status begin_ranks(const fp3_run_options *o, fp3_bodies_scene *scene, uint64_t steps,
+                              fp3_error *error) {
+    const fp3_status status = fp3_share_begin(scene->bodies, o->ranks, steps);
+    return status ? fp3_fail(error, status, "%s: %s", scene->path, scene->why.text) : FP3_OK;
+}
 
 static fp3_status run(fp3_run_options *o, fp3_bodies_scene *scene, fp3_error *error) {
     fp3_recording_def recording = o->record.def;
@@ -154,6 +169,8 @@ static fp3_status run(fp3_run_options *o, fp3_bodies_scene *scene, fp3_error *er
         status = check_files_of(o, scene, error);
     if (!status)
         status = find_steps(o, scene, &recording, error);
+    if (!status && o->ranks)
+        status = begin_ranks(o, scene, recording.steps, error);
     if (status)
         return status;
     fp3_progress_say(o->progress, "running");

@@ -12,10 +12,14 @@
  *   steps;
  * - calls: a call for each body, shape, joint and step;
  * - restored: after half of the steps the world is saved, makes 5 steps more and goes back;
+ * - far: other bodies fall, bounce and roll far away, behind all others, until half of the steps
+ * are made; then they are removed;
+ * - ranks: as whole, by all processes that mpirun has started; the first one prints;
  * - fileN: built-in laws make all steps but the last N; a checkpoint is written beside the scene,
  *   and what is opened from it makes the rest by ENGINE.
  */
 #include "bodies/own.h"
+#include "bodies/share.h"
 #include "machine/cycles.h"
 #include "machine/visit.h"
 
@@ -142,6 +146,24 @@ static void go_back(scene *s) {
     fp3_bodies_state_free(&state);
 }
 
+#define FAR 24
+static void add_far(scene *s, uint64_t far[FAR]) {
+    const int is_space = s->world->space != NULL;
+    for (int i = 0; i < FAR; i++) { /* a row of balls that stand, and balls and boxes on it */
+        fp3_body_def body = fp3_body_default();
+        fp3_shape_def shape = is_space ? fp3_shape_sphere(0.5) : fp3_shape_circle(0.5);
+        if (i % 4 == 3)
+            shape = is_space ? fp3_shape_box3(0.4, 0.4, 0.4, 0) : fp3_shape_box(0.4, 0.4, 0);
+        shape.restitution = 0.6;
+        shape.rolling = 0.1;
+        body.type = i % 2 ? FP3_DYNAMIC : FP3_STATIC;
+        body.x[0] = 2000 + 0.7 * (i / 2);
+        body.x[1] = i % 2 ? 0.9 + 0.1 * i : 0;
+        must(s, fp3_bodies_add(s->world, &body, 1, &far[i]));
+        must(s, fp3_bodies_attach(s->world, &far[i], 1, &shape, NULL));
+    }
+}
+
 static void from_file(scene *s, const char *path, const char *engine, const char *config) {
     char name[4096];
     fp3_bodies_def def = def_of(s, engine, config);
@@ -194,24 +216,37 @@ int main(int argc, char **argv) {
     scene s = {.by_calls = !strcmp(way, "calls")};
     FILE *file = argc > 2 ? fopen(argv[1], "rb") : NULL;
     if (!file) {
-        fputs("usage: stepped SCENE STEPS [ENGINE [CONFIG [whole|calls|restored|fileN]]]\n",
-              stderr);
+        fputs(
+            "usage: stepped SCENE STEPS [ENGINE [CONFIG [whole|calls|restored|far|ranks|fileN]]]\n",
+            stderr);
         return 2;
     }
     const int has_file = !strncmp(way, "file", 4);
     const uint64_t last = has_file ? strtoull(way + 4, NULL, 10) : steps / 2;
     build(&s, file, has_file ? NULL : engine, has_file ? NULL : config);
     fclose(file);
+    fp3_ranks ranks = {0};
+    if (!strcmp(way, "ranks")) {
+        must(&s, fp3_ranks_open(&ranks, &s.error));
+        must(&s, fp3_share_begin(s.world, &ranks, steps));
+    }
+    uint64_t far[FAR];
+    const int has_far = !strcmp(way, "far");
+    if (has_far)
+        add_far(&s, far);
     make_steps(&s, steps - last);
+    if (has_far)
+        must(&s, fp3_bodies_remove(s.world, far, FAR));
     if (!strcmp(way, "restored"))
         go_back(&s);
     if (has_file)
         from_file(&s, argv[1], engine, config);
     make_steps(&s, last);
-    printf("%016" PRIx64 "\n", fp3_bodies_hash(s.world));
+    if (!ranks.rank)
+        printf("%016" PRIx64 "\n", fp3_bodies_hash(s.world));
     if (engine && !strcmp(engine, "rtl"))
         print_use(&s, config);
     fp3_bodies_close(&s.world);
     free(s.handles);
-    return 0;
+    return ranks.count && ranks.calls->close(ranks.world, 0);
 }

@@ -291,12 +291,15 @@ def test_one_hash_a_scene(part, build, monkeypatch):
     monkeypatch.setenv("FP3_HOME", str(build))
     hashes, said = part("hashes"), []
     rows = hashes.measure(True, said.append)
-    assert {row["engine"] for row in rows} == {"built in", "isa", "fast", "rtl"} and len(said) == len(rows) == 19
-    assert hashes.differing(rows) == [] and len({row["hash"] for row in rows}) == 4
-    rows[3]["hash"] = rows[-1]["hash"]
+    assert {row["engine"] for row in rows} == {"built in", "isa", "fast", "rtl"} and len(said) == len(rows) == 34
+    assert {row["variant"]: row["why"] for row in rows if "why" in row}.keys() <= {"file, last 30", "file, last 1", "2 ranks"}
+    assert hashes.differing(rows) == [] and len({row.get("hash") for row in rows}) == 7
+    report, left = part("report"), list(part("report").not_run(rows))
+    assert "*file, last 30*, *file, last 1* of joints in space (a file knows" in left[1]
+    rows[3]["hash"] = rows[-3]["hash"]
     assert hashes.differing(rows) == [rows[3]]
-    page = list(part("report").runs(rows))
-    assert [line[3] for line in page] == [6, 1, 2, 7, 3]
+    page = list(report.runs(rows))
+    assert page[1][3] == 1 and len(page) == 7 and sum(line[3] for line in page) == sum("hash" in row for row in rows)
 
 
 def test_errors_of_fp3_fall_with_substeps(part, build, monkeypatch):

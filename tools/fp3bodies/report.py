@@ -53,10 +53,12 @@ body is a multibody, as robots have them; Bullet's rigid bodies, which games hav
 HASHES = """\
 Each scene is stepped in several ways, and `fp3_bodies_hash` tells of each where bodies are, how they move, who sleeps, and the impulses of contacts.
 {differ} of {runs} runs differ. *built in* are the laws as C, on each kind of processor (`FP3_FAST`), with a call for each body, shape, joint and step (*calls*),
-and with a return to a saved state (*restored*); `isa`, `fast` and `rtl` execute the laws as programs, the hardware on two configurations. *file, last 2*: built-in
+with a return to a saved state (*restored*), with other bodies that bounce and roll far away until half of the steps are made (*far*), and on several
+[ranks](cluster.md#rigid-bodies); `isa`, `fast` and `rtl` execute the laws as programs, the hardware on two configurations. *file, last 2*: built-in
 laws make all steps but the last 2, and a restart from a [checkpoint](checkpoints.md#rigid-bodies) makes the rest. The hardware makes few steps: one takes it seconds. *arm64* and
-*riscv64* are machines under qemu-user, for which the library was compiled. Here bodies sleep. The scenes: boxes that stand; figures with limits in their hinges on stairs; a car with springs, a motor
-and a rope on hills and a bridge, with every type of joint; shapes that bounce into a heap; dominoes."""
+*riscv64* are machines under qemu-user, for which the library was compiled, *wasm* is [WebAssembly](playground.md) under wasmtime. Here bodies sleep. The scenes in a plane: boxes that stand; figures with limits in
+their hinges on stairs; a car with springs, a motor and a rope on hills and a bridge, with every type of joint; shapes that bounce into a heap; dominoes; a heavy body on light links. In space: cubes that stand; two bodies in each
+type of joint; a box that flips, a gyroscope and a top that falls over; balls in a box."""
 
 
 LOOKS = ("fp3", "box2d", "mujoco", "rapier")  # engines with a colour of their own; the others are grey
@@ -125,10 +127,23 @@ def speed(rows):
 
 def runs(rows):
     """A line for each hash of a scene after so many steps: one, if all is well."""
-    for scene, steps, found in dict.fromkeys((row["scene"], row["steps"], row["hash"]) for row in rows):
-        of = [row for row in rows if (row["scene"], row["steps"], row["hash"]) == (scene, steps, found)]
+    made = [row for row in rows if "hash" in row]
+    for scene, steps, found in dict.fromkeys((row["scene"], row["steps"], row["hash"]) for row in made):
+        of = [row for row in made if (row["scene"], row["steps"], row["hash"]) == (scene, steps, found)]
         who = "; ".join(f"{engine}: " + ", ".join(row["variant"] for row in of if row["engine"] == engine) for engine in order(of, "engine"))
         yield [scene, steps, f"`{found}`", len(of), who]
+
+
+def not_run(rows):
+    """A sentence on the variants that scenes have not, with the reasons."""
+    by = {}
+    for row in rows:
+        if "why" in row:
+            by.setdefault((row["why"], row["variant"]), []).append(row["scene"])
+    if by:
+        why = {reason: [f"*{variant}*" for other, variant in by if other == reason] for reason, _ in by}
+        scenes = {reason: list(dict.fromkeys(scene for (other, _), many in by.items() if other == reason for scene in many)) for reason in why}
+        yield from ("", "Not run: " + "; ".join(f"{', '.join(why[reason])} of {', '.join(scenes[reason])} ({reason})" for reason in why) + ".")
 
 
 def beats(rows):
@@ -245,8 +260,9 @@ def page(data):
         yield from markdown(["scene", "configuration", "law", "runs", "lanes in a run", "cycles", "of a run", "foreseen", "38 lanes", "words on the bus", "bus cycles"], cycles(data["chip"]))
     if "hashes" in data:
         from fp3bodies import hashes
-        yield from ("", "## One hash a scene", "", HASHES.format(runs=len(data["hashes"]), differ=len(hashes.differing(data["hashes"]))), "")
+        yield from ("", "## One hash a scene", "", HASHES.format(runs=sum("hash" in row for row in data["hashes"]), differ=len(hashes.differing(data["hashes"]))), "")
         yield from markdown(["scene", "steps", "hash", "runs", "which"], runs(data["hashes"]))
+        yield from not_run(data["hashes"])
     if "speed" in data:
         yield from ("", "## Speed", "", SPEED, "")
         yield from markdown(["scene", "engine", "bodies", "settled", "ns", "of Box2D"], speed(data["speed"]))

@@ -274,9 +274,9 @@ fp3_status fp3_bodies_scene_run(fp3_bodies_scene *scene, const fp3_bodies_run_de
     run u = {.scene = scene, .def = def, .tally = tally, .error = error};
     *tally = (fp3_bodies_tally){0};
     fp3_status status = plan(&u);
-    if (!status && def->recording->path)
+    if (!status && def->recording->path && !def->recording->is_silent)
         status = open_sink(&u);
-    if (!status && def->contacts)
+    if (!status && def->contacts && !def->recording->is_silent)
         status = open_contacts(&u);
     if (!status)
         status = make_steps(&u);

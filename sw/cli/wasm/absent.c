@@ -3,7 +3,6 @@
  * serial ports. Who asks for one of them hears that.
  */
 #include "cli/cli.h"
-#include "cli/run_bodies.h"
 #include "cli/run_ranks.h"
 #include "engine/board/port.h"
 #include "engine/common/library.h"
@@ -109,21 +108,15 @@ int fp3_run_ranks_end(fp3_run_ranks *ranks, const char *command, fp3_status stat
     return 0;
 }
 
+fp3_status fp3_ranks_open(fp3_ranks *ranks, fp3_error *error) {
+    *ranks = (fp3_ranks){0};
+    return fp3_fail(error, FP3_E_SYSTEM, HERE " has one process");
+}
+
 fp3_status fp3_engine_open_ranks(const fp3_engine_def *def, const fp3_ranks *ranks,
                                  fp3_engine **engine) {
     (void)ranks;
     return fp3_engine_open(def, engine);
-}
-
-/* ---- rigid bodies ---- */
-
-int fp3_run_is_bodies(const char *scene) {
-    (void)scene;
-    return 0;
-}
-
-fp3_status fp3_run_bodies(fp3_run_options *options, fp3_error *error) {
-    return fp3_fail(error, FP3_E_SYSTEM, "%s: no bodies in " HERE, options->scene);
 }
 
 /* ---- commands that start compilers, load hardware or hold a truth of GSL beside a run ---- */

@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* share.c - see share.h. */
+#include "share.h"
+#include "own3.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what passes change of a row ---- */
+
+#define AT(type, word) offsetof(fp3_##type##_row, word) / sizeof(fp3_wide)
+#define TURNS(type) AT(type, s), AT(type, m), AT(type, l), AT(type, u)
+#define OF_POINT(k) AT(contact3, point[k].p), AT(contact3, point[k].top)
+
+typedef struct {
+    size_t size; /* of a block */
+    uint32_t count, word[14];
+} changed;
+
+static const changed contact2 = {sizeof(fp3_contact2_row),
+                                 7,
+                                 {AT(contact2, p1), AT(contact2, f1), AT(contact2, p2),
+                                  AT(contact2, f2), AT(contact2, r), AT(contact2, top1),
+                                  AT(contact2, top2)}};
+static const changed contact3 = {sizeof(fp3_contact3_row),
+                                 14,
+                                 {OF_POINT(0), OF_POINT(1), OF_POINT(2), OF_POINT(3),
+                                  AT(contact3, f1), AT(contact3, f2), AT(contact3, ft),
+                                  AT(contact3, l_x), AT(contact3, l_y), AT(contact3, l_z)}};
+
+#define LAW(name) [FP3_LAW_##name - FP3_LAW_twist2]
+static const changed joint2[FP3_JOINT_LAWS] = {
+    LAW(twist2) = {sizeof(fp3_twist2_row), 4, {TURNS(twist2)}},
+    LAW(slide2) = {sizeof(fp3_slide2_row), 5, {TURNS(slide2), AT(slide2, p)}},
+    LAW(rod2) = {sizeof(fp3_rod2_row), 4, {TURNS(rod2)}},
+    LAW(pin2) = {sizeof(fp3_pin2_row), 2, {AT(pin2, p_x), AT(pin2, p_y)}},
+};
+#undef LAW
+#define LAW(name) [FP3_LAW_##name - FP3_LAW_pin3]
+static const changed joint3[FP3_JOINT_LAWS3] = {
+    LAW(pin3) = {sizeof(fp3_pin3_row), 3, {AT(pin3, p_x), AT(pin3, p_y), AT(pin3, p_z)}},
+    LAW(spin3) = {sizeof(fp3_spin3_row), 3, {AT(spin3, p_x), AT(spin3, p_y), AT(spin3, p_z)}},
+    LAW(line3) = {sizeof(fp3_line3_row), 4, {TURNS(line3)}},
+    LAW(twist3) = {sizeof(fp3_twist3_row), 4, {TURNS(twist3)}},
+};
+
+/* ---- ranks ---- */
+
+#define EVERYBODY UINT32_MAX
+
+struct fp3_share {
+    fp3_ranks ranks;
+    uint32_t *root, *weight; /* of each slot its island's first one; of this one the rows */
+    uint32_t *whose, *were;  /* of each slot a rank; before this step. EVERYBODY: it has no rows */
+    uint32_t *island;        /* islands that have rows, by their first slots */
+    uint32_t root_room, weight_room, whose_room, were_room, island_room;
+    uint32_t islands, movable, number;
+    uint64_t *load, *rows; /* of each rank the rows of this step, and of all */
+    uint64_t sent;
+    /* What this rank sends, and what all do: a status, words of slots, words of rows. */
+    float *own, *all, **at;
+    uint64_t *bytes;
+    uint32_t own_room, all_room;
+};
+
+fp3_share_use fp3_share_used(const fp3_bodies *bodies) {
+    const fp3_share *s = bodies->share;
+    return s ? (fp3_share_use){s->ranks.count, s->rows, s->sent} : (fp3_share_use){0};
+}
+
+uint32_t fp3_share_number(const fp3_bodies *bodies) {
+    return bodies->share ? bodies->share->number : 0;
+}
+
+static int is_same_everywhere(const fp3_ranks *ranks, uint64_t hash) {
+    return ranks->calls->most(ranks->world, hash) == hash &&
+           ranks->calls->most(ranks->world, ~hash) == ~hash;
+}
+
+static uint64_t add(uint64_t hash, double number) {
+    uint64_t word;
+    memcpy(&word, &number, sizeof word);
+    return (hash ^ word) * 0x9e3779b97f4a7c15u;
+}
+
+static uint64_t hash_of(const fp3_bodies *bodies, uint64_t steps) {
+    const fp3_bodies_def *def = &bodies->def;
+    const double numbers[] = {def->gravity[0], def->gravity[1],     def->gravity[2],
+                              def->h,          def->substeps,       def->size,
+                              def->push,       def->bounce,         bodies->shape_count,
+                              def->rest_speed, bodies->joint_count, (double)steps};
+    uint64_t hash = fp3_bodies_hash(bodies);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        hash = add(hash, numbers[i]);
+    for (uint32_t i = 0; i < bodies->shape_count; i++)
+        hash = add(hash, bodies->shape[i].friction + bodies->shape[i].extent);
+    return hash;
+}
+
+fp3_status fp3_share_begin(fp3_bodies *bodies, const fp3_ranks *ranks, uint64_t steps) {
+    fp3_share *s = bodies->share = calloc(1, sizeof *s);
+    if (s) {
+        s->ranks = *ranks;
+        s->load = calloc(ranks->count, sizeof *s->load);
+        s->rows = calloc(ranks->count, sizeof *s->rows);
+        s->bytes = calloc(ranks->count, sizeof *s->bytes);
+        s->at = calloc(ranks->count, sizeof *s->at);
+    }
+    if (!s || !s->load || !s->rows || !s->bytes || !s->at)
+        return fp3_no_memory(bodies->error);
+    const uint64_t own = hash_of(bodies, steps);
+    const int is_same = is_same_everywhere(ranks, own);
+    if (ranks->calls->most(ranks->world, !is_same))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "ranks have different worlds of bodies");
+    return FP3_OK;
+}
+
+void fp3_share_free(fp3_bodies *bodies) {
+    fp3_share *s = bodies->share;
+    if (!s)
+        return;
+    void *const arrays[] = {s->root, s->weight, s->whose, s->were, s->island, s->load,
+                            s->rows, s->own,    s->all,   s->at,   s->bytes};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        free(arrays[i]);
+    free(s);
+    bodies->share = NULL;
+}
+
+/* ---- who has what ---- */
+
+static fp3_status make_room(fp3_bodies *bodies) {
+    fp3_share *s = bodies->share;
+    const size_t slots = bodies->slots + 1u;
+    const struct {
+        uint32_t **array, *room;
+    } all[] = {{&s->root, &s->root_room},
+               {&s->weight, &s->weight_room},
+               {&s->whose, &s->whose_room},
+               {&s->were, &s->were_room},
+               {&s->island, &s->island_room}};
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < sizeof all / sizeof *all; i++)
+        status = fp3_bodies_room((void **)all[i].array, all[i].room, sizeof **all[i].array, slots,
+                                 bodies->error);
+    return status;
+}
+
+/* The one that moves, of the two slots of a row, or `movable`. */
+static uint32_t inner_of(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    return a < bodies->movable ? a : b < bodies->movable ? b : bodies->movable;
+}
+
+static void weigh(fp3_bodies *bodies, uint32_t body_a, uint32_t body_b, uint32_t rows) {
+    fp3_share *s = bodies->share;
+    const uint32_t slot =
+        inner_of(bodies, fp3_slot_of(bodies, body_a), fp3_slot_of(bodies, body_b));
+    if (slot < bodies->movable)
+        s->weight[s->root[slot]] += rows;
+}
+
+/* Rows of islands, and which islands have any. */
+static void find_islands(fp3_bodies *bodies) {
+    fp3_share *s = bodies->share;
+    memset(s->weight, 0, bodies->movable * sizeof *s->weight);
+    for (uint32_t i = 0; i < bodies->contacts.count; i++) {
+        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+        weigh(bodies, t->body_a, t->body_b, bodies->space ? t->patches : 1);
+    }
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (j->generation & 1)
+            weigh(bodies, j->a, j->b, (uint32_t)__builtin_popcount(j->laws));
+    }
+    s->islands = 0;
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        if (s->weight[k])
+            s->island[s->islands++] = k;
+}
+
+static void give(fp3_share *s, uint32_t island) {
+    uint32_t to = 0;
+    for (uint32_t r = 1; r < s->ranks.count; r++)
+        if (s->load[r] < s->load[to])
+            to = r;
+    s->load[to] += s->weight[island];
+    s->whose[island] = to;
+}
+
+static int size_of(uint32_t weight) { return 31 - __builtin_clz(weight); }
+
+/* Large ones first, by powers of two, to whom has least. */
+static void hand_out(fp3_share *s) {
+    int has[32] = {0};
+    for (uint32_t i = 0; i < s->islands; i++)
+        has[size_of(s->weight[s->island[i]])] = 1;
+    for (int size = 31; size >= 0; size--)
+        for (uint32_t i = 0; has[size] && i < s->islands; i++)
+            if (size_of(s->weight[s->island[i]]) == size)
+                give(s, s->island[i]);
+}
+
+fp3_status fp3_share_divide(fp3_bodies *bodies) {
+    fp3_share *s = bodies->share;
+    const fp3_status status = s ? make_room(bodies) : FP3_OK;
+    if (status || !s)
+        return status;
+    uint32_t *const before = s->whose;
+    s->whose = s->were;
+    s->were = before;
+    fp3_bodies_islands(bodies, s->root);
+    find_islands(bodies);
+    memset(s->load, 0, s->ranks.count * sizeof *s->load);
+    memset(s->whose, -1, bodies->movable * sizeof *s->whose);
+    hand_out(s);
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        s->whose[k] = s->whose[s->root[k]];
+    s->number += s->movable != bodies->movable ||
+                 memcmp(s->whose, s->were, bodies->movable * sizeof *s->whose) != 0;
+    s->movable = bodies->movable;
+    for (uint32_t r = 0; r < s->ranks.count; r++)
+        s->rows[r] += s->load[r];
+    return FP3_OK;
+}
+
+static uint32_t rank_of(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    const uint32_t slot = inner_of(bodies, a, b);
+    return slot < bodies->movable ? bodies->share->whose[slot] : EVERYBODY;
+}
+
+int fp3_share_has(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    if (!bodies->share)
+        return 1;
+    const uint32_t rank = rank_of(bodies, a, b);
+    return rank == EVERYBODY || rank == bodies->share->ranks.rank;
+}
+
+/* ---- what all get ---- */
+
+typedef enum { COUNT, PUT, TAKE } doing;
+
+/* Words of a rank's passes. COUNT: s->bytes; else s->at goes on. */
+static void carry(fp3_share *s, doing what, uint32_t rank, float *words, uint32_t count) {
+    if (what == COUNT)
+        s->bytes[rank] += count * sizeof *words;
+    else if (what == PUT && rank == s->ranks.rank)
+        memcpy(s->at[rank], words, count * sizeof *words);
+    else if (what == TAKE && rank != s->ranks.rank)
+        memcpy(words, s->at[rank], count * sizeof *words);
+    if (what != COUNT)
+        s->at[rank] += count;
+}
+
+static void carry_slots(fp3_bodies *bodies, doing what) {
+    const uint32_t fours = bodies->space ? FP3_FOURS3 : 1;
+    fp3_share *s = bodies->share;
+    for (uint32_t k = 0; k < bodies->movable; k++) {
+        if (s->whose[k] == EVERYBODY)
+            continue;
+        carry(s, what, s->whose[k], (float *)&bodies->speed[fours * k], 4 * fours);
+        carry(s, what, s->whose[k], (float *)&bodies->way[fours * k], 4 * fours);
+    }
+}
+
+static void carry_rows(fp3_bodies *bodies, doing what, const fp3_law_rows *rows,
+                       const changed *of) {
+    for (uint32_t i = 0; i < rows->count; i++) {
+        const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
+        const fp3_ends2 *ends = &rows->ends[block];
+        const uint32_t rank = rank_of(bodies, ends->a[lane], ends->b[lane]);
+        float *row = (float *)(void *)((char *)rows->row + block * of->size) + lane;
+        for (uint32_t w = 0; rank != EVERYBODY && w < of->count; w++)
+            carry(bodies->share, what, rank, row + of->word[w] * FP3_WIDE, 1);
+    }
+}
+
+static void carry_all(fp3_bodies *bodies, doing what, fp3_status *status) {
+    fp3_share *s = bodies->share;
+    for (uint32_t r = 0; r < s->ranks.count; r++) {
+        float word = 0;
+        memcpy(&word, status, sizeof word);
+        carry(s, what, r, &word, 1);
+        if (what == TAKE && !*status)
+            memcpy(status, &word, sizeof word);
+    }
+    carry_slots(bodies, what);
+    carry_rows(bodies, what, bodies->space ? &bodies->space->contacts : &bodies->contacts,
+               bodies->space ? &contact3 : &contact2);
+    for (int i = 0; bodies->space && i < FP3_JOINT_LAWS3; i++)
+        carry_rows(bodies, what, &bodies->space->joined[i], &joint3[i]);
+    for (int i = 0; !bodies->space && i < FP3_JOINT_LAWS; i++)
+        carry_rows(bodies, what, &bodies->joined[i], &joint2[i]);
+}
+
+fp3_status fp3_share_gather(fp3_bodies *bodies, fp3_status status) {
+    _Static_assert(sizeof status == sizeof(float), "a status is a word");
+    fp3_share *s = bodies->share;
+    if (!s)
+        return status;
+    uint64_t words = 0;
+    memset(s->bytes, 0, s->ranks.count * sizeof *s->bytes);
+    carry_all(bodies, COUNT, &status);
+    for (uint32_t r = 0; r < s->ranks.count; r++)
+        words += s->bytes[r] / sizeof(float);
+    fp3_status made =
+        fp3_bodies_room((void **)&s->own, &s->own_room, sizeof *s->own, words, bodies->error);
+    if (!made)
+        made =
+            fp3_bodies_room((void **)&s->all, &s->all_room, sizeof *s->all, words, bodies->error);
+    if (made)
+        return made;
+    for (uint32_t r = 0; r < s->ranks.count; r++)
+        s->at[r] = s->own;
+    carry_all(bodies, PUT, &status);
+    s->ranks.calls->gather(s->ranks.world, s->own, s->bytes, s->all);
+    float *at = s->all;
+    for (uint32_t r = 0; r < s->ranks.count; r++) {
+        s->at[r] = at;
+        at += s->bytes[r] / sizeof *at;
+    }
+    carry_all(bodies, TAKE, &status);
+    s->sent += words * sizeof(float) * (s->ranks.count - 1u);
+    return status;
+}
