@@ -1290,6 +1290,7 @@ PROTOTYPES = {
     "fp3_bodies_add": (c_int, (c_void_p, POINTER(fp3_body_def), c_size_t, c_void_p)),
     "fp3_bodies_remove": (c_int, (c_void_p, c_void_p, c_size_t)),
     "fp3_bodies_count": (c_size_t, (c_void_p,)),
+    "fp3_bodies_dimensions": (c_uint32, (c_void_p,)),
     "fp3_bodies_handles": (None, (c_void_p, c_void_p)),
     "fp3_shape_set_default": (None, (POINTER(fp3_shape_def), c_size_t)),
     "fp3_bodies_attach": (c_int, (c_void_p, c_void_p, c_size_t, POINTER(fp3_shape_def), c_void_p)),

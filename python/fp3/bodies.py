@@ -220,9 +220,10 @@ class Bodies(Owner):
         """Opens the world of a checkpoint, which goes on with the same bits; handles stay. Gravity and the like are those of the file."""
         made, where = cls.__new__(cls), name_bytes("path", path)
         made._own()
-        made._width = 2
         made._open(made._lib.default(d.fp3_bodies_def), engine, config, may_compile, laws,
                    lambda definition, pointer: made._lib.fp3_bodies_restart(definition, where, pointer))
+        with made._c() as c:
+            made._width = int(made._lib.fp3_bodies_dimensions(c))
         return made
 
     def __enter__(self) -> "Bodies":

@@ -190,6 +190,8 @@ fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t
 
 size_t fp3_bodies_count(const fp3_bodies *bodies) { return bodies->living; }
 
+uint32_t fp3_bodies_dimensions(const fp3_bodies *bodies) { return bodies->def.dimensions; }
+
 void fp3_bodies_handles(const fp3_bodies *bodies, uint64_t *handles) {
     for (uint32_t i = 0; i < bodies->body_count; i++)
         if (fp3_body_lives(&bodies->body[i]))

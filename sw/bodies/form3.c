@@ -77,12 +77,14 @@ fp3_status fp3_form_make(const fp3_shape_def *def, fp3_form3 **form, fp3_error *
     if (!made)
         return fp3_no_memory(error);
     made->uses = 1;
-    const fp3_status status = make_shape(def, made, error);
+    made->given = malloc(sizeof *made->given);
+    const fp3_status status = made->given ? make_shape(def, made, error) : fp3_no_memory(error);
     if (status) {
-        free(made);
+        fp3_form_give_back(made);
         *form = NULL;
         return status;
     }
+    *made->given = *def;
     if (made->kind == FP3_FORM_HULL)
         made->mass = fp3_weigh3(&made->shape, 1);
     return FP3_OK;
@@ -95,9 +97,7 @@ static void bound(fp3_bounds3 *bounds, fp3_point3 p) {
                                 fmaxf(bounds->high.z, p.z)};
 }
 
-/* What is common to ground of triangles; mesh: it becomes the form's. */
-static fp3_status finish(fp3_mesh3 *mesh, const fp3_point3 *point, size_t count, fp3_form3 **form,
-                         fp3_error *error) {
+fp3_status fp3_form_of_mesh(fp3_mesh3 *mesh, fp3_form3 **form, fp3_error *error) {
     fp3_form3 *made = *form = calloc(1, sizeof *made);
     if (!made) {
         fp3_free_mesh3(&mesh);
@@ -106,9 +106,9 @@ static fp3_status finish(fp3_mesh3 *mesh, const fp3_point3 *point, size_t count,
     made->kind = FP3_FORM_MESH;
     made->uses = 1;
     made->mesh = mesh;
-    made->bounds = (fp3_bounds3){point[0], point[0]};
-    for (size_t i = 1; i < count; i++)
-        bound(&made->bounds, point[i]);
+    made->bounds = (fp3_bounds3){fp3_mesh_point3(mesh, 0), fp3_mesh_point3(mesh, 0)};
+    for (uint32_t i = 1; i < fp3_mesh_points3(mesh); i++)
+        bound(&made->bounds, fp3_mesh_point3(mesh, i));
     const fp3_point3 low = made->bounds.low, high = made->bounds.high,
                      far = {fmaxf(fabsf(low.x), fabsf(high.x)), fmaxf(fabsf(low.y), fabsf(high.y)),
                             fmaxf(fabsf(low.z), fabsf(high.z))};
@@ -134,7 +134,7 @@ fp3_status fp3_form_make_mesh(const double *points, size_t count, const uint32_t
         status = fp3_make_mesh3((uint32_t)count, point, (uint32_t)triangle_count,
                                 (const uint32_t(*)[3])(const void *)triangles, &mesh, error);
     if (!status)
-        status = finish(mesh, point, count, form, error);
+        status = fp3_form_of_mesh(mesh, form, error);
     free(point);
     return status;
 }
@@ -152,15 +152,8 @@ fp3_status fp3_form_make_heights(size_t columns, size_t rows, double dx, double 
         status = fp3_make_heights3((uint32_t)(columns <= most ? columns : most + 1),
                                    (uint32_t)(rows <= most ? rows : most + 1), (float)dx, (float)dy,
                                    height, &mesh, error);
-    if (!status) {
-        fp3_point3 corner[2] = {{0, 0, height[0]},
-                                {(float)columns * (float)dx, (float)rows * (float)dy, height[0]}};
-        for (size_t i = 0; i < count; i++) {
-            corner[0].z = fminf(corner[0].z, height[i]);
-            corner[1].z = fmaxf(corner[1].z, height[i]);
-        }
-        status = finish(mesh, corner, 2, form, error);
-    }
+    if (!status)
+        status = fp3_form_of_mesh(mesh, form, error);
     free(height);
     return status;
 }
@@ -169,6 +162,7 @@ void fp3_form_give_back(fp3_form3 *form) {
     if (!form || --form->uses)
         return;
     fp3_free_mesh3(&form->mesh);
+    free(form->given);
     free(form);
 }
 

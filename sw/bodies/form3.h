@@ -22,13 +22,17 @@ typedef struct fp3_form3 {
     fp3_mass3 mass;   /* with density 1 */
     fp3_plane3 plane;
     fp3_mesh3 *mesh;
-    fp3_bounds3 bounds; /* of a mesh */
+    fp3_bounds3 bounds;   /* of a mesh */
+    fp3_shape_def *given; /* what it was made of; of a mesh NULL */
+    uint32_t number;      /* among those of a file, while it is written */
 } fp3_form3;
 
 /* Of a definition. The caller gives *form back. FP3_E_ARGUMENT: it is no shape in space. */
 fp3_status fp3_form_make(const fp3_shape_def *def, fp3_form3 **form, fp3_error *error);
 fp3_status fp3_form_make_mesh(const double *points, size_t count, const uint32_t *triangles,
                               size_t triangle_count, fp3_form3 **form, fp3_error *error);
+/* The mesh becomes the form's, or is freed. */
+fp3_status fp3_form_of_mesh(fp3_mesh3 *mesh, fp3_form3 **form, fp3_error *error);
 /* Heights on a grid become triangles (fp3_bodies_attach_heights). */
 fp3_status fp3_form_make_heights(size_t columns, size_t rows, double dx, double dy,
                                  const double *heights, fp3_form3 **form, fp3_error *error);

@@ -235,6 +235,10 @@ fp3_status fp3_contact_tell(fp3_bodies *bodies, fp3_contact_change change, const
 /* Behind a step: who touches, who no longer does. */
 fp3_status fp3_contacts_tell(fp3_bodies *bodies);
 
+/* hash.c: tells the words that fp3_bodies_hash is of, in their order. */
+typedef void fp3_words_fn(void *user, const void *data, size_t size);
+void fp3_bodies_words(const fp3_bodies *bodies, fp3_words_fn *add, void *user);
+
 /* Wakes a body that sleeps, with its island. */
 void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number);
 /* Wakes these bodies, whose handles are valid, and whatever touches them or is joined with them.

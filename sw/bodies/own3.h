@@ -9,7 +9,7 @@
 
 typedef struct {
     double q[4];               /* of the body's axes, of length 1 */
-    double boxed[4];           /* as it was when its shapes' boxes were made */
+    double boxed_turn[4];      /* as it was when its shapes' boxes were made */
     float spin[3], torque[3];  /* in the world's axes */
     float moment[3];           /* about its axes of inertia; 0: it does not turn */
     double axes[4];            /* the turn from those axes to the body's */
@@ -47,6 +47,23 @@ static inline fp3_point3 fp3_arm_b3(const fp3_patch3 *p, fp3_point3 arm, float g
     return fp3_subtract3(fp3_along3(arm, 0.5f * gap, p->m.normal), p->from);
 }
 
+/* A form in a file: what it was made of. */
+typedef struct {
+    uint32_t type;               /* of its definition; FP3_KEPT_MESH: points and triangles */
+    uint32_t corners, triangles; /* how many of those that follow are its own */
+    double radius, centre[3], half[3], q[4], normal[3];
+} fp3_kept_form;
+#define FP3_KEPT_MESH 100u
+
+typedef struct {
+    fp3_kept_form *form;
+    double (*corner)[3];
+    uint32_t (*triangle)[3];
+    uint32_t *of; /* the form of each shape; FP3_NOBODY: it is not there */
+    uint32_t forms, corners, triangles;
+    uint32_t form_room, corner_room, triangle_room, of_room;
+} fp3_kept_forms;
+
 struct fp3_space {
     const fp3_solver3 *solver;
     fp3_body3 *body; /* of each body */
@@ -69,7 +86,8 @@ struct fp3_space {
     fp3_mesh_touch3 *meeting;
     uint32_t meeting_room;
     int is_rolling,
-        has_belts; /* a contact of this step has rolling resistance, a surface that moves */
+        has_belts;       /* a contact of this step has rolling resistance, a surface that moves */
+    fp3_kept_forms kept; /* while a checkpoint is written or read (fields.h) */
 };
 
 static inline fp3_point3 fp3_point3_of(const float x[3]) { return (fp3_point3){x[0], x[1], x[2]}; }

@@ -213,8 +213,11 @@ fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **made, fp3_error *
 
 const char *fp3_laws_why(const fp3_laws *laws) { return laws->error.text; }
 
-const char *fp3_laws_text(const fp3_laws *laws, uint32_t which) {
-    return laws && laws->law[which].own ? laws->law[which].own : in_plane[which].text;
+const char *fp3_laws_text(const fp3_laws *laws, uint32_t dimensions, uint32_t which) {
+    const family *f = &families[dimensions == 3];
+    if (which >= f->count)
+        return NULL;
+    return laws && laws->law[which].own ? laws->law[which].own : f->laws[which].text;
 }
 
 int fp3_laws_used(const fp3_laws *laws, uint32_t which, fp3_laws_use *use) {

@@ -21,8 +21,8 @@ typedef struct fp3_laws fp3_laws;
 fp3_status fp3_laws_open(const fp3_bodies_def *def, fp3_laws **laws, fp3_error *error);
 /* Why the last run failed. */
 const char *fp3_laws_why(const fp3_laws *laws);
-/* Of the plane. laws: NULL: the one that is built in. */
-const char *fp3_laws_text(const fp3_laws *laws, uint32_t law);
+/* Of the plane or of space; NULL: there are no more. laws: NULL: those that are built in. */
+const char *fp3_laws_text(const fp3_laws *laws, uint32_t dimensions, uint32_t law);
 /* What the runs of a law have cost so far, on hardware; 0: there is no such law. A run is of one
  * colour, at most, and has so many lanes of rows in it. */
 typedef struct {

@@ -1,36 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* state.c - a world is saved and restored. */
 #include "fields.h"
-#include "own3.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* Behind the arrays of all worlds those of space. */
-enum { IN_SPACE = FP3_PARTS, PATCHES, JOINTS_IN_SPACE, ARRAYS };
 
 struct fp3_bodies_state {
     uint32_t *of;      /* the world's identity */
     fp3_bodies counts; /* its arrays are not used */
     fp3_space space;
-    void *array[ARRAYS];
-    uint32_t room[ARRAYS];
+    void *array[FP3_PARTS_SAVED];
+    uint32_t room[FP3_PARTS_SAVED];
 };
-
-static fp3_kept_part part_of(fp3_bodies *b, int which) {
-    fp3_space *s = b->space;
-    if (which == IN_SPACE)
-        return (fp3_kept_part){(void **)&s->body, &s->body_room, &b->body_count, sizeof *s->body};
-    if (which == JOINTS_IN_SPACE)
-        return (fp3_kept_part){(void **)&s->joint, &s->joint_room, &b->joint_count,
-                               sizeof *s->joint};
-    if (which == PATCHES)
-        return (fp3_kept_part){(void **)&s->patch, &s->patch_room, &s->patch_count,
-                               sizeof *s->patch};
-    return fp3_part_of(b, which);
-}
-
-static int arrays_of(const fp3_bodies *bodies) { return bodies->space ? ARRAYS : IN_SPACE; }
 
 /* The forms of shapes, which they share. */
 static void keep_forms(const fp3_attached *shape, uint32_t count) {
@@ -46,14 +27,14 @@ fp3_status fp3_bodies_save(const fp3_bodies *bodies, fp3_bodies_state **state) {
     fp3_bodies from = *bodies;
     fp3_bodies_state *to = *state ? *state : calloc(1, sizeof *to);
     fp3_status status = to ? FP3_OK : fp3_no_memory(bodies->error);
-    for (int i = 0; !status && i < arrays_of(bodies); i++) {
-        const fp3_kept_part p = part_of(&from, i);
+    for (int i = 0; !status && i < fp3_parts_saved(bodies); i++) {
+        const fp3_kept_part p = fp3_part_of(&from, i);
         status = fp3_bodies_room(&to->array[i], &to->room[i], p.size, *p.count + 1u, bodies->error);
     }
     if (!status)
         give_back_forms(to->array[FP3_PART_SHAPES], to->counts.shape_count);
-    for (int i = 0; !status && i < arrays_of(bodies); i++) {
-        const fp3_kept_part p = part_of(&from, i);
+    for (int i = 0; !status && i < fp3_parts_saved(bodies); i++) {
+        const fp3_kept_part p = fp3_part_of(&from, i);
         if (*p.count)
             memcpy(to->array[i], *p.array, *p.count * p.size);
     }
@@ -88,49 +69,33 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
         state && state->of == bodies->identity
             ? FP3_OK
             : fp3_fail(bodies->error, FP3_E_ARGUMENT, "the state was saved of another world");
-    for (int i = 0; !status && i < arrays_of(bodies); i++) {
-        const fp3_kept_part to = part_of(bodies, i);
-        status = fp3_bodies_room(to.array, to.room, to.size, *part_of(&from, i).count + 1u,
+    for (int i = 0; !status && i < fp3_parts_saved(bodies); i++) {
+        const fp3_kept_part to = fp3_part_of(bodies, i);
+        status = fp3_bodies_room(to.array, to.room, to.size, *fp3_part_of(&from, i).count + 1u,
                                  bodies->error);
     }
     if (status)
         return status;
     give_back_forms(bodies->shape, bodies->shape_count);
-    for (int i = 0; i < arrays_of(bodies); i++) {
-        const fp3_kept_part p = part_of(&from, i);
+    for (int i = 0; i < fp3_parts_saved(bodies); i++) {
+        const fp3_kept_part p = fp3_part_of(&from, i);
         if (*p.count)
-            memcpy(*part_of(bodies, i).array, state->array[i], *p.count * p.size);
+            memcpy(*fp3_part_of(bodies, i).array, state->array[i], *p.count * p.size);
     }
     keep_forms(bodies->shape, from.shape_count);
-    if (bodies->space)
-        bodies->space->patch_count = space.patch_count;
     for (uint32_t i = from.body_count; i < bodies->body_count; i++)
         bodies->body[i] = (fp3_body){.generation = next_even(bodies->body[i].generation)};
     for (uint32_t i = from.shape_count; i < bodies->shape_count; i++)
         bodies->shape[i] = (fp3_attached){.generation = next_even(bodies->shape[i].generation)};
     for (uint32_t i = from.joint_count; i < bodies->joint_count; i++)
         bodies->joint[i] = (fp3_joint){.generation = next_even(bodies->joint[i].generation)};
-    bodies->time = from.time;
-    bodies->steps = from.steps;
-    bodies->body_count = from.body_count;
-    bodies->living = from.living;
-    bodies->free_body = from.free_body;
-    bodies->shape_count = bodies->boxes.count = from.shape_count;
-    bodies->free_shape = from.free_shape;
-    bodies->touch_count = from.touch_count;
-    bodies->joint_count = from.joint_count;
-    bodies->joints = from.joints;
-    bodies->free_joint = from.free_joint;
-    bodies->is_apart_stale = 1;
-    bodies->is_bouncy = from.is_bouncy;
-    bodies->apart_count = from.apart_count;
-    bodies->is_changed = from.is_changed;
-    bodies->awake = from.awake;
-    bodies->touching = from.touching;
-    bodies->is_still = 0;
-    for (int i = 0; i < 3; i++)
-        bodies->change_count[i] = 0;
-    bodies->told = 0;
+    const fp3_kept_list *world = &fp3_kept_lists[0];
+    for (size_t i = 0; i < world->count; i++)
+        memcpy((char *)bodies + world->fields[i].at, (const char *)&from + world->fields[i].at,
+               fp3_field_size(&world->fields[i]));
+    for (int i = 0; i < fp3_parts_saved(bodies); i++)
+        *fp3_part_of(bodies, i).count = *fp3_part_of(&from, i).count;
+    fp3_bodies_count_up(bodies);
     return FP3_OK;
 }
 
@@ -139,7 +104,7 @@ void fp3_bodies_state_free(fp3_bodies_state **state) {
         give_back_forms((*state)->array[FP3_PART_SHAPES], (*state)->counts.shape_count);
         fp3_identity_give_back((*state)->of);
     }
-    for (int i = 0; *state && i < ARRAYS; i++)
+    for (int i = 0; *state && i < FP3_PARTS_SAVED; i++)
         free((*state)->array[i]);
     free(*state);
     *state = NULL;

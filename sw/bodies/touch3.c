@@ -59,14 +59,14 @@ fp3_box fp3_space_box(const fp3_bodies *bodies, uint32_t shape, double margin) {
 
 void fp3_space_boxed(fp3_bodies *bodies, uint32_t body) {
     fp3_body3 *space = &bodies->space->body[body];
-    memcpy(space->boxed, space->q, sizeof space->boxed);
+    memcpy(space->boxed_turn, space->q, sizeof space->boxed_turn);
 }
 
 double fp3_space_turned(const fp3_bodies *bodies, uint32_t body) {
     const fp3_body3 *space = &bodies->space->body[body];
     double sum = 0;
     for (int i = 0; i < 4; i++)
-        sum += fabs(space->q[i] - space->boxed[i]);
+        sum += fabs(space->q[i] - space->boxed_turn[i]);
     return 2.5 * sum; /* an angle is twice that of its quaternion */
 }
 

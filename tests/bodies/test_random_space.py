@@ -77,8 +77,8 @@ def build(number, engine=None):
     return chance, made, bodies, ground
 
 
-def run(number, engine=None, steps=40):
-    """The hash at the end. A step may fail only if it names a body; what fails stays where it is."""
+def run(number, engine=None, steps=40, path=None):
+    """The hash at the end. A step may fail only if it names a body; what fails stays where it is. path: it goes on from a checkpoint in the middle."""
     chance, made, bodies, _ = build(number, engine)
     named = 0
     for k in range(steps):
@@ -94,6 +94,10 @@ def run(number, engine=None, steps=40):
             bodies = bodies[~np.isin(bodies, gone)]
             made.write("force", bodies, chance.normal(size=3))
             made.attach(made.add(x=(0, 4, 0)), fp3.sphere(0.4))
+            if path:
+                made.checkpoint(path)
+                made = fp3.Bodies.restart(path)
+                saved = made.save()
     for name in ("x", "q", "v", "spin"):
         assert np.all(np.isfinite(made[name])), (number, name)
     assert np.allclose(np.linalg.norm(made["q"], axis=1), 1, atol=1e-9)
@@ -133,6 +137,13 @@ def test_random_worlds_stay_finite(first, long):
     count = 400 if long else 10
     failed = [number for number in range(first * count // 10, first * count // 10 + count) if run(number)[1]]
     assert len(failed) <= 0.08 * count + 2, failed  # of a million times the mass, overlapping and joined
+
+
+def test_a_checkpoint_in_the_middle_of_random_worlds(tmp_path, long):
+    """The world that is opened from it makes the same steps."""
+    pytest.importorskip("h5py")  # fp3_hdf5.so is there
+    for number in range(200 if long else 12):
+        assert run(number, path=tmp_path / "w.ck") == run(number), number
 
 
 @pytest.mark.parametrize("number", range(3))

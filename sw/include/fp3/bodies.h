@@ -122,6 +122,8 @@ fp3_status fp3_bodies_add(fp3_bodies *bodies, const fp3_body_def *defs, size_t c
  * FP3_E_ARGUMENT. */
 fp3_status fp3_bodies_remove(fp3_bodies *bodies, const uint64_t *handles, size_t count);
 size_t fp3_bodies_count(const fp3_bodies *bodies);
+/* 2: a plane; 3: space. */
+uint32_t fp3_bodies_dimensions(const fp3_bodies *bodies);
 /* The handles of all bodies, in the order of their numbers; room for fp3_bodies_count. */
 void fp3_bodies_handles(const fp3_bodies *bodies, uint64_t *handles);
 
@@ -375,7 +377,7 @@ fp3_status fp3_bodies_nearest(fp3_bodies *bodies, const double *points, size_t c
 /* ---- back in time ---- */
 
 /* A copy of all that a world is; a step after fp3_bodies_restore has the bits of one after
- * fp3_bodies_save. */
+ * fp3_bodies_save, and fp3_bodies_changes tells what it told then. */
 typedef struct fp3_bodies_state fp3_bodies_state;
 /* Copies into *state, which is made if it is NULL, and is used again otherwise; the caller frees
  * it. FP3_E_SYSTEM: out of memory; *state is NULL or as it was. */
@@ -387,13 +389,14 @@ fp3_status fp3_bodies_restore(fp3_bodies *bodies, const fp3_bodies_state *state)
 void fp3_bodies_state_free(fp3_bodies_state **state);
 
 /* Writes all that a world is to a file (docs/checkpoints.md#rigid-bodies), whole or not at all;
- * what the file held before stays as path.1. FP3_E_ARGUMENT: bodies in space; it is no regular
- * file, or another process is writing it. FP3_E_SYSTEM: it cannot be written. */
+ * what the file held before stays as path.1. FP3_E_ARGUMENT: it is no regular file, or another
+ * process is writing it. FP3_E_SYSTEM: it cannot be written. */
 fp3_status fp3_bodies_checkpoint(fp3_bodies *bodies, const char *path);
 /* Opens the world of a checkpoint: it goes on with the same bits, and handles are those of the
- * world that was written. Of def it takes error, engine, config, may_compile and laws alone.
- * FP3_E_ARGUMENT: as of fp3_bodies_open; the file is cut off, damaged, of another version or
- * something else; laws are others. The caller closes *bodies, which is NULL on failure. */
+ * world that was written; fp3_bodies_changes tells what it told there. Of def it takes error,
+ * engine, config, may_compile and laws alone. FP3_E_ARGUMENT: as of fp3_bodies_open; the file is
+ * cut off, damaged, of another version or something else; laws are others. The caller closes
+ * *bodies, which is NULL on failure. */
 fp3_status fp3_bodies_restart(const fp3_bodies_def *def, const char *path, fp3_bodies **bodies);
 
 /* ---- values ----
