@@ -6,8 +6,8 @@
 
 #include "own3.h"
 
+#include "record/checkpoint.h"
 #include "record/hdf5/fp3_hdf5.h"
-#include "record/state.h"
 
 /* What a step depends on; it makes other arrays anew. */
 enum {
@@ -90,8 +90,8 @@ fp3_status fp3_forms_number(fp3_bodies *bodies);
 fp3_status fp3_forms_make(fp3_bodies *bodies, fp3_error *error);
 void fp3_forms_forget(fp3_bodies *bodies);
 
-/* The attribute that no checkpoint of a run has, and its text, which changes with the fields. */
-#define FP3_KEPT_WHAT "bodies"
+/* The attribute that no other checkpoint has, and its text, which changes with the fields. */
+#define FP3_KEPT_WHAT FP3_CHECKPOINT_BODIES
 #define FP3_KEPT_FORM "2"
 enum { FP3_KEPT_HASH = 17 };
 /* SHA-256 of the texts of all laws: others give other bits. */

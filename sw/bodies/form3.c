@@ -97,7 +97,8 @@ static void bound(fp3_bounds3 *bounds, fp3_point3 p) {
                                 fmaxf(bounds->high.z, p.z)};
 }
 
-fp3_status fp3_form_of_mesh(fp3_mesh3 *mesh, fp3_form3 **form, fp3_error *error) {
+/* The mesh becomes the form's, or is freed. */
+static fp3_status finish(fp3_mesh3 *mesh, fp3_form3 **form, fp3_error *error) {
     fp3_form3 *made = *form = calloc(1, sizeof *made);
     if (!made) {
         fp3_free_mesh3(&mesh);
@@ -134,7 +135,7 @@ fp3_status fp3_form_make_mesh(const double *points, size_t count, const uint32_t
         status = fp3_make_mesh3((uint32_t)count, point, (uint32_t)triangle_count,
                                 (const uint32_t(*)[3])(const void *)triangles, &mesh, error);
     if (!status)
-        status = fp3_form_of_mesh(mesh, form, error);
+        status = finish(mesh, form, error);
     free(point);
     return status;
 }
@@ -153,7 +154,7 @@ fp3_status fp3_form_make_heights(size_t columns, size_t rows, double dx, double 
                                    (uint32_t)(rows <= most ? rows : most + 1), (float)dx, (float)dy,
                                    height, &mesh, error);
     if (!status)
-        status = fp3_form_of_mesh(mesh, form, error);
+        status = finish(mesh, form, error);
     free(height);
     return status;
 }

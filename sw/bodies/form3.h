@@ -31,8 +31,6 @@ typedef struct fp3_form3 {
 fp3_status fp3_form_make(const fp3_shape_def *def, fp3_form3 **form, fp3_error *error);
 fp3_status fp3_form_make_mesh(const double *points, size_t count, const uint32_t *triangles,
                               size_t triangle_count, fp3_form3 **form, fp3_error *error);
-/* The mesh becomes the form's, or is freed. */
-fp3_status fp3_form_of_mesh(fp3_mesh3 *mesh, fp3_form3 **form, fp3_error *error);
 /* Heights on a grid become triangles (fp3_bodies_attach_heights). */
 fp3_status fp3_form_make_heights(size_t columns, size_t rows, double dx, double dy,
                                  const double *heights, fp3_form3 **form, fp3_error *error);

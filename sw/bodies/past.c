@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const fp3_start_names[FP3_STARTS] = {"start:bodies", "start:shapes", "start:joints"};
+const char *const fp3_start_names[FP3_STARTS] = {"start:shapes", "start:bodies", "start:joints"};
 
 uint64_t fp3_bodies_steps(const fp3_bodies *bodies) { return bodies->steps; }
 

@@ -15,8 +15,9 @@
 
 #include <fp3/bodies.h>
 
-/* Of what a scene makes there are three hashes, so that a message can say what is different. */
-enum { FP3_START_BODIES, FP3_START_SHAPES, FP3_START_JOINTS, FP3_STARTS };
+/* Of what a scene makes there are three hashes, so that a message can say what is different. Bodies
+ * follow from their shapes, which are compared first. */
+enum { FP3_START_SHAPES, FP3_START_BODIES, FP3_START_JOINTS, FP3_STARTS };
 extern const char *const fp3_start_names[FP3_STARTS]; /* as attributes */
 
 typedef struct {

@@ -38,11 +38,9 @@ static fp3_status check_options(const fp3_run_options *o, fp3_error *error) {
          "between the runs of a step the host works, and has no cycles"},
         {"--check, --strict", o->check.is_asked || o->check.is_strict,
          "bodies are in double, and contacts are no equations whose steps can be halved"},
-        {"--allow-failures", o->allows_failures, "a run of bodies ends with the first that fails"},
-        {"--plot", def->plot != NULL, "fp3 view draws a recording of bodies"},
-        {"--checkpoint, --restart", def->checkpoint || def->restart,
-         "only programs write a world of bodies to a file (fp3_bodies_checkpoint)"},
-        {"fp3 verify", def->expected != NULL, "a recording of bodies has no chain of hashes"}};
+        {"--allow-failures", o->allows_failures && !def->expected,
+         "a run of bodies ends with the first that fails"},
+        {"--plot", def->plot != NULL, "fp3 view draws a recording of bodies"}};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
         if (list[i].is_given)
             return fp3_fail(error, FP3_E_ARGUMENT, "%s: %s is a scene of bodies: %s",
@@ -69,13 +67,14 @@ static fp3_status find_group(const fp3_run_options *o, const fp3_bodies_scene *s
                     scene->path, o->group);
 }
 
-static fp3_status check_files_of(const fp3_run_options *o, const fp3_bodies_scene *scene,
+static fp3_status check_files_of(fp3_run_options *o, const fp3_bodies_scene *scene,
                                  fp3_error *error) {
     fp3_files files = {0};
     for (size_t i = 0; i < scene->file_count; i++)
         fp3_files_read(&files, "points or chain", scene->files[i]);
     fp3_files_write(&files, "--output", o->record.def.path);
     fp3_files_write(&files, "--contacts", o->contacts);
+    fp3_run_record_files(&o->record, &files);
     return fp3_files_check(&files, error);
 }
 
@@ -138,30 +137,30 @@ static void print(const fp3_bodies_scene *scene, const fp3_bodies_tally *tally, 
     printf("%-16s %zu touch; %" PRIu64 " began, %" PRIu64 " ended, %" PRIu64 " hit\n", "contacts",
            fp3_bodies_touching(scene->bodies), tally->changes[FP3_CONTACT_BEGAN],
            tally->changes[FP3_CONTACT_ENDED], tally->changes[FP3_CONTACT_HIT]);
-    printf("%-16s %" PRIu64 " of %.9g s\n", "steps", tally->steps, scene->h);
+    printf("%-16s %" PRIu64 " of %.9g s", "steps", tally->steps, scene->h);
+    if (tally->begin)
+        printf(", from step %" PRIu64 " on", tally->begin);
+    putchar('\n');
     printf("%-16s %.3g s", "time", tally->seconds);
-    if (tally->seconds > 0 && tally->steps)
+    if (tally->seconds > 0 && tally->steps > tally->begin)
         printf(", %.4g body-steps/second",
-               (double)tally->steps * (double)scene->count / tally->seconds);
+               (double)(tally->steps - tally->begin) * (double)scene->count / tally->seconds);
     printf("; laws %s%s\n", scene->engine ? "on engine " : "built in",
            scene->engine ? scene->engine : "");
     print_ranks(scene->bodies);
     printf("%-16s %016" PRIx64 "\n", "hash", fp3_bodies_hash(scene->bodies));
+    if (*tally->chain)
+        printf("%-16s %s\n", "chain", tally->chain);
 }
 
 /* ---- all ---- */
-
-static fp3_status begin_ranks(const fp3_run_options *o, fp3_bodies_scene *scene, uint64_t steps,
-                              fp3_error *error) {
-    const fp3_status status = fp3_share_begin(scene->bodies, o->ranks, steps);
-    return status ? fp3_fail(error, status, "%s: %s", scene->path, scene->why.text) : FP3_OK;
-}
 
 static fp3_status run(fp3_run_options *o, fp3_bodies_scene *scene, fp3_error *error) {
     fp3_recording_def recording = o->record.def;
     fp3_bodies_tally tally;
     fp3_bodies_run_def def = {.recording = &recording,
                               .contacts = o->contacts,
+                              .ranks = o->ranks,
                               .progress = o->progress ? fp3_progress_share : NULL,
                               .user = o->progress};
     fp3_status status = find_group(o, scene, &def, error);
@@ -169,8 +168,6 @@ static fp3_status run(fp3_run_options *o, fp3_bodies_scene *scene, fp3_error *er
         status = check_files_of(o, scene, error);
     if (!status)
         status = find_steps(o, scene, &recording, error);
-    if (!status && o->ranks)
-        status = begin_ranks(o, scene, recording.steps, error);
     if (status)
         return status;
     fp3_progress_say(o->progress, "running");

@@ -37,6 +37,10 @@ typedef struct {
 fp3_status fp3_checkpoint_write(const fp3_checkpoint_def *def, fp3_state *state, fp3_past *past,
                                 fp3_error *error);
 
+/* The attribute that checkpoints of bodies have alone (sw/bodies/fields.h). Such a one is opened,
+ * too, for its step, its chain and its command, and is restored by nobody here. */
+#define FP3_CHECKPOINT_BODIES "bodies"
+
 typedef struct fp3_checkpoint fp3_checkpoint;
 /* *is: the file begins as a checkpoint does, whole or not. FP3_E_ARGUMENT: it cannot be read. */
 fp3_status fp3_checkpoint_is(const char *path, int *is, fp3_error *error);

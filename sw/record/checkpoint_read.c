@@ -16,6 +16,7 @@ struct fp3_checkpoint {
     fp3_hdf5 *file;
     char *path, *command, *config;
     uint64_t step, flags, groups, objects; /* attributes */
+    int is_of_bodies;
     fp3_digest start, hash, before, chain, links, lives;
 };
 
@@ -65,6 +66,17 @@ static fp3_status read_attributes(fp3_checkpoint *c, uint64_t step, fp3_error *e
                : foreign(c, "attributes", error);
 }
 
+/* One that a program has written has no chain and no command. */
+static fp3_status read_bodies(fp3_checkpoint *c, uint64_t step, fp3_error *error) {
+    c->step = step;
+    c->command = c->calls->text_of(c->file, -1, "command");
+    if (!c->command)
+        c->command = strdup("");
+    else if (!read_digest(c, "before", &c->before) || !read_digest(c, "chain", &c->chain))
+        return foreign(c, "attributes", error);
+    return c->command ? FP3_OK : fp3_no_memory(error);
+}
+
 static fp3_status open_file(fp3_checkpoint *c, fp3_error *error) {
     uint64_t step = 0;
     fp3_status status = fp3_library_hdf5(&c->calls, error);
@@ -72,7 +84,12 @@ static fp3_status open_file(fp3_checkpoint *c, fp3_error *error) {
         status = fp3_envelope_open(c->calls, c->path, &step, error);
     if (!status && !(c->file = c->calls->open(c->path)))
         status = fp3_no_memory(error);
-    return status ? status : read_attributes(c, step, error);
+    if (status)
+        return status;
+    char *form = c->calls->text_of(c->file, -1, FP3_CHECKPOINT_BODIES);
+    c->is_of_bodies = form != NULL;
+    free(form);
+    return c->is_of_bodies ? read_bodies(c, step, error) : read_attributes(c, step, error);
 }
 
 /* Adds to error that the file before is whole, if it is. */
@@ -369,7 +386,9 @@ static fp3_status take_past(const fp3_checkpoint *c, const fp3_state *state, fp3
 
 fp3_status fp3_checkpoint_restore(fp3_checkpoint *c, fp3_state *state, fp3_past *past,
                                   fp3_error *error) {
-    fp3_status status = compare(c, state, past, error);
+    fp3_status status = c->is_of_bodies ? fp3_fail(error, FP3_E_ARGUMENT,
+                                                   "%s: a checkpoint of rigid bodies", c->path)
+                                        : compare(c, state, past, error);
     for (uint32_t i = 0; !status && i < state->layout->count; i++)
         status = restore_group(c, state, i, error);
     for (uint32_t i = 0; !status && i < state->layout->count; i++)

@@ -220,7 +220,7 @@ def test_a_wrong_scene_is_refused_where_it_is_wrong(run, text, message):
 
 @pytest.mark.parametrize("arguments, message", [
     ("--config many", "--config: .*bodies need no configuration"), ("--threads 2", "--threads: .*one thread"), ("--check", "--check, --strict: "),
-    ("--plot x.svg", "--plot: .*fp3 view draws"), ("--checkpoint x.h5", "fp3_bodies_checkpoint"), ("--tolerance 1e-3", "--tolerance: only a model"),
+    ("--plot x.svg", "--plot: .*fp3 view draws"), ("--checkpoint-every 5", "expected --checkpoint FILE"), ("--tolerance 1e-3", "--tolerance: only a model"),
     ("-e board --port x", "--port, --baud: "), ("-e nix", "--engine: found 'nix', expected isa, fast or rtl"), ("--visit 2", "--visit: "),
     ("--clock 1MHz", "--clock: "), ("--allow-failures", "--allow-failures: "), ("--group a", "nothing is recorded"),
     ("--output x.csv --group q", "--group: found 'q', expected the name of bodies"), ("--output x.csv --observe xx", r"bodies have no value 'xx' \(did you mean 'x'\?\)"),
@@ -333,3 +333,73 @@ def test_a_scene_in_space_has_the_bits_of_calls(run, tmp_path):
 ])
 def test_what_a_plane_or_space_has_not_is_refused(run, text, message):
     assert re.search(r"^fp3 run: x\.scene:" + message, run(text, code=2), re.M)
+
+
+# ---- checkpoints ----
+
+def test_a_run_goes_on_from_its_checkpoint(run, tmp_path):
+    """In a plane and in space, from either file, on another engine: the same bits, the same chain, and recordings that meet."""
+    pytest.importorskip("h5py")
+    for text in (WORLD, SPACE):
+        whole = run(text, "-n", "40", "--checkpoint", "x.ck", "--checkpoint-every", "15")
+        chain = whole.split()[-1]
+        assert len(chain) == 64 and hash_of(whole) == hash_of(run(text, "-n", "40"))
+        for engine in ([], ["-e", "isa"])[:1 if text is SPACE else 2]:
+            (tmp_path / "y.ck").write_bytes((tmp_path / "x.ck.1").read_bytes())
+            again = run(text, "-n", "40", "--restart", "y.ck", "--checkpoint", "y.ck", *engine)
+            assert hash_of(again) == hash_of(whole) and again.split()[-1] == chain and "40 of 0.0" in again and ", from step 30 on" in again
+        run(text, "-n", "40", "--every", "10", "--output", "whole.csv", "--contacts", "whole_changes.csv")
+        run(text, "-n", "40", "--every", "10", "--output", "rest.csv", "--contacts", "changes.csv", "--restart", "y.ck.1")
+        for name in ("%s.csv", "%s_changes.csv"):
+            rows = (tmp_path / (name % "whole")).read_text().splitlines()
+            rest = (tmp_path / (name % "rest" if name == "%s.csv" else "changes.csv")).read_text().splitlines()
+            assert rest == rows[:1] + [row for row in rows[1:] if int(row.split(",")[0]) >= 30 + ("changes" in name)]
+        assert hash_of(run(text, "-n", "40", "--restart", "x.ck")) == hash_of(whole)
+
+
+def test_a_joint_that_broke_stays_broken(run):
+    text = SPACE.replace("limits = [-1.0, 1.0];", "limits = [-1.0, 1.0]; force = 1e-3;")
+    assert "of which 1 broke" in run(text, "-n", "20", "--checkpoint", "x.ck")
+    assert "of which 1 broke" in run(text, "-n", "30", "--restart", "x.ck")
+
+
+@pytest.mark.parametrize("old, new, arguments, message", [
+    ("h = 0.02", "h = 0.01", "", r"x\.ck: of another run: its h is 0\.02, and that of the scene is 0\.01"),
+    ("substeps = 3", "substeps = 4", "", "its substeps is 3, and that of the scene is 4"), ("0.5, -10.0]", "0.5, -9.0]", "", "its gravity is -10, and that of the scene is -9"),
+    ("x = [1.0, 1.0]", "x = [1.0, 1.5]", "", "the scene makes other bodies now"), ("circle = 0.5; is_sensor", "circle = 0.25; is_sensor", "", "the scene makes other shapes now"),
+    ("hertz = 3.0", "hertz = 4.0", "", "the scene makes other joints now"), ("steps = 40", "steps = 10", "", "x.ck: after 20 steps, and the whole run has 10"),
+    ("", "", "--checkpoint x.scene", "would overwrite"), ("", "", "--checkpoint none/x.ck", "none/x.ck")])
+def test_a_checkpoint_of_another_run_is_refused(run, old, new, arguments, message):
+    pytest.importorskip("h5py")
+    run(WORLD, "-n", "20", "--checkpoint", "x.ck")
+    assert re.search(message, run(WORLD.replace(old, new, 1), "--restart", "x.ck", *arguments.split(), code=2))
+
+
+def test_checkpoints_of_bodies_of_programs_and_of_others_are_not_mixed_up(run, fp3, root, tmp_path):
+    pytest.importorskip("h5py")
+    assert "x.scene: no checkpoint" in run(WORLD, "--restart", "x.scene", code=2)
+    world().checkpoint(tmp_path / "own.ck")
+    assert "own.ck: a world that a program has written" in run(WORLD, "--restart", "own.ck", code=2)
+    assert "has no command of its run: another program made the file" in start(fp3, "verify", "own.ck", folder=tmp_path, code=2)
+    run(WORLD, "--checkpoint", "x.ck")
+    assert package.Bodies.restart(tmp_path / "x.ck").time == 40 * 0.02
+    assert "x.ck: a checkpoint of rigid bodies" in start(fp3, "run", root / "programs/kepler.ode", "-n", "50", "--restart", "x.ck", folder=tmp_path, code=2)
+    start(fp3, "run", root / "programs/kepler.ode", "-n", "5", "--checkpoint", "k.ck", folder=tmp_path)
+    assert "k.ck: a checkpoint, but not one of bodies" in run(WORLD, "--restart", "k.ck", code=2)
+
+
+def test_verify_runs_bodies_again(run, fp3, tmp_path):
+    """A checkpoint from the one before, a recording from the start or a checkpoint; another state, scene or file is found."""
+    h5py = pytest.importorskip("h5py")
+    run(WORLD, "--checkpoint", "x.ck", "--checkpoint-every", "25", "--output", "x.h5", "--every", "10")
+    assert "x.ck: the hash of step 40 agrees, run again from step 25" in start(fp3, "verify", "x.ck", folder=tmp_path)
+    assert "agrees, run again from step 25" in start(fp3, "verify", "x.ck", "-e", "fast", folder=tmp_path)
+    assert "agrees, run again from step 0" in start(fp3, "verify", "x.ck", "--from", "30", folder=tmp_path)
+    assert "x.h5: 5 hashes of steps 0 to 40 agree" in start(fp3, "verify", "x.h5", folder=tmp_path)
+    assert "2 hashes of steps 30 to 40 agree, run again from step 25" in start(fp3, "verify", "x.h5", "--from", "30", "--restart", "x.ck.1", folder=tmp_path)
+    with h5py.File(tmp_path / "x.h5", "r+") as file:
+        file["hash:chain"][3, 0] ^= 1
+    assert "after 30 steps" in start(fp3, "verify", "x.h5", folder=tmp_path, code=1)
+    (tmp_path / "x.scene").write_text(WORLD.replace("friction = 0.9", "friction = 0.8"))
+    assert "the scene makes other shapes now" in start(fp3, "verify", "x.ck", folder=tmp_path, code=2)
+    assert "x.ck" in start(fp3, "verify", "x.ck", "--from", "30", folder=tmp_path, code=1)

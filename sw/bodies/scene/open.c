@@ -64,6 +64,7 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
     def.engine = scene->engine;
     def.substeps = (uint32_t)substeps;
     def.error = &scene->why;
+    scene->def = def;
     scene->h = def.h;
     scene->substeps = def.substeps;
     status = fp3_bodies_open(&def, &scene->bodies);

@@ -2,11 +2,13 @@
 /* run.c - see run.h. */
 #include "run.h"
 
+#include "kept.h"
 #include "recorded.h"
 
 #include "base/file.h"
 #include "base/host.h"
 #include "base/path.h"
+#include "bodies/share.h"
 #include "record/format.h"
 #include "record/plan.h"
 
@@ -49,8 +51,10 @@ typedef struct {
     fp3_subject subject;
     fp3_sink *sink; /* NULL: no snapshots */
     fp3_plan plan;
+    fp3_bodies_kept kept;
     fp3_output *contacts; /* NULL: they are not written */
     int has_contacts;     /* snapshots have them */
+    int is_hashed;        /* snapshots have hashes, or are hashes alone */
     uint64_t number;      /* of the next snapshot */
     fp3_error *error;
 } run;
@@ -131,8 +135,22 @@ static fp3_status choose_columns(run *u) {
 
 /* ---- opening ---- */
 
+/* Stops are where hashes are expected. */
+static fp3_status plan_expected(run *u, const fp3_expected *expected) {
+    uint64_t *steps = calloc(expected->count, sizeof *steps);
+    if (!steps)
+        return fp3_no_memory(u->error);
+    for (size_t i = 0; i < expected->count; i++)
+        steps[i] = expected->list[i].step;
+    const fp3_status status = fp3_plan_steps(steps, expected->count, &u->plan, u->error);
+    free(steps);
+    return status;
+}
+
 static fp3_status plan(run *u) {
     const fp3_recording_def *def = u->def->recording;
+    if (def->expected)
+        return plan_expected(u, def->expected);
     const fp3_source source = {.has_time = 1, .h = u->scene->h, .h_given = u->scene->h};
     return fp3_plan_make(&source, def->steps, def->every, def->times, def->time_count, &u->plan,
                          u->error);
@@ -142,6 +160,7 @@ static fp3_status open_sink(run *u) {
     const fp3_recording_def *def = u->def->recording;
     const fp3_format *format = fp3_format_of(def->path);
     fp3_status status = choose_columns(u);
+    u->is_hashed = format->is_hdf5;
     if (!status && !format->is_hdf5 && (def->is_compressed || u->has_contacts))
         status = fp3_fail(u->error, FP3_E_ARGUMENT,
                           "%s: only HDF5 (a name that ends in " FP3_HDF5_ENDINGS(" or ") ") %s",
@@ -155,14 +174,16 @@ static fp3_status open_sink(run *u) {
                                .extras = u->tables.extras,
                                .extra_count = FP3_BODIES_TABLES,
                                .objects = u->def->count,
-                               .snapshots = fp3_plan_count(&u->plan, 0),
+                               .snapshots = fp3_plan_count(&u->plan, u->kept.begin),
                                .has_time = 1,
                                .h = u->scene->h,
                                .time_unit = "s",
                                .engine = u->scene->engine ? u->scene->engine : "built in",
                                .config = "",
                                .command = def->command,
-                               .is_compressed = def->is_compressed};
+                               .is_compressed = def->is_compressed,
+                               .is_hashed = u->is_hashed,
+                               .before = u->kept.chain};
     return status ? status : format->open(&u->subject, &u->sink, u->error);
 }
 
@@ -182,8 +203,12 @@ static fp3_status take_snapshot(run *u, uint64_t step) {
     const fp3_slice block = {.number = u->number++,
                              .step = step,
                              .time = (double)step * u->scene->h,
-                             .count = u->def->count};
-    fp3_status status = FP3_OK;
+                             .count = u->def->count,
+                             .chain = &u->kept.chain};
+    fp3_status status =
+        u->is_hashed ? fp3_bodies_kept_hash(&u->kept, u->scene, step, u->error) : FP3_OK;
+    if (status || !u->sink)
+        return status;
     for (size_t i = 0; !status && i < u->columns.count; i++)
         status = fp3_bodies_read(bodies, u->columns.list[i].name, u->scene->handles + u->def->first,
                                  u->def->count, u->columns.list[i].values);
@@ -239,24 +264,47 @@ static fp3_status step(run *u, uint64_t steps) {
     return status ? failed(u, status) : FP3_OK;
 }
 
+static int is_stop(const run *u, uint64_t step) {
+    return (u->sink || u->is_hashed) && fp3_plan_has(&u->plan, step);
+}
+
 static fp3_status make_steps(run *u) {
-    const uint64_t steps = u->def->recording->steps;
+    const uint64_t steps = u->def->recording->steps, begin = u->kept.begin;
     const uint64_t most = u->contacts ? 1 : steps / PARTS + 1;
-    fp3_status status = u->sink && fp3_plan_has(&u->plan, 0) ? take_snapshot(u, 0) : FP3_OK;
-    for (uint64_t at = 0; !status && at < steps;) {
-        const uint64_t due = u->sink ? fp3_plan_next(&u->plan, at) : steps;
+    fp3_status status = is_stop(u, begin) ? take_snapshot(u, begin) : FP3_OK;
+    u->tally->begin = u->tally->steps = begin;
+    for (uint64_t at = begin; !status && at < steps;) {
+        const uint64_t stop = u->sink || u->is_hashed ? fp3_plan_next(&u->plan, at) : steps;
+        const uint64_t due = fp3_bodies_kept_next(&u->kept, at, stop);
         const uint64_t next = due - at < most ? due : at + most;
         status = step(u, next - at);
         at = next;
         if (!status)
             status = look_at_changes(u, at);
-        if (!status && u->sink && fp3_plan_has(&u->plan, at))
+        if (!status && is_stop(u, at))
             status = take_snapshot(u, at);
+        if (!status)
+            status = fp3_bodies_kept_take(&u->kept, u->scene, at, u->error);
         u->tally->steps = at;
         if (u->def->progress)
             u->def->progress(u->def->user, (double)at / (double)steps);
     }
-    return status;
+    return status || begin < steps || u->def->recording->restart
+               ? status
+               : fp3_bodies_kept_take(&u->kept, u->scene, begin, u->error);
+}
+
+static void tell_chain(run *u) {
+    if (u->kept.output)
+        fp3_digest_text(&u->kept.past.chain, u->tally->chain);
+    else if (u->sink && u->is_hashed)
+        fp3_digest_text(&u->kept.chain, u->tally->chain);
+}
+
+static fp3_status begin_ranks(const run *u) {
+    const fp3_status status =
+        fp3_share_begin(u->scene->bodies, u->def->ranks, u->def->recording->steps);
+    return status ? failed(u, status) : FP3_OK;
 }
 
 static fp3_status publish(run *u) {
@@ -273,7 +321,12 @@ fp3_status fp3_bodies_scene_run(fp3_bodies_scene *scene, const fp3_bodies_run_de
     FP3_HOST;
     run u = {.scene = scene, .def = def, .tally = tally, .error = error};
     *tally = (fp3_bodies_tally){0};
-    fp3_status status = plan(&u);
+    fp3_status status = fp3_bodies_kept_open(scene, def->recording, &u.kept, error);
+    u.is_hashed = def->recording->expected != NULL;
+    if (!status && def->ranks)
+        status = begin_ranks(&u);
+    if (!status)
+        status = plan(&u);
     if (!status && def->recording->path && !def->recording->is_silent)
         status = open_sink(&u);
     if (!status && def->contacts && !def->recording->is_silent)
@@ -282,6 +335,9 @@ fp3_status fp3_bodies_scene_run(fp3_bodies_scene *scene, const fp3_bodies_run_de
         status = make_steps(&u);
     if (!status)
         status = publish(&u);
+    if (!status)
+        tell_chain(&u);
+    fp3_bodies_kept_close(&u.kept);
     if (u.sink)
         u.sink->close(u.sink);
     fp3_output_close(&u.contacts);

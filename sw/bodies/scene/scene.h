@@ -27,6 +27,7 @@ typedef struct {
     uint64_t steps;
     double h;
     uint32_t substeps, dimensions;
+    fp3_bodies_def def; /* of the world */
     fp3_bodies *bodies;
     fp3_error why; /* where the world puts its errors */
     fp3_bodies_entry *entries;
