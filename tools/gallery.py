@@ -102,6 +102,9 @@ SCENES = [
     Scene("car", "A car on a bridge", BODIES, steps=4),
     Scene("dominoes", "A run of dominoes", BODIES, steps=4, changes=((r"count = 60", "count = 6"),), small="6 dominoes"),
     Scene("tumbler", "400 bodies in a drum", BODIES, steps=4, changes=((r"count = \(20, 20\)", "count = (3, 3)"),), small="9 bodies"),
+    Scene("castle", "A tower is shot, in space", BODIES, steps=4, changes=((r"count = \[12, 12\]", "count = [2, 3]"),), small="6 bricks"),
+    Scene("top", "A handle that flips", BODIES, steps=4),
+    Scene("tippe", "A top that stands on its head", BODIES, steps=4),
 ]
 
 

@@ -81,7 +81,7 @@ def test_what_a_recording_of_bodies_says(fp3, tmp_path):
 
 
 def test_the_data_are_of_all_scenes_and_engines_agree():
-    assert list(DATA["scenes"]) == list(BY_NAME) and len(BY_NAME) == 17
+    assert list(DATA["scenes"]) == list(BY_NAME) and len(BY_NAME) == 20
     for name, found in DATA["scenes"].items():
         hashes, engines = {}, {row["engine"] for row in found["rows"]} | {row["engine"] for row in found["refused"]}
         for row in found["rows"]:

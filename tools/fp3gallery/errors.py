@@ -185,9 +185,52 @@ def tumbler(found):
     yield row("how many of 400 bodies have left the drum after 20 s", 0, (abs(own).max(1) > 9.5).sum())
 
 
-OF_BODIES = {function.__name__: function for function in (pyramid, ragdolls, car, dominoes, tumbler)}
+def castle(found):
+    """Bricks are behind the ground, layer by layer."""
+    yield row("how many of 144 bricks have come down by a layer after 8 s", None, (found.x[-1, 1:145, 1] < found.x[0, 1:145, 1] - 0.5).sum())
+
+
+def agm(a, b):
+    while abs(a - b) > 1e-15 * a:
+        a, b = (a + b) / 2, np.sqrt(a * b)
+    return a
+
+
+def top(found):
+    """Two boxes of density 1; Euler's equations have a solution, in which each half period of sn is a flip (Landau and Lifshitz, Mechanics, section 37)."""
+    boxes = [(np.array(half), high - 0.5 * 0.032 / 0.096) for half, high in (((0.8, 0.1, 0.1), 0), ((0.1, 0.4, 0.1), 0.5))]
+    inertia = sum(8 * half.prod() * ((half @ half - half ** 2) / 3 + high ** 2 * np.array([1, 0, 1])) for half, high in boxes)
+    spins = np.einsum("tk,tkj->tj", found.spin[:, 0], found.axes[:, 0])
+    energy, turn = (spins ** 2 @ inertia), np.linalg.norm(spins * inertia, axis=1)
+    low, middle, high = np.sort(inertia)
+    if turn[0] ** 2 < energy[0] * middle:
+        low, high = high, low
+    rate = (high - middle) * (turn[0] ** 2 - energy[0] * low)
+    share = (middle - low) * (energy[0] * high - turn[0] ** 2) / rate
+    between = np.pi / agm(1, np.sqrt(1 - share)) / np.sqrt(rate / (low * middle * high))
+    up = found.axes[:, 0, 1, 1]
+    flips = [found.times[n] - up[n] * (found.times[n + 1] - found.times[n]) / (up[n + 1] - up[n]) for n in np.flatnonzero(up[1:] * up[:-1] < 0)]
+    yield row("time between two flips, s: the mean of 40 s", between, (flips[-1] - flips[0]) / (len(flips) - 1))
+    yield row("largest relative change of energy", 0, abs(energy / energy[0] - 1).max())
+    yield row("largest relative change of angular momentum", 0, abs(turn / turn[0] - 1).max())
+
+
+def tippe(found):
+    """Friction at one point of a sphere keeps the angular momentum along the way from there to the centre of mass (Jellett, 1872)."""
+    masses, centre = np.array([0.2, 2 * 0.5 ** 3]) * 4 / 3 * np.pi, np.array([0, -0.3])
+    low = masses @ centre / masses.sum()
+    about = masses @ (0.4 * np.array([1, 0.25]))
+    across = about + masses @ (centre - low) ** 2
+    axis = found.axes[:, 1, :, 1]
+    along = (found.spin[:, 1] * axis).sum(1)[:, None] * axis
+    kept = ((about * along + across * (found.spin[:, 1] - along)) * ([0, 1, 0] + low * axis)).sum(1)
+    yield row("cosine of the top's tilt after 8 s", None, axis[-1, 1])
+    yield row("largest relative change of Jellett's integral", 0, abs(kept / kept[0] - 1).max())
+
+
+OF_BODIES = {function.__name__: function for function in (pyramid, ragdolls, car, dominoes, tumbler, castle, top, tippe)}
 
 
 def of_bodies(fp3, folder, scene):
     """With a snapshot of each step."""
-    yield from OF_BODIES[scene.name](recorded.Recording(fp3, folder, scene, "--every", 1))
+    yield from OF_BODIES[scene.name](recorded.recording_of(fp3, folder, scene, "--every", 1))

@@ -74,6 +74,11 @@ NOTES = {
            "largest distance of all steps.",
     "dominoes": "The picture shows the run at three times. What sleeps is pale: a domino wakes when the one before it touches it.",
     "tumbler": "The picture shows the drum at three times: boxes, discs, capsules and triangles.",
+    "castle": "The picture shows the tower at four times. [A tutorial](tutorials/castle.md) has such a tower, and a catapult that tries its aims.",
+    "top": "The picture shows the handle in the first 5.5 s. Its spin about its middle axis cannot last: after half a period of an elliptic function\n"
+           "it has turned over (Dzhanibekov). The expected time is that of Euler's equations. Nothing touches it, so energy and angular momentum should stay.",
+    "tippe": "The picture shows the top in the first 8 s, with a heavy ball within it on the side that is below at first. Friction at the point on which it slides raises its centre of mass.\n"
+             "Jellett's integral is its angular momentum along the way from the point of contact to the centre of mass.",
 }
 
 

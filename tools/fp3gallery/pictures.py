@@ -264,6 +264,32 @@ def tumbler(fp3, folder, scene):
     return bodies(fp3, folder, scene, (0, 3, 10), ((-15, 15), (-15, 15)), height=330)
 
 
+def views(fp3, folder, scene, times, rows, height, *look):
+    """A picture of fp3 view for each time."""
+    recording, columns = folder / f"{scene.name}.h5", len(times) // rows
+    ws.call(fp3, ws.put(folder, scene.text(folder), scene.name), "--output", recording, "--times", ",".join(map(str, times)))
+    figure = Figure(figsize=(WIDTH / DPI, height / DPI), dpi=DPI)
+    for n, time in enumerate(times):
+        picture, left, above = folder / "view.png", n % columns * WIDTH // columns, n // columns * height // rows
+        subprocess.run([fp3, "view", recording, "--png", picture, "--at", str(time), "--width", str(WIDTH // columns), "--height", str(height // rows), *look],
+                       check=True, capture_output=True)
+        figure.figimage(matplotlib.image.imread(picture), left, height - height // rows - above)
+        figure.text((left + WIDTH // columns - 12) / WIDTH, 1 - (above + 12) / height, f"{time:g} s", ha="right", va="top")
+    return figure
+
+
+def castle(fp3, folder, scene):
+    return views(fp3, folder, scene, (0, 0.75, 1.5, 8), 2, 500, "--see", "-3:7,0:6,-4:4", "--turn=-25:15")
+
+
+def top(fp3, folder, scene):
+    return views(fp3, folder, scene, (0, 1.75, 2, 2.25, 2.5, 2.75, 3, 5.5), 2, 400)
+
+
+def tippe(fp3, folder, scene):
+    return views(fp3, folder, scene, (0, 2, 3, 4, 5, 8), 2, 500, "--see", "-1.5:1.5,0:2.2,-1.5:1.5")
+
+
 # ---- all of them ----
 
 def pixels(figure):

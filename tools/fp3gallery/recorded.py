@@ -1,4 +1,4 @@
-"""A recording of rigid bodies: where they are, their shapes as polygons, and the gaps in their joints."""
+"""A recording of rigid bodies: where they are; in a plane their shapes as polygons, and the gaps in their joints."""
 
 import h5py
 import numpy as np
@@ -46,3 +46,23 @@ class Recording:
         at = self.anchors[self.joints[:, 2] == HINGE]
         apart = (self.world(n, a, at[:, :2]) - self.world(n, b, at[:, 3:5]) for n in range(len(self.times)))
         return max(np.linalg.norm(one, axis=1).max() for one in apart)
+
+
+class Space:
+    """Of a scene in space, likewise: places, spins, and the axes of each body as columns."""
+
+    def __init__(self, fp3, folder, scene, *options):
+        path = folder / f"{scene.name}.h5"
+        ws.call(fp3, ws.put(folder, scene.text(folder), scene.name), "--output", path, *options)
+        with h5py.File(path) as file:
+            self.times = file["time"][:]
+            self.x, self.spin = (np.stack([file[f"{name}_{k}"][:] for k in "xyz"], 2) for name in ("x", "spin"))
+            w, x, y, z = (file[f"q_{k}"][:] for k in "wxyz")
+        path.unlink()
+        self.axes = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                              [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]).transpose(2, 3, 0, 1)
+
+
+def recording_of(fp3, folder, scene, *options):
+    is_space = "dimensions = 3;" in scene.text(folder)
+    return (Space if is_space else Recording)(fp3, folder, scene, *options)
