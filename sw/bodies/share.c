@@ -240,16 +240,20 @@ int fp3_share_has(const fp3_bodies *bodies, uint32_t a, uint32_t b) {
 
 typedef enum { COUNT, PUT, TAKE } doing;
 
-/* Words of a rank's passes. COUNT: s->bytes; else s->at goes on. */
-static void carry(fp3_share *s, doing what, uint32_t rank, float *words, uint32_t count) {
+/* Whether this rank puts or takes words of that one; whoever counts has them counted. */
+static int is_mine(fp3_share *s, doing what, uint32_t rank, uint32_t words) {
     if (what == COUNT)
-        s->bytes[rank] += count * sizeof *words;
-    else if (what == PUT && rank == s->ranks.rank)
-        memcpy(s->at[rank], words, count * sizeof *words);
-    else if (what == TAKE && rank != s->ranks.rank)
-        memcpy(words, s->at[rank], count * sizeof *words);
-    if (what != COUNT)
-        s->at[rank] += count;
+        s->bytes[rank] += words * sizeof(float);
+    return what != COUNT && (rank == s->ranks.rank) == (what == PUT);
+}
+
+/* Words side by side. */
+static void carry(fp3_share *s, doing what, uint32_t rank, float *words, uint32_t count) {
+    if (!is_mine(s, what, rank, count))
+        return;
+    float *const at = s->at[rank];
+    memcpy(what == PUT ? at : words, what == PUT ? words : at, count * sizeof *words);
+    s->at[rank] += count;
 }
 
 static void carry_slots(fp3_bodies *bodies, doing what) {
@@ -263,15 +267,26 @@ static void carry_slots(fp3_bodies *bodies, doing what) {
     }
 }
 
+/* Words of a lane of a block. */
+static void carry_lane(const changed *of, doing what, float *lane, float *at) {
+    for (uint32_t w = 0; what == PUT && w < of->count; w++)
+        at[w] = lane[of->word[w] * FP3_WIDE];
+    for (uint32_t w = 0; what == TAKE && w < of->count; w++)
+        lane[of->word[w] * FP3_WIDE] = at[w];
+}
+
 static void carry_rows(fp3_bodies *bodies, doing what, const fp3_law_rows *rows,
                        const changed *of) {
+    fp3_share *s = bodies->share;
     for (uint32_t i = 0; i < rows->count; i++) {
         const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
         const fp3_ends2 *ends = &rows->ends[block];
         const uint32_t rank = rank_of(bodies, ends->a[lane], ends->b[lane]);
-        float *row = (float *)(void *)((char *)rows->row + block * of->size) + lane;
-        for (uint32_t w = 0; rank != EVERYBODY && w < of->count; w++)
-            carry(bodies->share, what, rank, row + of->word[w] * FP3_WIDE, 1);
+        if (rank == EVERYBODY || !is_mine(s, what, rank, of->count))
+            continue;
+        float *row = (float *)(void *)((char *)rows->row + block * of->size);
+        carry_lane(of, what, row + lane, s->at[rank]);
+        s->at[rank] += of->count;
     }
 }
 
@@ -310,8 +325,7 @@ fp3_status fp3_share_gather(fp3_bodies *bodies, fp3_status status) {
             fp3_bodies_room((void **)&s->all, &s->all_room, sizeof *s->all, words, bodies->error);
     if (made)
         return made;
-    for (uint32_t r = 0; r < s->ranks.count; r++)
-        s->at[r] = s->own;
+    s->at[s->ranks.rank] = s->own;
     carry_all(bodies, PUT, &status);
     s->ranks.calls->gather(s->ranks.world, s->own, s->bytes, s->all);
     float *at = s->all;

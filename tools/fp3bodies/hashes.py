@@ -121,7 +121,6 @@ def native(folder, path, steps, kind):
     return found
 
 
-NO_FILE = "a file knows bodies in a plane alone"
 NO_MPI, NO_COMPILER = "make setup-cluster all", "make setup-everywhere setup-playground everywhere"
 
 
@@ -129,7 +128,6 @@ def of_scene(name, path, folder, quick):
     """Engine, variant, steps and hash, or why there is none. The first row of so many steps is what the others are compared with."""
     steps, few = STEPS[quick], STEPS_RTL[quick]
     isa = few if quick else STEPS_ISA
-    has_files = SCENES[name]().dimensions == 2
     for kind in kinds():
         yield "built in", kind, steps, stepped(path, steps, fast=kind)
     for way in WAYS:
@@ -146,7 +144,7 @@ def of_scene(name, path, folder, quick):
         yield "rtl", config, few, stepped(path, few, "rtl", config)
     for engine, config, last in [("-", "-", steps // 2), ("isa", "-", few), *([] if quick else [("rtl", config, few) for config in CONFIGS])]:
         variant = ("" if config == "-" else f"{config}, ") + f"file, last {last}"
-        yield "built in" if engine == "-" else engine, variant, steps, stepped(path, steps, engine, config, f"file{last}") if has_files else NO_FILE
+        yield "built in" if engine == "-" else engine, variant, steps, stepped(path, steps, engine, config, f"file{last}")
     if quick:
         return
     for kind in kinds():
