@@ -71,7 +71,7 @@ static fp3_status check_files_of(fp3_run_options *o, const fp3_bodies_scene *sce
                                  fp3_error *error) {
     fp3_files files = {0};
     for (size_t i = 0; i < scene->file_count; i++)
-        fp3_files_read(&files, "points or chain", scene->files[i]);
+        fp3_files_read(&files, "points or ground", scene->files[i]);
     fp3_files_write(&files, "--output", o->record.def.path);
     fp3_files_write(&files, "--contacts", o->contacts);
     fp3_run_record_files(&o->record, &files);

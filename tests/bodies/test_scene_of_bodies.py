@@ -120,7 +120,7 @@ def test_a_file_of_points(run, tmp_path):
         assert file["shapes:of"][:].tolist() == [[0, 2, 0, 2], [1, 1, 0, 0], [2, 1, 0, 0], [3, 1, 0, 0]]
         assert file["shapes:corners"][:2].tolist() == [[9, 0, 0], [-9, 0, 0]]
     assert "x.csv would overwrite" not in said
-    assert "would overwrite points or chain stones.csv" in run((tmp_path / "x.scene").read_text(), "--output", "stones.csv", code=2)
+    assert "would overwrite points or ground stones.csv" in run((tmp_path / "x.scene").read_text(), "--output", "stones.csv", code=2)
 
 
 def test_a_recording_has_what_python_reads(run, tmp_path):
@@ -240,7 +240,7 @@ def test_other_commands_say_who_takes_bodies(fp3, root, tmp_path):
     assert "--contacts: expected a --scene of bodies" in start(fp3, "run", root / "programs/kepler.ode", "--contacts", "x.csv", folder=tmp_path, code=2)
 
 
-@pytest.mark.parametrize("name, bodies, joints", [("pyramid", 822, 0), ("car", 24, 23), ("dominoes", 62, 0), ("heap", 62, 1)])
+@pytest.mark.parametrize("name, bodies, joints", [("pyramid", 822, 0), ("car", 24, 23), ("dominoes", 62, 0), ("heap", 62, 1), ("hills", 42, 0)])
 def test_the_scenes_of_the_project_run(fp3, root, name, bodies, joints):
     said = start(fp3, "run", "--scene", f"programs/bodies/{name}.scene", "-n", "20", folder=root)
     assert f"bodies           {bodies}, of which" in said and (f"joints           {joints}, of which 0 broke" in said or not joints)
@@ -333,6 +333,100 @@ def test_a_scene_in_space_has_the_bits_of_calls(run, tmp_path):
 ])
 def test_what_a_plane_or_space_has_not_is_refused(run, text, message):
     assert re.search(r"^fp3 run: x\.scene:" + message, run(text, code=2), re.M)
+
+
+# ---- meshes and heights ----
+
+GROUND = """dimensions = 3; steps = 30;
+bodies = ( { name = "ground"; type = "static"; shapes = ( %s ); }, { x = [0.5, 1.4, 0.9]; shapes = { box = [0.2, 0.3, 0.2]; }; } );
+"""
+POINTS = [(-3, 0, -3), (3, 0, -3), (3, 0.5, 3), (-3, 0.5, 3)]
+OBJ = """# from a modeller
+mtllib x.mtl
+o slope
+v -3 0 -3
+v 3.0 0 -3 1.0
+v 3e0 0.5 3
+  v -3 0.5 3
+vt 0 0
+vn 0 1 0
+usemtl grey
+s off
+f 4/1/1 3//1 -3 1/1
+"""
+
+
+def test_a_mesh_has_the_bits_of_calls(run, tmp_path):
+    """In the scene, with a file of points, and from a file of a modeller, whose face of four corners is two triangles; recordings have them."""
+    def wanted(triangles):
+        made = package.Bodies(dimensions=3)
+        made.mesh(made.add(type="static"), POINTS, triangles, friction=0.3)
+        made.attach(made.add(x=(0.5, 1.4, 0.9)), package.box(0.2, 0.3, 0.2))
+        made.step(30)
+        assert len(made.contacts())
+        return f"{made.hash:016x}"
+    text = "{ mesh = { points = %s; triangles = ([3, 2, 1], (3, \"2 - 1\", 0)); }; friction = 0.3; }"
+    assert hash_of(run(GROUND % (text % "([-3, 0, -3], [3, 0, -3], (3, 0.5, \"6/2\"), [-3, 0.5, 3])"))) == wanted([(3, 2, 1), (3, 1, 0)])
+    (tmp_path / "p.csv").write_text("x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in POINTS))
+    assert hash_of(run(GROUND % (text % '"p.csv"'))) == wanted([(3, 2, 1), (3, 1, 0)])
+    (tmp_path / "hill.obj").write_text(OBJ)
+    assert hash_of(run(GROUND % '{ mesh = "hill.obj"; friction = 0.3; }', "--output", "x.h5")) == wanted([(3, 2, 1), (3, 1, 0)])
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert file["shapes:triangles"][:2].tolist() == [[3, 2, 1], [3, 1, 0]] and file["shapes:corners"][:4].tolist() == [list(p) for p in POINTS]
+    assert "would overwrite points or ground hill.obj" in run((tmp_path / "x.scene").read_text(), "--output", "hill.obj", code=2)
+
+
+def test_heights_have_the_bits_of_calls(run, tmp_path):
+    """Rows in the scene, a formula, and a file without a head."""
+    made = package.Bodies(dimensions=3, gravity=(0, 0, -10))
+    made.heights(made.add(type="static"), 0.75, 1.0, [[0.5, 0.25 * j, 0] for j in range(4)])
+    made.attach(made.add(x=(0.5, 1.4, 0.9)), package.box(0.2, 0.3, 0.2))
+    made.step(30)
+    assert len(made.contacts())
+    text = "gravity = [0, 0, -10]; " + GROUND % "{ heights = %s; spacing = [0.75, 1]; }"
+    (tmp_path / "hill.csv").write_text("# heights\n0.5, 0, 0\n0.5,0.25,0\n\n0.5,0.5,0\n0.5,0.75,0\n")
+    for heights in ("([0.5, 0, 0], (0.5, \"1/4\", 0), [0.5, 0.5, 0], [0.5, 0.75, 0])", '"hill.csv"',
+                    '{ count = [3, 4]; at = "(column - 1)*(column - 2)/4 + 0.25*row*column*(2 - column)"; }'):
+        assert hash_of(run(text % heights)) == f"{made.hash:016x}", heights
+
+
+@pytest.mark.parametrize("lines, message", [
+    ("v 1 2\n", r"hill\.obj:1:6: found .*, expected three numbers of a point"),
+    ("v 1 2 x\n", r"hill\.obj:1:7: found 'x', expected a number"),
+    ("v 1 2 inf\n", r"hill\.obj:1:7: found 'inf', expected a finite number"), ("\nw 1\n", r"hill\.obj:2:1: found 'w', expected v, f, or another word"),
+    ("v 0 0 0\nv 1 0 0\nf 1 2\n", r"hill\.obj:3:6: found .*, expected three corners of a face, or more"),
+    ("v 0 0 0\nv 1 0 0\nf 1 2 3/2\n", r"hill\.obj:3:7: found '3', expected the number of a point above"),
+    ("v 0 0 0\nv 1 0 0\nf 1 2 0\n", r"hill\.obj:3:7: found '0'"), ("v 0 0 0\nf -1 -2 1\n", r"hill\.obj:2:6: found '-2'"), ("f 1.5 1 1\n", r"hill\.obj:1:3: found '1.5'"),
+    ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", r"mesh: triangle 0 has its corners on a line"), ("v 0 0 0\n", r"mesh: a mesh needs from 1 to"), ("f /1 2 3\n", r"hill\.obj:1:3: found nothing, expected a number")])
+def test_a_wrong_file_of_a_modeller_is_refused_where_it_is_wrong(run, tmp_path, lines, message):
+    (tmp_path / "hill.obj").write_text(lines)
+    said = run(GROUND % '{ mesh = "hill.obj"; }', code=2).replace("error: ", "")
+    assert re.search(r"^fp3 run: x\.scene:2: " + message, said, re.M)
+
+
+@pytest.mark.parametrize("shape, message", [
+    ("{ mesh = 3; }", r"2: mesh: found '3', expected a file of Wavefront's format"), ('{ mesh = "none.obj"; }', r"2: none\.obj: "),
+    ("{ mesh = { points = ([0, 0, 0]); }; }", "2: mesh: expected points = "), ("{ mesh = { points = ([0, 0, 0]); triangles = ([0, 1, 2.5]); }; }", "2: triangles: found 2.5, expected"),
+    ("{ mesh = { points = ([0, 0, 0]); triangles = ([0, 1, 2]); }; }", "2: mesh: triangle 0 has corner 1 of 1 points"),
+    ("{ mesh = { points = ([0, 0]); triangles = (); }; }", "2: points: .* expected three numbers"), ("{ mesh = { points = ([0, 0, 0]); triangles = (); }; }", "2: mesh: a mesh needs from 1"),
+    ("{ mesh = { points = ([0, 0, 0]); triangle = (); }; }", r"2: found 'triangle', .*\(did you mean 'triangles'\?\)"), ("{ mesh = 3; radius = 1; }", "2: radius: a mesh has none"),
+    ("{ mesh = 3; spacing = [1, 1]; }", "2: spacing: a mesh has none"), ("{ heights = 3; }", "2: heights: found '3', expected rows of numbers"),
+    ("{ heights = ([0, 1], [0]); }", "2: heights: expected rows of as many numbers"), ("{ heights = ([0, 1], [0, 1e7]); }", "2: heights: a mesh's points must be finite and at most 1e6"),
+    ("{ heights = ([0, 1]); }", "2: heights: heights need from 2"), ("{ heights = ([0, 1], [0, 1]); spacing = [1, 0]; }", "2: heights: .*spacings above 0"),
+    ('{ heights = { count = [2, 1]; at = 0; }; }', "2: count: found 2 and 1, expected two whole numbers"), ('{ heights = { count = [10000, 10000]; at = 0; }; }', "2: count: .* at most 1000000 heights"),
+    ('{ heights = { count = [2, 2]; at = "i"; }; }', r"2: at: \"i\": found 'i', expected a name of this entry: n, random, column, row"),
+    ('{ heights = { count = [2, 2]; }; }', "2: heights: expected count = "), ('{ heights = "bad.csv"; }', r"2: bad\.csv:2: found 3 heights, expected 2"),
+    ('{ heights = "text.csv"; }', r"2: text\.csv:1:3: found 'x', expected a number")])
+def test_wrong_ground_is_refused_where_it_is_wrong(run, tmp_path, shape, message):
+    (tmp_path / "bad.csv").write_text("1,2\n3,4,5\n")
+    (tmp_path / "text.csv").write_text("1,x\n")
+    assert re.search(r"^fp3 run: x\.scene:" + message, run(GROUND % shape, code=2).replace("error: ", ""), re.M)
+
+
+def test_ground_has_a_body_that_does_not_move_and_is_in_space(run):
+    assert "mesh: triangles and heights are ground" in run((GROUND % "{ mesh = { points = ([0, 0, 0], [1, 0, 0], [0, 1, 0]); triangles = ([0, 1, 2]); }; }").replace("static", "dynamic"), code=2)
+    assert "2: heights: space alone has it" in run("dimensions = 2;\nbodies = ( { shapes = { heights = 3; }; } );", code=2)
 
 
 # ---- checkpoints ----

@@ -12,6 +12,7 @@
 #include <string.h>
 
 static const char *const counters[FP3_COUNTERS] = {"i", "j", "k"};
+static const char *const cells[2] = {"column", "row"}; /* of a height */
 
 /* ---- formulas ---- */
 
@@ -49,10 +50,17 @@ static fp3_status value_of(void *user, const char *name, double *value, fp3_erro
         *value = r->corner;
         return FP3_OK;
     }
+    for (int k = 0; r->has_cell && k < 2; k++)
+        if (!strcmp(name, cells[k])) {
+            *value = r->cell[k];
+            return FP3_OK;
+        }
     for (unsigned i = 0; i < r->counters; i++)
         snprintf(all + strlen(all), sizeof all - strlen(all), ", %s", counters[i]);
     if (r->has_corner)
         snprintf(all + strlen(all), sizeof all - strlen(all), ", corner");
+    if (r->has_cell)
+        snprintf(all + strlen(all), sizeof all - strlen(all), ", column, row");
     for (size_t i = 0; r->points && i < r->points->columns; i++)
         snprintf(all + strlen(all), sizeof all - strlen(all), ", %s", r->points->names[i]);
     return fp3_fail(error, FP3_E_ARGUMENT, "found '%s', expected a name of this entry: %s", name,
@@ -186,25 +194,35 @@ static fp3_status read_count(fp3_reader *r, const config_setting_t *at, const ch
 
 /* ---- files ---- */
 
-/* The file is one that the run has read. */
-static fp3_status read_table(fp3_reader *r, const config_setting_t *at, const char *name,
-                             fp3_table *table) {
+fp3_status fp3_read_path(fp3_reader *r, const char *name, const char **path) {
     fp3_bodies_scene *scene = r->scene;
-    fp3_error why = {.text = ""};
-    char *path = fp3_path_beside(r->in->name, name);
+    char *made = fp3_path_beside(r->in->name, name);
     fp3_status status =
-        path ? fp3_bodies_grow((void **)&scene->files, &scene->file_room, sizeof *scene->files,
+        made ? fp3_bodies_grow((void **)&scene->files, &scene->file_room, sizeof *scene->files,
                                scene->file_count + 1, r->in->error)
              : fp3_no_memory(r->in->error);
     if (status) {
-        free(path);
+        free(made);
         return status;
     }
-    scene->files[scene->file_count++] = path;
+    *path = scene->files[scene->file_count++] = made;
+    return FP3_OK;
+}
+
+fp3_status fp3_read_failed(const fp3_reader *r, const config_setting_t *at, fp3_status status,
+                           const fp3_error *why) {
+    return fp3_fail_at(r->in->error, status, r->in->name, fp3_setting_line(at), 0, "%s", why->text);
+}
+
+static fp3_status read_table(fp3_reader *r, const config_setting_t *at, const char *name,
+                             fp3_table *table) {
+    const char *path = NULL;
+    fp3_error why = {.text = ""};
+    fp3_status status = fp3_read_path(r, name, &path);
+    if (status)
+        return status;
     status = fp3_table_read(path, table, &why);
-    return status ? fp3_fail_at(r->in->error, status, r->in->name, fp3_setting_line(at), 0, "%s",
-                                why.text)
-                  : FP3_OK;
+    return status ? fp3_read_failed(r, at, status, &why) : FP3_OK;
 }
 
 /* ---- corners ---- */

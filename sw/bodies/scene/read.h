@@ -26,7 +26,9 @@ typedef struct {
     /* What names in formulas stand for. */
     double counter[FP3_COUNTERS], number, corner;
     unsigned counters;       /* that the entry has */
+    double cell[2];          /* column and row of a height */
     int has_corner;          /* a list of corners is read */
+    int has_cell;            /* ... a formula of heights */
     const fp3_table *points; /* of the entry, or NULL */
     size_t row;
     uint64_t random;
@@ -61,6 +63,12 @@ fp3_status fp3_read_fits(const fp3_reader *r, const config_setting_t *group,
 fp3_status fp3_read_corners(fp3_reader *r, const config_setting_t *at, const char *what,
                             double **corners, size_t *count);
 
+/* A file beside the scene, which is one that the run has read; *path is the scene's. And what is
+ * wrong with it, behind the line of the setting that names it. */
+fp3_status fp3_read_path(fp3_reader *r, const char *name, const char **path);
+fp3_status fp3_read_failed(const fp3_reader *r, const config_setting_t *at, fp3_status status,
+                           const fp3_error *why);
+
 /* The formula of a text within another one; it is kept with the entry's. */
 fp3_status fp3_read_formula_part(fp3_reader *r, const config_setting_t *at, const char *what,
                                  const char *text, size_t length, double *value);
@@ -83,5 +91,10 @@ fp3_status fp3_read_bodies(fp3_reader *r, const config_setting_t *list);
 fp3_status fp3_read_joints(fp3_reader *r, const config_setting_t *list);
 /* All shapes that a body's entry gives it. */
 fp3_status fp3_read_shapes(fp3_reader *r, const config_setting_t *entry, uint64_t handle);
+/* ground.c: of a shape that has `mesh`, or `heights`. */
+fp3_status fp3_read_mesh(fp3_reader *r, const config_setting_t *from, uint64_t handle,
+                         const fp3_shape_def *surface);
+fp3_status fp3_read_heights(fp3_reader *r, const config_setting_t *from, uint64_t handle,
+                            const fp3_shape_def *surface);
 
 #endif

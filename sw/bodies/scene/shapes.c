@@ -7,13 +7,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum { CIRCLE, BOX, CAPSULE, POLYGON, CHAIN, SPHERE, HULL, PLANE, KINDS } kind;
+typedef enum {
+    CIRCLE,
+    BOX,
+    CAPSULE,
+    POLYGON,
+    CHAIN,
+    SPHERE,
+    HULL,
+    PLANE,
+    MESH,
+    HEIGHTS,
+    KINDS
+} kind;
 
-static const char *const kinds[] = {"circle", "box",    "capsule", "polygon",
-                                    "chain",  "sphere", "hull",    "plane"};
-static const char expected[] = "one of circle = RADIUS, box = [HALF_X, HALF_Y], capsule = ([X, Y], "
-                               "[X, Y]), polygon = (...) and chain = (...); in space of sphere, "
-                               "box, capsule, hull = (...) and plane = NORMAL";
+static const char *const kinds[] = {"circle", "box",  "capsule", "polygon", "chain",
+                                    "sphere", "hull", "plane",   "mesh",    "heights"};
+static const char expected[] =
+    "one of circle = RADIUS, box = [HALF_X, HALF_Y], capsule = ([X, Y], "
+    "[X, Y]), polygon = (...) and chain = (...); in space of sphere, "
+    "box, capsule, hull = (...), plane = NORMAL, mesh = ... and heights = ...";
 
 /* A number of fp3_shape_def. */
 typedef struct {
@@ -51,7 +64,8 @@ static fp3_status check_fit(const fp3_reader *r, const config_setting_t *from, k
                 {"centre", 1u << CIRCLE | 1u << BOX | 1u << SPHERE | 1u << PLANE},
                 {"angle", 1u << BOX},
                 {"q", 1u << BOX},
-                {"loop", 1u << CHAIN}};
+                {"loop", 1u << CHAIN},
+                {"spacing", 1u << HEIGHTS}};
     for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
         const config_setting_t *at = config_setting_get_member(from, some[i].name);
         if (at && !(some[i].of >> is & 1))
@@ -74,7 +88,8 @@ static fp3_status read_bits(fp3_reader *r, const config_setting_t *from, const c
 /* All but the form. */
 static fp3_status read_surface(fp3_reader *r, const config_setting_t *from, fp3_shape_def *def) {
     static const char *const plane[] = {"circle", "polygon", "chain", "angle", "belt", NULL};
-    static const char *const space[] = {"sphere", "hull", "plane", "q", "surface", NULL};
+    static const char *const space[] = {"sphere",  "hull", "plane",   "mesh",
+                                        "heights", "q",    "surface", NULL};
     fp3_status status = fp3_read_fits(r, from, plane, space);
     for (size_t i = 0; !status && i < sizeof numbers / sizeof *numbers; i++)
         status = fp3_read_value(r, from, numbers[i].name,
@@ -150,10 +165,10 @@ static fp3_status attach_chain(fp3_reader *r, const config_setting_t *from, uint
 
 static fp3_status read_shape(fp3_reader *r, const config_setting_t *from, uint64_t handle) {
     static const char *const names[] = {
-        "circle",      "box",    "capsule",  "polygon", "chain",     "loop",
-        "radius",      "centre", "angle",    "density", "friction",  "rolling",
-        "restitution", "belt",   "category", "mask",    "is_sensor", "sphere",
-        "hull",        "plane",  "q",        "surface", NULL};
+        "circle",   "box",   "capsule",   "polygon",  "chain",   "loop",        "radius",
+        "centre",   "angle", "density",   "friction", "rolling", "restitution", "belt",
+        "category", "mask",  "is_sensor", "sphere",   "hull",    "plane",       "q",
+        "surface",  "mesh",  "heights",   "spacing",  NULL};
     kind is;
     fp3_shape_def def = fp3_shape_circle(0);
     if (!config_setting_is_group(from))
@@ -168,6 +183,10 @@ static fp3_status read_shape(fp3_reader *r, const config_setting_t *from, uint64
         status = read_surface(r, from, &def);
     if (!status && is == CHAIN)
         return attach_chain(r, from, handle, &def);
+    if (!status && is == MESH)
+        return fp3_read_mesh(r, from, handle, &def);
+    if (!status && is == HEIGHTS)
+        return fp3_read_heights(r, from, handle, &def);
     if (!status)
         status = read_form(r, config_setting_get_member(from, kinds[is]), is, &def);
     if (status)
