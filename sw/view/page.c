@@ -179,12 +179,14 @@ static json_t *triangles_of(const fp3_view_recording *r, const fp3_view_shape *s
     return list;
 }
 
+/* Those that are round or a line. */
 static json_t *edges_of(const fp3_view_recording *r, const fp3_view_shape *s) {
     json_t *list = json_array();
     for (size_t i = s->edge; i < s->edge + s->edges; i++)
-        json_array_append_new(list, json_pack("[IIi]", (json_int_t)(r->edges[i].ends[0] - s->first),
-                                              (json_int_t)(r->edges[i].ends[1] - s->first),
-                                              r->edges[i].is_sharp));
+        if (s->radius > 0 || r->edges[i].is_sharp)
+            json_array_append_new(list,
+                                  json_pack("[II]", (json_int_t)(r->edges[i].ends[0] - s->first),
+                                            (json_int_t)(r->edges[i].ends[1] - s->first)));
     return list;
 }
 

@@ -155,7 +155,7 @@ static void widen(const double middle[3], int axis, const tube *t, double ends[2
 
 static int32_t pixel(double at, int32_t size) {
     const double column = floor(at / FP3_VIEW_PART);
-    return column < 0 ? 0 : column > size ? size : (int32_t)column;
+    return column > 0 ? column < size ? (int32_t)column : size : 0;
 }
 
 void fp3_view_solid_round(fp3_view_raster *raster, const fp3_view_camera *c,

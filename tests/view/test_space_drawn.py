@@ -1,5 +1,8 @@
 """Bodies in space, in pictures and in the page, beside a truth that shares nothing with sw/view: rays that walk to the nearest surface."""
 
+import json
+import re
+
 import numpy
 import pytest
 from test_bodies_drawn import BACK, GREY, MARK, TOUCH, is_about, pale
@@ -247,3 +250,25 @@ def test_the_page_draws_the_same_space(page, run, space, tmp_path):
     page.script("fp3.go(1)")
     page.wait(lambda: page.data("drawn") == "1")
     assert page.script("return fp3.bodies.contacts.length") == 1
+
+
+def shapes_of_page(run, tmp_path):
+    run("view", "x.h5", *LOOK, "-o", "x.html")
+    return json.loads(re.search(r'id="about">(.*?)</script>', (tmp_path / "x.html").read_text(), re.S)[1])["bodies"]["shapes"]
+
+
+def test_edges_are_where_a_surface_bends(run, space, tmp_path):
+    """A box has 12, and none across its faces; a sheet of six squares has its border, and a fold: round if it has a radius, a line if it bends enough."""
+    assert [len(shape["edges"]) for shape in shapes_of_page(run, tmp_path)] == [1, 1, 12, 1, 12, 1]
+    for high, radius, folds in ((0, 0, 0), (0, 0.1, 0), (0.1, 0, 0), (0.1, 0.1, 2), (0.4, 0, 2)):
+        points = [(x, high * (x == 3), z) for z in range(3) for x in range(4)]
+        with h5py.File(space, "r+") as file:
+            for name in ("shapes:of", "shapes:radius", "shapes:corners", "shapes:triangles"):
+                del file[name]
+            file["shapes:of"], file["shapes:radius"] = numpy.array([(PLANE, 12, 0, 2)], "u4"), numpy.full((1, 1), radius)
+            file["shapes:corners"] = numpy.array(points, float)
+            file["shapes:triangles"] = numpy.array([(4 * z + x + a, 4 * z + x + b, 4 * z + x + c) for z in range(2) for x in range(3)
+                                                    for a, b, c in ((0, 4, 5), (0, 5, 1))], "u4")
+        edges = {tuple(edge) for edge in shapes_of_page(run, tmp_path)[0]["edges"]}
+        border = {(k, k + 1) for k in (0, 1, 2, 8, 9, 10)} | {(k, k + 4) for k in (0, 3, 4, 7)}
+        assert edges == border | ({(2, 6), (6, 10)} if folds else set()), (high, radius)

@@ -63,9 +63,9 @@ const addSolid = (to, {object, corners, radius, triangles, edges}) => {
     const points = triangle.map(k => corners[k]), normal = unit(cross(minus(points[1], points[0]), minus(points[2], points[0])));
     for (const point of points) addVertex(to.faces, along(point, radius, normal), normal, object);
   }
-  for (const [a, b, isSharp] of edges)
+  for (const [a, b] of edges)
     if (radius > 0) to.rounds.push(...corners[a], ...corners[b], radius, object, triangles.length ? 0 : 1);
-    else if (isSharp) for (const k of [a, b]) addVertex(to.lines, corners[k], NONE, object);
+    else for (const k of [a, b]) addVertex(to.lines, corners[k], NONE, object);
 };
 
 // A ball that is pulled apart at its equator: a direction, and 0 or 1 for its end.
@@ -216,7 +216,7 @@ if (bodies) {
     fill(look);
     gl.depthFunc(gl.LEQUAL); // in a plane what comes later is in front
     const sensorsFirst = fp3.isFlat || look.isPicking; // in space others are seen through them
-    for (const pass of sensorsFirst ? parts.passes : parts.passes.toReversed()) drawPass(pass, look);
+    for (const pass of sensorsFirst ? parts.passes : [...parts.passes].reverse()) drawPass(pass, look);
     gl.depthFunc(gl.LESS);
   };
 
