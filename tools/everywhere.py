@@ -263,6 +263,8 @@ Equations are executed by FP3's own arithmetic. What a host computes in double b
 `params` are rounded to, goes through the C library: its functions may differ between versions by one unit of a double, which is one of FP32 in 2 of 10^9
 cases. Constants that a model needs to the bit can be given as numbers.
 
+Worlds of rigid bodies have [hashes of their own](bodies_results.md), on these machines too.
+
 Not tried: macOS and Windows. Of POSIX the library and the command use threads, `dlopen`, `posix_spawn` for a
 compiler, `open_memstream`, `flock`, `mkdtemp`, `realpath`, `uselocale` and `SIGXFSZ`; of glibc `secure_getenv`.
 """

@@ -25,6 +25,8 @@ def wasm(root):
     ["run", "tests/everywhere/overflow.ode", "-c", "many_full", "-e", "isa", "-N", 3, "-n", 40, "--spread", "a=1:1e6"],
     ["run", "programs/ship.s", "-e", "isa", "-n", 9, "--params", "programs/ship.cfg"],
     ["run", "programs/kepler.ode", "-e", "isa", "--set", "mu=none"],
+    ["run", "--scene", "programs/bodies/car.scene", "--steps", 20],
+    ["run", "--scene", "programs/bodies/heap.scene", "--steps", 5, "-e", "isa"],
     ["run", "nowhere.ode", "-e", "isa"],
     ["run", "programs/kepler.ode", "--hepl"],
     ["run", "programs/kepler.ode", "programs/lorenz.ode"],

@@ -57,7 +57,13 @@ def by_density(scene):
     return dataclasses.replace(scene, bodies=[made(body) for body in scene.bodies])
 
 
-MAKERS = (lambda: sc.pyramid(10), sc.ragdolls, sc.car, lambda: sc.mixed(200, restitution=0.5), lambda: sc.dominoes(30), lambda: by_density(sc.chain(20, heavy=1000.0)),
+def swinging():
+    """A heavy body on light links that swings: at rest it would sleep."""
+    made = by_density(sc.chain(20, heavy=1000.0))
+    return dataclasses.replace(made, bodies=[*made.bodies[:-1], dataclasses.replace(made.bodies[-1], v=(4.0, 0.0))])
+
+
+MAKERS = (lambda: sc.pyramid(10), sc.ragdolls, sc.car, lambda: sc.mixed(200, restitution=0.5), lambda: sc.dominoes(30), swinging,
           lambda: by_density(sc.pyramid_in_space(5)), joints_in_space, tops, spheres)
 SCENES = {make().name: make for make in MAKERS}
 QUICK = {"2 ragdolls": [], "30 dominoes, 0.35 apart": ["world"], "joints in space": []}  # and the hardware's configurations
