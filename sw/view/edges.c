@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #define FLAT 0.999999 /* cosine of the angle between two normals above which there is no edge */
-#define SMOOTH 0.951  /* ... and above which it is not sharp */
+#define SMOOTH 0.866  /* ... and above which it is not sharp */
 
 typedef struct {
     uint32_t low, high;

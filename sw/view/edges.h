@@ -7,7 +7,7 @@
 
 /* Sets the edges of all shapes, and which rims triangles have. An edge between two triangles of one
  * plane is none; one that is not between two triangles, or at which the surface bends by more than
- * 18 degrees, is sharp. A shape without triangles has the edge from its first corner to its last.
+ * 30 degrees, is sharp. A shape without triangles has the edge from its first corner to its last.
  * FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_view_edges_find(fp3_view_recording *r, fp3_error *error);
 

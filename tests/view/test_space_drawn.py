@@ -260,7 +260,7 @@ def shapes_of_page(run, tmp_path):
 def test_edges_are_where_a_surface_bends(run, space, tmp_path):
     """A box has 12, and none across its faces; a sheet of six squares has its border, and a fold: round if it has a radius, a line if it bends enough."""
     assert [len(shape["edges"]) for shape in shapes_of_page(run, tmp_path)] == [1, 1, 12, 1, 12, 1]
-    for high, radius, folds in ((0, 0, 0), (0, 0.1, 0), (0.1, 0, 0), (0.1, 0.1, 2), (0.4, 0, 2)):
+    for high, radius, folds in ((0, 0, 0), (0, 0.1, 0), (0.1, 0, 0), (0.1, 0.1, 2), (0.5, 0, 0), (0.7, 0, 2)):
         points = [(x, high * (x == 3), z) for z in range(3) for x in range(4)]
         with h5py.File(space, "r+") as file:
             for name in ("shapes:of", "shapes:radius", "shapes:corners", "shapes:triangles"):
