@@ -988,6 +988,7 @@ class fp3_bodies_def(Structure):
         ("gravity", c_double * 3),
         ("h", c_double),
         ("substeps", c_uint32),
+        ("threads", c_uint32),
         ("size", c_double),
         ("engine", c_char_p),
         ("config", c_char_p),

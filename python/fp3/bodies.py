@@ -177,7 +177,7 @@ class Bodies(Owner):
 
     The words are those of fp3/bodies.h, where each is explained; so are the defaults, but for None, which is the default there. engine: laws of contacts are
     programs, which "isa", "fast" or "rtl" executes contact by contact, with the same bits; config: of hardware, "world" if it is None; may_compile: native
-    code on "fast". laws: a folder of texts that replace those of programs/bodies/.
+    code on "fast". threads: 0 is one for each processor; the number changes no bit. laws: a folder of texts that replace those of programs/bodies/.
 
     Bodies may be used by several threads; their calls follow each other. After a fork a child opens its own.
     """
@@ -185,7 +185,7 @@ class Bodies(Owner):
     _what = "world of bodies"
     __iter__ = None  # len() counts bodies, and values have names: there is no order to go through
 
-    def __init__(self, *, dimensions: int = 2, gravity: Optional[Values] = None, h: Optional[float] = None, substeps: int = 4, size: float = 1.0,
+    def __init__(self, *, dimensions: int = 2, gravity: Optional[Values] = None, h: Optional[float] = None, substeps: int = 4, threads: int = 1, size: float = 1.0,
                  engine: Optional[str] = None, config: Optional[str] = None, may_compile: bool = False, laws: Optional[str] = None, push: Optional[float] = None,
                  bounce: Optional[float] = None, rest_speed: Optional[float] = None,
                  rest_time: Optional[float] = None) -> None:
@@ -198,9 +198,10 @@ class Bodies(Owner):
         for name, value in {"h": h, "push": push, "bounce": bounce, "rest_speed": rest_speed, "rest_time": rest_time}.items():
             if value is not None:
                 setattr(definition, name, as_number(name, value))
-        self._open(definition, engine, config, may_compile, laws, self._lib.fp3_bodies_open)
+        self._open(definition, threads, engine, config, may_compile, laws, self._lib.fp3_bodies_open)
 
-    def _open(self, definition: Any, engine: Optional[str], config: Optional[str], may_compile: bool, laws: Optional[str], call: Any) -> None:
+    def _open(self, definition: Any, threads: int, engine: Optional[str], config: Optional[str], may_compile: bool, laws: Optional[str], call: Any) -> None:
+        definition.threads = as_count("threads", threads, 0, 1024)
         definition.engine = None if engine is None else name_bytes("engine", engine)
         definition.config = None if config is None else name_bytes("config", config)
         definition.may_compile = as_flag("may_compile", may_compile)
@@ -215,12 +216,12 @@ class Bodies(Owner):
         self._ended = 0  # contacts that had ended when the last part was made
 
     @classmethod
-    def restart(cls, path: Union[str, "os.PathLike[str]"], *, engine: Optional[str] = None, config: Optional[str] = None, may_compile: bool = False,
+    def restart(cls, path: Union[str, "os.PathLike[str]"], *, threads: int = 1, engine: Optional[str] = None, config: Optional[str] = None, may_compile: bool = False,
                 laws: Optional[str] = None) -> "Bodies":
         """Opens the world of a checkpoint, which goes on with the same bits; handles stay. Gravity and the like are those of the file."""
         made, where = cls.__new__(cls), name_bytes("path", path)
         made._own()
-        made._open(made._lib.default(d.fp3_bodies_def), engine, config, may_compile, laws,
+        made._open(made._lib.default(d.fp3_bodies_def), threads, engine, config, may_compile, laws,
                    lambda definition, pointer: made._lib.fp3_bodies_restart(definition, where, pointer))
         with made._c() as c:
             made._width = int(made._lib.fp3_bodies_dimensions(c))

@@ -3,6 +3,7 @@
 #include "own.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 /* Contacts are springs and dampers that a substep can resolve (docs/bodies.md): no stiffer than
@@ -15,17 +16,39 @@ static fp3_contact2_row *row_of(const fp3_bodies *bodies, uint32_t i) {
     return (fp3_contact2_row *)bodies->contacts.row + bodies->contacts.lane[i] / FP3_WIDE;
 }
 
+typedef struct {
+    fp3_bodies *bodies;
+    atomic_int is_same, may_bounce;
+} laying;
+
+static void lay_some(void *of, uint32_t from, uint32_t to) {
+    laying *all = of;
+    fp3_bodies *bodies = all->bodies;
+    fp3_law_rows *rows = &bodies->contacts;
+    int is_same = 1, may_bounce = 0;
+    for (uint32_t i = from; i < to; i++) {
+        const fp3_touch2 *t = &bodies->touch[rows->of[i]];
+        is_same &=
+            fp3_rows_put(rows, i, fp3_slot_of(bodies, t->body_a), fp3_slot_of(bodies, t->body_b));
+        may_bounce |= t->is_bouncy;
+    }
+    if (!is_same)
+        atomic_store(&all->is_same, 0);
+    if (may_bounce)
+        atomic_store(&all->may_bounce, 1);
+}
+
 static fp3_status lay(fp3_bodies *bodies) {
     fp3_law_rows *rows = &bodies->contacts;
     const fp3_status status = fp3_rows_make_room(bodies, rows, rows->count);
-    bodies->may_bounce = 0;
-    rows->is_whole = rows->is_same = 1;
-    for (uint32_t i = 0; !status && i < rows->count; i++) {
-        const fp3_touch2 *t = &bodies->touch[rows->of[i]];
-        fp3_rows_put(rows, i, fp3_slot_of(bodies, t->body_a), fp3_slot_of(bodies, t->body_b));
-        bodies->may_bounce |= t->is_bouncy;
-    }
-    return status ? status : fp3_rows_lay(bodies, rows, rows->a, rows->b, sizeof(fp3_contact2_row));
+    if (status)
+        return status;
+    laying all = {bodies, 1, 0};
+    fp3_bodies_share(bodies, lay_some, &all, rows->count, FP3_LEAST_PAIRS);
+    rows->is_whole = 1;
+    rows->is_same = all.is_same;
+    bodies->may_bounce = all.may_bounce;
+    return fp3_rows_lay(bodies, rows, rows->a, rows->b, sizeof(fp3_contact2_row));
 }
 
 static fp3_work2 work_of(const fp3_bodies *bodies) {
@@ -43,13 +66,45 @@ static fp3_making2 making_of(const fp3_bodies *bodies, double h) {
                          {fp3_soften(hertz, DAMPING, h), fp3_soften(2 * hertz, DAMPING, h)}};
 }
 
+typedef struct {
+    fp3_work2 work;
+    fp3_making2 making;
+    const fp3_bodies *bodies;
+    void (*make)(const fp3_work2 *, const fp3_making2 *, uint32_t first, uint32_t end);
+} making;
+
+static void make_some(void *of, uint32_t from, uint32_t to) {
+    const making *all = of;
+    const fp3_law_rows *rows = &all->bodies->contacts;
+    if (all->bodies->cuts == 1) { /* also those of other ranks, behind all colours */
+        all->make(&all->work, &all->making, 0, rows->blocks);
+        return;
+    }
+    for (uint32_t k = 0; rows->count && k < rows->colours.count; k++) {
+        const uint32_t *cut = &rows->cut[k * all->bodies->cuts];
+        if (cut[from] < cut[to])
+            all->make(&all->work, &all->making, 2 * cut[from], 2 * cut[to]);
+    }
+}
+
+/* prepare or keep, over all rows. */
+static void make(const fp3_bodies *bodies,
+                 void (*prepare)(const fp3_work2 *, const fp3_making2 *, uint32_t, uint32_t),
+                 double h) {
+    making all = {work_of(bodies), making_of(bodies, h), bodies, prepare};
+    const uint32_t parts = fp3_threads_parts(bodies->crew, bodies->contacts.count, FP3_LEAST_PAIRS);
+    fp3_threads_share(bodies->crew, (fp3_lap){make_some, &all, 0, bodies->cuts, parts});
+}
+
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
-    const fp3_status status = lay(bodies);
+    fp3_status status = lay(bodies);
+    if (!status && !bodies->contacts.is_cut)
+        fp3_cut_by_contacts(bodies);
+    if (!status)
+        status = fp3_cut_rows(bodies, &bodies->contacts);
     if (status)
         return status;
-    const fp3_work2 work = work_of(bodies);
-    const fp3_making2 making = making_of(bodies, h);
-    bodies->solver->prepare(&work, &making, 0, bodies->contacts.blocks);
+    make(bodies, bodies->solver->prepare, h);
     return FP3_OK;
 }
 
@@ -85,8 +140,4 @@ void fp3_contacts_follow(fp3_bodies *bodies) {
     }
 }
 
-void fp3_contacts_end(fp3_bodies *bodies, double h) {
-    const fp3_work2 work = work_of(bodies);
-    const fp3_making2 making = making_of(bodies, h);
-    bodies->solver->keep(&work, &making, 0, bodies->contacts.blocks);
-}
+void fp3_contacts_end(fp3_bodies *bodies, double h) { make(bodies, bodies->solver->keep, h); }

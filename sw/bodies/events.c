@@ -4,6 +4,7 @@
 
 #include "base/host.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #define SLOP 0.005 /* share of `size`: shapes nearer than this touch */
@@ -54,13 +55,32 @@ static int by_shapes(const void *a, const void *b) {
     return (s > t) - (s < t);
 }
 
+typedef struct {
+    const fp3_bodies *bodies;
+    atomic_uint touching, changes;
+} counting;
+
+static void count_some(void *of, uint32_t from, uint32_t to) {
+    counting *all = of;
+    uint32_t touching = 0, changes = 0;
+    for (uint32_t k = from; k < to; k++) {
+        const fp3_touch2 *t = &all->bodies->touch[k];
+        const int is_touching = touches(all->bodies, t);
+        touching += (uint32_t)is_touching;
+        changes += is_touching != t->is_touching;
+    }
+    atomic_fetch_add(&all->touching, touching);
+    atomic_fetch_add(&all->changes, changes);
+}
+
 fp3_status fp3_contacts_tell(fp3_bodies *bodies) {
     fp3_status status = FP3_OK;
-    bodies->touching = 0;
-    for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
+    counting all = {bodies, 0, 0};
+    fp3_bodies_share(bodies, count_some, &all, bodies->touch_count, FP3_LEAST_PAIRS);
+    bodies->touching = all.touching;
+    for (uint32_t k = 0; !status && all.changes && k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
         const int is_touching = touches(bodies, t);
-        bodies->touching += (uint32_t)is_touching;
         if (is_touching == t->is_touching)
             continue;
         status = fp3_contact_tell(bodies, is_touching ? FP3_CONTACT_BEGAN : FP3_CONTACT_ENDED, t);

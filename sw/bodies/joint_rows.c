@@ -181,12 +181,12 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)
             continue;
-        fp3_rows_put(rows, rows->count, a, b);
+        rows->is_same &= fp3_rows_put(rows, rows->count, a, b);
         rows->of[rows->count++] = i;
     }
     if (!status && rows->count)
         status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law]);
-    return status;
+    return status ? status : fp3_cut_rows(bodies, rows);
 }
 
 fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {

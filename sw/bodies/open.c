@@ -18,6 +18,7 @@ void fp3_bodies_set_default(fp3_bodies_def *def, size_t size) {
     def->gravity[1] = -9.81;
     def->h = 1.0 / 60;
     def->substeps = 4;
+    def->threads = 1;
     def->size = 1;
     def->push = 3;
     def->bounce = 1;
@@ -56,6 +57,7 @@ static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
         {"dimensions", def->dimensions, 2, 3},
         {"h", def->h, small, 1},
         {"substeps", def->substeps, 1, 64},
+        {"threads", def->threads, 0, 1024},
         {"size", def->size, small, large},
         {"gravity[0]", def->gravity[0], -1e9, 1e9},
         {"gravity[1]", def->gravity[1], -1e9, 1e9},
@@ -69,6 +71,10 @@ static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
         fp3_ranges_check(ranges, sizeof ranges / sizeof *ranges, "", is_space, error);
     if (status)
         return status;
+    if (def->engine && def->threads != 1)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "threads is %u, expected 1 with an engine: it executes laws in one thread",
+                        def->threads);
     if ((def->laws || def->config || def->may_compile) && !def->engine)
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "%s: expected an engine, too, which executes laws (\"fast\")",
@@ -107,6 +113,11 @@ fp3_status fp3_bodies_open(const fp3_bodies_def *def, fp3_bodies **bodies) {
     status = fp3_solvers_choose(&made->solver, &space, error);
     if (!status && def->dimensions == 3)
         status = fp3_space_open(space, &made->space, error);
+    const uint32_t threads = def->threads ? def->threads : fp3_threads_processors();
+    if (!status)
+        status = fp3_substeps_make(made);
+    if (!status && threads > 1)
+        status = fp3_threads_make(threads, &made->threads, error);
     if (!status && def->engine)
         status = fp3_laws_open(def, &made->laws, error);
     *bodies = made;
@@ -120,10 +131,12 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     *bodies = NULL;
     if (!b)
         return;
-    void *const arrays[] = {b->body,        b->shape,     b->boxes.box, b->boxes.filter, b->touch,
-                            b->key,         b->in_slot,   b->speed,     b->way,          b->base,
-                            b->pull,        b->heft,      b->merged,    b->joint,        b->apart,
-                            b->apart_first, b->change[0], b->change[1], b->change[2],    b->now};
+    void *const arrays[] = {b->near,      b->substeps,  b->cut,          b->is_held, b->body,
+                            b->shape,     b->boxes.box, b->boxes.filter, b->touch,   b->key,
+                            b->in_slot,   b->speed,     b->way,          b->base,    b->pull,
+                            b->heft,      b->merged,    b->joint,        b->apart,   b->apart_first,
+                            b->change[0], b->change[1], b->change[2],    b->now};
+    fp3_threads_free(&b->threads); /* they may still read the stages */
     for (uint32_t i = 0; b->space && i < b->shape_count; i++)
         fp3_form_give_back(b->shape[i].form);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
@@ -134,6 +147,7 @@ void fp3_bodies_close(fp3_bodies **bodies) {
         fp3_rows_free(&b->joined[i]);
     fp3_trees_free(b);
     fp3_share_free(b);
+    fp3_laps_free(&b->laps);
     fp3_laws_close(&b->laws);
     fp3_identity_give_back(b->identity);
     free(b);

@@ -4,22 +4,26 @@
 #define FP3_BODIES_OWN_H
 
 #include "collide2.h"
-#include "colours.h"
 #include "pairs.h"
 #include "programs.h"
 #include "shape2.h"
 #include "solve2.h"
 #include "touch2.h"
 
+#include "base/colours.h"
+#include "base/laps.h"
+#include "base/threads.h"
+
 #include <fp3/bodies.h>
 
 #define FP3_NOBODY UINT32_MAX
 #define FP3_JOINT_LAWS (FP3_LAWS - FP3_LAW_twist2)
 
-typedef struct fp3_space fp3_space; /* own3.h */
-typedef struct fp3_form3 fp3_form3; /* form3.h */
-typedef struct fp3_trees fp3_trees; /* trees.h */
-typedef struct fp3_share fp3_share; /* share.h */
+typedef struct fp3_space fp3_space;       /* own3.h */
+typedef struct fp3_form3 fp3_form3;       /* form3.h */
+typedef struct fp3_trees fp3_trees;       /* trees.h */
+typedef struct fp3_substeps fp3_substeps; /* substeps.c */
+typedef struct fp3_share fp3_share;       /* share.h */
 
 typedef struct {
     /* What each step goes over. */
@@ -87,6 +91,11 @@ typedef struct {
      * leaves it 0. */
     int is_same;
     uint32_t laid, laid_movable, laid_share;
+    /* Pairs of blocks that each thread has of a colour: thread t of colour k from cut[k * threads +
+     * t] on (cuts.c). */
+    uint32_t *cut;
+    uint32_t cut_room, cut_version;
+    int is_cut;   /* since they were laid */
     int is_whole; /* whoever fills rows writes all words of a block: none is set to 0 before */
     fp3_colours colours;
     uint32_t row_room, end_room, lane_room, of_room, a_room, b_room, at_room, colour_room;
@@ -96,8 +105,15 @@ struct fp3_bodies {
     fp3_bodies_def def;
     fp3_error *error;
     const fp3_solver2 *solver;
-    fp3_laws *laws;     /* NULL: those that are built in */
-    fp3_space *space;   /* NULL: a plane */
+    fp3_laws *laws;       /* NULL: those that are built in */
+    fp3_space *space;     /* NULL: a plane */
+    fp3_threads *threads; /* NULL: the caller's alone */
+    fp3_laps laps;
+    uint32_t *cut; /* the first slot of each thread of the crew (cuts.c), and the end */
+    uint32_t cut_room, cuts, cut_movable, cut_slots, cut_version;
+    fp3_substeps *substeps; /* substeps.c */
+    uint32_t alone, pause;  /* steps that the caller will make alone; that he did the last time */
+    fp3_threads *crew;      /* those of this step: NULL if there is too little to do */
     uint32_t *identity; /* how many hold it: the world and what was saved of it, so that no other
                          * world gets its place in memory */
     double time;
@@ -123,7 +139,8 @@ struct fp3_bodies {
     int is_changed;     /* shapes came or went: pairs are looked for again */
     fp3_touch2 *touch;  /* ascending by a, then b */
     fp3_touch2 *merged; /* room for the next ones */
-    uint32_t touch_count, touch_room, merged_room;
+    uint8_t *near;      /* of each, in a step: what it does (touch.c) */
+    uint32_t touch_count, touch_room, merged_room, near_room;
     uint64_t *key; /* room for the pairs that are found */
     size_t key_room;
 
@@ -133,6 +150,7 @@ struct fp3_bodies {
     uint32_t movable, slots;
     fp3_four *speed, *way, *base, *heft; /* heft: over mass and over inertia */
     fp3_pull2 *pull;
+    uint8_t *is_held; /* by a row: it does not follow its parabola */
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
     fp3_contact *change[3], *now; /* by fp3_contact_change; room for fp3_bodies_contacts */
     uint32_t change_count[3], change_room[3], now_room, told,
@@ -141,6 +159,17 @@ struct fp3_bodies {
     uint32_t awake, touching;
     int is_still; /* all sleep, and nothing is moved by the caller: a step changes nothing */
 };
+
+/* Calls part(of, from, to) for ranges of 0 .. count-1, by several threads if these have `least`
+ * each; returns when all is done. Parts write what no other part reads or writes. */
+static inline void fp3_bodies_share(const fp3_bodies *bodies,
+                                    void (*part)(void *of, uint32_t from, uint32_t to), void *of,
+                                    uint32_t count, uint32_t least) {
+    fp3_threads_share(bodies->crew,
+                      (fp3_lap){part, of, 0, count, fp3_threads_parts(bodies->crew, count, least)});
+}
+/* So many of each are worth a thread: one takes 20 to 100 ns, to have help 200 ns. */
+enum { FP3_LEAST_BODIES = 64, FP3_LEAST_PAIRS = 32, FP3_LEAST_BLOCKS = 8 };
 
 /* The last one to hold it frees it; NULL: nobody. */
 void fp3_identity_give_back(uint32_t *identity);
@@ -185,10 +214,12 @@ fp3_softness fp3_soften(double hertz, double damping, double h);
 
 /* Room for the slots of `count` contacts or joints in rows->a and rows->b. */
 fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count);
-static inline void fp3_rows_put(fp3_law_rows *rows, uint32_t i, uint32_t a, uint32_t b) {
-    rows->is_same &= (rows->a[i] == a) & (rows->b[i] == b);
+/* Whether slots were the same ones. */
+static inline int fp3_rows_put(fp3_law_rows *rows, uint32_t i, uint32_t a, uint32_t b) {
+    const int is_same = (rows->a[i] == a) & (rows->b[i] == b);
     rows->a[i] = a;
     rows->b[i] = b;
+    return is_same;
 }
 /* Rows of a law for rows->of[0 .. count-1], whose bodies stand in slots a and b: colours and
  * lanes. size: of a block. */
@@ -196,6 +227,21 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
                         const uint32_t *b, size_t size);
 void fp3_rows_free(fp3_law_rows *rows);
 static inline void fp3_put(fp3_wide *word, uint32_t lane, float value) { (*word)[lane] = value; }
+
+/* substeps.c: of a step in a plane, behind rows of contacts and joints. */
+fp3_status fp3_substeps_make(fp3_bodies *bodies);
+fp3_status fp3_substeps_do(fp3_bodies *bodies, double h);
+
+/* cuts.c: who has what. A thread has the same bodies and their contacts in all that a step does, so
+ * that it finds them in its caches. */
+/* Of bodies: halves, or as contacts have it. */
+fp3_status fp3_cut_bodies(fp3_bodies *bodies);
+/* Of contacts, then of the rows of a law, which have been laid. */
+void fp3_cut_by_contacts(fp3_bodies *bodies);
+fp3_status fp3_cut_rows(const fp3_bodies *bodies, fp3_law_rows *rows);
+/* part(of, from, to) for ranges of slots: each thread's own. */
+void fp3_bodies_share_slots(fp3_bodies *bodies, void (*part)(void *of, uint32_t from, uint32_t to),
+                            void *of);
 
 /* contacts.c, joints.c: rows for a step, with substeps of h, and what they have learned. */
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);

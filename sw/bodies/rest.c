@@ -96,6 +96,8 @@ static void stir(fp3_bodies *bodies, uint32_t a, uint32_t b) {
 }
 
 static void stir_all(fp3_bodies *bodies) {
+    if (bodies->slots == bodies->movable + 1) /* nothing does */
+        return;
     for (uint32_t i = 0; i < bodies->contacts.count; i++) {
         const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
         stir(bodies, t->body_a, t->body_b);

@@ -94,6 +94,7 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
         return FP3_OK;
     }
     rows->laid = FP3_NOBODY;
+    rows->is_cut = 0;
     fp3_status status = fp3_bodies_room((void **)&rows->colour, &rows->colour_room,
                                         sizeof *rows->colour, rows->count + 1u, bodies->error);
     if (!status)
@@ -130,6 +131,7 @@ void fp3_rows_free(fp3_law_rows *rows) {
     free(rows->a);
     free(rows->b);
     free(rows->at);
+    free(rows->cut);
     free(rows->colour);
     fp3_colours_free(&rows->colours);
     *rows = (fp3_law_rows){0};

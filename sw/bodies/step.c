@@ -2,19 +2,72 @@
 /* step.c - a step: who touches, what that does in each substep, and where bodies are then. */
 #include "own3.h"
 #include "share.h"
-#include "trees.h"
 #include "turn.h"
 
 #include "base/host.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- slots ---- */
 
-static int is_of_step(const fp3_body *body) { return fp3_body_lives(body) && fp3_body_moves(body); }
+/* In the order of their slots. */
+enum { BY_FORCES, BY_CALLER, NOT, KINDS = NOT };
+#define CHUNKS 64 /* of all bodies */
+
+static int kind_of(const fp3_body *body) {
+    if (!fp3_body_lives(body))
+        return NOT;
+    return fp3_body_moves(body) ? BY_FORCES : body->type == FP3_KINEMATIC ? BY_CALLER : NOT;
+}
+
+typedef struct {
+    fp3_bodies *bodies;
+    uint32_t slot[CHUNKS][KINDS]; /* of a chunk: how many there are; the first one's slot */
+} slotting;
+
+static uint32_t chunk_of(const fp3_bodies *bodies, uint32_t chunk) {
+    return (uint32_t)((uint64_t)bodies->body_count * chunk / CHUNKS);
+}
+
+static void count_chunks(void *of, uint32_t from, uint32_t to) {
+    slotting *all = of;
+    for (uint32_t chunk = from; chunk < to; chunk++) {
+        uint32_t count[KINDS + 1] = {0};
+        const uint32_t end = chunk_of(all->bodies, chunk + 1);
+        for (uint32_t i = chunk_of(all->bodies, chunk); i < end; i++)
+            count[kind_of(&all->bodies->body[i])]++;
+        memcpy(all->slot[chunk], count, sizeof all->slot[chunk]);
+    }
+}
+
+static void fill_chunks(void *of, uint32_t from, uint32_t to) {
+    slotting *all = of;
+    fp3_bodies *bodies = all->bodies;
+    for (uint32_t chunk = from; chunk < to; chunk++) {
+        const uint32_t end = chunk_of(bodies, chunk + 1);
+        for (uint32_t i = chunk_of(bodies, chunk); i < end; i++) {
+            const int kind = kind_of(&bodies->body[i]);
+            const uint32_t slot = kind == NOT ? FP3_NOBODY : all->slot[chunk][kind]++;
+            bodies->body[i].slot = slot;
+            if (kind != NOT)
+                bodies->in_slot[slot] = i;
+        }
+    }
+}
+
+/* Counts become slots, from `next` on. */
+static uint32_t add_up(slotting *all, int kind, uint32_t next) {
+    for (uint32_t chunk = 0; chunk < CHUNKS; chunk++) {
+        const uint32_t count = all->slot[chunk][kind];
+        all->slot[chunk][kind] = next;
+        next += count;
+    }
+    return next;
+}
 
 static fp3_status give_slots(fp3_bodies *bodies) {
     const struct {
@@ -25,8 +78,9 @@ static fp3_status give_slots(fp3_bodies *bodies) {
                   {(void **)&bodies->way, sizeof *bodies->way},
                   {(void **)&bodies->base, sizeof *bodies->base},
                   {(void **)&bodies->pull, sizeof *bodies->pull},
-                  {(void **)&bodies->heft, sizeof *bodies->heft}};
-    uint32_t count = 0, room = bodies->slot_room;
+                  {(void **)&bodies->heft, sizeof *bodies->heft},
+                  {(void **)&bodies->is_held, sizeof *bodies->is_held}};
+    uint32_t room = bodies->slot_room;
     const size_t fours = bodies->space ? FP3_FOURS3 : 1;
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         room = bodies->slot_room;
@@ -36,22 +90,14 @@ static fp3_status give_slots(fp3_bodies *bodies) {
             return status;
     }
     bodies->slot_room = room;
-    for (uint32_t i = 0; i < bodies->body_count; i++) {
-        bodies->body[i].slot = FP3_NOBODY;
-        if (is_of_step(&bodies->body[i])) {
-            bodies->body[i].slot = count;
-            bodies->in_slot[count++] = i;
-        }
-    }
-    bodies->movable = bodies->awake = count;
-    bodies->in_slot[count++] = FP3_NOBODY;
-    for (uint32_t i = 0; i < bodies->body_count; i++)
-        if (fp3_body_lives(&bodies->body[i]) && bodies->body[i].type == FP3_KINEMATIC) {
-            bodies->body[i].slot = count;
-            bodies->in_slot[count++] = i;
-        }
-    bodies->slots = count;
-    return FP3_OK;
+    slotting all = {.bodies = bodies};
+    const uint32_t least = CHUNKS * FP3_LEAST_BODIES / (bodies->body_count + 1) + 1;
+    fp3_bodies_share(bodies, count_chunks, &all, CHUNKS, least);
+    bodies->movable = bodies->awake = add_up(&all, BY_FORCES, 0);
+    bodies->in_slot[bodies->movable] = FP3_NOBODY;
+    bodies->slots = add_up(&all, BY_CALLER, bodies->movable + 1);
+    fp3_bodies_share(bodies, fill_chunks, &all, CHUNKS, least);
+    return fp3_cut_bodies(bodies);
 }
 
 /* ---- bodies ---- */
@@ -60,9 +106,12 @@ static float slowed(float damping, double h) {
     return damping == 0 ? 1 : (float)(1 / (1 + h * damping));
 }
 
-static void bring(fp3_bodies *bodies, double h) {
-    for (uint32_t k = 0; k < bodies->slots; k++) {
+static void bring_some(void *of, uint32_t from, uint32_t to) {
+    fp3_bodies *bodies = of;
+    const double h = bodies->def.h / bodies->def.substeps;
+    for (uint32_t k = from; k < to; k++) {
         bodies->way[k] = (fp3_four){0};
+        bodies->is_held[k] = 0;
         if (bodies->in_slot[k] == FP3_NOBODY) {
             bodies->speed[k] = bodies->heft[k] = (fp3_four){0};
             bodies->pull[k] = (fp3_pull2){{0}, {1, 1, 1, 1}, {0}};
@@ -77,7 +126,8 @@ static void bring(fp3_bodies *bodies, double h) {
         const float ay = (float)(h * (body->gravity * g[1] + m * body->force[1]));
         const float aw = (float)(h * (i * body->torque));
         const float slow = slowed(body->damping, h), slow_spin = slowed(body->spin_damping, h);
-        bodies->pull[k] = (fp3_pull2){{ax, ay, aw, 0}, {slow, slow, slow_spin, 1}, {0}};
+        const fp3_four pull = {ax, ay, aw, 0};
+        bodies->pull[k] = (fp3_pull2){pull, {slow, slow, slow_spin, 1}, 0.5f * (float)h * pull};
         if (k > bodies->movable)
             bodies->pull[k] = (fp3_pull2){{0}, {1, 1, 1, 1}, {0}};
     }
@@ -91,22 +141,33 @@ static int flies(const fp3_bodies *bodies, const fp3_touch2 *t) {
     return is_apart || (bodies->may_bounce && (t->top > 0 || t->is_left));
 }
 
-static void hold(fp3_bodies *bodies, const fp3_law_rows *rows, int is_contact) {
-    for (uint32_t i = 0; i < rows->count; i++) {
-        if (is_contact && flies(bodies, &bodies->touch[rows->of[i]]))
-            continue;
-        bodies->pull[rows->a[i]].drop = (fp3_four){0};
-        bodies->pull[rows->b[i]].drop = (fp3_four){0};
-    }
+/* Two threads may say of a body that it is held. */
+static void hold(fp3_bodies *bodies, const fp3_law_rows *rows, uint32_t i) {
+    __atomic_store_n(&bodies->is_held[rows->a[i]], 1, __ATOMIC_RELAXED);
+    __atomic_store_n(&bodies->is_held[rows->b[i]], 1, __ATOMIC_RELAXED);
 }
 
-/* Bodies that have no row. */
-static void let_fall(fp3_bodies *bodies, double h) {
-    for (uint32_t k = 0; k < bodies->movable; k++)
-        bodies->pull[k].drop = 0.5f * (float)h * bodies->pull[k].pull;
-    hold(bodies, &bodies->contacts, 1);
+static void hold_some(void *of, uint32_t from, uint32_t to) {
+    fp3_bodies *bodies = of;
+    for (uint32_t i = from; i < to; i++)
+        if (!flies(bodies, &bodies->touch[bodies->contacts.of[i]]))
+            hold(bodies, &bodies->contacts, i);
+}
+
+static void drop_some(void *of, uint32_t from, uint32_t to) {
+    fp3_bodies *bodies = of;
+    for (uint32_t k = from; k < to; k++)
+        if (bodies->is_held[k])
+            bodies->pull[k].drop = (fp3_four){0};
+}
+
+/* Bodies that have no row, alone. */
+static void let_fall(fp3_bodies *bodies) {
+    fp3_bodies_share(bodies, hold_some, bodies, bodies->contacts.count, FP3_LEAST_PAIRS);
     for (int law = 0; law < FP3_JOINT_LAWS; law++)
-        hold(bodies, &bodies->joined[law], 0);
+        for (uint32_t i = 0; i < bodies->joined[law].count; i++)
+            hold(bodies, &bodies->joined[law], i);
+    fp3_bodies_share_slots(bodies, drop_some, bodies);
 }
 
 static int is_finite(fp3_four v, fp3_four way) {
@@ -116,19 +177,21 @@ static int is_finite(fp3_four v, fp3_four way) {
     return is;
 }
 
-static fp3_status move(fp3_bodies *bodies) {
-    fp3_status status = FP3_OK;
-    for (uint32_t k = 0; k < bodies->slots; k++) {
+typedef struct {
+    fp3_bodies *bodies;
+    atomic_int has_failed;
+} moving;
+
+static void move_some(void *of, uint32_t from, uint32_t to) {
+    moving *all = of;
+    fp3_bodies *bodies = all->bodies;
+    for (uint32_t k = from; k < to; k++) {
         if (bodies->in_slot[k] == FP3_NOBODY)
             continue;
         fp3_body *body = &bodies->body[bodies->in_slot[k]];
         const fp3_four v = bodies->speed[k], way = bodies->way[k];
         if (!is_finite(v, way)) {
-            if (!status)
-                status = fp3_fail(bodies->error, FP3_E_FAILED,
-                                  "body %" PRIu32 " in step %" PRIu64
-                                  ": its speed is %g, %g and its spin %g: expected finite numbers",
-                                  bodies->in_slot[k], bodies->steps + 1, v[0], v[1], v[2]);
+            atomic_store(&all->has_failed, 1);
             continue;
         }
         body->v[0] = v[0];
@@ -140,81 +203,26 @@ static fp3_status move(fp3_bodies *bodies) {
         fp3_turn2_by(body->turn, way[2]);
         body->force[0] = body->force[1] = body->torque = 0;
     }
-    return status;
+}
+
+static fp3_status move(fp3_bodies *bodies) {
+    moving all = {bodies, 0};
+    fp3_bodies_share_slots(bodies, move_some, &all);
+    for (uint32_t k = 0; all.has_failed && k < bodies->slots; k++) {
+        const fp3_four v = bodies->speed[k];
+        if (bodies->in_slot[k] != FP3_NOBODY && !is_finite(v, bodies->way[k]))
+            return fp3_fail(bodies->error, FP3_E_FAILED,
+                            "body %" PRIu32 " in step %" PRIu64
+                            ": its speed is %g, %g and its spin %g: expected finite numbers",
+                            bodies->in_slot[k], bodies->steps + 1, v[0], v[1], v[2]);
+    }
+    return FP3_OK;
 }
 
 /* ---- a step ---- */
 
-/* Rows of a colour. gap2 goes before contact2, wherever bodies have moved. */
-static fp3_status pass_colour(const fp3_bodies *bodies, fp3_law law, const fp3_work2 *work,
-                              uint32_t first, uint32_t end, const float shared[FP3_SHARED]) {
-    if (bodies->laws) {
-        const fp3_status status = fp3_laws_run(bodies->laws, law, work, first, end, 0, shared);
-        return status || law != FP3_LAW_gap2
-                   ? status
-                   : fp3_laws_run(bodies->laws, FP3_LAW_contact2, work, first, end, 0, shared);
-    }
-    if (law == FP3_LAW_gap2)
-        bodies->solver->moved(work, first, end, shared);
-    else
-        bodies->solver->law[law](work, first, end, shared);
-    return FP3_OK;
-}
-
-static fp3_status pass(const fp3_bodies *bodies, fp3_law law, const fp3_law_rows *rows,
-                       int is_joint, const float shared[FP3_SHARED]) {
-    const fp3_work2 work = {bodies->speed,   bodies->way, is_joint ? bodies->base : NULL,
-                            bodies->movable, rows->row,   rows->ends};
-    const uint32_t *first = rows->colours.first;
-    fp3_status status = FP3_OK;
-    for (uint32_t k = 0; !status && rows->count && k < rows->colours.count; k++)
-        status = pass_colour(bodies, law, &work, first[k], first[k + 1], shared);
-    return status;
-}
-
-static fp3_status pass_joints(const fp3_bodies *bodies, const float shared[FP3_SHARED]) {
-    fp3_status status = FP3_OK;
-    for (int i = 0; !status && i < FP3_JOINT_LAWS; i++)
-        status = pass(bodies, (fp3_law)(FP3_LAW_twist2 + i), &bodies->joined[i], 1, shared);
-    return status;
-}
-
-/* Joints first: contacts have the last word. */
-static fp3_status pass_all(fp3_bodies *bodies, int has_moved, const float shared[FP3_SHARED]) {
-    fp3_trees_solve(bodies, !has_moved);
-    const fp3_status status = pass_joints(bodies, shared);
-    return status ? status
-                  : pass(bodies, has_moved ? FP3_LAW_gap2 : FP3_LAW_contact2, &bodies->contacts, 0,
-                         shared);
-}
-
-/* Arms of joints turn within a step, so joints give their impulses anew in each substep; contacts
- * give what bodies have kept of the last one. */
-static fp3_status solve(fp3_bodies *bodies, double h) {
-    const fp3_solver2 *solver = bodies->solver;
-    const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
-    const float push[FP3_SHARED] = {1, inverse, least, 0, (float)h},
-                mend[FP3_SHARED] = {0, inverse, least, 0, (float)h},
-                warm[FP3_SHARED] = {1, inverse, least, 1, (float)h};
-    fp3_status status = FP3_OK;
-    for (uint32_t step = 0; !status && step < bodies->def.substeps; step++) {
-        solver->speed(bodies->speed, bodies->base, bodies->pull, bodies->movable, step == 0);
-        if (step == 0)
-            status = pass(bodies, FP3_LAW_warm2, &bodies->contacts, 0, warm);
-        fp3_trees_forget(bodies);
-        if (!status)
-            status = pass_joints(bodies, warm);
-        if (!status)
-            status = pass_all(bodies, 0, push);
-        solver->place(bodies->speed, bodies->way, bodies->pull, bodies->slots, (float)h);
-        if (!status)
-            status = pass_all(bodies, 1, mend);
-    }
-    return status;
-}
-
 static fp3_status step_in_plane(fp3_bodies *bodies, double h) {
-    bring(bodies, h);
+    fp3_bodies_share_slots(bodies, bring_some, bodies);
     fp3_status status = fp3_contacts_begin(bodies, h);
     if (!status)
         status = fp3_joints_begin(bodies, h);
@@ -226,15 +234,34 @@ static fp3_status step_in_plane(fp3_bodies *bodies, double h) {
         return status;
     if (has_hit)
         fp3_contacts_follow(bodies);
-    let_fall(bodies, h);
-    status = fp3_share_gather(bodies, solve(bodies, h));
+    let_fall(bodies);
+    status = fp3_share_gather(bodies, fp3_substeps_do(bodies, h));
     if (status)
-        return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
-                        bodies->laws ? fp3_laws_why(bodies->laws) : "");
+        return fp3_fail(bodies->error, status, "could not make a step: %s",
+                        bodies->laws ? fp3_laws_why(bodies->laws) : "out of memory");
     fp3_contacts_end(bodies, h);
     status = move(bodies);
     fp3_joints_end(bodies, h);
     return status;
+}
+
+#define FEW 1000 /* bodies and pairs: fewer are stepped before a thread wakes */
+#define LONG 64  /* steps */
+
+/* Where others have their processors, threads hold each other up: then one steps alone, first for a
+ * step, then twice as long as the last time. */
+static fp3_threads *crew_of(fp3_bodies *bodies) {
+    if (bodies->touch_count + bodies->movable < FEW || !bodies->threads || bodies->share)
+        return NULL;
+    if (fp3_threads_held_up(bodies->threads)) {
+        bodies->pause = bodies->pause < LONG ? 2 * bodies->pause + 1 : LONG;
+        bodies->alone = bodies->pause;
+    } else if (!bodies->alone)
+        bodies->pause /= 2;
+    if (!bodies->alone)
+        return bodies->threads;
+    bodies->alone--;
+    return NULL;
 }
 
 static void count_step(fp3_bodies *bodies) {
@@ -249,6 +276,7 @@ static fp3_status step(fp3_bodies *bodies) {
         count_step(bodies);
         return FP3_OK;
     }
+    bodies->crew = crew_of(bodies);
     bodies->ended_before = bodies->change_count[FP3_CONTACT_ENDED];
     for (int wakes = 1; !status && wakes;) {
         status = give_slots(bodies);

@@ -3,6 +3,7 @@
 #include "own3.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,11 +100,16 @@ static int is_boxed(const fp3_bodies *bodies, const fp3_body *body) {
            way + (turned + 0x1p-20) * (double)body->extent <= MARGIN * bodies->def.size;
 }
 
-/* Whether a shape of something that moves has left its box. */
-static int renew_boxes(fp3_bodies *bodies) {
+typedef struct {
+    fp3_bodies *bodies;
+    atomic_int has_left;
+} boxing;
+
+static void box_some(void *of, uint32_t from, uint32_t to) {
+    boxing *all = of;
+    fp3_bodies *bodies = all->bodies;
     const double reach = REACH * bodies->def.size, margin = (REACH + MARGIN) * bodies->def.size;
-    int has_left = bodies->is_changed;
-    for (uint32_t k = 0; k < bodies->slots; k++) {
+    for (uint32_t k = from; k < to; k++) {
         fp3_body *body = k == bodies->movable ? NULL : &bodies->body[bodies->in_slot[k]];
         if (!body || is_boxed(bodies, body))
             continue;
@@ -115,10 +121,16 @@ static int renew_boxes(fp3_bodies *bodies) {
         }
         if (is_inside_all)
             continue;
-        has_left = 1;
+        atomic_store(&all->has_left, 1);
         box_all(bodies, body, margin);
     }
-    return has_left;
+}
+
+/* Whether a shape of something that moves has left its box. */
+static int renew_boxes(fp3_bodies *bodies) {
+    boxing all = {bodies, bodies->is_changed};
+    fp3_bodies_share_slots(bodies, box_some, &all);
+    return all.has_left;
 }
 
 /* ---- pairs ---- */
@@ -329,38 +341,77 @@ static int look_at(fp3_bodies *bodies, fp3_touch2 *t, const fp3_body *x, const f
     return 1;
 }
 
-static fp3_status look_at_all(fp3_bodies *bodies, int *wakes) {
-    bodies->contacts.count = 0;
-    *wakes = 0;
-    const fp3_status begun = bodies->space ? fp3_space_touch_begin(bodies) : FP3_OK;
-    if (begun) {
-        fp3_space_forget(bodies);
-        return begun;
-    }
-    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+/* What pairs are in a step. */
+enum { APART, NEAR, WAKES, UNKNOWN };
+
+/* Of what one of its bodies does alone, or both do while they sleep, nothing is new. */
+static int is_asleep(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    return t->is_found && !is_awake(bodies, t->body_a) && !is_awake(bodies, t->body_b);
+}
+
+static uint8_t state_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    const int is_waking = bodies->body[t->body_a].rest < 0 || bodies->body[t->body_b].rest < 0;
+    return t->is_sensor ? APART : is_waking ? WAKES : NEAR;
+}
+
+static void look_at_some(void *of, uint32_t from, uint32_t to) {
+    fp3_bodies *bodies = of;
+    for (uint32_t k = from; k < to; k++) {
         fp3_touch2 *t = &bodies->touch[k];
         const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
-        const int is_asleep =
-            t->is_found && !is_awake(bodies, t->body_a) && !is_awake(bodies, t->body_b);
-        if (is_asleep)
+        if (is_asleep(bodies, t))
+            bodies->near[k] = APART;
+        else if (bodies->space && !fp3_space_follow(bodies, t))
+            bodies->near[k] = UNKNOWN;
+        else
+            bodies->near[k] =
+                bodies->space || look_at(bodies, t, x, y) ? state_of(bodies, t) : APART;
+    }
+}
+
+/* In space a pair may get more manifolds than it has had room for: one after the other. */
+static fp3_status collide_all_in_space(fp3_bodies *bodies) {
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
+        fp3_touch2 *t = &bodies->touch[k];
+        if (bodies->near[k] != UNKNOWN)
             continue;
-        if (bodies->space && !fp3_space_follow(bodies, t)) {
-            const float reach = reach_of(bodies, &bodies->shape[t->a], &bodies->shape[t->b]);
-            const fp3_status status = fp3_space_collide(bodies, t, reach);
-            if (status) {
-                fp3_space_forget(bodies);
-                return status;
-            }
-        }
-        if (!(bodies->space ? t->m.count > 0 : look_at(bodies, t, x, y)) || t->is_sensor)
+        status = fp3_space_collide(bodies, t,
+                                   reach_of(bodies, &bodies->shape[t->a], &bodies->shape[t->b]));
+        bodies->near[k] = t->m.count > 0 ? state_of(bodies, t) : APART;
+    }
+    return status;
+}
+
+static fp3_status look_at_all(fp3_bodies *bodies) {
+    fp3_status status = bodies->space ? fp3_space_touch_begin(bodies) : FP3_OK;
+    if (!status)
+        fp3_bodies_share(bodies, look_at_some, bodies, bodies->touch_count, FP3_LEAST_PAIRS);
+    if (!status && bodies->space)
+        status = collide_all_in_space(bodies);
+    if (status)
+        fp3_space_forget(bodies);
+    return status;
+}
+
+/* Who has a row; and who is touched by something awake wakes. */
+static int choose(fp3_bodies *bodies) {
+    int wakes = 0;
+    bodies->contacts.count = 0;
+    for (uint32_t k = 0; k < bodies->touch_count; k++) {
+        if (bodies->near[k] == APART)
             continue;
         bodies->contacts.of[bodies->contacts.count++] = k;
-        if (x->rest < 0 || y->rest < 0) {
-            fp3_bodies_wake(bodies, x->rest < 0 ? t->body_a : t->body_b);
-            *wakes = 1;
-        }
+        if (bodies->near[k] != WAKES)
+            continue;
+        const fp3_touch2 *t = &bodies->touch[k];
+        if (bodies->body[t->body_a].rest < 0)
+            fp3_bodies_wake(bodies, t->body_a);
+        else if (bodies->body[t->body_b].rest < 0)
+            fp3_bodies_wake(bodies, t->body_b);
+        wakes = 1;
     }
-    return FP3_OK;
+    return wakes;
 }
 
 fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
@@ -369,5 +420,11 @@ fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes) {
         status =
             fp3_bodies_room((void **)&bodies->contacts.of, &bodies->contacts.of_room,
                             sizeof *bodies->contacts.of, bodies->touch_count + 1u, bodies->error);
-    return status ? status : look_at_all(bodies, wakes);
+    if (!status)
+        status = fp3_bodies_room((void **)&bodies->near, &bodies->near_room, sizeof *bodies->near,
+                                 bodies->touch_count + 1u, bodies->error);
+    if (!status)
+        status = look_at_all(bodies);
+    *wakes = !status && choose(bodies);
+    return status;
 }

@@ -27,7 +27,7 @@ static fp3_status check_options(const fp3_run_options *o, fp3_error *error) {
     } list[] = {
         {"--config", o->config != NULL, "bodies need no configuration: their engine chooses one"},
         {"--port, --baud", o->on.port || o->on.baud, "bodies run on isa, fast or rtl"},
-        {"--threads", o->on.threads != 0, "a world of bodies is stepped by one thread"},
+        {"--threads", o->ranks && o->on.threads > 1, "each rank steps bodies by one thread"},
         {"--native", o->on.native != NULL, "the laws of bodies are compiled when they are needed"},
         {"--visit", o->on.visit != 0,
          "bodies are not visited: a contact is solved in each substep"},
@@ -182,7 +182,8 @@ fp3_status fp3_run_bodies(fp3_run_options *o, fp3_error *error) {
     fp3_bodies_scene *scene = NULL;
     fp3_status status = check_options(o, error);
     if (!status)
-        status = fp3_bodies_scene_open(o->scene, o->on.engine, (uint32_t)o->on.seed, &scene, error);
+        status = fp3_bodies_scene_open(o->scene, o->on.engine, (uint32_t)o->on.seed,
+                                       (uint32_t)o->on.threads, &scene, error);
     if (!status)
         status = run(o, scene, error);
     fp3_bodies_scene_close(&scene);

@@ -219,7 +219,7 @@ def test_a_wrong_scene_is_refused_where_it_is_wrong(run, text, message):
 
 
 @pytest.mark.parametrize("arguments, message", [
-    ("--config many", "--config: .*bodies need no configuration"), ("--threads 2", "--threads: .*one thread"), ("--check", "--check, --strict: "),
+    ("--config many", "--config: .*bodies need no configuration"), ("-e isa --threads 2", "threads is 2, expected 1 with an engine"), ("--check", "--check, --strict: "),
     ("--plot x.svg", "--plot: .*fp3 view draws"), ("--checkpoint-every 5", "expected --checkpoint FILE"), ("--tolerance 1e-3", "--tolerance: only a model"),
     ("-e board --port x", "--port, --baud: "), ("-e nix", "--engine: found 'nix', expected isa, fast or rtl"), ("--visit 2", "--visit: "),
     ("--clock 1MHz", "--clock: "), ("--allow-failures", "--allow-failures: "), ("--group a", "nothing is recorded"),

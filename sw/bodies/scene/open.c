@@ -28,7 +28,7 @@ static fp3_status read_count(const fp3_reader *r, const char *name, uint64_t lea
 }
 
 /* What replaces the file's engine is the caller's own mistake, if it is one: it has no line. */
-static fp3_status open_world(fp3_reader *r, const char *engine) {
+static fp3_status open_world(fp3_reader *r, const char *engine, uint32_t threads) {
     const config_setting_t *root = r->in->root, *at = config_setting_get_member(root, "engine");
     fp3_bodies_scene *scene = r->scene;
     fp3_bodies_def def = fp3_bodies_default();
@@ -62,6 +62,7 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
     if (status)
         return status;
     def.engine = scene->engine;
+    def.threads = def.engine && !threads ? 1 : threads;
     def.substeps = (uint32_t)substeps;
     def.error = &scene->why;
     scene->def = def;
@@ -71,7 +72,7 @@ static fp3_status open_world(fp3_reader *r, const char *engine) {
     return status ? fp3_read_refused(r, root, "", status) : FP3_OK;
 }
 
-static fp3_status read_scene(fp3_reader *r, const char *engine, uint32_t seed) {
+static fp3_status read_scene(fp3_reader *r, const char *engine, uint32_t seed, uint32_t threads) {
     static const char *const names[] = {"dimensions", "steps",     "seed",     "engine", "gravity",
                                         "h",          "size",      "substeps", "push",   "bounce",
                                         "rest_speed", "rest_time", "bodies",   "joints", NULL};
@@ -83,7 +84,7 @@ static fp3_status read_scene(fp3_reader *r, const char *engine, uint32_t seed) {
         status = read_count(r, "seed", 1, &r->seed);
     r->seed = seed ? seed : r->seed;
     if (!status)
-        status = open_world(r, engine);
+        status = open_world(r, engine, threads);
     const config_setting_t *bodies = config_setting_get_member(root, "bodies");
     const config_setting_t *joints = config_setting_get_member(root, "joints");
     if (!status && !bodies)
@@ -106,7 +107,7 @@ int fp3_bodies_scene_is(const char *path) {
 }
 
 fp3_status fp3_bodies_scene_open(const char *path, const char *engine, uint32_t seed,
-                                 fp3_bodies_scene **scene, fp3_error *error) {
+                                 uint32_t threads, fp3_bodies_scene **scene, fp3_error *error) {
     FP3_HOST;
     fp3_settings in = {0};
     fp3_bodies_scene *made = calloc(1, sizeof *made);
@@ -119,7 +120,7 @@ fp3_status fp3_bodies_scene_open(const char *path, const char *engine, uint32_t 
     fp3_status status = made->path ? fp3_settings_load(made->path, FP3_E_ARGUMENT, &in, error)
                                    : fp3_no_memory(error);
     if (!status)
-        status = read_scene(&r, engine, seed);
+        status = read_scene(&r, engine, seed, threads);
     fp3_reader_close(&r);
     if (made->path)
         fp3_settings_close(&in);

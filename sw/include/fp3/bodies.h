@@ -45,8 +45,12 @@ typedef struct {
     double gravity[3];
     double h;          /* of a step: 2^-20 to 1; default 1/60 */
     uint32_t substeps; /* of a step: 1 to 64; default 4 */
-    double size;       /* of a typical body, 2^-20 to 2^20; default 1. Gaps and speeds that count as
-                        * small are shares of it */
+    /* That take part in a step, the caller's among them, at most 1024. 0: one for each processor.
+     * Default 1: a game has its own work for the others. What is too small for several is done by
+     * one. The number changes no bit. With an engine 1 only. */
+    uint32_t threads;
+    double size; /* of a typical body, 2^-20 to 2^20; default 1. Gaps and speeds that count as
+                  * small are shares of it */
     /* NULL (default): laws are built in. "isa", "fast" or "rtl": that engine executes their
      * programs, contact by contact, with the same bits; for checks. */
     const char *engine;

@@ -4,8 +4,8 @@
  * Each contact, in the order of their numbers, gets the first colour that both of its bodies do not
  * have yet. Bodies that do not move never block. So colours depend on the list alone.
  */
-#ifndef FP3_BODIES_COLOURS_H
-#define FP3_BODIES_COLOURS_H
+#ifndef FP3_COLOURS_H
+#define FP3_COLOURS_H
 
 #include <fp3/status.h>
 #include <stdint.h>

@@ -1,0 +1,143 @@
+"""Threads that step rigid bodies: the same bits with any number of them, and no more of them than asked for."""
+
+import os
+import pathlib
+import sys
+
+import numpy as np
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
+os.environ["FP3_HOME"] = str(BUILD)
+sys.path.insert(0, str(ROOT / "python"))
+if BUILD.name != "build" and not {"libasan", "libtsan"} & {name[:7] for name in os.environ.get("LD_PRELOAD", "").split("/")}:
+    pytest.skip("sanitizers have to be there before Python", allow_module_level=True)
+
+import fp3  # noqa: E402
+
+BOX = fp3.box(0.5, 0.5)
+
+
+def floor(**how):
+    world = fp3.Bodies(**how)
+    ground = world.add(type="static")
+    world.attach(ground, fp3.box(500, 1, centre=(0, -1)))
+    return world
+
+
+def pyramid(base=32, **how):
+    """All rests, and sleeps; then a bullet wakes it."""
+    world = floor(rest_time=0.2, **how)
+    bricks = world.add(x=[(1.05 * (column - (base - row) / 2), row + 0.5) for row in range(base) for column in range(base - row)])
+    world.attach(bricks, BOX)
+
+    def shoot():
+        bullet = world.add(x=(-60, 4), v=(200, 0), is_fast=True)
+        world.attach(bullet, fp3.circle(0.5, density=20))
+    return world, {24: shoot}
+
+
+def heap(count=700, **how):
+    """Of all shapes, some bouncy and some sensors, which fall onto a chain and what the caller moves."""
+    random = np.random.default_rng(1)
+    world = fp3.Bodies(**how)
+    ground = world.add(type="static")
+    world.chain(ground, [(30, 40), (30, 0), (10, -2), (-10, -1), (-30, 0), (-30, 40)])
+    mover = world.add(type="kinematic", x=(-5, 2), v=(2, 0), w=1.0)
+    world.attach(mover, fp3.box(3, 0.3))
+    shapes = [BOX, fp3.circle(0.4, rolling=0.02), fp3.capsule((-0.4, 0), (0.4, 0), 0.2), fp3.polygon([(-0.5, -0.4), (0.5, -0.4), (0, 0.6)]),
+              fp3.circle(0.5, restitution=0.7), fp3.box(0.4, 0.4, is_sensor=True)]
+    for k, shape in enumerate(shapes):
+        some = np.arange(k, count, len(shapes))
+        bodies = world.add(x=np.column_stack([some % 40 - 20 + 0.2 * random.random(len(some)), 3 + 1.1 * (some // 40)]), angle=random.random(len(some)))
+        world.attach(bodies, shape)
+    return world, {}
+
+
+def net(side=28, **how):
+    """A grid of hinges that hangs on four welds, with springs, a tree with a heavy body, and a ball on it."""
+    world = floor(**how)
+    at = [(0.5 * (i % side), 12 + 0.5 * (i // side)) for i in range(side * side)]
+    knots = world.add(x=at)
+    world.attach(knots, fp3.circle(0.1))
+    post = world.add(type="static", x=(0, 20))
+    for i in range(side * side):
+        if i % side:
+            world.join("hinge", knots[i - 1], knots[i], anchor_a=(0.25, 0), anchor_b=(-0.25, 0))
+        if i >= side:
+            world.join("rod", knots[i - side], knots[i], hertz=8.0 if i % 3 else 0.0)
+    for i in (0, side - 1):
+        world.join("weld", post[0], knots[-1 - i], anchor_a=np.subtract(at[-1 - i], (0, 20)), anchor_b=(0, 0))
+    ball = world.add(x=(6, 30))
+    world.attach(ball, fp3.circle(1, density=100))
+    return world, {}
+
+
+def trace(make, steps, **how):
+    """After each step who touches, what changed, and all bits; half way back to where it was before."""
+    world, acts = make(**how)
+    told = []
+    for step in range(steps):
+        if step in acts:
+            acts[step]()
+        if step == steps // 2:
+            saved = world.save()
+            world.step(3)
+            world.restore(saved)
+        world.step()
+        told.append((world.hash, world.awake, world.touching, *(world.changes(what)["body_a"].tolist() for what in ("began", "ended", "hit"))))
+    return told
+
+
+def helpers():
+    return len(os.listdir("/proc/self/task"))
+
+
+@pytest.mark.parametrize("make, steps", [(pyramid, 30), (heap, 20), (net, 12)])
+def test_the_number_of_threads_changes_no_bit(make, steps):
+    alone = trace(make, steps)
+    for threads in (2, 3, 5):
+        assert trace(make, steps, threads=threads) == alone, f"{threads} threads"
+
+
+def test_there_are_as_many_threads_as_asked_for():
+    before = helpers()
+    small = floor(threads=3)
+    small.attach(small.add(x=(0, 1)), BOX)
+    small.step(10)
+    assert helpers() == before        # nothing to do for another
+    world, _ = pyramid(threads=3)
+    world.step(2)
+    assert helpers() == before + 2
+    world.close()
+    assert helpers() == before
+    every, _ = pyramid(threads=0)
+    every.step(2)
+    assert helpers() == before + len(os.sched_getaffinity(0)) - 1
+    every.close()
+
+
+def test_a_file_is_opened_with_any_number(tmp_path):
+    world, _ = pyramid(threads=2)
+    world.step(4)
+    world.checkpoint(tmp_path / "world.ck")
+    again = fp3.Bodies.restart(tmp_path / "world.ck", threads=3)
+    world.step(4)
+    again.step(4)
+    assert again.hash == world.hash
+
+
+@pytest.mark.parametrize("threads, engine, message", [
+    (-1, None, "threads"), (1025, None, "threads"), (1.5, None, "threads"), (2, "isa", "threads is 2, expected 1 with an engine"),
+    (0, "fast", "threads is 0, expected 1 with an engine")])
+def test_what_is_no_number_of_threads_is_refused(threads, engine, message):
+    with pytest.raises(fp3.ArgumentError, match=message):
+        fp3.Bodies(threads=threads, engine=engine)
+
+
+def test_the_most_that_there_can_be():
+    world = floor(threads=1024)
+    world.attach(world.add(x=(0, 1)), BOX)
+    world.step(2)
+    world.close()
