@@ -182,8 +182,8 @@ fp3_kept_part fp3_part_of(fp3_bodies *b, int which) {
 }
 
 fp3_kept_part fp3_kept_elements(fp3_bodies *bodies, const fp3_kept_list *list) {
-    return list->part < 0 ? (fp3_kept_part){.size = sizeof *bodies}
-                          : fp3_part_of(bodies, list->part);
+    static const fp3_kept_part own = {.size = sizeof *bodies};
+    return list->part < 0 ? own : fp3_part_of(bodies, list->part);
 }
 
 void fp3_bodies_count_up(fp3_bodies *b) {
