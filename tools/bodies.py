@@ -24,7 +24,7 @@ from fp3bodies import report
 PARTS = ("truths", "standing", "speed", "error", "hashes", "chip")
 ALONE = {"hashes", "chip"}  # parts without peers
 # Who is a part of an engine that is there already has its own parts; implicitfast is Euler where nothing damps.
-SOME = {"fp3, laws on fast": ("speed",), "mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
+SOME = {"fp3, laws on fast": ("speed",), "fp3, threads 2": ("speed",), "mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
 OWN = "fp3"
 SETTLE, MOST, TURN = 600, 20.0, 0.1  # steps before a scene is timed, seconds that they may take, seconds of a turn
 STAND = 100.0                         # seconds that a scene may take to stand
@@ -135,7 +135,7 @@ class Lab:
                         continue
                     best[name] = min(best.get(name, math.inf), answer["seconds"] / steps[name])
             for name, answer in made.items():
-                row = {"scene": scene, "engine": name, "threads": 1, "bodies": answer["bodies"], "settled": answer["steps"],
+                row = {"scene": scene, "engine": name, "threads": answer.get("threads", 1), "bodies": answer["bodies"], "settled": answer["steps"],
                        "substeps": answer["substeps"], "ns_per_body_step": 1e9 * best[name] / answer["bodies"],
                        "arithmetic": answer["arithmetic"], "note": answer["note"]}
                 beside = next((one for one in ("own box2d", "box2d") if one in made), None)

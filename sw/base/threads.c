@@ -25,6 +25,8 @@
  * sleeps then, in ns. */
 #define LOOKS 7000
 #define NAP 50000
+/* Naps, of 1 ms together, after which whoever has the part has lost his processor. */
+#define NAPS 10
 /* Looks for a part until another does it: 5 us. */
 #define LATE 400
 
@@ -149,7 +151,7 @@ static int wait_for(fp3_threads *t, const fp3_lap *s, uint64_t number, uint32_t 
         }
         be_patient(t, &looked);
     }
-    if (w->own == 0 && looked > looks(t)) {
+    if (w->own == 0 && looked > looks(t) + NAPS) {
         t->was_held_up = 1;
         atomic_store_explicit(&t->closed, w->end, memory_order_relaxed);
         w->is_late = 1;

@@ -213,20 +213,39 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
     return status;
 }
 
+#define LEAST_PASSED 8 /* blocks that are worth a thread */
+
+typedef struct {
+    fp3_work2 work;
+    const fp3_space *space;
+    const float *shared;
+    int has_moved;
+} passing;
+
+static void pass_some(void *of, uint32_t from, uint32_t to) {
+    const passing *p = of;
+    const fp3_space *s = p->space;
+    s->solver->pass(&p->work, s->points, from, to, p->shared, s->is_rolling, p->has_moved);
+}
+
 static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3_SHARED],
                                 int has_moved) {
     const fp3_space *s = bodies->space;
     const fp3_law_rows *rows = &s->contacts;
-    const fp3_work2 work = {bodies->speed,   bodies->way, NULL,
-                            bodies->movable, rows->row,   rows->ends};
+    passing all = {{bodies->speed, bodies->way, NULL, bodies->movable, rows->row, rows->ends},
+                   s,
+                   shared,
+                   has_moved};
     const uint32_t *first = rows->colours.first;
     fp3_status status = FP3_OK;
     for (uint32_t k = 0; !status && rows->count && k < rows->colours.count; k++) {
         if (bodies->laws)
-            status = run_pass(bodies, &work, first[k], first[k + 1], shared, has_moved);
+            status = run_pass(bodies, &all.work, first[k], first[k + 1], shared, has_moved);
         else
-            s->solver->pass(&work, s->points, first[k], first[k + 1], shared, s->is_rolling,
-                            has_moved);
+            fp3_threads_share(
+                bodies->crew,
+                (fp3_lap){pass_some, &all, first[k], first[k + 1],
+                          fp3_threads_parts(bodies->crew, first[k + 1] - first[k], LEAST_PASSED)});
     }
     return status;
 }

@@ -74,6 +74,18 @@ def net(side=28, **how):
     return world, {}
 
 
+def cubes(side=8, **how):
+    """Towers in space that lean on each other, and balls that fall onto them."""
+    world = fp3.Bodies(dimensions=3, **how)
+    ground = world.add(type="static")
+    world.attach(ground, fp3.plane())
+    towers = world.add(x=[(1.01 * x + 0.02 * z, 0.5 + y, 1.01 * z) for x in range(side) for y in range(5) for z in range(side)])
+    world.attach(towers, fp3.box(0.5, 0.5, 0.5))
+    balls = world.add(x=[(2.0 * x, 6.5, 2.0 * z) for x in range(4) for z in range(4)], v=(0, -3, 1))
+    world.attach(balls, fp3.sphere(0.4, restitution=0.5))
+    return world, {}
+
+
 def trace(make, steps, **how):
     """After each step who touches, what changed, and all bits; half way back to where it was before."""
     world, acts = make(**how)
@@ -94,7 +106,7 @@ def helpers():
     return len(os.listdir("/proc/self/task"))
 
 
-@pytest.mark.parametrize("make, steps", [(pyramid, 30), (heap, 20), (net, 12)])
+@pytest.mark.parametrize("make, steps", [(pyramid, 30), (heap, 20), (net, 12), (cubes, 8)])
 def test_the_number_of_threads_changes_no_bit(make, steps):
     alone = trace(make, steps)
     for threads in (2, 3, 5):

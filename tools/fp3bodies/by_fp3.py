@@ -27,7 +27,7 @@ class Made(Engine):
         definition = self.lib.default(d.fp3_bodies_def)
         definition.error = ctypes.pointer(self.error)
         definition.dimensions, definition.gravity[:] = scene.dimensions, in_space(scene.gravity)
-        definition.h, definition.substeps = scene.step, scene.substeps
+        definition.h, definition.substeps, definition.threads = scene.step, scene.substeps, self.THREADS
         for name, value in (ZERO | self.LAWS).items():
             setattr(definition, name, value)
         self.world = ctypes.c_void_p()
@@ -98,6 +98,12 @@ class ByEngine(Made):
     """Laws as programs, which anybody may change, compiled to native code."""
     NOTE = "contacts and joints by their texts, as native code of the engine `fast`"
     LAWS = {"engine": b"fast", "may_compile": 1}
+
+
+class ByTwo(Made):
+    """What two processors do together: its time is that of a clock on the wall."""
+    NOTE = "two threads, by a clock on the wall; the others by the time of their processor"
+    THREADS = 2
 
 
 class Definitions:

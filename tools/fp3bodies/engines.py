@@ -7,7 +7,7 @@ import numpy as np
 from fp3bodies.scene import Refused, lifted
 
 # Name: the module of this folder and its class, and the package that it needs beside NumPy.
-ENGINES = {"fp3": ("by_fp3", "Made", None), "fp3, laws on fast": ("by_fp3", "ByEngine", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
+ENGINES = {"fp3": ("by_fp3", "Made", None), "fp3, laws on fast": ("by_fp3", "ByEngine", None), "fp3, threads 2": ("by_fp3", "ByTwo", None), "box2d": ("by_box2d", "Made", "pyb2d3"), "own box2d": ("by_own_box2d", "Made", None),
            "own box3d": ("by_box3d", "Made", None),
            "chipmunk": ("by_chipmunk", "Made", "pymunk"), "rapier": ("by_rapier", "Made", "rapier3d"), "mujoco": ("by_mujoco", "Made", "mujoco"),
            "mujoco, RK4": ("by_mujoco", "RungeKutta", "mujoco"),
@@ -18,6 +18,7 @@ ENGINES = {"fp3": ("by_fp3", "Made", None), "fp3, laws on fast": ("by_fp3", "ByE
 class Engine:
     """One scene in one engine. Bodies are in the scene's order; arrays have the scene's dimensions."""
     ARITHMETIC = NOTE = ""
+    THREADS = 1
     SUBSTEPS = False  # it has substeps of its own; if not, it takes steps as short as a scene's substeps, but a scene's steps where it is timed
 
     def __init__(self, scene):
