@@ -97,8 +97,6 @@ static void tidy_patches(fp3_bodies *bodies, const fp3_touch2 *t) {
             *p = (fp3_patch3){0};
         for (uint32_t i = p->m.count; i < 4; i++)
             memset(&p->m.point[i], 0, sizeof p->m.point[i]);
-        for (uint32_t i = p->found.count; i < 4; i++)
-            memset(&p->found.point[i], 0, sizeof p->found.point[i]);
     }
 }
 

@@ -66,9 +66,8 @@ static const fp3_kept_field touches3[] = {B(has_belt), W(first_patch), W(patches
 #undef THIS
 
 #define THIS fp3_patch3
-#define MANIFOLD(of) F(of.normal), W(of.count), F(of.point)
 static const fp3_kept_field patches[] = {
-    W(a), W(b), W(part), MANIFOLD(m), MANIFOLD(found), F(from), F(turn_a), F(turn_b), A(p), A(twist), A(top), A(f),
+    W(a), W(b), W(part), F(m.normal), W(m.count), F(m.point), F(gap), F(from), F(turn_a), F(turn_b), A(p), A(twist), A(top), A(f),
     A(roll), F(friction), F(rolling), F(radius_a), F(radius_b)};
 #undef THIS
 

@@ -14,8 +14,8 @@ typedef struct {
     float f[3], roll[3], top; /* ... f and roll in the world's axes */
     fp3_point3 from; /* b's centre of mass as seen from a's, when the shapes were last looked at, */
     float friction, rolling, radius_a, radius_b; /* of both shapes together */
-    fp3_manifold3 found;                         /* ... what was found then, */
-    float turn_a[4], turn_b[4];                  /* ... and their turns */
+    float turn_a[4], turn_b[4];                  /* ... their turns, */
+    float gap[4];                                /* ... and the gaps of m then: all else stays */
     uint32_t touch;                              /* of bodies->touch, in this step */
     uint32_t a, b, part;                         /* shapes; the triangle */
 } fp3_patch3;

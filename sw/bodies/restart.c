@@ -215,7 +215,7 @@ static int are_patches(fp3_bodies *b) {
             return 0;
         for (uint32_t i = 0; i < t->patches; i++) {
             const fp3_patch3 *p = &b->space->patch[next + i];
-            if (p->a != t->a || p->b != t->b || p->m.count > 4 || p->found.count > 4)
+            if (p->a != t->a || p->b != t->b || p->m.count > 4)
                 return 0;
         }
         next += t->patch_room;

@@ -238,6 +238,14 @@ FP3_WIDELY void patches(const fp3_making3 *making, const uint32_t *at, fp3_patch
         of[lane] = at[lane] == UINT32_MAX ? none : &making->patch[making->of[at[lane]]];
 }
 
+/* A block's patches are anywhere: those of the next one come while this one is made. */
+FP3_WIDELY void fetch(const fp3_making3 *making, const uint32_t *at) {
+    for (int lane = 0; at && lane < FP3_WIDE; lane++)
+        if (at[lane] != UINT32_MAX)
+            for (uint32_t line = 0; line < MET * sizeof(float); line += 64)
+                __builtin_prefetch((const char *)&making->patch[making->of[at[lane]]] + line);
+}
+
 static void prepare(const fp3_work2 *work, const fp3_making3 *making, uint32_t first,
                     uint32_t end) {
     const fp3_softness *soft = making->softness;
@@ -249,6 +257,7 @@ static void prepare(const fp3_work2 *work, const fp3_making3 *making, uint32_t f
         fp3_contact3_row *r = (fp3_contact3_row *)work->row + i;
         uint32_t points = 0;
         patches(making, &making->at[i * FP3_WIDE], &none, of);
+        fetch(making, i + 1 < end ? &making->at[(i + 1) * FP3_WIDE] : NULL);
 #pragma GCC unroll 5
         for (uint32_t k = 0; k < MET; k += 8) {
             fp3_wide x[8];

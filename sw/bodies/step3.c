@@ -31,12 +31,13 @@ static void turn_inertia(fp3_body3 *body) {
     const double axis[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
                                {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
                                {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+    const double inverse[3] = {1.0 / body->moment[0], 1.0 / body->moment[1], 1.0 / body->moment[2]};
     for (int k = 0; k < 6; k++) {
         double sum = 0, back = 0;
         for (int i = 0; i < 3; i++) {
             const double product = axis[row[k]][i] * axis[column[k]][i];
             sum += body->moment[i] * product;
-            back += product / body->moment[i];
+            back += inverse[i] * product;
         }
         body->inertia[k] = (float)sum;
         body->back[k] = (float)back;
@@ -45,6 +46,10 @@ static void turn_inertia(fp3_body3 *body) {
 
 static const float NOTHING[6] = {0};
 static const fp3_pull2 NO_PULL = {{0}, {1, 1, 1, 1}, {0}};
+
+static float slow_of(double h, float damping) {
+    return damping > 0 ? (float)(1 / (1 + h * damping)) : 1;
+}
 
 static void bring_one(fp3_bodies *bodies, uint32_t slot, double h) {
     const uint32_t number = bodies->in_slot[slot];
@@ -59,8 +64,7 @@ static void bring_one(fp3_bodies *bodies, uint32_t slot, double h) {
     bodies->speed[2 * slot + 1] = (fp3_four){space->spin[0], space->spin[1], space->spin[2], 0};
     if (slot > bodies->movable)
         return;
-    const float slow = (float)(1 / (1 + h * body->damping)),
-                slow_spin = (float)(1 / (1 + h * body->spin_damping));
+    const float slow = slow_of(h, body->damping), slow_spin = slow_of(h, body->spin_damping);
     fp3_pull2 *pull = &bodies->pull[2 * slot];
     for (int k = 0; k < 3; k++)
         pull[0].pull[k] = (float)(h * (body->gravity * g[k] + m * body->force[k]));
@@ -126,8 +130,8 @@ static void let_fall(fp3_bodies *bodies, double h) {
         const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
         if (flies(bodies, t))
             continue;
-        bodies->pull[2 * fp3_slot_of(bodies, bodies->shape[t->a].body)].drop = (fp3_four){0};
-        bodies->pull[2 * fp3_slot_of(bodies, bodies->shape[t->b].body)].drop = (fp3_four){0};
+        bodies->pull[2 * fp3_slot_of(bodies, t->body_a)].drop = (fp3_four){0};
+        bodies->pull[2 * fp3_slot_of(bodies, t->body_b)].drop = (fp3_four){0};
     }
     for (uint32_t i = 0; i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* touch3.c - which shapes touch in space: boxes and manifolds. */
+#include "lanes.h"
 #include "own3.h"
 
 #include <math.h>
@@ -134,34 +135,59 @@ void fp3_space_forget(fp3_bodies *bodies) {
     }
 }
 
-/* The small turn from one quaternion to another. */
-static fp3_point3 turn_between(const float p[4], const float q[4]) {
-    const float same = ((p[0] * q[0] + p[1] * q[1]) + (p[2] * q[2] + p[3] * q[3])) < 0 ? -2 : 2;
-    return (fp3_point3){same * ((p[0] * q[1] - q[0] * p[1]) + (q[2] * p[3] - q[3] * p[2])),
-                        same * ((p[0] * q[2] - q[0] * p[2]) + (q[3] * p[1] - q[1] * p[3])),
-                        same * ((p[0] * q[3] - q[0] * p[3]) + (q[1] * p[2] - q[2] * p[1]))};
+/* Vectors as fours, the last number 0: this is done for each pair in each step. Something stands
+ * behind all three numbers that are read so. */
+typedef int four_of_bits __attribute__((vector_size(16), may_alias));
+static inline fp3_four three(const float *v) {
+    static const four_of_bits kept = {-1, -1, -1, 0};
+    four_of_bits bits;
+    memcpy(&bits, v, sizeof bits);
+    return (fp3_four)(bits & kept);
+}
+static inline fp3_four cross(fp3_four a, fp3_four b) {
+    const fp3_four c = a * FP3_SHUFFLE(b, b, 1, 2, 0, 3) - FP3_SHUFFLE(a, a, 1, 2, 0, 3) * b;
+    return FP3_SHUFFLE(c, c, 1, 2, 0, 3);
+}
+static inline float sum_of(fp3_four a) {
+    const fp3_four b = a + FP3_SHUFFLE(a, a, 2, 3, 0, 1);
+    return b[0] + b[1];
 }
 
-static int is_small(fp3_point3 p, float most) {
-    return fabsf(p.x) < most && fabsf(p.y) < most && fabsf(p.z) < most;
+/* The small turn from one quaternion to another. */
+static inline fp3_four turn_between(const float p[4], const float q[4]) {
+    fp3_four x, y;
+    memcpy(&x, p, sizeof x);
+    memcpy(&y, q, sizeof y);
+    const float two = sum_of(x * y) < 0 ? -2.0f : 2.0f;
+    const fp3_four turn = (x[0] * y - y[0] * x) + /* 0 and a vector; the same of y x x */
+                          FP3_SHUFFLE(y, y, 0, 2, 3, 1) * FP3_SHUFFLE(x, x, 0, 3, 1, 2) -
+                          FP3_SHUFFLE(y, y, 0, 3, 1, 2) * FP3_SHUFFLE(x, x, 0, 2, 3, 1);
+    return two * FP3_SHUFFLE(turn, turn, 1, 2, 3, 0);
+}
+
+static inline four_of_bits are_small(fp3_four v, float most) {
+    const fp3_four size = (fp3_four)((four_of_bits)v & 0x7fffffff);
+    return size < (fp3_four){most, most, most, most};
 }
 
 /* The manifold by what has moved since it was found; 0: too much has. */
-static int follow(fp3_patch3 *p, const fp3_pose3 *a, const fp3_pose3 *b, fp3_point3 from,
+static int follow(fp3_patch3 *p, const fp3_pose3 *a, const fp3_pose3 *b, fp3_four from,
                   float size) {
-    const fp3_point3 way = fp3_subtract3(from, p->from), n = p->found.normal;
-    const fp3_point3 qa = turn_between(p->turn_a, a->q), qb = turn_between(p->turn_b, b->q);
-    if (!is_small(way, STILL_WAY * size) || !is_small(qa, STILL_TURN) || !is_small(qb, STILL_TURN))
+    const fp3_four was = three(&p->from.x), way = from - was, n = three(&p->m.normal.x);
+    const fp3_four qa = turn_between(p->turn_a, a->q), qb = turn_between(p->turn_b, b->q);
+    const four_of_bits are =
+        are_small(way, STILL_WAY * size) & are_small(qa, STILL_TURN) & are_small(qb, STILL_TURN);
+    if (!(are[0] & are[1] & are[2]))
         return 0;
-    /* Of a point whose arm at a is r: (way + qb x (r - from) - qa x r) . n */
-    const fp3_point3 slope = fp3_cross3(n, fp3_subtract3(qb, qa));
-    const float rise = fp3_dot3(way, n) - fp3_dot3(p->from, fp3_cross3(n, qb));
+    /* Of a point whose arm at a is r: (way + qb x (r - was) - qa x r) . n */
+    const fp3_four slope = cross(n, qb - qa);
+    const float rise = sum_of(way * n - was * cross(n, qb));
+    int are_near = 1;
     for (uint32_t k = 0; k < p->m.count; k++) {
-        p->m.point[k].gap = p->found.point[k].gap + (rise + fp3_dot3(p->m.point[k].arm, slope));
-        if (!(p->m.point[k].gap < 0.02f * size))
-            return 0;
+        p->m.point[k].gap = p->gap[k] + (rise + sum_of(three(&p->m.point[k].arm.x) * slope));
+        are_near &= p->m.point[k].gap < 0.02f * size;
     }
-    return 1;
+    return are_near;
 }
 
 /* Impulses go on at the points that there are still. */
@@ -185,36 +211,34 @@ static const fp3_patch3 *find(const fp3_patch3 *old, uint32_t count, uint32_t pa
 }
 
 /* What events and sleep have to know of it. */
-static void sum_up(fp3_bodies *bodies, fp3_touch2 *t, fp3_point3 from) {
+static void sum_up(fp3_bodies *bodies, fp3_touch2 *t, fp3_four from) {
     const fp3_space *s = bodies->space;
     const fp3_patch3 *best = NULL;
+    float least = INFINITY;
     uint32_t deepest = 0;
     t->m.count = 0;
     t->top = 0;
     for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++)
         for (uint32_t i = 0; i < s->patch[k].m.count; i++)
-            if (!best || s->patch[k].m.point[i].gap < best->m.point[deepest].gap) {
+            if (s->patch[k].m.point[i].gap < least) {
                 best = &s->patch[k];
+                least = best->m.point[i].gap;
                 deepest = i;
             }
     if (!best)
         return;
     const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
-    const fp3_point3 arm = best->m.point[deepest].arm, n = best->m.normal;
-    const fp3_point3 wa = fp3_point3_of(s->body[t->body_a].spin),
-                     wb = fp3_point3_of(s->body[t->body_b].spin);
-    const fp3_point3 u =
-        fp3_subtract3(fp3_add3(fp3_point3_of(y->v), fp3_cross3(wb, fp3_subtract3(arm, from))),
-                      fp3_add3(fp3_point3_of(x->v), fp3_cross3(wa, arm)));
+    const fp3_point3 arm = best->m.point[deepest].arm;
+    const fp3_four r = three(&best->m.point[deepest].arm.x), n = three(&best->m.normal.x),
+                   u = (three(y->v) + cross(three(s->body[t->body_b].spin), r - from)) -
+                       (three(x->v) + cross(three(s->body[t->body_a].spin), r));
     t->m.count = 1;
-    t->m.point[0].gap = best->m.point[deepest].gap;
-    t->approach = -fp3_dot3(u, n);
+    t->m.point[0].gap = least;
+    t->approach = -sum_of(u * n);
     t->at[0] = x->at[0] + arm.x;
     t->at[1] = x->at[1] + arm.y;
     t->at[2] = x->at[2] + arm.z;
-    t->normal[0] = n.x;
-    t->normal[1] = n.y;
-    t->normal[2] = n.z;
+    memcpy(t->normal, &best->m.normal, sizeof t->normal);
 }
 
 static fp3_status look(fp3_bodies *bodies, const fp3_form3 *a, const fp3_pose3 *pose_a,
@@ -255,14 +279,14 @@ static fp3_status put_aside(fp3_bodies *bodies, fp3_touch2 *t, uint32_t count) {
     return status;
 }
 
-static fp3_point3 from_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
+static fp3_four from_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
     const double *a = bodies->body[t->body_a].at, *b = bodies->body[t->body_b].at;
-    return (fp3_point3){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2])};
+    return (fp3_four){(float)(b[0] - a[0]), (float)(b[1] - a[1]), (float)(b[2] - a[2]), 0};
 }
 
 int fp3_space_follow(fp3_bodies *bodies, fp3_touch2 *t) {
     const fp3_space *s = bodies->space;
-    const fp3_point3 from = from_of(bodies, t);
+    const fp3_four from = from_of(bodies, t);
     int is_followed = t->is_found && t->patches > 0;
     for (uint32_t k = 0; is_followed && k < t->patches; k++)
         is_followed = follow(&s->patch[t->first_patch + k], &s->pose[t->body_a],
@@ -276,7 +300,8 @@ fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach) {
     fp3_space *s = bodies->space;
     const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
     const uint32_t olds = t->patches;
-    const fp3_point3 from = from_of(bodies, t);
+    const fp3_four way = from_of(bodies, t);
+    const fp3_point3 from = {way[0], way[1], way[2]};
     const fp3_pose3 *pose_a = &s->pose[t->body_a];
     fp3_pose3 pose_b = s->pose[t->body_b];
     pose_b.at = fp3_add3(from, pose_b.at);
@@ -298,13 +323,14 @@ fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach) {
                           .radius_b = t->radius_b};
         p->m = s->meeting[k].manifold;
         shift(&p->m, pose_a->at);
-        p->found = p->m;
+        for (uint32_t i = 0; i < p->m.count; i++)
+            p->gap[i] = p->m.point[i].gap;
         memcpy(p->turn_a, pose_a->q, sizeof p->turn_a);
         memcpy(p->turn_b, pose_b.q, sizeof p->turn_b);
         go_on(p, find(s->old, olds, p->part), (float)bodies->def.size);
     }
     t->patches = count;
     t->is_found = 1;
-    sum_up(bodies, t, from);
+    sum_up(bodies, t, way);
     return FP3_OK;
 }

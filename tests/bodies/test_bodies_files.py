@@ -288,7 +288,7 @@ def no_ring(file):
     (put("forms.corners", 1 << 30, 4), "more corners than there are"), (put("forms.triangles", 1 << 30, 1), "more corners than there are"),
     (put("corners.x", np.inf, 7), "'corners.x'"), (put("corners.x", 0.0), "on a line"), (put("triangles.corners", 1 << 30, 5), "triangle 5 has corner"),
     (put("touches.first_patch", 1 << 30, -1), "'patches'"), (put("touches.patches", 1 << 31, -1), "'patches'"), (put("touches.m.count", 3, 0), "'touches'"),
-    (put("patches.a", 1 << 30), "'patches'"), (put("patches.m.count", 5), "'patches'"), (put("patches.found.count", 5), "'patches'"),
+    (put("patches.a", 1 << 30), "'patches'"), (put("patches.m.count", 5), "'patches'"),
     (put("joints.def.type", 5, 0), "'joints'"), (put("joints.def.type", 7, 0), "'joints'"), (put("joints.laws", 16, 0), "'joints'"),
     (put("joints.def.a", 3, 0), "'joints'"),
     (put("world.told", 1 << 30), "'world'"), (put("world.def.dimensions", 4), "dimensions is 4, expected 2 to 3"),
