@@ -225,7 +225,9 @@ SWEEPS            := $(addprefix $(BUILD)/obj/sw/engine/fast/sweep_,$(if $(filte
 # What goes over contacts, likewise: sw/bodies/choose.c chooses.
 SOLVERS           := $(if $(filter x86_64-%,$(MACHINE)),$(addprefix $(BUILD)/obj/sw/bodies/,solve2_v3.o solve3_v3.o))
 LIB_O             := $(call obj,$(LIB_C)) $(SWEEPS) $(SOLVERS)
-VECTORS           := -O3 -frounding-math -Wno-psabi
+# Where each variable is at each instruction, for debuggers, takes a third of the time in functions as long as these.
+LONG_FUNCTIONS    := -Wno-psabi -fno-var-tracking
+VECTORS           := -O3 -frounding-math $(LONG_FUNCTIONS)
 
 $(call obj,sw/engine/fast/sweep.c): CFLAGS += $(VECTORS)
 $(call obj,sw/engine/fast/fast.c sw/engine/fast/block.c sw/engine/fast/drive.c sw/engine/common/near.c sw/engine/common/near_stale.c): CFLAGS += -O3
@@ -234,12 +236,12 @@ $(call obj,sw/bodies/text.c): $(wildcard programs/bodies/*.ode)
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
 # Vectors of eight are never passed between functions.
-$(call obj,$(wildcard sw/bodies/*.c) tests/bodies/stepped.c): CFLAGS += -Wno-psabi
+$(call obj,$(wildcard sw/bodies/*.c) tests/bodies/stepped.c): CFLAGS += $(LONG_FUNCTIONS)
 
 $(SOLVERS): $(BUILD)/obj/sw/bodies/solve%_v3.o: sw/bodies/solve%.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
 	@echo "  CC   $< (v3)"
-	@$(CCACHE) $(CC_FOR) $(CFLAGS) -Wno-psabi -march=x86-64-v3 -mno-fma -DFP3_SOLVER=fp3_solver$*_v3 -DFP3_SOLVER_NAME='"x86-64-v3"' $(INCLUDES) -MMD -MP -c -o $@ $<
+	@$(CCACHE) $(CC_FOR) $(CFLAGS) $(LONG_FUNCTIONS) -march=x86-64-v3 -mno-fma -DFP3_SOLVER=fp3_solver$*_v3 -DFP3_SOLVER_NAME='"x86-64-v3"' $(INCLUDES) -MMD -MP -c -o $@ $<
 
 $(SWEEPS): $(BUILD)/obj/sw/engine/fast/sweep_%.o: sw/engine/fast/sweep.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)

@@ -67,7 +67,10 @@ def build(number, engine=None):
                       is_fast=bool(chance.random() < 0.3))
     for body in bodies:
         for _ in range(int(chance.choice([1, 1, 1, 2]))):
-            made.attach([body], shape(chance, spread(chance, 0.05, 1)))
+            try:
+                made.attach([body], shape(chance, spread(chance, 0.05, 1)))
+            except fp3.ArgumentError as error:
+                assert "make no hull" in str(error), error  # one set of points in 10,000 worlds
     for _ in range(int(chance.integers(0, 4))):
         a, b = chance.choice(count, 2, replace=False)
         x, y = (made.read("x", bodies[k:k + 1])[0] for k in (a, b))
@@ -134,9 +137,9 @@ def energies(number):
 
 @pytest.mark.parametrize("first", range(0, 60, 10))
 def test_random_worlds_stay_finite(first, long):
-    count = 400 if long else 10
+    count = 1700 if long else 10
     failed = [number for number in range(first * count // 10, first * count // 10 + count) if run(number)[1]]
-    assert len(failed) <= 0.08 * count + 2, failed  # of a million times the mass, overlapping and joined
+    assert len(failed) <= 0.01 * count + 1, failed  # of a million times the mass, overlapping and joined
 
 
 def test_a_checkpoint_in_the_middle_of_random_worlds(tmp_path, long):

@@ -32,7 +32,7 @@ def run_file(request, root, fp3, tmp_path_factory):
 
 
 def test_every_transfer_is_answered_as_it_must_be(root, run_file, tmp_path, long):
-    transfers, config = 20_000 if long else 150, json.loads(run_file.read_text())["config"]
+    transfers, config = 20_000 if long else 90, json.loads(run_file.read_text())["config"]
     bench = simulate.compiled(root, tmp_path, f"fp3_{config}", simulate.top(config), "-DFP3_CHECK")
     done = simulate.cocotb(root, tmp_path, bench, root / "tests/bus/attack.py", FP3_TRANSFERS=transfers, FP3_SEED=1,
                            FP3_MAP=root / "isa/registers.toml", FP3_RUN=run_file)

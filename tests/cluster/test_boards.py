@@ -47,7 +47,7 @@ def boards(fp3, count, config):
         yield ",".join([stack.enter_context(board(fp3, "--config", config))[1] for _ in range(count)])
 
 
-@pytest.mark.parametrize("name, steps", [("cloth", 2), ("balls", 2)])
+@pytest.mark.parametrize("name, steps", [("cloth", 2), pytest.param("balls", 2, marks=pytest.mark.long)])
 def test_four_boards_are_one_world(run, fp3, name, steps):
     """The recording of one process, the cycles of four chips on the bus; guests came, and each line carried what the words need."""
     one, _, _ = run(name, 1, "fast", "world", steps)

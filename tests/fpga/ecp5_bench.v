@@ -116,7 +116,7 @@ module ecp5_bench;
         end
     endgenerate
 
-    always @(negedge clk) if (errors > 0 || cycle == 5000) begin
+    always @(negedge clk) if (errors > 0 || cycle == 3000) begin
         $display("%s: %0d cycles, %0d errors", errors == 0 ? "PASS" : "FAIL", cycle, errors);
         $finish;
     end
