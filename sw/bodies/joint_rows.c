@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* joint_rows.c - the rows of joints: what a joint is made of, before and after a step. */
+#include "heavy2.h"
 #include "own.h"
-#include "trees.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -153,10 +153,6 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
                  .h = h,
                  .lane = rows->lane[i] % FP3_WIDE};
     const uint32_t block = rows->lane[i] / FP3_WIDE;
-    if (j->is_in_tree && (law == LAW(pin2) || j->def.type == FP3_WELD)) {
-        f.firm.soft = 1; /* what is found at once does not yield */
-        f.firm.fade = 0;
-    }
     if (law == LAW(twist2))
         fill_twist(bodies, &f, (fp3_twist2_row *)rows->row + block);
     else if (law == LAW(slide2))
@@ -165,6 +161,10 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
         fill_rod(&f, (fp3_rod2_row *)rows->row + block);
     else
         fill_point(&f, (fp3_pin2_row *)rows->row + block);
+}
+
+static int is_found_at_once(const fp3_joint *j, int law) {
+    return j->is_heavy && (law == LAW(pin2) || (j->def.type == FP3_WELD && !(j->def.hertz > 0)));
 }
 
 static fp3_status lay(fp3_bodies *bodies, int law) {
@@ -176,7 +176,7 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
     rows->is_same = 1;
     for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
-        if (!(j->generation & 1) || !(j->laws >> law & 1))
+        if (!(j->generation & 1) || !(j->laws >> law & 1) || is_found_at_once(j, law))
             continue;
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)
@@ -191,14 +191,12 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
 
 fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {
     const fp3_softness firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h);
-    fp3_status status = FP3_OK;
+    fp3_status status = fp3_heavy_find(bodies, &fp3_heavy_laws2, firm.rate);
     for (int law = 0; !status && law < FP3_JOINT_LAWS; law++) {
         bodies->joined[law].count = 0;
         if (bodies->joints)
             status = lay(bodies, law);
     }
-    if (!status)
-        status = fp3_trees_find(bodies);
     for (int law = 0; !status && law < FP3_JOINT_LAWS; law++)
         for (uint32_t i = 0; i < bodies->joined[law].count; i++)
             fill(bodies, law, i, h, firm);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* open.c - a world is opened and closed; its memory. */
+#include "heavy.h"
 #include "own3.h"
 #include "share.h"
-#include "trees.h"
 
 #include "base/definition.h"
 #include "base/host.h"
@@ -145,7 +145,7 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     fp3_rows_free(&b->contacts);
     for (int i = 0; i < FP3_JOINT_LAWS; i++)
         fp3_rows_free(&b->joined[i]);
-    fp3_trees_free(b);
+    fp3_heavy_free(b);
     fp3_share_free(b);
     fp3_laps_free(&b->laps);
     fp3_laws_close(&b->laws);

@@ -12,6 +12,7 @@
 
 #include "base/colours.h"
 #include "base/laps.h"
+#include "base/room.h"
 #include "base/threads.h"
 
 #include <fp3/bodies.h>
@@ -21,7 +22,7 @@
 
 typedef struct fp3_space fp3_space;       /* own3.h */
 typedef struct fp3_form3 fp3_form3;       /* form3.h */
-typedef struct fp3_trees fp3_trees;       /* trees.h */
+typedef struct fp3_heavy fp3_heavy;       /* heavy.h */
 typedef struct fp3_substeps fp3_substeps; /* substeps.c */
 typedef struct fp3_share fp3_share;       /* share.h */
 
@@ -70,8 +71,8 @@ typedef struct {
     float axis[2];
     double from; /* what the angle of b and `ratio` times that of a had when it was made */
     uint32_t generation;
-    uint8_t laws;       /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
-    uint8_t is_in_tree; /* in this step: trees.h */
+    uint8_t laws;     /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
+    uint8_t is_heavy; /* in this step: heavy.h */
     float point[2], rod[4], slide[5], twist[4]; /* impulses, as their rows have them */
     float force[2], torque;                     /* on b, in the last substep */
 } fp3_joint;
@@ -127,7 +128,7 @@ struct fp3_bodies {
 
     fp3_joint *joint;
     uint32_t joint_count, joint_room, joints, free_joint;
-    fp3_trees *trees; /* NULL: there was none yet */
+    fp3_heavy *heavy; /* NULL: there was no step yet */
     fp3_share *share; /* NULL: one process steps the world */
     int is_apart_stale;
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
@@ -174,10 +175,11 @@ enum { FP3_LEAST_BODIES = 64, FP3_LEAST_PAIRS = 32, FP3_LEAST_BLOCKS = 8 };
 /* The last one to hold it frees it; NULL: nobody. */
 void fp3_identity_give_back(uint32_t *identity);
 
-/* Grows an array of `size` bytes an element to hold `wanted`; FP3_E_SYSTEM: unchanged. Elements are
- * aligned to 64 bytes. */
-fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
-                           fp3_error *error);
+/* base/room.h */
+static inline fp3_status fp3_bodies_room(void **array, uint32_t *room, size_t size, size_t wanted,
+                                         fp3_error *error) {
+    return fp3_room(array, room, size, wanted, error);
+}
 
 /* A number of the caller's, and between which it must lie; both 0: it does not count in these
  * dimensions, and must be 0. */

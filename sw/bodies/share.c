@@ -290,6 +290,18 @@ static void carry_rows(fp3_bodies *bodies, doing what, const fp3_law_rows *rows,
     }
 }
 
+/* Impulses that are found at once (heavy.h) stand with their joints. */
+static void carry_joints(fp3_bodies *bodies, doing what) {
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        fp3_joint *j = &bodies->joint[i];
+        if (!(j->generation & 1) || !j->is_heavy)
+            continue;
+        const uint32_t rank = rank_of(bodies, fp3_slot_of(bodies, j->a), fp3_slot_of(bodies, j->b));
+        carry(bodies->share, what, rank, j->point, 2);
+        carry(bodies->share, what, rank, j->twist, 1);
+    }
+}
+
 static void carry_all(fp3_bodies *bodies, doing what, fp3_status *status) {
     fp3_share *s = bodies->share;
     for (uint32_t r = 0; r < s->ranks.count; r++) {
@@ -300,6 +312,7 @@ static void carry_all(fp3_bodies *bodies, doing what, fp3_status *status) {
             memcpy(status, &word, sizeof word);
     }
     carry_slots(bodies, what);
+    carry_joints(bodies, what);
     carry_rows(bodies, what, bodies->space ? &bodies->space->contacts : &bodies->contacts,
                bodies->space ? &contact3 : &contact2);
     for (int i = 0; bodies->space && i < FP3_JOINT_LAWS3; i++)

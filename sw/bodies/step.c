@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step.c - a step: who touches, what that does in each substep, and where bodies are then. */
+#include "heavy.h"
 #include "own3.h"
 #include "share.h"
 #include "turn.h"
@@ -168,6 +169,7 @@ static void let_fall(fp3_bodies *bodies) {
         for (uint32_t i = 0; i < bodies->joined[law].count; i++)
             hold(bodies, &bodies->joined[law], i);
     fp3_bodies_share_slots(bodies, drop_some, bodies);
+    fp3_heavy_hold(bodies);
 }
 
 static int is_finite(fp3_four v, fp3_four way) {

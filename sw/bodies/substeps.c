@@ -3,8 +3,8 @@
  *
  * Rows of a colour share no body that moves, so their order does not count: each thread has some.
  */
+#include "heavy.h"
 #include "own.h"
-#include "trees.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -85,15 +85,17 @@ static void place(void *of, uint32_t from, uint32_t to) {
                      (float)h);
 }
 
-static void forget_trees(void *of, uint32_t from, uint32_t to) {
+static void forget_heavy(void *of, uint32_t from, uint32_t to) {
     (void)from;
     (void)to;
-    fp3_trees_forget(of);
+    fp3_heavy_forget(of);
 }
-/* push: fp3_trees_solve. */
-static void solve_trees(void *of, uint32_t push, uint32_t to) {
+/* push: fp3_heavy_solve. */
+static void solve_heavy(void *of, uint32_t push, uint32_t to) {
+    fp3_bodies *bodies = of;
     (void)to;
-    fp3_trees_solve(of, (int)push);
+    if (!bodies->substeps->status)
+        bodies->substeps->status = fp3_heavy_solve(bodies, (int)push);
 }
 
 /* ---- the list ---- */
@@ -140,12 +142,16 @@ static void add_joints(fp3_bodies *bodies, int way) {
         add_pass(bodies, way, i);
 }
 
-/* Joints first: contacts have the last word. */
+/* Joints first: contacts have the last word. Heavy sets, whose rows passes leave alone, follow
+ * where passes find how gaps are now. */
 static void add_all(fp3_bodies *bodies, int way) {
-    if (bodies->joints)
-        fp3_laps_add(&bodies->laps, solve_trees, bodies, way == PUSH, (way == PUSH) + 1, 1);
+    const int has_sets = bodies->heavy->sets > 0;
+    if (has_sets && way == PUSH)
+        fp3_laps_add(&bodies->laps, solve_heavy, bodies, 1, 2, 1);
     add_joints(bodies, way);
     add_pass(bodies, way, FP3_JOINT_LAWS);
+    if (has_sets && way == MEND)
+        fp3_laps_add(&bodies->laps, solve_heavy, bodies, 0, 1, 1);
 }
 
 /* Arms of joints turn within a step, so joints give their impulses anew in each substep; contacts
@@ -154,8 +160,8 @@ static void add_substep(fp3_bodies *bodies, int is_first) {
     add_bodies(bodies, is_first ? speed_first : speed_later);
     if (is_first)
         add_pass(bodies, WARM, FP3_JOINT_LAWS);
-    if (bodies->joints)
-        fp3_laps_add(&bodies->laps, forget_trees, bodies, 0, 1, 1);
+    if (!is_first && bodies->heavy->sets)
+        fp3_laps_add(&bodies->laps, forget_heavy, bodies, 0, 1, 1);
     add_joints(bodies, WARM);
     add_all(bodies, PUSH);
     add_bodies(bodies, place);
@@ -202,5 +208,6 @@ fp3_status fp3_substeps_do(fp3_bodies *bodies, double h) {
     for (uint32_t i = 0; i < bodies->def.substeps; i++)
         add_substep(bodies, i == 0);
     const fp3_status status = fp3_laps_do(&bodies->laps);
+    fp3_heavy_end(bodies);
     return status ? status : bodies->substeps->status;
 }

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* heavy.c - see heavy.h. */
+#include "heavy.h"
+
+#include "own3.h"
+#include "share.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define HEAVY 50.0 /* a body over the lightest of its set */
+#define TREE 250.0 /* a tree of joints over the lightest of its bodies */
+#define MOST 50    /* bodies of a set that is no tree */
+#define HARD 1e5   /* the spring of what does not yield, over the heaviest body */
+#define ROUND 1e10 /* ... and at most, over the lightest: else its mass is lost to rounding */
+
+typedef struct fp3_heavy_place {
+    uint32_t root;        /* of its set; of a root itself */
+    uint32_t bodies, all; /* of a set: bodies; joints, of which `held` with what does not move */
+    uint32_t held;
+    float mass, least, most;
+    int is_in;
+    int is_moved;               /* of a set: somebody moves, or a contact has had an impulse */
+    uint32_t set, number, next; /* if it is in: of the set; among its bodies; the next of them */
+} place;
+
+/* The bodies of a joint, or of a row of contacts; whether any of them moves. */
+static int ends_of(const fp3_bodies *bodies, uint32_t i, int is_contact, uint32_t ends[2]) {
+    if (is_contact) {
+        const fp3_law_rows *rows = bodies->space ? &bodies->space->contacts : &bodies->contacts;
+        const fp3_ends2 *of = &rows->ends[rows->lane[i] / FP3_WIDE];
+        ends[0] = of->a[rows->lane[i] % FP3_WIDE];
+        ends[1] = of->b[rows->lane[i] % FP3_WIDE];
+    } else {
+        ends[0] = fp3_slot_of(bodies, bodies->joint[i].a);
+        ends[1] = fp3_slot_of(bodies, bodies->joint[i].b);
+    }
+    return ends[0] < bodies->movable || ends[1] < bodies->movable;
+}
+
+/* ---- sets ---- */
+
+static uint32_t set_of(place *places, uint32_t k) {
+    while (places[k].root != k) {
+        places[k].root = places[places[k].root].root;
+        k = places[k].root;
+    }
+    return k;
+}
+
+static void unite(place *places, uint32_t a, uint32_t b) {
+    a = set_of(places, a);
+    b = set_of(places, b);
+    place *first = &places[a < b ? a : b], *second = &places[a < b ? b : a];
+    first->all++;
+    if (a == b)
+        return;
+    second->root = first->root;
+    first->bodies += second->bodies;
+    first->all += second->all;
+    first->held += second->held;
+    first->mass += second->mass;
+    first->least = fminf(first->least, second->least);
+    first->most = fmaxf(first->most, second->most);
+    first->is_moved |= second->is_moved;
+}
+
+static void unite_joint(const fp3_bodies *bodies, uint32_t i, place *places) {
+    uint32_t ends[2];
+    if (!bodies->heavy->laws->holds(&bodies->joint[i]) || !ends_of(bodies, i, 0, ends))
+        return;
+    if (ends[0] < bodies->movable && ends[1] < bodies->movable)
+        unite(places, ends[0], ends[1]);
+    else
+        places[set_of(places, ends[ends[0] < bodies->movable ? 0 : 1])].held++;
+}
+
+static void begin_sets(const fp3_bodies *bodies, place *places) {
+    for (uint32_t k = 0; k < bodies->movable; k++) {
+        const float mass = bodies->body[bodies->in_slot[k]].mass;
+        places[k] = (place){.root = k,
+                            .bodies = 1,
+                            .mass = mass,
+                            .least = mass,
+                            .most = mass,
+                            .set = FP3_NOBODY,
+                            .is_moved = bodies->heavy->laws->is_moving(bodies, k),
+                            .is_in = places[k].is_in};
+    }
+}
+
+static int is_heavy_tree(const place *set) {
+    return set->all + 1 == set->bodies && set->held <= 1 &&
+           (double)set->mass > TREE * (double)set->least;
+}
+
+static int is_heavy(const place *set) {
+    return set->bodies <= MOST && ((double)set->most > HEAVY * (double)set->least ||
+                                   (!set->is_moved && set->all + set->held > 0));
+}
+
+/* Whether any body is in a heavy set. */
+static int find_sets(fp3_bodies *bodies, place *places) {
+    float least = INFINITY, most = 0;
+    int is_any = 0;
+    for (uint32_t k = 0; k < bodies->movable; k++) {
+        const float mass = bodies->body[bodies->in_slot[k]].mass;
+        least = fminf(least, mass);
+        most = fmaxf(most, mass);
+        places[k].is_in = 0;
+    }
+    begin_sets(bodies, places);
+    for (uint32_t i = 0; i < bodies->joint_count; i++)
+        unite_joint(bodies, i, places);
+    for (uint32_t k = 0; k < bodies->movable && bodies->joints; k++)
+        is_any |= places[k].is_in = is_heavy_tree(&places[set_of(places, k)]);
+    int may_be = is_any || (double)most > HEAVY * (double)least;
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        may_be |= !places[k].is_moved;
+    if (!may_be)
+        return 0;
+    for (uint32_t i = 0; i < fp3_rows_count(bodies); i++) {
+        uint32_t ends[2];
+        ends_of(bodies, i, 1, ends);
+        if (ends[0] < bodies->movable && ends[1] < bodies->movable)
+            unite(places, ends[0], ends[1]);
+        place *set = &places[set_of(places, ends[ends[0] < bodies->movable ? 0 : 1])];
+        set->held++;
+        set->is_moved |= bodies->heavy->laws->has_pushed(bodies, i);
+    }
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        is_any |= places[k].is_in |= is_heavy(&places[set_of(places, k)]);
+    return is_any;
+}
+
+/* Of which all bodies that move are in heavy sets; else nothing. */
+static fp3_status put_link(fp3_bodies *bodies, uint32_t i, int is_contact) {
+    fp3_heavy *h = bodies->heavy;
+    fp3_heavy_link link = {.of = i, .is_contact = is_contact, .next = FP3_NOBODY};
+    uint32_t *const number[2] = {&link.a, &link.b}, set = 0;
+    ends_of(bodies, i, is_contact, link.slot);
+    for (int k = 0; k < 2; k++) {
+        const place *p = link.slot[k] < bodies->movable ? &h->place[link.slot[k]] : NULL;
+        *number[k] = p ? p->number : FP3_NO_SPRING;
+        if (p && !p->is_in)
+            return FP3_OK;
+        set = p ? p->set : set;
+    }
+    const fp3_status status = fp3_bodies_room((void **)&h->link, &h->link_room, sizeof *h->link,
+                                              h->links + 1u, bodies->error);
+    if (status)
+        return status;
+    fp3_heavy_set *of = &h->set[set];
+    *(of->links ? &h->link[of->last_link].next : &of->first_link) = h->links;
+    of->last_link = h->links;
+    of->links++;
+    link.ratio = of->ratio;
+    h->laws->begin(bodies, &link);
+    h->laws->forget(bodies, &link);
+    h->link[h->links++] = link;
+    if (!is_contact)
+        bodies->joint[i].is_heavy = 1;
+    return FP3_OK;
+}
+
+static fp3_status put_links(fp3_bodies *bodies) {
+    fp3_status status = FP3_OK;
+    uint32_t ends[2];
+    for (uint32_t i = 0; !status && i < bodies->joint_count; i++)
+        if (bodies->heavy->laws->holds(&bodies->joint[i]) && ends_of(bodies, i, 0, ends))
+            status = put_link(bodies, i, 0);
+    for (uint32_t i = 0; !status && i < fp3_rows_count(bodies); i++)
+        status = put_link(bodies, i, 1);
+    return status;
+}
+
+static fp3_status make_room(fp3_bodies *bodies) {
+    if (!bodies->heavy)
+        bodies->heavy = calloc(1, sizeof *bodies->heavy);
+    fp3_heavy *h = bodies->heavy;
+    if (!h)
+        return fp3_no_memory(bodies->error);
+    return fp3_bodies_room((void **)&h->place, &h->place_room, sizeof *h->place,
+                           bodies->movable + 1u, bodies->error);
+}
+
+/* Sets have numbers in the order of their first bodies; bodies in that of their slots. */
+static fp3_status number_bodies(fp3_bodies *bodies) {
+    fp3_heavy *h = bodies->heavy;
+    for (uint32_t k = 0; k < bodies->movable; k++) {
+        place *own = &h->place[k], *root = &h->place[set_of(h->place, k)];
+        if (!own->is_in)
+            continue;
+        if (root->set == FP3_NOBODY) {
+            const fp3_status status = fp3_bodies_room((void **)&h->set, &h->set_room,
+                                                      sizeof *h->set, h->sets + 1u, bodies->error);
+            if (status)
+                return status;
+            root->set = h->sets++;
+            h->set[root->set] = (fp3_heavy_set){
+                .first_body = k,
+                .hardest = fmin(HARD * (double)root->most, ROUND * (double)root->least),
+                .ratio = (double)root->most / (double)root->least};
+        }
+        fp3_heavy_set *set = &h->set[root->set];
+        if (set->bodies)
+            h->place[set->last_body].next = k;
+        set->last_body = k;
+        own->set = root->set;
+        own->number = set->bodies++;
+        own->next = FP3_NOBODY;
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_heavy_find(fp3_bodies *bodies, const fp3_heavy_laws *laws, float rate) {
+    fp3_status status = make_room(bodies);
+    fp3_heavy *h = bodies->heavy;
+    if (status)
+        return status;
+    h->links = h->sets = 0;
+    h->laws = laws;
+    h->rate = (double)rate;
+    for (uint32_t i = 0; i < bodies->joint_count; i++)
+        bodies->joint[i].is_heavy = 0;
+    if (!find_sets(bodies, h->place))
+        return FP3_OK;
+    status = number_bodies(bodies);
+    return status ? status : put_links(bodies);
+}
+
+void fp3_heavy_free(fp3_bodies *bodies) {
+    fp3_heavy *h = bodies->heavy;
+    if (!h)
+        return;
+    fp3_springs_free(&h->springs);
+    free(h->set);
+    free(h->link);
+    free(h->place);
+    free(h);
+    bodies->heavy = NULL;
+}
+
+/* ---- a substep ---- */
+
+void fp3_heavy_forget(fp3_bodies *bodies) {
+    const fp3_heavy *h = bodies->heavy;
+    for (uint32_t i = 0; i < h->links; i++)
+        bodies->heavy->laws->forget(bodies, &h->link[i]);
+}
+
+void fp3_heavy_end(fp3_bodies *bodies) {
+    const fp3_heavy *h = bodies->heavy;
+    for (uint32_t i = 0; i < h->links; i++)
+        if (h->link[i].is_contact)
+            h->laws->end(bodies, &h->link[i]);
+}
+
+void fp3_heavy_hold(fp3_bodies *bodies) {
+    const fp3_heavy *h = bodies->heavy;
+    const uint32_t fours = bodies->space ? FP3_FOURS3 : 1;
+    for (uint32_t i = 0; i < h->links; i++)
+        for (int k = 0; k < 2 && !h->link[i].is_contact; k++)
+            bodies->pull[fours * h->link[i].slot[k]].drop = (fp3_four){0};
+}
+
+static fp3_status solve(fp3_bodies *bodies, const fp3_heavy_set *set, int push) {
+    fp3_heavy *h = bodies->heavy;
+    fp3_springs *s = &h->springs;
+    const uint32_t n = bodies->space ? 6 : 3;
+    fp3_springs_begin(s, set->bodies, n, set->hardest);
+    fp3_status status = FP3_OK;
+    for (uint32_t i = set->first_link; !status && i != FP3_NOBODY; i = h->link[i].next)
+        if (h->link[i].a != FP3_NO_SPRING && h->link[i].b != FP3_NO_SPRING)
+            status = fp3_sparse_meet(&s->sparse, h->link[i].a, h->link[i].b, bodies->error);
+    if (!status)
+        status = fp3_springs_make_room(s, (size_t)set->links * h->laws->rows, bodies->error);
+    if (status)
+        return status;
+    for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next)
+        h->laws->weigh(bodies, k, &s->mass[h->place[k].number * n * n],
+                       &s->start[h->place[k].number * n]);
+    for (uint32_t i = set->first_link; i != FP3_NOBODY; i = h->link[i].next)
+        h->laws->fill(bodies, &h->link[i], push);
+    if (!fp3_springs_solve(s))
+        return FP3_OK;
+    for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next) {
+        double change[FP3_SPARSE_MOST];
+        for (uint32_t i = 0; i < n; i++)
+            change[i] = s->v[h->place[k].number * n + i] - s->start[h->place[k].number * n + i];
+        h->laws->move(bodies, k, change);
+    }
+    return FP3_OK;
+}
+
+fp3_status fp3_heavy_solve(fp3_bodies *bodies, int push) {
+    fp3_heavy *h = bodies->heavy;
+    fp3_status status = FP3_OK;
+    for (uint32_t i = 0; !status && i < h->sets; i++)
+        if (h->set[i].links && fp3_share_has(bodies, h->set[i].first_body, h->set[i].first_body))
+            status = solve(bodies, &h->set[i], push);
+    return status;
+}

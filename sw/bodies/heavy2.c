@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* heavy2.c - see heavy2.h. */
+#include "heavy2.h"
+
+#include "turn.h"
+
+#include <math.h>
+#include <string.h>
+
+#define STANDS 1e12 /* what a body that may not turn resists, of its mass */
+
+static fp3_contact2_row *contact_of(const fp3_bodies *bodies, const fp3_heavy_link *link) {
+    return (fp3_contact2_row *)bodies->contacts.row + bodies->contacts.lane[link->of] / FP3_WIDE;
+}
+static uint32_t contact_lane(const fp3_bodies *bodies, const fp3_heavy_link *link) {
+    return bodies->contacts.lane[link->of] % FP3_WIDE;
+}
+
+static int is_firm(const fp3_joint *j) { return j->def.type == FP3_WELD && !(j->def.hertz > 0); }
+
+static int holds(const fp3_joint *j) {
+    return j->generation & 1 && (j->def.type == FP3_HINGE || j->def.type == FP3_WELD);
+}
+
+/* Passes leave it alone, but for its gaps and rolling resistance. Its spring is as stiff for the
+ * lightest body as that of others for the heaviest. */
+static void take_over(fp3_bodies *bodies, fp3_heavy_link *link) {
+    fp3_contact2_row *r = contact_of(bodies, link);
+    const uint32_t lane = contact_lane(bodies, link);
+    link->was[0] = r->p1[lane] > 0 ? 0 : -1;
+    link->was[1] = r->p2[lane] > 0 ? 0 : -1;
+    fp3_wide *const words[] = {&r->j1, &r->j2, &r->k1, &r->k2, &r->fade, &r->f1, &r->f2};
+    link->stiff = link->ratio * (double)r->soft[lane] / (double)r->fade[lane];
+    link->rate = (double)r->rate[lane];
+    link->mass[0] = (double)r->j1[lane];
+    link->mass[1] = (double)r->j2[lane];
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        fp3_put(words[i], lane, 0);
+}
+
+static void begin(fp3_bodies *bodies, fp3_heavy_link *link) {
+    if (link->is_contact) {
+        take_over(bodies, link);
+        return;
+    }
+    const fp3_joint *joint = &bodies->joint[link->of];
+    const fp3_stance s = fp3_joint_stance(bodies, joint);
+    for (int i = 0; i < 2; i++) {
+        link->arm_a[i] = s.arm_a[i];
+        link->arm_b[i] = s.arm_b[i];
+        link->gap[i] = s.gap[i];
+    }
+    link->gap[2] = fp3_joint_angle(bodies, joint);
+}
+
+static void forget(fp3_bodies *bodies, fp3_heavy_link *link) {
+    if (link->is_contact) {
+        fp3_contact2_row *r = contact_of(bodies, link);
+        const uint32_t lane = contact_lane(bodies, link);
+        link->held[0] = (double)r->p1[lane];
+        link->held[1] = (double)r->p2[lane];
+        r->p1[lane] = r->p2[lane] = link->rub[0] = link->rub[1] = 0;
+        return;
+    }
+    fp3_joint *joint = &bodies->joint[link->of];
+    for (int i = 0; i < 2; i++) {
+        link->held[i] = (double)joint->point[i];
+        joint->point[i] = 0;
+    }
+    if (is_firm(joint))
+        joint->twist[0] = 0;
+}
+
+static void weigh(const fp3_bodies *bodies, uint32_t slot, double *mass, double *speed) {
+    const float m = bodies->heft[slot][0], i = bodies->heft[slot][1];
+    memset(mass, 0, 9 * sizeof *mass);
+    mass[0] = mass[4] = 1 / (double)m;
+    mass[8] = i > 0 ? 1 / (double)i : STANDS / (double)m;
+    for (int k = 0; k < 3; k++)
+        speed[k] = (double)bodies->speed[slot][k];
+}
+
+static void turned(const fp3_bodies *bodies, uint32_t slot, const double arm[2], double to[2]) {
+    float turn[2] = {1, 0};
+    fp3_turn2_by(turn, bodies->way[slot][2]);
+    to[0] = (double)turn[0] * arm[0] - (double)turn[1] * arm[1];
+    to[1] = (double)turn[1] * arm[0] + (double)turn[0] * arm[1];
+}
+
+/* A pull turns a body towards it, so much that light links between heavy bodies would swing faster
+ * than substeps can follow. The pull is as if it were where the arm is at the end of the substep:
+ * the body resists by as much more. */
+static void stiffen(const fp3_bodies *bodies, const fp3_heavy_link *link, uint32_t number,
+                    const double arm[2], double sign) {
+    const double by = sign * (arm[0] * link->held[0] + arm[1] * link->held[1]);
+    if (number != FP3_NO_SPRING && by > 0)
+        bodies->heavy->springs.mass[number * 9 + 8] += bodies->def.h / bodies->def.substeps * by;
+}
+
+/* What a body does that no force moves. */
+static double given(const fp3_bodies *bodies, uint32_t number, uint32_t slot, const double by[3]) {
+    const fp3_four v = bodies->speed[slot];
+    return number == FP3_NO_SPRING
+               ? (double)v[0] * by[0] + (double)v[1] * by[1] + (double)v[2] * by[2]
+               : 0;
+}
+
+/* A row with these speeds; `want` is what it should have. */
+static fp3_spring *put(fp3_bodies *bodies, fp3_heavy_link *link, int which, float *word,
+                       const double a[3], const double b[3], double k, double want,
+                       int keeps_before) {
+    fp3_spring *row =
+        fp3_springs_add(&bodies->heavy->springs, link->a, link->b, word, &link->was[which]);
+    memcpy(row->of_a, a, 3 * sizeof *a);
+    memcpy(row->of_b, b, 3 * sizeof *b);
+    row->k = fmin(k, row->k);
+    row->c = (keeps_before ? row->before : 0) -
+             row->k * (want + given(bodies, link->a, link->slot[0], a) +
+                       given(bodies, link->b, link->slot[1], b));
+    return row;
+}
+
+static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
+    fp3_joint *joint = &bodies->joint[link->of];
+    const double rate = push ? bodies->heavy->rate : 0;
+    const fp3_four way = bodies->way[link->slot[1]] - bodies->way[link->slot[0]];
+    double a[2], b[2];
+    turned(bodies, link->slot[0], link->arm_a, a);
+    turned(bodies, link->slot[1], link->arm_b, b);
+    stiffen(bodies, link, link->a, a, -1);
+    stiffen(bodies, link, link->b, b, 1);
+    const double of_a[3][3] = {{-1, 0, a[1]}, {0, -1, -a[0]}, {0, 0, -1}},
+                 of_b[3][3] = {{1, 0, -b[1]}, {0, 1, b[0]}, {0, 0, 1}};
+    for (int i = 0; i < 2; i++)
+        put(bodies, link, i, &joint->point[i], of_a[i], of_b[i], INFINITY,
+            rate *
+                (link->gap[i] + (double)way[i] + (b[i] - link->arm_b[i]) - (a[i] - link->arm_a[i])),
+            1);
+    if (is_firm(joint))
+        put(bodies, link, 2, &joint->twist[0], of_a[2], of_b[2], INFINITY,
+            rate * (link->gap[2] + (double)way[2]), 1);
+}
+
+/* As contact2.ode: along the normal, while there is a gap, no faster than to close it; in an
+ * overlap a soft push. Then friction. Both passes of a substep have the same arms: what the first
+ * one gave a light body between heavy ones, the second has to take back where it was given. */
+static void fill_point(fp3_bodies *bodies, fp3_heavy_link *link, int push, int point,
+                       fp3_wide *const words[6]) {
+    const fp3_contact2_row *r = contact_of(bodies, link);
+    const uint32_t lane = contact_lane(bodies, link);
+    const double nx = r->n_x[lane], ny = r->n_y[lane], gap = (*words[4])[lane],
+                 inverse = bodies->def.substeps / bodies->def.h;
+    double *arm = link->arm[point];
+    for (int i = 0; push && i < 4; i++)
+        arm[i] = (double)(*words[i])[lane];
+    const double along_a[3] = {-nx, -ny, -arm[0]}, along_b[3] = {nx, ny, arm[1]},
+                 aside_a[3] = {ny, -nx, -arm[2]}, aside_b[3] = {-ny, nx, arm[3]};
+    const int is_soft = push && !(gap > 0);
+    if (!(link->mass[point] > 0))
+        return;
+    const double want = gap > 0 ? gap * inverse
+                        : push  ? fmax(link->rate * gap, -bodies->def.push)
+                                : 0;
+    fp3_spring *row = put(bodies, link, point, (float *)words[5] + lane, along_a, along_b,
+                          is_soft ? link->mass[point] * link->stiff : INFINITY, want, !is_soft);
+    row->least = 0;
+    row->now = push ? link->held[point] : row->before;
+    const uint32_t normal = (uint32_t)(row - bodies->heavy->springs.row);
+    row = put(bodies, link, 2 + point, &link->rub[point], aside_a, aside_b, INFINITY,
+              -(double)r->belt[lane], 1);
+    row->normal = normal;
+    row->share = r->mu[lane];
+    row->most = 0;
+}
+
+static void fill(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
+    if (!link->is_contact) {
+        fill_joint(bodies, link, push);
+        return;
+    }
+    fp3_contact2_row *r = contact_of(bodies, link);
+    fp3_wide *const words[2][6] = {{&r->a1, &r->b1, &r->c1, &r->e1, &r->gap1, &r->p1},
+                                   {&r->a2, &r->b2, &r->c2, &r->e2, &r->gap2, &r->p2}};
+    fill_point(bodies, link, push, 0, words[0]);
+    fill_point(bodies, link, push, 1, words[1]);
+}
+
+static void move(fp3_bodies *bodies, uint32_t slot, const double *change) {
+    const fp3_four by = {(float)change[0], (float)change[1],
+                         bodies->heft[slot][1] > 0 ? (float)change[2] : 0, 0};
+    bodies->speed[slot] += by;
+    bodies->base[slot] += by;
+}
+
+static int is_moving(const fp3_bodies *bodies, uint32_t slot) {
+    const fp3_four v = bodies->speed[slot];
+    return v[0] != 0 || v[1] != 0 || v[2] != 0;
+}
+
+static int has_pushed(const fp3_bodies *bodies, uint32_t contact) {
+    const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[contact]];
+    return t->p[0] > 0 || t->p[1] > 0;
+}
+
+static void end(fp3_bodies *bodies, const fp3_heavy_link *link) {
+    fp3_contact2_row *r = contact_of(bodies, link);
+    fp3_put(&r->f1, contact_lane(bodies, link), link->rub[0]);
+    fp3_put(&r->f2, contact_lane(bodies, link), link->rub[1]);
+}
+
+const fp3_heavy_laws fp3_heavy_laws2 = {4,      holds, is_moving, has_pushed, begin,
+                                        forget, weigh, fill,      move,       end};
