@@ -223,8 +223,14 @@ static int are_patches(fp3_bodies *b) {
     return !b->space || next == b->space->patch_count;
 }
 
+static int has_direction(const double v[3]) {
+    return (v[0] * v[0] + v[1] * v[1]) + v[2] * v[2] > 1e-12;
+}
+
 static int is_joint(const fp3_bodies *b, const fp3_joint *j) {
     const unsigned type = j->def.type;
+    if (!has_direction(j->def.axis) || !has_direction(j->def.axle))
+        return 0;
     return j->a < b->body_count && j->b < b->body_count && j->a != j->b &&
            fp3_body_lives(&b->body[j->a]) && fp3_body_lives(&b->body[j->b]) &&
            j->def.a == fp3_bodies_handle(b, j->a) && j->def.b == fp3_bodies_handle(b, j->b) &&

@@ -290,7 +290,7 @@ def no_ring(file):
     (put("touches.first_patch", 1 << 30, -1), "'patches'"), (put("touches.patches", 1 << 31, -1), "'patches'"), (put("touches.m.count", 3, 0), "'touches'"),
     (put("patches.a", 1 << 30), "'patches'"), (put("patches.m.count", 5), "'patches'"),
     (put("joints.def.type", 5, 0), "'joints'"), (put("joints.def.type", 7, 0), "'joints'"), (put("joints.laws", 16, 0), "'joints'"),
-    (put("joints.def.a", 3, 0), "'joints'"),
+    (put("joints.def.a", 3, 0), "'joints'"), (put("joints.def.axle", 0.0, 1), "'joints'"),
     (put("world.told", 1 << 30), "'world'"), (put("world.def.dimensions", 4), "dimensions is 4, expected 2 to 3"),
     (put("world.def.dimensions", 2), "laws of contacts"),
     (without("bodies.q"), "'bodies.q'"), (without("forms.q"), "'forms.q'"), (without("shapes.form"), "'shapes.form'"), (without("patches.p"), "'patches.p'"),
