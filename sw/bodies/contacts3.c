@@ -55,7 +55,7 @@ static fp3_status choose(fp3_bodies *bodies) {
         status = fp3_rows_make_room(bodies, rows, s->patch_count);
     rows->count = 0;
     rows->is_whole = rows->is_same = 1;
-    bodies->may_bounce = s->is_rolling = s->has_belts = 0;
+    bodies->may_bounce = s->has_turned = s->is_rolling = s->has_belts = 0;
     for (uint32_t i = 0; !status && i < bodies->contacts.count; i++) {
         const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
         const uint32_t a = fp3_slot_of(bodies, t->body_a), b = fp3_slot_of(bodies, t->body_b);
@@ -64,7 +64,7 @@ static fp3_status choose(fp3_bodies *bodies) {
                 continue;
             s->patch[k].touch = bodies->contacts.of[i];
             rows->of[rows->count] = k;
-            fp3_rows_put(rows, rows->count++, a, b);
+            rows->is_same &= fp3_rows_put(rows, rows->count++, a, b);
         }
         bodies->may_bounce |= t->is_bouncy;
         s->is_rolling |= t->rolling > 0;
@@ -78,7 +78,7 @@ static fp3_work2 work_of(const fp3_bodies *bodies) {
     return (fp3_work2){bodies->speed, bodies->way, NULL, bodies->movable, rows->row, rows->ends};
 }
 
-static fp3_making3 making_of(const fp3_bodies *bodies, double h) {
+fp3_making3 fp3_space_making(const fp3_bodies *bodies, double h) {
     const fp3_space *s = bodies->space;
     const double hertz = fmin(STIFFNESS, RESOLVED / h);
     return (fp3_making3){s->patch,
@@ -102,11 +102,48 @@ fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
     if (status)
         return status;
     const fp3_work2 work = work_of(bodies);
-    const fp3_making3 making = making_of(bodies, h);
+    const fp3_making3 making = fp3_space_making(bodies, h);
     s->solver->prepare(&work, &making, 0, rows->blocks);
     if (s->has_belts)
         put_belts(bodies);
     return FP3_OK;
+}
+
+/* A body that has turned by t rad in this step, and whose moments of inertia are as 1 to r, may
+ * answer an impulse by 1 + r t^2 times what its row says: a thin rod that falls flat would be
+ * thrown. */
+#define TURNED 0.02f
+
+/* Whether it has; then its heft is as it is turned, and the last number of it is 1. */
+static int has_turned(fp3_bodies *bodies, uint32_t slot) {
+    const fp3_four q = bodies->way[2 * slot + 1];
+    fp3_four *heft = &bodies->heft[2 * slot];
+    const uint32_t number = bodies->in_slot[slot];
+    const float *m = bodies->space->body[number].moment;
+    const float least = fminf(fminf(m[0], m[1]), m[2]), most = fmaxf(fmaxf(m[0], m[1]), m[2]);
+    const float turned = 4 * ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]);
+    float i[6];
+    if (!(least > 0) || (heft[1][3] == 0 && !(turned * most > TURNED * least)))
+        return 0;
+    fp3_space_back(bodies, number, 1, i);
+    heft[0] = (fp3_four){heft[0][0], i[0], i[1], i[2]};
+    heft[1] = (fp3_four){i[3], i[4], i[5], 1};
+    return 1;
+}
+
+void fp3_space_contacts_turn(fp3_bodies *bodies) {
+    fp3_space *s = bodies->space;
+    s->has_turned = 0;
+    for (uint32_t k = 0; k < bodies->movable; k++)
+        s->has_turned |= has_turned(bodies, k);
+    for (uint32_t i = 0; s->has_turned && i < s->contacts.blocks; i++) {
+        const fp3_ends2 *ends = &s->contacts.ends[i];
+        float has = 0;
+        for (int lane = 0; lane < FP3_WIDE; lane++)
+            has += bodies->heft[2 * ends->a[lane] + 1][3] + bodies->heft[2 * ends->b[lane] + 1][3];
+        if (has > 0)
+            s->points[i] |= FP3_HAS_TURNED;
+    }
 }
 
 #define FAR 1e9f /* farther than anything comes in a step */
@@ -148,7 +185,7 @@ void fp3_space_contacts_follow(fp3_bodies *bodies) {
 void fp3_space_contacts_end(fp3_bodies *bodies, double h) {
     const fp3_space *s = bodies->space;
     const fp3_work2 work = work_of(bodies);
-    const fp3_making3 making = making_of(bodies, h);
+    const fp3_making3 making = fp3_space_making(bodies, h);
     s->solver->keep(&work, &making, 0, s->contacts.blocks);
     for (uint32_t i = 0; i < bodies->contacts.count; i++) {
         fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];

@@ -217,7 +217,8 @@ fp3_softness fp3_soften(double hertz, double damping, double h);
 /* Room for the slots of `count` contacts or joints in rows->a and rows->b. */
 fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count);
 /* Whether slots were the same ones. */
-static inline int fp3_rows_put(fp3_law_rows *rows, uint32_t i, uint32_t a, uint32_t b) {
+__attribute__((warn_unused_result)) static inline int fp3_rows_put(fp3_law_rows *rows, uint32_t i,
+                                                                   uint32_t a, uint32_t b) {
     const int is_same = (rows->a[i] == a) & (rows->b[i] == b);
     rows->a[i] = a;
     rows->b[i] = b;

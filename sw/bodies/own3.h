@@ -85,8 +85,11 @@ struct fp3_space {
     uint32_t stance_room;
     fp3_mesh_touch3 *meeting;
     uint32_t meeting_room;
+    fp3_four *before; /* speeds, while some are given again (step3.c) */
+    uint32_t before_room;
     int is_rolling,
         has_belts;       /* a contact of this step has rolling resistance, a surface that moves */
+    int has_turned;      /* a body has turned far in this step (contacts3.c) */
     fp3_kept_forms kept; /* while a checkpoint is written or read (fields.h) */
 };
 
@@ -149,10 +152,15 @@ void fp3_space_contacts_follow(fp3_bodies *bodies);
 /* The speed of b against a at which their surfaces do not slide. */
 fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b);
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
+/* Marks blocks of bodies that have turned so far in this step that they would answer otherwise. */
+void fp3_space_contacts_turn(fp3_bodies *bodies);
+fp3_making3 fp3_space_making(const fp3_bodies *bodies, double h);
 void fp3_space_contacts_end(fp3_bodies *bodies, double h);
 
 /* stance3.c: after the way that both bodies have come in the step, if `has_way`. */
 fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t joint, int has_way);
+/* A body's inverse inertia, as its words in fp3_body3 are. */
+void fp3_space_back(const fp3_bodies *bodies, uint32_t body, int has_way, float back[6]);
 /* The distance, way or angle that its limits are of. */
 double fp3_space_joint_at(const fp3_bodies *bodies, uint32_t joint);
 double fp3_stance_at(const fp3_stance3 *stance, fp3_joint_type type);

@@ -116,13 +116,70 @@ FP3_WIDELY fp3_wide answer(const effect *x, const effect *y) {
     return dot(x->a, y->own_a) + dot(x->b, y->own_b);
 }
 
-/* Points by where they are from the middle, along both tangents. `along_n` and others: effects of
- * an impulse along n, and of torques about -s and d. */
-FP3_WIDELY void prepare_points(fp3_contact3_row *r, const fp3_wide met[MET], wide3 middle,
-                               const effect *n, const effect *x, const effect *y) {
-    const fp3_wide mass = r->ma + r->mb;
-    const fp3_wide nn = mass + answer(n, n), nx = answer(n, x), ny = answer(n, y),
+/* What impulses of a row answer with, where its arms and its bodies' inertias are now. `along_n`
+ * and others: effects of an impulse along n, and of torques about -s and d. */
+FP3_WIDELY void answer_points(fp3_contact3_row *r, const effect *n, const effect *x,
+                              const effect *y) {
+    const fp3_wide nn = r->ma + r->mb + answer(n, n), nx = answer(n, x), ny = answer(n, y),
                    xx = answer(x, x), xy = answer(x, y), yy = answer(y, y);
+#pragma GCC unroll 4
+    for (int k = 0; k < FP3_POINTS3; k++) {
+        fp3_contact3_point *to = &r->point[k];
+        const fp3_wide px = to->x, py = to->y;
+        const fp3_mask is_there = (fp3_mask)(fp3_wide_all(0) < to->j);
+        to->g = nn + px * nx + py * ny;
+        to->gt_x = nx + px * xx + py * xy;
+        to->gt_y = ny + px * xy + py * yy;
+        to->j = quotient((fp3_wide)(is_there & (fp3_mask)fp3_wide_all(1)),
+                         to->g + px * to->gt_x + py * to->gt_y);
+    }
+}
+
+FP3_WIDELY void answer_row(fp3_contact3_row *r, const tensor *a, const tensor *b) {
+    const fp3_wide none = fp3_wide_all(0), one = fp3_wide_all(1);
+    const wide3 n = VECTOR(r, n), d = VECTOR(r, d), s = cross(n, d), c = VECTOR(r, c),
+                e = VECTOR(r, e);
+    const effect along_n = effect_of(a, b, cross(c, n), cross(e, n)),
+                 along_d = effect_of(a, b, cross(c, d), cross(e, d)),
+                 along_s = effect_of(a, b, cross(c, s), cross(e, s));
+    const wide3 back = {none - s.x, none - s.y, none - s.z};
+    const effect of_x = effect_of(a, b, back, back), of_y = effect_of(a, b, d, d),
+                 about_n = effect_of(a, b, n, n);
+    PUT(r, ia, a->i);
+    PUT(r, oa, a->o);
+    PUT(r, ib, b->i);
+    PUT(r, ob, b->o);
+    answer_points(r, &along_n, &of_x, &of_y);
+    r->hq_x = answer(&along_n, &along_d);
+    r->hq_y = answer(&along_n, &along_s);
+    r->hx_x = answer(&of_x, &along_d);
+    r->hx_y = answer(&of_x, &along_s);
+    r->hy_x = answer(&of_y, &along_d);
+    r->hy_y = answer(&of_y, &along_s);
+    r->hn_x = answer(&about_n, &along_d);
+    r->hn_y = answer(&about_n, &along_s);
+    r->hs = answer(&along_n, &about_n);
+    r->hl_x = answer(&of_x, &about_n);
+    r->hl_y = answer(&of_y, &about_n);
+    const fp3_wide mass = r->ma + r->mb, k11 = mass + answer(&along_d, &along_d),
+                   k12 = answer(&along_d, &along_s), k22 = mass + answer(&along_s, &along_s),
+                   det = k11 * k22 - k12 * k12;
+    r->k11 = quotient(k22, det);
+    r->k12 = quotient(none - k12, det);
+    r->k22 = quotient(k11, det);
+    r->kt = quotient(one, answer(&about_n, &about_n));
+    /* The largest sum of a row is no less than the largest inertia's inverse. */
+    const tensor both = {add(a->i, b->i), add(a->o, b->o)};
+    const fp3_wide xy = fp3_wide_abs(both.o.x), xz = fp3_wide_abs(both.o.y),
+                   yz = fp3_wide_abs(both.o.z);
+    const fp3_wide kr =
+        quotient(one, larger(both.i.x + xy + xz, larger(both.i.y + xy + yz, both.i.z + xz + yz)));
+    /* What does not resist gives nothing, whoever rolls beside it. */
+    r->kr = fp3_wide_choose((fp3_mask)(r->reach > 0), kr, none);
+}
+
+/* Points by where they are from the middle, along both tangents. */
+FP3_WIDELY void prepare_points(fp3_contact3_row *r, const fp3_wide met[MET], wide3 middle) {
     const wide3 d = VECTOR(r, d), s = cross(VECTOR(r, n), d);
     const fp3_mask count = (fp3_mask)met[COUNT];
     fp3_wide sum = fp3_wide_all(0);
@@ -135,12 +192,8 @@ FP3_WIDELY void prepare_points(fp3_contact3_row *r, const fp3_wide met[MET], wid
                        py = fp3_wide_choose(is_there, dot(arm, s), none);
         to->x = px;
         to->y = py;
-        to->g = nn + px * nx + py * ny;
-        to->gt_x = nx + px * xx + py * xy;
-        to->gt_y = ny + px * xy + py * yy;
         to->gap = fp3_wide_choose(is_there, met[GAP + 4 * k], none);
-        to->j = quotient((fp3_wide)(is_there & (fp3_mask)fp3_wide_all(1)),
-                         to->g + px * to->gt_x + py * to->gt_y);
+        to->j = fp3_wide_choose(is_there, fp3_wide_all(1), none);
         to->p = fp3_wide_choose(is_there, met[P + k], none);
         to->top = none;
         sum += fp3_wide_sqrt(px * px + py * py);
@@ -176,31 +229,7 @@ FP3_WIDELY void prepare_row(const fp3_wide met[MET], const tensor *a, const tens
     PUT(r, d, d);
     PUT(r, c, c);
     PUT(r, e, e);
-    const effect along_n = effect_of(a, b, cross(c, n), cross(e, n)),
-                 along_d = effect_of(a, b, cross(c, d), cross(e, d)),
-                 along_s = effect_of(a, b, cross(c, s), cross(e, s));
-    const wide3 back = {none - s.x, none - s.y, none - s.z};
-    const effect of_x = effect_of(a, b, back, back), of_y = effect_of(a, b, d, d),
-                 about_n = effect_of(a, b, n, n);
-    prepare_points(r, met, middle, &along_n, &of_x, &of_y);
-    r->hq_x = answer(&along_n, &along_d);
-    r->hq_y = answer(&along_n, &along_s);
-    r->hx_x = answer(&of_x, &along_d);
-    r->hx_y = answer(&of_x, &along_s);
-    r->hy_x = answer(&of_y, &along_d);
-    r->hy_y = answer(&of_y, &along_s);
-    r->hn_x = answer(&about_n, &along_d);
-    r->hn_y = answer(&about_n, &along_s);
-    r->hs = answer(&along_n, &about_n);
-    r->hl_x = answer(&of_x, &about_n);
-    r->hl_y = answer(&of_y, &about_n);
-    const fp3_wide mass = r->ma + r->mb, k11 = mass + answer(&along_d, &along_d),
-                   k12 = answer(&along_d, &along_s), k22 = mass + answer(&along_s, &along_s),
-                   det = k11 * k22 - k12 * k12;
-    r->k11 = quotient(k22, det);
-    r->k12 = quotient(none - k12, det);
-    r->k22 = quotient(k11, det);
-    r->kt = quotient(one, answer(&about_n, &about_n));
+    prepare_points(r, met, middle);
     r->f1 = dot(f, d);
     r->f2 = dot(f, s);
     r->ft = met[TWIST];
@@ -211,23 +240,18 @@ FP3_WIDELY void prepare_row(const fp3_wide met[MET], const tensor *a, const tens
     const wide3 roll = along(l, none - dot(l, n), n);
     PUT(r, l, roll);
     r->s1 = r->s2 = r->lift = r->slope_x = r->slope_y = none;
-    /* The largest sum of a row is no less than the largest inertia's inverse. */
-    const tensor both = {add(a->i, b->i), add(a->o, b->o)};
-    const fp3_wide xy = fp3_wide_abs(both.o.x), xz = fp3_wide_abs(both.o.y),
-                   yz = fp3_wide_abs(both.o.z);
-    const fp3_wide kr =
-        quotient(one, larger(both.i.x + xy + xz, larger(both.i.y + xy + yz, both.i.z + xz + yz)));
-    /* What does not resist gives nothing, whoever rolls beside it. */
-    r->kr = fp3_wide_choose((fp3_mask)(r->reach > 0), kr, none);
+    answer_row(r, a, b);
 }
 
-/* Of a body: 1/mass, xx, yy, zz; xy, xz, yz of its inverse inertia. */
-FP3_WIDELY tensor bring_heft(const fp3_making3 *making, const uint32_t of[FP3_WIDE],
-                             fp3_wide *mass) {
+/* Of a body: 1/mass, xx, yy, zz; xy, xz, yz of its inverse inertia, and whether it has turned far.
+ */
+FP3_WIDELY tensor bring_heft(const fp3_making3 *making, const uint32_t of[FP3_WIDE], fp3_wide *mass,
+                             fp3_wide *turned) {
     fp3_wide heft[8];
     fp3_lanes_bring(making->heft, FP3_FOURS3, of, heft);
     fp3_lanes_bring(making->heft + 1, FP3_FOURS3, of, heft + 4);
     *mass = heft[0];
+    *turned += heft[7];
     return (tensor){{heft[1], heft[2], heft[3]}, {heft[4], heft[5], heft[6]}};
 }
 
@@ -269,12 +293,9 @@ static void prepare(const fp3_work2 *work, const fp3_making3 *making, uint32_t f
         for (int lane = 0; lane < FP3_WIDE; lane++)
             points = of[lane]->m.count > points ? of[lane]->m.count : points;
         making->points[i] = (uint8_t)points;
-        const tensor heft_a = bring_heft(making, ends->a, &r->ma),
-                     heft_b = bring_heft(making, ends->b, &r->mb);
-        PUT(r, ia, heft_a.i);
-        PUT(r, oa, heft_a.o);
-        PUT(r, ib, heft_b.i);
-        PUT(r, ob, heft_b.o);
+        fp3_wide turned = fp3_wide_all(0);
+        const tensor heft_a = bring_heft(making, ends->a, &r->ma, &turned),
+                     heft_b = bring_heft(making, ends->b, &r->mb, &turned);
         memcpy(&a, ends->a, sizeof a);
         memcpy(&b, ends->b, sizeof b);
         const fp3_mask most = (fp3_mask){0} + ((int)work->movable - 1),
@@ -284,6 +305,23 @@ static void prepare(const fp3_work2 *work, const fp3_making3 *making, uint32_t f
         r->fade = fp3_wide_choose(is_held, fp3_wide_all(soft[1].fade), fp3_wide_all(soft[0].fade));
         prepare_row(met, &heft_a, &heft_b, r);
     }
+}
+
+/* Contacts of the block whose bodies have not turned far stay as they are: who stands beside whom
+ * in a block must not count. */
+FP3_WIDELY void renew_row(const fp3_making3 *making, const fp3_ends2 *ends, fp3_contact3_row *r) {
+    fp3_contact3_row now = *r;
+    fp3_wide *to = (fp3_wide *)r, turned = fp3_wide_all(0);
+    const fp3_wide *from = (const fp3_wide *)&now;
+    const tensor a = bring_heft(making, ends->a, &now.ma, &turned),
+                 b = bring_heft(making, ends->b, &now.mb, &turned);
+    answer_row(&now, &a, &b);
+    for (size_t k = 0; k < sizeof now / sizeof *to; k++)
+        to[k] = fp3_wide_choose((fp3_mask)(fp3_wide_all(0) < turned), from[k], to[k]);
+}
+
+static void renew(const fp3_work2 *work, const fp3_making3 *making, uint32_t i) {
+    renew_row(making, &work->ends[i], (fp3_contact3_row *)work->row + i);
 }
 
 /* A row that is not finite is forgotten: else it would never heal. */
@@ -361,9 +399,10 @@ FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED])
         given[i] = fp3_wide_all(shared[i]);
 }
 
-static void pass(const fp3_work2 *given_work, const uint8_t *points, uint32_t first, uint32_t end,
-                 const float shared[FP3_SHARED], int is_rolling, int has_moved) {
+static void pass(const fp3_work2 *given_work, const fp3_making3 *making, uint32_t first,
+                 uint32_t end, const float shared[FP3_SHARED], int is_rolling, int has_moved) {
     const fp3_work2 work = *given_work;
+    const uint8_t *points = making->points;
     fp3_wide given[FP3_SHARED];
     const int has_friction = fp3_has_friction3(shared);
     give(shared, given);
@@ -374,10 +413,12 @@ static void pass(const fp3_work2 *given_work, const uint8_t *points, uint32_t fi
         bring_speeds(&work, work.ends[i].b, of.b);
         if (has_moved)
             fp3_law_gap3(row, of.a, of.b, given);
+        if (has_moved && points[i] & FP3_HAS_TURNED)
+            renew_row(making, &work.ends[i], row);
         if (is_rolling && has_friction)
             fp3_law_roll3(row, of.a, of.b, given);
         fp3_law_meet3(row, of.a, of.b, given);
-        for (uint32_t k = 0; k < points[i]; k++)
+        for (uint32_t k = 0; k < (points[i] & ~FP3_HAS_TURNED); k++)
             fp3_law_push3(row, &row->point[k], of.a, of.b, given);
         if (has_friction)
             fp3_law_rub3(row, of.a, of.b, given);
@@ -429,5 +470,10 @@ static void turn(const fp3_work2 *work, uint32_t first, uint32_t end,
 }
 
 extern const fp3_solver3 FP3_SOLVER;
-const fp3_solver3 FP3_SOLVER = {
-    FP3_SOLVER_NAME, prepare, keep, pass, {pass_pin3, pass_spin3, pass_line3, pass_twist3}, turn};
+const fp3_solver3 FP3_SOLVER = {FP3_SOLVER_NAME,
+                                prepare,
+                                renew,
+                                keep,
+                                pass,
+                                {pass_pin3, pass_spin3, pass_line3, pass_twist3},
+                                turn};

@@ -24,18 +24,23 @@ typedef struct {
     const fp3_four
         *heft; /* of each slot two: 1/mass and the inverse inertia, as solve3.c has them */
     fp3_softness softness[2]; /* between bodies that move; against one that does not */
-    uint8_t *points;          /* of each block: how many its contacts have, at most */
+    /* Of each block: how many its contacts have, at most; and FP3_HAS_TURNED where its rows are
+     * renewed behind gap3, because a body of theirs has turned far. */
+    uint8_t *points;
 } fp3_making3;
+enum { FP3_HAS_TURNED = 8 };
 
 typedef struct {
     const char *name;
     /* Makes rows of contacts, blocks first .. end - 1, and their `points`. */
     void (*prepare)(const fp3_work2 *, const fp3_making3 *, uint32_t first, uint32_t end);
+    /* What the rows of a block answer with, as arms and inverse inertias are now. */
+    void (*renew)(const fp3_work2 *, const fp3_making3 *, uint32_t block);
     /* Impulses of rows go back to their patches. */
     void (*keep)(const fp3_work2 *, const fp3_making3 *, uint32_t first, uint32_t end);
     /* Blocks first .. end - 1 make a pass: each point of theirs, then friction where it acts.
      * is_rolling: some contact has rolling resistance; has_moved: gaps first. */
-    void (*pass)(const fp3_work2 *, const uint8_t *points, uint32_t first, uint32_t end,
+    void (*pass)(const fp3_work2 *, const fp3_making3 *, uint32_t first, uint32_t end,
                  const float shared[FP3_SHARED], int is_rolling, int has_moved);
     /* A pass of a law of joints: law - FP3_LAW_pin3. */
     void (*joint[FP3_LAWS_IN_SPACE - FP3_LAW_pin3])(const fp3_work2 *, uint32_t first, uint32_t end,

@@ -76,7 +76,7 @@ static void direction(const double v[3], double to[3]) {
 }
 
 /* The inverse inertia of a step's beginning, turned with the body. */
-static void turn_back(const fp3_bodies *bodies, uint32_t number, int has_way, float back[6]) {
+void fp3_space_back(const fp3_bodies *bodies, uint32_t number, int has_way, float back[6]) {
     const fp3_body *body = &bodies->body[number];
     const float *from = bodies->space->body[number].back;
     if (!(bodies->space->body[number].moment[0] > 0)) {
@@ -130,8 +130,8 @@ fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t number, int has_
         .error = {(float)(share * error[0]), (float)(share * error[1]), (float)(share * error[2])},
         .about = 2 * fp3_angle_of(dot(r + 1, own), r[0])};
     s.lean = lean(is_wheel ? axle : axis, other, &s.swing);
-    turn_back(bodies, j->a, has_way, s.back_a);
-    turn_back(bodies, j->b, has_way, s.back_b);
+    fp3_space_back(bodies, j->a, has_way, s.back_a);
+    fp3_space_back(bodies, j->b, has_way, s.back_b);
     return s;
 }
 

@@ -5,6 +5,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- bodies ---- */
@@ -199,15 +200,19 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
                            uint32_t end, const float shared[FP3_SHARED], int has_moved) {
     fp3_laws *laws = bodies->laws;
     const int has_friction = fp3_has_friction3(shared);
+    const fp3_making3 making = fp3_space_making(bodies, (double)shared[FP3_PACE]);
     fp3_status status = FP3_OK;
     for (uint32_t i = first; !status && i < end; i++) {
+        const uint32_t points = making.points[i] & ~(uint32_t)FP3_HAS_TURNED;
         if (has_moved)
             status = fp3_laws_run(laws, FP3_LAW_gap3, work, i, i + 1, 0, shared);
+        if (has_moved && making.points[i] & FP3_HAS_TURNED)
+            bodies->space->solver->renew(work, &making, i);
         if (!status && has_friction && bodies->space->is_rolling)
             status = fp3_laws_run(laws, FP3_LAW_roll3, work, i, i + 1, 0, shared);
         if (!status)
             status = fp3_laws_run(laws, FP3_LAW_meet3, work, i, i + 1, 0, shared);
-        for (uint32_t k = 0; !status && k < bodies->space->points[i]; k++)
+        for (uint32_t k = 0; !status && k < points; k++)
             status = fp3_laws_run(laws, FP3_LAW_push3, work, i, i + 1, k, shared);
         if (!status && has_friction)
             status = fp3_laws_run(laws, FP3_LAW_rub3, work, i, i + 1, 0, shared);
@@ -221,6 +226,7 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
 
 typedef struct {
     fp3_work2 work;
+    fp3_making3 making;
     const fp3_space *space;
     const float *shared;
     int has_moved;
@@ -229,7 +235,7 @@ typedef struct {
 static void pass_some(void *of, uint32_t from, uint32_t to) {
     const passing *p = of;
     const fp3_space *s = p->space;
-    s->solver->pass(&p->work, s->points, from, to, p->shared, s->is_rolling, p->has_moved);
+    s->solver->pass(&p->work, &p->making, from, to, p->shared, s->is_rolling, p->has_moved);
 }
 
 static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3_SHARED],
@@ -237,6 +243,7 @@ static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3
     const fp3_space *s = bodies->space;
     const fp3_law_rows *rows = &s->contacts;
     passing all = {{bodies->speed, bodies->way, NULL, bodies->movable, rows->row, rows->ends},
+                   fp3_space_making(bodies, (double)shared[FP3_PACE]),
                    s,
                    shared,
                    has_moved};
@@ -297,6 +304,51 @@ static void place(fp3_bodies *bodies, float h) {
         bodies->way[2 * k] += h * bodies->speed[2 * k] - bodies->pull[2 * k].drop;
 }
 
+static int is_turned(const fp3_bodies *bodies, uint32_t slot) {
+    return bodies->heft[2 * slot + 1][3] > 0;
+}
+
+/* A substep begins with what contacts gave in the last one, which bodies have kept. Of who has
+ * turned far, it would be taken back otherwise than it was given: it gets it from its rows, as they
+ * are now. */
+static fp3_status give_again(fp3_bodies *bodies, const float warm[FP3_SHARED]) {
+    const fp3_space *s = bodies->space;
+    const size_t fours = 2 * (size_t)bodies->movable;
+    fp3_status status =
+        fp3_bodies_room((void **)&bodies->space->before, &bodies->space->before_room,
+                        sizeof *s->before, fours, bodies->error);
+    if (status)
+        return status;
+    memcpy(s->before, bodies->speed, fours * sizeof *s->before);
+    const fp3_work2 work = {bodies->speed,   bodies->way,     NULL,
+                            bodies->movable, s->contacts.row, s->contacts.ends};
+    const fp3_making3 making = fp3_space_making(bodies, (double)warm[FP3_PACE]);
+    for (uint32_t i = 0; !status && i < s->contacts.blocks; i++) {
+        if (!(s->points[i] & FP3_HAS_TURNED))
+            continue;
+        if (bodies->laws)
+            status = run_pass(bodies, &work, i, i + 1, warm, 0);
+        else
+            s->solver->pass(&work, &making, i, i + 1, warm, s->is_rolling, 0);
+    }
+    for (uint32_t k = 0; k < fours; k++)
+        if (!is_turned(bodies, k / 2))
+            bodies->speed[k] = s->before[k];
+    return status;
+}
+
+/* Speeds of a substep before its passes. */
+static fp3_status begin_substep(fp3_bodies *bodies, int is_first, const float warm[FP3_SHARED]) {
+    const int has_turned = !is_first && bodies->space->has_turned;
+    for (uint32_t k = 0; has_turned && k < 2 * bodies->movable; k++)
+        if (is_turned(bodies, k / 2))
+            bodies->base[k] = bodies->speed[k];
+    bodies->solver->speed(bodies->speed, bodies->base, bodies->pull, 2 * bodies->movable, is_first);
+    return is_first     ? pass_contacts(bodies, warm, 0)
+           : has_turned ? give_again(bodies, warm)
+                        : FP3_OK;
+}
+
 /* As in a plane (step.c); and bodies turn. */
 static fp3_status solve(fp3_bodies *bodies, double h) {
     const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
@@ -305,10 +357,7 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
                 warm[FP3_SHARED] = {1, inverse, least, 1, (float)h};
     fp3_status status = FP3_OK;
     for (uint32_t step = 0; !status && step < bodies->def.substeps; step++) {
-        bodies->solver->speed(bodies->speed, bodies->base, bodies->pull, 2 * bodies->movable,
-                              step == 0);
-        if (step == 0)
-            status = pass_contacts(bodies, warm, 0);
+        status = begin_substep(bodies, step == 0, warm);
         if (!status)
             status = pass_joints(bodies, warm);
         if (!status)
@@ -317,6 +366,7 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
         if (!status)
             status = turn(bodies, mend);
         fp3_space_joints_follow(bodies, h, 0);
+        fp3_space_contacts_turn(bodies);
         if (!status)
             status = pass_all(bodies, mend, 1);
     }
