@@ -294,14 +294,13 @@ def test_heavy_on_light():
     assert world.awake == 0 and world["x"][1:] == pytest.approx(np.array([[0, 0.5], [0, 1.5]]), abs=0.05)
 
 
-def test_ten_times_as_long_a_chain_takes_about_ten_times_as_long():
-    def seconds(corners):
-        world = fp3.Bodies()
-        ground, way = world.add(type="static"), np.column_stack([np.linspace(0, -corners / 10, corners), np.zeros(corners)])
-        begin = time.process_time()
-        world.chain(ground, way)
-        return time.process_time() - begin
-    assert seconds(40000) < 40 * max(min(seconds(4000) for _ in range(3)), 1e-3)
+def test_a_chain_takes_a_time_that_is_linear_in_its_corners():
+    """0.1 s of processor time for 40,000 corners; if it grew with their square it would be 6 s."""
+    world = fp3.Bodies()
+    ground, way = world.add(type="static"), np.column_stack([np.linspace(0, -4000, 40000), np.zeros(40000)])
+    begin = time.process_time()
+    world.chain(ground, way)
+    assert time.process_time() - begin < 1.5
 
 
 @pytest.mark.parametrize("shape", [fp3.box(0.5, 0.5, friction=0.1), fp3.circle(0.5, friction=0.1), fp3.capsule((-0.5, -0.2), (0.5, -0.2), 0.3, friction=0.1)])
