@@ -91,6 +91,13 @@ static uint32_t most_of(uint32_t count, const float *value, float least) {
     return best;
 }
 
+/* By how much a point is farther from the other surface than the first one, beyond a slope along
+ * that way. Whatever overlaps counts as no farther. */
+static float beyond(const fp3_touch3 *first, const fp3_touch3 *point, float way) {
+    const float least = first->gap > 0 ? first->gap : 0, more = point->gap - least - SLOPE * way;
+    return more > 0 ? more : 0;
+}
+
 static void choose(fp3_point3 normal, fp3_point3 u, uint32_t *count, fp3_touch3 *touch) {
     float value[FP3_CLIPPED3];
     for (uint32_t i = 0; i < *count; i++)
@@ -100,6 +107,9 @@ static void choose(fp3_point3 normal, fp3_point3 u, uint32_t *count, fp3_touch3 
     for (uint32_t i = 0; i < *count; i++) {
         const fp3_point3 d = fp3_subtract3(touch[i].at, at);
         value[i] = fp3_dot3(d, d);
+        const float way = sqrtf(value[i]), less = beyond(&touch[0], &touch[i], way);
+        if (less > 0)
+            value[i] = way > less ? (way - less) * (way - less) : 0;
     }
     const uint32_t far = most_of(*count, value, 0);
     if (far == *count) {
@@ -108,12 +118,15 @@ static void choose(fp3_point3 normal, fp3_point3 u, uint32_t *count, fp3_touch3 
     }
     swap(&touch[1], &touch[far]);
     const fp3_point3 e = fp3_subtract3(touch[1].at, at);
-    const float least = 1e-4f * fp3_dot3(e, e);
-    for (uint32_t i = 0; i < *count; i++)
-        value[i] = fp3_dot3(normal, fp3_cross3(e, fp3_subtract3(touch[i].at, at)));
+    const float least = 1e-4f * fp3_dot3(e, e), size = fp3_size3(e);
+    float less[FP3_CLIPPED3];
+    for (uint32_t i = 0; i < *count; i++) {
+        less[i] = size * beyond(&touch[0], &touch[i], size);
+        value[i] = fp3_dot3(normal, fp3_cross3(e, fp3_subtract3(touch[i].at, at))) - less[i];
+    }
     const uint32_t left = most_of(*count, value, least);
     for (uint32_t i = 0; i < *count; i++)
-        value[i] = -value[i];
+        value[i] = -value[i] - 2 * less[i];
     const uint32_t right = most_of(*count, value, least);
     const int has_left = left < *count, has_right = right < *count;
     const fp3_touch3 second = touch[1], third = touch[has_left ? left : 0];

@@ -25,10 +25,12 @@ typedef struct {
 
 /* At most four of the points, moved to the front; *count is at least 1. First that of the least
  * gap, where a slope of 1:1024 along a direction u decides between gaps that are nearly equal; then
- * the farthest from it; then those that add the largest areas on either side. If more than two are
- * left they are in order anticlockwise about the normal, and the first is the farthest along u. u
- * is 0.8 t + 0.6 n x t, where t is the axis on which the normal is smallest (x before y before z),
- * made square to the normal. So the last bits of the gaps change neither choice nor order. */
+ * the farthest from it; then those that add the largest areas on either side. There a point counts
+ * as nearer by what its gap is larger, beyond that slope: of a plate that spins fast all corners
+ * are within reach, and the upper ones do not hold it. If more than two are left they are in order
+ * anticlockwise about the normal, and the first is the farthest along u. u is 0.8 t + 0.6 n x t,
+ * where t is the axis on which the normal is smallest (x before y before z), made square to the
+ * normal. So the last bits of the gaps change neither choice nor order. */
 void fp3_reduce3(fp3_point3 normal, uint32_t *count, fp3_touch3 *touch);
 
 #endif

@@ -153,15 +153,16 @@ static inline float sum_of(fp3_four a) {
     return b[0] + b[1];
 }
 
-/* The small turn from one quaternion to another. */
+/* The small turn from one quaternion to another, in the axes of the world: y times x turned back.
+ */
 static inline fp3_four turn_between(const float p[4], const float q[4]) {
     fp3_four x, y;
     memcpy(&x, p, sizeof x);
     memcpy(&y, q, sizeof y);
     const float two = sum_of(x * y) < 0 ? -2.0f : 2.0f;
-    const fp3_four turn = (x[0] * y - y[0] * x) + /* 0 and a vector; the same of y x x */
-                          FP3_SHUFFLE(y, y, 0, 2, 3, 1) * FP3_SHUFFLE(x, x, 0, 3, 1, 2) -
-                          FP3_SHUFFLE(y, y, 0, 3, 1, 2) * FP3_SHUFFLE(x, x, 0, 2, 3, 1);
+    const fp3_four turn = (x[0] * y - y[0] * x) + /* 0 and a vector; the same of x x y */
+                          FP3_SHUFFLE(x, x, 0, 2, 3, 1) * FP3_SHUFFLE(y, y, 0, 3, 1, 2) -
+                          FP3_SHUFFLE(x, x, 0, 3, 1, 2) * FP3_SHUFFLE(y, y, 0, 2, 3, 1);
     return two * FP3_SHUFFLE(turn, turn, 1, 2, 3, 0);
 }
 

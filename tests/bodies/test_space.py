@@ -265,6 +265,44 @@ def test_a_falling_heap_goes_back_from_wherever_it_is(shape):
             assert made.hash == after
 
 
+def lowest_corner(made, body, half):
+    """Above the plane y = 0."""
+    w, x, y, z = made.read("q", body).T
+    up = np.abs(np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], 1))  # how high each axis of the body goes
+    return made.read("x_y", body) - up @ half
+
+
+@pytest.mark.parametrize("half", [(1, 0.15, 0.15), (0.5, 0.1, 0.5)])
+def test_what_lies_still_may_look_anywhere(half):
+    """Gaps follow a body in the world's axes: in its own ones, a bar that looked the other way rocked more and more."""
+    made, angle = world(rest_speed=0), np.arange(0, 6.3, 0.3)
+    ground(made)
+    q = np.stack([np.cos(angle / 2), 0 * angle, np.sin(angle / 2), 0 * angle], 1)
+    bars = made.add(x=np.stack([4.0 * np.arange(angle.size), half[1] + 0 * angle, 0 * angle], 1), q=q, spin=(0.01, 0, 0.01))
+    made.attach(bars, fp3.box(*half))
+    made.step(240)
+    assert np.all(np.abs(lowest_corner(made, bars, half)) < 2e-4)
+    assert np.all(np.abs(made.read("spin", bars)) < 1e-5)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+def test_plates_that_spin_stay_on_the_ground(friction):
+    """All their corners are within a step's reach of it: the lower ones hold them. Energy falls."""
+    made = world(rest_speed=0)
+    made.attach(made.add(type="static"), fp3.plane(friction=friction))
+    for k, (half, spin) in enumerate([((0.5, 0.1, 0.5), 20), ((1, 0.02, 0.15), 12), ((0.5, 0.5, 0.5), 20), ((0.3, 0.02, 0.3), 60)]):
+        body = made.add(x=(4 * k, half[1], 0), spin=(0, spin, 0))
+        made.attach(body, fp3.box(*half, friction=friction))
+        turning, lowest = float(spin), 0.0
+        for _ in range(240 if friction else 120):
+            made.step()
+            now = np.linalg.norm(made.read("spin", body))
+            assert now < turning + 1e-4 * spin
+            turning, lowest = now, min(lowest, lowest_corner(made, body, half)[0])
+            assert abs(made.read("x_y", body)[0] - half[1]) < 1e-3
+        assert lowest > -1.5e-3
+
+
 def test_thin_rods_make_no_energy():
     """Thrown at ground, they spin by hundreds of rad/s about their axes: an impulse has to be taken back as it was given, though a rod has turned."""
     place, half, g = np.random.default_rng(3), (0.5, 0.01, 0.01), 10.0
