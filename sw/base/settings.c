@@ -89,7 +89,7 @@ static fp3_token spelling(const fp3_settings *s, const config_setting_t *number)
     return s->spelled.numbers[config_setting_get_int(number)];
 }
 
-/* "'1e6'", "a list ( )". */
+/* "'1e6'", "a list [ ] of 2". */
 static const char *found(const fp3_settings *s, const config_setting_t *setting,
                          char text[FP3_TOKEN_SHOWN_SIZE]) {
     switch (config_setting_type(setting)) {
@@ -102,7 +102,9 @@ static const char *found(const fp3_settings *s, const config_setting_t *setting,
     case CONFIG_TYPE_GROUP:
         return "a group { }";
     default:
-        return "a list ( )";
+        snprintf(text, FP3_TOKEN_SHOWN_SIZE, "a list %s of %d",
+                 config_setting_is_array(setting) ? "[ ]" : "( )", config_setting_length(setting));
+        return text;
     }
 }
 

@@ -124,6 +124,11 @@ static fp3_status check_words(const fp3_bodies *bodies, const fp3_joint_def *def
                  : FP3_OK;
 }
 
+/* In space what springs back in all directions rests as it was made. */
+static int has_rest(const fp3_bodies *bodies, fp3_joint_type type) {
+    return !bodies->space || (type != FP3_WELD && type != FP3_BALL);
+}
+
 /* Angles in space are from -pi to pi. */
 static fp3_status check_space(const fp3_bodies *bodies, const fp3_joint_def *def, size_t which) {
     const int is_angle = def->type == FP3_HINGE || def->type == FP3_BALL;
@@ -134,13 +139,19 @@ static fp3_status check_space(const fp3_bodies *bodies, const fp3_joint_def *def
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: its limits are %g and %g, expected angles from -pi to pi",
                         which, def->low, def->high);
-    if (def->type == FP3_BALL && def->has_limits && def->high < 0)
+    if (def->type == FP3_BALL && def->has_limits && def->low != 0)
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
-                        "joint %zu: high is %g, expected an angle from 0 to pi", which, def->high);
+                        "joint %zu: limits of a ball are %g and %g, expected 0 and an angle from 0 "
+                        "to pi",
+                        which, def->low, def->high);
     if (def->type == FP3_WHEEL && !(fabs(along) < 0.9))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: the axle of a wheel is along its axis, expected across it",
                         which);
+    if (!isnan(def->rest) && !has_rest(bodies, def->type))
+        return fp3_fail(bodies->error, FP3_E_ARGUMENT,
+                        "joint %zu: rest is %g, and a %s in space has none, expected NaN", which,
+                        def->rest, def->type == FP3_BALL ? "ball" : "weld");
     if (!isnan(def->rest) && !(fabs(def->rest) <= 1e9))
         return fp3_fail(bodies->error, FP3_E_ARGUMENT,
                         "joint %zu: rest is %g, expected -1e9 to 1e9, or NaN", which, def->rest);
@@ -426,10 +437,13 @@ fp3_status fp3_bodies_joint_write(fp3_bodies *bodies, const char *name, const ui
         next.most = which == MOST ? x : next.most;
         if (!(fabs(x) <= (which == MOST ? 1e12 : 1e9)) ||
             ((which == LOW || which == HIGH) && !def->has_limits) || (which == MOST && x < 0) ||
-            (which == LOW && x > def->high) || (which == HIGH && x < def->low))
+            (which == REST && !has_rest(bodies, def->type)) ||
+            (which == LOW && def->type == FP3_BALL && x != 0) || (which == LOW && x > def->high) ||
+            (which == HIGH && x < def->low))
             status = fp3_fail(bodies->error, FP3_E_ARGUMENT,
                               "%s[%zu] is %g, which this joint cannot have (limits: only if it "
-                              "was made with them)",
+                              "was made with them; low of a ball: 0; rest: no weld or ball in "
+                              "space)",
                               name, i, x);
         else
             status = check_words(bodies, &next, of);

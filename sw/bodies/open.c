@@ -56,7 +56,7 @@ static fp3_status check(const fp3_bodies_def *def, fp3_error *error) {
     const fp3_bodies_range ranges[] = {
         {"dimensions", def->dimensions, 2, 3},
         {"h", def->h, small, 1},
-        {"substeps", def->substeps, 1, 64},
+        {"substeps", def->substeps, 1, FP3_SUBSTEPS},
         {"threads", def->threads, 0, 1024},
         {"size", def->size, small, large},
         {"gravity[0]", def->gravity[0], -1e9, 1e9},

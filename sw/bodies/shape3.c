@@ -3,17 +3,16 @@
 
 #include <string.h>
 
-#define LARGEST 1e6f
 #define SMALLEST 1e-6f
 #define NO_HALF 255
 
-static int is_in_range(float x) { return x >= -LARGEST && x <= LARGEST; }
+static int is_in_range(float x) { return x >= -FP3_LARGEST3 && x <= FP3_LARGEST3; }
 
 int fp3_shape3_takes(uint32_t count, const fp3_point3 *point, float radius) {
     for (uint32_t i = 0; i < count; i++)
         if (!is_in_range(point[i].x) || !is_in_range(point[i].y) || !is_in_range(point[i].z))
             return 0;
-    return radius >= 0 && radius <= LARGEST;
+    return radius >= 0 && radius <= FP3_LARGEST3;
 }
 
 static fp3_status refuse_numbers(fp3_error *error) {
@@ -33,7 +32,7 @@ static void measure(fp3_shape3 *s) {
     /* Upwards, for what sums of three squares lose. */
     s->extent = (s->extent + s->radius) * 1.000001f;
     s->middle = fp3_times3(1.0f / (float)s->count, sum);
-    s->inner = s->faces ? LARGEST : 0;
+    s->inner = s->faces ? FP3_LARGEST3 : 0;
     for (uint32_t f = 0; f < s->faces; f++) {
         const float deep = s->offset[f] - fp3_dot3(s->normal[f], s->middle);
         s->inner = deep < s->inner ? deep : s->inner;

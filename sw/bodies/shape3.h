@@ -76,7 +76,8 @@ fp3_bounds3 fp3_bound3(const fp3_shape3 *shape, const fp3_pose3 *pose, float mar
 int fp3_shape3_close(fp3_shape3 *shape, uint32_t faces, uint8_t (*loop)[FP3_CORNERS3],
                      const uint8_t *length);
 
-/* Whether numbers are finite and at most 1e6. */
+#define FP3_LARGEST3 1e6f
+/* Whether numbers are finite and at most that. */
 int fp3_shape3_takes(uint32_t count, const fp3_point3 *point, float radius);
 
 #endif

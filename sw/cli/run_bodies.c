@@ -180,9 +180,10 @@ static fp3_status run(fp3_run_options *o, fp3_bodies_scene *scene, fp3_error *er
 
 fp3_status fp3_run_bodies(fp3_run_options *o, fp3_error *error) {
     fp3_bodies_scene *scene = NULL;
+    const uint32_t seed = (uint32_t)o->on.seed;
     fp3_status status = check_options(o, error);
     if (!status)
-        status = fp3_bodies_scene_open(o->scene, o->on.engine, (uint32_t)o->on.seed,
+        status = fp3_bodies_scene_open(o->scene, o->on.engine, o->on.has_seed ? &seed : NULL,
                                        (uint32_t)o->on.threads, &scene, error);
     if (!status)
         status = run(o, scene, error);

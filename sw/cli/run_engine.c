@@ -43,7 +43,7 @@ static fp3_status check(const fp3_run_engine *on, const fp3_engine_def *def, fp3
 
 fp3_status fp3_run_engine_define(const fp3_run_engine *on, fp3_engine_def *def, fp3_error *error) {
     def->engine = on->engine ? on->engine : def->engine;
-    def->seed = on->seed ? (uint32_t)on->seed : def->seed;
+    def->seed = on->has_seed ? (uint32_t)on->seed : def->seed;
     def->visit = on->visit ? (uint32_t)on->visit : def->visit;
     def->cycle_limit = on->cycle_limit;
     def->threads = (uint32_t)on->threads;

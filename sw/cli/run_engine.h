@@ -11,6 +11,7 @@ typedef struct {
     const char *engine, *bus_log, *kanata, *port, *native;
     uint64_t cycle_limit, visit, seed, threads, bus_waits, baud;
     double clock; /* Hz; 0: not given */
+    int has_seed;
 } fp3_run_engine;
 
 /* Ends the command with an error where they do not. */

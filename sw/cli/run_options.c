@@ -84,6 +84,12 @@ static void take_steps(void *user, struct argp_state *state, char *text) {
     o->has_steps = 1;
 }
 
+static void take_seed(void *user, struct argp_state *state, char *text) {
+    fp3_run_options *o = user;
+    o->on.seed = fp3_arguments_number(state, "--seed", text, 0, UINT32_MAX);
+    o->on.has_seed = 1;
+}
+
 static void take_params(void *user, struct argp_state *state, char *text) {
     fp3_run_options *o = user;
     fp3_files_read(&o->files, "--params", text);
@@ -210,8 +216,8 @@ static const fp3_option table[] = {
      FP3_NUMBER(fp3_run_options, on.visit, 1, UINT32_MAX), .forms = FP3_RUN_DECIDES},
     {"seed", 0, "N",
      "With a configuration whose records have 16 bits: stores round at random, by draws from N "
-     "(default: to nearest)",
-     FP3_NUMBER(fp3_run_options, on.seed, 1, UINT32_MAX), .forms = FP3_RUN_DECIDES},
+     "(default: 0, to nearest)",
+     FP3_CALL(take_seed), .forms = FP3_RUN_DECIDES},
     {"all", 0, NULL, "Print the states of all objects, not of the first 8",
      FP3_FLAG(fp3_run_options, all), .forms = FP3_RUN_BESIDE},
     {"params", 0, "FILE", "Values of states, parameters and shared constants; may be repeated",

@@ -8,6 +8,7 @@
 #include "turned.h"
 
 #include <math.h>
+#include <string.h>
 
 #define RIM (5 * FP3_VIEW_PART / 2)
 #define FRONT INT32_MIN /* a depth before which nothing is */
@@ -34,6 +35,14 @@ static fp3_view_place see(const drawing *d, const double x[3]) {
     double world[3], size;
     to_world(d, x, world);
     return fp3_view_camera_see(d->camera, world, &size);
+}
+
+/* What of a line is before the eye; 0: nothing. */
+static int cut(const drawing *d, double ends[2][3]) {
+    double world[2][3];
+    for (int i = 0; i < 2; i++)
+        to_world(d, ends[i], world[i]);
+    return fp3_view_camera_cut(d->camera, (const double(*)[3])world, ends);
 }
 
 /* In space marks are before all bodies. */
@@ -71,8 +80,14 @@ static fp3_view_place see_beside(const drawing *d, const double x[3], double rig
 }
 
 /* A line, twice as wide as a length. */
-static void draw_bar(const drawing *d, const double a[3], const double b[3], double half,
+static void draw_bar(const drawing *d, const double from[3], const double to[3], double half,
                      fp3_view_ink ink) {
+    double ends[2][3];
+    const double *a = ends[0], *b = ends[1];
+    memcpy(ends[0], from, sizeof ends[0]);
+    memcpy(ends[1], to, sizeof ends[1]);
+    if (!cut(d, ends))
+        return;
     const double way[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     const double right = dot(d->camera->right, way), up = dot(d->camera->up, way);
     const double length = sqrt(right * right + up * up);
@@ -85,6 +100,11 @@ static void draw_bar(const drawing *d, const double a[3], const double b[3], dou
 
 static void draw_dot(const drawing *d, const double x[3], double radius, fp3_view_ink ink) {
     fp3_view_place corners[12];
+    double ends[2][3];
+    memcpy(ends[0], x, sizeof ends[0]);
+    memcpy(ends[1], x, sizeof ends[1]);
+    if (!cut(d, ends))
+        return;
     for (unsigned i = 0; i < 12; i++) {
         double way[2];
         fp3_view_turned(30.0 * i, way);
@@ -205,7 +225,7 @@ static void draw_edge(const drawing *d, const fp3_view_shape *shape, const fp3_v
     if (radius > 0)
         fp3_view_solid_round(d->raster, d->camera, (const double(*)[3])at, radius,
                              shape->triangles ? NULL : (const double(*)[3])sectors, paint);
-    else if (!shape->triangles)
+    else if (!shape->triangles && fp3_view_camera_cut(d->camera, (const double(*)[3])at, at))
         fp3_view_raster_line(d->raster, fp3_view_camera_see(d->camera, at[0], &size),
                              fp3_view_camera_see(d->camera, at[1], &size), paint->rim, 256);
 }
@@ -215,6 +235,7 @@ static void draw_solid(const drawing *d, const fp3_view_shape *shape, const fp3_
     const fp3_view_recording *r = d->page->recording;
     const double radius = shape->radius * d->camera->scale[0];
     double at[3][3];
+    d->raster->veil++;
     paint->cover = shape->is_sensor ? VEIL : 256;
     if (isinf(radius)) {
         place(d, pose, shape->first, at[0]);

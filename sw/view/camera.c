@@ -126,6 +126,20 @@ void fp3_view_camera_eye(const fp3_view_camera *c, const double point[3], double
     eye[2] = c->distance - dot(c->back, point);
 }
 
+int fp3_view_camera_cut(const fp3_view_camera *c, const double world[2][3], double ends[2][3]) {
+    double away[2], eye[3];
+    for (int i = 0; i < 2; i++) {
+        fp3_view_camera_eye(c, world[i], eye);
+        away[i] = c->is_flat ? 0 : eye[2] - FP3_VIEW_NEAR * c->distance;
+    }
+    if (away[0] < 0 && away[1] < 0)
+        return 0;
+    const int cut = away[0] < 0 ? 0 : away[1] < 0 ? 1 : -1;
+    for (int k = 0; k < 3 && cut >= 0; k++)
+        ends[cut][k] += (ends[!cut][k] - ends[cut][k]) * (away[cut] / (away[cut] - away[!cut]));
+    return 1;
+}
+
 fp3_view_place fp3_view_camera_place(const fp3_view_camera *c, const double eye[3]) {
     const double size = c->zoom / (c->is_flat ? 1 : eye[2]);
     return (fp3_view_place){

@@ -37,6 +37,9 @@ fp3_view_place fp3_view_camera_see(const fp3_view_camera *camera, const double p
                                    double *size);
 /* A point of the world from the eye: to the right, up, and away. */
 void fp3_view_camera_eye(const fp3_view_camera *camera, const double point[3], double eye[3]);
+/* Cuts off what of a line between two points of the world is too near to the eye, or behind it;
+ * ends are the same line in any coordinates. 0: nothing is left. */
+int fp3_view_camera_cut(const fp3_view_camera *camera, const double world[2][3], double ends[2][3]);
 /* Where that is in the picture. */
 fp3_view_place fp3_view_camera_place(const fp3_view_camera *camera, const double eye[3]);
 /* What a length of 1 is as a depth. */

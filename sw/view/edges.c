@@ -7,6 +7,7 @@
 
 #define FLAT 0.999999 /* cosine of the angle between two normals above which there is no edge */
 #define SMOOTH 0.866  /* ... and above which it is not sharp */
+#define SMALL 0.05    /* a ball at a corner, as a share of how far the shape reaches */
 
 typedef struct {
     uint32_t low, high;
@@ -71,12 +72,35 @@ static size_t sides_of(const fp3_view_recording *r, const fp3_view_shape *s, hal
     return 3 * s->triangles;
 }
 
+/* Of a shape without triangles. A hull has none in recordings that were made before they had any: a
+ * ball is at each of its corners. */
+static size_t add_points(fp3_view_recording *r, fp3_view_shape *s, size_t made) {
+    double ends[2] = {INFINITY, -INFINITY}, most = 0;
+    for (size_t i = s->first; i < s->first + s->corners; i++) {
+        const double *c = r->corners[i];
+        ends[0] = fmin(ends[0], c[2]);
+        ends[1] = fmax(ends[1], c[2]);
+        most = fmax(most, c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+    }
+    if (s->corners < 3 || ends[0] == ends[1]) { /* polygons have no third number */
+        r->edges[made] =
+            (fp3_view_edge){{(uint32_t)s->first, (uint32_t)(s->first + s->corners - 1)}, 1};
+        return made + 1;
+    }
+    s->radius = fmax(s->radius, SMALL * sqrt(most));
+    for (size_t i = s->first; i < s->first + s->corners; i++)
+        r->edges[made++] = (fp3_view_edge){{(uint32_t)i, (uint32_t)i}, 1};
+    return made;
+}
+
 fp3_status fp3_view_edges_find(fp3_view_recording *r, fp3_error *error) {
-    size_t most = 0, made = 0;
-    for (size_t i = 0; i < r->shape_count; i++)
+    size_t most = 0, made = 0, corners = 0;
+    for (size_t i = 0; i < r->shape_count; i++) {
+        corners += r->shapes[i].corners;
         most = r->shapes[i].triangles > most ? r->shapes[i].triangles : most;
+    }
     half *sides = malloc((3 * most + 1) * sizeof *sides);
-    r->edges = malloc((3 * r->triangle_count + r->shape_count + 1) * sizeof *r->edges);
+    r->edges = malloc((3 * r->triangle_count + corners + 1) * sizeof *r->edges);
     for (size_t i = 0; i < r->shape_count && sides && r->edges; i++) {
         fp3_view_shape *s = &r->shapes[i];
         const size_t count = sides_of(r, s, sides);
@@ -84,8 +108,7 @@ fp3_status fp3_view_edges_find(fp3_view_recording *r, fp3_error *error) {
         qsort(sides, count, sizeof *sides, by_ends);
         made = add_edges(r, sides, count, made);
         if (!count)
-            r->edges[made++] =
-                (fp3_view_edge){{(uint32_t)s->first, (uint32_t)(s->first + s->corners - 1)}, 1};
+            made = add_points(r, s, made);
         s->edges = made - s->edge;
     }
     const int is_good = sides && r->edges;

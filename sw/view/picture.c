@@ -21,13 +21,30 @@ static int is_there(const fp3_view_picture *p, size_t at) {
     return p->life == FP3_VIEW_NO_COLUMN || r->columns[p->life].values[at] == 1;
 }
 
-static fp3_view_place see(const fp3_view_picture *p, size_t at, double *size) {
+static void find(const fp3_view_picture *p, size_t at, double point[FP3_VIEW_AXES]) {
     const fp3_view_recording *r = p->page->recording;
-    double point[FP3_VIEW_AXES] = {0};
     for (unsigned k = 0; k < p->page->axes->count; k++)
         point[k] = fp3_view_camera_world(&p->camera, k,
                                          (double)r->columns[p->page->axes->columns[k]].values[at]);
-    return fp3_view_camera_see(&p->camera, point, size);
+}
+
+static void draw_line(fp3_view_picture *p, double ends[2][FP3_VIEW_AXES], fp3_view_ink ink,
+                      uint32_t cover) {
+    double size;
+    if (fp3_view_camera_cut(&p->camera, (const double(*)[3])ends, ends))
+        fp3_view_raster_line(&p->raster, fp3_view_camera_see(&p->camera, ends[0], &size),
+                             fp3_view_camera_see(&p->camera, ends[1], &size), ink, cover);
+}
+
+/* Between the places of two objects, or of one in two snapshots. */
+static void draw_between(fp3_view_picture *p, size_t a, size_t b, fp3_view_ink ink,
+                         uint32_t cover) {
+    double ends[2][FP3_VIEW_AXES] = {{0}};
+    if (!is_there(p, a) || !is_there(p, b))
+        return;
+    find(p, a, ends[0]);
+    find(p, b, ends[1]);
+    draw_line(p, ends, ink, cover);
 }
 
 /* Of one that has no radius: in halves of a pixel of the picture. */
@@ -41,10 +58,14 @@ static void draw_balls(fp3_view_picture *p, size_t first) {
     const fp3_view_axes *axes = p->page->axes;
     const int has_own = axes->radius_of != FP3_VIEW_NO_COLUMN;
     for (size_t at = first; at < first + r->objects; at++) {
-        double size;
+        double size, ends[2][FP3_VIEW_AXES] = {{0}};
         if (!is_there(p, at))
             continue;
-        const fp3_view_place place = see(p, at, &size);
+        find(p, at, ends[0]);
+        find(p, at, ends[1]);
+        if (!fp3_view_camera_cut(&p->camera, (const double(*)[3])ends, ends))
+            continue;
+        const fp3_view_place place = fp3_view_camera_see(&p->camera, ends[0], &size);
         double radius = has_own ? (double)r->columns[axes->radius_of].values[at] : axes->radius;
         radius = radius > 0 && isfinite(radius) ? radius * p->camera.scale[0] : 0;
         const double shown = floor(radius * size + 0.5);
@@ -62,13 +83,11 @@ static void draw_links(fp3_view_picture *p, size_t first) {
         for (size_t k = 0; k < r->relations[i].count; k++) {
             const size_t a = first + r->relations[i].pairs[2 * k];
             const size_t b = first + r->relations[i].pairs[2 * k + 1];
-            double size;
-            if (is_there(p, a) && is_there(p, b))
-                fp3_view_raster_line(&p->raster, see(p, a, &size), see(p, b, &size),
-                                     p->page->fields->colour == FP3_VIEW_NO_COLUMN
-                                         ? fp3_view_ink_line
-                                         : fp3_view_ink_of(p->page, a),
-                                     141);
+            draw_between(p, a, b,
+                         p->page->fields->colour == FP3_VIEW_NO_COLUMN
+                             ? fp3_view_ink_line
+                             : fp3_view_ink_of(p->page, a),
+                         141);
         }
 }
 
@@ -76,34 +95,22 @@ static void draw_links(fp3_view_picture *p, size_t first) {
 static void draw_trails(fp3_view_picture *p, size_t snapshot) {
     const size_t objects = p->page->recording->objects;
     for (size_t i = 0; i < objects && objects <= TRAILS_MOST; i++)
-        for (size_t n = 1; n <= snapshot; n++) {
-            const size_t a = (n - 1) * objects + i, b = n * objects + i;
-            double size;
-            if (is_there(p, a) && is_there(p, b))
-                fp3_view_raster_line(&p->raster, see(p, a, &size), see(p, b, &size),
-                                     fp3_view_ink_line, 180);
-        }
+        for (size_t n = 1; n <= snapshot; n++)
+            draw_between(p, (n - 1) * objects + i, n * objects + i, fp3_view_ink_line, 180);
 }
 
 /* ---- walls ---- */
-
-static void draw_edge(fp3_view_picture *p, const double from[3], const double to[3],
-                      uint32_t cover) {
-    double size;
-    fp3_view_raster_line(&p->raster, fp3_view_camera_see(&p->camera, from, &size),
-                         fp3_view_camera_see(&p->camera, to, &size), fp3_view_ink_line, cover);
-}
 
 /* The edges of a box by its two ends; those without a length are left out. */
 static void draw_box(fp3_view_picture *p, double ends[2][3], uint32_t cover) {
     for (int k = 0; k < 3; k++)
         for (int corner = 0; corner < 4 && ends[0][k] < ends[1][k]; corner++) {
-            double from[3], to[3];
+            double edge[2][3], *from = edge[0], *to = edge[1];
             from[(k + 1) % 3] = to[(k + 1) % 3] = ends[corner & 1][(k + 1) % 3];
             from[(k + 2) % 3] = to[(k + 2) % 3] = ends[corner >> 1][(k + 2) % 3];
             from[k] = ends[0][k];
             to[k] = ends[1][k];
-            draw_edge(p, from, to, cover);
+            draw_line(p, edge, fp3_view_ink_line, cover);
         }
 }
 

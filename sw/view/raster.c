@@ -11,13 +11,15 @@ fp3_status fp3_view_raster_make(uint32_t width, uint32_t height, fp3_view_raster
     *raster = (fp3_view_raster){.width = (int32_t)width * FP3_VIEW_FINE,
                                 .height = (int32_t)height * FP3_VIEW_FINE,
                                 .pixels = malloc(count * sizeof *raster->pixels),
-                                .depths = malloc(count * sizeof *raster->depths)};
-    return raster->pixels && raster->depths ? FP3_OK : fp3_no_memory(error);
+                                .depths = malloc(count * sizeof *raster->depths),
+                                .veils = malloc(count * sizeof *raster->veils)};
+    return raster->pixels && raster->depths && raster->veils ? FP3_OK : fp3_no_memory(error);
 }
 
 void fp3_view_raster_free(fp3_view_raster *raster) {
     free(raster->pixels);
     free(raster->depths);
+    free(raster->veils);
     memset(raster, 0, sizeof *raster);
 }
 
@@ -26,7 +28,9 @@ void fp3_view_raster_clear(fp3_view_raster *r, fp3_view_ink ink) {
     for (size_t i = 0; i < count; i++) {
         r->pixels[i] = ink;
         r->depths[i] = INT32_MAX;
+        r->veils[i] = 0;
     }
+    r->veil = 0;
 }
 
 /* ---- balls ---- */
@@ -207,8 +211,9 @@ void fp3_view_raster_put(fp3_view_raster *r, int32_t column, int32_t row, double
     const int32_t deep = depth < FARTHEST_DEPTH
                              ? depth > -FARTHEST_DEPTH ? (int32_t)depth : -FARTHEST_DEPTH
                              : FARTHEST_DEPTH;
-    if (deep > r->depths[i])
+    if (deep > r->depths[i] || (cover < 256 && r->veils[i] == r->veil))
         return;
+    r->veils[i] = cover < 256 ? r->veil : r->veils[i];
     r->depths[i] = cover == 256 ? deep : r->depths[i];
     r->pixels[i] = cover == 256 ? ink : over(r->pixels[i], ink, cover);
 }

@@ -28,6 +28,8 @@ typedef struct {
     int32_t width, height; /* of the drawing, in pixels */
     fp3_view_ink *pixels;
     int32_t *depths;
+    uint32_t *veils; /* the last veil over each pixel */
+    uint32_t veil;   /* which one is drawn: it covers a pixel once */
 } fp3_view_raster;
 
 /* The caller frees *raster, after a failure too. FP3_E_SYSTEM: out of memory. */

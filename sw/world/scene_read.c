@@ -486,7 +486,7 @@ static fp3_status read_scene(reader *r) {
     if (!status)
         status = read_count(r, root, "visit", 1, &visit);
     if (!status)
-        status = read_count(r, root, "seed", 1, &seed);
+        status = read_count(r, root, "seed", 0, &seed);
     r->scene->visit = (uint32_t)visit;
     r->scene->seed = (uint32_t)seed;
     if (!status)

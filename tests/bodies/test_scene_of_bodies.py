@@ -105,6 +105,8 @@ def test_random_numbers_follow_the_seed_and_the_entry(run):
     first = [float(x) for x in row.search(run(text % "", "-n", "0")).groups()]
     assert all(0 < x < 1 for x in first) and first[0] != first[1]
     assert [float(x) for x in row.search(run(text % "", "-n", "0", "--seed", "7")).groups()] != first
+    seeds = [run(f"{file}{text % ''}", "-n", "0", *option) for file in ("", "seed = 0; ", "seed = 7; ") for option in ((), ("--seed", "0"))]
+    assert len({said.split("hash")[0].split("body", 1)[1] for said in seeds}) == 2 and seeds[4] != seeds[5]         # 0 is a seed, and the default
     assert run("seed = 7; " + text % "", "-n", "0").splitlines()[:4] == run(text % "", "-n", "0", "--seed", "7").splitlines()[:4]
 
 
@@ -180,6 +182,10 @@ def joint(text):
     return 'bodies = ( { name = "a"; shapes = { circle = 1.0; }; }, { name = "b"; type = "static"; }, { name = "c"; count = 3; } );\njoints = (\n{ %s }\n);' % text
 
 
+def solid(text):
+    return joint(text).replace("circle", "sphere")
+
+
 @pytest.mark.parametrize("text, message", [
     (body("x = 3;"), r"2: x: found '3', expected two numbers"),
     (body('x = ["n", 1];'), r"2: mismatched element type in array, expected \( \) around a list in which numbers and texts are mixed"),
@@ -201,7 +207,10 @@ def joint(text):
     (body('points = "none.csv";'), r"2: none.csv: cannot open"),
     (body("count = 0;"), r"1: bodies: found no body, expected one"),
     ("h = 2.0;\n" + body(""), r"1: h is 2, expected 9.53674e-07 to 1"),
-    ("\nsubsteps = 65;\n" + body(""), r"2: substeps is 65, expected 1 to 64"),
+    ("\nsubsteps = 65;\n" + body(""), r"2: substeps: found '65', expected an integer from 1 to 64"),
+    ("substeps = 0;" + body(""), r"1: substeps: found '0', expected an integer from 1 to 64"),
+    (body("count = (100000, 100000, 100000);"), r"2: expected at most 1000000 copies"),
+    (joint('rod = ["a", "b"];\naxis = [0.0, 1.0];'), r"4: axis: a rod has none, expected it of slider or wheel"),
     ('engine = "board";' + body(""), r"1: engine: found 'board', expected \"isa\", \"fast\" or \"rtl\""),
     ("step = 3;\n" + body(""), r"1: found 'step', expected a setting of a scene of bodies: .*\(did you mean 'steps'\?\)"),
     ('bodies = ( { name = "a"; },\n{ name = "a"; } );', r"2: name: found 'a' again"),
@@ -321,12 +330,19 @@ def test_a_scene_in_space_has_the_bits_of_calls(run, tmp_path):
 
 @pytest.mark.parametrize("text, message", [
     ("dimensions = 4;" + body(""), r"1: dimensions: found '4', expected 2, a plane, or 3, space"),
-    ("dimensions = 3;" + body("x = [0, 1];"), r"2: x: .* expected three numbers"),
+    ("dimensions = 3;" + body("x = [0, 1];"), r"2: x: found a list \[ \] of 2, expected three numbers"),
+    ("dimensions = 3;" + solid('weld = ["a", "b"];\nrest = 0.5;'), r"4: weld: rest is 0.5, and a weld in space has none"),
+    ("dimensions = 3;" + solid('ball = ["a", "b"];\nrest = 0;'), r"4: ball: rest is 0, and a ball in space has none"),
+    ("dimensions = 3;" + solid('ball = ["a", "b"];\nlimits = [-1, 1];'), r"4: ball: limits of a ball are -1 and 1, expected 0 and an angle from 0 to pi"),
+    ("dimensions = 3;" + solid('weld = ["a", "b"];\naxis = [0, 1, 0];'), r"4: axis: a weld has none, expected it of hinge, slider, wheel or ball"),
+    ("dimensions = 3;" + solid('rod = ["a", "b"];\naxis = [0, 1, 0];'), r"4: axis: a rod has none"),
+    ("dimensions = 3;" + solid('ball = ["a", "b"];\naxle = [0, 1, 0];'), r"4: axle: a ball has none, expected it of wheel"),
+    ("dimensions = 3;" + solid('slider = ["a", "b"];\naxle = [0, 1, 0];'), r"4: axle: a slider has none"),
     ("dimensions = 3;" + body("angle = 1;"), r"2: angle: a plane alone has it, and the scene has dimensions = 3"),
     ("dimensions = 3;" + body("shapes = { circle = 1; };"), r"2: circle: a plane alone has it"),
     ("dimensions = 3;" + body("q = [1, 0, 0];"), r"2: q: .* expected four numbers"),
     ("dimensions = 3;" + body("q = [0, 0, 0, 0];"), r"2: a: the length of q is 0"),
-    ("dimensions = 3;" + joint('gear = ["a", "b"];').replace("circle", "sphere"), r"3: gear: a plane alone has it"),
+    ("dimensions = 3;" + solid('gear = ["a", "b"];'), r"3: gear: a plane alone has it"),
     (body("shapes = { sphere = 1; };"), r"2: sphere: space alone has it, and the scene has dimensions = 2"),
     (body("spin = [0, 1];"), r"2: spin: space alone has it"),
     (joint('ball = ["a", "b"];'), r"3: ball: space alone has it"),
@@ -394,7 +410,8 @@ def test_heights_have_the_bits_of_calls(run, tmp_path):
 @pytest.mark.parametrize("lines, message", [
     ("v 1 2\n", r"hill\.obj:1:6: found .*, expected three numbers of a point"),
     ("v 1 2 x\n", r"hill\.obj:1:7: found 'x', expected a number"),
-    ("v 1 2 inf\n", r"hill\.obj:1:7: found 'inf', expected a finite number"), ("\nw 1\n", r"hill\.obj:2:1: found 'w', expected v, f, or another word"),
+    ("v 1 2 inf\n", r"hill\.obj:1:7: found 'inf', expected a finite number"),
+    ("v 0 0 0\nf 1 1 \\\n 1\n", r"hill\.obj:2:7: found '\\', expected all of a statement in one line"), ("\nw 1\n", r"hill\.obj:2:1: found 'w', expected v, f, or another word"),
     ("v 0 0 0\nv 1 0 0\nf 1 2\n", r"hill\.obj:3:6: found .*, expected three corners of a face, or more"),
     ("v 0 0 0\nv 1 0 0\nf 1 2 3/2\n", r"hill\.obj:3:7: found '3', expected the number of a point above"),
     ("v 0 0 0\nv 1 0 0\nf 1 2 0\n", r"hill\.obj:3:7: found '0'"), ("v 0 0 0\nf -1 -2 1\n", r"hill\.obj:2:6: found '-2'"), ("f 1.5 1 1\n", r"hill\.obj:1:3: found '1.5'"),
@@ -417,10 +434,13 @@ def test_a_wrong_file_of_a_modeller_is_refused_where_it_is_wrong(run, tmp_path, 
     ('{ heights = { count = [2, 1]; at = 0; }; }', "2: count: found 2 and 1, expected two whole numbers"), ('{ heights = { count = [10000, 10000]; at = 0; }; }', "2: count: .* at most 1000000 heights"),
     ('{ heights = { count = [2, 2]; at = "i"; }; }', r"2: at: \"i\": found 'i', expected a name of this entry: n, random, column, row"),
     ('{ heights = { count = [2, 2]; }; }', "2: heights: expected count = "), ('{ heights = "bad.csv"; }', r"2: bad\.csv:2: found 3 heights, expected 2"),
-    ('{ heights = "text.csv"; }', r"2: text\.csv:1:3: found 'x', expected a number")])
+    ('{ heights = "text.csv"; }', r"2: text\.csv:1:3: found 'x', expected a number"),
+    ('{ heights = "nan.csv"; }', r"2: nan\.csv:2:3: found 'nan', expected a height from -1e6 to 1e6"), ('{ heights = "far.csv"; }', r"2: far\.csv:2:1: found '-1000001', expected a height")])
 def test_wrong_ground_is_refused_where_it_is_wrong(run, tmp_path, shape, message):
     (tmp_path / "bad.csv").write_text("1,2\n3,4,5\n")
     (tmp_path / "text.csv").write_text("1,x\n")
+    (tmp_path / "nan.csv").write_text("1,2\n3,nan\n")
+    (tmp_path / "far.csv").write_text("1e6,-1000000\n-1000001,0\n")
     assert re.search(r"^fp3 run: x\.scene:" + message, run(GROUND % shape, code=2).replace("error: ", ""), re.M)
 
 

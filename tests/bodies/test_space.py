@@ -527,6 +527,8 @@ def test_joints_have_the_same_bits_and_go_back():
 @pytest.mark.parametrize("how, said", [({"type": "gear"}, "a gear is in a plane alone"), ({"type": "hinge", "axis": (0, 0, 0)}, "its axis has no direction"),
                                        ({"type": "wheel", "axle": (0, 0, 0)}, "its axle has no direction"),
                                        ({"type": "hinge", "limits": (-5, 5)}, "expected angles from -pi to pi"), ({"type": "ball", "limits": (-2, -1)}, "from 0 to pi"),
+                                       ({"type": "ball", "limits": (-1, 1)}, "limits of a ball are -1 and 1, expected 0"), ({"type": "ball", "rest": 1}, "rest is 1, and a ball in space has none"),
+                                       ({"type": "weld", "rest": 0, "hertz": 2}, "rest is 0, and a weld in space has none, expected NaN"),
                                        ({"type": "ball", "most": 4, "speed": 3}, "a ball has no motor: most must be 0"),
                                        ({"type": "weld", "limits": (-1, 1)}, "a weld has no limits"), ({"type": "hinge", "ratio": 2}, "joint 0: a hinge has no ratio: it must be 1"),
                                        ({"type": "wheel", "axis": (1, 0, 0), "axle": (1, 0, 0)}, "expected across it")])
@@ -547,6 +549,18 @@ def test_a_joint_gets_no_motor_later_that_it_cannot_have(dimensions, types):
         with pytest.raises(fp3.ArgumentError, match=rf"most\[0\]: a {kind} has no motor"):
             made.write_joint("most", joint, 1)
         made.write_joint("most", joint, 0)
+
+
+def test_a_joint_in_space_gets_no_word_later_that_it_cannot_have():
+    made = world()
+    a, b = made.add(x=np.eye(2, 3))
+    ball, weld, hinge = made.join("ball", [a], [b], limits=(0, 1)), made.join("weld", [a], [b], hertz=2), made.join("hinge", [a], [b], limits=(-1, 1), hertz=2)
+    for name, joint, value in (("rest", ball, 0), ("rest", weld, 0), ("low", ball, -1), ("low", ball, 0.5)):
+        with pytest.raises(fp3.ArgumentError, match=rf"{name}\[0\] is {value}, which this joint cannot have"):
+            made.write_joint(name, joint, value)
+        made.write_joint(name, hinge, value)
+    made.write_joint("low", ball, 0)
+    made.write_joint("high", ball, 0.5)
 
 
 def test_impulses_without_a_root_do_no_harm():

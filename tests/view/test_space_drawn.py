@@ -186,6 +186,65 @@ def test_a_sensor_is_a_veil(run, space, tmp_path):
     assert 80 < (change > 0).sum() < 1000 and 5 < numpy.median(change[change > 0]) < 60
 
 
+def test_a_rounded_sensor_veils_once(run, space, tmp_path):
+    """Faces, edges and corners of a box of a radius: one veil over the background, whose light differs."""
+    without(space, BALL, PILL, PLANE, ASLEEP, SENSOR)
+    inks = []
+    for sensor in (0, 1):
+        with h5py.File(space, "r+") as file:
+            file["shapes:of"][2, 2], file["joints:of"][0, 3] = sensor, 0
+        run("view", "x.h5", *SHOT, "--at", "0", "--png", "a.png")
+        inks.append(pictures(tmp_path / "a.png")[0].astype(int))
+    on = (abs(inks[0] - BACK).max(axis=2) > 20) & ~on_frame()
+    away = (inks[1] - BACK)[on].sum(axis=1) / 3                       # a veil in the least light makes it 42 darker, a second one 29 more
+    assert on.sum() > 150 and -45 < away.min() < -20, (on.sum(), away.min())
+
+
+def test_what_is_behind_the_eye_has_no_mark(run, space, tmp_path):
+    """A contact, a joint, a segment without a radius and a ball there; of a joint from before the eye to behind it, its part before it."""
+    without(space, *range(6))
+    run("view", "x.h5", *SHOT, "--at", "0.1", "--png", "bare.png")
+    at, axes, _ = eye()
+    def behind(right, up, deep):
+        return at + axes.T @ [right, up, deep]
+    before = at - 12 * axes[2]
+    def place(file, of, x):
+        for k, name in enumerate("xyz"):
+            file[f"x_{name}"][:, of] = x[k]
+    with h5py.File(space, "r+") as file:
+        for of in (BALL, PILL, ASLEEP, PLANE):
+            place(file, of, behind(0.6, 0.4, 3))
+        for k, name in enumerate("wxyz"):
+            file[f"q_{name}"][...] = numpy.full((2, 6), float(k == 0))
+        file["shapes:radius"][1] = 0
+        file["shapes:corners"][11:13] = [(0, 0, 0), (0.2, 0, 0)]
+        file["joints:of"][0, 3], file["joints:anchors"][0] = 2, (0.3, 0, 0, 0, 0, 0)
+        file["contacts:points"][0, :3] = behind(0.6, 0.4, 3)
+    run("view", "x.h5", *SHOT, "--at", "0.1", "--png", "a.png", "--contacts")
+    assert (pictures(tmp_path / "a.png")[0] == pictures(tmp_path / "bare.png")[0]).all()
+    with h5py.File(space, "r+") as file:
+        place(file, ASLEEP, before)
+        file["joints:anchors"][0] = 0
+        file["shapes:of"][4, 2] = 1
+    run("view", "x.h5", *SHOT, "--at", "0.1", "--png", "a.png", "--contacts")
+    made = pictures(tmp_path / "a.png")[0].astype(int)
+    near = before + 0.9 * (behind(0.6, 0.4, 3) - before) * 12 / 15
+    assert is_about(pixel(made, before), MARK) and is_about(pixel(made, (before + near) / 2), MARK)
+    away = 2 * seen(before) - seen((before + near) / 2)               # on the other side there is nothing
+    assert not is_about(tuple(int(c) for c in made[int(away[1]), int(away[0])]), MARK)
+
+
+def test_a_hull_whose_triangles_were_not_recorded_is_a_ball_at_each_corner(run, space, tmp_path):
+    without(space, BALL, PILL, BOX, PLANE, SENSOR)
+    with h5py.File(space, "r+") as file:
+        del file["shapes:triangles"]
+        file["joints:of"][0, 3] = 0
+        file["shapes:radius"][4] = 0
+    run("view", "x.h5", *SHOT, "--at", "0", "--png", "a.png")
+    made, corners = pictures(tmp_path / "a.png")[0].astype(int), PLACES[ASLEEP] + CORNERS * SMALL @ matrix(TURNS[ASLEEP]).T
+    assert all(not is_about(pixel(made, x), BACK) for x in corners) and is_about(pixel(made, corners.mean(axis=0)), BACK)
+
+
 def test_the_far_side_of_the_ground_is_not_drawn(run, space, tmp_path):
     run("view", "x.h5", *LOOK, "--turn", "25:-40", "--width", "120", "--height", "90", "--png", "a.png")
     made = pictures(tmp_path / "a.png")[0].astype(int)

@@ -4,6 +4,7 @@
 #include "read.h"
 
 #include "base/rows.h"
+#include "bodies/shape3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -104,8 +105,12 @@ static fp3_status take_line(fp3_reader *r, fp3_rows *rows, grid *g, fp3_error *w
                            "found %zu heights, expected %zu, as in the first line", count,
                            g->columns);
     fp3_status status = make_room(r, g, (g->rows + 1) * g->columns);
-    for (size_t i = g->rows * g->columns; !status && rows->next; i++)
-        status = fp3_rows_number(rows, fp3_rows_value(rows), &g->height[i], why);
+    for (size_t i = g->rows * g->columns; !status && rows->next; i++) {
+        const fp3_token value = fp3_rows_value(rows);
+        status = fp3_rows_number(rows, value, &g->height[i], why);
+        if (!status && !(fabs(g->height[i]) <= (double)FP3_LARGEST3))
+            status = fp3_rows_wrong(rows, value, "a height from -1e6 to 1e6", why);
+    }
     g->rows++;
     return status;
 }

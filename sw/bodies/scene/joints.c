@@ -162,6 +162,23 @@ static fp3_status read_anchors(fp3_reader *r, const config_setting_t *from, fp3_
 
 /* ---- all ---- */
 
+/* A direction that nothing of the joint follows; the world cannot see that it was said. */
+static fp3_status check_ways(const fp3_reader *r, const config_setting_t *from,
+                             fp3_joint_type type) {
+    const int is_space = r->dimensions == 3;
+    const int has_axis = type == FP3_SLIDER || type == FP3_WHEEL ||
+                         (is_space && (type == FP3_HINGE || type == FP3_BALL));
+    const config_setting_t *axis = config_setting_get_member(from, "axis"),
+                           *axle = config_setting_get_member(from, "axle");
+    if (axis && !has_axis)
+        return fp3_setting_wrong(r->in, axis, "axis: a %s has none, expected it of %s", types[type],
+                                 is_space ? "hinge, slider, wheel or ball" : "slider or wheel");
+    if (axle && type != FP3_WHEEL)
+        return fp3_setting_wrong(r->in, axle, "axle: a %s has none, expected it of wheel",
+                                 types[type]);
+    return FP3_OK;
+}
+
 static fp3_status read_def(fp3_reader *r, const config_setting_t *from, fp3_joint_def *def) {
     const config_setting_t *limits = config_setting_get_member(from, "limits");
     double ends[2] = {0};
@@ -170,6 +187,8 @@ static fp3_status read_def(fp3_reader *r, const config_setting_t *from, fp3_join
     fp3_status status = fp3_read_fits(r, from, plane, space);
     if (!status)
         status = find_bodies(r, from, def);
+    if (!status)
+        status = check_ways(r, from, def->type);
     if (!status)
         status = read_anchors(r, from, def);
     if (!status)

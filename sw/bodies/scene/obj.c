@@ -90,11 +90,28 @@ static fp3_status take_face(fp3_obj *mesh, const fp3_rows *rows, const char *res
                : status;
 }
 
+/* Whether a backslash at the end says that the next line goes on. */
+static int is_continued(const fp3_rows *rows, fp3_token *last) {
+    size_t end = strlen(rows->line);
+    while (end && strchr(BLANKS "\n", rows->line[end - 1]))
+        end--;
+    if (!end || rows->line[end - 1] != '\\')
+        return 0;
+    *last = (fp3_token){.text = rows->line + end - 1,
+                        .length = 1,
+                        .location = {.line = rows->number, .column = (unsigned)end},
+                        .kind = FP3_TOKEN_NAME};
+    return 1;
+}
+
 static fp3_status take_line(fp3_obj *mesh, const fp3_rows *rows, fp3_error *error) {
     static const char *const others[] = {"vt", "vn", "vp",     "o",      "g", "s",
                                          "l",  "p",  "usemtl", "mtllib", NULL};
     const char *rest = rows->line;
     const fp3_token word = next_word(rows, &rest);
+    fp3_token last;
+    if (is_continued(rows, &last))
+        return fp3_rows_wrong(rows, last, "all of a statement in one line", error);
     if (fp3_token_is(word, "v"))
         return take_point(mesh, rows, rest, error);
     if (fp3_token_is(word, "f"))

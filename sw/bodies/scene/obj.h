@@ -9,7 +9,8 @@
  * Lines "v X Y Z" are points. Lines "f A B C ..." are faces, by the numbers of points from 1 on, or
  * back from the last one: -1; what stands behind a slash (2/5/1) is not looked at. A face with more
  * than three corners is cut into triangles from its first corner, so it has to be convex. Lines of
- * what has no shape (normals, names, materials and the like) are passed over.
+ * what has no shape (normals, names, materials and the like) are passed over. A line that a
+ * backslash continues is refused.
  */
 #ifndef FP3_BODIES_SCENE_OBJ_H
 #define FP3_BODIES_SCENE_OBJ_H

@@ -21,10 +21,10 @@ static const number numbers[] = {{"h", offsetof(fp3_bodies_def, h)},
                                  {"rest_time", offsetof(fp3_bodies_def, rest_time)}};
 
 /* What is read once. */
-static fp3_status read_count(const fp3_reader *r, const char *name, uint64_t least,
+static fp3_status read_count(const fp3_reader *r, const char *name, uint64_t least, uint64_t most,
                              uint64_t *count) {
     const config_setting_t *at = config_setting_get_member(r->in->root, name);
-    return at ? fp3_setting_count(r->in, at, name, least, UINT32_MAX, count) : FP3_OK;
+    return at ? fp3_setting_count(r->in, at, name, least, most, count) : FP3_OK;
 }
 
 /* What replaces the file's engine is the caller's own mistake, if it is one: it has no line. */
@@ -47,7 +47,7 @@ static fp3_status open_world(fp3_reader *r, const char *engine, uint32_t threads
                                           "\"rtl\"; without it the laws of bodies are built in",
                                           name);
     if (!status)
-        status = read_count(r, "dimensions", 2, &dimensions);
+        status = read_count(r, "dimensions", 2, UINT32_MAX, &dimensions);
     if (!status && dimensions > 3)
         status = fp3_setting_expected(r->in, config_setting_get_member(root, "dimensions"),
                                       "dimensions", "2, a plane, or 3, space");
@@ -58,7 +58,7 @@ static fp3_status open_world(fp3_reader *r, const char *engine, uint32_t threads
         status = fp3_read_value(r, root, numbers[i].name,
                                 (double *)(void *)((char *)&def + numbers[i].at));
     if (!status)
-        status = read_count(r, "substeps", 1, &substeps);
+        status = read_count(r, "substeps", 1, FP3_SUBSTEPS, &substeps);
     if (status)
         return status;
     def.engine = scene->engine;
@@ -72,17 +72,18 @@ static fp3_status open_world(fp3_reader *r, const char *engine, uint32_t threads
     return status ? fp3_read_refused(r, root, "", status) : FP3_OK;
 }
 
-static fp3_status read_scene(fp3_reader *r, const char *engine, uint32_t seed, uint32_t threads) {
+static fp3_status read_scene(fp3_reader *r, const char *engine, const uint32_t *seed,
+                             uint32_t threads) {
     static const char *const names[] = {"dimensions", "steps",     "seed",     "engine", "gravity",
                                         "h",          "size",      "substeps", "push",   "bounce",
                                         "rest_speed", "rest_time", "bodies",   "joints", NULL};
     const config_setting_t *root = r->in->root;
     fp3_status status = fp3_setting_keys(r->in, root, "a scene of bodies", names);
     if (!status)
-        status = read_count(r, "steps", 0, &r->scene->steps);
+        status = read_count(r, "steps", 0, UINT32_MAX, &r->scene->steps);
     if (!status)
-        status = read_count(r, "seed", 1, &r->seed);
-    r->seed = seed ? seed : r->seed;
+        status = read_count(r, "seed", 0, UINT32_MAX, &r->seed);
+    r->seed = seed ? *seed : r->seed;
     if (!status)
         status = open_world(r, engine, threads);
     const config_setting_t *bodies = config_setting_get_member(root, "bodies");
@@ -106,7 +107,7 @@ int fp3_bodies_scene_is(const char *path) {
     return is;
 }
 
-fp3_status fp3_bodies_scene_open(const char *path, const char *engine, uint32_t seed,
+fp3_status fp3_bodies_scene_open(const char *path, const char *engine, const uint32_t *seed,
                                  uint32_t threads, fp3_bodies_scene **scene, fp3_error *error) {
     FP3_HOST;
     fp3_settings in = {0};

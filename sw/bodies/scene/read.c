@@ -302,10 +302,13 @@ typedef struct {
     size_t made;
 } copies;
 
+static fp3_status too_many(const fp3_reader *r, const copies *c) {
+    return fp3_setting_wrong(r->in, c->entry, "expected at most %d copies", FP3_BODIES_SCENE_MOST);
+}
+
 static fp3_status copy(fp3_reader *r, copies *c) {
     if (c->made >= FP3_BODIES_SCENE_MOST)
-        return fp3_setting_wrong(r->in, c->entry, "expected at most %d copies",
-                                 FP3_BODIES_SCENE_MOST);
+        return too_many(r, c);
     r->number = (double)c->made++;
     return c->one(r, c->entry, c->user);
 }
@@ -346,6 +349,19 @@ static fp3_status copy_rows(fp3_reader *r, copies *c, const config_setting_t *at
     return status;
 }
 
+/* How many there will be, if all counts are numbers; else 0. */
+static double product_of(const fp3_reader *r, const copies *c) {
+    double all = 1, one;
+    for (unsigned level = 0; level < c->levels; level++) {
+        const config_setting_t *at =
+            fp3_setting_is_list(c->count) ? config_setting_get_elem(c->count, level) : c->count;
+        if (!fp3_setting_is_number(at) || fp3_setting_number(r->in, at, "count", &one))
+            return 0;
+        all *= one;
+    }
+    return all;
+}
+
 fp3_status fp3_read_copies(fp3_reader *r, const config_setting_t *entry, size_t number,
                            fp3_copy_fn *one, void *user) {
     copies c = {.entry = entry,
@@ -360,6 +376,8 @@ fp3_status fp3_read_copies(fp3_reader *r, const config_setting_t *entry, size_t 
         return fp3_setting_wrong(r->in, c.count,
                                  "count: found %u numbers, expected 1 to %d, as (40, \"40 - i\")",
                                  c.levels, FP3_COUNTERS);
+    if (c.levels > 1 && product_of(r, &c) > FP3_BODIES_SCENE_MOST)
+        return too_many(r, &c);
     r->random = r->seed + (number + 1) * UINT64_C(0xd1342543de82ef95);
     r->counters = 0;
     const fp3_status status = points ? copy_rows(r, &c, points) : copy_level(r, &c, 0);

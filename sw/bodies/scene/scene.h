@@ -3,7 +3,7 @@
  * joints. docs/scenes.md describes the file.
  *
  *     fp3_bodies_scene *scene = NULL;
- *     if (fp3_bodies_scene_open("pyramid.scene", NULL, 0, 1, &scene, error) ||
+ *     if (fp3_bodies_scene_open("pyramid.scene", NULL, NULL, 1, &scene, error) ||
  *         fp3_bodies_step(scene->bodies, scene->steps))
  *         ...
  *     fp3_bodies_scene_close(&scene);
@@ -40,10 +40,10 @@ typedef struct {
 /* Whether the file is a scene of bodies; 0 also if it cannot be read. A pipe is none. */
 int fp3_bodies_scene_is(const char *path);
 
-/* engine and seed replace the file's, unless they are NULL and 0. threads: as in fp3_bodies_def;
+/* engine and seed replace the file's, unless they are NULL. threads: as in fp3_bodies_def;
  * with an engine 0 is 1. The caller closes *scene, which is NULL on failure. Messages begin with
  * the path and the line. */
-fp3_status fp3_bodies_scene_open(const char *path, const char *engine, uint32_t seed,
+fp3_status fp3_bodies_scene_open(const char *path, const char *engine, const uint32_t *seed,
                                  uint32_t threads, fp3_bodies_scene **scene, fp3_error *error);
 /* Closes *scene and sets it to NULL. *scene may be NULL already. */
 void fp3_bodies_scene_close(fp3_bodies_scene **scene);

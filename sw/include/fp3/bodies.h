@@ -37,6 +37,8 @@ FP3_API_BEGIN
 
 typedef struct fp3_bodies fp3_bodies;
 
+#define FP3_SUBSTEPS 64 /* of a step, at most */
+
 /* What to open. Always start from fp3_bodies_default(). */
 typedef struct {
     uint32_t cookie;  /* set by fp3_bodies_default(): headers and library belong together */
@@ -44,7 +46,7 @@ typedef struct {
     uint32_t dimensions; /* 2 (default): a plane, x and y; 3: space */
     double gravity[3];
     double h;          /* of a step: 2^-20 to 1; default 1/60 */
-    uint32_t substeps; /* of a step: 1 to 64; default 4 */
+    uint32_t substeps; /* of a step: 1 to FP3_SUBSTEPS; default 4 */
     /* That take part in a step, the caller's among them, at most 1024. 0: one for each processor.
      * Default 1: a game has its own work for the others. What is too small for several is done by
      * one. The number changes no bit. With an engine 1 only. */
@@ -264,13 +266,14 @@ typedef struct {
     double axle[3]; /* in space, of a wheel: b turns about it, in a's axes; default (0, 0, 1) */
     double ratio;   /* of a gear; default 1 */
     int has_limits; /* of the distance, the way along the axis, or the angle from the start */
-    double low;
+    double low;     /* of a ball 0 */
     double high;
     double speed;   /* of a motor, 1/s or m/s; it has none (default) if `most` is 0 */
     double most;    /* its largest torque or force */
     double hertz;   /* of a spring; default 0: there is none */
     double damping; /* of the spring, as a share of critical damping; default 0.7 */
-    double rest;    /* where the spring or rod rests; NaN (default): where it is when it is made */
+    double rest;    /* where the spring or rod rests; NaN (default): where it is when it is made. In
+                     * space a weld and a ball have NaN alone */
     double force;   /* at which the joint breaks; default 0: never */
     double torque;
     int may_collide; /* whether the two bodies collide; default 0 */
