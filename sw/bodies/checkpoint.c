@@ -100,9 +100,7 @@ static void tidy_patches(fp3_bodies *bodies, const fp3_touch2 *t) {
     }
 }
 
-/* Numbers without a meaning are not written: those behind the last point of a manifold, and room
- * for patches. */
-static fp3_status tidy(fp3_bodies *bodies) {
+fp3_status fp3_kept_tidy(fp3_bodies *bodies) {
     const fp3_status status = bodies->space ? fp3_space_lay_patches(bodies) : FP3_OK;
     for (uint32_t k = 0; !status && k < bodies->touch_count; k++) {
         fp3_touch2 *t = &bodies->touch[k];
@@ -113,7 +111,7 @@ static fp3_status tidy(fp3_bodies *bodies) {
         if (bodies->space)
             tidy_patches(bodies, t);
     }
-    return status;
+    return !status && bodies->space ? fp3_forms_number(bodies) : status;
 }
 
 static fp3_status write_file(writer *w, fp3_bodies *bodies, fp3_output *output) {
@@ -123,9 +121,7 @@ static fp3_status write_file(writer *w, fp3_bodies *bodies, fp3_output *output) 
     w->file = w->calls->create(fp3_output_temporary(output), FP3_ENVELOPE_SIZE);
     if (!w->file)
         return fp3_no_memory(w->error);
-    status = tidy(bodies);
-    if (!status && bodies->space)
-        status = fp3_forms_number(bodies);
+    status = fp3_kept_tidy(bodies);
     if (!status)
         status = put_all(w, bodies);
     if (bodies->space)

@@ -98,5 +98,8 @@ enum { FP3_KEPT_HASH = 17 };
 fp3_status fp3_kept_laws(const fp3_hdf5_ops *calls, const fp3_bodies *bodies,
                          char text[FP3_DIGEST_SIZE], fp3_error *error);
 void fp3_kept_hash(const fp3_bodies *bodies, char text[FP3_KEPT_HASH]);
+/* checkpoint.c: before fields are looked at. Numbers without a meaning become 0: those behind the
+ * last point of a manifold, and room for patches. Forms are numbered: fp3_forms_forget is due. */
+fp3_status fp3_kept_tidy(fp3_bodies *bodies);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* hash.c - all of a world that the next steps follow from, as a number. */
+/* hash.c - where bodies of a world are, how they move, who sleeps, and the impulses of contacts, as
+ * a number. A step also depends on what does not follow from these (fields.h): masses, joints and
+ * their impulses, forces, settings. */
 #include "own3.h"
 
 static uint64_t add(uint64_t hash, const void *bytes, size_t size) {
@@ -52,13 +54,13 @@ void fp3_bodies_words(const fp3_bodies *bodies, fp3_words_fn *add, void *user) {
     }
 }
 
-static void add_to_hash(void *user, const void *data, size_t size) {
+void fp3_words_hash(void *user, const void *data, size_t size) {
     uint64_t *hash = user;
     *hash = add(*hash, data, size);
 }
 
 uint64_t fp3_bodies_hash(const fp3_bodies *bodies) {
     uint64_t hash = 0xcbf29ce484222325u;
-    fp3_bodies_words(bodies, add_to_hash, &hash);
+    fp3_bodies_words(bodies, fp3_words_hash, &hash);
     return hash;
 }

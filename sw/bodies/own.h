@@ -287,6 +287,8 @@ fp3_status fp3_contacts_tell(fp3_bodies *bodies);
 /* hash.c: tells the words that fp3_bodies_hash is of, in their order. */
 typedef void fp3_words_fn(void *user, const void *data, size_t size);
 void fp3_bodies_words(const fp3_bodies *bodies, fp3_words_fn *add, void *user);
+/* An fp3_words_fn: adds to a hash, a uint64_t. */
+void fp3_words_hash(void *hash, const void *data, size_t size);
 
 /* Wakes a body that sleeps, with its island. */
 void fp3_bodies_wake(fp3_bodies *bodies, uint32_t number);

@@ -182,7 +182,9 @@ void fp3_space_joints_end(fp3_bodies *bodies, double h);
 void fp3_multiply3(const double p[4], const double q[4], double to[4]);
 void fp3_turned3_by(const double q[4], const double p[3], double to[3]);
 
-/* step3.c: a step, behind fp3_bodies_touch. */
-fp3_status fp3_space_step(fp3_bodies *bodies, double h);
+/* step3.c: a step, behind fp3_bodies_touch, in three parts. */
+fp3_status fp3_space_begin(fp3_bodies *bodies, double h);
+fp3_status fp3_space_substeps(fp3_bodies *bodies, double h);
+fp3_status fp3_space_end(fp3_bodies *bodies, double h);
 
 #endif

@@ -58,7 +58,7 @@ struct fp3_share {
     uint32_t islands, movable, number;
     uint64_t *load, *rows; /* of each rank the rows of this step, and of all */
     uint64_t sent;
-    /* What this rank sends, and what all do: a status, words of slots, words of rows. */
+    /* What this rank sends, and what all do: words of slots, words of rows. */
     float *own, *all, **at;
     uint64_t *bytes;
     uint32_t own_room, all_room;
@@ -73,47 +73,30 @@ uint32_t fp3_share_number(const fp3_bodies *bodies) {
     return bodies->share ? bodies->share->number : 0;
 }
 
-static int is_same_everywhere(const fp3_ranks *ranks, uint64_t hash) {
-    return ranks->calls->most(ranks->world, hash) == hash &&
-           ranks->calls->most(ranks->world, ~hash) == ~hash;
+fp3_status fp3_share_agree(fp3_bodies *bodies, fp3_status status) {
+    const fp3_share *s = bodies->share;
+    const fp3_status most =
+        s ? (fp3_status)s->ranks.calls->most(s->ranks.world, (uint64_t)status) : status;
+    return most && !status ? fp3_fail(bodies->error, most, "another rank could not make a step")
+                           : most;
 }
 
-static uint64_t add(uint64_t hash, double number) {
-    uint64_t word;
-    memcpy(&word, &number, sizeof word);
-    return (hash ^ word) * 0x9e3779b97f4a7c15u;
+static fp3_status make_arrays(fp3_bodies *bodies) {
+    fp3_share *s = bodies->share;
+    const uint32_t ranks = s->ranks.count;
+    s->load = calloc(ranks, sizeof *s->load);
+    s->rows = calloc(ranks, sizeof *s->rows);
+    s->bytes = calloc(ranks, sizeof *s->bytes);
+    s->at = calloc(ranks, sizeof *s->at);
+    return s->load && s->rows && s->bytes && s->at ? FP3_OK : fp3_no_memory(bodies->error);
 }
 
-static uint64_t hash_of(const fp3_bodies *bodies, uint64_t steps) {
-    const fp3_bodies_def *def = &bodies->def;
-    const double numbers[] = {def->gravity[0], def->gravity[1],     def->gravity[2],
-                              def->h,          def->substeps,       def->size,
-                              def->push,       def->bounce,         bodies->shape_count,
-                              def->rest_speed, bodies->joint_count, (double)steps};
-    uint64_t hash = fp3_bodies_hash(bodies);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        hash = add(hash, numbers[i]);
-    for (uint32_t i = 0; i < bodies->shape_count; i++)
-        hash = add(hash, bodies->shape[i].friction + bodies->shape[i].extent);
-    return hash;
-}
-
-fp3_status fp3_share_begin(fp3_bodies *bodies, const fp3_ranks *ranks, uint64_t steps) {
-    fp3_share *s = bodies->share = calloc(1, sizeof *s);
-    if (s) {
-        s->ranks = *ranks;
-        s->load = calloc(ranks->count, sizeof *s->load);
-        s->rows = calloc(ranks->count, sizeof *s->rows);
-        s->bytes = calloc(ranks->count, sizeof *s->bytes);
-        s->at = calloc(ranks->count, sizeof *s->at);
-    }
-    if (!s || !s->load || !s->rows || !s->bytes || !s->at)
+fp3_status fp3_share_make(fp3_bodies *bodies, const fp3_ranks *ranks) {
+    bodies->share = calloc(1, sizeof *bodies->share);
+    if (!bodies->share)
         return fp3_no_memory(bodies->error);
-    const uint64_t own = hash_of(bodies, steps);
-    const int is_same = is_same_everywhere(ranks, own);
-    if (ranks->calls->most(ranks->world, !is_same))
-        return fp3_fail(bodies->error, FP3_E_ARGUMENT, "ranks have different worlds of bodies");
-    return FP3_OK;
+    bodies->share->ranks = *ranks;
+    return make_arrays(bodies);
 }
 
 void fp3_share_free(fp3_bodies *bodies) {
@@ -302,15 +285,7 @@ static void carry_joints(fp3_bodies *bodies, doing what) {
     }
 }
 
-static void carry_all(fp3_bodies *bodies, doing what, fp3_status *status) {
-    fp3_share *s = bodies->share;
-    for (uint32_t r = 0; r < s->ranks.count; r++) {
-        float word = 0;
-        memcpy(&word, status, sizeof word);
-        carry(s, what, r, &word, 1);
-        if (what == TAKE && !*status)
-            memcpy(status, &word, sizeof word);
-    }
+static void carry_all(fp3_bodies *bodies, doing what) {
     carry_slots(bodies, what);
     carry_joints(bodies, what);
     carry_rows(bodies, what, bodies->space ? &bodies->space->contacts : &bodies->contacts,
@@ -321,32 +296,39 @@ static void carry_all(fp3_bodies *bodies, doing what, fp3_status *status) {
         carry_rows(bodies, what, &bodies->joined[i], &joint2[i]);
 }
 
+static fp3_status make_words(fp3_bodies *bodies, uint64_t words) {
+    fp3_share *s = bodies->share;
+    const fp3_status status =
+        fp3_bodies_room((void **)&s->own, &s->own_room, sizeof *s->own, words, bodies->error);
+    return status ? status
+                  : fp3_bodies_room((void **)&s->all, &s->all_room, sizeof *s->all, words,
+                                    bodies->error);
+}
+
 fp3_status fp3_share_gather(fp3_bodies *bodies, fp3_status status) {
-    _Static_assert(sizeof status == sizeof(float), "a status is a word");
     fp3_share *s = bodies->share;
     if (!s)
         return status;
     uint64_t words = 0;
     memset(s->bytes, 0, s->ranks.count * sizeof *s->bytes);
-    carry_all(bodies, COUNT, &status);
+    if (!status)
+        carry_all(bodies, COUNT);
     for (uint32_t r = 0; r < s->ranks.count; r++)
         words += s->bytes[r] / sizeof(float);
-    fp3_status made =
-        fp3_bodies_room((void **)&s->own, &s->own_room, sizeof *s->own, words, bodies->error);
-    if (!made)
-        made =
-            fp3_bodies_room((void **)&s->all, &s->all_room, sizeof *s->all, words, bodies->error);
-    if (made)
-        return made;
+    if (!status)
+        status = make_words(bodies, words);
+    status = fp3_share_agree(bodies, status);
+    if (status)
+        return status;
     s->at[s->ranks.rank] = s->own;
-    carry_all(bodies, PUT, &status);
+    carry_all(bodies, PUT);
     s->ranks.calls->gather(s->ranks.world, s->own, s->bytes, s->all);
     float *at = s->all;
     for (uint32_t r = 0; r < s->ranks.count; r++) {
         s->at[r] = at;
         at += s->bytes[r] / sizeof *at;
     }
-    carry_all(bodies, TAKE, &status);
+    carry_all(bodies, TAKE);
     s->sent += words * sizeof(float) * (s->ranks.count - 1u);
-    return status;
+    return FP3_OK;
 }

@@ -20,9 +20,12 @@ typedef struct {
     uint64_t bytes;       /* that all ranks together sent */
 } fp3_share_use;
 
-/* All ranks together, which from now on make the same calls for the same world, with so many steps.
- * FP3_E_ARGUMENT, on all: they have not the same one. */
+/* same.c: all ranks together, which from now on make the same calls for the same world, with so
+ * many steps. FP3_E_ARGUMENT, on all: they have not the same one. What fails on one fails on all.
+ */
 fp3_status fp3_share_begin(fp3_bodies *bodies, const fp3_ranks *ranks, uint64_t steps);
+/* Its part that asks nobody. */
+fp3_status fp3_share_make(fp3_bodies *bodies, const fp3_ranks *ranks);
 /* All 0: one process steps the world alone. */
 fp3_share_use fp3_share_used(const fp3_bodies *bodies);
 void fp3_share_free(fp3_bodies *bodies);
@@ -33,7 +36,11 @@ fp3_status fp3_share_divide(fp3_bodies *bodies);
 int fp3_share_has(const fp3_bodies *bodies, uint32_t a, uint32_t b);
 /* Another number after islands have changed hands. */
 uint32_t fp3_share_number(const fp3_bodies *bodies);
-/* Behind the passes, whose status this is: the worst of all ranks. */
+/* The worst status of all ranks. Each makes this call, whatever has failed before it: else the
+ * others would wait for it. */
+fp3_status fp3_share_agree(fp3_bodies *bodies, fp3_status status);
+/* Behind the passes, or what failed before them, whose status this is: the worst of all ranks, as
+ * above. 0: all have what the passes of each have changed. */
 fp3_status fp3_share_gather(fp3_bodies *bodies, fp3_status status);
 
 #endif

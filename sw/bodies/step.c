@@ -223,28 +223,35 @@ static fp3_status move(fp3_bodies *bodies) {
 
 /* ---- a step ---- */
 
-static fp3_status step_in_plane(fp3_bodies *bodies, double h) {
+static fp3_status begin_in_plane(fp3_bodies *bodies, double h) {
     fp3_bodies_share_slots(bodies, bring_some, bodies);
     fp3_status status = fp3_contacts_begin(bodies, h);
     if (!status)
         status = fp3_joints_begin(bodies, h);
-    if (status)
-        return status;
-    int has_hit;
-    status = fp3_impacts(bodies, &has_hit);
+    int has_hit = 0;
+    if (!status)
+        status = fp3_impacts(bodies, &has_hit);
     if (status)
         return status;
     if (has_hit)
         fp3_contacts_follow(bodies);
     let_fall(bodies);
-    status = fp3_share_gather(bodies, fp3_substeps_do(bodies, h));
-    if (status)
-        return fp3_fail(bodies->error, status, "could not make a step: %s",
-                        bodies->laws ? fp3_laws_why(bodies->laws) : "out of memory");
+    return FP3_OK;
+}
+
+static fp3_status end_in_plane(fp3_bodies *bodies, double h) {
     fp3_contacts_end(bodies, h);
-    status = move(bodies);
+    const fp3_status status = move(bodies);
     fp3_joints_end(bodies, h);
     return status;
+}
+
+static fp3_status pass(fp3_bodies *bodies, double h) {
+    const fp3_status status =
+        bodies->space ? fp3_space_substeps(bodies, h) : fp3_substeps_do(bodies, h);
+    return status ? fp3_fail(bodies->error, status, "could not make a step: %s",
+                             bodies->laws ? fp3_laws_why(bodies->laws) : "out of memory")
+                  : FP3_OK;
 }
 
 #define FEW 1000 /* bodies and pairs: fewer are stepped before a thread wakes */
@@ -288,13 +295,17 @@ static fp3_status step(fp3_bodies *bodies) {
     if (!status)
         status = fp3_share_divide(bodies);
     if (!status)
-        status = bodies->space ? fp3_space_step(bodies, h) : step_in_plane(bodies, h);
-    if (status && status != FP3_E_FAILED)
+        status = bodies->space ? fp3_space_begin(bodies, h) : begin_in_plane(bodies, h);
+    if (!status)
+        status = pass(bodies, h);
+    status = fp3_share_gather(bodies, status);
+    if (status)
         return status;
+    status = bodies->space ? fp3_space_end(bodies, h) : end_in_plane(bodies, h);
     count_step(bodies);
     const fp3_status told = fp3_contacts_tell(bodies), rested = fp3_bodies_rest(bodies);
     bodies->is_still = bodies->slots == 1;
-    return status ? status : told ? told : rested;
+    return fp3_share_agree(bodies, status ? status : told ? told : rested);
 }
 
 /* What the caller's changes have ended since the last call stays. */

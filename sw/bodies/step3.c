@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step3.c - a step in space. */
 #include "own3.h"
-#include "share.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -350,7 +349,7 @@ static fp3_status begin_substep(fp3_bodies *bodies, int is_first, const float wa
 }
 
 /* As in a plane (step.c); and bodies turn. */
-static fp3_status solve(fp3_bodies *bodies, double h) {
+fp3_status fp3_space_substeps(fp3_bodies *bodies, double h) {
     const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
     const float push[FP3_SHARED] = {1, inverse, least, 0, (float)h},
                 mend[FP3_SHARED] = {0, inverse, least, 0, (float)h},
@@ -373,7 +372,7 @@ static fp3_status solve(fp3_bodies *bodies, double h) {
     return status;
 }
 
-fp3_status fp3_space_step(fp3_bodies *bodies, double h) {
+fp3_status fp3_space_begin(fp3_bodies *bodies, double h) {
     bring(bodies, h);
     fp3_status status = lay_turning(bodies);
     if (!status)
@@ -390,13 +389,13 @@ fp3_status fp3_space_step(fp3_bodies *bodies, double h) {
     if (has_hit)
         fp3_space_contacts_follow(bodies);
     let_fall(bodies, h);
-    status = fp3_share_gather(bodies, solve(bodies, h));
-    if (status)
-        return fp3_fail(bodies->error, status, "the engine could not make a step: %s",
-                        bodies->laws ? fp3_laws_why(bodies->laws) : "");
+    return FP3_OK;
+}
+
+fp3_status fp3_space_end(fp3_bodies *bodies, double h) {
     fp3_space_joints_stand(bodies);
     fp3_space_contacts_end(bodies, h);
-    status = move(bodies);
+    const fp3_status status = move(bodies);
     fp3_space_joints_end(bodies, h);
     return status;
 }

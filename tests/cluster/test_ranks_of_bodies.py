@@ -1,6 +1,7 @@
 """Worlds of rigid bodies on 1, 2 and 3 ranks: islands are divided, and every rank has the same world behind each step."""
 
 import re
+import subprocess
 
 import pytest
 
@@ -85,12 +86,24 @@ def test_ranks_give_bodies_the_same_bits(mpirun, fp3, scene):
     assert alone[:2] == both[:2]
 
 
-@pytest.mark.parametrize("scene", ["plane"], indirect=True)
-def test_ranks_with_other_worlds_are_refused(mpirun, fp3, scene):
-    """They differ in the friction of one body, which no step has shown yet; and in the steps of the file."""
-    for old, new in (("friction = 0.8", "friction = 0.7"), ("steps = 150", "steps = 151")):
+OTHERS = {"plane": [("friction = 0.8", "friction = 0.7"), ("steps = 150", "steps = 151"), ("restitution = 0.8", "restitution = 0.7"),
+                    ("speed = -12.0", "speed = -11.0"), ("100*n + 1", "100*n + 2")],
+          "space": [("surface = [1.0, 0.0, 0.0]", "surface = [1.0, 0.0, 0.1]"), ("[0.0, 0.0, 0.6]", "[0.0, 0.0, 0.7]"), ("hertz = 4.0", "hertz = 5.0")]}
+
+
+@pytest.mark.parametrize("scene", WORLDS, indirect=True)
+def test_ranks_with_other_worlds_are_refused(mpirun, fp3, scene, request):
+    """They differ in one value, which no step has shown yet: also of a form, and the steps of the file."""
+    kind = request.node.callspec.params["scene"]
+    for old, new in OTHERS[kind]:
+        assert old in WORLDS[kind], old
         other = scene.with_name("other.scene")
-        other.write_text(PLANE.replace(old, new))
+        other.write_text(WORLDS[kind].replace(old, new))
         choose = '[ "$OMPI_COMM_WORLD_RANK$PMI_RANK" = 1 ] && exec "$0" run --scene "$2"; exec "$0" run --scene "$1"'
         done = mpirun(2, "sh", "-c", choose, fp3, scene, other, timeout=40)
-        assert done.returncode == 2 and done.stderr.count("ranks have different worlds of bodies") == 1, done.stderr
+        assert done.returncode == 2 and done.stderr.count("ranks have different worlds of bodies") == 1, (new, done.stderr)
+
+
+def test_a_rank_without_memory_tells_the_others(build):
+    done = subprocess.run([build / "tests/short_of_memory"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and done.stdout == "0 failed\n", done.stdout + done.stderr
