@@ -14,6 +14,7 @@
  * - restored: after half of the steps the world is saved, makes 5 steps more and goes back;
  * - far: other bodies fall, bounce and roll far away, behind all others, until half of the steps
  * are made; then they are removed;
+ * - threadsN: as whole, by N threads;
  * - ranks: as whole, by all processes that mpirun has started; the first one prints;
  * - fileN: built-in laws make all steps but the last N; a checkpoint is written beside the scene,
  *   and what is opened from it makes the rest by ENGINE.
@@ -123,8 +124,9 @@ static fp3_bodies_def def_of(scene *s, const char *engine, const char *config) {
     return def;
 }
 
-static void build(scene *s, FILE *file, const char *engine, const char *config) {
+static void build(scene *s, FILE *file, const char *engine, const char *config, uint32_t threads) {
     fp3_bodies_def def = def_of(s, engine, config);
+    def.threads = threads;
     head *h = take(file, sizeof *h, 1);
     memcpy(def.gravity, h->gravity, sizeof h->gravity);
     def.h = h->h;
@@ -216,14 +218,15 @@ int main(int argc, char **argv) {
     scene s = {.by_calls = !strcmp(way, "calls")};
     FILE *file = argc > 2 ? fopen(argv[1], "rb") : NULL;
     if (!file) {
-        fputs(
-            "usage: stepped SCENE STEPS [ENGINE [CONFIG [whole|calls|restored|far|ranks|fileN]]]\n",
-            stderr);
+        fputs("usage: stepped SCENE STEPS [ENGINE [CONFIG "
+              "[whole|calls|restored|far|threadsN|ranks|fileN]]]\n",
+              stderr);
         return 2;
     }
     const int has_file = !strncmp(way, "file", 4);
     const uint64_t last = has_file ? strtoull(way + 4, NULL, 10) : steps / 2;
-    build(&s, file, has_file ? NULL : engine, has_file ? NULL : config);
+    const uint32_t threads = strncmp(way, "threads", 7) ? 1 : (uint32_t)strtoul(way + 7, NULL, 10);
+    build(&s, file, has_file ? NULL : engine, has_file ? NULL : config, threads);
     fclose(file);
     fp3_ranks ranks = {0};
     if (!strcmp(way, "ranks")) {

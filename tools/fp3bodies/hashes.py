@@ -65,12 +65,13 @@ def swinging():
 
 MAKERS = (lambda: sc.pyramid(10), sc.ragdolls, sc.car, lambda: sc.mixed(200, restitution=0.5), lambda: sc.dominoes(30), swinging,
           lambda: by_density(sc.pyramid_in_space(5)), joints_in_space, tops, spheres)
-SCENES = {make().name: make for make in MAKERS}
+LARGE = (lambda: sc.pyramid(32),)  # one thread alone steps fewer than 1,000 bodies and pairs; engines would take long
+SCENES = {make().name: make for make in (*MAKERS, *LARGE)}
 QUICK = {"2 ragdolls": [], "30 dominoes, 0.35 apart": ["world"], "joints in space": []}  # and the hardware's configurations
 STEPS = {True: 60, False: 360}
 STEPS_ISA, STEPS_RTL = 60, {True: 1, False: 2}
 CONFIGS = ["world", "fabric"]
-RANKS = (2, 3)
+RANKS = THREADS = (2, 3)
 ABROAD = {"arm64": "aarch64", "riscv64": "riscv64"}  # as tools/everywhere.py has them
 WAYS = ("calls", "restored", "far")
 MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
@@ -133,6 +134,10 @@ NO_MPI, NO_COMPILER = "make setup-cluster all", "make setup-everywhere setup-pla
 def of_scene(name, path, folder, quick):
     """Engine, variant, steps and hash, or why there is none. The first row of so many steps is what the others are compared with."""
     steps, few = STEPS[quick], STEPS_RTL[quick]
+    if SCENES[name] in LARGE:
+        for count in (1, *THREADS):
+            yield "built in", f"{count} thread{'s' * (count > 1)}", steps, stepped(path, steps, way=f"threads{count}")
+        return
     isa = few if quick else STEPS_ISA
     for kind in kinds():
         yield "built in", kind, steps, stepped(path, steps, fast=kind)
