@@ -6,12 +6,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-/* Contacts are springs and dampers that a substep can resolve (docs/bodies.md): no stiffer than
- * this share of the substeps' rate, in turns of the spring. */
-#define STIFFNESS 30.0 /* Hz, at most */
-#define RESOLVED 0.25
-#define DAMPING 10.0 /* of critical damping */
-
 static fp3_contact2_row *row_of(const fp3_bodies *bodies, uint32_t i) {
     return (fp3_contact2_row *)bodies->contacts.row + bodies->contacts.lane[i] / FP3_WIDE;
 }
@@ -58,12 +52,11 @@ static fp3_work2 work_of(const fp3_bodies *bodies) {
 
 /* What their rows are made of; h: of a substep. */
 static fp3_making2 making_of(const fp3_bodies *bodies, double h) {
-    const double hertz = fmin(STIFFNESS, RESOLVED / h);
     return (fp3_making2){bodies->touch,
                          bodies->contacts.of,
                          bodies->contacts.at,
                          bodies->heft,
-                         {fp3_soften(hertz, DAMPING, h), fp3_soften(2 * hertz, DAMPING, h)}};
+                         {fp3_contact_softness(bodies, h, 1), fp3_contact_softness(bodies, h, 2)}};
 }
 
 typedef struct {

@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As in a plane (contacts.c). */
-#define STIFFNESS 30.0 /* Hz, at most */
-#define RESOLVED 0.25
-#define DAMPING 10.0 /* of critical damping */
-
 static fp3_contact3_row *row_of(const fp3_space *s, uint32_t i) {
     return (fp3_contact3_row *)s->contacts.row + s->contacts.lane[i] / FP3_WIDE;
 }
@@ -80,12 +75,11 @@ static fp3_work2 work_of(const fp3_bodies *bodies) {
 
 fp3_making3 fp3_space_making(const fp3_bodies *bodies, double h) {
     const fp3_space *s = bodies->space;
-    const double hertz = fmin(STIFFNESS, RESOLVED / h);
     return (fp3_making3){s->patch,
                          s->contacts.of,
                          s->contacts.at,
                          bodies->heft,
-                         {fp3_soften(hertz, DAMPING, h), fp3_soften(2 * hertz, DAMPING, h)},
+                         {fp3_contact_softness(bodies, h, 1), fp3_contact_softness(bodies, h, 2)},
                          s->points};
 }
 

@@ -213,6 +213,8 @@ int fp3_body_goes(const fp3_bodies *bodies, uint32_t number);
 static inline float fp3_inverse_mass(float mass) { return mass > 0 ? 1 / mass : 0; }
 
 fp3_softness fp3_soften(double hertz, double damping, double h);
+/* Of contacts: between bodies that move (times 1), against one that does not (times 2). */
+fp3_softness fp3_contact_softness(const fp3_bodies *bodies, double h, double times);
 
 /* Room for the slots of `count` contacts or joints in rows->a and rows->b. */
 fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count);

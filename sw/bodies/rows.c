@@ -17,6 +17,22 @@ fp3_softness fp3_soften(double hertz, double damping, double h) {
     return (fp3_softness){(float)(omega / a1), (float)(a2 * a3), (float)a3};
 }
 
+/* Contacts are springs and dampers that a substep can resolve (docs/bodies.md): no stiffer than
+ * this share of the substeps' rate, in turns of the spring; nor than what carries a stack of boxes.
+ * Their depth is as g/size over the square of this, so it grows where that is more than usual. */
+#define STIFFNESS 30.0 /* Hz, for g/size of up to 10/s^2 */
+#define RESOLVED 0.25
+#define DAMPING 10.0 /* of critical damping */
+#define USUAL 1.1    /* up to so many times STIFFNESS it stays as it is */
+
+fp3_softness fp3_contact_softness(const fp3_bodies *bodies, double h, double times) {
+    const double *g = bodies->def.gravity;
+    const double pull = sqrt(g[0] * g[0] + g[1] * g[1] + (bodies->space ? g[2] * g[2] : 0)),
+                 carries = STIFFNESS * sqrt(pull / (10 * bodies->def.size));
+    const double hertz = fmin(carries > USUAL * STIFFNESS ? carries : STIFFNESS, RESOLVED / h);
+    return fp3_soften(times * hertz, DAMPING, h);
+}
+
 fp3_status fp3_rows_make_room(const fp3_bodies *bodies, fp3_law_rows *rows, size_t count) {
     fp3_status status = fp3_bodies_room((void **)&rows->a, &rows->a_room, sizeof *rows->a,
                                         count + 1u, bodies->error);

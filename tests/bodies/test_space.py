@@ -303,6 +303,18 @@ def test_plates_that_spin_stay_on_the_ground(friction):
         assert lowest > -1.5e-3
 
 
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("half, size, g, sag", [(0.05, 0.1, 9.81, 0.01), (0.5, 1, 100, 0.01), (0.5, 1, 10, 0.004)])
+def test_small_boxes_stand_and_boxes_under_much_gravity(dimensions, half, size, g, sag):
+    """Contacts are stiffer where gravity over size is more than usual: with 30 Hz ten boxes of 10 cm fell into each other. 1 m as ever: the same bits."""
+    made = fp3.Bodies(dimensions=dimensions, gravity=(0, -g, 0)[:dimensions], size=size)
+    made.attach(made.add(type="static", x=(0, -half, 0)[:dimensions]), fp3.box(*(100 * half, half, 100 * half)[:dimensions]))
+    boxes = made.add(x=np.stack([0 * np.arange(10), half * (1 + 2 * np.arange(10)), 0 * np.arange(10)][:dimensions], 1))
+    made.attach(boxes, fp3.box(*(half,) * dimensions))
+    made.step(300)
+    assert (1 - sag) * 19 * half < made.read("x_y", boxes)[-1] < 19 * half
+
+
 def test_thin_rods_make_no_energy():
     """Thrown at ground, they spin by hundreds of rad/s about their axes: an impulse has to be taken back as it was given, though a rod has turned."""
     place, half, g = np.random.default_rng(3), (0.5, 0.01, 0.01), 10.0
