@@ -756,7 +756,7 @@ clean: ## Remove build/, build-san/ and build-tsan/ (not .venv/, .venv-bench/)
 help: ## This list
 	@echo "Targets:"
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile tools/install.mk tools/wasm.mk
-	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for tests/batch), SOFT=1 (flags by software, as on WebAssembly: build/soft/), MPICC=mpicc.mpich (one of several MPIs), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
+	@echo "Variables: SAN=1 (sanitizers), SAN=thread (for threads of tests/batch and tests/bodies), SOFT=1 (flags by software, as on WebAssembly: build/soft/), MPICC=mpicc.mpich (one of several MPIs), CHECK=0 (the simulated hardware without its assertions, 1.5 times as fast), JOBS=, PYTHON=, PYTEST_ARGS=, PROVE_ARGS="
 
 -include $(shell find $(BUILD)/obj $(BUILD)/fuzz/obj -name '*.d' 2>/dev/null)
 endif

@@ -54,8 +54,9 @@ typedef struct {
 struct fp3_threads {
     order order;
     _Alignas(64) uint64_t number,
-        before; /* the owner's own: of the last stage; of the order before */
-    uint32_t started;
+        before;                  /* the owner's own: of the last stage; of the order before */
+    uint32_t started, startable; /* startable: fewer than `most` once one has not started */
+    pid_t process;
     int was_held_up;
     _Alignas(64) station *stations;
     uint32_t processors, most;
@@ -244,6 +245,8 @@ fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *err
         return fp3_no_memory(error);
     }
     t->most = most;
+    t->startable = most - 1;
+    t->process = getpid();
     atomic_store(&t->stations[0].seen, UINT64_MAX);
     t->processors = fp3_threads_processors();
     pthread_mutex_init(&t->lock, NULL);
@@ -251,7 +254,23 @@ fp3_status fp3_threads_make(uint32_t most, fp3_threads **threads, fp3_error *err
     return FP3_OK;
 }
 
+/* The child of a fork has none of the threads: it starts its own. Between two calls of the owner no
+ * part is left that they had begun. */
+static void forget_those_of_a_parent(fp3_threads *t) {
+    if (t->process == getpid())
+        return;
+    t->process = getpid();
+    t->started = 0;
+    t->startable = t->most - 1;
+    atomic_store(&t->named, 0);
+    atomic_store(&t->inside, 0);
+    atomic_store(&t->asleep, 0);
+    pthread_mutex_init(&t->lock, NULL); /* one of them may have had it */
+    pthread_cond_init(&t->work, NULL);
+}
+
 static void wake(fp3_threads *t) {
+    forget_those_of_a_parent(t);
     pthread_mutex_lock(&t->lock);
     pthread_cond_broadcast(&t->work);
     pthread_mutex_unlock(&t->lock);
@@ -272,11 +291,15 @@ void fp3_threads_free(fp3_threads **threads) {
     *threads = NULL;
 }
 
-/* One that does not start leaves its part to the others. */
+/* One that does not start leaves its part to the others; to try again at each stage would take
+ * longer than the stage. */
 static void start(fp3_threads *t, uint32_t count) {
-    while (t->started + 1 < count && t->started + 1 < t->most &&
-           !pthread_create(&t->thread[t->started], NULL, help, t))
-        t->started++;
+    while (t->started + 1 < count && t->started < t->startable) {
+        if (pthread_create(&t->thread[t->started], NULL, help, t))
+            t->startable = t->started;
+        else
+            t->started++;
+    }
 }
 
 static void post(fp3_threads *t, const fp3_lap *list, fp3_lap s, uint64_t number) {
@@ -345,6 +368,8 @@ void fp3_threads_let_go(fp3_threads *t) {
     if (!t)
         return;
     atomic_store(&t->order.number, 0);
+    if (atomic_load(&t->inside))
+        forget_those_of_a_parent(t);
     while (atomic_load(&t->inside))
         be_patient(t, &looked);
 }

@@ -1,8 +1,13 @@
 """Threads that step rigid bodies: the same bits with any number of them, and no more of them than asked for."""
 
+import ctypes
 import os
 import pathlib
+import resource
+import signal
+import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -130,6 +135,61 @@ def test_there_are_as_many_threads_as_asked_for():
     every.close()
 
 
+def in_child(world, do):
+    """What do() returns in the child of a fork, which may use the world as a program in C may: fp3.Bodies refuses it."""
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        signal.alarm(20)
+        try:
+            world._pid = os.getpid()
+            os.write(write, str(do()).encode())
+        finally:
+            os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as told:
+        text = told.read()
+    assert os.waitpid(child, 0)[1] == 0
+    return text
+
+
+@pytest.mark.parametrize("nap", [0, 0.05])
+def test_a_child_of_a_fork_goes_on_without_the_threads_of_its_parent(nap):
+    """They look for work when the process forks, or sleep: the child waits for neither."""
+    world, _ = pyramid(threads=3)
+
+    def go_on():
+        world.step(3)
+        world.add(x=(0, 90))
+        world.step()
+        return world.hash
+
+    def go_on_and_close():
+        hashed, most = go_on(), helpers()
+        world._lib.fp3_bodies_close(ctypes.byref(world._handle.pointer))
+        return hashed, most, helpers()
+
+    world.step(2)
+    time.sleep(nap)
+    assert in_child(world, go_on_and_close) == str((go_on(), 3, 1))
+    world.close()
+
+
+def test_threads_that_cannot_start_leave_their_parts_to_the_others():
+    alone, _ = pyramid()
+    alone.step(4)
+    world, _ = pyramid(threads=64)
+
+    def step_with_no_more_processes():
+        if not os.getuid():  # for whom there is no such bound
+            os.setuid(65534)
+        resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
+        world.step(4)
+        with open("/proc/thread-self/stat") as stat:
+            return world.hash, int(stat.read().rsplit(")")[1].split()[17])
+    assert in_child(world, step_with_no_more_processes) == str((alone.hash, 1))
+
+
 def test_a_file_is_opened_with_any_number(tmp_path):
     world, _ = pyramid(threads=2)
     world.step(4)
@@ -153,3 +213,24 @@ def test_the_most_that_there_can_be():
     world.attach(world.add(x=(0, 1)), BOX)
     world.step(2)
     world.close()
+
+
+def test_no_two_threads_have_a_word_at_once(tmp_path):
+    """By the thread sanitizer, for the threads alone; worlds under it are a matter of `--long`."""
+    sources = [ROOT / path for path in ("tests/bodies/crew.c", "sw/base/threads.c", "sw/base/laps.c", "sw/base/status.c")]
+    flags = ["-fsanitize=thread", "-std=c11", "-D_GNU_SOURCE", "-O1", "-g", "-pthread", "-ffp-contract=off", f"-I{ROOT}/sw", f"-I{ROOT}/sw/include"]
+    subprocess.run(["gcc", *flags, *sources, "-o", tmp_path / "crew", "-lm"], check=True)
+    for threads, rounds in ((1, 10), (2, 200), (3, 200), (7, 20)):
+        done = subprocess.run([tmp_path / "crew", str(threads), str(rounds)], env={**os.environ, "LD_PRELOAD": ""}, capture_output=True, text=True, timeout=100)
+        assert (done.returncode, done.stdout, done.stderr) == (0, "", ""), f"{threads} threads"
+
+
+@pytest.mark.long
+def test_worlds_under_the_thread_sanitizer(root):
+    """The worlds above, of a plane and of space."""
+    env = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "FP3_BUILD")}
+    subprocess.run(["make", "-C", root, "SAN=thread", "build-tsan/lib/libfp3.so.0"], env=env, check=True, capture_output=True, timeout=3000)
+    sanitizer = subprocess.run(["gcc", "-print-file-name=libtsan.so"], check=True, capture_output=True, text=True).stdout.strip()
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-n0", __file__, "-k", "changes_no_bit"], capture_output=True, text=True, timeout=3000,
+                          env={**env, "FP3_BUILD": str(root / "build-tsan"), "LD_PRELOAD": sanitizer})
+    assert done.returncode == 0 and "4 passed" in done.stdout and "WARNING" not in done.stdout + done.stderr, done.stdout + done.stderr
