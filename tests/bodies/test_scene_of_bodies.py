@@ -209,7 +209,7 @@ def solid(text):
     ("h = 2.0;\n" + body(""), r"1: h is 2, expected 9.53674e-07 to 1"),
     ("\nsubsteps = 65;\n" + body(""), r"2: substeps: found '65', expected an integer from 1 to 64"),
     ("substeps = 0;" + body(""), r"1: substeps: found '0', expected an integer from 1 to 64"),
-    (body("count = (100000, 100000, 100000);"), r"2: expected at most 1000000 copies"),
+    (body("count = (100000, 100000, 100000); x = 3;"), r"2: expected at most 1000000 copies"),
     (joint('rod = ["a", "b"];\naxis = [0.0, 1.0];'), r"4: axis: a rod has none, expected it of slider or wheel"),
     ('engine = "board";' + body(""), r"1: engine: found 'board', expected \"isa\", \"fast\" or \"rtl\""),
     ("step = 3;\n" + body(""), r"1: found 'step', expected a setting of a scene of bodies: .*\(did you mean 'steps'\?\)"),
