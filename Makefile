@@ -236,7 +236,7 @@ $(call obj,sw/bodies/text.c): $(wildcard programs/bodies/*.ode)
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)
 
 # Vectors of eight are never passed between functions.
-$(call obj,$(wildcard sw/bodies/*.c) tests/bodies/stepped.c): CFLAGS += $(LONG_FUNCTIONS)
+$(call obj,$(wildcard sw/bodies/*.c sw/bodies/shapes/*.c) tests/bodies/stepped.c): CFLAGS += $(LONG_FUNCTIONS)
 
 $(SOLVERS): $(BUILD)/obj/sw/bodies/solve%_v3.o: sw/bodies/solve%.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)

@@ -5,7 +5,7 @@
  * computed from where the question is asked, so it is as exact far from the origin.
  */
 #include "own3.h"
-#include "query2.h"
+#include "shapes/query2.h"
 #include "turn.h"
 
 #include "base/host.h"

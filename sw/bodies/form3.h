@@ -6,10 +6,10 @@
 #ifndef FP3_BODIES_FORM3_H
 #define FP3_BODIES_FORM3_H
 
-#include "collide3.h"
-#include "mass3.h"
-#include "mesh3.h"
-#include "query3.h"
+#include "shapes/collide3.h"
+#include "shapes/mass3.h"
+#include "shapes/mesh3.h"
+#include "shapes/query3.h"
 
 #include <fp3/bodies.h>
 

@@ -3,10 +3,10 @@
 #ifndef FP3_BODIES_OWN_H
 #define FP3_BODIES_OWN_H
 
-#include "collide2.h"
 #include "pairs.h"
 #include "programs.h"
-#include "shape2.h"
+#include "shapes/collide2.h"
+#include "shapes/shape2.h"
 #include "solve2.h"
 #include "touch2.h"
 

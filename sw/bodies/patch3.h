@@ -4,7 +4,7 @@
 #ifndef FP3_BODIES_PATCH3_H
 #define FP3_BODIES_PATCH3_H
 
-#include "collide3.h"
+#include "shapes/collide3.h"
 
 /* What a step goes over stands together, in this order: rows of contacts are made of the words from
  * `m` to `radius_b`, eight at a time (solve3.c). */

@@ -3,7 +3,7 @@
 #ifndef FP3_BODIES_TOUCH2_H
 #define FP3_BODIES_TOUCH2_H
 
-#include "collide2.h"
+#include "shapes/collide2.h"
 
 /* a is below b. Points of the manifold are in the order of the tangent, and so are impulses. What a
  * step goes over stands together, in this order: rows of contacts are made of the words from `m` to

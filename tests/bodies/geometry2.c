@@ -3,8 +3,8 @@
  * on its output. tests/bodies/plane.py writes and reads them.
  *
  *     build/tests/geometry2 <records >answers */
-#include "bodies/collide2.h"
-#include "bodies/query2.h"
+#include "bodies/shapes/collide2.h"
+#include "bodies/shapes/query2.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* solids3 - sw/bodies/ in space, by words on a pipe.
+/* solids3 - sw/bodies/shapes/ in space, by words on a pipe.
  *
  * Standard input has commands, each a number and what it needs; standard output has the answers,
  * all as words of 32 bits (mass: doubles). tests/bodies/solids.py writes and reads them.
@@ -7,11 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bodies/collide3.h"
-#include "bodies/distance3.h"
-#include "bodies/mass3.h"
-#include "bodies/mesh3.h"
-#include "bodies/query3.h"
+#include "bodies/shapes/collide3.h"
+#include "bodies/shapes/distance3.h"
+#include "bodies/shapes/mass3.h"
+#include "bodies/shapes/mesh3.h"
+#include "bodies/shapes/query3.h"
 
 enum {
     MAKE,

@@ -259,5 +259,5 @@ def test_a_chain_around_a_polygon_is_that_polygon(build, long):
 def test_no_compiler_fuses_a_product_with_a_sum(root, name):
     """gcc 12 makes vfmaddsub of a turn in spite of -ffp-contract=off, so the turn is written so that it cannot."""
     text = subprocess.run(["gcc", "-std=c11", "-D_GNU_SOURCE", "-O3", "-march=x86-64-v3", "-ffp-contract=off", "-S", "-o", "-", "-I", root / "sw/include", "-I",
-                           root / "sw", root / f"sw/bodies/{name}.c"], capture_output=True, text=True, check=True).stdout
+                           root / "sw", root / f"sw/bodies/shapes/{name}.c"], capture_output=True, text=True, check=True).stdout
     assert "vmulss" in text and "vfm" not in text and "vfnm" not in text

@@ -4,7 +4,7 @@
 #include "read.h"
 
 #include "base/rows.h"
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 #include <string.h>
 

@@ -26,7 +26,7 @@
 #ifndef FP3_BODIES_COLLIDE3_H
 #define FP3_BODIES_COLLIDE3_H
 
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 typedef struct {
     fp3_point3 normal; /* from a to b, in the world's axes */

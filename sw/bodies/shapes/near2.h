@@ -9,7 +9,7 @@
 #ifndef FP3_BODIES_NEAR2_H
 #define FP3_BODIES_NEAR2_H
 
-#include "bodies/shape2.h"
+#include "bodies/shapes/shape2.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #ifndef FP3_BODIES_MASS3_H
 #define FP3_BODIES_MASS3_H
 
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 #include <stddef.h>
 

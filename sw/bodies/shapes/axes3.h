@@ -13,7 +13,7 @@
 #ifndef FP3_BODIES_AXES3_H
 #define FP3_BODIES_AXES3_H
 
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 typedef enum { FP3_APART3, FP3_FACE_OF_A3, FP3_FACE_OF_B3, FP3_EDGES3 } fp3_axis_kind3;
 

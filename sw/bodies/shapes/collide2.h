@@ -23,7 +23,7 @@
 #ifndef FP3_BODIES_COLLIDE2_H
 #define FP3_BODIES_COLLIDE2_H
 
-#include "bodies/shape2.h"
+#include "bodies/shapes/shape2.h"
 
 typedef struct {
     fp3_point2 normal;

@@ -9,7 +9,7 @@
 #ifndef FP3_BODIES_DISTANCE3_H
 #define FP3_BODIES_DISTANCE3_H
 
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 typedef struct {
     fp3_point3 a, b;   /* the closest points, in a's frame; a point that both have, if they meet */

@@ -8,7 +8,7 @@
 #ifndef FP3_BODIES_QUERY2_H
 #define FP3_BODIES_QUERY2_H
 
-#include "bodies/shape2.h"
+#include "bodies/shapes/shape2.h"
 
 /* Where two shapes are nearest, or, if they overlap, the least way out of each other. */
 typedef struct {

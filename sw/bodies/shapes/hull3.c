@@ -6,7 +6,7 @@
  * are and hardly on their order, and points of one plane need no merging of triangles. 32 points
  * take 5,000 planes, some 0.3 ms.
  */
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 #include <string.h>
 

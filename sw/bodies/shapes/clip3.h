@@ -4,7 +4,7 @@
 #ifndef FP3_BODIES_CLIP3_H
 #define FP3_BODIES_CLIP3_H
 
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 enum { FP3_CLIPPED3 = 2 * FP3_CORNERS3 + 2 };
 

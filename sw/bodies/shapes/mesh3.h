@@ -14,7 +14,7 @@
 #ifndef FP3_BODIES_MESH3_H
 #define FP3_BODIES_MESH3_H
 
-#include "bodies/collide3.h"
+#include "bodies/shapes/collide3.h"
 
 typedef struct fp3_mesh3 fp3_mesh3;
 

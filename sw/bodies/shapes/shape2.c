@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* shape2.c - see shape2.h. */
-#include "bodies/shape2.h"
+#include "bodies/shapes/shape2.h"
 
 #include <math.h>
 

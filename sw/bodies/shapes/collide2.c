@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* collide2.c - see collide2.h. All is computed in a's axes, from a's position. */
-#include "bodies/collide2.h"
+#include "bodies/shapes/collide2.h"
 
-#include "bodies/near2.h"
+#include "bodies/shapes/near2.h"
 
 /* Sines of angles between edges of a chain and normals that count as none. */
 static const float STRAIGHT = 0x1p-20f;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* query2.c - see query2.h. */
-#include "bodies/query2.h"
+#include "bodies/shapes/query2.h"
 
-#include "bodies/near2.h"
+#include "bodies/shapes/near2.h"
 
 enum { ROUNDS = 64 };
 

@@ -6,7 +6,7 @@
 #ifndef FP3_BODIES_QUERY3_H
 #define FP3_BODIES_QUERY3_H
 
-#include "bodies/shape3.h"
+#include "bodies/shapes/shape3.h"
 
 /* Where two shapes are nearest, or, if they overlap, the least way out of each other. */
 typedef struct {
