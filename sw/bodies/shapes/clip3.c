@@ -119,7 +119,7 @@ static void choose(fp3_point3 normal, fp3_point3 u, uint32_t *count, fp3_touch3 
     swap(&touch[1], &touch[far]);
     const fp3_point3 e = fp3_subtract3(touch[1].at, at);
     const float least = 1e-4f * fp3_dot3(e, e), size = fp3_size3(e);
-    float less[FP3_CLIPPED3];
+    float less[FP3_CLIPPED3] = {0};
     for (uint32_t i = 0; i < *count; i++) {
         less[i] = size * beyond(&touch[0], &touch[i], size);
         value[i] = fp3_dot3(normal, fp3_cross3(e, fp3_subtract3(touch[i].at, at))) - less[i];
