@@ -90,7 +90,7 @@ SCENES = [
     (grouped("steps = 0b11;"), r"x\.scene:2: steps: found '0b11', expected an integer"),
     (grouped("steps = 1LLL;"), r"x\.scene:2: steps: found '1LLL', expected an integer"),
     (grouped("steps = true;"), r"x\.scene:2: steps: found true or false, expected an integer"),
-    (grouped("steps = [1];"), r"x\.scene:2: steps: found a list \( \), expected an integer"),
+    (grouped("steps = [1];"), r"x\.scene:2: steps: found a list \[ \] of 1, expected an integer"),
     (grouped("visit = 0;"), r"x\.scene:2: visit: found '0', expected an integer from 1 to 4294967295"),
     (grouped("visit = 4294967296;"), r"x\.scene:2: visit: found '4294967296', expected an integer from 1 to 4294967295"),
     # h
@@ -147,7 +147,7 @@ SCENES = [
     (setting("T = 1..5;"), r"x\.scene:5: T: found '1\.\.5', expected a number"),
     (setting("x = 1; h = 1; T = \"1/T\";"), r"x\.scene:5: 'T' is computed from itself"),
     (setting("T = \"1/x\"; x = 0;"), r"x\.scene:5: 'T' is 1/x: column 1: found '1', expected a finite value"),
-    (setting("T = (1, 2);"), r"x\.scene:5: T: found a list \( \), expected a number or"),
+    (setting("T = (1, 2);"), r"x\.scene:5: T: found a list \( \) of 2, expected a number or"),
     (setting("a-b = 1;"), r"x\.scene:5: 'a-b' is no name"),
     (setting("%s = 1;" % ("n" * 40)), r"x\.scene:5: 'n+' is no name"),
     (setting("x = 1; h = 0.5;"), r"x\.scene:4: 'T' has no value"),
@@ -174,7 +174,7 @@ VALUES = [
     ("\nT = { a = 1; };", r"x\.cfg:2: T: found a group \{ \}, expected a number"),
     ("\nT = 0777777777777777777777777777777x;", r"x\.cfg:2: T: found '07+x', expected a number as 2, 0\.5"),
     ("\n".join(f"p{i} = 1;" for i in range(100000)), r"x\.cfg:1025: expected at most 1024 settings in a group"),
-    ("T = (" + "1, " * 200000 + "1);", r"x\.cfg:1: T: found a list \( \), expected a number"),
+    ("T = (" + "1, " * 200000 + "1);", r"x\.cfg:1: T: found a list \( \) of 200001, expected a number"),
     ('T = "%s";' % ("a" * 1000000), r"x\.cfg:1: T: found a text, expected a number"),
 ]
 

@@ -170,7 +170,7 @@ BAD = [
     ("groups = ({ program = \"ship.s\"; objects = 1; set = { v = 0.0; s = 0.0; C = 1.0; rm = 1.0;\nT = \"two\"; }; });",
      r"x\.scene:2: 'T' is two: 'two' has no value"),
     ("groups = ({ program = \"ship.s\"; objects = 1; spread = {\nT = [1, 2, 3]; }; });",
-     r"x\.scene:2: T: found a list \( \), expected a pair of numbers \[FIRST, LAST\]"),
+     r"x\.scene:2: T: found a list \[ \] of 3, expected a pair of numbers \[FIRST, LAST\]"),
     ("groups = ({ program = \"ship.s\"; objects = 1; spread = { T = 1; }; });", r"x\.scene:1: T: found '1', expected a pair"),
     ("groups = ({ program = \"ship.s\"; objects = 1; spread = { T = [\"a\", \"b\"]; }; });", r"T: found a text, expected a number"),
     ("h = 0.5; config = \"array\";\ngroups = (%s,\n{ program = \"ship.s\"; objects = 1; });" % GOOD,
