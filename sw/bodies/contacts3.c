@@ -73,7 +73,7 @@ static fp3_work2 work_of(const fp3_bodies *bodies) {
     return (fp3_work2){bodies->speed, bodies->way, NULL, bodies->movable, rows->row, rows->ends};
 }
 
-fp3_making3 fp3_space_making(const fp3_bodies *bodies, double h) {
+static fp3_making3 making_of(const fp3_bodies *bodies, double h) {
     const fp3_space *s = bodies->space;
     return (fp3_making3){s->patch,
                          s->contacts.of,
@@ -96,8 +96,8 @@ fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
     if (status)
         return status;
     const fp3_work2 work = work_of(bodies);
-    const fp3_making3 making = fp3_space_making(bodies, h);
-    s->solver->prepare(&work, &making, 0, rows->blocks);
+    s->making = making_of(bodies, h);
+    s->solver->prepare(&work, &s->making, 0, rows->blocks);
     if (s->has_belts)
         put_belts(bodies);
     return FP3_OK;
@@ -176,11 +176,10 @@ void fp3_space_contacts_follow(fp3_bodies *bodies) {
     }
 }
 
-void fp3_space_contacts_end(fp3_bodies *bodies, double h) {
+void fp3_space_contacts_end(fp3_bodies *bodies) {
     const fp3_space *s = bodies->space;
     const fp3_work2 work = work_of(bodies);
-    const fp3_making3 making = fp3_space_making(bodies, h);
-    s->solver->keep(&work, &making, 0, s->contacts.blocks);
+    s->solver->keep(&work, &s->making, 0, s->contacts.blocks);
     for (uint32_t i = 0; i < bodies->contacts.count; i++) {
         fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
         for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++)

@@ -74,6 +74,7 @@ struct fp3_space {
     uint32_t pose_room;
     uint8_t *points; /* of each block of contacts */
     uint32_t points_room;
+    fp3_making3 making;        /* of the rows of this step */
     fp3_law_rows contacts;     /* of: patches */
     fp3_turning3_row *turning; /* of slots, eight by eight */
     fp3_ends2 *turning_ends;
@@ -154,8 +155,7 @@ fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
 /* Marks blocks of bodies that have turned so far in this step that they would answer otherwise. */
 void fp3_space_contacts_turn(fp3_bodies *bodies);
-fp3_making3 fp3_space_making(const fp3_bodies *bodies, double h);
-void fp3_space_contacts_end(fp3_bodies *bodies, double h);
+void fp3_space_contacts_end(fp3_bodies *bodies);
 
 /* stance3.c: after the way that both bodies have come in the step, if `has_way`. */
 fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t joint, int has_way);

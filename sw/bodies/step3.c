@@ -199,14 +199,14 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
                            uint32_t end, const float shared[FP3_SHARED], int has_moved) {
     fp3_laws *laws = bodies->laws;
     const int has_friction = fp3_has_friction3(shared);
-    const fp3_making3 making = fp3_space_making(bodies, (double)shared[FP3_PACE]);
+    const fp3_making3 *making = &bodies->space->making;
     fp3_status status = FP3_OK;
     for (uint32_t i = first; !status && i < end; i++) {
-        const uint32_t points = making.points[i] & ~(uint32_t)FP3_HAS_TURNED;
+        const uint32_t points = making->points[i] & ~(uint32_t)FP3_HAS_TURNED;
         if (has_moved)
             status = fp3_laws_run(laws, FP3_LAW_gap3, work, i, i + 1, 0, shared);
-        if (has_moved && making.points[i] & FP3_HAS_TURNED)
-            bodies->space->solver->renew(work, &making, i);
+        if (!status && has_moved && making->points[i] & FP3_HAS_TURNED)
+            bodies->space->solver->renew(work, making, i);
         if (!status && has_friction && bodies->space->is_rolling)
             status = fp3_laws_run(laws, FP3_LAW_roll3, work, i, i + 1, 0, shared);
         if (!status)
@@ -225,7 +225,6 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
 
 typedef struct {
     fp3_work2 work;
-    fp3_making3 making;
     const fp3_space *space;
     const float *shared;
     int has_moved;
@@ -234,7 +233,7 @@ typedef struct {
 static void pass_some(void *of, uint32_t from, uint32_t to) {
     const passing *p = of;
     const fp3_space *s = p->space;
-    s->solver->pass(&p->work, &p->making, from, to, p->shared, s->is_rolling, p->has_moved);
+    s->solver->pass(&p->work, &s->making, from, to, p->shared, s->is_rolling, p->has_moved);
 }
 
 static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3_SHARED],
@@ -242,7 +241,6 @@ static fp3_status pass_contacts(const fp3_bodies *bodies, const float shared[FP3
     const fp3_space *s = bodies->space;
     const fp3_law_rows *rows = &s->contacts;
     passing all = {{bodies->speed, bodies->way, NULL, bodies->movable, rows->row, rows->ends},
-                   fp3_space_making(bodies, (double)shared[FP3_PACE]),
                    s,
                    shared,
                    has_moved};
@@ -321,14 +319,13 @@ static fp3_status give_again(fp3_bodies *bodies, const float warm[FP3_SHARED]) {
     memcpy(s->before, bodies->speed, fours * sizeof *s->before);
     const fp3_work2 work = {bodies->speed,   bodies->way,     NULL,
                             bodies->movable, s->contacts.row, s->contacts.ends};
-    const fp3_making3 making = fp3_space_making(bodies, (double)warm[FP3_PACE]);
     for (uint32_t i = 0; !status && i < s->contacts.blocks; i++) {
         if (!(s->points[i] & FP3_HAS_TURNED))
             continue;
         if (bodies->laws)
             status = run_pass(bodies, &work, i, i + 1, warm, 0);
         else
-            s->solver->pass(&work, &making, i, i + 1, warm, s->is_rolling, 0);
+            s->solver->pass(&work, &s->making, i, i + 1, warm, s->is_rolling, 0);
     }
     for (uint32_t k = 0; k < fours; k++)
         if (!is_turned(bodies, k / 2))
@@ -394,7 +391,7 @@ fp3_status fp3_space_begin(fp3_bodies *bodies, double h) {
 
 fp3_status fp3_space_end(fp3_bodies *bodies, double h) {
     fp3_space_joints_stand(bodies);
-    fp3_space_contacts_end(bodies, h);
+    fp3_space_contacts_end(bodies);
     const fp3_status status = move(bodies);
     fp3_space_joints_end(bodies, h);
     return status;
