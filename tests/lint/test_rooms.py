@@ -16,6 +16,7 @@ import pytest
 pytestmark = pytest.mark.xdist_group("rooms")      # the arrows are found once
 
 LARGEST_ROOM = {"rtl": 0.20, "sw": 0.13}  # of the hand-written lines of each language
+FOLDERS = {".ci", "bench", "boards", "docs", "examples", "isa", "programs", "python", "rtl", "sim", "sw", "tests", "tools"}
 FLOORS = 8            # the longest chain of rooms
 ROOMS = 13            # of sw/, not counting rooms within them
 LONGEST = {"rtl": 400, "sw": 550, "tools": 500}   # a guide: what counts is how far one walks
@@ -217,6 +218,12 @@ def test_a_chain_is_found():
 
 def test_the_house_has_few_floors(arrows):
     assert len(floors(arrows)) <= FLOORS, floors(arrows)
+
+
+def test_nothing_strange_is_in_the_tree(root):
+    """What a trial run leaves behind is soon committed with the rest."""
+    names = subprocess.run(["git", "ls-files"], cwd=root, capture_output=True, text=True, check=True).stdout.split("\n")
+    assert {name.partition("/")[0] for name in names if "/" in name} == FOLDERS
 
 
 def test_the_software_has_few_rooms(root):
