@@ -1,4 +1,4 @@
-"""What docs/stress.md says: a table for each section of the stress suite, what does not hold and why, pictures."""
+"""What docs/stress.md says: what each section of the stress suite measures and finds, what does not hold and why, pictures."""
 
 import re
 
@@ -21,9 +21,9 @@ as published. A result holds if it is within its tolerance.
   only with `--arithmetic`.
 - *In double* means the same steps without roundings, with the coefficients of the program (`fp3_compiled_exact_given`).
 
-The line above a table says what is measured, and how it has to compare with the expected figure. The expected figure is in that line if it is the same for all
-rows, else in a column or in each cell in front of the measured figure. ± is the tolerance. A measured figure that does not hold is bold. If a name has …, its
-figures differ and are in brackets, in the same order."""
+In the table of a section a row is a kind of result, with what is expected and measured in all results of the kind, from the least to the most. ± is the
+tolerance, if all have the same. If a name has …, its figures differ. Each single result, with its model, integrator and arithmetic, is in
+`build/results/stress.json`, which `make stress` writes."""
 
 FARTHEST = 8    # what goes further along the axis (stabilised methods) would make the picture of regions too flat to see
 
@@ -112,70 +112,29 @@ def kinds(rows):
             for row, subject, figures in of]
 
 
-def expected_of(row, figures):
-    """What a result should be, with the tolerance, and the figures that differ within its kind."""
-    expected = number(row["expected"], "∞" if row["section"] == "stability" else "–")
-    text = f"{expected} ± {number(row['tolerance'])}" if row["tolerance"] else expected
-    return text + (f" ({', '.join(figures)})" if figures else "")
+def spread(values, nothing):
+    """The least and the most."""
+    known = sorted(value for value in values if value is not None)
+    texts = [number(known[0]), number(known[-1])] if known else []
+    return " to ".join(dict.fromkeys([*texts, *([nothing] if len(known) < len(values) else [])]))
 
 
-def measured_of(row):
-    text = number(row["measured"], "∞" if row["section"] == "stability" else "–")
-    return text if row["holds"] else f"**{text}**"
-
-
-def kind_table(lines, columns, is_told):
-    """A row for a model and an integrator, a column for an arithmetic. What is expected stands in the
-    caption (is_told), in a column, or in the cells."""
-    once = all(len({expected for of in line.values() for expected, _ in of}) == 1
-               for line in lines.values())
-    of_what = any(subject for _, _, subject in lines)
-    body = []
-    for key, line in lines.items():
-        cells = ["; ".join(measured if once else f"{expected} / {measured}"
-                           for expected, measured in line.get(name, [])) for name in columns]
-        one = [] if is_told or not once else [next(iter(line.values()))[0][0]]
-        body.append([*key[:3 if of_what else 2], *one, *cells])
-    head = ["model", "integrator", *(["of"] if of_what else [])]
-    return table([*head, *([] if is_told or not once else ["expected"]), *columns], body)
-
-
-def few_row(name, relation, key, line):
-    """A result of one model and integrator, with all arithmetics in one cell."""
-    every = {expected for of in line.values() for expected, _ in of}
-    cells = [f"{column} {measured if len(every) == 1 else f'{expected} / {measured}'}"
-             for column, of in line.items() for expected, measured in of]
-    name = f"{key[2]}: {name}" if key[2] else name
-    return [*key[:2], name, relation, every.pop() if len(every) == 1 else "", ", ".join(cells)]
+def expected_of(rows, nothing):
+    """With the tolerance, if all have the same."""
+    tolerances = {row["tolerance"] or 0 for row in rows}
+    text = spread([row["expected"] for row in rows], nothing)
+    return f"{text} ± {number(tolerances.pop())}" if len(tolerances) == 1 and any(tolerances) else text
 
 
 def details(rows):
-    """A table for each kind of result, and one for kinds of few results."""
-    parts, few = [], []
+    """A row for each kind of result, from what there is most of."""
+    nothing = "∞" if rows[0]["section"] == "stability" else "–"
+    lines = []
     for name, relation, of in kinds(rows):
-        lines, subjects = {}, list(dict.fromkeys(subject for _, subject, _ in of))
-        if len(subjects) == 1 and subjects[0]:
-            name = f"{subjects[0]}: {name}"
-        for row, subject, figures in of:
-            key = row["model"], row["integrator"], subject if len(subjects) > 2 else ""
-            line = lines.setdefault(key, {})
-            column = f"{subject}, {row['arithmetic']}" if len(subjects) == 2 else row["arithmetic"]
-            line.setdefault(column, []).append((expected_of(row, figures), measured_of(row)))
-        if len(lines) < 4:
-            few += [few_row(name, relation, *one) for one in lines.items()]
-            continue
-        expected = {expected_of(row, figures) for row, _, figures in of}
-        caption = f"*{name}*, {relation}".replace("|", "\\|")
-        caption += f" {expected.copy().pop()}" if len(expected) == 1 else ""
-        measured = {measured_of(row) for row, _, _ in of}
-        if len(expected) == len(measured) == 1 and len(of) > 10:
-            parts.append(f"{caption}: {measured.pop()} in each of {len(of)} results.")
-        else:
-            columns = list(dict.fromkeys(column for line in lines.values() for column in line))
-            parts += [caption + ":", kind_table(lines, columns, len(expected) == 1)]
-    if few:
-        parts.append(table(["model", "integrator", "what", "", "expected", "measured"], few))
-    return "\n\n".join(parts)
+        for subject in dict.fromkeys(subject for _, subject, _ in of):
+            some = [row for row, other, _ in of if other == subject]
+            lines.append([f"{subject}: {name}" if subject else name, relation, expected_of(some, nothing), spread([row["measured"] for row in some], nothing), len(some)])
+    return table(["what", "has to be", "expected", "measured", "results"], sorted(lines, key=lambda line: (-line[-1], line[0])))
 
 
 def failures(results):
@@ -214,11 +173,10 @@ def section(results, name):
     heading, text = SECTIONS[name]
     parts = [f"## {heading}", text]
     if name == "stability":
-        parts += ["![stability regions](stress_regions.svg)", limits(results), "The other arithmetics, at the end of the range of each kind:"]
         rows = [row for row in rows if row["arithmetic"] != "plain"]
+        parts += ["![stability regions](stress_regions.svg)", limits(results), *(["The other arithmetics:"] if rows else [])]
     parts += {"steps": ["![error by step size](stress_steps.svg)"], "drift": ["![energy](stress_energy.svg)", "![place](stress_place.svg)"]}.get(name, [])
-    parts.append(details(rows))
-    return "\n\n".join(parts)
+    return "\n\n".join([*parts, *([details(rows)] if rows else [])])
 
 
 def page(data):
