@@ -22,9 +22,10 @@ import subprocess
 import sys
 import time
 
+from measured import clocks
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 QUICK = {"ship": ["euler"], "kepler": ["leapfrog"]}
-CLOCKS = "docs/results.md"          # the table of placed configurations
 PEERS = ("diffrax", "heyoka")       # Python packages, each measured by tools/bench_NAME.py
 
 
@@ -162,12 +163,6 @@ def about(options):
             "revision": revision()}
 
 
-def clocks(text):
-    """MHz of each configuration: the best seed, speed grade 6, as docs/results.md has it."""
-    rows = re.findall(r"^\| `(\w+)` \|(?: \d+ \|){5} ([\d.]+) / [\d.]+ \| [\d.]+ / [\d.]+ \|$", text, re.M)
-    return {name: float(mhz) for name, mhz in rows}
-
-
 def put_times(points, mhz):
     """Of hardware: cycles at its clock, where it was placed."""
     for point in points:
@@ -188,7 +183,7 @@ def kept(options):
 
 def gather(options, paths, failed):
     found = {"about": about(options), "problems": [], "points": [], "left_out": [], "speed": [], "output": [], "failed": failed}
-    versions, mhz = {}, clocks((ROOT / CLOCKS).read_text(encoding="utf-8"))
+    versions, mhz = {}, clocks()
     for path in paths:
         part = json.loads(path.read_text(encoding="utf-8"))
         for name in ("problems", "points", "left_out", "speed", "output"):

@@ -210,8 +210,8 @@ def markdown(data):
              f"There a ratio below {LEAST_RATIO} is bold.", overview(data),
              "## Model by model", "The shortest time of each engine to get below an error (median of the variants). Hardware is the better of `many_full` and "
              "`single_full`, at its routed clock (speed grade 6, " +
-             ", ".join(f"`{name}` {data['about']['mhz'][name]} MHz" for name in ("many_full", "single_full") if name in data["about"]["mhz"]) +
-             ", from [results](results.md)); `many_full` has 24 objects in flight, and the figure is the time for one of them."]
+             ", ".join(f"`{name}` {data['about']['mhz'][name]:.1f} MHz" for name in ("many_full", "single_full") if name in data["about"]["mhz"]) +
+             ", from [sizes](sizes.md)); `many_full` has 24 objects in flight, and the figure is the time for one of them."]
     for problem in data["problems"]:
         parts += [f"### {problem['model']}", f"{problem['doc']}; {problem['span']:g} time units, {problem['states']} states.",
                   model_table(data, problem["model"])]

@@ -33,7 +33,6 @@ HERE, WORLD, BODIES = ROOT / "programs/gallery", ROOT / "programs/world", ROOT /
 DATA, PAGE, PICTURES = ROOT / "docs/gallery.json", ROOT / "docs/gallery.md", ROOT / "docs/gallery"
 TURNS, ENOUGH = 40, 5.0                     # runs that are timed, at most, and seconds: the shortest counts
 LONG = 0.02                                 # seconds of a run that others interrupt: the time that the processor gave it counts
-DEVICE, GRADE = "LFE5U-85F", 6              # where a configuration has its clock
 FIRST = 60                                  # stars of the small form
 
 
@@ -206,12 +205,6 @@ def measure(fp3, folder, scene):
     return {"rows": whole + small, "errors": errors, "refused": [row for row in refused + of_small if row]}
 
 
-def clocks():
-    """MHz of each configuration that was placed, by its best seed."""
-    return {row["config"]: row["fmax_best"] for row in measured.read(measured.KEPT)["rows"]
-            if (row["top"], row["device"], row["grade"]) == ("fp3", DEVICE, GRADE) and row["fmax_best"]}
-
-
 def take(fp3, folder, scenes, data):
     """The file, with these scenes measured again."""
     found = data.get("scenes", {})
@@ -221,7 +214,8 @@ def take(fp3, folder, scenes, data):
         found[scene.name] = {name: about[name] for name in ("date", "processor", "processors", "load", "revision")} | measure(fp3, folder, scene)
     found = {scene.name: found[scene.name] for scene in SCENES if scene.name in found}
     configs = {row["config"] for part in found.values() for row in part["rows"] if row["engine"] == "rtl"}
-    return {"device": DEVICE, "grade": GRADE, "mhz": {config: mhz for config, mhz in clocks().items() if config in configs}, "scenes": found}
+    return {"device": measured.DEVICE, "grade": measured.GRADE, "mhz": {config: mhz for config, mhz in measured.clocks().items() if config in configs},
+            "scenes": found}
 
 
 def main():

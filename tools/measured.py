@@ -10,6 +10,7 @@ import pathlib
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 HERE = ROOT / "build/results/synth.json"
 KEPT = ROOT / "docs/synth.json"
+DEVICE, GRADE = "LFE5U-85F", 6       # where a configuration has its clock
 RUNS = [ROOT / "build/results" / name for name in ("sim.json", "chip.json")]    # of a bench, of `make chip-run`
 
 
@@ -40,6 +41,12 @@ def merged(old, new):
     for row in new["rows"]:
         rows[key(row)] = row if row["cycles"] else timed(row, rows.get(key(row), {}).get("cycles"))
     return {"rows": [rows[k] for k in sorted(rows)], "trims": new["trims"] or old["trims"]}
+
+
+def clocks(device=DEVICE, grade=GRADE):
+    """MHz of each configuration that was placed there, at the best of its seeds, as the pages have it."""
+    return {row["config"]: row["fmax_best"] for row in read(KEPT)["rows"]
+            if (row["top"], row["device"], row["grade"]) == ("fp3", device, grade) and row["fmax_best"]}
 
 
 def add(rows, trims=()):

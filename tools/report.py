@@ -48,25 +48,23 @@ def find(rows, what, **keys):
 
 
 def nanoseconds(run, synth, grade):
-    """At the best and the median seed; None for a configuration that was not placed."""
+    """At the best seed; None for a configuration that was not placed."""
     for row in synth:
         if (row["top"], row["config"], row["grade"]) == ("fp3", run["config"], grade):
-            cycles = run["cycles_per_object_step"]
-            return cycles * 1000 / row["fmax_best"], cycles * 1000 / row["fmax_median"]
-    return None, None
+            return run["cycles_per_object_step"] * 1000 / row["fmax_best"]
+    return None
 
 
 def ship(runs, synth):
     rows = []
     for run in runs:
-        rows.append([f"`{run['config']}`", f"`{run['program']}`", number(run["first_cycles"]),
-                     number(run["next_cycles"]), run["objects"], number(run["cycles_per_object_step"], 2)]
-                    + [" / ".join(number(ns, 0 if run["objects"] == 1 else 1) for ns in nanoseconds(run, synth, grade))
-                       for grade in (6, 8)]
-                    + [f"{run['mismatches']} of {run['words']:,}", f"{run['rel_err_v']:.1e}",
-                       f"{run['rel_err_s']:.1e}"])
-    return table(["configuration", "program", "first", "next", "objects", "cycles per object-step",
-                  "ns per object-step, grade 6, best / median seed", "grade 8", "mismatches", "error of v", "error of s"], rows)
+        times = [nanoseconds(run, synth, grade) for grade in (6, 8)]
+        if any(times):
+            rows.append([f"`{run['config']}`", f"`{run['program']}`", number(run["first_cycles"]), number(run["next_cycles"]), run["objects"],
+                         number(run["cycles_per_object_step"], 2), *(number(ns, 0 if run["objects"] == 1 else 1) for ns in times),
+                         f"{run['rel_err_v']:.1e}", f"{run['rel_err_s']:.1e}"])
+    return table(["configuration", "program", "first", "next", "objects", "cycles per object-step", "ns per object-step, grade 6", "grade 8",
+                  "error of v", "error of s"], rows)
 
 
 def walk(runs, synth):
@@ -74,25 +72,31 @@ def walk(runs, synth):
     before = None
     for config, program, change in WALK:
         run = find(runs, "sim.json", config=config, program=program)
-        ns = nanoseconds(run, synth, 6)[0]
+        ns = nanoseconds(run, synth, 6)
         rows.append([change, f"`{config}`, `{program}`", number(run["first_cycles"]), number(run["next_cycles"]),
                      number(ns), f"{ns - before:+,.0f}" if before else ""])
         before = ns
     return table(["change", "configuration, program", "first", "next", "ns, grade 6", "difference, ns"], rows)
 
 
-# One row for each kind of machine: configuration, the best program of the ship for it.
-MACHINES = [("paper", "ship_paper"), ("single", "ship_madd"), ("many", "ship_madd"), ("dual", "ship_dual"), ("lanes", "ship_madd")]
+# One row for each kind of machine: configuration, the cheapest program of the ship for it.
+MACHINES = [("paper", "ship"), ("single", "ship_madd"), ("many", "ship_madd"), ("dual", "ship_dual"), ("lanes", "ship_madd")]
+
+
+def clock(place):
+    seeds = len(place["seeds"])
+    return number(place["fmax_best"], 1) + (f" (best of {seeds})" if seeds > 1 else "")
 
 
 def machines(runs, synth):
-    rows = [["the paper's FPGA (Virtex-II, grade 4)", 1, number(PAPER["next"], 2), number(1000 * PAPER["next"] / PAPER["ns"], 1), "", number(PAPER["ns"], 1)]]
+    rows = [["the paper's FPGA (Virtex-II, grade 4)", "the paper's", 1, number(PAPER["next"], 2), number(1000 * PAPER["next"] / PAPER["ns"], 1), "",
+             number(PAPER["ns"], 1)]]
     for config, program in MACHINES:
         run = find(runs, "sim.json", config=config, program=program)
         place = find(synth, "synth.json", top="fp3", config=config, grade=6)
-        rows.append([f"`{config}`", run["objects"], number(run["cycles_per_object_step"], 2), number(place["fmax_best"], 1), number(place["lut4"]),
-                     number(nanoseconds(run, synth, 6)[0], 1)])
-    return table(["machine", "objects in flight", "cycles per object-step", "MHz", "LUT4", "ns per object-step"], rows)
+        rows.append([f"`{config}`", f"`{program}`", run["objects"], number(run["cycles_per_object_step"], 2), clock(place), number(place["lut4"]),
+                     number(nanoseconds(run, synth, 6), 1)])
+    return table(["machine", "program", "objects in flight", "cycles per object-step", "MHz", "LUT4", "ns per object-step"], rows)
 
 
 def merged(rows):
@@ -104,9 +108,11 @@ def merged(rows):
 
 
 def stalls(runs):
+    """Every run starts and drains; a row is a run that waits for something else, too."""
     causes = list(runs[0]["stalls"])
+    waits = [r for r in runs if any(r["stalls"][cause] for cause in causes if cause not in ("fetch", "drain"))]
     return table(["configuration", "program", *causes], merged(
-        [f"`{r['config']}`", f"`{r['program']}`", *(number(r["stalls"][c]) for c in causes)] for r in runs))
+        [f"`{r['config']}`", f"`{r['program']}`", *(number(r["stalls"][c]) for c in causes)] for r in waits))
 
 
 def occupancy(runs):
@@ -133,25 +139,6 @@ def scenes(rows):
                    if row["steps"] == full[row["program"]]["steps"] and row["objects"] == full[row["program"]]["objects"] else "–",
                    number(100 * row["cycles_per_object_step"] / full[row["program"]]["cycles_per_object_step"], 1),
                    f"{row['mismatches']} of {row['words']:,}"] for row in rows])
-
-
-def organisations(synth, runs):
-    """Processors for many objects: what a configuration costs and gives, and what of it a thousand LUTs give."""
-    rows = []
-    for row in synth:
-        cycles = min((run["cycles_per_object_step"] for run in runs
-                      if run["config"] == row["config"] and run["objects"] > 1), default=None)
-        if row["top"] != "fp3" or row["grade"] != 6 or cycles is None:
-            continue
-        other = find(synth, "synth.json", top="fp3", config=row["config"], grade=8)
-        speed = row["fmax_best"] * 1e6 / cycles, other["fmax_best"] * 1e6 / cycles
-        rows.append([f"`{row['config']}`", number(row["lut4"]), number(row["comb"]), number(row["ff"]), row["dsp"], row["ebr"],
-                     f"{row['fmax_best']:.1f} / {other['fmax_best']:.1f}", len(row["seeds"]),
-                     number(cycles, 2),
-                     *(number(s / 1e6, 1) for s in speed), number(speed[0] / row["lut4"] / 1e3, 2),
-                     number(speed[0] / row["dsp"] / 1e6, 2)])
-    return table(["configuration", "LUT4", "cells", "FF", "DSP", "EBR", "best MHz, grade 6 / 8", "of seeds", "cycles per object-step",
-                  "million object-steps/s, grade 6", "grade 8", "per 1,000 LUT4, grade 6", "per DSP"], rows)
 
 
 def lanes(synth):
@@ -186,18 +173,6 @@ def cores(synth):
     rows.sort(key=lambda r: (r[0], r[1]))
     return table(["core", "cuts", "LUT4", "cells", "FF", "DSP", "MHz grade 6, best / median", "MHz grade 8",
                   "ns grade 6", "ns grade 8"], rows)
-
-
-def processors(synth):
-    rows = []
-    for row in synth:
-        if row["top"] != "fp3" or row["grade"] != 6:
-            continue
-        other = find(synth, "synth.json", top="fp3", config=row["config"], grade=8)
-        rows.append([f"`{row['config']}`", row["lut4"], row["comb"], row["ff"], row["dsp"], row["ebr"],
-                     f"{row['fmax_best']:.1f} / {row['fmax_median']:.1f}",
-                     f"{other['fmax_best']:.1f} / {other['fmax_median']:.1f}"])
-    return table(["configuration", "LUT4", "cells", "FF", "DSP", "EBR", "MHz grade 6, best / median", "MHz grade 8"], rows)
 
 
 def proofs(rows):
@@ -257,12 +232,12 @@ def cheapest(row, tolerance):
 
 
 def precision(rows, model):
-    lines = []
-    for row in rows:
-        if row["model"] == model and row["arithmetic"] != "folded":
-            costs = [cheapest(row, 10.0 ** -n) for n in range(2, 8)]
-            lines.append([f"`{row['integrator']}`" + ("" if row["arithmetic"] == "plain" else f", {row['arithmetic'].replace('_', '-')}"),
-                          *[number(cost) for cost in costs]])
+    """What takes at most twice the cycles of the cheapest, at some error."""
+    costs = {(row["integrator"], row["arithmetic"]): [cheapest(row, 10.0 ** -n) for n in range(2, 8)]
+             for row in rows if row["model"] == model and row["arithmetic"] != "folded"}
+    least = [min(filter(None, column), default=0) for column in zip(*costs.values())]
+    lines = [[f"`{integrator}`" + ("" if arithmetic == "plain" else f", {arithmetic.replace('_', '-')}"), *map(number, cost)]
+             for (integrator, arithmetic), cost in costs.items() if any(one and one <= 2 * best for one, best in zip(cost, least))]
     return table(["integrator", *[f"10^-{n}" for n in range(2, 8)]], lines)
 
 
@@ -308,14 +283,15 @@ def main():
 # Results
 
 Cycles are exact and the same on every machine. Clock rates are estimates after place and route on LFE5U-85F (CABGA381; other devices:
-[sizes.md](sizes.md)), by yosys and nextpnr-ecp5 in the versions that `make setup-fpga` pins,
-with the seeds {', '.join(map(str, fields['seeds']))} (some only with the first): of the whole processor, or of a core from operand register to
-result register. *LUT4* counts logic alone. *Cells* are what nextpnr places (TRELLIS_COMB): logic, two for each carry cell, and distributed RAM.
+[sizes.md](sizes.md)), by yosys and nextpnr-ecp5 in the versions that `make setup-fpga` pins. They are of the whole processor, at the best of the seeds that
+sizes.md lists, or of a lane or a core from operand register to result register, with the seeds {', '.join(map(str, fields['seeds']))} (some only with the first).
+*LUT4* counts logic alone. *Cells* are what nextpnr places (TRELLIS_COMB): logic, two for each carry cell, and distributed RAM.
 Nanoseconds are cycles divided by the clock rate.
 
 ## The ship, Equations (1): `make all sim`, `make synth`
 The paper's machine takes {PAPER['first']} cycles for the first step and {PAPER['next']} for each next one, which is {PAPER['ns']:,.0f} ns.
-The columns *first* and *next* have the cycles of our configurations. *Mismatches* counts words that differ from those of the ship in C (`sw/lab/golden`).
+The columns *first* and *next* have the cycles of our configurations. In {len(runs)} runs {sum(run['mismatches'] for run in runs)} of
+{sum(run['words'] for run in runs):,} words differ from those of the ship in C (`sw/lab/golden`). The table has the configurations that were placed.
 Errors are relative, against GSL's rk8pd in double. `s = s + h*v1` is of first order in the position, so the error of s comes from the formula, not
 from rounding.
 
@@ -346,19 +322,14 @@ factors in one number.
 
 {models(rows)}
 
-The next two tables have the cycles that an object takes on `many_full` over the whole span to stay within a relative error. Kepler's problem,
-two orbits with eccentricity 0.5:
+The next two tables have the cycles that an object takes on `many_full` over the whole span to stay within a relative error, of
+the integrators that take at most twice the cycles of the cheapest at some error. Kepler's problem, two orbits with eccentricity 0.5:
 
 {precision(rows, "kepler")}
 
 The damped oscillator, whose acceleration depends on the velocity:
 
 {precision(rows, "oscillator")}
-
-## What an organisation costs and gives: `make synth TOP=fp3`
-The ship at the best seed, with the registers that the device has inside multipliers and block RAM.
-
-{organisations(synth, runs)}
 
 ## One lane alone: `make synth TOP=lane`
 A lane has its arithmetic and its store. `-inferred` leaves out the registers inside the device's multipliers and block RAM.
@@ -372,12 +343,9 @@ Programs that still run give the same bits.
 {trims(placed["trims"])}
 
 ## Where the cycles went
-The columns are the stall cycles of the whole run, by cause.
+The columns are the stall cycles of the whole run, by cause. Runs that wait only for their first instruction and their last result are left out.
 
 {stalls(runs)}
-
-## Processors: `make synth TOP=fp3`
-{processors(synth)}
 
 ## Floating-point cores: `make synth TOP=fp_add`, `make synth TOP=fp_mul`
 The cores round correctly (IEEE 754 binary32), with gradual underflow and flags. The latency in ns is (cuts + 1) periods at the best seed.

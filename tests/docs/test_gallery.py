@@ -14,6 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 pytest.importorskip("numpy")
 import gallery  # noqa: E402
+import measured  # noqa: E402
 from fp3gallery import page  # noqa: E402
 from fp3world import scene as ws  # noqa: E402
 
@@ -97,7 +98,7 @@ def test_the_page_is_that_of_the_data():
 
 
 def test_clocks_are_those_of_place_and_route():
-    clocks = gallery.clocks()
+    clocks = measured.clocks()
     assert DATA["mhz"] and DATA["mhz"] == {config: clocks.get(config) for config in DATA["mhz"]}
 
 
