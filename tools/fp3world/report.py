@@ -3,9 +3,9 @@
 from fp3gen.text import markdown
 
 HEAD = """\
-`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs them and compares the results with theory, in half an hour on two
-busy processors; `make world-report` makes this page from `build/results/world.json`. `QUICK=1` takes a minute, and `PARTS="hashes physics"` runs only these
-parts, `SCENES="belt slope"` beside it only these scenes; the rows of others stay. The exit code is 1 if a word differs, a row does not hold or a peer fails."""
+`programs/world` has scenes of objects that [see each other](relations.md). `make world` runs them and compares the results with theory, in half an
+hour on two busy processors; `make world-report` makes this page from `build/results/world.json`. `QUICK=1` takes a minute. `PARTS="hashes physics"` runs only
+these parts, and `SCENES="belt slope"` only these scenes; the other rows stay. The exit code is 1 if a word differs, a row does not hold or a peer fails."""
 
 SCENES = """\
 | scene | what it shows |
@@ -19,7 +19,7 @@ SCENES = """\
 | `pair`, `balls`, `heap`, `gas` | contact: two balls collide, 300 and 10,000 come to rest in a box, 300 fly about in one |
 | `dam` | a column of water in particles falls and runs along the floor |
 | `players`, `train` | several kinds: players run through balls; couplings between the cars of a train have states of their own |
-| `cradle` | Newton's cradle, five balls that touch: what moves out |
+| `cradle` | Newton's cradle, five balls that touch: which ones move out |
 | `slope`, `belt`, `glancing`, `pyramid` | friction that remembers, on a floor of another kind: blocks that hold and slide, a belt, two balls that make each other turn, three in a heap |
 | `breaking`, `plastic` | links that remember: a girder whose bars break, rods that yield |
 | `clocks`, `neurons` | oscillators and a driver fall into step; neurons, and synapses that learn, fire in a ring |"""
@@ -30,22 +30,22 @@ how many words differ. The first run is by the engine `isa`, or by the interpret
 
 - by the engine `fast`, interpreted, and as native code for each kind of processor that this one can be;
 - with up to 4 threads, in larger forms of the scenes, because a thread takes 512 objects at a time;
-- with lists of near objects that are made in each phase (skin 0), or that reach a little or ten times farther than the model's distance;
+- with lists of near objects that are made in each phase (skin 0), or that reach a little farther, or ten times as far as the model's distance;
 - with objects in another order, each with its links in the old order (`chain`, `cloth`). `near` and `all` add up in the order of the objects' numbers, so
   another order is another scene there;
 - on the simulated hardware, with fewer steps and fewer objects."""
 
 SPEED = """\
-`bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They give the bits of FP3, and so show
-what a scene could cost. All sides alternate, and the figure is the shortest run: processor time for one thread, elapsed
-time for several, which says nothing if the load is above the number of processors.
+`bench/world` has loops in C for three of the models: `net` (springs), `balls` (contact) and `stars` (all pairs). They give the bits of
+FP3, and so show what a scene could cost. The programs take turns, and the shortest run of each counts: processor time with one thread, elapsed time
+with several. An elapsed time means nothing if the load was above the number of processors.
 
 - *Springs.* A vector of 16 objects goes through its lists together. Neighbours that lie side by side, as on a grid, are loaded as one vector; at an edge some
   objects do nothing.
 - *Contact.* Objects are in the order of the cells of a grid, and each has a record of 32 bytes. The records of 16 neighbours are loaded whole and
   transposed. Sums keep the order of the objects' numbers.
-- *Two kinds.* `heap of two kinds` is `heap` with its balls dealt in turn to two kinds that see each other by the same law. By hand all balls stand among each
-  other, and each has two lists, as it has two sums.
+- *Two kinds.* `heap of two kinds` is `heap` with its balls dealt in turn to two kinds that see each other by the same law. The loop by hand keeps all balls
+  together, and each ball has two lists, one for each sum.
 - *All pairs.* Two vectors of 16 objects meet all others, one at a time.
 - *Estimates.* FP3 takes the estimate of a root from a table with 1,024 entries: 1/sqrt of an interval's end, cut to 9 or 10 bits. Computing it is cheaper
   than a gather: the processor's `vrsqrt14ps` and one step of Newton have an error below 22 units of 2^-23, on the side where no cut is near. When a loop is
@@ -54,14 +54,14 @@ time for several, which says nothing if the load is above the number of processo
 The peers are measured if `make setup-bench` has installed them, in processor time on one thread. The columns: the peer; the scene; what it solves; its
 arithmetic; what differs from FP3.
 
-| peer | scene | what it solves | arithmetic | what is not the same |
+| peer | scene | what it solves | arithmetic | what differs |
 |---|---|---|---|---|
 | Taichi | `net` | the same equations and steps | float32 | a stencil in place of lists |
 | Warp | `net` | the same equations and steps | float32 | a stencil in place of lists |
 | Warp | `stars` | the same equations and steps | float32 | |
 | MuJoCo | `net` | the same equations and steps: bodies that slide along three axes, springs as edges of flexes | double | it has the edges of a general flex, with their Jacobians |
 | Bullet | `net` | the same equations and steps, in its deformable world | float32 | it has the general solver of that world |
-| Bullet, another model | `net` | as many threads; each step makes each one as long as it was, in one pass | float32 | threads instead of springs, in random order |
+| Bullet, another model | `net` | as many threads as `net` has springs; each step restores the length of each thread, in one pass | float32 | threads instead of springs, in random order |
 | LAMMPS | `heap` | the same forces (`gran/hooke`, with balls that do not turn), from where FP3 has the balls | double | velocity Verlet; a ball at two walls is damped by both; damping along a contact is at most 10,000 times the force across |
 | Box2D 3 | `heap, 2D` | another scene, in two dimensions: 10,000 circles at rest, 31 deep | float32 | contacts are constraints; a step is 1/60 s in 4 substeps, where `heap` has 1/1024 s; the package is built with its assertions |
 | REBOUND | `stars` | the same equations and steps | double | |
@@ -80,22 +80,22 @@ The program with Bullet's nets is `bench/world/bullet.cpp`; `tools/fp3world/peer
 peers. A result that is too far off makes no row, and neither does a peer that fails: `make world` names it and ends with exit code 1."""
 
 CHIP = """\
-Clock cycles of the simulated hardware for a step of an object: those of a longer run less those of a shorter one. Scenes are small, because objects and
+Clock cycles of the simulated hardware for a step of an object, from the difference of a longer and a shorter run. Scenes are small, because objects and
 their lists share the store of a lane. The columns: the scene; the configuration; lanes; objects; the cycles; the share of them in which lanes exchange what
 others see."""
 
 PHYSICS = """\
-The columns: the scene; a quantity; what theory or an experiment says; what the objects do; the largest difference allowed, whose reason is `why` in the
-JSON file. The functions in `tools/fp3world/physics.py`, `bodies.py`, `contact.py`, `friction.py`, `memory.py`, `rhythm.py`
-and `water.py` name the sources. `tests/world`
-changes each scene a little, and then a row no longer holds.
+The columns: the scene; a quantity; its value by theory or experiment; its value in the run; the largest difference allowed, whose reason
+is `why` in the JSON file. The functions in `tools/fp3world/` (`physics.py`, `bodies.py`, `contact.py`, `friction.py`, `memory.py`, `rhythm.py`,
+`water.py`) name the sources. `tests/world` changes each scene a little, and sees that a row then no longer holds.
 
 *LAMMPS* has the law of [grains.ode](../programs/world/grains.ode), `pair_style gran/hooke/history`, in double. `make granular` asks it, and
-`tools/fp3world/lammps.json` keeps what it says with its version, so the rows need no LAMMPS. Its velocity Verlet with speeds of half a step, as the forces see them,
-is `semi_implicit_euler`; so the same steps are compared, in an arithmetic of 24 bits with compensated sums.
+`tools/fp3world/lammps.json` keeps what it says with its version, so the rows need no LAMMPS. Its forces read the speeds at half a step, and so its velocity
+Verlet makes the steps of `semi_implicit_euler`. FP3 makes them with 24 bits and compensated sums.
 
-Heaps of 608 balls, which fall on a row of 41 balls that are held, are compared by their angle: six of them, from the same starts. The angle is that of a line from the plate's end up, by least
-squares of who is highest in each of 30 strips. No ball's place can be compared, as each contact multiplies what differs; one standard deviation of LAMMPS's six angles is 0.42 degrees, and of ours 0.31."""
+Six heaps of 608 balls, which fall on a row of 41 balls that are held, are compared by their angle, from the same starts. The angle is that of a line from the
+plate's end, fitted by least squares to the highest ball in each of 30 strips. Places of single balls cannot be compared, because each contact multiplies
+differences. The standard deviation of the six angles is 0.42 degrees in LAMMPS and 0.31 degrees here."""
 
 
 def number(value):

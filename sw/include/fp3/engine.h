@@ -27,8 +27,8 @@
  * configuration with several schedulers.
  *
  * Threads: only one thread at a time may use an engine; engines in different threads do not affect
- * each other. Callbacks run in the thread that calls the engine. Only `tasks` runs work in other
- * threads, those of the caller.
+ * each other. Callbacks run in the thread that calls the engine. `tasks` alone runs work in other
+ * threads of the caller.
  *
  * After `make install`, build a program that uses it with
  *     cc ship.c $(pkg-config --cflags --libs fp3)
@@ -69,8 +69,7 @@ typedef enum {
 } fp3_outcome;
 
 /* An instruction of "rtl", reported when it ends in a lane. In each lane instructions end in the
- * order in which its scheduler issues them, unless the configuration does not interleave: then one
- * may overtake another. */
+ * order of issue; only in a configuration that does not interleave may one overtake another. */
 typedef struct {
     uint64_t issued, ended; /* cycles, as in fp3_retirement */
     uint32_t scheduler, lane, context;
@@ -83,8 +82,8 @@ typedef struct {
 } fp3_traced;
 typedef void fp3_trace_fn(void *user, const fp3_traced *traced);
 
-/* Called now and then during a run. share, 0 to 1, is how much of its instructions has been
- * executed, counted as if no object slept. Must not call the engine. */
+/* Called now and then during a run. share, from 0 to 1, is the executed part of the run's
+ * instructions, counted as if no object slept. Must not call the engine. */
 typedef void fp3_progress_fn(void *user, double share);
 
 /* Work for the caller's threads: must call task(of, number) for each number below count, in any
@@ -240,24 +239,24 @@ typedef struct {
 typedef struct {
     const fp3_image *image;
     size_t objects; /* at least 1 */
-    /* What it reads of other groups, which see each other then: a step of all groups is made phase
-     * by phase. NULL: nothing. */
+    /* What it reads of other groups. All groups then make each step together, phase by phase.
+     * NULL: nothing. */
     const fp3_foreign *foreign;
     size_t foreign_count;
 } fp3_group;
 
 /* The same with one program per group. Objects are numbered group by group; the groups together
- * must have the engine's number of objects. Groups of which some read words of others (up to 8
- * groups) make each step together, phase by phase; cycles of hardware are then those of all groups
- * in turn. Of other groups, a scheduler runs one program. Each group gets at least one scheduler;
- * the other schedulers are distributed so that all groups end as early as possible if no object
- * sleeps. The objects of a group are dealt one by one to the lanes of its schedulers. An object
- * that moves to another place keeps its registers and its status. Registers beyond its new record
- * are lost; registers beyond its old record are 0. Constants belong to a group; those of a new
- * group start at 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer
- * objects than the engine. FP3_E_PROGRAM: as above, or more groups than schedulers; of groups that
- * see each other, more than 8, a word that its group has not, or a def with a trace, a bus log,
- * native code, a cycle limit, a board or ranks. */
+ * must have the engine's number of objects. Groups that read words of others (up to 8 groups) make
+ * each step together, phase by phase; cycles of hardware are then the sum over the groups.
+ * Otherwise a scheduler runs one program. Each group gets at least one scheduler; the other
+ * schedulers are distributed so that all groups end as early as possible if no object sleeps. The
+ * objects of a group are dealt one by one to the lanes of its schedulers. An object that moves to
+ * another place keeps its registers and its status. Registers beyond its new record are lost;
+ * registers beyond its old record are 0. Constants belong to a group; those of a new group start at
+ * 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer objects than the
+ * engine. FP3_E_PROGRAM: as above, or more groups than schedulers. If groups see each other: more
+ * than 8 groups, a word that its group does not have, or a def with a trace, a bus log, native
+ * code, a cycle limit, a board or ranks. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* The number of groups: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
@@ -272,10 +271,10 @@ fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint3
                            float *values);
 
 /* Read-only pointer to the column of register reg: one word of each object, without a copy. Valid
- * until the engine is closed or another program is loaded; *values changes with each run. Where
- * objects see each other a run may leave the words in another column: then the pointer shows them
- * until the next run or change of a list alone, and the caller asks again. NULL: the engine is not
- * "fast", words are not floats, or objects stand in another order or in several engines
+ * until the engine is closed or another program is loaded; *values changes with each run. If
+ * objects see each other, a run may move the words to another column: the pointer is then valid
+ * only until the next run or change of a list, and the caller asks for it again. NULL: the engine
+ * is not "fast", words are not floats, or objects stand in another order or in several engines
  * (docs/batch.md#values). FP3_E_ARGUMENT: no such register. */
 fp3_status fp3_engine_column(fp3_engine *engine, uint32_t reg, const float **values);
 
@@ -308,8 +307,8 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * filled, and the next run numbers its steps as if this run had not taken place. If the
  * configuration interleaves, objects hold what their last complete visit stored (if they see each
  * other: docs/neighbours.md); otherwise all instructions before the end were executed.
- * Every run after the first since a load begins by reading back the states and the registers that
- * its programs load, unless they were written since: fp3_engine_failure may need them. */
+ * From the second run after a load on, a run begins by reading back the states and the registers
+ * that its programs load, unless they were written since: fp3_engine_failure may need them. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
 /* The counters of one scheduler in the last run. FP3_E_ARGUMENT: the run had no such scheduler,
@@ -324,8 +323,8 @@ typedef struct {
     size_t group, objects; /* the group whose program it runs; how many of its objects it has */
 } fp3_scheduler_share;
 /* The group and objects of a scheduler since the last load; for "isa", those of the hardware.
- * Groups that see each other have all schedulers each: it is group 0 then. FP3_E_ARGUMENT: no such
- * scheduler. */
+ * If groups see each other, each has all schedulers, and the share is that of group 0.
+ * FP3_E_ARGUMENT: no such scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
                                       fp3_scheduler_share *share);
 
@@ -387,11 +386,11 @@ fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
  * first and the last part of the program, which must only prepare and complete values, and the host
  * looks at each object. FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is
  * loaded. FP3_E_PROGRAM: the configuration interleaves but has no `sleep`, so it visits all its
- * objects, unless they see each other. After an error nothing is changed. Of objects that see each
- * other nobody sees one that does not live; a link is there while both of its ends live, with what
- * it remembers; near objects forget when one of them does not live. An object whose state
- * FP3_NAME_REMOVED (fp3/image.h) is not 0 does not live in any case: where a program has this
- * state, each step is a part of its own. */
+ * objects, unless they see each other. After an error nothing is changed. An object that does not
+ * live is not seen by others. A link exists, with what it remembers, while both of its ends live; a
+ * near pair forgets when one of the two does not live. An object whose state FP3_NAME_REMOVED
+ * (fp3/image.h) is not 0 never lives; if a program has this state, each step is a part of its
+ * own. */
 #define FP3_FOREVER UINT64_MAX
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone);
@@ -453,16 +452,16 @@ typedef struct {
      * the skin. 0: lists are made in each phase. At most 2^63. The skin changes no bit. */
     double skin;
     size_t kind;           /* as of fp3_neighbours */
-    const char *theirs[3]; /* of another group: params of this program that are its position */
-    /* Params that are added to the reach of a pair, one of the object and one of the neighbour; of
-     * the own group `radius` of both. NULL: nothing is added. A run ends with FP3_E_ARGUMENT if an
-     * object has a value that is neither 0 nor from 2^-50 to 2^61. */
+    const char *theirs[3]; /* of another group: this program's params with its position */
+    /* Params that are added to the reach of a pair, one of the object and one of the neighbour;
+     * within one group, `radius` of both. NULL: nothing is added. A run ends with FP3_E_ARGUMENT if
+     * an object has a value that is neither 0 nor from 2^-50 to 2^61. */
     const char *radius, *their_radius;
-    /* With radii: above 0: instead of `skin`, this share of what two objects with the middle radius
-     * reach. */
+    /* With radii, if above 0: this share of the reach of two objects with the middle radius
+     * replaces `skin`. */
     double share;
-    /* Positions that are sums of two words, as in double-single: the second words of each, by which
-     * those above are completed. NULLs: positions are one word. */
+    /* The second word of each component of the position, if it is a sum of two words, as in
+     * double-single. NULL: it is one word. */
     const char *low[3], *their_low[3];
 } fp3_near;
 
