@@ -464,6 +464,13 @@ fuzz: $(FUZZ)/fuzz_model ## Feed bytes to the model compiler (libFuzzer); what b
 fuzz-corpus: $(FUZZ)/fuzz_model ## Add to tests/fuzz/corpus/ what build/fuzz/found/ reaches and the corpus does not
 	@$(FUZZ_RUN) -merge=1 -use_counters=0 tests/fuzz/corpus tests/fuzz/seeds $(FUZZ)/programs $(FUZZ)/found
 
+# ---- what pages say -----------------------------------------------------------------------------
+
+EVIDENCE = $(PYTHON) tools/evidence.py --fp3 $(BUILD)/bin/fp3 $(if $(ONLY),--only $(ONLY)) $(foreach kind,$(KIND),--kind $(kind))
+.PHONY: evidence
+evidence: $(BUILD)/bin/fp3 ## Measure the figures of the pages that are out of date; LIST=1: only say which and why, LINES=1: only write what pages say of it; ONLY="world.chip bench", KIND=exact
+	@$(EVIDENCE) $(if $(LIST),--list) $(if $(LINES),--lines)
+
 # ---- error against run time ---------------------------------------------------------------------
 
 # Programs of their own: SUNDIALS and the compiler that they start are no part of the library.

@@ -24,6 +24,7 @@ import subprocess
 import sys
 import tempfile
 
+from fp3gen.text import evidence
 import measured
 import plot
 
@@ -159,6 +160,7 @@ def page(found):
     all_models = sorted({key[0] for key in by})
     yield f"Measured {found['measured']} by `make arithmetic`, revision `{found['revision']}`, on 64 objects that differ; integrators: " \
           f"{', '.join(f'`{name}`' for name in found['integrators'])}, plain, compensated and folded, with fixed and with adaptive steps.\n\n"
+    yield "\n".join([*evidence("arithmetic.models"), "", ""])
     yield "The first table has the smallest error of each model (median of the objects, relative to the size of each state) in each arithmetic, " \
           "and the worst object's, in brackets. *–*: it cannot run the model.\n\n"
     yield from table(["model", *names], [[f"`{model}`", *(best_error(by[model, name]) for name in names)] for model in all_models])

@@ -24,7 +24,7 @@ PARTS = {
     "Command and libraries": ["command", "tuner", "fast", "batch", "bodies", "python", "playground", "installing"],
     "Hardware": ["integration", "configurations", "arithmetic", "logarithmic", "registers", "isa", "assembly", "tracing", "board", "packages", "soc"],
     "How it works": ["architecture", "neighbours", "software", "one_line", "compiler", "truth", "glossary"],
-    "Measured": ["results", "sizes", "chip", "benchmarks", "tuning", "stress", "skipping", "world", "bodies_results", "bodies_error", "everywhere"],
+    "Measured": ["figures", "results", "sizes", "chip", "benchmarks", "tuning", "stress", "skipping", "world", "bodies_results", "bodies_error", "everywhere"],
 }
 ASIDE = {"README.md": "index.md", "CHANGELOG.md": "changes.md", "CONTRIBUTING.md": "contributing.md", "tests/README.md": "verification.md"}
 LINK = re.compile(r"(\]\()([^()\s]+)(\))")

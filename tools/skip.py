@@ -15,7 +15,7 @@ import re
 import sys
 
 import bench
-from fp3gen.text import markdown
+from fp3gen.text import evidence, markdown
 
 RESULTS = "docs/results.md"
 TRIM = {"no flags at all": "no flags", "no status of objects": "no status of objects", "no sleep": "no `sleep`"}
@@ -142,7 +142,7 @@ def page(data):
     yield ("Work that a scene does not need, done and left out, side by side. Measured "
            f"{about['date']} by `{about['command']}`, revision `{about['revision']}`, on {about['processors']} processors: {about['processor']}, "
            f"{about['system']}; load at the end {about['load']:.1f}; {about['compiler']}.")
-    yield ""
+    yield from ("", *evidence("skip.cycles", "skip.times"), "")
     yield f"- *fast, ns*: nanoseconds of the processor for a step of each object on the engine `fast`, one thread, {data['objects']:,} objects,"
     yield f"  {data['steps']} steps: the shortest of {data['repeats']} runs. The sides of a case alternate. Loading and the first step are not part of it."
     yield f"- *cycles*: clock cycles of the Verilated hardware for a step of each object, loads and stores included, in a run of {data['rtl_steps']} steps."

@@ -17,7 +17,7 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-from fp3gen.text import markdown
+from fp3gen.text import evidence, markdown
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 AROUND = 0.05
@@ -145,7 +145,7 @@ def page(data):
     return "\n".join([
         MARK, "", "# What precision costs", "",
         f"Made by `{a['command']}`, {a['date']}, revision `{a['revision']}`, on {a['machine']}. How it is found: "
-        "[tuner.md](tuner.md).", "",
+        "[tuner.md](tuner.md).", "", *evidence("tune"), "",
         f"Each start and each param of an object of a model lies anywhere within {100 * a['around']:g} % of its default ("
         + ", ".join(f"`{name}`: {100 * share:g} %" for name, share in AROUND_OF.items()) + "). A cell has the "
         "cycles of the choice of `fp3 tune` for an object over the span on `many_full`, as a share of those of rk4 with the model's default step; "

@@ -1,7 +1,7 @@
 """The page of rigid bodies beside theory and other engines, from what make bodies has found."""
 
 from fp3bench.figures import COLOURS, DASHES, MARKS
-from fp3gen.text import markdown
+from fp3gen.text import evidence, markdown
 from plot import draw
 
 HEAD = """\
@@ -221,6 +221,7 @@ def of_error(data):
     yield from ("", ERROR, "")
     yield (f"Measured on {when['date']}, revision `{when['revision']}`, by `make bodies PARTS=error` on {about['processors']} processors, {about['processor']}, "
            f"at a load average of {when['load']:.1f}. [bodies_results.md](bodies_results.md) says which engines these are, and has truths, standing and speed.")
+    yield from ("", *evidence("bodies.error"))
     for scene in order(data["error"], "scene"):
         rows = [row for row in data["error"] if row["scene"] == scene]
         yield from ("", f"## {scene[0].upper()}{scene[1:]}", "", f"![{scene}: error against time]({picture(scene)})", "")
@@ -244,27 +245,27 @@ def page(data):
     when = "; ".join(f"{part} {one['date']}, revision `{one['revision']}`, load {one['load']:.1f}" for part, one in data["measured"].items() if part != "error")
     yield f"Found by `{about['command']}` on {about['processors']} processors: {about['processor']}. {when[0].upper()}{when[1:]}. {ENGINES}"
     if "truths" in data:
-        yield from ("", "## Truths", "", TRUTHS, "")
+        yield from ("", "## Truths", "", *evidence("bodies.truths"), "", TRUTHS, "")
         yield from markdown(*truths(data["truths"]))
         yield from ("", "How many rows hold:", "")
         yield from markdown(["engine", "hold", "of"], score(data["truths"]))
         yield from ("", "What an engine lacks:", "")
         yield from markdown(["engine", "truth", "what it lacks"], ([row["peer"], f"`{row['test']}`", row["why"]] for row in data["truths_refused"]))
     if "standing" in data:
-        yield from ("", "## Standing", "", STANDING, "")
+        yield from ("", "## Standing", "", *evidence("bodies.standing"), "", STANDING, "")
         yield from markdown(["scene", "engine", "s", "drift, m", "sag, m", "overlap, m", "energy, J", "floor"], standing(data["standing"]))
         yield from left(data["standing_refused"])
     if "chip" in data:
         from fp3bodies import chip
-        yield from ("", "## Cycles of the hardware", "", CHIP.format(rows=len(data["chip"]), off=len(chip.wrong(data["chip"]))), "")
+        yield from ("", "## Cycles of the hardware", "", *evidence("bodies.chip"), "", CHIP.format(rows=len(data["chip"]), off=len(chip.wrong(data["chip"]))), "")
         yield from markdown(["scene", "configuration", "law", "runs", "lanes in a run", "cycles", "of a run", "foreseen", "38 lanes", "words on the bus", "bus cycles"], cycles(data["chip"]))
     if "hashes" in data:
         from fp3bodies import hashes
-        yield from ("", "## One hash a scene", "", HASHES.format(runs=sum("hash" in row for row in data["hashes"]), differ=len(hashes.differing(data["hashes"]))), "")
+        yield from ("", "## One hash a scene", "", *evidence("bodies.hashes"), "", HASHES.format(runs=sum("hash" in row for row in data["hashes"]), differ=len(hashes.differing(data["hashes"]))), "")
         yield from markdown(["scene", "steps", "hash", "runs", "which"], runs(data["hashes"]))
         yield from not_run(data["hashes"])
     if "speed" in data:
-        yield from ("", "## Speed", "", SPEED, "")
+        yield from ("", "## Speed", "", *evidence("bodies.speed"), "", SPEED, "")
         yield from markdown(["scene", "engine", "bodies", "settled", "ns", "of Box2D"], speed(data["speed"]))
         yield from left(data["speed_refused"])
         notes = {row["engine"]: row["note"] for row in data["speed"] if row["note"]}

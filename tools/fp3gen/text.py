@@ -25,6 +25,11 @@ def markdown(head, rows):
     return [line(head), "|" + "---|" * len(head), *map(line, rows)]
 
 
+def evidence(*names):
+    """The marks between which tools/evidence.py says how figures stand."""
+    return [f"<!-- evidence {' '.join(names)} -->", "<!-- evidence end -->"]
+
+
 def table(head, rows):
     return "\n".join(markdown(head, rows))
 

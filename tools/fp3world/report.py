@@ -1,6 +1,6 @@
 """The page of scenes of objects that see each other, from what make world has found."""
 
-from fp3gen.text import markdown
+from fp3gen.text import evidence, markdown
 
 HEAD = """\
 `programs/world` has scenes of objects that [see each other](relations.md). `make world` runs them and compares the results with theory, in half an
@@ -151,5 +151,5 @@ def page(data):
             ("On the hardware", CHIP, "chip", ["scene", "configuration", "lanes", "objects", "cycles for a step of an object", "exchange"],
              lambda rows: ([row["scene"], f"`{row['config']}`", row["lanes"], row["objects"], f"{row['cycles_per_object_step']:.1f}", f"{100 * row['exchange_share']:.1f} %"] for row in rows))):
         if part in data:
-            yield from ("", f"## {title}", "", text, "")
+            yield from ("", f"## {title}", "", *evidence(f"world.{part}"), "", text, "")
             yield from markdown(head, rows(data[part]))

@@ -1,0 +1,1 @@
+"""What tools/evidence.py is made of."""
