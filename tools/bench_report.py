@@ -20,7 +20,7 @@ import sys
 
 from bench import write
 from fp3bench.figures import PEERS, curves, fast_of, fronts, in_fp32, speed_grids, summary
-from fp3gen.text import table
+from fp3gen.text import evidence, table
 from plot import inline
 
 LEAST_RATIO = 20        # fast is to be so many times as fast as GSL at the same error
@@ -145,7 +145,7 @@ def bodies(data):
 
 def recording(data):
     for row in data["output"]:
-        yield "## Recording"
+        yield from ("## Recording", "\n".join(evidence("bench.output")))
         yield (f"`fp3 run --engine fast --output FILE.h5` with {row['objects']:,} objects of `{row['program']}`, {row['snapshots']} snapshots of {row['states']} states: "
                f"{row['bytes'] / 1e6:,.0f} MB in {row['seconds']:.2f} s, with all bytes on the disk ({row['bytes'] / 1e6 / row['seconds']:,.0f} MB/s), "
                f"and at most {row['memory_mb']:.0f} MB of memory. `dd` writes the same bytes to the same disk in {row['dd_seconds']:.2f} s: the recording "
@@ -213,9 +213,9 @@ def markdown(data):
              ", ".join(f"`{name}` {data['about']['mhz'][name]:.1f} MHz" for name in ("many_full", "single_full") if name in data["about"]["mhz"]) +
              ", from [sizes](sizes.md)); `many_full` has 24 objects in flight, and the figure is the time for one of them."]
     for problem in data["problems"]:
-        parts += [f"### {problem['model']}", f"{problem['doc']}; {problem['span']:g} time units, {problem['states']} states.",
+        parts += [f"### {problem['model']}", "\n".join(evidence(f"bench.{problem['model']}")), f"{problem['doc']}; {problem['span']:g} time units, {problem['states']} states.",
                   model_table(data, problem["model"])]
-    parts += ["## Speed", "Nanoseconds for a step of one object: the ship, Equations (1), as `programs/ship.s` has it. The loop by hand "
+    parts += ["## Speed", "\n".join(evidence("bench.speed")), "Nanoseconds for a step of one object: the ship, Equations (1), as `programs/ship.s` has it. The loop by hand "
               "(`bench/ship.c`) has vectors of 16 floats, 1 to 8 of them interleaved. All results have its bits, except those of GSL and of physics engines. "
               "The figure in brackets is the time relative to the best loop by hand in the same cell.", *bodies(data), *speed_tables(data),
               *recording(data), "## Left out", left_out(data) if data["left_out"] else "Nothing."]

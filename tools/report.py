@@ -12,7 +12,7 @@ import pathlib
 import sys
 
 import measured
-from fp3gen.text import table
+from fp3gen.text import evidence, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAPER = {"first": 445, "next": 418, "ns": 3715.184}
@@ -26,6 +26,10 @@ WALK = [
     ("single", "ship", "shallow cores: fewer cycles each, a slower clock"),
     ("single", "ship_madd", "chained multiply-add"),
 ]
+
+
+def mark(name):
+    return "\n".join(["", *evidence(name), ""])
 
 
 def load(name):
@@ -289,6 +293,7 @@ sizes.md lists, or of a lane or a core from operand register to result register,
 Nanoseconds are cycles divided by the clock rate.
 
 ## The ship, Equations (1): `make all sim`, `make synth`
+{mark("results.ship")}
 The paper's machine takes {PAPER['first']} cycles for the first step and {PAPER['next']} for each next one, which is {PAPER['ns']:,.0f} ns.
 The columns *first* and *next* have the cycles of our configurations. In {len(runs)} runs {sum(run['mismatches'] for run in runs)} of
 {sum(run['words'] for run in runs):,} words differ from those of the ship in C (`sw/lab/golden`). The table has the configurations that were placed.
@@ -310,6 +315,7 @@ come to it, the last three how much of these the run used.
 {scenes(sim["scenes"])}
 
 ## Models and integrators: `make models`
+{mark("results.models")}
 {compared(rows)}
 
 The ship of Equations (1):
@@ -332,11 +338,13 @@ The damped oscillator, whose acceleration depends on the velocity:
 {precision(rows, "oscillator")}
 
 ## One lane alone: `make synth TOP=lane`
+{mark("results.synth")}
 A lane has its arithmetic and its store. `-inferred` leaves out the registers inside the device's multipliers and block RAM.
 
 {lanes(synth)}
 
 ## What each feature costs: `make synth TOP=trim`
+{mark("results.trims")}
 The base is `many`, and below it `many_full`, with a store of 1,024 words. Each row makes one change. Cells are counted after synthesis, not placed.
 Programs that still run give the same bits.
 
@@ -353,6 +361,7 @@ The cores round correctly (IEEE 754 binary32), with gradual underflow and flags.
 {cores(synth)}
 
 ## Proofs: `make prove`
+{mark("results.proofs")}
 {proofs(proved)}
 """
     measured.keep()
