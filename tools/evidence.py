@@ -51,7 +51,8 @@ def say(figures, found):
     for name, figure in figures.items():
         why = [one + files(figure, one, known.get(name, {}).get("revision")) for one in found[name]]
         state = "old" if why else "fresh"
-        print(f"{name:{width}}  {state:5}  {figure.kind:5}  {figure.minutes:4g} min  {figure.page}" + (f": {'; '.join(why)}" if why else "") + (f" ({figure.old})" if figure.old else ""))
+        print(f"{name:{width}}  {state:5}  {figure.kind:5}  {figure.minutes:4g} min  {figure.page}" +
+              (f": {'; '.join(why)}" if why else "") + (f" ({figure.old})" if figure.old else ""))
     stale = [figure for name, figure in figures.items() if found[name]]
     print(f"{len(stale)} of {len(figures)} figures are old; to measure them takes about {minutes(stale):g} minutes, and a night what is placed")
 

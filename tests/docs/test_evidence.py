@@ -101,8 +101,10 @@ def test_a_page_says_it_of_its_tables():
     found, records = fig.read(TEXT), {"a.x": recorded(), "a.y": recorded()}
     page = "# T\n\n<!-- evidence a.x a.y -->\nwhatever\n<!-- evidence end -->\n\n| a |\n"
     text = told.lines(page, found, records, {"a.x": [], "a.y": ["tools"]})
-    assert text == ("# T\n\n<!-- evidence a.x a.y -->\n*Measured 2026-01-02 by `make x`, revision `0123abc`, on a machine. Its inputs have not changed since.*\n\n"
-                    "*Measured 2026-01-02 by `make y`, revision `0123abc`, on a machine. Some of its inputs have changed since.*\n<!-- evidence end -->\n\n| a |\n")
+    assert text == ("# T\n\n<!-- evidence a.x a.y -->\n"
+                    "*Measured 2026-01-02 by `make x`, revision `0123abc`, on a machine. Its inputs have not changed since.*\n\n"
+                    "*Measured 2026-01-02 by `make y`, revision `0123abc`, on a machine. Some of its inputs have changed since.*\n"
+                    "<!-- evidence end -->\n\n| a |\n")
     assert told.lines(text, found, records, {"a.x": [], "a.y": ["tools"]}) == text
 
 
@@ -112,7 +114,8 @@ def test_comments_and_layout_change_no_hash_and_words_do():
     assert same("a.c", "int f(void) {\n  return 1; /* one */\n}\n", "// f\nint f( void ) { return 1; }\n")
     assert same("a.v", "`define A 1 // one\nassign z = a;\n", "`define A 1\n  assign  z = a ;\n")
     assert same("a.py", "a = 1\n# one\n", "a = 1\n") and same("a.ode", "# x\nstate x\n", "state x\n")
-    for name, a, b in (("a.c", "return 1;", "return 2;"), ("a.c", 's = "// a";', 's = "// b";'), ("a.v", "`define A 1\nb", "`define A\n1 b"), ("a.c", "int ab;", "int a b;"),
+    for name, a, b in (("a.c", "return 1;", "return 2;"), ("a.c", 's = "// a";', 's = "// b";'), ("a.v", "`define A 1\nb", "`define A\n1 b"),
+                       ("a.c", "int ab;", "int a b;"),
                        ("a.py", "a = '#'\n", "a = '# '\n"), ("a.csv", "# 1\n", "# 2\n"), ("a.c", "#define A\nb;", "#define A b;")):
         assert not same(name, a, b), (name, a, b)
     assert inputs.of_texts([("a.c", "x"), ("b.c", "y")]) != inputs.of_texts([("a.c", "y"), ("b.c", "x")])
@@ -143,7 +146,9 @@ def test_the_words_of_a_program_are_probed(fp3, tmp_path):
 
 
 def test_the_list_names_each_figure(fp3):
-    done = subprocess.run([sys.executable, ROOT / "tools/evidence.py", "--list", "--only", "world", "--fp3", fp3], capture_output=True, text=True)
-    assert done.returncode == 0 and [line.split()[0] for line in done.stdout.splitlines()[:-1]] == ["world.physics", "world.hashes", "world.speed", "world.chip"]
-    done = subprocess.run([sys.executable, ROOT / "tools/evidence.py", "--list", "--only", "worlds"], capture_output=True, text=True)
+    def listed(*words):
+        return subprocess.run([sys.executable, ROOT / "tools/evidence.py", "--list", "--fp3", fp3, "--only", *words], capture_output=True, text=True)
+    done = listed("combinations", "bodies.hashes")
+    assert done.returncode == 0 and [line.split()[0] for line in done.stdout.splitlines()[:-1]] == ["combinations", "bodies.hashes"]
+    done = listed("worlds")
     assert done.returncode == 2 and "no figure 'worlds'" in done.stderr
