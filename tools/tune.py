@@ -143,7 +143,7 @@ def page(data):
     a, rows = data["about"], data["rows"]
     missed = list(reasons(rows))
     return "\n".join([
-        MARK, "", "# What precision costs", "",
+        MARK, "", "# What precision costs", "", "*Measured, for numerics.*", "",
         f"Made by `{a['command']}`, {a['date']}, revision `{a['revision']}`, on {a['machine']}. How it is found: "
         "[tuner.md](tuner.md).", "", *evidence("tune"), "",
         f"Each start and each param of an object of a model lies anywhere within {100 * a['around']:g} % of its default ("

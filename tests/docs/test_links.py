@@ -49,6 +49,19 @@ def test_links_lead_somewhere(page):
     assert not list(dead(page, (ROOT / page).read_text(encoding="utf-8")))
 
 
+def linked(page):
+    """The pages that a page points to."""
+    targets = (target.partition("#")[0] for target in LINK.findall(prose((ROOT / page).read_text(encoding="utf-8"))))
+    paths = (((ROOT / page).parent / target).resolve() for target in targets if target.endswith(".md") and not re.match(r"[a-z]+:", target))
+    return {path.relative_to(ROOT).as_posix() for path in paths if path.exists()}
+
+
+def test_every_page_is_two_clicks_from_the_readme():
+    near = linked("README.md")
+    there = near | {page for one in near for page in linked(one)}
+    assert [page for page in PAGES if page.startswith("docs/") and page not in there] == []
+
+
 def test_dead_links_are_seen():
     text = "[a](docs/nonesuch.md) [b](docs/models.md#nonesuch) [c](#nonesuch) [`x[1]`](docs/models.md#expressions) [d](https://x.y/z)\n"
     assert len(list(dead("README.md", text))) == 3

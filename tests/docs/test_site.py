@@ -47,10 +47,21 @@ def test_every_function_of_a_header_has_a_heading(root, pages):
         assert not functions or len(functions & headed) > 0.6 * len(functions), (path.name, functions - headed)
 
 
-def test_a_page_that_nobody_put_into_a_part_is_an_error(site, monkeypatch, build, tmp_path):
-    monkeypatch.setitem(site.PARTS, "Models", site.PARTS["Models"][1:])
-    with pytest.raises(SystemExit, match="PARTS does not have models.md"):
-        site.make(str(build / "bin/fp3"), tmp_path / "x", None)
+def test_the_navigation_goes_by_readers_and_has_every_page(site, root, pages):
+    docs = sorted(root.glob("docs/**/*.md"))
+    found = site.sorted_by_reader(docs)
+    assert sorted(name for names in found.values() for name in names) == sorted(path.relative_to(root / "docs").as_posix()[:-3] for path in docs)
+    assert found["games"][0].startswith("tutorials/") and found["FPGAs"][0] == "tutorials/fpga"
+    index = (pages / "index.md").read_text()
+    assert all(f":caption: {title}\n" in index for title in site.READERS.values())
+
+
+def test_a_page_that_does_not_say_of_whom_it_is_is_an_error(site, monkeypatch, tmp_path):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/some.md").write_text("# Some\n\n*Guide, for nobody.*\n")
+    monkeypatch.setattr(site, "ROOT", tmp_path)
+    with pytest.raises(SystemExit, match=r"some.md: expected a line like \*Guide, for games"):
+        site.sorted_by_reader([tmp_path / "docs/some.md"])
 
 
 def test_a_folder_with_other_files_is_left_alone(site, build, tmp_path):
@@ -62,9 +73,9 @@ def test_a_folder_with_other_files_is_left_alone(site, build, tmp_path):
 
 def test_links_are_those_of_the_site(site, root):
     files = set()
-    text = "[a](../README.md#try-it) [b](models.md) [c](../sw/include/fp3/batch.h) [d](../examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) [g](https://x.y)"
+    text = "[a](../README.md#try-it) [b](models.md) [c](../sw/include/fp3/batch.h) [d](../examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) late. `h` [g](https://x.y)"
     assert site.moved(text, root / "docs/command.md", files) == \
-        "[a](index.md#try-it) [b](models.md) [c](api/batch.md) [d](files/examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) [g](https://x.y)"
+        "[a](index.md#try-it) [b](models.md) [c](api/batch.md) [d](files/examples/drone.ode) `[e](x.md)` [`f`](isa.md#ld) late. `h` [g](https://x.y)"
     assert [path.name for path in files] == ["drone.ode"]
 
 

@@ -35,4 +35,4 @@ def table(head, rows):
 
 
 def page(title, source, body):
-    return [f"<!-- {MARK.format(source=source)} -->", f"# {title}", "", *body]
+    return [f"<!-- {MARK.format(source=source)} -->", f"# {title}", "", "*Reference, for FPGAs.*", "", *body]
