@@ -62,37 +62,26 @@ static fp3_making2 making_of(const fp3_bodies *bodies, double h) {
 typedef struct {
     fp3_work2 work;
     fp3_making2 making;
-    const fp3_bodies *bodies;
     void (*make)(const fp3_work2 *, const fp3_making2 *, uint32_t first, uint32_t end);
 } making;
 
 static void make_some(void *of, uint32_t from, uint32_t to) {
     const making *all = of;
-    const fp3_law_rows *rows = &all->bodies->contacts;
-    if (all->bodies->cuts == 1) { /* also those of other ranks, behind all colours */
-        all->make(&all->work, &all->making, 0, rows->blocks);
-        return;
-    }
-    for (uint32_t k = 0; rows->count && k < rows->colours.count; k++) {
-        const uint32_t *cut = &rows->cut[k * all->bodies->cuts];
-        if (cut[from] < cut[to])
-            all->make(&all->work, &all->making, 2 * cut[from], 2 * cut[to]);
-    }
+    all->make(&all->work, &all->making, from, to);
 }
 
 /* prepare or keep, over all rows. */
 static void make(const fp3_bodies *bodies,
                  void (*prepare)(const fp3_work2 *, const fp3_making2 *, uint32_t, uint32_t),
                  double h) {
-    making all = {work_of(bodies), making_of(bodies, h), bodies, prepare};
-    const uint32_t parts = fp3_threads_parts(bodies->crew, bodies->contacts.count, FP3_LEAST_PAIRS);
-    fp3_threads_share(bodies->crew, (fp3_lap){make_some, &all, 0, bodies->cuts, parts});
+    making all = {work_of(bodies), making_of(bodies, h), prepare};
+    fp3_bodies_share_rows(bodies, &bodies->contacts, make_some, &all);
 }
 
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h) {
     fp3_status status = lay(bodies);
     if (!status && !bodies->contacts.is_cut)
-        fp3_cut_by_contacts(bodies);
+        fp3_cut_by_contacts(bodies, &bodies->contacts);
     if (!status)
         status = fp3_cut_rows(bodies, &bodies->contacts);
     if (status)

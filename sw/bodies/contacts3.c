@@ -3,6 +3,7 @@
 #include "own3.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +41,63 @@ static void put_belts(fp3_bodies *bodies) {
     }
 }
 
+/* Of touches that push, by ranges of them: which patches have rows. */
+#define CHUNKS 64
+typedef struct {
+    fp3_bodies *bodies;
+    uint32_t first[CHUNKS + 1]; /* of each range; what is before the end of the last one */
+    int is_alone;               /* one thread: a range begins where the one before has ended */
+    atomic_int is_same, may_bounce, is_rolling, has_belts;
+} choosing;
+
+static uint32_t chunk_of(const fp3_bodies *bodies, uint32_t chunk) {
+    return (uint32_t)((uint64_t)bodies->contacts.count * chunk / CHUNKS);
+}
+
+static void count_some(void *of, uint32_t from, uint32_t to) {
+    choosing *all = of;
+    const fp3_bodies *bodies = all->bodies;
+    for (uint32_t chunk = from; chunk < to; chunk++) {
+        uint32_t count = 0;
+        for (uint32_t i = chunk_of(bodies, chunk); i < chunk_of(bodies, chunk + 1); i++) {
+            const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+            const fp3_patch3 *p = &bodies->space->patch[t->first_patch];
+            for (uint32_t k = 0; k < t->patches; k++) /* a touch that pushes has one at least */
+                count += t->patches == 1 || p[k].m.count > 0;
+        }
+        all->first[chunk + 1] = count;
+    }
+}
+
+static void choose_some(void *of, uint32_t from, uint32_t to) {
+    choosing *all = of;
+    fp3_bodies *bodies = all->bodies;
+    fp3_space *s = bodies->space;
+    fp3_law_rows *rows = &s->contacts;
+    int is_same = 1, may_bounce = 0, is_rolling = 0, has_belts = 0;
+    uint32_t next = all->first[from];
+    for (uint32_t i = chunk_of(bodies, from); i < chunk_of(bodies, to); i++) {
+        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+        const uint32_t a = fp3_slot_of(bodies, t->body_a), b = fp3_slot_of(bodies, t->body_b);
+        for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++) {
+            if (!s->patch[k].m.count)
+                continue;
+            s->patch[k].touch = bodies->contacts.of[i];
+            rows->of[next] = k;
+            is_same &= fp3_rows_put(rows, next++, a, b);
+        }
+        may_bounce |= t->is_bouncy;
+        is_rolling |= t->rolling > 0;
+        has_belts |= t->has_belt;
+    }
+    if (all->is_alone)
+        all->first[CHUNKS] = next;
+    atomic_fetch_and(&all->is_same, is_same);
+    atomic_fetch_or(&all->may_bounce, may_bounce);
+    atomic_fetch_or(&all->is_rolling, is_rolling);
+    atomic_fetch_or(&all->has_belts, has_belts);
+}
+
 /* The patches of all touches that push. */
 static fp3_status choose(fp3_bodies *bodies) {
     fp3_space *s = bodies->space;
@@ -48,24 +106,23 @@ static fp3_status choose(fp3_bodies *bodies) {
                                         s->patch_count + 1u, bodies->error);
     if (!status)
         status = fp3_rows_make_room(bodies, rows, s->patch_count);
-    rows->count = 0;
-    rows->is_whole = rows->is_same = 1;
-    bodies->may_bounce = s->has_turned = s->is_rolling = s->has_belts = 0;
-    for (uint32_t i = 0; !status && i < bodies->contacts.count; i++) {
-        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
-        const uint32_t a = fp3_slot_of(bodies, t->body_a), b = fp3_slot_of(bodies, t->body_b);
-        for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++) {
-            if (!s->patch[k].m.count)
-                continue;
-            s->patch[k].touch = bodies->contacts.of[i];
-            rows->of[rows->count] = k;
-            rows->is_same &= fp3_rows_put(rows, rows->count++, a, b);
-        }
-        bodies->may_bounce |= t->is_bouncy;
-        s->is_rolling |= t->rolling > 0;
-        s->has_belts |= t->has_belt;
-    }
-    return status;
+    if (status)
+        return status;
+    const uint32_t parts = fp3_threads_parts(bodies->crew, bodies->contacts.count, FP3_LEAST_PAIRS);
+    choosing all = {.bodies = bodies, .is_alone = parts == 1, .is_same = 1};
+    if (!all.is_alone)
+        fp3_threads_share(bodies->crew, (fp3_lap){count_some, &all, 0, CHUNKS, parts});
+    for (uint32_t chunk = 0; chunk < CHUNKS; chunk++)
+        all.first[chunk + 1] += all.first[chunk];
+    fp3_threads_share(bodies->crew, (fp3_lap){choose_some, &all, 0, CHUNKS, parts});
+    rows->count = all.first[CHUNKS];
+    rows->is_whole = 1;
+    rows->is_same = all.is_same;
+    bodies->may_bounce = all.may_bounce;
+    s->is_rolling = all.is_rolling;
+    s->has_belts = all.has_belts;
+    s->has_turned = 0;
+    return FP3_OK;
 }
 
 static fp3_work2 work_of(const fp3_bodies *bodies) {
@@ -83,21 +140,42 @@ static fp3_making3 making_of(const fp3_bodies *bodies, double h) {
                          s->points};
 }
 
+typedef struct {
+    fp3_work2 work;
+    const fp3_making3 *making;
+    void (*make)(const fp3_work2 *, const fp3_making3 *, uint32_t first, uint32_t end);
+} making;
+
+static void make_some(void *of, uint32_t from, uint32_t to) {
+    const making *all = of;
+    all->make(&all->work, all->making, from, to);
+}
+
+/* prepare or keep, over all rows. */
+static void make(const fp3_bodies *bodies,
+                 void (*prepare)(const fp3_work2 *, const fp3_making3 *, uint32_t, uint32_t)) {
+    making all = {work_of(bodies), &bodies->space->making, prepare};
+    fp3_bodies_share_rows(bodies, &bodies->space->contacts, make_some, &all);
+}
+
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h) {
     fp3_space *s = bodies->space;
     fp3_law_rows *rows = &s->contacts;
     fp3_status status = choose(bodies);
     if (!status)
         status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizeof(fp3_contact3_row));
+    if (!status && !rows->is_cut)
+        fp3_cut_by_contacts(bodies, rows);
+    if (!status)
+        status = fp3_cut_rows(bodies, rows);
     if (status)
         return status;
     status = fp3_bodies_room((void **)&s->points, &s->points_room, sizeof *s->points,
                              rows->blocks + 1u, bodies->error);
     if (status)
         return status;
-    const fp3_work2 work = work_of(bodies);
     s->making = making_of(bodies, h);
-    s->solver->prepare(&work, &s->making, 0, rows->blocks);
+    make(bodies, s->solver->prepare);
     if (s->has_belts)
         put_belts(bodies);
     return FP3_OK;
@@ -125,19 +203,13 @@ static int has_turned(fp3_bodies *bodies, uint32_t slot) {
     return 1;
 }
 
-void fp3_space_contacts_turn(fp3_bodies *bodies) {
-    fp3_space *s = bodies->space;
-    s->has_turned = 0;
-    for (uint32_t k = 0; k < bodies->movable; k++)
-        s->has_turned |= has_turned(bodies, k);
-    for (uint32_t i = 0; s->has_turned && i < s->contacts.blocks; i++) {
-        const fp3_ends2 *ends = &s->contacts.ends[i];
-        float has = 0;
-        for (int lane = 0; lane < FP3_WIDE; lane++)
-            has += bodies->heft[2 * ends->a[lane] + 1][3] + bodies->heft[2 * ends->b[lane] + 1][3];
-        if (has > 0)
-            s->points[i] |= FP3_HAS_TURNED;
-    }
+/* Several threads may find one. */
+void fp3_space_find_turned(fp3_bodies *bodies, uint32_t first, uint32_t end) {
+    int has = 0;
+    for (uint32_t k = first; k < end; k++)
+        has |= has_turned(bodies, k);
+    if (has)
+        __atomic_store_n(&bodies->space->has_turned, 1, __ATOMIC_RELAXED);
 }
 
 #define FAR 1e9f /* farther than anything comes in a step */
@@ -176,13 +248,16 @@ void fp3_space_contacts_follow(fp3_bodies *bodies) {
     }
 }
 
-void fp3_space_contacts_end(fp3_bodies *bodies) {
-    const fp3_space *s = bodies->space;
-    const fp3_work2 work = work_of(bodies);
-    s->solver->keep(&work, &s->making, 0, s->contacts.blocks);
-    for (uint32_t i = 0; i < bodies->contacts.count; i++) {
+static void sum_tops(void *of, uint32_t from, uint32_t to) {
+    const fp3_bodies *bodies = of;
+    for (uint32_t i = from; i < to; i++) {
         fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
         for (uint32_t k = t->first_patch; k < t->first_patch + t->patches; k++)
-            t->top += s->patch[k].top;
+            t->top += bodies->space->patch[k].top;
     }
+}
+
+void fp3_space_contacts_end(fp3_bodies *bodies) {
+    make(bodies, bodies->space->solver->keep);
+    fp3_bodies_share(bodies, sum_tops, bodies, bodies->contacts.count, FP3_LEAST_PAIRS);
 }

@@ -6,7 +6,7 @@
  * masses that it feels. Arms, errors and masses are made anew in each substep, here, for every
  * engine.
  */
-#include "own3.h"
+#include "passing.h"
 #include "share.h"
 
 #include <math.h>
@@ -36,6 +36,7 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
                                         bodies->joint_count + 1u, bodies->error);
     if (!status)
         status = fp3_rows_make_room(bodies, rows, bodies->joint_count);
+    rows->is_same = 1;
     for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
         if (!(j->generation & 1) || !(j->laws >> law & 1))
@@ -43,12 +44,12 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)
             continue;
-        rows->a[rows->count] = a;
-        rows->b[rows->count] = b;
+        rows->is_same &= fp3_rows_put(rows, rows->count, a, b);
         rows->of[rows->count++] = i;
     }
-    return !status && rows->count ? fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law])
-                                  : status;
+    if (!status && rows->count)
+        status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law]);
+    return status ? status : fp3_cut_rows(bodies, rows);
 }
 
 fp3_status fp3_space_joints_begin(fp3_bodies *bodies) {
@@ -292,9 +293,9 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, filling *f) {
         fill_twist(f, (fp3_twist3_row *)rows->row + block);
 }
 
-/* Joints whose rows this process passes over, or the others. */
-static void stand(fp3_bodies *bodies, int is_own, int has_way) {
-    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+/* Joints from .. to - 1 whose rows this process passes over, or the others. */
+static void stand(fp3_bodies *bodies, uint32_t from, uint32_t to, int is_own, int has_way) {
+    for (uint32_t i = from; i < to; i++) {
         const fp3_joint *j = &bodies->joint[i];
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (j->generation & 1 && (a < bodies->movable || b < bodies->movable) &&
@@ -305,30 +306,66 @@ static void stand(fp3_bodies *bodies, int is_own, int has_way) {
 
 void fp3_space_joints_stand(fp3_bodies *bodies) {
     if (bodies->share)
-        stand(bodies, 0, 1);
+        stand(bodies, 0, bodies->joint_count, 0, 1);
 }
 
-void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first) {
-    fp3_space *s = bodies->space;
-    stand(bodies, 1, !is_first);
-    for (int law = 0; law < FP3_JOINT_LAWS3; law++)
-        for (uint32_t i = 0; i < s->joined[law].count; i++) {
-            const uint32_t of = s->joined[law].of[i];
-            const fp3_joint *j = &bodies->joint[of];
-            if (!fp3_share_has(bodies, s->joined[law].a[i], s->joined[law].b[i]))
-                continue;
-            filling f = {.joint = j,
-                         .space = &s->joint[of],
-                         .stance = &s->stance[of],
-                         .ma = fp3_inverse_mass(bodies->body[j->a].mass),
-                         .mb = fp3_inverse_mass(bodies->body[j->b].mass),
-                         .firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h),
-                         .spring = fp3_soften(j->def.hertz, j->def.damping, h),
-                         .h = h,
-                         .farthest = FARTHEST * (float)bodies->def.size,
-                         .is_first = is_first};
-            fill(bodies, law, i, &f);
-        }
+void fp3_space_joints_stand_some(void *of, uint32_t from, uint32_t to) {
+    stand(of, from, to, 1, 1);
+}
+
+static void stand_first(void *of, uint32_t from, uint32_t to) { stand(of, from, to, 1, 0); }
+
+typedef struct {
+    const fp3_bodies *bodies;
+    int law, is_first;
+} filling_of;
+
+/* Blocks from .. to - 1. */
+static void fill_blocks(void *of, uint32_t from, uint32_t to) {
+    const filling_of *all = of;
+    const fp3_bodies *bodies = all->bodies;
+    const fp3_space *s = bodies->space;
+    const fp3_law_rows *rows = &s->joined[all->law];
+    const double h = bodies->def.h / bodies->def.substeps;
+    const fp3_softness firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h);
+    for (uint32_t k = from * FP3_WIDE; k < to * FP3_WIDE; k++) {
+        const uint32_t i = rows->at[k];
+        if (i == FP3_NOBODY || !fp3_share_has(bodies, rows->a[i], rows->b[i]))
+            continue;
+        const uint32_t number = rows->of[i];
+        const fp3_joint *j = &bodies->joint[number];
+        filling f = {.joint = j,
+                     .space = &s->joint[number],
+                     .stance = &s->stance[number],
+                     .ma = fp3_inverse_mass(bodies->body[j->a].mass),
+                     .mb = fp3_inverse_mass(bodies->body[j->b].mass),
+                     .firm = firm,
+                     .spring = fp3_soften(j->def.hertz, j->def.damping, h),
+                     .h = h,
+                     .farthest = FARTHEST * (float)bodies->def.size,
+                     .is_first = all->is_first};
+        fill(bodies, all->law, i, &f);
+    }
+}
+
+static void fill_rows(const fp3_bodies *bodies, uint32_t from, uint32_t to, int is_first) {
+    for (int law = 0; law < FP3_JOINT_LAWS3; law++) {
+        filling_of all = {bodies, law, is_first};
+        if (bodies->space->joined[law].count)
+            fp3_rows_of(bodies, &bodies->space->joined[law], from, to, fill_blocks, &all);
+    }
+}
+
+void fp3_space_joints_fill_some(void *of, uint32_t from, uint32_t to) {
+    fill_rows(of, from, to, 0);
+}
+
+static void fill_first(void *of, uint32_t from, uint32_t to) { fill_rows(of, from, to, 1); }
+
+void fp3_space_joints_first(fp3_bodies *bodies) {
+    const uint32_t parts = fp3_threads_parts(bodies->crew, bodies->joint_count, FP3_LEAST_STANCES);
+    fp3_threads_share(bodies->crew, (fp3_lap){stand_first, bodies, 0, bodies->joint_count, parts});
+    fp3_threads_share(bodies->crew, (fp3_lap){fill_first, bodies, 0, bodies->cuts, parts});
 }
 
 /* ---- after a step ---- */

@@ -92,8 +92,8 @@ typedef struct {
      * leaves it 0. */
     int is_same;
     uint32_t laid, laid_movable, laid_share;
-    /* Pairs of blocks that each thread has of a colour: thread t of colour k from cut[k * threads +
-     * t] on (cuts.c). */
+    /* Blocks that each thread has of a colour: thread t of colour k from cut[k * threads + t] on
+     * (cuts.c). */
     uint32_t *cut;
     uint32_t cut_room, cut_version;
     int is_cut;   /* since they were laid */
@@ -241,12 +241,21 @@ fp3_status fp3_substeps_do(fp3_bodies *bodies, double h);
  * that it finds them in its caches. */
 /* Of bodies: halves, or as contacts have it. */
 fp3_status fp3_cut_bodies(fp3_bodies *bodies);
-/* Of contacts, then of the rows of a law, which have been laid. */
-void fp3_cut_by_contacts(fp3_bodies *bodies);
+/* By rows of contacts; then of the rows of a law, which have been laid. */
+void fp3_cut_by_contacts(fp3_bodies *bodies, const fp3_law_rows *rows);
 fp3_status fp3_cut_rows(const fp3_bodies *bodies, fp3_law_rows *rows);
 /* part(of, from, to) for ranges of slots: each thread's own. */
 void fp3_bodies_share_slots(fp3_bodies *bodies, void (*part)(void *of, uint32_t from, uint32_t to),
                             void *of);
+/* Likewise of the blocks of rows, colour by colour: of threads from .. to - 1; of all. */
+void fp3_rows_of(const fp3_bodies *bodies, const fp3_law_rows *rows, uint32_t from, uint32_t to,
+                 void (*part)(void *of, uint32_t from, uint32_t to), void *of);
+void fp3_bodies_share_rows(const fp3_bodies *bodies, const fp3_law_rows *rows,
+                           void (*part)(void *of, uint32_t from, uint32_t to), void *of);
+/* A pass takes so many blocks at a time. */
+static inline uint32_t fp3_blocks_together(const fp3_bodies *bodies) {
+    return bodies->space ? 1 : 2;
+}
 
 /* contacts.c, joints.c: rows for a step, with substeps of h, and what they have learned. */
 fp3_status fp3_contacts_begin(fp3_bodies *bodies, double h);

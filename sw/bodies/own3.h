@@ -37,6 +37,7 @@ typedef struct {
 } fp3_stance3;
 
 #define FP3_JOINT_LAWS3 (FP3_LAWS_IN_SPACE - FP3_LAW_pin3)
+_Static_assert(FP3_JOINT_LAWS == FP3_JOINT_LAWS3, "a plane and space have as many laws of joints");
 
 /* The arms of both surfaces at a point midway between them: with that of the point itself a ball
  * that is still far away would be rubbed at the end of a lever. */
@@ -122,13 +123,19 @@ void fp3_space_forget(fp3_bodies *bodies);
 fp3_status fp3_space_lay_patches(fp3_bodies *bodies);
 /* Whether both have hardly moved since they were looked at: gaps follow. */
 int fp3_space_follow(fp3_bodies *bodies, fp3_touch2 *touch);
-/* Looks at them: points of contact within `reach`. */
+/* Looks at them: points of contact within `reach`. In place: several threads may do it; 0: there
+ * are more than they have had room for, and nothing is done. */
+int fp3_space_collide_in_place(fp3_bodies *bodies, fp3_touch2 *touch, float reach);
 fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *touch, float reach);
 
 /* The touch of a row of contacts; how many there are. */
 static inline fp3_touch2 *fp3_row_touch(const fp3_bodies *bodies, uint32_t row) {
     const fp3_space *s = bodies->space;
     return &bodies->touch[s ? s->patch[s->contacts.of[row]].touch : bodies->contacts.of[row]];
+}
+/* The rows of a law of joints. */
+static inline const fp3_law_rows *fp3_joint_rows(const fp3_bodies *bodies, uint32_t law) {
+    return bodies->space ? &bodies->space->joined[law] : &bodies->joined[law];
 }
 static inline uint32_t fp3_rows_count(const fp3_bodies *bodies) {
     return bodies->space ? bodies->space->contacts.count : bodies->contacts.count;
@@ -153,8 +160,9 @@ void fp3_space_contacts_follow(fp3_bodies *bodies);
 /* The speed of b against a at which their surfaces do not slide. */
 fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b);
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
-/* Marks blocks of bodies that have turned so far in this step that they would answer otherwise. */
-void fp3_space_contacts_turn(fp3_bodies *bodies);
+/* Slots first .. end - 1 of bodies that have turned so far in this step that they would answer
+ * otherwise: their heft is as they are turned, and fp3_space.has_turned is set. */
+void fp3_space_find_turned(fp3_bodies *bodies, uint32_t first, uint32_t end);
 void fp3_space_contacts_end(fp3_bodies *bodies);
 
 /* stance3.c: after the way that both bodies have come in the step, if `has_way`. */
@@ -172,8 +180,8 @@ void fp3_space_joint_place(fp3_bodies *bodies, uint32_t number);
 
 /* joints3.c */
 fp3_status fp3_space_joints_begin(fp3_bodies *bodies);
-/* Rows for where bodies are now in the step; is_first: with the impulses of the step before. */
-void fp3_space_joints_follow(fp3_bodies *bodies, double h, int is_first);
+/* Rows for where bodies are now, with the impulses of the step before. */
+void fp3_space_joints_first(fp3_bodies *bodies);
 /* Behind the passes, those that other ranks have passed over. */
 void fp3_space_joints_stand(fp3_bodies *bodies);
 void fp3_space_joints_end(fp3_bodies *bodies, double h);
@@ -182,9 +190,8 @@ void fp3_space_joints_end(fp3_bodies *bodies, double h);
 void fp3_multiply3(const double p[4], const double q[4], double to[4]);
 void fp3_turned3_by(const double q[4], const double p[3], double to[3]);
 
-/* step3.c: a step, behind fp3_bodies_touch, in three parts. */
+/* step3.c: a step, behind fp3_bodies_touch: before its substeps, and behind them. */
 fp3_status fp3_space_begin(fp3_bodies *bodies, double h);
-fp3_status fp3_space_substeps(fp3_bodies *bodies, double h);
 fp3_status fp3_space_end(fp3_bodies *bodies, double h);
 
 #endif

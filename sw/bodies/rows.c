@@ -91,7 +91,7 @@ static fp3_status find_own(const fp3_bodies *bodies, fp3_law_rows *rows, const u
 
 static fp3_status find_colours(const fp3_bodies *bodies, fp3_law_rows *rows, const uint32_t *a,
                                const uint32_t *b) {
-    const uint32_t together = bodies->space ? 1 : 2;
+    const uint32_t together = fp3_blocks_together(bodies);
     if (bodies->share)
         return find_own(bodies, rows, a, b, together);
     const fp3_status status =

@@ -143,33 +143,39 @@ static int flies(const fp3_bodies *bodies, const fp3_touch2 *t) {
 }
 
 /* Two threads may say of a body that it is held. */
-static void hold(fp3_bodies *bodies, const fp3_law_rows *rows, uint32_t i) {
-    __atomic_store_n(&bodies->is_held[rows->a[i]], 1, __ATOMIC_RELAXED);
-    __atomic_store_n(&bodies->is_held[rows->b[i]], 1, __ATOMIC_RELAXED);
+static void hold(fp3_bodies *bodies, uint32_t a, uint32_t b) {
+    __atomic_store_n(&bodies->is_held[a], 1, __ATOMIC_RELAXED);
+    __atomic_store_n(&bodies->is_held[b], 1, __ATOMIC_RELAXED);
 }
 
 static void hold_some(void *of, uint32_t from, uint32_t to) {
     fp3_bodies *bodies = of;
-    for (uint32_t i = from; i < to; i++)
-        if (!flies(bodies, &bodies->touch[bodies->contacts.of[i]]))
-            hold(bodies, &bodies->contacts, i);
+    for (uint32_t i = from; i < to; i++) {
+        const fp3_touch2 *t = &bodies->touch[bodies->contacts.of[i]];
+        if (!flies(bodies, t))
+            hold(bodies, fp3_slot_of(bodies, t->body_a), fp3_slot_of(bodies, t->body_b));
+    }
 }
 
 static void drop_some(void *of, uint32_t from, uint32_t to) {
     fp3_bodies *bodies = of;
+    const uint32_t fours = bodies->space ? FP3_FOURS3 : 1;
     for (uint32_t k = from; k < to; k++)
         if (bodies->is_held[k])
-            bodies->pull[k].drop = (fp3_four){0};
+            bodies->pull[fours * k].drop = (fp3_four){0};
 }
 
 /* Bodies that have no row, alone. */
 static void let_fall(fp3_bodies *bodies) {
     fp3_bodies_share(bodies, hold_some, bodies, bodies->contacts.count, FP3_LEAST_PAIRS);
-    for (int law = 0; law < FP3_JOINT_LAWS; law++)
-        for (uint32_t i = 0; i < bodies->joined[law].count; i++)
-            hold(bodies, &bodies->joined[law], i);
+    for (uint32_t law = 0; law < FP3_JOINT_LAWS; law++) {
+        const fp3_law_rows *rows = fp3_joint_rows(bodies, law);
+        for (uint32_t i = 0; i < rows->count; i++)
+            hold(bodies, rows->a[i], rows->b[i]);
+    }
     fp3_bodies_share_slots(bodies, drop_some, bodies);
-    fp3_heavy_hold(bodies);
+    if (bodies->heavy)
+        fp3_heavy_hold(bodies);
 }
 
 static int is_finite(fp3_four v, fp3_four way) {
@@ -235,7 +241,6 @@ static fp3_status begin_in_plane(fp3_bodies *bodies, double h) {
         return status;
     if (has_hit)
         fp3_contacts_follow(bodies);
-    let_fall(bodies);
     return FP3_OK;
 }
 
@@ -247,20 +252,20 @@ static fp3_status end_in_plane(fp3_bodies *bodies, double h) {
 }
 
 static fp3_status pass(fp3_bodies *bodies, double h) {
-    const fp3_status status =
-        bodies->space ? fp3_space_substeps(bodies, h) : fp3_substeps_do(bodies, h);
+    const fp3_status status = fp3_substeps_do(bodies, h);
     return status ? fp3_fail(bodies->error, status, "could not make a step: %s",
                              bodies->laws ? fp3_laws_why(bodies->laws) : "out of memory")
                   : FP3_OK;
 }
 
-#define FEW 1000 /* bodies and pairs: fewer are stepped before a thread wakes */
+#define FEW 1000 /* bodies and pairs (in space each is three): fewer end before a thread wakes */
 #define LONG 64  /* steps */
 
 /* Where others have their processors, threads hold each other up: then one steps alone, first for a
  * step, then twice as long as the last time. */
 static fp3_threads *crew_of(fp3_bodies *bodies) {
-    if (bodies->touch_count + bodies->movable < FEW || !bodies->threads || bodies->share)
+    const uint32_t work = (bodies->touch_count + bodies->movable) * (bodies->space ? 3 : 1);
+    if (work < FEW || !bodies->threads || bodies->share)
         return NULL;
     if (fp3_threads_held_up(bodies->threads)) {
         bodies->pause = bodies->pause < LONG ? 2 * bodies->pause + 1 : LONG;
@@ -296,8 +301,10 @@ static fp3_status step(fp3_bodies *bodies) {
         status = fp3_share_divide(bodies);
     if (!status)
         status = bodies->space ? fp3_space_begin(bodies, h) : begin_in_plane(bodies, h);
-    if (!status)
+    if (!status) {
+        let_fall(bodies);
         status = pass(bodies, h);
+    }
     status = fp3_share_gather(bodies, status);
     if (status)
         return status;

@@ -354,6 +354,13 @@ static uint8_t state_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
     return t->is_sensor ? APART : is_waking ? WAKES : NEAR;
 }
 
+/* Whether all is known of it. */
+static int look_at_in_space(fp3_bodies *bodies, fp3_touch2 *t) {
+    return fp3_space_follow(bodies, t) ||
+           fp3_space_collide_in_place(bodies, t,
+                                      reach_of(bodies, &bodies->shape[t->a], &bodies->shape[t->b]));
+}
+
 static void look_at_some(void *of, uint32_t from, uint32_t to) {
     fp3_bodies *bodies = of;
     for (uint32_t k = from; k < to; k++) {
@@ -361,11 +368,12 @@ static void look_at_some(void *of, uint32_t from, uint32_t to) {
         const fp3_body *x = &bodies->body[t->body_a], *y = &bodies->body[t->body_b];
         if (is_asleep(bodies, t))
             bodies->near[k] = APART;
-        else if (bodies->space && !fp3_space_follow(bodies, t))
+        else if (bodies->space && !look_at_in_space(bodies, t))
             bodies->near[k] = UNKNOWN;
         else
-            bodies->near[k] =
-                bodies->space || look_at(bodies, t, x, y) ? state_of(bodies, t) : APART;
+            bodies->near[k] = (bodies->space ? t->m.count > 0 : look_at(bodies, t, x, y))
+                                  ? state_of(bodies, t)
+                                  : APART;
     }
 }
 

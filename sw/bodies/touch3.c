@@ -119,12 +119,18 @@ fp3_status fp3_space_lay_patches(fp3_bodies *bodies) {
     return FP3_OK;
 }
 
+static void pose_some(void *of, uint32_t from, uint32_t to) {
+    const fp3_bodies *bodies = of;
+    for (uint32_t k = from; k < to; k++)
+        bodies->space->pose[k] = fp3_space_pose(bodies, k, (fp3_point3){0, 0, 0});
+}
+
 fp3_status fp3_space_touch_begin(fp3_bodies *bodies) {
     fp3_space *s = bodies->space;
     const fp3_status status = fp3_bodies_room((void **)&s->pose, &s->pose_room, sizeof *s->pose,
                                               bodies->body_count, bodies->error);
-    for (uint32_t k = 0; !status && k < bodies->body_count; k++)
-        s->pose[k] = fp3_space_pose(bodies, k, (fp3_point3){0, 0, 0});
+    if (!status)
+        fp3_bodies_share(bodies, pose_some, bodies, bodies->body_count, FP3_LEAST_BODIES);
     return status;
 }
 
@@ -297,41 +303,71 @@ int fp3_space_follow(fp3_bodies *bodies, fp3_touch2 *t) {
     return is_followed;
 }
 
-fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach) {
-    fp3_space *s = bodies->space;
-    const fp3_attached *a = &bodies->shape[t->a], *b = &bodies->shape[t->b];
-    const uint32_t olds = t->patches;
-    const fp3_four way = from_of(bodies, t);
-    const fp3_point3 from = {way[0], way[1], way[2]};
-    const fp3_pose3 *pose_a = &s->pose[t->body_a];
-    fp3_pose3 pose_b = s->pose[t->body_b];
-    pose_b.at = fp3_add3(from, pose_b.at);
-    uint32_t count = 0;
-    fp3_status status = look(bodies, a->form, pose_a, b->form, &pose_b, reach, &count);
-    if (!status && (count || olds))
-        status = put_aside(bodies, t, count);
-    if (status)
-        return status;
+/* Where both bodies of a pair are, as seen from a's centre of mass. */
+typedef struct {
+    fp3_pose3 a, b;
+    fp3_four from;
+} placed;
+
+static placed placed_of(const fp3_bodies *bodies, const fp3_touch2 *t) {
+    placed both = {bodies->space->pose[t->body_a], bodies->space->pose[t->body_b],
+                   from_of(bodies, t)};
+    both.b.at = fp3_add3((fp3_point3){both.from[0], both.from[1], both.from[2]}, both.b.at);
+    return both;
+}
+
+/* Patches of what was found, which have room. */
+static void renew(fp3_bodies *bodies, fp3_touch2 *t, const placed *both,
+                  const fp3_mesh_touch3 *meeting, uint32_t count, const fp3_patch3 *old) {
     for (uint32_t k = 0; k < count; k++) {
-        fp3_patch3 *p = &s->patch[t->first_patch + k];
+        fp3_patch3 *p = &bodies->space->patch[t->first_patch + k];
         *p = (fp3_patch3){.a = t->a,
                           .b = t->b,
-                          .part = s->meeting[k].triangle,
-                          .from = from,
+                          .part = meeting[k].triangle,
+                          .from = {both->from[0], both->from[1], both->from[2]},
                           .friction = t->friction,
                           .rolling = t->rolling,
                           .radius_a = t->radius_a,
                           .radius_b = t->radius_b};
-        p->m = s->meeting[k].manifold;
-        shift(&p->m, pose_a->at);
+        p->m = meeting[k].manifold;
+        shift(&p->m, both->a.at);
         for (uint32_t i = 0; i < p->m.count; i++)
             p->gap[i] = p->m.point[i].gap;
-        memcpy(p->turn_a, pose_a->q, sizeof p->turn_a);
-        memcpy(p->turn_b, pose_b.q, sizeof p->turn_b);
-        go_on(p, find(s->old, olds, p->part), (float)bodies->def.size);
+        memcpy(p->turn_a, both->a.q, sizeof p->turn_a);
+        memcpy(p->turn_b, both->b.q, sizeof p->turn_b);
+        go_on(p, find(old, t->patches, p->part), (float)bodies->def.size);
     }
     t->patches = count;
     t->is_found = 1;
-    sum_up(bodies, t, way);
-    return FP3_OK;
+    sum_up(bodies, t, both->from);
+}
+
+#define FEW 8
+
+int fp3_space_collide_in_place(fp3_bodies *bodies, fp3_touch2 *t, float reach) {
+    const placed both = placed_of(bodies, t);
+    fp3_mesh_touch3 meeting[FEW];
+    fp3_patch3 old[FEW];
+    if (t->patches > FEW)
+        return 0;
+    const uint32_t count = fp3_form_collide(bodies->shape[t->a].form, &both.a,
+                                            bodies->shape[t->b].form, &both.b, reach, FEW, meeting);
+    if (count > FEW || count > t->patch_room)
+        return 0;
+    memcpy(old, &bodies->space->patch[t->first_patch], t->patches * sizeof *old);
+    renew(bodies, t, &both, meeting, count, old);
+    return 1;
+}
+
+fp3_status fp3_space_collide(fp3_bodies *bodies, fp3_touch2 *t, float reach) {
+    fp3_space *s = bodies->space;
+    const placed both = placed_of(bodies, t);
+    uint32_t count = 0;
+    fp3_status status = look(bodies, bodies->shape[t->a].form, &both.a, bodies->shape[t->b].form,
+                             &both.b, reach, &count);
+    if (!status && (count || t->patches))
+        status = put_aside(bodies, t, count);
+    if (!status)
+        renew(bodies, t, &both, s->meeting, count, s->old);
+    return status;
 }
