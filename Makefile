@@ -95,7 +95,7 @@ MPI_C   := $(wildcard sw/engine/mpi/*.c)
 MEASURE_ROOMS := view $(addprefix lab/,bench check golden measure stress)
 MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
 # What measures against truth, with GSL: libfp3_lab.
-LAB_C   := $(wildcard sw/lab/truth/*.c sw/lab/tune/*.c)
+LAB_C   := $(wildcard sw/lab/truth/*.c sw/lab/tune/*.c sw/lab/scene/*.c)
 LIB_C   := $(filter-out sw/cli/% sw/bare/% sw/lab/% sw/view/% $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
 # tests/bare and tests/soc are compiled by their tests: with the header of a program.
@@ -230,7 +230,7 @@ LONG_FUNCTIONS    := -Wno-psabi -fno-var-tracking
 VECTORS           := -O3 -frounding-math $(LONG_FUNCTIONS)
 
 $(call obj,sw/engine/fast/sweep.c): CFLAGS += $(VECTORS)
-$(call obj,sw/engine/fast/fast.c sw/engine/fast/block.c sw/engine/fast/drive.c sw/engine/common/near.c sw/engine/common/near_stale.c): CFLAGS += -O3
+$(call obj,sw/engine/fast/fast.c sw/engine/fast/block.c sw/engine/fast/drive.c sw/engine/common/near.c sw/engine/common/near_stale.c sw/lab/scene/asked.c): CFLAGS += -O3
 $(call obj,sw/engine/fast/text.c): sw/engine/fast/place.h sw/engine/fast/lanes.h sw/engine/fast/fused.h sw/engine/fast/halves.h sw/engine/fast/turns.h
 $(call obj,sw/bodies/text.c): $(wildcard programs/bodies/*.ode)
 $(call obj,sw/view/text.c): $(wildcard sw/view/page/*)

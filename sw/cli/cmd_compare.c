@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement. */
+/* cmd_compare.c - fp3 compare: integrators on a model, by order, floor, cycles and agreement; or a
+ * scene beside its truth. */
 #include "arguments.h"
+#include "bench_scene.h"
 #include "cli.h"
 #include "compare_adaptive.h"
+#include "compare_scene.h"
 #include "files.h"
 #include "json.h"
 #include "lab/bench/variants.h"
@@ -40,7 +43,12 @@ typedef struct {
     int is_quick, has_errors, is_model, is_native;
     unsigned arithmetics; /* a set; 0: all */
     fp3_compare_adaptive_def adaptive;
+    fp3_compare_scene scene;
+    const char *not_for[2]; /* the last option that a form does not have, by its long name */
 } options;
+
+/* The forms, and which options each has. */
+typedef enum { OF_MODEL = 1, OF_SCENE = 2 } form;
 
 typedef struct {
     double cycles, bound, measured; /* per object-step */
@@ -373,39 +381,78 @@ static void take_tolerance(void *user, struct argp_state *state, char *text) {
     fp3_compare_adaptive_read(&o->adaptive, state, text);
 }
 
+/* An option that only one form has. */
+static void note_option(void *user, const fp3_option *option) {
+    options *o = user;
+    for (unsigned k = 0; k < 2; k++)
+        if (option->forms && !(option->forms & 1u << k))
+            o->not_for[k] = option->name;
+}
+
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     if (!o->model)
-        argp_error(state, "expected a model (*.ode)");
-    fp3_arguments_model(state, o->model, o->is_model);
+        argp_error(state, "expected a model (*.ode) or a scene (*.scene)");
+    const int is_scene = !o->is_model && fp3_bench_is_scene(o->model);
+    if (o->not_for[is_scene])
+        argp_error(state, "found --%s and '%s': it is of the other form, fp3 compare %s",
+                   o->not_for[is_scene], o->model, is_scene ? "MODEL" : "SCENE");
+    if (!is_scene) {
+        fp3_arguments_model(state, o->model, o->is_model);
+        return;
+    }
+    o->scene.path = o->model;
+    o->scene.json = o->json;
 }
 
 static const fp3_option table[] = {
-    {"model", 0, NULL, "MODEL is a model, whatever its name", FP3_FLAG(options, is_model)},
+    {"model", 0, NULL, "MODEL is a model, whatever its name", FP3_FLAG(options, is_model),
+     .forms = OF_MODEL},
     {"integrator", 'i', "NAME",
      "Compare this integrator, a built-in table or a file; may be repeated (default: all built-in "
      "tables)",
-     FP3_LIST(options, integrators, integrator_count, INTEGRATORS_MAX), .is_repeated = 1},
+     FP3_LIST(options, integrators, integrator_count, INTEGRATORS_MAX), .is_repeated = 1,
+     .forms = OF_MODEL},
     {"arithmetic", 0, "NAME",
      "Compare this arithmetic: plain, compensated, folded or double_single; may be repeated "
      "(default: all)",
-     FP3_CALL(take_arithmetic), .is_repeated = 1},
+     FP3_CALL(take_arithmetic), .is_repeated = 1, .forms = OF_MODEL},
     {"json", 0, "FILE", "Also write the rows as JSON", FP3_TEXT(options, json)},
     {"errors", 0, NULL, "With --json: also write the error at each time step",
-     FP3_FLAG(options, has_errors)},
+     FP3_FLAG(options, has_errors), .forms = OF_MODEL},
     {"span", 0, "TIME", "Integrate from 0 to TIME (default: the model's span)",
-     FP3_ABOVE_ZERO(options, span)},
+     FP3_ABOVE_ZERO(options, span), .forms = OF_MODEL},
     {"most-steps", 0, "N", "The finest time step is span/N (default 131072)",
-     FP3_NUMBER(options, most_steps, FP3_LOOKS, FP3_STEPS_MOST)},
+     FP3_NUMBER(options, most_steps, FP3_LOOKS, FP3_STEPS_MOST), .forms = OF_MODEL},
     {"quick", 0, NULL, "Run no hardware: predict cycles, and do not check that engines agree",
-     FP3_FLAG(options, is_quick)},
+     FP3_FLAG(options, is_quick), .forms = OF_MODEL},
     {"tolerance", 0, "TOL1,TOL2,...",
      "Compare adaptive steps with these tolerances to the cheapest fixed steps that are as "
      "accurate (default integrators: rk4, rk6 and all with an error estimate)",
-     FP3_CALL(take_tolerance)},
+     FP3_CALL(take_tolerance), .forms = OF_MODEL},
     {"native", 0, NULL,
      "Let engine fast compile native code; for these runs it costs more than it saves",
-     FP3_FLAG(options, is_native)},
+     FP3_FLAG(options, is_native), .forms = OF_MODEL},
+    {"config", 'c', "NAME", "With SCENE: compile for this configuration (default: the scene's)",
+     FP3_TEXT(options, scene.config), .forms = OF_SCENE},
+    {"steps", 'n', "N", "With SCENE: its first N steps (default: all)",
+     FP3_NUMBER(options, scene.steps, 1, FP3_STEPS_LIMIT), .forms = OF_SCENE},
+    {"halvings", 0, "N", "With SCENE: also run it with h/2 .. h/2^N (default: 2)",
+     FP3_NUMBER(options, scene.halvings, 0, 10), .forms = OF_SCENE},
+    {"within", 0, "SHARE",
+     "With SCENE: two lengths of step have to agree within this share of a state's size, or there "
+     "is no solution (default: 1e-6)",
+     FP3_ABOVE_ZERO(options, scene.within), .forms = OF_SCENE},
+    {"work", 0, "N",
+     "With SCENE: compute at most N numbers for the solution, some 10^9 in a second (default: "
+     "1e10)",
+     FP3_ABOVE_ZERO(options, scene.work), .forms = OF_SCENE},
+    {"states", 0, "FILE",
+     "With SCENE: also write as CSV where the objects are at these times: by engine fast, by the "
+     "method in double, and by the solution",
+     FP3_TEXT(options, scene.states), .forms = OF_SCENE},
+    {"csv", 0, "FILE", "With SCENE: also write the rows as CSV", FP3_TEXT(options, scene.csv),
+     .forms = OF_SCENE},
     {0},
 };
 
@@ -422,18 +469,28 @@ int fp3_cmd_compare(int argc, char **argv) {
     static const fp3_command command = {
         .options = table,
         FP3_WORD(options, model, "model"),
+        .given = note_option,
         .end = end,
-        .forms = "MODEL",
+        .forms = "MODEL\nSCENE",
         .doc = "Compares integrators on MODEL (*.ode) in FP32. A row has the operations and "
                "instructions of a step, its cycles with many objects and with one, the order, the "
                "smallest error that any time step reaches (`floor`: relative, the root mean square "
                "over all states at 8 times; `largest`: that of the worst state, after each step or "
                "at 1,024 times and more, as for fp3 tune), and the words in which hardware, isa "
                "engine and equations differ. The exit code is 1 if any differ, 3 if objects failed "
-               "or have no reference; rows are printed in each case."};
-    options o = {.most_steps = 131072};
+               "or have no reference; rows are printed in each case.\v"
+               "With SCENE (a path that ends in .scene), measures how far engine fast is from the "
+               "truth of the scene, whose objects may see each other: what FP32 costs, beside the "
+               "same steps in double; what the method costs, beside the solution; and both "
+               "together. A row is of one state, with one time step. The exit code is 3 if "
+               "objects failed, or if there is no solution up to the end, as of chaotic motion."};
+    options o = {.most_steps = 131072, .scene = {.halvings = 2}};
     fp3_arguments_parse(&command, argc, argv, &o);
     fp3_error error;
+    if (o.scene.path) {
+        const fp3_status ended = fp3_compare_scene_run(&o.scene, &error);
+        return fp3_cli_end("compare", ended, &error, NULL);
+    }
     fp3_model *model = NULL;
     char *text = NULL;
     fp3_status status = check_files(&o, &error);

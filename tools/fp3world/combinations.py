@@ -294,7 +294,8 @@ FEATURES = [
     Feature("`fp3 bench` of a scene", trial=told("bench", "--steps", STEPS, "--quick"), engines=("fast",)),
     Feature("`fp3 tune`", trial=told("tune", "--tolerance", "1e-3"), engines=("fast",)),
     Feature("`fp3 stress`", trial=told("stress", what="model"), engines=("fast",)),
-    Feature("`fp3 compare`", trial=told("compare", what="model"), engines=("fast",)),
+    # The force of these scenes jumps at the reach, so no two lengths of step agree closely.
+    Feature("`fp3 compare` of a scene", trial=told("compare", "--steps", STEPS, "--halvings", 0, "--within", 1000), engines=("fast",)),
 ]
 
 
