@@ -1,6 +1,7 @@
 """Figures of the pages: those that are exact are not out of date without a word, and pages say of each how it stands."""
 
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -152,3 +153,80 @@ def test_the_list_names_each_figure(fp3):
     assert done.returncode == 0 and [line.split()[0] for line in done.stdout.splitlines()[:-1]] == ["combinations", "bodies.hashes"]
     done = listed("worlds")
     assert done.returncode == 2 and "no figure 'worlds'" in done.stderr
+
+
+# ---- measuring ----
+
+TREE = """[inputs]
+sources = ["*.txt"]
+[[figure]]
+name = "a"
+page = "docs/page.md"
+what = "a"
+kind = "exact"
+command = "sh -c 'echo a >>log'"
+report = "sh -c 'echo report >>log'"
+minutes = 1
+inputs = ["sources"]
+[[figure]]
+name = "b.times"
+page = "docs/page.md"
+what = "b"
+kind = "time"
+command = "sh -c 'test ! -e stop && echo b >>log'"
+minutes = 2
+inputs = ["one.*"]
+"""
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A project with two figures, whose measurements leave a line each."""
+    shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "docs").mkdir()
+    for name, text in {"one.txt": "1\n", "two.txt": "2\n", "docs/evidence.toml": TREE, ".gitignore": "tools/\nlog\nstop\n",
+                       "docs/page.md": "# P\n\n<!-- evidence a b.times -->\n<!-- evidence end -->\n"}.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    commit(tmp_path, "init", "-q")
+    return tmp_path
+
+
+def commit(tree, *before):
+    for words in ([before] if before else []) + [("add", "-A"), ("-c", "user.name=x", "-c", "user.email=x@x", "commit", "-qm", "x")]:
+        subprocess.run(["git", *words], cwd=tree, check=True, capture_output=True)
+
+
+def evidence(tree, *words):
+    """Its exit code, what was measured, and what it said."""
+    (tree / "log").unlink(missing_ok=True)
+    done = subprocess.run([sys.executable, tree / "tools/evidence.py", *words], cwd=tree, capture_output=True, text=True)
+    return done.returncode, (tree / "log").read_text().split() if (tree / "log").exists() else [], done.stdout + done.stderr
+
+
+def test_what_is_old_is_measured_and_the_rest_is_left(tree):
+    (tree / "stop").touch()
+    code, log, said = evidence(tree)
+    assert (code, log) == (1, ["a", "report"]) and "exit code 1" in said and "2 of 2: b.times, about 2 min" in said
+    (tree / "stop").unlink()
+    assert evidence(tree)[:2] == (0, ["b"]), "a run that failed goes on where it was"
+    assert evidence(tree)[:2] == (0, []) and "0 of 2 figures are old" in evidence(tree, "--list")[2]
+    page = (tree / "docs/page.md").read_text()
+    assert page.count("Its inputs have not changed since.") == 2 and (tree / "docs/figures.md").read_text().count("| fresh |") == 2
+    (tree / "two.txt").write_text("3\n")
+    code, log, said = evidence(tree)
+    assert (code, log) == (2, []) and "before these are committed: two.txt" in said
+    commit(tree)
+    said = evidence(tree, "--list")[2]
+    assert "a        old    exact" in said and "sources (two.txt)" in said and "b.times  fresh" in said and "1 of 2 figures are old" in said
+    assert evidence(tree, "--lines")[:2] == (0, []) and (tree / "docs/page.md").read_text().count("Some of its inputs have changed since.") == 1
+    assert evidence(tree, "--kind", "time")[:2] == (0, []) and evidence(tree, "--only", "b")[:2] == (0, ["b"])
+    assert evidence(tree)[:2] == (0, ["a", "report"])
+    revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=tree, capture_output=True, text=True, check=True).stdout.strip()
+    assert (tree / "docs/page.md").read_text().count(f"revision `{revision}`") == 2
+
+
+def test_what_changes_while_it_is_measured_is_not_recorded(tree):
+    (tree / "docs/evidence.toml").write_text(TREE.replace("echo a >>log", "echo a >>log; echo 4 >two.txt"), encoding="utf-8")
+    commit(tree)
+    code, log, said = evidence(tree, "--only", "a")
+    assert code == 1 and log[0] == "a" and "changed while it was measured" in said and not (tree / "docs/evidence.json").exists()
