@@ -471,6 +471,12 @@ EVIDENCE = $(PYTHON) tools/evidence.py --fp3 $(BUILD)/bin/fp3 $(if $(ONLY),--onl
 evidence: $(BUILD)/bin/fp3 ## Measure the figures of the pages that are out of date; LIST=1: only say which and why, LINES=1: only write what pages say of it; ONLY="world.chip bench", KIND=exact
 	@$(EVIDENCE) $(if $(LIST),--list) $(if $(LINES),--lines)
 
+# From what was measured to docs/.
+REPORTS := sizes bench skip stress tune world bodies cluster everywhere arithmetic
+$(REPORTS:%=%-report): %-report:
+	@$(PYTHON) tools/pages.py $*
+	@$(if $(wildcard $(BUILD)/bin/fp3),$(EVIDENCE) --lines)
+
 # ---- error against run time ---------------------------------------------------------------------
 
 # Programs of their own: SUNDIALS and the compiler that they start are no part of the library.
@@ -521,11 +527,10 @@ RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check
 bench: $(BUILD)/bench/bench $(BUILD)/fp3 | need-plot ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, .html; QUICK=1, MODELS=, ENGINE=
 	@$(PYTHON) tools/bench.py --bench $< --output $(RESULTS)/bench.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS)) $(if $(ENGINE),--engine $(ENGINE))
-	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --html $(RESULTS)/bench.html
-	@echo "Look at it with a browser: $(RESULTS)/bench.html"
+	@$(PYTHON) tools/pages.py bench --docs $(RESULTS)
+	@echo "Look at it with a browser: $(RESULTS)/benchmarks.html"
 
 bench-report: | need-plot ## Write docs/benchmarks.md and .html from the full form of `make bench`
-	@$(PYTHON) tools/bench_report.py --input $(RESULTS)/bench.json --markdown docs/benchmarks.md --html docs/benchmarks.html --most 2.5
 
 bench-check: $(BUILD)/bench/bench $(BUILD)/fp3 ## Hold speeds against the ratios in bench/baseline.json; WRITE=1 makes new ones
 	@$(PYTHON) tools/bench_check.py --bench $< $(if $(WRITE),--write) $(if $(ENGINE),--engine $(ENGINE))
@@ -535,7 +540,6 @@ skip: $(BUILD)/bench/bench ## What a scene does not need, done and left out: bui
 	@$(PYTHON) tools/skip.py --bench $< --output $(RESULTS)/skip.json $(if $(QUICK),--quick)
 
 skip-report: ## Write docs/skipping.md from what `make skip` measured
-	@$(PYTHON) tools/skip.py --input $(RESULTS)/skip.json --markdown docs/skipping.md
 
 # ---- the stress suite ---------------------------------------------------------------------------
 
@@ -544,7 +548,6 @@ stress: $(BUILD)/fp3 ## Judge integrators and models in FP32 against theory: bui
 	@$(PYTHON) tools/stress.py --fp3 $< --output $(RESULTS)/stress.json $(if $(QUICK),--quick) --jobs $(JOBS)
 
 stress-report: | need-plot ## Write docs/stress.md and its pictures from the full form of `make stress`
-	@$(PYTHON) tools/stress.py --report --output $(RESULTS)/stress.json
 
 # ---- the tuner ----------------------------------------------------------------------------------
 
@@ -559,7 +562,6 @@ judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their o
 	@$(PYTHON) tools/judge.py --jobs $(JOBS) --output $(RESULTS)/judge.json $(if $(MODELS),--models $(MODELS))
 
 tune-report: ## Write docs/tuning.md from build/results/tune.json
-	@$(PYTHON) tools/tune.py --input $(RESULTS)/tune.json --markdown docs/tuning.md
 
 # ---- objects that see each other ----------------------------------------------------------------
 
@@ -569,7 +571,8 @@ world: all ## Objects that see each other: the same bits everywhere, speed, cycl
 
 combinations: all ## What goes with objects that see each other, each cell tried: the table of docs/relations.md
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json --parts combinations
-	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --relations docs/relations.md
+	@$(PYTHON) tools/pages.py combinations
+	@$(EVIDENCE) --lines
 
 granular: ## What LAMMPS makes of scenes of grains, for `make world` and its tests: tools/fp3world/lammps.json
 	@.venv-bench/bin/python tools/granular.py
@@ -579,7 +582,6 @@ four: all | need-cluster ## Four simulated boards with a cloth, each on a serial
 	@tools/four.sh $(BUILD)/fp3 $(if $(SCENE),$(SCENE),programs/world/cloth.scene) $(if $(STEPS),$(STEPS),10) $(if $(RANKS),$(RANKS),4)
 
 world-report: ## Write docs/world.md from what `make world` found
-	@$(PYTHON) tools/world.py --input $(RESULTS)/world.json --markdown docs/world.md
 
 .PHONY: bodies bodies-report
 bodies: all $(if $(BOX2D),$(BUILD)/bench/bodies_box2d.so) $(if $(BOX3D),$(BUILD)/bench/bodies_box3d.so) ## Rigid bodies beside theory and other engines: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier", BOX2D=DIR and BOX3D=DIR of those that you built
@@ -594,7 +596,6 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(OWN)/include -o $@ $< -L$(OWN)/lib -l$* -lm -Wl,-rpath,$(abspath $(OWN)/lib)
 
 bodies-report: | need-plot ## Write docs/bodies_results.md, docs/bodies_error.md and its pictures from what `make bodies` found
-	@$(PYTHON) tools/bodies.py --input $(RESULTS)/bodies.json --markdown docs/bodies_results.md
 
 # ---- objects divided among processes ------------------------------------------------------------
 
@@ -608,7 +609,6 @@ cluster: all | need-cluster ## Objects divided among ranks: the same bits, kills
 	@$(PYTHON) tools/cluster.py --output $(RESULTS)/cluster.json $(if $(QUICK),--quick) $(if $(FIRST),--first) $(if $(PARTS),--parts $(PARTS))
 
 cluster-report: | need-plot ## Write the tables of docs/cluster.md and its picture from what `make cluster` found
-	@$(PYTHON) tools/cluster.py --report
 
 # ---- lint ---------------------------------------------------------------------------------------
 
@@ -666,7 +666,6 @@ sizes: | $(call need_tools,sizes) ## The same on devices of several families, of
 	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
 
 sizes-report: ## Take what was measured into docs/synth.json, and write docs/sizes.md, the tables of docs/integration.md and docs/chip.md from it
-	@$(PYTHON) tools/sizes.py
 
 .PHONY: bitstream
 bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=, TOOLS=
@@ -674,7 +673,8 @@ bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met
 
 .PHONY: report
 report: ## Write docs/results.md and README's tables from build/results/ and docs/synth.json
-	@$(PYTHON) tools/report.py
+	@$(PYTHON) tools/pages.py results
+	@$(if $(wildcard $(BUILD)/bin/fp3),$(EVIDENCE) --lines)
 
 # ---- other processors ---------------------------------------------------------------------------
 
@@ -717,10 +717,8 @@ storage-report: all ## Write docs/arithmetic.md's table of it
 	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --report
 
 arithmetic-report: | need-plot ## Write docs/arithmetic.md's tables and its picture from it
-	@$(PYTHON) tools/arithmetic.py --output $(RESULTS)/arithmetic.json --report
 
 everywhere-report: ## Write docs/everywhere.md from it
-	@$(PYTHON) tools/everywhere.py --output $(RESULTS)/everywhere.json --report docs/everywhere.md
 
 # ---- for other tools ----------------------------------------------------------------------------
 

@@ -2,7 +2,6 @@
 """What each arithmetic does to the error of models, and what it costs: `make arithmetic`.
 
     tools/arithmetic.py --fp3 build/bin/fp3 --output build/results/arithmetic.json    measures
-    tools/arithmetic.py --output FILE --report                                       writes page and picture from it
 
 A configuration stands for an arithmetic: the same machine but for that. `fp3 bench MODEL --config` has the error of each integrator and time
 step against the truth, over 64 objects that differ, and the cycles of the hardware, whose bits must be those of engine fast or isa. LUTs and clock
@@ -24,7 +23,7 @@ import subprocess
 import sys
 import tempfile
 
-from fp3gen.text import evidence
+from fp3gen.text import evidence, markdown
 import measured
 import plot
 
@@ -39,8 +38,6 @@ UNITS = [(top, config, 1 if config == "cell" else 0.5, 2 ** (18 + 2 * fraction))
 UNITS += [("fp_fma", "fused_full", 0.5, None), ("lns_add", "log", 0.65, 2 ** 29), ("lns_mul", "log", 0, None), ("lns_root", "log", 0.5, None),
           ("lns_from_float", "log", 0.57, 2 ** 23), ("lns_to_float", "log", 0.57, 2 ** 24)]
 DEVICE, GRADE = "LFE5U-85F", 6
-PAGE, PICTURE = ROOT / "docs/arithmetic.md", ROOT / "docs/arithmetic.svg"
-BEGIN, END = "<!-- measured -->\n", "<!-- measured end -->\n"
 COLOURS = ("#0072b2", "#009e73", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 TARGETS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 WORTH = 0.95    # of the cost of binary32: below it another is worth the change
@@ -146,10 +143,8 @@ def pick(by, model, names, target):
     return f"{name} {ratios[name]:.2f}" if ratios[name] <= WORTH else "binary32"
 
 
-def table(head, rows):
-    yield f"| {' | '.join(head)} |\n|{'---|' * len(head)}\n"
-    for row in rows:
-        yield f"| {' | '.join(row)} |\n"
+def lines(head, rows):
+    return "\n".join([*markdown(head, rows), ""])
 
 
 def page(found):
@@ -158,25 +153,26 @@ def page(found):
         by[row["model"], row["arithmetic"]].append(row)
     names = [name for name in ARITHMETICS.values() if any(key[1] == name for key in by)]
     all_models = sorted({key[0] for key in by})
-    yield f"Measured {found['measured']} by `make arithmetic`, revision `{found['revision']}`, on 64 objects that differ; integrators: " \
+    yield "Of 64 objects that differ; integrators: " \
           f"{', '.join(f'`{name}`' for name in found['integrators'])}, plain, compensated and folded, with fixed and with adaptive steps.\n\n"
     yield "\n".join([*evidence("arithmetic.models"), "", ""])
     yield "The first table has the smallest error of each model (median of the objects, relative to the size of each state) in each arithmetic, " \
           "and the worst object's, in brackets. *–*: it cannot run the model.\n\n"
-    yield from table(["model", *names], [[f"`{model}`", *(best_error(by[model, name]) for name in names)] for model in all_models])
+    yield lines(["model", *names], [[f"`{model}`", *(best_error(by[model, name]) for name in names)] for model in all_models])
     yield "\nThe second table has the cost of reaching an error: the fewest cycles of an object over the model's span, times the time of a cycle, times the LUT4 of " \
           "the machine, relative to binary32. Less than 1 is cheaper. The median over the models, and in brackets how many of them reach that error. LUT4 are not all: " \
           "`log` has six multipliers and 61 block RAMs where `many_full` has three and 56, and `middle` and `bfloat` have one multiplier.\n\n"
-    yield from table(["error", *names], [[f"{target:.0e}", *(median_cost(by, all_models, name, target) for name in names)] for target in TARGETS])
+    yield lines(["error", *names], [[f"{target:.0e}", *(median_cost(by, all_models, name, target) for name in names)] for target in TARGETS])
     yield "\nThe third table says what to pick for a model and an error: the arithmetic of the lowest cost and this cost relative to binary32, or binary32 if nothing saves " \
           f"{1 - WORTH:.0%}. *–*: nothing reaches the error.\n\n"
-    yield from table(["model", *(f"{target:.0e}" for target in TARGETS)],
+    yield lines(["model", *(f"{target:.0e}" for target in TARGETS)],
                      [[f"`{model}`", *(pick(by, model, names, target) for target in TARGETS)] for model in all_models])
     yield "\n![Error against cost for each model, a line for each arithmetic](arithmetic.svg)\n\n"
     yield "*Error (median) against LUT4 times µs of an object over the span, the best of all integrators and steps. Further left is cheaper, further down more accurate.*\n"
 
 
-def draw(found, path):
+def draw(found):
+    """The picture."""
     by = collections.defaultdict(list)
     for row in found["rows"]:
         by[row["model"]].append(row)
@@ -201,27 +197,19 @@ def draw(found, path):
     figure.tight_layout()
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    path.write_text(re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue()))
+    return re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue())
 
 
 def main():
     parser = argparse.ArgumentParser(description="What each arithmetic does to the error of models, and what it costs.")
-    parser.add_argument("--fp3", help="measure with this program")
-    parser.add_argument("--output", type=pathlib.Path, required=True, help="the figures, JSON: written, or read with --report")
+    parser.add_argument("--fp3", required=True, help="the program")
+    parser.add_argument("--output", type=pathlib.Path, required=True, help="the figures, JSON")
     parser.add_argument("--model", action="append", help="only this model of programs/; may be repeated")
     parser.add_argument("--integrator", action="append", help=f"only this integrator; may be repeated (default: {', '.join(INTEGRATORS)})")
-    parser.add_argument("--report", action="store_true", help="write docs/arithmetic.md's tables and its picture")
     args = parser.parse_args()
-    if args.fp3:
-        args.output.parent.mkdir(parents=True, exist_ok=True)
-        for found in measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"]):
-            args.output.write_text(json.dumps(found, indent=1) + "\n")
-    if args.report:
-        found = json.loads(args.output.read_text())
-        before, _, rest = PAGE.read_text().partition(BEGIN)
-        _, _, behind = rest.partition(END)
-        PAGE.write_text(before + BEGIN + "".join(page(found)) + END + behind)
-        draw(found, PICTURE)
+    args.output.parent.mkdir(parents=True, exist_ok=True)
+    for found in measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"]):
+        args.output.write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":

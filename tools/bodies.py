@@ -4,7 +4,6 @@
     tools/bodies.py                                     all of it, by everyone who is installed: half an hour
     tools/bodies.py --quick                             the same in seconds, for the tests
     tools/bodies.py --parts truths --engines box2d rapier                           only these; the rows of others stay
-    tools/bodies.py --input build/results/bodies.json --markdown docs/bodies_results.md       the page, and that of errors with its pictures beside it
 
 Writes build/results/bodies.json; parts that are not measured stay as they were in it. A peer's row that does not hold is no fault
 of ours. Exit code 1: an engine failed, a row of fp3 does not hold, or a scene has two hashes.
@@ -19,7 +18,6 @@ import sys
 import time
 
 import bench
-from fp3bodies import report
 
 PARTS = ("truths", "standing", "speed", "error", "hashes", "chip")
 ALONE = {"hashes", "chip"}  # parts without peers
@@ -235,19 +233,9 @@ def main():
     parser.add_argument("--engines", nargs="+", help="only these (default: all that are installed)")
     parser.add_argument("--scenes", nargs="+", help="of other parts than truths, only these")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/bodies.json", help="the file to write")
-    parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
-    parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
     options = parser.parse_args()
-    if bool(options.input) != bool(options.markdown):
-        parser.error("expected --input together with --markdown")
     if options.scenes and "truths" in options.parts:
         parser.error("expected --parts without truths beside --scenes")
-    if options.input:
-        data = json.loads(options.input.read_text(encoding="utf-8"))
-        bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
-        for name, text in report.beside(data).items():
-            bench.write(options.markdown.parent / name, text)
-        return 0
     errors = 0
     for error in measure(options):
         print(f"bodies: {error}", file=sys.stderr)

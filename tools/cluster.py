@@ -4,7 +4,6 @@
     tools/cluster.py                                     all of it, at its full length: `make cluster`
     tools/cluster.py --quick                             the same in seconds, for the tests
     tools/cluster.py --parts hashes model
-    tools/cluster.py --report                            the tables and the picture of docs/cluster.md, from build/results/cluster.json
 
 Writes build/results/cluster.json; parts that are not measured stay as they were in it. Exit code 1: a scene has two hashes, a killed run does not
 end with the hash of an undisturbed one, or a run fails.
@@ -23,7 +22,6 @@ import time
 
 import bench
 from fp3cluster import costs as cluster_costs
-from fp3cluster import report as cluster_report
 from fp3world import hashes as world_hashes
 from fp3world import scene as world_scene
 from fp3cluster.lab import Failed, Lab, environment
@@ -187,11 +185,7 @@ def main():
     parser.add_argument("--first", action="store_true", help="time runs on one node as real-time processes (chrt, root): for a machine with other work")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="only these (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/cluster.json", help="the file to write")
-    parser.add_argument("--report", action="store_true", help="write the tables of docs/cluster.md and its picture instead, from build/results/cluster.json")
     options = parser.parse_args()
-    if options.report:
-        cluster_report.write()
-        return 0
     try:
         with tempfile.TemporaryDirectory() as folder:
             measure_all(options, pathlib.Path(folder))

@@ -125,6 +125,8 @@ def put_lines(figures, fp3):
 
 def work(options):
     every = fig.read()
+    if not options.fp3.exists() and any(name in probes.PROBES for figure in every.values() for name in figure.inputs):
+        raise inputs.Wrong(f"{options.fp3} is not there, and probes ask it: make all")
     figures = {name: figure for name, figure in chosen(every, options.only).items() if figure.kind in (options.kind or fig.KINDS)}
     if options.list:
         say(figures, fig.states(figures, options.fp3))

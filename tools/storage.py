@@ -17,9 +17,11 @@ import subprocess
 import sys
 import tempfile
 
+from bench import write
+from fp3gen.text import between
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/arithmetic.md"
-BEGIN, END = "<!-- records -->\n", "<!-- records end -->\n"
 OBJECTS = 256
 DECAY = """model decay
 shared tau = {steps}
@@ -100,13 +102,10 @@ def main():
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         lines = table(rows(given.fp3.resolve(), folder))
-    text = "\n".join(lines) + "\n"
-    if not given.report:
-        print(text, end="")
-        return
-    page = PAGE.read_text(encoding="utf-8")
-    before, rest = page.split(BEGIN)
-    PAGE.write_text(before + BEGIN + text + END + rest.split(END)[1], encoding="utf-8")
+    if given.report:
+        write(PAGE, between(PAGE.read_text(encoding="utf-8"), "records", lines))
+    else:
+        print("\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 
     tools/stress.py                  everything: minutes
     tools/stress.py --quick          three integrators, three models, fewer steps
-    tools/stress.py --report         docs/stress.md and its pictures from the full form, without a run
 """
 
 import argparse
@@ -15,7 +14,7 @@ import sys
 import tempfile
 
 from bench import about, write
-from fp3bench.stress import SECTIONS, page, pictures
+from fp3bench.stress import SECTIONS
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 MOST = 8        # models of one command
@@ -59,19 +58,9 @@ def main():
     parser.add_argument("--quick", action="store_true", help="three integrators, three models, fewer steps")
     parser.add_argument("--jobs", type=int, default=1, help="how many commands at a time (default 1)")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/stress.json", help="the file to write")
-    parser.add_argument("--report", action="store_true", help="docs/stress.md from that file; nothing is run")
-    parser.add_argument("--docs", type=pathlib.Path, default=ROOT / "docs", help="where the page goes")
     options = parser.parse_args()
     options.fp3, options.output = options.fp3.resolve(), options.output.resolve()
-    if not options.report:
-        summary(run(options)["results"])
-        return
-    found = json.loads(options.output.read_text(encoding="utf-8"))
-    if found["about"]["form"] != "full":
-        sys.exit(f"stress.py: {options.output}: found the quick form, expected that of `make stress`")
-    for name, text in pictures(found["curves"]).items():
-        write(options.docs / name, text)
-    write(options.docs / "stress.md", page(found))
+    summary(run(options)["results"])
 
 
 if __name__ == "__main__":

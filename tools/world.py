@@ -5,8 +5,6 @@
     tools/world.py --quick                             the same in seconds, for the tests
     tools/world.py --parts hashes physics
     tools/world.py --parts hashes --scenes belt slope                              of these scenes alone; the rows of others stay
-    tools/world.py --input build/results/world.json --markdown docs/world.md       the page
-    tools/world.py --input build/results/world.json --relations docs/relations.md  its table of combinations
 
 Writes build/results/world.json; parts that are not measured stay as they were in it. Exit code 1: words differ, something does
 not hold, or a peer fails.
@@ -29,7 +27,6 @@ from fp3world import friction
 from fp3world import hashes as world_hashes
 from fp3world import memory
 from fp3world import physics as world_physics
-from fp3world import report
 from fp3world import rhythm
 from fp3world import scene
 from fp3world import speed as world_speed
@@ -122,22 +119,9 @@ def main():
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--scenes", nargs="+", choices=[*scene.names(), "pile"], help="of hashes and physics, the rows of these scenes only")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/world.json", help="the file to write")
-    parser.add_argument("--input", type=pathlib.Path, help="a file that was written before, to make the page of it")
-    parser.add_argument("--markdown", type=pathlib.Path, help="the page to write")
-    parser.add_argument("--relations", type=pathlib.Path, help="the page whose table of combinations to write")
     options = parser.parse_args()
-    if bool(options.input) != bool(options.markdown or options.relations):
-        parser.error("expected --input together with --markdown or --relations")
     if options.scenes and not set(options.parts) <= {"hashes", "physics"}:
         parser.error("expected --parts hashes or physics beside --scenes")
-    if options.relations:
-        rows = json.loads(options.input.read_text(encoding="utf-8"))["combinations"]
-        bench.write(options.relations, combinations.page(options.relations.read_text(encoding="utf-8"), rows))
-    if options.input and options.markdown:
-        data = json.loads(options.input.read_text(encoding="utf-8"))
-        bench.write(options.markdown, "\n".join(report.page(data)).rstrip("\n") + "\n")
-    if options.input:
-        return 0
     errors = 0
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -13,6 +13,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 from fp3evidence import figures as fig  # noqa: E402
 from fp3evidence import inputs, probes, told  # noqa: E402
+import pages  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -107,6 +108,19 @@ def test_a_page_says_it_of_its_tables():
                     "*Measured 2026-01-02 by `make y`, revision `0123abc`, on a machine. Some of its inputs have changed since.*\n"
                     "<!-- evidence end -->\n\n| a |\n")
     assert told.lines(text, found, records, {"a.x": [], "a.y": ["tools"]}) == text
+
+
+def test_sections_stay_whose_figures_were_not_measured():
+    def page(*parts):
+        return "# T\n\n" + "\n\n".join(f"## {head}\n\n" + (f"<!-- evidence {of} -->\n<!-- evidence end -->\n\n" if of else "") + text for head, of, text in parts) + "\n"
+    old = page(("A", "a", "1"), ("More", "", "2"), ("B", "b", "3"), ("Gone", "", "4"), ("C", "c", "5"))
+    new = page(("B", "b", "6"), ("New", "", "7"))
+    assert pages.joined(new, old, ".md") == page(("A", "a", "1"), ("More", "", "2"), ("B", "b", "6"), ("C", "c", "5"), ("New", "", "7"))
+    assert pages.joined(old, old, ".md") == old and pages.joined(new, "# T\n", ".md") == new
+    old = "<nav><a href='#x'>x</a></nav>\n<h2 id='x'>x</h2>\n<svg>1</svg>\n<h2 id='z'>z</h2>\n<svg>2</svg></html>\n"
+    new = "<nav><a href='#z'>z</a></nav>\n<h2 id='z'>z</h2>\n<svg>3</svg></html>\n"
+    assert pages.joined(new, old, ".html") == ("<nav><a href='#x'>x</a><a href='#z'>z</a></nav>\n<h2 id='x'>x</h2>\n<svg>1</svg>\n<h2 id='z'>z</h2>\n"
+                                               "<svg>3</svg></html>\n")
 
 
 def test_comments_and_layout_change_no_hash_and_words_do():

@@ -42,7 +42,7 @@ def tree(root, tmp_path):
 def sizes(tree, rows=None):
     if rows is not None:
         (tree / "build/results/synth.json").write_text(json.dumps({"rows": rows, "trims": []}))
-    return subprocess.run([sys.executable, tree / "tools/sizes.py"], capture_output=True, text=True)
+    return subprocess.run([sys.executable, tree / "tools/pages.py", "sizes"], capture_output=True, text=True)
 
 
 def cells(text, begin):

@@ -143,7 +143,7 @@ def test_bad_input(stress, tmp_path, root):
 @pytest.mark.skipif(not importlib.util.find_spec("matplotlib"), reason="needs matplotlib: make setup-bench")
 def test_the_page(root, tmp_path, fp3):
     """From a small result; of the quick form none is written."""
-    tool, path = root / "tools/stress.py", tmp_path / "stress.json"
+    tool, path = [sys.executable, root / "tools/pages.py", "stress", "--results", tmp_path, "--docs"], tmp_path / "stress.json"
     part = tmp_path / "part.json"
     subprocess.run([fp3, "stress", "--quick", "-i", "rk4", "--only", "stability", "--json", part], check=True, capture_output=True)
     found = json.loads(part.read_text())
@@ -152,11 +152,11 @@ def test_the_page(root, tmp_path, fp3):
     found["curves"] += [{"figure": figure, "series": "rk4, plain", "x": [0.1, 0.2], "y": [1e-5, 1e-3]} for figure in ("steps", "energy", "place")]
     found["about"] = {"form": "quick", "date": "2026-01-01", "command": "make stress", "revision": "abc"}
     path.write_text(json.dumps(found))
-    done = subprocess.run([sys.executable, tool, "--report", "--output", path, "--docs", tmp_path], capture_output=True, text=True)
-    assert done.returncode == 1 and "found the quick form" in done.stderr and not (tmp_path / "stress.md").exists()
+    done = subprocess.run([*tool, root / "docs"], capture_output=True, text=True)
+    assert done.returncode == 1 and "is of the quick form, the page is of the full one: run `make stress`" in done.stderr
     found["about"]["form"] = "full"
     path.write_text(json.dumps(found))
-    subprocess.run([sys.executable, tool, "--report", "--output", path, "--docs", tmp_path], check=True)
+    subprocess.run([*tool, tmp_path], check=True)
     page = (tmp_path / "stress.md").read_text()
     assert "it is not so" in page and f"{len(rows)} results, of which {len(rows) - 1} hold" in page
     assert f"{rows[1]['expected']:.4f} / {rows[1]['measured']:.4f}" in page

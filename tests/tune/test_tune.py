@@ -327,6 +327,5 @@ def test_the_table_of_all_models(fp3, root, tmp_path):
     for row in rows:
         assert row["met"] and row["error_held_out"] <= row["tolerance"] and 0 < row["cost_ratio"] < 1
         assert row["integrator"] and row["arithmetic"] and (row["adaptive_tolerance"] if row["h"] is None else row["h"]) > 0
-    page = tmp_path / "tuning.md"
-    subprocess.run([sys.executable, root / "tools/tune.py", "--input", out, "--markdown", page], cwd=root, check=True)
-    assert f"| {rows[0]['cost_ratio']:.2f} `{rows[0]['integrator']}`" in page.read_text()
+    subprocess.run([sys.executable, root / "tools/pages.py", "tune", "--results", tmp_path, "--docs", tmp_path], cwd=root, check=True)
+    assert f"| {rows[0]['cost_ratio']:.2f} `{rows[0]['integrator']}`" in (tmp_path / "tuning.md").read_text()

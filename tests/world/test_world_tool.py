@@ -293,10 +293,10 @@ def test_a_run_of_another_kind_is_no_row(world, liar):
 
 def test_the_page_has_all_rows(root, measured, tmp_path):
     def page(data):
-        (tmp_path / "in.json").write_text(json.dumps(data))
-        done = subprocess.run([sys.executable, root / "tools/world.py", "--input", tmp_path / "in.json", "--markdown", tmp_path / "page.md"], capture_output=True, text=True)
+        (tmp_path / "world.json").write_text(json.dumps(data))
+        done = subprocess.run([sys.executable, root / "tools/pages.py", "world", "--results", tmp_path, "--docs", tmp_path], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
-        return (tmp_path / "page.md").read_text()
+        return (tmp_path / "world.md").read_text()
     text = page(measured)
     for row in measured["physics"]:
         assert row["what"] in text
@@ -316,7 +316,7 @@ def test_the_page_has_all_rows(root, measured, tmp_path):
 
 def test_rows_stay_of_scenes_that_are_not_measured(root, build, tmp_path, measured):
     """The others keep theirs, in their order; the page says which scenes were measured later."""
-    path, page = tmp_path / "world.json", tmp_path / "page.md"
+    path, page = tmp_path / "world.json", tmp_path / "world.md"
     rows = [row | {"hash": "0" * 16} if row["scene"] in ("train", "chain") else row for row in measured["hashes"]]
     path.write_text(json.dumps(measured | {"hashes": rows}))
     command = [sys.executable, root / "tools/world.py"]
@@ -325,7 +325,8 @@ def test_rows_stay_of_scenes_that_are_not_measured(root, build, tmp_path, measur
     found = json.loads(path.read_text())
     assert [row for row in found["hashes"] if row["scene"] == "train"] == [row for row in measured["hashes"] if row["scene"] == "train"]
     assert sorted(map(str, found["hashes"])) == sorted(str(row | {"hash": "0" * 16} if row["scene"] == "chain" else row) for row in measured["hashes"])
-    assert subprocess.run([*command, "--input", path, "--markdown", page]).returncode == 0 and "; hashes of `train` " in page.read_text()
+    made = subprocess.run([sys.executable, root / "tools/pages.py", "world", "--results", tmp_path, "--docs", tmp_path])
+    assert made.returncode == 0 and "Later than their parts: hashes of `train` " in page.read_text()
     refused = subprocess.run([*command, "--parts", "chip", "--scenes", "train"], capture_output=True, text=True)
     assert refused.returncode == 2 and "expected --parts hashes or physics beside --scenes" in refused.stderr
 
@@ -343,6 +344,6 @@ def test_parts_stay_that_are_not_measured(root, build, tmp_path, measured):
 
 
 def test_arguments(world, root):
-    assert world("--parts", "nonesuch")[0].returncode == 2 and world("--input", "x")[0].returncode == 2
+    assert world("--parts", "nonesuch")[0].returncode == 2
     done, found = world(fp3=root / "nonesuch")
     assert done.returncode == 1 and found is None and "nonesuch" in done.stderr and "Traceback" not in done.stderr

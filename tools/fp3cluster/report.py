@@ -1,27 +1,15 @@
 """The tables of docs/cluster.md and its picture, from what `make cluster` measured."""
 
-import json
-
 import numpy as np
 
-import bench
 from fp3cluster import model as cm
+from fp3gen.text import between, markdown
 import plot
-
-PAGE, PICTURE, INPUT = bench.ROOT / "docs/cluster.md", bench.ROOT / "docs/cluster.svg", bench.ROOT / "build/results/cluster.json"
-
 
 CONSTANTS = {"step_us": "what a step costs without objects", "object_us": "a step of a mass of the cloth, on one processor", "near_latency_us": "latency on one node",
              "near_us_per_byte": "a byte on one node", "far_latency_us": "latency between two nodes without delay, both on this machine",
              "far_us_per_byte": "a byte between two nodes", "switch_us": "another rank gets the processor", "balls_object_us": "a step of a ball",
              "stars_pair_us": "a pair of stars"}
-
-
-def table(head, rows):
-    yield "| " + " | ".join(head) + " |"
-    yield "|---" * len(head) + "|"
-    for row in rows:
-        yield "| " + " | ".join(map(str, row)) + " |"
 
 
 def number(value):
@@ -32,7 +20,7 @@ def hashes(data):
     rows = {}
     for row in data["hashes"]:
         rows.setdefault(row["scene"], (row["sees"], row["steps"], row["hash"][:12], {}))[3].setdefault(row["engine"], []).append(str(row["ranks"]))
-    yield from table(["scene", "objects see", "steps", "hash", "`isa`", "`fast`", "`rtl`"],
+    yield from markdown(["scene", "objects see", "steps", "hash", "`isa`", "`fast`", "`rtl`"],
                      [[scene, sees, steps, f"`{short}`", *(", ".join(on.get(engine, ["–"])) for engine in ("isa", "fast", "rtl"))]
                       for scene, (sees, steps, short, on) in rows.items()])
 
@@ -44,7 +32,7 @@ def kills(data):
 
 
 def exchange(data):
-    yield from table(["how", "ranks", "nodes", "delay, µs", "packet there and back, µs", "exchange, µs", "step, µs", "bytes"],
+    yield from markdown(["how", "ranks", "nodes", "delay, µs", "packet there and back, µs", "exchange, µs", "step, µs", "bytes"],
                      [[row["way"], row["ranks"], row["nodes"], row["delay_us"] if row["nodes"] == 2 else "–",
                        number(row["round_trip_us"]) if "round_trip_us" in row else "–", number(row["us_per_step"]),
                        number(row["step_us"]), number(row["bytes_per_step"])] for row in data["exchange"]])
@@ -62,11 +50,11 @@ def scale(data):
         rows.append([f"{name}: compiled, divided, set up and one step made, on 2 ranks", f"{row['seconds']['2']:.2f} s", "at most 5 s"])
         memory = ", ".join(f"{max(mb):,.0f}" for mb in row["memory_mb"].values())
         rows.append([f"{name}: peak memory of a rank, of 1, 2 and 4", f"{memory} MB", "–"])
-    yield from table(["what", "measured", "goal, or what is needed"], rows)
+    yield from markdown(["what", "measured", "goal, or what is needed"], rows)
 
 
 def model(data):
-    yield from table(["constant", "µs"], [[text, f"{data['constants'][name]:.3g}"] for name, text in CONSTANTS.items() if name in data["constants"]])
+    yield from markdown(["constant", "µs"], [[text, f"{data['constants'][name]:.3g}"] for name, text in CONSTANTS.items() if name in data["constants"]])
     yield ""
     tried = [row for row in data["model"] if not row["is_fitted"]]
     off = sorted(abs(row["predicted"] / row["measured"] - 1) for row in tried)
@@ -74,7 +62,7 @@ def model(data):
            f"the worst is {100 * off[-1]:.0f} % off. The columns: masses; ranks; nodes; the delay of the wire; "
            "the time of a step as predicted and as measured; their ratio.")
     yield ""
-    yield from table(["masses", "ranks", "nodes", "delay, µs", "predicted, µs", "measured, µs", "ratio"],
+    yield from markdown(["masses", "ranks", "nodes", "delay, µs", "predicted, µs", "measured, µs", "ratio"],
                      [[f"{row['side']} × {row['side']}", row["ranks"], row["nodes"], row["delay_us"] if row["nodes"] == 2 else "–", number(row["predicted"]),
                        number(row["measured"]), f"{row['predicted'] / row['measured']:.2f}"] for row in tried])
 
@@ -98,7 +86,7 @@ def extended(data):
         fastest = int(ranks[int(np.argmin([at(int(count)) / (1 if objects else count) for count in ranks]))])
         more = "more than " if half[-1] == most else ""
         rows.append([name, f"{more}{half[-1]:,}", f"{fastest:,}", number(at(fastest))])
-    yield from table(["scene", "ranks at half efficiency", "fastest with", "a step then, µs"], rows)
+    yield from markdown(["scene", "ranks at half efficiency", "fastest with", "a step then, µs"], rows)
 
 
 def draw(data):
@@ -110,20 +98,17 @@ def draw(data):
     return plot.draw(series, "ranks", "object-steps per second, by the model")
 
 
-PARTS = {"hashes": hashes, "kills": kills, "exchange": exchange, "scale": scale, "model": model, "extended": extended}
+# What each needs of the file.
+PARTS = {"hashes": (hashes, "hashes"), "kills": (kills, "kills"), "exchange": (exchange, "exchange"), "scale": (scale, "share"), "model": (model, "model"),
+         "extended": (extended, "model")}
 
 
 def page(text, data):
-    for name, part in PARTS.items():
-        before, begin, rest = text.partition(f"<!-- {name} -->\n")
-        _, end, after = rest.partition(f"<!-- {name} end -->")
-        if not begin or not end:
-            raise SystemExit(f"cluster: {PAGE} has no place for {name}")
-        text = before + begin + "\n".join(part(data)) + "\n" + end + after
+    for name, (part, needs) in PARTS.items():
+        if needs in data:
+            text = between(text, name, part(data))
     return text
 
 
-def write():
-    data = json.loads(INPUT.read_text(encoding="utf-8"))
-    bench.write(PAGE, page(PAGE.read_text(encoding="utf-8"), data))
-    bench.write(PICTURE, draw(data))
+def beside(data):
+    return {"cluster.svg": draw(data)} if "model" in data else {}

@@ -30,6 +30,16 @@ def evidence(*names):
     return [f"<!-- evidence {' '.join(names)} -->", "<!-- evidence end -->"]
 
 
+def between(text, name, lines):
+    """A page with other lines between the marks of a name."""
+    begin, end = f"<!-- {name} -->\n", f"<!-- {name} end -->"
+    head, found, rest = text.partition(begin)
+    _, closed, tail = rest.partition(end)
+    if not found or not closed:
+        raise SystemExit(f"the page has no {begin.strip()} .. {end}")
+    return head + begin + "\n".join(lines) + "\n" + end + tail
+
+
 def table(head, rows):
     return "\n".join(markdown(head, rows))
 

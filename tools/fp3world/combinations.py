@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 from fp3cluster.lab import environment
-from fp3gen.text import markdown
+from fp3gen.text import between, markdown
 from fp3world import scene as ws
 
 ENGINES = ("isa", "fast", "rtl")
@@ -362,13 +362,6 @@ def differing(text, rows):
     return [row for row in rows if said(row["feature"], row["relation"], row["engine"]) != row["state"]]
 
 
-BEGIN, END = "<!-- combinations -->\n", "<!-- combinations end -->\n"
-
-
 def page(text, rows):
     """docs/relations.md with this table."""
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise ws.Failed(f"expected the marks {BEGIN.strip()} and {END.strip()}")
-    return before + begin + "\n".join(table(rows)) + "\n" + end + after
+    return between(text, "combinations", table(rows))
