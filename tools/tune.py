@@ -120,9 +120,8 @@ def page(data):
     a, rows = data["about"], data["rows"]
     missed = list(reasons(rows))
     return "\n".join([
-        MARK, "", "# What precision costs", "",
-        "How it is found: "
-        "[tuner.md](tuner.md).", "", *evidence("tune"), "",
+        MARK, "", "# What precision costs", "", "*Measured, for numerics.*", "",
+        "How it is found: [tuner.md](tuner.md).", "", *evidence("tune"), "",
         f"Each start and each param of an object of a model lies anywhere within {100 * a['around']:g} % of its default ("
         + ", ".join(f"`{name}`: {100 * share:g} %" for name, share in AROUND_OF.items()) + "). A cell has the "
         "cycles of the choice of `fp3 tune` for an object over the span on `many_full`, as a share of those of rk4 with the model's default step; "
