@@ -184,7 +184,7 @@ def markdown(data):
              "heyoka.py (Taylor's method in double, compiled for each model and tolerance) is in the tables: `make setup-bench` installs it. 256 objects, on one processor: one "
              "after another (`taylor`), or as many at once as a vector has numbers (`taylor batch`). Compiling is not timed. Tolerances are from 1e-2 to 1e-14." + without(data, "heyoka") if "heyoka" in engines else
              "heyoka.py was not measured: `make setup-bench` installs it.",
-             "The same as pictures: [benchmarks.html](benchmarks.html), for a browser; it loads nothing. `make bench` writes `build/results/bench.html`, "
+             "The same as pictures: [benchmarks.html](benchmarks.html), for a browser; it loads nothing. `make bench` writes `build/results/benchmarks.html`, "
              "with a picture of all integrators for each model, and the data behind it, `bench.json`, `bench.csv` and `bench_speed.csv`.",
              "## The models side by side", "*GSL / fast* is the shortest time of GSL divided by that of the engine `fast` with one thread, "
              "at each error from 1e-1 down to the smallest that FP32 reaches. Only the tables of the models have smaller errors, which need double-single. "

@@ -126,7 +126,8 @@ def everywhere(results):
 def arithmetic(results):
     import arithmetic
     found = results("arithmetic.json", "arithmetic")
-    return {"arithmetic.md": between(results.page("arithmetic.md"), "measured", ["".join(arithmetic.page(found)).rstrip("\n")]), "arithmetic.svg": arithmetic.draw(found)}
+    lines = "".join(arithmetic.page(found)).splitlines()
+    return {"arithmetic.md": between(results.page("arithmetic.md"), "measured", lines), "arithmetic.svg": arithmetic.draw(found)}
 
 
 PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, world, combinations, bodies, cluster, everywhere, arithmetic)}
