@@ -20,6 +20,8 @@ $(error the path '$(CURDIR)' has a space, and make cannot build there: move or l
 endif
 
 .DEFAULT_GOAL := help
+COMMA := ,
+SPACE := $(subst ,, )
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -525,8 +527,8 @@ $(BUILD)/bench/bullet: bench/world/bullet.cpp $(BUILD)/flags | $(BUILD)/ready
 
 RESULTS := $(BUILD)/results
 .PHONY: bench bench-report bench-check
-bench: $(BUILD)/bench/bench $(BUILD)/fp3 | need-plot ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, .html; QUICK=1, MODELS=, ENGINE=
-	@$(PYTHON) tools/bench.py --bench $< --output $(RESULTS)/bench.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS)) $(if $(ENGINE),--engine $(ENGINE))
+bench: $(BUILD)/bench/bench $(BUILD)/fp3 | need-plot ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, benchmarks.html; QUICK=1, MODEL="kepler speed": these alone, ENGINE=
+	@$(PYTHON) tools/bench.py --bench $< --output $(RESULTS)/bench.json $(if $(QUICK),--quick) $(if $(MODEL),--models $(MODEL)) $(if $(ENGINE),--engine $(ENGINE))
 	@$(PYTHON) tools/pages.py bench --docs $(RESULTS)
 	@echo "Look at it with a browser: $(RESULTS)/benchmarks.html"
 
@@ -552,14 +554,14 @@ stress-report: | need-plot ## Write docs/stress.md and its pictures from the ful
 # ---- the tuner ----------------------------------------------------------------------------------
 
 .PHONY: tune tune-report
-tune: $(BUILD)/fp3 ## The cheapest way to integrate each model to four tolerances: build/results/tune.json; QUICK=1, MODELS=
+tune: $(BUILD)/fp3 ## The cheapest way to integrate each model to four tolerances: build/results/tune.json; QUICK=1, MODEL="kepler ship"
 	@mkdir -p $(RESULTS)
-	@$(PYTHON) tools/tune.py --fp3 $< --jobs $(JOBS) --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODELS),--models $(MODELS))
+	@$(PYTHON) tools/tune.py --fp3 $< --jobs $(JOBS) --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODEL),--models $(subst $(SPACE),$(COMMA),$(strip $(MODEL))))
 
 .PHONY: judge
-judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their own: build/results/judge.json; MODELS=, SciPy if it is there
+judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their own: build/results/judge.json; MODEL="kepler ship", SciPy if it is there
 	@mkdir -p $(RESULTS)
-	@$(PYTHON) tools/judge.py --jobs $(JOBS) --output $(RESULTS)/judge.json $(if $(MODELS),--models $(MODELS))
+	@$(PYTHON) tools/judge.py --jobs $(JOBS) --output $(RESULTS)/judge.json $(if $(MODEL),--models $(subst $(SPACE),$(COMMA),$(strip $(MODEL))))
 
 tune-report: ## Write docs/tuning.md from build/results/tune.json
 

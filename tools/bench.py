@@ -3,7 +3,7 @@
 
     tools/bench.py                 every model, every integrator: minutes for each model
     tools/bench.py --quick         two models, few points: half a minute
-    tools/bench.py --models kepler lorenz
+    tools/bench.py --models kepler lorenz       these alone; the others stay as they were measured
 
 Each model's results are kept in build/results/bench/MODEL.json (a quick form's in quick/), so that a run that was
 stopped goes on where it was; what is older than the program or the model is measured again. All of them, with machine
@@ -26,6 +26,7 @@ from measured import clocks
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 QUICK = {"ship": ["euler"], "kepler": ["leapfrog"]}
+OTHERS = ("speed", "output")        # what is measured beside models
 PEERS = ("diffrax", "heyoka")       # Python packages, each measured by tools/bench_NAME.py
 
 
@@ -123,8 +124,8 @@ def try_all(options, names):
     """The files of all parts, and what failed: its name and why."""
     begin, parts, failed = time.monotonic(), [], []
     work = [(name, (lambda name=name: measure_model(options, name), *(lambda name=name, peer=peer: measure_peer(options, name, peer) for peer in PEERS)))
-            for name in names]
-    work += [("speed", (lambda: measure_speed(options),)), ("output", (lambda: measure_output(options),))]
+            for name in names if name not in OTHERS]
+    work += [(name, (lambda make=make: make(options),)) for name, make in zip(OTHERS, (measure_speed, measure_output)) if name in names]
     for number, (name, actions) in enumerate(work, 1):
         print(f"bench: {name}, {number} of {len(work)}, {time.monotonic() - begin:.0f} s so far", file=sys.stderr)
         try:
@@ -134,6 +135,12 @@ def try_all(options, names):
             print(f"bench: {name}: failed: {why}", file=sys.stderr)
             failed.append({"name": name, "why": str(why)})
     return [part for part in parts if part], failed
+
+
+def before(options, names, every):
+    """The files of what is not asked for now and was measured earlier."""
+    paths = [options.parts / f"{name}{kind}.json" for name in every if name not in names for kind in ("", *(f".{peer}" for peer in PEERS))]
+    return [path for path in paths if path.exists()]
 
 
 # ---- where it is measured ---------------------------------------------------------------------------
@@ -201,18 +208,20 @@ def main():
     parser.add_argument("--bench", type=pathlib.Path, default=ROOT / "build/bench/bench", help="the program")
     parser.add_argument("--engine", default="fast", help="of fp3: fast (default) or isa")
     parser.add_argument("--quick", action="store_true", help="two models, few points")
-    parser.add_argument("--models", nargs="+", help="only these (default: all in programs/)")
+    parser.add_argument("--models", nargs="+", help="only these, or speed or output; the others stay as they were (default: all)")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/bench.json", help="the file to write")
     options = parser.parse_args()
     all_models = sorted(path.stem for path in ROOT.glob("programs/*.ode"))
+    every = [*all_models, *OTHERS]
     for name in options.models or []:
-        if name not in all_models:
-            parser.error(f"no model '{name}': there are {', '.join(all_models)}")
+        if name not in every:
+            parser.error(f"no model '{name}': there are {', '.join(every)}")
     options.bench, options.output = options.bench.resolve(), options.output.resolve()
     options.parts = options.output.parent / "bench" / ("quick" if options.quick else ".")
     options.parts.mkdir(parents=True, exist_ok=True)
-    names = options.models or (list(QUICK) if options.quick else all_models)
-    found = gather(options, *try_all(options, names))
+    names = options.models or ([*QUICK, *OTHERS] if options.quick else every)
+    paths, failed = try_all(options, names)
+    found = gather(options, sorted(paths + before(options, names, every)), failed)
     write(options.output, json.dumps(found, indent=1) + "\n")
     write_csv(options.output.with_suffix(".csv"), found["points"])
     write_csv(options.output.with_name(f"{options.output.stem}_speed.csv"), found["speed"])

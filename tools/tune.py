@@ -53,7 +53,7 @@ def measure(arguments):
                             [(model, tolerance) for model in models for tolerance in (TOLERANCES[1:3] if arguments.quick else TOLERANCES)]):
             rows.append(row)
             print(cell_of(row), flush=True)
-    command = "make tune" + (" QUICK=1" if arguments.quick else "") + (f" MODELS={arguments.models}" if arguments.models else "")
+    command = "make tune" + (" QUICK=1" if arguments.quick else "") + (f" MODEL=\"{arguments.models.replace(',', ' ')}\"" if arguments.models else "")
     data = {"rows": rows, "about": about(arguments) | {"command": command, "around": arguments.around}}
     write(arguments.output, json.dumps(data, indent=1) + "\n")
     print("\n".join(summary(rows)))

@@ -93,7 +93,7 @@ def fake(root, folder, fails, *models):
 
 
 def test_a_model_that_fails_is_told_and_the_others_are_measured(root, tmp_path):
-    asked, done = fake(root, tmp_path, "lorenz", "kepler", "lorenz", "ship")
+    asked, done = fake(root, tmp_path, "lorenz", "kepler", "lorenz", "ship", "speed", "output")
     assert asked == ["kepler", "lorenz", "ship", "speed"] and done.returncode == 3
     assert "failed: lorenz: exit code 1: bench: no luck today" in done.stdout
     data = json.loads((tmp_path / "out/bench.json").read_text())
@@ -106,6 +106,15 @@ def test_a_run_goes_on_with_what_is_missing(root, tmp_path):
     fake(root, tmp_path, "lorenz", "kepler", "lorenz")
     asked, done = fake(root, tmp_path, "", "kepler", "lorenz")
     assert asked == ["lorenz"] and done.returncode == 0 and "kepler: kept" in done.stderr
+
+
+def test_one_model_is_measured_and_the_others_stay(root, tmp_path):
+    fake(root, tmp_path, "", "kepler", "ship", "speed")
+    (tmp_path / "out/bench/quick/ship.json").unlink()
+    asked, done = fake(root, tmp_path, "", "ship")
+    data = json.loads((tmp_path / "out/bench.json").read_text())
+    assert asked == ["ship"] and done.returncode == 0 and [problem["model"] for problem in data["problems"]] == ["kepler", "ship"]
+    assert data["about"]["target"] == "none"
 
 
 def test_each_part_says_what_revision_it_is_of(root, tmp_path):
