@@ -8,12 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TRIES 200    /* of Newton's method */
-#define SHARES 40    /* of a way that is too long */
-#define LIMITS 4     /* how often limits of friction follow */
-#define NEARLY 1e-3  /* of a limit that needs not follow */
-#define DIGITS 1e-7  /* ... of c, which is far larger: times ROUNDED what double keeps of it */
-#define ROUNDED 1e-8 /* of all impulses: what may be missing of momentum */
+#define TRIES 200      /* of Newton's method */
+#define SHARES 40      /* of a way that is too long */
+#define LIMITS 4       /* how often limits of friction follow */
+#define NEARLY 1e-3    /* of a limit that needs not follow */
+#define DIGITS 1e-7    /* ... of c, which is far larger: times ROUNDED what double keeps of it */
+#define ROUNDED 1e-8   /* of all impulses: what may be missing of momentum */
+#define HUNDREDTHS 100 /* of a direction that is kept */
+#define TURNED 1e-6    /* rad: what slides in another direction needs another matrix */
 
 void fp3_springs_begin(fp3_springs *s, uint32_t count, uint32_t size, double hardest) {
     s->count = count;
@@ -50,6 +52,7 @@ fp3_spring *fp3_springs_add(fp3_springs *s, uint32_t a, uint32_t b, float *word,
                         .least = -INFINITY,
                         .most = INFINITY,
                         .normal = FP3_NO_SPRING,
+                        .normals = 1,
                         .before = (double)*word,
                         .word = word,
                         .was = was};
@@ -80,6 +83,37 @@ static void add(const fp3_springs *s, const fp3_spring *row, double by, double *
         to[row->b * s->size + i] += by * row->of_b[i];
 }
 
+/* Whether a row has come to a limit or left one. */
+static int look_at(const fp3_springs *s, fp3_spring *row, const double *v, int is_guess) {
+    const double wanted = row->c - row->k * speed_of(s, row, v);
+    const int side = is_guess ? *row->was : (wanted > row->most) - (wanted < row->least);
+    row->now = side > 0 ? row->most : side < 0 ? row->least : wanted;
+    const int is_new = row->side != side;
+    row->side = side;
+    return is_new;
+}
+
+/* What is wanted beyond the edge comes back to it along the radius. Then less is at stake across
+ * that direction, and nothing along it; it is another matrix where the direction is another. */
+static int look_at_disc(const fp3_springs *s, fp3_spring *row, const double *v, int is_guess) {
+    fp3_spring *other = row + 1;
+    const double x = row->c - row->k * speed_of(s, row, v),
+                 y = other->c - other->k * speed_of(s, other, v), size = sqrt(x * x + y * y);
+    const int side = is_guess ? *row->was || *other->was : size > row->most;
+    const double to_x = is_guess ? *row->was : x, to_y = is_guess ? *other->was : y,
+                 over = side ? 1 / sqrt(to_x * to_x + to_y * to_y) : 0;
+    const double off_x = over * to_x - row->along, off_y = over * to_y - other->along;
+    const int is_new =
+        row->side != side || (row->most > 0 && off_x * off_x + off_y * off_y > TURNED * TURNED);
+    row->side = other->side = side;
+    row->along = over * to_x;
+    other->along = over * to_y;
+    row->bent = size > row->most ? row->most / size : 1;
+    row->now = side ? row->most * row->along : x;
+    other->now = side ? row->most * other->along : y;
+    return is_new;
+}
+
 /* Impulses at these speeds, and the momentum that they lack: the slope. Whether any row has come to
  * a limit or left one. is_guess: rows stay where they were at last. */
 static int look(fp3_springs *s, const double *v, int is_guess) {
@@ -93,12 +127,12 @@ static int look(fp3_springs *s, const double *v, int is_guess) {
     }
     for (uint32_t i = 0; i < s->rows; i++) {
         fp3_spring *row = &s->row[i];
-        const double wanted = row->c - row->k * speed_of(s, row, v);
-        const int side = is_guess ? *row->was : (wanted > row->most) - (wanted < row->least);
-        row->now = side > 0 ? row->most : side < 0 ? row->least : wanted;
-        is_new |= row->side != side;
-        row->side = side;
+        is_new |= row->is_disc ? look_at_disc(s, row, v, is_guess) : look_at(s, row, v, is_guess);
         add(s, row, row->before - row->now, s->slope);
+        if (row->is_disc) {
+            add(s, row + 1, row[1].before - row[1].now, s->slope);
+            i++;
+        }
     }
     return is_new;
 }
@@ -111,8 +145,11 @@ static int limit(fp3_springs *s) {
         fp3_spring *row = &s->row[i];
         if (row->normal == FP3_NO_SPRING)
             continue;
-        const double now = row->share * fmax(s->row[row->normal].now, 0), most = row->most,
-                     way = most - row->last, rise = way != 0 ? (now - row->last_now) / way : 0;
+        double load = s->row[row->normal].now;
+        for (uint32_t k = 1; k < row->normals; k++)
+            load += s->row[row->normal + k].now;
+        const double now = row->share * fmax(load, 0), most = row->most, way = most - row->last,
+                     rise = way != 0 ? (now - row->last_now) / way : 0;
         is_new |= fabs(now - most) > NEARLY * fmax(now, most);
         row->most = most + (now - most) / (1 - fmin(rise, 0));
         row->least = -row->most;
@@ -128,6 +165,31 @@ static void add_block(double *to, const double *a, const double *b, double k, ui
             to[i * size + j] += k * a[i] * b[j];
 }
 
+/* A row that is at no limit. */
+static void put_row(fp3_springs *s, const fp3_spring *r, double k) {
+    const uint32_t n = s->size;
+    int is_swapped;
+    if (r->a != FP3_NO_SPRING)
+        add_block(fp3_sparse_block(&s->sparse, r->a, r->a, &is_swapped), r->of_a, r->of_a, k, n);
+    if (r->b != FP3_NO_SPRING)
+        add_block(fp3_sparse_block(&s->sparse, r->b, r->b, &is_swapped), r->of_b, r->of_b, k, n);
+    if (r->a == FP3_NO_SPRING || r->b == FP3_NO_SPRING)
+        return;
+    double *both = fp3_sparse_block(&s->sparse, r->a, r->b, &is_swapped);
+    add_block(both, is_swapped ? r->of_b : r->of_a, is_swapped ? r->of_a : r->of_b, k, n);
+}
+
+/* At the edge of a disc: the row across its direction. */
+static fp3_spring across(const fp3_springs *s, const fp3_spring *row) {
+    const fp3_spring *other = row + 1;
+    fp3_spring made = {.a = row->a, .b = row->b};
+    for (uint32_t i = 0; i < s->size; i++) {
+        made.of_a[i] = row->along * other->of_a[i] - other->along * row->of_a[i];
+        made.of_b[i] = row->along * other->of_b[i] - other->along * row->of_b[i];
+    }
+    return made;
+}
+
 /* The matrix of all that are at no limit. */
 static int factor(fp3_springs *s) {
     const uint32_t n = s->size;
@@ -138,18 +200,12 @@ static int factor(fp3_springs *s) {
                n * n * sizeof(double));
     for (uint32_t i = 0; i < s->rows; i++) {
         const fp3_spring *r = &s->row[i];
-        if (r->side)
-            continue;
-        if (r->a != FP3_NO_SPRING)
-            add_block(fp3_sparse_block(&s->sparse, r->a, r->a, &is_swapped), r->of_a, r->of_a, r->k,
-                      n);
-        if (r->b != FP3_NO_SPRING)
-            add_block(fp3_sparse_block(&s->sparse, r->b, r->b, &is_swapped), r->of_b, r->of_b, r->k,
-                      n);
-        if (r->a == FP3_NO_SPRING || r->b == FP3_NO_SPRING)
-            continue;
-        double *both = fp3_sparse_block(&s->sparse, r->a, r->b, &is_swapped);
-        add_block(both, is_swapped ? r->of_b : r->of_a, is_swapped ? r->of_a : r->of_b, r->k, n);
+        if (!r->side)
+            put_row(s, r, r->k);
+        else if (r->is_disc) {
+            const fp3_spring edge = across(s, r);
+            put_row(s, &edge, r->k * r->bent);
+        }
     }
     return fp3_sparse_factor(&s->sparse);
 }
@@ -162,8 +218,14 @@ static double bend(const fp3_springs *s) {
             sum += s->way[i * s->size + k] *
                    dot(&s->mass[(i * s->size + k) * s->size], &s->way[i * s->size], s->size);
     for (uint32_t i = 0; i < s->rows; i++) {
-        const double speed = s->row[i].side ? 0 : speed_of(s, &s->row[i], s->way);
-        sum += s->row[i].k * speed * speed;
+        const fp3_spring *row = &s->row[i];
+        const double speed = row->side ? 0 : speed_of(s, row, s->way);
+        sum += row->k * speed * speed;
+        if (row->side && row->is_disc) {
+            const double over =
+                row->along * speed_of(s, row + 1, s->way) - row[1].along * speed_of(s, row, s->way);
+            sum += row->k * row->bent * over * over;
+        }
     }
     return sum;
 }
@@ -233,9 +295,12 @@ int fp3_springs_solve(fp3_springs *s) {
     }
     const int is_found = exact > 1 && !is_other;
     for (uint32_t i = 0; i < s->rows; i++) {
-        *s->row[i].was = (int8_t)s->row[i].side;
+        const fp3_spring *row = &s->row[i];
+        const int is_of_disc = row->is_disc || (i > 0 && s->row[i - 1].is_disc);
+        const double part = fabs(row->along) <= 1 ? HUNDREDTHS * row->along : 0;
+        *row->was = (int8_t)(is_of_disc ? lround(part) : row->side);
         if (is_found)
-            *s->row[i].word = (float)s->row[i].now;
+            *row->word = (float)row->now;
     }
     return is_found;
 }

@@ -2,9 +2,10 @@
 /* springs.h - impulses between bodies, all at once.
  *
  * Each impulse is that of a stiff spring, c - k times a speed, within limits; those of friction
- * follow another impulse. What bodies do then is the least of an energy that is convex while limits
- * stay. Newton's method finds it, with a step along its way that is no longer than the energy
- * falls; limits of friction are found by turns with it. In double precision.
+ * follow other impulses. In space both tangents of a contact have one limit together, a disc. What
+ * bodies do then is the least of an energy that is convex while limits stay. Newton's method finds
+ * it, with a step along its way that is no longer than the energy falls; limits of friction are
+ * found by turns with it. In double precision.
  */
 #ifndef FP3_BASE_SPRINGS_H
 #define FP3_BASE_SPRINGS_H
@@ -19,14 +20,19 @@ typedef struct {
     uint32_t a, b; /* bodies; FP3_NO_SPRING: what does not move */
     double of_a[FP3_SPARSE_MOST], of_b[FP3_SPARSE_MOST]; /* its speed, by those of both */
     double c, k, least, most;
-    uint32_t normal; /* of friction: whose impulse times `share` is its limit; FP3_NO_SPRING */
+    uint32_t normal, normals; /* of friction: the first row, and how many, whose impulses together
+                               * times `share` are its limit; FP3_NO_SPRING */
     double share;
+    int is_disc;   /* this row and the next one stay together within `most` of 0, a disc */
     double before; /* the impulse that both have of it already */
     float *word;   /* where its impulse stands */
-    int8_t *was;   /* at which limit it was at last: -1, 1; 0: none */
+    int8_t *was;   /* at which limit it was at last: -1, 1; 0: none. Of a disc: hundredths of
+                    * `along` */
     /* While they are found. */
-    int side; /* likewise */
+    int side; /* likewise; of both rows of a disc 1 at its edge */
     double now, last, last_now;
+    double along; /* at the edge of a disc: of the impulse's direction */
+    double bent;  /* ... and k across it is this share of k */
 } fp3_spring;
 
 typedef struct {

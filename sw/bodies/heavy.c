@@ -265,6 +265,54 @@ void fp3_heavy_hold(fp3_bodies *bodies) {
             bodies->pull[fours * h->link[i].slot[k]].drop = (fp3_four){0};
 }
 
+/* What a body does that no force moves. */
+static double given(const fp3_bodies *bodies, uint32_t number, uint32_t slot, const double *by) {
+    double v[FP3_SPARSE_MOST], sum = 0;
+    if (number != FP3_NO_SPRING)
+        return 0;
+    bodies->heavy->laws->speed(bodies, slot, v);
+    for (uint32_t i = 0; i < bodies->heavy->springs.size; i++)
+        sum += v[i] * by[i];
+    return sum;
+}
+
+fp3_spring *fp3_heavy_put(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_heavy_row *of) {
+    fp3_springs *s = &bodies->heavy->springs;
+    fp3_spring *row = fp3_springs_add(s, link->a, link->b, of->word, &link->was[of->which]);
+    memcpy(row->of_a, of->of_a, s->size * sizeof *row->of_a);
+    memcpy(row->of_b, of->of_b, s->size * sizeof *row->of_b);
+    row->k = fmin(of->k, row->k);
+    row->c = (of->keeps_before ? row->before : 0) -
+             row->k * (of->want + given(bodies, link->a, link->slot[0], of->of_a) +
+                       given(bodies, link->b, link->slot[1], of->of_b));
+    return row;
+}
+
+/* As contact2.ode: along the normal, while there is a gap, no faster than to close it; in an
+ * overlap a soft push. */
+fp3_spring *fp3_heavy_push(fp3_bodies *bodies, fp3_heavy_link *link, fp3_heavy_row of, double gap,
+                           int push) {
+    const int is_soft = push && !(gap > 0);
+    of.k = is_soft ? link->mass[of.which] * link->stiff : INFINITY;
+    of.want = gap > 0 ? gap * (bodies->def.substeps / bodies->def.h)
+              : push  ? fmax(link->rate * gap, -bodies->def.push)
+                      : 0;
+    of.keeps_before = !is_soft;
+    fp3_spring *row = fp3_heavy_put(bodies, link, &of);
+    row->least = 0;
+    row->now = push ? link->held[of.which] : row->before;
+    return row;
+}
+
+static void put_body(fp3_bodies *bodies, uint32_t slot, uint32_t n) {
+    const fp3_heavy *h = bodies->heavy;
+    const uint32_t number = h->place[slot].number;
+    double *mass = &h->springs.mass[number * n * n];
+    memset(mass, 0, n * n * sizeof *mass);
+    h->laws->weigh(bodies, slot, mass);
+    h->laws->speed(bodies, slot, &h->springs.start[number * n]);
+}
+
 static fp3_status solve(fp3_bodies *bodies, const fp3_heavy_set *set, int push) {
     fp3_heavy *h = bodies->heavy;
     fp3_springs *s = &h->springs;
@@ -279,8 +327,7 @@ static fp3_status solve(fp3_bodies *bodies, const fp3_heavy_set *set, int push) 
     if (status)
         return status;
     for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next)
-        h->laws->weigh(bodies, k, &s->mass[h->place[k].number * n * n],
-                       &s->start[h->place[k].number * n]);
+        put_body(bodies, k, n);
     for (uint32_t i = set->first_link; i != FP3_NOBODY; i = h->link[i].next)
         h->laws->fill(bodies, &h->link[i], push);
     if (!fp3_springs_solve(s))

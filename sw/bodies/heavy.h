@@ -2,13 +2,14 @@
 /* heavy.h - what heavy bodies do to light ones by joints and contacts, all at once.
  *
  * Passes go from one contact or joint to the next, so what a heavy body does comes only slowly
- * through light ones. Bodies that touch or are joined, and of which one weighs more than 250 times
+ * through light ones. Bodies that touch or are joined, and of which one weighs more than 50 times
  * as much as another, are a heavy set, as are the bodies of a tree of joints that together weigh
- * more than 250 times the lightest. Of such sets the impulses of points and turns that joints hold,
- * of contacts and of their friction are found at once, in double: each body has its equation, each
- * row pulls at two of them as a stiff spring that may have limits, and Newton's method finds who
- * is at a limit. Springs, motors, limits of joints and rolling stay with the passes; so does a set
- * of more than 100 bodies that is no tree. No engine does it, so all engines have the same bits.
+ * more than 250 times the lightest. Of such sets the impulses of joints, of contacts and of their
+ * friction are found at once, in double: each body has its equation, each row pulls at two of them
+ * as a stiff spring that may have limits, and Newton's method finds who is at a limit. Rolling
+ * stays with the passes; so do, in a plane, springs, motors and limits of joints, in space springs
+ * of all three angles. So does a set of more than 50 bodies that is no tree. No engine does it, so
+ * all engines have the same bits.
  */
 #ifndef FP3_BODIES_HEAVY_H
 #define FP3_BODIES_HEAVY_H
@@ -25,11 +26,14 @@ typedef struct {
     uint32_t of;      /* which joint or row */
     int is_contact;
     double arm_a[2], arm_b[2], gap[3]; /* of a joint in a plane, as the step begins */
-    double arm[2][4];                  /* of a contact's points when the substep began */
-    double stiff, rate, mass[4];       /* of a contact: its spring; what its points feel */
-    double held[4];                    /* in the substep before, by the point or points */
-    float rub[4];                      /* friction */
-    int8_t was[9];                     /* of its rows: at which limit */
+    double arm[2][4];            /* of a contact when the substep began: of both points; in space
+                                  * of its middle, at a and at b */
+    double stiff, rate, mass[4]; /* of a contact: its spring; what its points feel */
+    double mu;                   /* in space: its friction */
+    double held[4];              /* in the substep before, by the point or points; in space [3]:
+                                  * along the line */
+    float rub[3];                /* friction */
+    int8_t was[14];              /* of its rows: at which limit */
 } fp3_heavy_link;
 
 typedef struct {
@@ -39,7 +43,7 @@ typedef struct {
     double hardest; /* the spring of what does not yield */
 } fp3_heavy_set;
 
-/* heavy2.h, heavy3.h: of a link its rows; of a body its mass, its speed and how that changes. */
+/* heavy2.c, heavy3.c: of a link its rows; of a body its mass, its speed and how that changes. */
 typedef struct {
     uint32_t rows; /* of a link, at most */
     int (*holds)(const fp3_joint *);
@@ -47,11 +51,13 @@ typedef struct {
     int (*has_pushed)(const fp3_bodies *, uint32_t contact); /* in the step before */
     void (*begin)(fp3_bodies *, fp3_heavy_link *);           /* of a step */
     void (*forget)(fp3_bodies *, fp3_heavy_link *);
-    void (*weigh)(const fp3_bodies *, uint32_t slot, double *mass, double *speed);
+    void (*weigh)(const fp3_bodies *, uint32_t slot, double *mass);
+    void (*speed)(const fp3_bodies *, uint32_t slot, double *speed);
     void (*fill)(fp3_bodies *, fp3_heavy_link *, int push);
     void (*move)(fp3_bodies *, uint32_t slot, const double *change);
     void (*end)(fp3_bodies *, const fp3_heavy_link *);
 } fp3_heavy_laws;
+extern const fp3_heavy_laws fp3_heavy_laws2, fp3_heavy_laws3;
 
 struct fp3_heavy {
     const fp3_heavy_laws *laws;
@@ -77,5 +83,27 @@ fp3_status fp3_heavy_solve(fp3_bodies *bodies, int push);
 /* Behind the last substep: rows of contacts have their friction again. */
 void fp3_heavy_end(fp3_bodies *bodies);
 void fp3_heavy_free(fp3_bodies *bodies);
+
+/* A weld without a spring. */
+static inline int fp3_joint_is_firm(const fp3_joint *joint) {
+    return joint->def.type == FP3_WELD && !(joint->def.hertz > 0);
+}
+
+/* What a body that may not turn resists, of its mass. */
+#define FP3_HEAVY_STANDS 1e12
+
+/* Of a link, row `which`: a spring k, or the hardest if that is less, between these speeds; `want`
+ * is what they should have. keeps_before: it goes on from the impulse that there is. */
+typedef struct {
+    int which;
+    float *word;
+    const double *of_a, *of_b;
+    double k, want;
+    int keeps_before;
+} fp3_heavy_row;
+fp3_spring *fp3_heavy_put(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_heavy_row *row);
+/* Of a contact, a point that pushes at this gap: of the row k, want and keeps_before are found. */
+fp3_spring *fp3_heavy_push(fp3_bodies *bodies, fp3_heavy_link *link, fp3_heavy_row row, double gap,
+                           int push);
 
 #endif

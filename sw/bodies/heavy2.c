@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* heavy2.c - see heavy2.h. */
-#include "heavy2.h"
+/* heavy2.c - heavy sets in a plane: see heavy.h. */
+#include "heavy.h"
 
 #include "turn.h"
 
 #include <math.h>
 #include <string.h>
-
-#define STANDS 1e12 /* what a body that may not turn resists, of its mass */
 
 static fp3_contact2_row *contact_of(const fp3_bodies *bodies, const fp3_heavy_link *link) {
     return (fp3_contact2_row *)bodies->contacts.row + bodies->contacts.lane[link->of] / FP3_WIDE;
@@ -15,8 +13,6 @@ static fp3_contact2_row *contact_of(const fp3_bodies *bodies, const fp3_heavy_li
 static uint32_t contact_lane(const fp3_bodies *bodies, const fp3_heavy_link *link) {
     return bodies->contacts.lane[link->of] % FP3_WIDE;
 }
-
-static int is_firm(const fp3_joint *j) { return j->def.type == FP3_WELD && !(j->def.hertz > 0); }
 
 static int holds(const fp3_joint *j) {
     return j->generation & 1 && (j->def.type == FP3_HINGE || j->def.type == FP3_WELD);
@@ -67,17 +63,19 @@ static void forget(fp3_bodies *bodies, fp3_heavy_link *link) {
         link->held[i] = (double)joint->point[i];
         joint->point[i] = 0;
     }
-    if (is_firm(joint))
+    if (fp3_joint_is_firm(joint))
         joint->twist[0] = 0;
 }
 
-static void weigh(const fp3_bodies *bodies, uint32_t slot, double *mass, double *speed) {
+static void weigh(const fp3_bodies *bodies, uint32_t slot, double *mass) {
     const float m = bodies->heft[slot][0], i = bodies->heft[slot][1];
-    memset(mass, 0, 9 * sizeof *mass);
     mass[0] = mass[4] = 1 / (double)m;
-    mass[8] = i > 0 ? 1 / (double)i : STANDS / (double)m;
+    mass[8] = i > 0 ? 1 / (double)i : FP3_HEAVY_STANDS / (double)m;
+}
+
+static void speed(const fp3_bodies *bodies, uint32_t slot, double *to) {
     for (int k = 0; k < 3; k++)
-        speed[k] = (double)bodies->speed[slot][k];
+        to[k] = (double)bodies->speed[slot][k];
 }
 
 static void turned(const fp3_bodies *bodies, uint32_t slot, const double arm[2], double to[2]) {
@@ -97,29 +95,6 @@ static void stiffen(const fp3_bodies *bodies, const fp3_heavy_link *link, uint32
         bodies->heavy->springs.mass[number * 9 + 8] += bodies->def.h / bodies->def.substeps * by;
 }
 
-/* What a body does that no force moves. */
-static double given(const fp3_bodies *bodies, uint32_t number, uint32_t slot, const double by[3]) {
-    const fp3_four v = bodies->speed[slot];
-    return number == FP3_NO_SPRING
-               ? (double)v[0] * by[0] + (double)v[1] * by[1] + (double)v[2] * by[2]
-               : 0;
-}
-
-/* A row with these speeds; `want` is what it should have. */
-static fp3_spring *put(fp3_bodies *bodies, fp3_heavy_link *link, int which, float *word,
-                       const double a[3], const double b[3], double k, double want,
-                       int keeps_before) {
-    fp3_spring *row =
-        fp3_springs_add(&bodies->heavy->springs, link->a, link->b, word, &link->was[which]);
-    memcpy(row->of_a, a, 3 * sizeof *a);
-    memcpy(row->of_b, b, 3 * sizeof *b);
-    row->k = fmin(k, row->k);
-    row->c = (keeps_before ? row->before : 0) -
-             row->k * (want + given(bodies, link->a, link->slot[0], a) +
-                       given(bodies, link->b, link->slot[1], b));
-    return row;
-}
-
 static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     fp3_joint *joint = &bodies->joint[link->of];
     const double rate = push ? bodies->heavy->rate : 0;
@@ -131,44 +106,44 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     stiffen(bodies, link, link->b, b, 1);
     const double of_a[3][3] = {{-1, 0, a[1]}, {0, -1, -a[0]}, {0, 0, -1}},
                  of_b[3][3] = {{1, 0, -b[1]}, {0, 1, b[0]}, {0, 0, 1}};
-    for (int i = 0; i < 2; i++)
-        put(bodies, link, i, &joint->point[i], of_a[i], of_b[i], INFINITY,
-            rate *
-                (link->gap[i] + (double)way[i] + (b[i] - link->arm_b[i]) - (a[i] - link->arm_a[i])),
-            1);
-    if (is_firm(joint))
-        put(bodies, link, 2, &joint->twist[0], of_a[2], of_b[2], INFINITY,
-            rate * (link->gap[2] + (double)way[2]), 1);
+    for (int i = 0; i < 2; i++) {
+        const double apart =
+            link->gap[i] + (double)way[i] + (b[i] - link->arm_b[i]) - (a[i] - link->arm_a[i]);
+        const fp3_heavy_row row = {i,        &joint->point[i], of_a[i], of_b[i],
+                                   INFINITY, rate * apart,     1};
+        fp3_heavy_put(bodies, link, &row);
+    }
+    if (!fp3_joint_is_firm(joint))
+        return;
+    const fp3_heavy_row row = {
+        2, &joint->twist[0], of_a[2], of_b[2], INFINITY, rate * (link->gap[2] + (double)way[2]), 1};
+    fp3_heavy_put(bodies, link, &row);
 }
 
-/* As contact2.ode: along the normal, while there is a gap, no faster than to close it; in an
- * overlap a soft push. Then friction. Both passes of a substep have the same arms: what the first
- * one gave a light body between heavy ones, the second has to take back where it was given. */
+/* A push, then its friction. Both passes of a substep have the same arms: what the first one gave a
+ * light body between heavy ones, the second has to take back where it was given. */
 static void fill_point(fp3_bodies *bodies, fp3_heavy_link *link, int push, int point,
                        fp3_wide *const words[6]) {
     const fp3_contact2_row *r = contact_of(bodies, link);
     const uint32_t lane = contact_lane(bodies, link);
-    const double nx = r->n_x[lane], ny = r->n_y[lane], gap = (*words[4])[lane],
-                 inverse = bodies->def.substeps / bodies->def.h;
+    const double nx = r->n_x[lane], ny = r->n_y[lane];
     double *arm = link->arm[point];
     for (int i = 0; push && i < 4; i++)
         arm[i] = (double)(*words[i])[lane];
     const double along_a[3] = {-nx, -ny, -arm[0]}, along_b[3] = {nx, ny, arm[1]},
                  aside_a[3] = {ny, -nx, -arm[2]}, aside_b[3] = {-ny, nx, arm[3]};
-    const int is_soft = push && !(gap > 0);
     if (!(link->mass[point] > 0))
         return;
-    const double want = gap > 0 ? gap * inverse
-                        : push  ? fmax(link->rate * gap, -bodies->def.push)
-                                : 0;
-    fp3_spring *row = put(bodies, link, point, (float *)words[5] + lane, along_a, along_b,
-                          is_soft ? link->mass[point] * link->stiff : INFINITY, want, !is_soft);
-    row->least = 0;
-    row->now = push ? link->held[point] : row->before;
-    const uint32_t normal = (uint32_t)(row - bodies->heavy->springs.row);
-    row = put(bodies, link, 2 + point, &link->rub[point], aside_a, aside_b, INFINITY,
-              -(double)r->belt[lane], 1);
-    row->normal = normal;
+    const fp3_heavy_row along = {.which = point,
+                                 .word = (float *)words[5] + lane,
+                                 .of_a = along_a,
+                                 .of_b = along_b},
+                        aside = {2 + point, &link->rub[point],      aside_a, aside_b,
+                                 INFINITY,  -(double)r->belt[lane], 1};
+    const fp3_springs *s = &bodies->heavy->springs;
+    fp3_heavy_push(bodies, link, along, (*words[4])[lane], push);
+    fp3_spring *row = fp3_heavy_put(bodies, link, &aside);
+    row->normal = s->rows - 2;
     row->share = r->mu[lane];
     row->most = 0;
 }
@@ -208,5 +183,5 @@ static void end(fp3_bodies *bodies, const fp3_heavy_link *link) {
     fp3_put(&r->f2, contact_lane(bodies, link), link->rub[1]);
 }
 
-const fp3_heavy_laws fp3_heavy_laws2 = {4,      holds, is_moving, has_pushed, begin,
-                                        forget, weigh, fill,      move,       end};
+const fp3_heavy_laws fp3_heavy_laws2 = {4,     holds, is_moving, has_pushed, begin, forget,
+                                        weigh, speed, fill,      move,       end};

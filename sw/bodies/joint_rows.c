@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* joint_rows.c - the rows of joints: what a joint is made of, before and after a step. */
-#include "heavy2.h"
+#include "heavy.h"
 #include "own.h"
 
 #include <math.h>
@@ -164,7 +164,7 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
 }
 
 static int is_found_at_once(const fp3_joint *j, int law) {
-    return j->is_heavy && (law == LAW(pin2) || (j->def.type == FP3_WELD && !(j->def.hertz > 0)));
+    return j->is_heavy && (law == LAW(pin2) || fp3_joint_is_firm(j));
 }
 
 static fp3_status lay(fp3_bodies *bodies, int law) {

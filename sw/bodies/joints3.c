@@ -30,6 +30,11 @@ static const size_t sizes[FP3_JOINT_LAWS3] = {
     [LAW(twist3)] = sizeof(fp3_twist3_row),
 };
 
+/* Springs of all three angles stay with the passes: they are a matrix of what they feel. */
+static int is_found_at_once(const fp3_joint *j, int law) {
+    return j->is_heavy && (law != LAW(spin3) || fp3_space_holds_turn(&j->def));
+}
+
 static fp3_status lay(fp3_bodies *bodies, int law) {
     fp3_law_rows *rows = &bodies->space->joined[law];
     fp3_status status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
@@ -39,7 +44,7 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
     rows->is_same = 1;
     for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
-        if (!(j->generation & 1) || !(j->laws >> law & 1))
+        if (!(j->generation & 1) || !(j->laws >> law & 1) || is_found_at_once(j, law))
             continue;
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)
@@ -50,6 +55,10 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
     if (!status && rows->count)
         status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law]);
     return status ? status : fp3_cut_rows(bodies, rows);
+}
+
+fp3_softness fp3_space_firm(double h) {
+    return fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h);
 }
 
 fp3_status fp3_space_joints_begin(fp3_bodies *bodies) {
@@ -74,7 +83,7 @@ typedef struct {
     fp3_softness firm, spring; /* of what is held; of its spring */
     double h;
     float farthest;
-    uint32_t lane;
+    uint32_t number, lane;
     int is_first; /* impulses are those of the step before */
 } filling;
 
@@ -157,24 +166,12 @@ static fp3_point3 without(fp3_point3 p, fp3_point3 axis) {
     return fp3_along3(p, -fp3_dot3(p, axis), axis);
 }
 
-/* What is farther apart is pulled no faster: a joint that was made far from where it holds, or was
- * torn, comes together as if this were all. */
-#define FARTHEST 0.2f /* share of `size` */
-#define LARGEST 0.2f  /* rad */
-
-static fp3_point3 at_most(fp3_point3 v, float most) {
-    const float size = fp3_size3(v);
-    return size > most ? fp3_times3(most / size, v) : v;
-}
-
-static int is_on_line(fp3_joint_type type) { return type == FP3_SLIDER || type == FP3_WHEEL; }
-
 static void fill_pin(const filling *f, fp3_pin3_row *row) {
     const fp3_stance3 *s = f->stance;
     const double m = (double)f->ma + f->mb;
     double k[6] = {m, m, m, 0, 0, 0};
     float inverse[6];
-    const int is_line = is_on_line(f->joint->def.type);
+    const int is_line = fp3_is_on_line3(f->joint->def.type);
     const fp3_point3 arm_a = is_line ? fp3_add3(s->arm_a, s->gap) : s->arm_a;
     const fp3_point3 gap =
         is_line ? fp3_along3(s->gap, -fp3_dot3(s->gap, s->axis), s->axis) : s->gap;
@@ -184,7 +181,7 @@ static void fill_pin(const filling *f, fp3_pin3_row *row) {
     PUT_MASSES(row, f);
     PUT3(row, a, f->lane, arm_a);
     PUT3(row, b, f->lane, s->arm_b);
-    PUT3(row, gap, f->lane, at_most(gap, f->farthest));
+    PUT3(row, gap, f->lane, fp3_at_most3(gap, f->farthest));
     PUT6(row, j, k, f->lane, inverse);
     PUT_SOFTNESS(row, f, f->firm);
     const fp3_point3 p = f->is_first ? fp3_point3_of(f->space->pin) : VECTOR(row, p, f->lane);
@@ -203,7 +200,7 @@ static void fill_spin(const filling *f, fp3_spin3_row *row) {
     invert(k, !is_free ? NULL : type == FP3_WHEEL ? &s->axle : &s->axis, inverse);
     PUT_INERTIAS(row, f);
     const fp3_point3 error = is_free ? s->lean : s->error;
-    PUT3(row, gap, f->lane, is_spring ? error : at_most(error, LARGEST));
+    PUT3(row, gap, f->lane, is_spring ? error : fp3_at_most3(error, FP3_FARTHEST_TURN3));
     PUT6(row, j, k, f->lane, inverse);
     fp3_put(&row->firm, f->lane, is_spring ? 0 : 1);
     PUT_SOFTNESS(row, f, is_spring ? f->spring : f->firm);
@@ -212,21 +209,16 @@ static void fill_spin(const filling *f, fp3_spin3_row *row) {
 }
 
 /* Limits, motor, spring or lock, in line3 and twist3. */
-#define PUT_ROW(row, f, use, is_firm, where, impulses)                                             \
+#define PUT_DRIVE(row, f, d, impulses)                                                             \
     do {                                                                                           \
-        const fp3_joint_def *def_ = &(f)->joint->def;                                              \
-        const fp3_softness none_ = {0, 0, 0};                                                      \
-        const int has_limits_ = (use)&USES_LIMITS && def_->has_limits;                             \
-        fp3_put(&(row)->firm, (f)->lane, (is_firm) ? 1 : 0);                                       \
-        PUT_SOFTNESS(row, f,                                                                       \
-                     (is_firm)                                        ? (f)->firm                  \
-                     : (use)&USES_SPRING && (f)->joint->def.hertz > 0 ? (f)->spring                \
-                                                                      : none_);                    \
-        fp3_put(&(row)->off, (f)->lane, (float)((where)-def_->rest));                              \
-        fp3_put(&(row)->speed, (f)->lane, (float)def_->speed);                                     \
-        fp3_put(&(row)->most, (f)->lane, (use)&USES_MOTOR ? (float)(def_->most * (f)->h) : 0);     \
-        fp3_put(&(row)->over, (f)->lane, has_limits_ ? (float)((where)-def_->low) : 1e12f);        \
-        fp3_put(&(row)->under, (f)->lane, has_limits_ ? (float)(def_->high - (where)) : 1e12f);    \
+        fp3_put(&(row)->j, (f)->lane, (d)->mass);                                                  \
+        fp3_put(&(row)->firm, (f)->lane, (d)->is_firm ? 1 : 0);                                    \
+        PUT_SOFTNESS(row, f, (d)->soft);                                                           \
+        fp3_put(&(row)->off, (f)->lane, (d)->off);                                                 \
+        fp3_put(&(row)->speed, (f)->lane, (d)->speed);                                             \
+        fp3_put(&(row)->most, (f)->lane, (d)->most);                                               \
+        fp3_put(&(row)->over, (f)->lane, (d)->over);                                               \
+        fp3_put(&(row)->under, (f)->lane, (d)->under);                                             \
         fp3_put(&(row)->hold, (f)->lane, (f)->firm.rate);                                          \
         fp3_put(&(row)->give, (f)->lane, (f)->firm.soft);                                          \
         if ((f)->is_first) {                                                                       \
@@ -240,43 +232,71 @@ enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
 
 static float inverse_of(float x) { return x > 0 ? 1 / x : 0; }
 
-static void fill_line(const filling *f, fp3_line3_row *row) {
-    const fp3_stance3 *s = f->stance;
-    const fp3_joint_def *def = &f->joint->def;
-    const float size = fp3_size3(s->gap);
-    const int is_rod = def->type == FP3_ROD;
-    const fp3_point3 n = !is_rod    ? s->axis
-                         : size > 0 ? fp3_times3(1 / size, s->gap)
-                                    : (fp3_point3){0, 1, 0};
-    const fp3_point3 a = fp3_cross3(is_rod ? s->arm_a : fp3_add3(s->arm_a, s->gap), n),
-                     b = fp3_cross3(s->arm_b, n);
-    const float mass = (f->ma + f->mb) + fp3_dot3(a, fp3_tensor3(s->back_a, a)) +
-                       fp3_dot3(b, fp3_tensor3(s->back_b, b));
-    PUT_MASSES(row, f);
-    PUT3(row, n, f->lane, n);
-    PUT3(row, a, f->lane, a);
-    PUT3(row, b, f->lane, b);
-    fp3_put(&row->j, f->lane, inverse_of(mass));
-    const int use = def->type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL;
-    PUT_ROW(row, f, use, is_rod && !(def->hertz > 0) && !def->has_limits,
-            fp3_stance_at(s, def->type), f->space->line);
+static void use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double where, double h) {
+    const int has_limits = uses & USES_LIMITS && def->has_limits;
+    if (d->is_firm)
+        d->soft = fp3_space_firm(h);
+    else if (uses & USES_SPRING && def->hertz > 0)
+        d->soft = fp3_soften(def->hertz, def->damping, h);
+    d->off = (float)(where - def->rest);
+    d->speed = (float)def->speed;
+    d->most = uses & USES_MOTOR ? (float)(def->most * h) : 0;
+    d->over = has_limits ? (float)(where - def->low) : FP3_NO_LIMIT3;
+    d->under = has_limits ? (float)(def->high - where) : FP3_NO_LIMIT3;
 }
 
-static void fill_twist(const filling *f, fp3_twist3_row *row) {
-    const fp3_stance3 *s = f->stance;
-    const fp3_joint_type type = f->joint->def.type;
+fp3_drive3 fp3_space_drive_along(const fp3_bodies *bodies, uint32_t number, double h) {
+    const fp3_joint *j = &bodies->joint[number];
+    const fp3_stance3 *s = &bodies->space->stance[number];
+    const float size = fp3_size3(s->gap);
+    const int is_rod = j->def.type == FP3_ROD;
+    fp3_drive3 d = {.n = !is_rod    ? s->axis
+                         : size > 0 ? fp3_times3(1 / size, s->gap)
+                                    : (fp3_point3){0, 1, 0},
+                    .arm_a = is_rod ? s->arm_a : fp3_add3(s->arm_a, s->gap),
+                    .is_firm = is_rod && !(j->def.hertz > 0) && !j->def.has_limits};
+    const fp3_point3 a = fp3_cross3(d.arm_a, d.n), b = fp3_cross3(s->arm_b, d.n);
+    d.mass = inverse_of(
+        (fp3_inverse_mass(bodies->body[j->a].mass) + fp3_inverse_mass(bodies->body[j->b].mass)) +
+        fp3_dot3(a, fp3_tensor3(s->back_a, a)) + fp3_dot3(b, fp3_tensor3(s->back_b, b)));
+    use(&d, &j->def, j->def.type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL,
+        fp3_stance_at(s, j->def.type), h);
+    return d;
+}
+
+fp3_drive3 fp3_space_drive_about(const fp3_bodies *bodies, uint32_t number, double h) {
+    const fp3_joint *j = &bodies->joint[number];
+    const fp3_stance3 *s = &bodies->space->stance[number];
+    const fp3_joint_type type = j->def.type;
     const float size = fp3_size3(s->lean);
-    const fp3_point3 n = type == FP3_BALL ? (size > 0 ? fp3_times3(1 / size, s->lean) : s->axle)
-                                          : (type == FP3_WHEEL ? s->axle : s->axis);
-    const int use = type == FP3_HINGE ? USES_ALL : type == FP3_BALL ? USES_LIMITS : USES_MOTOR;
-    PUT_INERTIAS(row, f);
-    PUT3(row, n, f->lane, n);
-    fp3_put(&row->j, f->lane,
-            inverse_of(fp3_dot3(n, fp3_tensor3(s->back_a, n)) +
-                       fp3_dot3(n, fp3_tensor3(s->back_b, n))));
-    PUT_ROW(row, f, use, 0, type == FP3_BALL ? s->swing : s->about, f->space->twist);
+    fp3_drive3 d = {.n = type == FP3_BALL ? (size > 0 ? fp3_times3(1 / size, s->lean) : s->axle)
+                                          : (type == FP3_WHEEL ? s->axle : s->axis)};
+    d.mass = inverse_of(fp3_dot3(d.n, fp3_tensor3(s->back_a, d.n)) +
+                        fp3_dot3(d.n, fp3_tensor3(s->back_b, d.n)));
+    use(&d, &j->def,
+        type == FP3_HINGE  ? USES_ALL
+        : type == FP3_BALL ? USES_LIMITS
+                           : USES_MOTOR,
+        type == FP3_BALL ? s->swing : s->about, h);
     if (type == FP3_BALL) /* nothing is nearer to the axis than 0 */
-        fp3_put(&row->over, f->lane, 1e12f);
+        d.over = FP3_NO_LIMIT3;
+    return d;
+}
+
+static void fill_line(const fp3_bodies *bodies, const filling *f, fp3_line3_row *row) {
+    const fp3_drive3 d = fp3_space_drive_along(bodies, f->number, f->h);
+    PUT_MASSES(row, f);
+    PUT3(row, n, f->lane, d.n);
+    PUT3(row, a, f->lane, fp3_cross3(d.arm_a, d.n));
+    PUT3(row, b, f->lane, fp3_cross3(f->stance->arm_b, d.n));
+    PUT_DRIVE(row, f, &d, f->space->line);
+}
+
+static void fill_twist(const fp3_bodies *bodies, const filling *f, fp3_twist3_row *row) {
+    const fp3_drive3 d = fp3_space_drive_about(bodies, f->number, f->h);
+    PUT_INERTIAS(row, f);
+    PUT3(row, n, f->lane, d.n);
+    PUT_DRIVE(row, f, &d, f->space->twist);
 }
 
 static void fill(const fp3_bodies *bodies, int law, uint32_t i, filling *f) {
@@ -288,9 +308,9 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, filling *f) {
     else if (law == LAW(spin3))
         fill_spin(f, (fp3_spin3_row *)rows->row + block);
     else if (law == LAW(line3))
-        fill_line(f, (fp3_line3_row *)rows->row + block);
+        fill_line(bodies, f, (fp3_line3_row *)rows->row + block);
     else
-        fill_twist(f, (fp3_twist3_row *)rows->row + block);
+        fill_twist(bodies, f, (fp3_twist3_row *)rows->row + block);
 }
 
 /* Joints from .. to - 1 whose rows this process passes over, or the others. */
@@ -327,7 +347,7 @@ static void fill_blocks(void *of, uint32_t from, uint32_t to) {
     const fp3_space *s = bodies->space;
     const fp3_law_rows *rows = &s->joined[all->law];
     const double h = bodies->def.h / bodies->def.substeps;
-    const fp3_softness firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h);
+    const fp3_softness firm = fp3_space_firm(h);
     for (uint32_t k = from * FP3_WIDE; k < to * FP3_WIDE; k++) {
         const uint32_t i = rows->at[k];
         if (i == FP3_NOBODY || !fp3_share_has(bodies, rows->a[i], rows->b[i]))
@@ -335,6 +355,7 @@ static void fill_blocks(void *of, uint32_t from, uint32_t to) {
         const uint32_t number = rows->of[i];
         const fp3_joint *j = &bodies->joint[number];
         filling f = {.joint = j,
+                     .number = number,
                      .space = &s->joint[number],
                      .stance = &s->stance[number],
                      .ma = fp3_inverse_mass(bodies->body[j->a].mass),
@@ -342,7 +363,7 @@ static void fill_blocks(void *of, uint32_t from, uint32_t to) {
                      .firm = firm,
                      .spring = fp3_soften(j->def.hertz, j->def.damping, h),
                      .h = h,
-                     .farthest = FARTHEST * (float)bodies->def.size,
+                     .farthest = FP3_FARTHEST3 * (float)bodies->def.size,
                      .is_first = all->is_first};
         fill(bodies, all->law, i, &f);
     }
@@ -390,6 +411,12 @@ static void mend(float *impulse, uint32_t count) {
         if (!isfinite(impulse[i]))
             impulse[i] = 0;
 }
+static void mend_all(fp3_joint3 *j) {
+    mend(j->pin, 3);
+    mend(j->spin, 3);
+    mend(j->line, 4);
+    mend(j->twist, 4);
+}
 
 static void keep(const fp3_bodies *bodies, int law, uint32_t i) {
     const fp3_law_rows *rows = &bodies->space->joined[law];
@@ -397,16 +424,12 @@ static void keep(const fp3_bodies *bodies, int law, uint32_t i) {
     const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
     if (law == LAW(pin3)) {
         KEEP3(j->pin, (const fp3_pin3_row *)rows->row + block, lane);
-        mend(j->pin, 3);
     } else if (law == LAW(spin3)) {
         KEEP3(j->spin, (const fp3_spin3_row *)rows->row + block, lane);
-        mend(j->spin, 3);
     } else if (law == LAW(line3)) {
         KEEP4(j->line, (const fp3_line3_row *)rows->row + block, lane);
-        mend(j->line, 4);
     } else {
         KEEP4(j->twist, (const fp3_twist3_row *)rows->row + block, lane);
-        mend(j->twist, 4);
     }
 }
 
@@ -452,6 +475,7 @@ void fp3_space_joints_end(fp3_bodies *bodies, double h) {
         if (!(j->generation & 1) || (fp3_slot_of(bodies, j->a) >= bodies->movable &&
                                      fp3_slot_of(bodies, j->b) >= bodies->movable))
             continue;
+        mend_all(&bodies->space->joint[i]);
         weigh(bodies, i, h);
         const fp3_joint3 *space = &bodies->space->joint[i];
         const float force = fp3_size3(fp3_point3_of(space->force)),

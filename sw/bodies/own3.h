@@ -169,16 +169,52 @@ void fp3_space_contacts_end(fp3_bodies *bodies);
 fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t joint, int has_way);
 /* A body's inverse inertia, as its words in fp3_body3 are. */
 void fp3_space_back(const fp3_bodies *bodies, uint32_t body, int has_way, float back[6]);
+/* Its inertia after its way, as exactly as double has it: of a rod a float loses what is about its
+ * axis. */
+void fp3_space_inertia(const fp3_bodies *bodies, uint32_t body, double inertia[6]);
 /* The distance, way or angle that its limits are of. */
 double fp3_space_joint_at(const fp3_bodies *bodies, uint32_t joint);
 double fp3_stance_at(const fp3_stance3 *stance, fp3_joint_type type);
+
+/* What drives or holds a joint along n or about it, as line3.ode and twist3.ode have it. */
+typedef struct {
+    fp3_point3 n, arm_a; /* along it: the arm at a */
+    float mass;          /* that it feels */
+    int is_firm;
+    fp3_softness soft;                   /* of the lock or spring; 0: there is none */
+    float off, speed, most, over, under; /* over, under: FP3_NO_LIMIT3 where there is none */
+} fp3_drive3;
+#define FP3_NO_LIMIT3 1e12f
+fp3_drive3 fp3_space_drive_along(const fp3_bodies *bodies, uint32_t joint, double h);
+fp3_drive3 fp3_space_drive_about(const fp3_bodies *bodies, uint32_t joint, double h);
+/* Of its point, the line along its axis is free. */
+static inline int fp3_is_on_line3(fp3_joint_type type) {
+    return type == FP3_SLIDER || type == FP3_WHEEL;
+}
+/* Whether it holds angles that are not about its axis, and no spring does it. */
+static inline int fp3_space_holds_turn(const fp3_joint_def *def) {
+    return def->type == FP3_HINGE || def->type == FP3_SLIDER || def->type == FP3_WHEEL ||
+           (def->type == FP3_WELD && !(def->hertz > 0));
+}
 
 /* Which laws a joint is made of: bits by law - FP3_LAW_pin3. */
 int fp3_space_laws_of(const fp3_joint_def *def);
 /* All that is of a new joint, from its definition. */
 void fp3_space_joint_place(fp3_bodies *bodies, uint32_t number);
 
+/* What is farther apart is pulled no faster: a joint that was made far from where it holds, or was
+ * torn, comes together as if this were all. */
+#define FP3_FARTHEST3 0.2f      /* share of `size` */
+#define FP3_FARTHEST_TURN3 0.2f /* rad */
+static inline fp3_point3 fp3_at_most3(fp3_point3 v, float most) {
+    const float size = fp3_size3(v);
+    return size > most ? fp3_times3(most / size, v) : v;
+}
+
 /* joints3.c */
+/* The spring of what they hold. */
+fp3_softness fp3_space_firm(double h);
+/* Behind fp3_heavy_find. */
 fp3_status fp3_space_joints_begin(fp3_bodies *bodies);
 /* Rows for where bodies are now, with the impulses of the step before. */
 void fp3_space_joints_first(fp3_bodies *bodies);

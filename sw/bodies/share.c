@@ -280,6 +280,14 @@ static void carry_joints(fp3_bodies *bodies, doing what) {
         if (!(j->generation & 1) || !j->is_heavy)
             continue;
         const uint32_t rank = rank_of(bodies, fp3_slot_of(bodies, j->a), fp3_slot_of(bodies, j->b));
+        if (bodies->space) {
+            fp3_joint3 *space = &bodies->space->joint[i];
+            carry(bodies->share, what, rank, space->pin, 3);
+            carry(bodies->share, what, rank, space->spin, 3);
+            carry(bodies->share, what, rank, space->line, 4);
+            carry(bodies->share, what, rank, space->twist, 4);
+            continue;
+        }
         carry(bodies->share, what, rank, j->point, 2);
         carry(bodies->share, what, rank, j->twist, 1);
     }

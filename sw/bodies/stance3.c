@@ -101,6 +101,22 @@ void fp3_space_back(const fp3_bodies *bodies, uint32_t number, int has_way, floa
     memcpy(back, made, sizeof made);
 }
 
+void fp3_space_inertia(const fp3_bodies *bodies, uint32_t number, double to[6]) {
+    static const int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+    const fp3_body3 *space = &bodies->space->body[number];
+    const pose now = pose_of(bodies, number, 1);
+    double q[4];
+    fp3_multiply3(now.q, space->axes, q);
+    memset(to, 0, 6 * sizeof *to);
+    for (int axis = 0; axis < 3; axis++) {
+        const double own[3] = {axis == 0, axis == 1, axis == 2};
+        double n[3];
+        fp3_turned3_by(q, own, n);
+        for (int k = 0; k < 6; k++)
+            to[k] += (double)space->moment[axis] * (n[row[k]] * n[column[k]]);
+    }
+}
+
 fp3_stance3 fp3_space_stance(const fp3_bodies *bodies, uint32_t number, int has_way) {
     const fp3_joint *j = &bodies->joint[number];
     const fp3_joint3 *space = &bodies->space->joint[number];

@@ -174,8 +174,7 @@ static void let_fall(fp3_bodies *bodies) {
             hold(bodies, rows->a[i], rows->b[i]);
     }
     fp3_bodies_share_slots(bodies, drop_some, bodies);
-    if (bodies->heavy)
-        fp3_heavy_hold(bodies);
+    fp3_heavy_hold(bodies);
 }
 
 static int is_finite(fp3_four v, fp3_four way) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step3.c - a step in space. */
+#include "heavy.h"
 #include "own3.h"
 
 #include <inttypes.h>
@@ -200,6 +201,8 @@ fp3_status fp3_space_begin(fp3_bodies *bodies, double h) {
     fp3_status status = bring(bodies);
     if (!status)
         status = fp3_space_contacts_begin(bodies, h);
+    if (!status)
+        status = fp3_heavy_find(bodies, &fp3_heavy_laws3, fp3_space_firm(h).rate);
     if (!status)
         status = fp3_space_joints_begin(bodies);
     if (status)

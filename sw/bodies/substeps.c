@@ -154,9 +154,7 @@ static void add_joints(fp3_bodies *bodies, int way) {
         add_pass(bodies, way, bodies->space ? (i + 1) % FP3_JOINT_LAWS : i);
 }
 
-static int has_heavy_sets(const fp3_bodies *bodies) {
-    return bodies->heavy && bodies->heavy->sets > 0;
-}
+static int has_heavy_sets(const fp3_bodies *bodies) { return bodies->heavy->sets > 0; }
 
 /* Joints first: contacts have the last word. Heavy sets, whose rows passes leave alone, follow
  * where passes find how gaps are now. */
@@ -184,10 +182,10 @@ static void add_substep(fp3_bodies *bodies, int is_first) {
     add_bodies(bodies, is_first ? speed_first : speed_later);
     if (is_first)
         add_pass(bodies, WARM, FP3_JOINT_LAWS);
-    if (!is_first && bodies->space)
-        fp3_laps_add(&bodies->laps, fp3_space_give_again, bodies, 0, 1, 1);
     if (!is_first && has_heavy_sets(bodies))
         fp3_laps_add(&bodies->laps, forget_heavy, bodies, 0, 1, 1);
+    if (!is_first && bodies->space)
+        fp3_laps_add(&bodies->laps, fp3_space_give_again, bodies, 0, 1, 1);
     add_joints(bodies, WARM);
     add_all(bodies, PUSH);
     add_bodies(bodies, bodies->space ? fp3_space_place : place);
@@ -236,7 +234,6 @@ fp3_status fp3_substeps_do(fp3_bodies *bodies, double h) {
     for (uint32_t i = 0; i < bodies->def.substeps; i++)
         add_substep(bodies, i == 0);
     const fp3_status status = fp3_laps_do(&bodies->laps);
-    if (bodies->heavy)
-        fp3_heavy_end(bodies);
+    fp3_heavy_end(bodies);
     return status ? status : bodies->substeps->status;
 }

@@ -24,56 +24,140 @@ def column(value):
     return np.ravel(value)
 
 
-class Tree:
-    """Links of 1 kg and 1 m from the origin along an angle, and a disc at the end."""
+ASIDE = 0.5  # rad about y: what lies in a plane is in none of two axes in space
 
-    def __init__(self, links, heavy, joint="hinge", turn=-math.pi / 2, **options):
-        self.world = fp3.Bodies(gravity=(0, -G), rest_speed=0.0, bounce=0.0, **options)
-        self.ground = self.world.add(type="static")
+
+def place(x, y, dimensions):
+    return (x, y) if dimensions == 2 else (x * math.cos(ASIDE), y, -x * math.sin(ASIDE))
+
+
+def turned(angle, dimensions):
+    """Words of a body that is turned by an angle, in that plane."""
+    c, s, a, b = math.cos(angle / 2), math.sin(angle / 2), math.cos(ASIDE / 2), math.sin(ASIDE / 2)
+    return {"angle": angle} if dimensions == 2 else {"q": (c * a, s * b, c * b, s * a)}
+
+
+def block(half_x, half_y, mass, dimensions, **material):
+    """In space as deep as it is wide."""
+    sizes = (half_x, half_y, half_x)[:dimensions]
+    return fp3.box(*sizes, density=mass / np.prod(2 * np.array(sizes)), **material)
+
+
+def ball(radius, mass, dimensions, **material):
+    volume = math.pi * radius**2 if dimensions == 2 else 4 / 3 * math.pi * radius**3
+    return (fp3.circle if dimensions == 2 else fp3.sphere)(radius, density=mass / volume, **material)
+
+
+def empty(dimensions, gravity=G, **options):
+    return fp3.Bodies(dimensions=dimensions, gravity=(0, -gravity, 0)[:dimensions], rest_speed=0.0, **options)
+
+
+class Tree:
+    """Links of 1 kg and 1 m from the origin along an angle, and a disc or a ball at the end."""
+
+    def __init__(self, links, heavy, joint="hinge", turn=-math.pi / 2, dimensions=2, **options):
+        self.world, self.dimensions = empty(dimensions, bounce=0.0, **options), dimensions
+        self.ground = self.world.add(type="static", **turned(0.0, dimensions))
         self.joints, self.bodies, before = [], [], self.ground
+        end = (0,) * (dimensions - 1)
         for k in range(links + 1):
             along = k + 0.5 if k < links else links
-            body = self.world.add(x=(along * math.cos(turn), along * math.sin(turn)), angle=turn)
-            self.world.attach(body, fp3.box(0.5, 0.125, density=4.0) if k < links else fp3.circle(0.5, density=heavy / (math.pi / 4)))
-            self.joints.append(self.world.join(joint, before, body, anchor_a=(0.5 if k else 0, 0), anchor_b=(-0.5 if k < links else 0, 0)))
+            body = self.world.add(x=place(along * math.cos(turn), along * math.sin(turn), dimensions), **turned(turn, dimensions))
+            self.world.attach(body, fp3.box(0.5, *(0.125,) * (dimensions - 1), density=4.0 ** (dimensions - 1)) if k < links else ball(0.5, heavy, dimensions))
+            axis = {"axis": (0, 0, 1)} if joint == "hinge" and dimensions == 3 else {}
+            self.joints.append(self.world.join(joint, before, body, anchor_a=(0.5 if k else 0, *end), anchor_b=(-0.5 if k < links else 0, *end), **axis))
             self.bodies.append(body)
             before = body
 
     def of(self, name, body=-1):
         return column(self.world.read(name, self.bodies[body]))
 
+    def told(self, name, k):
+        return float(column(self.world.read_joint(name, self.joints[k]))[0])
+
     def pull(self, k):
-        return np.array([float(column(self.world.read_joint(name, self.joints[k]))[0]) for name in ("force_x", "force_y")])
+        return np.array([self.told(name, k) for name in ("force_x", "force_y", "force_z")[:self.dimensions]])
+
+
+KINDS = [("hinge", 2), ("hinge", 3), ("ball", 3)]
 
 
 @pytest.mark.parametrize("heavy, substeps", [(1000.0, 4), (1e5, 1), (1e5, 4)])
-def test_a_chain_carries_what_hangs_on_it(heavy, substeps):
+@pytest.mark.parametrize("joint, dimensions", KINDS)
+def test_a_chain_carries_what_hangs_on_it(joint, dimensions, heavy, substeps):
     """And is as long as it was, from the first step on."""
-    tree = Tree(20, heavy, substeps=substeps)
-    for steps in (1, 59, 120):
+    tree = Tree(20, heavy, joint, dimensions=dimensions, substeps=substeps)
+    for steps in (1, 59, 60):
         tree.world.step(steps)
         for k in range(21):
-            assert tree.pull(k) == pytest.approx([0, G * (heavy + 20 - k)], rel=1e-3, abs=1e-3 * G * heavy)
-        assert math.hypot(*tree.of("x")) == pytest.approx(20, abs=1e-4)
+            assert tree.pull(k) == pytest.approx([0, G * (heavy + 20 - k), 0][:dimensions], rel=1e-3, abs=1e-3 * G * heavy)
+        assert np.linalg.norm(tree.of("x")) == pytest.approx(20, abs=1e-4)
 
 
-def test_a_chain_that_swings_keeps_its_length_and_its_energy():
-    tree = Tree(20, 1000.0, turn=1.0 - math.pi / 2)
+@pytest.mark.parametrize("joint, dimensions", KINDS)
+def test_a_chain_that_swings_keeps_its_length_and_its_energy(joint, dimensions):
+    tree = Tree(20, 1000.0, joint, turn=1.0 - math.pi / 2, dimensions=dimensions)
     begin = 1000 * G * tree.of("x")[1]
     for _ in range(10):
         tree.world.step(30)
         x, v = tree.of("x"), tree.of("v")
-        assert math.hypot(*x) == pytest.approx(20, rel=1e-4)
+        assert np.linalg.norm(x) == pytest.approx(20, rel=1e-4)
         assert 500 * v @ v + 1000 * G * x[1] == pytest.approx(begin, abs=0.01 * 200000)
 
 
-def test_a_beam_of_welds_holds_its_end():
+@pytest.mark.parametrize("joint, dimensions", KINDS)
+def test_a_chain_with_a_heavy_end_is_a_pendulum(joint, dimensions):
+    """It is as far on the other side after half a period, of 0.1 rad: 2 pi sqrt(l/g) (1 + 0.1^2/16)."""
+    tree = Tree(6, 1000.0, joint, turn=0.1 - math.pi / 2, dimensions=dimensions)
+    half = math.pi * math.sqrt(6 / G) * (1 + 0.1**2 / 16)
+    tree.world.step(int(half * 60))
+    x, v = tree.of("x"), tree.of("v")
+    at = x + v * (half - int(half * 60) / 60)
+    assert at == pytest.approx(place(-6 * math.sin(0.1), -6 * math.cos(0.1), dimensions), abs=3e-3)
+    assert np.linalg.norm(x) == pytest.approx(6, abs=1e-3) and np.linalg.norm(v) < 0.02
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_beam_of_welds_holds_its_end(dimensions):
     """Of 10 links from a wall, with 1,000 kg 10 m from it: the torque is that of all weights."""
-    tree = Tree(10, 1000.0, "weld", turn=0.0)
+    tree = Tree(10, 1000.0, "weld", turn=0.0, dimensions=dimensions)
     tree.world.step(120)
     torque = sum(G * (k + 0.5) for k in range(10)) + 10 * 1000 * G
-    assert tree.of("x") == pytest.approx([10, 0], abs=2e-3) and tree.of("v") == pytest.approx([0, 0], abs=1e-3)
-    assert abs(float(column(tree.world.read_joint("torque", tree.joints[0]))[0])) == pytest.approx(torque, rel=1e-3)
+    assert tree.of("x") == pytest.approx(place(10, 0, dimensions), abs=2e-3) and np.abs(tree.of("v")).max() < 1e-3
+    about = ["torque"] if dimensions == 2 else ["torque_x", "torque_y", "torque_z"]
+    assert np.linalg.norm([tree.told(name, 0) for name in about]) == pytest.approx(torque, rel=1e-3)
+
+
+@pytest.mark.parametrize("load", [10.0, 300.0, 1e4])
+def test_a_motor_in_space_turns_what_hangs_on_a_light_arm(load):
+    """Without and with a heavy set; a motor that is too weak lets it fall."""
+    for most, holds in ((2 * G * load, True), (0.9 * G * load, False)):
+        world = empty(3)
+        arm, end = world.add(x=(0.5, 0, 0)), world.add(x=(1, 0, 0))
+        world.attach(arm, fp3.box(0.5, 0.05, 0.05, density=100.0))
+        world.attach(end, ball(0.1, load, 3))
+        motor = world.join("hinge", world.add(type="static"), arm, axis=(0, 0, 1), anchor_b=(-0.5, 0, 0), speed=0.5, most=most)
+        world.join("weld", arm, end, anchor_a=(0.5, 0, 0))
+        world.step(60)
+        x, angle = column(world.read("x", end)), float(column(world.read_joint("at", motor))[0])
+        assert math.hypot(*x) == pytest.approx(1, abs=2e-3)
+        assert angle == pytest.approx(0.5, abs=0.02) if holds else angle < -0.3
+
+
+def test_what_runs_on_rails_in_space_carries_what_hangs_on_a_rod():
+    """A slider of 1 kg, driven at 1 m/s up to its limit; 1,000 kg hang on it, and go there with the motor's help alone."""
+    world = empty(3)
+    rail, car, load = world.add(type="static"), world.add(), world.add(x=(0, -2, 0))
+    world.attach(car, fp3.box(0.1, 0.1, 0.1, density=125.0))
+    world.attach(load, ball(0.3, 1000.0, 3))
+    line = world.join("slider", rail, car, axis=(1, 0, 0), speed=1.0, most=1e5, limits=(-1.0, 0.5))
+    rod = world.join("rod", car, load)
+    world.step(240)
+    assert column(world.read("x", car)) == pytest.approx([0.5, 0, 0], abs=2e-3)
+    assert np.linalg.norm(column(world.read("x", load)) - column(world.read("x", car))) == pytest.approx(2, abs=1e-3)
+    force = [np.array([float(column(world.read_joint(name, one))[0]) for name in ("force_x", "force_y", "force_z")]) for one in (line, rod)]
+    assert force[0] == pytest.approx(force[1] + [0, G, 0], rel=1e-2, abs=200)
+    assert np.linalg.norm(force[1]) > 0.5 * 1000 * G
 
 
 def test_what_swings_into_the_ground_comes_to_rest():
@@ -120,51 +204,95 @@ def test_light_links_carry_a_heavy_body_between_two_walls(substeps):
     assert math.hypot(*pull) == pytest.approx(1000 * G / 2 / 0.3, rel=0.01 if substeps > 1 else 0.05)
 
 
-def stack(masses, apart=0.0, x=0.0, **options):
+def stack(masses, apart=0.0, x=0.0, dimensions=2, **options):
     """Boxes of 1 m on each other; every other one is aside."""
-    world = fp3.Bodies(gravity=(0, -G), rest_speed=0.0, **options)
-    world.attach(world.add(type="static", x=(0, -1)), fp3.box(20, 1))
-    return world, pile(world, masses, apart, x)
+    world = empty(dimensions, **options)
+    world.attach(world.add(type="static", x=(0, -1, 0)[:dimensions]), fp3.box(*(20, 1, 20)[:dimensions]))
+    return world, pile(world, masses, apart, x, dimensions)
 
 
-def pile(world, masses, apart=0.0, x=0.0):
-    boxes = [world.add(x=(x + apart * (k % 2), 0.5 + k)) for k in range(len(masses))]
+def pile(world, masses, apart=0.0, x=0.0, dimensions=2):
+    boxes = [world.add(x=(x + apart * (k % 2), 0.5 + k, 0)[:dimensions]) for k in range(len(masses))]
     for box, mass in zip(boxes, masses):
-        world.attach(box, fp3.box(0.5, 0.5, density=mass))
+        world.attach(box, block(0.5, 0.5, mass, dimensions))
     return boxes
 
 
-@pytest.mark.parametrize("substeps", [1, 4, 64])
+@pytest.mark.parametrize("dimensions, substeps", [(2, 1), (2, 4), (2, 64), (3, 1), (3, 4), pytest.param(3, 64, marks=pytest.mark.long)])
 @pytest.mark.parametrize("masses", [(1, 1000), (1, 1, 1, 1, 1000), (1000, 1, 1000), (1, 300, 1, 300, 1, 300), (1, 1e6), (1, 51)])
-def test_heavy_boxes_stand_on_light_ones(masses, substeps):
-    """For 20 s; 5 with many substeps, when they still sink a little. The floor carries the weight."""
-    world, boxes = stack(masses, substeps=substeps)
-    world.step(1200 if substeps < 64 else 300)
+def test_heavy_boxes_stand_on_light_ones(masses, dimensions, substeps):
+    """For 20 s; 10 in space; 5 with many substeps, when they still sink a little. The floor carries the weight."""
+    world, boxes = stack(masses, substeps=substeps, dimensions=dimensions)
+    world.step((1200 if dimensions == 2 else 600) if substeps < 64 else 300)
     x, v = (np.array([column(world.read(name, box)) for box in boxes]) for name in ("x", "v"))
     sag = 0.5 + np.arange(len(masses)) - x[:, 1]
-    assert np.abs(x[:, 0]).max() < 1e-6 and np.abs(v).max() < 1e-4
+    assert np.abs(np.delete(x, 1, 1)).max() < 1e-6 and np.abs(v).max() < 1e-4
     assert -1e-5 < sag.min() and sag.max() < (0.006 if substeps > 1 else 0.02)
     floor = [float(one["impulse"]) for one in world.contacts() if min(one["point"][1], one["normal"][1]) < 0.3]
     assert len(floor) == 1 and floor[0] == pytest.approx(sum(masses) * G / 60 / substeps, rel=1e-4 if substeps < 64 else 0.02)
 
 
-def test_a_stack_that_is_not_straight_stands_and_one_over_its_edge_falls():
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_stack_that_is_not_straight_stands_and_one_over_its_edge_falls(dimensions):
     for apart, stands in ((0.4, True), (0.6, False)):
-        world, boxes = stack([1, 1000], apart=apart)
+        world, boxes = stack([1, 1000], apart=apart, dimensions=dimensions)
         world.step(300)
         assert (column(world.read("x", boxes[1]))[1] > 1.4) == stands
 
 
-def test_a_heavy_box_slides_on_a_light_one_as_friction_has_it():
-    """1,000 kg at 2 m/s on a plank of 1 kg, which lies on a rough floor: v^2 / (2 mu g)."""
-    world = fp3.Bodies(gravity=(0, -G), rest_speed=0.0)
-    world.attach(world.add(type="static", x=(0, -1)), fp3.box(20, 1, friction=1.0))
-    plank, box = world.add(x=(0, 0.1)), world.add(x=(-1, 0.7), v=(2.0, 0.0))
-    world.attach(plank, fp3.box(2, 0.1, density=1 / 0.8, friction=1.0))
-    world.attach(box, fp3.box(0.5, 0.5, density=1000.0, friction=0.09))
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_heavy_box_slides_on_a_light_one_as_friction_has_it(dimensions):
+    """1,000 kg at 2 m/s on a plank of 1 kg, which lies on a rough floor: v^2 / (2 mu g), straight on."""
+    world = empty(dimensions)
+    world.attach(world.add(type="static", x=(0, -1, 0)[:dimensions]), fp3.box(*(20, 1, 20)[:dimensions], friction=1.0))
+    plank, box = world.add(x=(0, 0.1, 0)[:dimensions]), world.add(x=(-1, 0.7, 0)[:dimensions], v=place(2.0, 0.0, dimensions))
+    world.attach(plank, block(2, 0.1, 1.0, dimensions, friction=1.0))
+    world.attach(box, block(0.5, 0.5, 1000.0, dimensions, friction=0.09))
     world.step(120)
-    assert column(world.read("x", box))[0] + 1 == pytest.approx(4 / (2 * 0.3 * G), rel=0.02)
-    assert abs(column(world.read("x", plank))[0]) < 1e-3
+    way = column(world.read("x", box)) - (-1, 0.7, 0)[:dimensions]
+    assert way == pytest.approx(place(4 / (2 * 0.3 * G), 0.0, dimensions), rel=0.02, abs=2e-3)
+    assert np.abs(column(world.read("x", plank)) - (0, 0.1, 0)[:dimensions]).max() < 1e-3
+
+
+@pytest.mark.parametrize("way", range(8))
+def test_a_light_block_under_a_heavy_one_slides_beyond_the_friction_angle(way):
+    """In each direction alike, and with what it carries; below that angle both stay."""
+    angle = 2 * math.pi * way / 8 + 0.1
+    for tangent in (0.58, 0.65):
+        down, along = G / math.hypot(1, tangent), np.array([math.cos(angle), 0, math.sin(angle)])
+        world = fp3.Bodies(dimensions=3, gravity=down * (tangent * along + [0, -1, 0]), rest_speed=0.0)
+        world.attach(world.add(type="static"), fp3.plane())
+        low, high = world.add(x=(0, 0.1, 0)), world.add(x=(0, 0.3, 0))
+        world.attach(low, block(0.5, 0.1, 1.0, 3))
+        world.attach(high, block(0.5, 0.1, 1000.0, 3, friction=0.8))
+        world.step(60)
+        expected = max(tangent - 0.6, 0) * down / 2
+        for body, y in ((low, 0.1), (high, 0.3)):
+            assert column(world.read("x", body)) == pytest.approx(expected * along + [0, y, 0], abs=2e-3), tangent
+
+
+@pytest.mark.parametrize("mass", [15000.0, 1e6])
+def test_a_plate_lies_on_four_balls(mass):
+    """Of 1 kg each, which do not roll away."""
+    world = empty(3)
+    world.attach(world.add(type="static"), fp3.plane())
+    balls, plate = [world.add(x=(x, 0.3, z)) for x in (-1, 1) for z in (-1, 1)], world.add(x=(0, 0.7, 0))
+    for body in balls:
+        world.attach(body, ball(0.3, 1.0, 3))
+    world.attach(plate, block(1.5, 0.1, mass, 3))
+    world.step(300)
+    assert column(world.read("x", plate)) == pytest.approx([0, 0.7, 0], abs=1e-3)
+    assert [float(one["impulse"]) for one in world.contacts() if one["point"][1] < 0.3] == pytest.approx([(mass / 4 + 1) * G / 240] * 4, rel=1e-3)
+
+
+def test_a_heavy_box_on_a_light_one_stands_on_triangles():
+    world = empty(3)
+    corners = [(x, 0, z) for x in (-3, 0.1, 3) for z in (-3, 0.2, 3)]
+    cells = [(3 * i + j, 3 * i + j + 1, 3 * i + j + 4, 3 * i + j + 3) for i in range(2) for j in range(2)]
+    world.mesh(world.add(type="static"), corners, [t for a, b, c, d in cells for t in ((a, b, c), (a, c, d))])
+    boxes = pile(world, [1, 1e4], dimensions=3)
+    world.step(300)
+    assert [column(world.read("x", box)) for box in boxes] == [pytest.approx([0, 0.5 + k, 0], abs=5e-3) for k in range(2)]
 
 
 def test_who_is_far_away_changes_no_bit():
@@ -179,21 +307,23 @@ def test_who_is_far_away_changes_no_bit():
     assert np.array_equal(*found)
 
 
-def heap(number):
-    """Boxes and discs of 1 g to 1 t, which fall between two walls: energies after each step, over that at first; and who is how far down at last."""
+def heap(number, dimensions):
+    """Boxes and discs or balls of 1 g to 1 t, which fall between walls: energies after each step, over that at first; and who is how far down at last."""
     chance = np.random.default_rng(number)
-    world = fp3.Bodies(gravity=(0, -G), rest_speed=0.0)
-    for x, y, a, b in ((0, -1, 20, 1), (-4, 5, 1, 20), (4, 5, 1, 20)):
-        world.attach(world.add(type="static", x=(x, y)), fp3.box(a, b))
-    bodies = world.add(x=[(chance.uniform(-1.5, 1.5), 0.6 + 1.2 * k) for k in range(int(chance.integers(3, 16)))])
+    world = empty(dimensions)
+    walls = ((0, -1, 0, 20, 1, 20), (-4, 5, 0, 1, 20, 20), (4, 5, 0, 1, 20, 20), (0, 5, -4, 20, 20, 1), (0, 5, 4, 20, 20, 1))
+    for x, y, z, a, b, c in walls[:2 * dimensions - 1]:
+        world.attach(world.add(type="static", x=(x, y, z)[:dimensions]), fp3.box(*(a, b, c)[:dimensions]))
+    bodies = world.add(x=[(chance.uniform(-1.5, 1.5), 0.6 + 1.2 * k, 0.5 * (-1) ** k)[:dimensions] for k in range(int(chance.integers(3, 16)))])
     for body in bodies:
         size, mass = chance.uniform(0.2, 0.5), 10 ** chance.uniform(-3, 3)
-        world.attach([body], fp3.circle(size, density=mass / (math.pi * size**2)) if chance.random() < 0.5 else fp3.box(size, size / 2, density=mass / (2 * size**2)))
+        world.attach([body], (ball if chance.random() < 0.5 else lambda r, *more: block(r, r / 2 if dimensions == 2 else r, *more))(size, mass, dimensions))
     m, about = (column(world.read(name, bodies)) for name in ("mass", "inertia"))
+    spin = "w" if dimensions == 2 else "spin"
 
     def energy():
-        x, v, w = (world.read(name, bodies) for name in ("x", "v", "w"))
-        return m @ ((v**2).sum(1) / 2 + G * x[:, 1]) + about @ column(w) ** 2 / 2
+        x, v, w = (world.read(name, bodies) for name in ("x", "v", spin))
+        return m @ ((v**2).sum(1) / 2 + G * x[:, 1]) + about @ column(w) ** 2 / 2  # in space, cubes: about all axes alike
     found = [energy()]
     for _ in range(200):
         world.step()
@@ -201,64 +331,72 @@ def heap(number):
     return np.array(found) / found[0], world.read("x_y", bodies).min()
 
 
-def test_heaps_of_light_and_heavy_bodies_make_no_energy(long):
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_heaps_of_light_and_heavy_bodies_make_no_energy(dimensions, long):
     """Where a body is crushed between others of a million times its mass, too."""
-    for number in range(200 if long else 8):
-        energies, low = heap(number)
+    for number in range(200 if long else 8 if dimensions == 2 else 3):
+        energies, low = heap(number, dimensions)
         assert energies.max() < 1.02 and energies[-1] < 0.9 and low > 0, number
 
 
 @pytest.mark.parametrize("engine", ["isa", "fast"])
-def test_stacks_have_the_same_bits_on_each_engine(engine):
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_stacks_have_the_same_bits_on_each_engine(dimensions, engine):
     found = []
     for options in ({}, {"engine": engine}):
-        world, _ = stack([1, 1, 1000, 2], apart=0.1, **options)
+        world, _ = stack([1, 1, 1000, 2], apart=0.1, dimensions=dimensions, **options)
         world.step(3)
         found.append(world.hash)
     assert found[0] == found[1]
 
 
-@pytest.mark.parametrize("kind", ["hinge", "weld"])
-def test_what_nothing_holds_keeps_its_momentum(kind):
-    """A light rod between a heavy and a light disc, thrown and spinning: its centre flies on, its spin stays, and it is as long as it was."""
-    world = fp3.Bodies(gravity=(0, 0), rest_speed=0.0)
-    mass, bodies = [5000.0, 1.0, 20.0], []
+@pytest.mark.parametrize("kind, dimensions", [*KINDS, ("weld", 2), ("weld", 3)])
+def test_what_nothing_holds_keeps_its_momentum(kind, dimensions):
+    """A light body between a heavy one and another, thrown and spinning: the centre flies on, the spin stays, and all is as long as it was."""
+    world = empty(dimensions, gravity=0.0)
+    mass, bodies, spin = np.array([5000.0, 1.0, 20.0]), [], "w" if dimensions == 2 else "spin"
+    turning = {"w": 1.0} if dimensions == 2 else {"spin": (0, -0.3, 1.0)}
     for k, m in enumerate(mass):
-        bodies.append(world.add(x=(k, 0.0), v=(3.0, k - 1.0), w=1.0))
-        world.attach(bodies[k], fp3.circle(0.4, density=m / (0.16 * math.pi)))
+        bodies.append(world.add(x=(k, 0.0, 0.0)[:dimensions], v=(3.0, k - 1.0, 0.3 * (k - 1))[:dimensions], **turning))
+        world.attach(bodies[k], ball(0.4, m, dimensions))
     for a, b in zip(bodies, bodies[1:]):
-        world.join(kind, a, b, anchor_a=(0.5, 0), anchor_b=(-0.5, 0))
+        axis = {"axis": (0, 0, 1)} if kind == "hinge" and dimensions == 3 else {}
+        world.join(kind, a, b, anchor_a=(0.5, 0, 0)[:dimensions], anchor_b=(-0.5, 0, 0)[:dimensions], **axis)
 
     def sums():
-        x, v, w = (np.array([column(world.read(name, body)) for body in bodies]) for name in ("x", "v", "w"))
-        inertia = np.array([m * 0.08 for m in mass])
-        m = np.array(mass)
-        return np.array([*(m @ v), m @ (x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]) + inertia @ w[:, 0]]), x
+        x, v, w = (np.array([column(world.read(name, body)) for body in bodies]) for name in ("x", "v", spin))
+        deep = [np.pad(one, ((0, 0), (0, 3 - one.shape[1]))) for one in (x, v)]
+        own = (mass[:, None] * (0.08 if dimensions == 2 else 0.064) * w).sum(0)
+        about = mass @ np.cross(*deep)
+        return np.array([*(mass @ v), *((about[2:] if dimensions == 2 else about) + own)]), x
     begin, _ = sums()
     world.step(120)
     end, x = sums()
-    assert end == pytest.approx(begin, rel=1e-3) and np.linalg.norm(x[2] - x[0]) == pytest.approx(2, abs=1e-3)
+    assert end == pytest.approx(begin, rel=1e-3, abs=1e-6 * np.abs(begin).max()) and np.linalg.norm(x[2] - x[0]) == pytest.approx(2, abs=1e-3)
 
 
-def test_a_tree_may_hang_on_what_the_caller_moves_and_not_turn():
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_tree_may_hang_on_what_the_caller_moves_and_not_turn(dimensions):
     """A crane: its hook is at rest, seen from what carries it."""
-    world = fp3.Bodies(gravity=(0, -G), rest_speed=0.0)
-    crane = world.add(type="kinematic", v=(0.0, 2.0))
-    light = world.add(x=(0, -1), may_not_turn=True)
-    load = world.add(x=(0, -2))
-    world.attach(light, fp3.circle(0.1, density=10.0))
-    world.attach(load, fp3.circle(0.5, density=2000.0))
-    world.join("hinge", crane, light, anchor_b=(0, 1))
-    world.join("hinge", light, load, anchor_a=(0, -0.5), anchor_b=(0, 0.5))
+    world, joint = empty(dimensions), "hinge" if dimensions == 2 else "ball"
+    crane = world.add(type="kinematic", v=(0.0, 2.0, 0.0)[:dimensions])
+    light = world.add(x=(0, -1, 0)[:dimensions], may_not_turn=True)
+    load = world.add(x=(0, -2, 0)[:dimensions])
+    world.attach(light, ball(0.1, 0.3, dimensions))
+    world.attach(load, ball(0.5, 1600.0, dimensions))
+    world.join(joint, crane, light, anchor_b=(0, 1, 0)[:dimensions])
+    world.join(joint, light, load, anchor_a=(0, -0.5, 0)[:dimensions], anchor_b=(0, 0.5, 0)[:dimensions])
     world.step(60)
-    assert column(world.read("x", load)) == pytest.approx([0, 0], abs=1e-3) and column(world.read("angle", light))[0] == 0
+    assert column(world.read("x", load)) == pytest.approx((0, 0, 0)[:dimensions], abs=1e-3)
+    assert list(column(world.read("q" if dimensions == 3 else "angle", light))) == ([1, 0, 0, 0] if dimensions == 3 else [0])
 
 
 @pytest.mark.parametrize("engine", ["isa", "fast", pytest.param("rtl", marks=pytest.mark.long)])
-def test_each_engine_has_the_same_bits(engine):
+@pytest.mark.parametrize("joint, dimensions", KINDS)
+def test_each_engine_has_the_same_bits(joint, dimensions, engine):
     """And a world that went back in time."""
     links, step = (2, 1) if engine == "rtl" else (4, 3)
-    own, other = (Tree(links, 400.0, turn=0.2, **more) for more in ({}, {"engine": engine}))
+    own, other = (Tree(links, 800.0, joint, turn=0.2, dimensions=dimensions, **more) for more in ({}, {"engine": engine}))
     for tree in (own, other):
         tree.world.step(step)
     saved = own.world.save()
