@@ -6,6 +6,7 @@ import math
 import subprocess
 
 import pytest
+import random_scenes
 
 
 class Compared:
@@ -236,6 +237,23 @@ def test_engine_fast_differs_by_what_fp32_costs(compare, scene):
     assert places and all(row["rms"] is None for row in found.rows)
     assert max(row["fp32_worst"] for row in places) < 1e-3
     assert max(row["fp32_rms"] for row in places if row["state"].startswith(("x", "u", "phase", "s"))) < 1e-6
+
+
+@pytest.mark.parametrize("seeds", [(9, 16, 17, 21), pytest.param(range(100), marks=pytest.mark.long)])
+def test_everything_at_once(compare, tmp_path, seeds):
+    """Random scenes. In that of seed 9 pairs go far apart and come back within a step, and remember."""
+    tried = 0
+    for seed in seeds:
+        scene = random_scenes.Scene(seed, tmp_path / str(seed))
+        if not scene.rests and scene.integrator != "ros2":
+            try:
+                found = compare(str(scene.scene()), "--halvings", 0, "--steps", 40, "--work", "1e3", code=3)
+            except AssertionError as why:
+                assert "object registers" in str(why), seed
+                continue
+            assert found.largest("fp32_worst") < 3e-5, seed
+            tried += 1
+    assert tried > len(seeds)/4
 
 
 # ---- where there is none ----

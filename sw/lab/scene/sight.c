@@ -247,8 +247,28 @@ static fp3_status append(fp3_crowd_sight *s, size_t at, size_t who, fp3_error *e
     return FP3_OK;
 }
 
+static int remembers(const fp3_crowd_sight *s, size_t entry, size_t entries) {
+    for (uint32_t f = 0; f < s->field_count; f++)
+        if (s->fields[f * entries + entry] != 0)
+            return 1;
+    return 0;
+}
+
+/* Only the end of a step makes a pair forget: until then it stays, however far it is. */
+static fp3_status keep(const look *l, size_t i, const size_t *old_begin, const uint32_t *old_who,
+                       size_t *at, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t e = old_begin[i]; !status && e < old_begin[i + 1]; e++)
+        if (remembers(l->s, e, old_begin[l->g->objects]) && !is_candidate(l, i, old_who[e])) {
+            status = append(l->s, *at, old_who[e], error);
+            *at += !status;
+        }
+    return status;
+}
+
 /* The candidates of one object. */
-static fp3_status gather(const look *l, size_t i, size_t *at, fp3_error *error) {
+static fp3_status gather(const look *l, size_t i, const size_t *old_begin, const uint32_t *old_who,
+                         size_t *at, fp3_error *error) {
     const double x = l->own[l->axis][i];
     const double way = l->s->reach + l->s->skin + (l->radius ? l->radius[i] : 0) + l->far;
     size_t low = 0, high = l->other->objects;
@@ -267,6 +287,8 @@ static fp3_status gather(const look *l, size_t i, size_t *at, fp3_error *error) 
             status = append(l->s, *at, l->order[low], error);
             *at += !status;
         }
+    if (!status)
+        status = keep(l, i, old_begin, old_who, at, error);
     if (*at - first > 1)
         qsort(l->s->who + first, *at - first, sizeof *l->s->who, by_number);
     return status;
@@ -322,7 +344,7 @@ static fp3_status make(look *l, fp3_error *error) {
     if (!status)
         status = sort(l, error);
     for (size_t i = 0; !status && i < l->g->objects; i++) {
-        status = gather(l, i, &at, error);
+        status = gather(l, i, old_begin, old_who, &at, error);
         s->begin[i + 1] = at;
     }
     if (!status)
