@@ -117,7 +117,7 @@ def measure_all(figures, fp3):
 
 def put_lines(figures, fp3):
     """Writes the pages whose lines are others now."""
-    for path, text in told.pages(figures, fig.records(), fig.states(figures, fp3)).items():
+    for path, text in told.pages(figures, fig.records(), fig.anywhere(figures, fig.states(figures, fp3))).items():
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             bench.write(path, text)
             print(f"wrote {path.relative_to(fig.ROOT)}")

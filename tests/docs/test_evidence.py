@@ -33,7 +33,7 @@ def test_exact_figures_are_fresh_or_say_why_not(figures, states):
 
 def test_pages_say_how_their_figures_stand(figures, states):
     """Else: make evidence LINES=1."""
-    for path, text in told.pages(figures, fig.records(), states).items():
+    for path, text in told.pages(figures, fig.records(), fig.anywhere(figures, states)).items():
         assert path.read_text(encoding="utf-8") == text, f"{path.name}: make evidence LINES=1"
 
 
@@ -77,6 +77,8 @@ def test_an_input_that_changed_is_named():
     assert fig.changed(figure, recorded(heyoka=None), now | {"heyoka": "1.0"}) == [], "who was not there then cannot have changed"
     assert fig.changed(figure, recorded(heyoka="0.9"), now | {"heyoka": None}) == [], "who is not here cannot be asked"
     assert fig.changed(figure, recorded(heyoka="0.9"), now | {"heyoka": "1.0"}) == ["heyoka"]
+    peers = fig.read(TEXT + 'peers = ["heyoka"]\n')
+    assert fig.anywhere(peers, {"a.x": ["tools", "heyoka"], "a.y": ["heyoka"]}) == {"a.x": ["tools"], "a.y": []}
 
 
 def test_what_is_out_of_date_is_told():
@@ -112,7 +114,8 @@ def test_a_page_says_it_of_its_tables():
 
 def test_sections_stay_whose_figures_were_not_measured():
     def page(*parts):
-        return "# T\n\n" + "\n\n".join(f"## {head}\n\n" + (f"<!-- evidence {of} -->\n<!-- evidence end -->\n\n" if of else "") + text for head, of, text in parts) + "\n"
+        marks = {of: f"<!-- evidence {of} -->\n<!-- evidence end -->\n\n" if of else "" for _, of, _ in parts}
+        return "# T\n\n" + "\n\n".join(f"## {head}\n\n{marks[of]}{text}" for head, of, text in parts) + "\n"
     old = page(("A", "a", "1"), ("More", "", "2"), ("B", "b", "3"), ("Gone", "", "4"), ("C", "c", "5"))
     new = page(("B", "b", "6"), ("New", "", "7"))
     assert pages.joined(new, old, ".md") == page(("A", "a", "1"), ("More", "", "2"), ("B", "b", "6"), ("C", "c", "5"), ("New", "", "7"))

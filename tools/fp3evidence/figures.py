@@ -91,6 +91,11 @@ def states(figures, fp3):
     return {name: changed(figure, known.get(name), inputs.now(figure, fp3)) for name, figure in figures.items()}
 
 
+def anywhere(figures, found):
+    """The same without versions of peers, which differ from machine to machine: what pages say is the same on all."""
+    return {name: [one for one in why if one not in figures[name].peers] for name, why in found.items()}
+
+
 def out_of_date(figures, found):
     """Lines on exact figures that are out of date and do not say so, or say so and are not."""
     for name, why in found.items():

@@ -78,8 +78,9 @@ def pages(figures, records, found):
         path = ROOT / name
         text = path.read_text(encoding="utf-8")
         unknown = [one for one in marked(text) if one not in figures]
-        missing = [one for one, figure in figures.items() if figure.page == name and one not in marked(text)]
+        missing = [one for one, figure in figures.items() if figure.page == name and one in records and one not in marked(text)]
         if unknown or missing:
-            raise inputs.Wrong(f"{name}: expected a mark `<!-- evidence NAME -->` of each of its figures and no other; wrong are {', '.join(unknown + missing)}")
+            raise inputs.Wrong(f"{name}: expected a mark `<!-- evidence NAME -->` of each of its figures that was measured, and no other; "
+                               f"wrong are {', '.join(unknown + missing)}")
         texts[path] = lines(text, figures, records, found)
     return texts
