@@ -116,10 +116,10 @@ static void stiffen(const fp3_bodies *bodies, uint32_t number, vector arm, vecto
                  square = arm.x * arm.x + arm.y * arm.y + arm.z * arm.z;
     if (number == FP3_NO_SPRING || !(by > 0))
         return;
-    double *mass = &bodies->heavy->springs.mass[number * 36];
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            mass[6 * (i + 3) + k + 3] +=
+    const fp3_springs *s = &bodies->heavy->springs;
+    for (uint32_t i = 0; i < 3; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            s->mass[36 * number + 6 * (i + 3) + k + 3] +=
                 bodies->def.h / bodies->def.substeps * by * ((i == k) - r[i] * r[k] / square);
 }
 
