@@ -70,9 +70,21 @@ static void add_limit(fp3_advance *a, uint32_t known) {
     a->limit = sel(g, op2(g, FP3_OP_LT, t, time), first, a->limit);
 }
 
+/* In double-single a time is a pair, and what all objects compare is one word. */
+static fp3_status check_own_time(const fp3_advance *a, fp3_error *error) {
+    if (!a->is_common || !a->step->values.is_abstract)
+        return FP3_OK;
+    return fp3_fail(error, FP3_E_PROGRAM,
+                    "model '%s': a time that ends steps, and that %s, has two words in "
+                    "double-single, and what all objects compare is one: expected %s",
+                    a->step->model->name,
+                    a->options->coupling ? "one kind has alone" : "each object has for itself",
+                    a->options->coupling ? "no condition in t" : "a 'shared' param");
+}
+
 /* At `until`, or where a condition in t changes. The condition of an event is evaluated `locate`
  * after its change, so the event is at most that late. */
-static void find_limit(fp3_advance *a) {
+static fp3_status find_limit(fp3_advance *a, fp3_error *error) {
     known_table *known = &a->step->known;
     uint32_t times[2 * FP3_SWITCHINGS_MOST], count = 0;
     /* A time is one of the object's own params, or of objects of one kind alone. */
@@ -100,8 +112,10 @@ static void find_limit(fp3_advance *a) {
             add_limit(a, times[i]);
         is_own |= !known->list[times[i]].is_shared || a->options->coupling;
     }
-    if (is_own)
+    const fp3_status status = is_own ? check_own_time(a, error) : FP3_OK;
+    if (is_own && !status)
         a->limit = fp3_advance_least(a, FP3_COMPARED_LIMIT, a->limit);
+    return status;
 }
 
 /* A condition in t is computed once, in the middle of the step: the value holds within the step,
@@ -218,10 +232,11 @@ fp3_status fp3_adaptive_begin(fp3_advance *a, fp3_error *error) {
                         config->name);
     if (config->sleep && !fp3_step_add(a->step, ROLE_SLEPT, FP3_NONE))
         return fp3_no_memory(error);
-    const fp3_status status = fp3_switchings_find(a->step->model, &a->switchings, error);
+    fp3_status status = fp3_switchings_find(a->step->model, &a->switchings, error);
+    if (!status)
+        status = find_limit(a, error);
     if (status)
         return status;
-    find_limit(a);
     if (g->is_abstract) {
         begin_in_pairs(a);
         return open_inside(a, error);

@@ -110,6 +110,15 @@ static made of_fold(const doubling *d, const dag_node *n) {
                       (fp3_pair){fold, fp3_dag_make(d->to, NODE_SECOND, low, start_low, n->c)})};
 }
 
+/* What all objects compare is one word: a float, or exact. */
+static made of_worst(const doubling *d, const dag_node *n) {
+    const made *a = &d->made[n->a];
+    return (made){.value = single(fp3_dag_worst(d->to, fp3_loose_first(d->to, a->value), n->c)),
+                  .is_whole = a->is_whole,
+                  .is_truth = a->is_truth,
+                  .is_float = !a->is_whole};
+}
+
 static uint32_t of_highs(const doubling *d, const dag_node *n) {
     return fp3_pair_op(d->to, n->op, high_of(d, n->a), high_of(d, n->b), FP3_NONE);
 }
@@ -248,6 +257,8 @@ static made of_node(const doubling *d, const dag_node *n) {
     case NODE_LEAST:
     case NODE_MOST:
         return of_fold(d, n);
+    case NODE_WORST:
+        return of_worst(d, n);
     case NODE_FIRST:
         return (made){.value = single(fp3_loose_first(d->to, d->made[n->a].value)), .is_float = 1};
     case FP3_OP_ADD:
@@ -285,7 +296,7 @@ static int operand_nodes(const dag *g, uint32_t node) {
     const uint32_t op = g->nodes[node].op;
     if (fp3_dag_is_leaf(g, node) || (op >= NODE_OTHER_STATE && op <= NODE_FIELD))
         return 0;
-    return fp3_dag_is_fold(op) ? 2 : 3;
+    return op == NODE_WORST ? 1 : fp3_dag_is_fold(op) ? 2 : 3;
 }
 
 /* The nodes that something comes from. */

@@ -61,13 +61,10 @@ fp3_status fp3_phases_check(const fp3_model *model, const fp3_integrator *integr
     static const char *const why[] = {
         ("this linearly implicit integrator needs derivatives by states of neighbours, too; 'ros2' "
          "has its order without them"),
-        "adaptive steps in double-single: what all objects compare is one word",
         ("the positions one step before the first need sums over neighbours there; 'leapfrog' has "
          "the same order in fewer cycles, 'verlet' makes the same positions")};
-    const int is_double = options->arithmetic == FP3_DOUBLE_SINGLE;
     const int wrong = model->relation_count && !fp3_rosenbrock_is_free(integrator) ? 0
-                      : fp3_model_adapted(model) != FP3_NONE && is_double          ? 1
-                      : integrator->kind == FP3_STOERMER                           ? 2
+                      : integrator->kind == FP3_STOERMER                           ? 1
                                                                                    : -1;
     const int is_seen = options->coupling && (options->coupling->seen || options->coupling->params);
     if ((!model->relation_count && !is_seen) || wrong < 0)
