@@ -35,3 +35,10 @@ def test_every_function_is_listed():
 def test_every_board_has_its_row():
     boards = tomllib.loads((ROOT / "boards/boards.toml").read_text(encoding="utf-8"))["board"]
     assert names(first_cells("docs/board.md", "| board | device | oscillator, clock | configuration | light | load it with |\n")) == [*boards]
+
+
+def test_the_citation_has_the_version_and_the_licence():
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    version = re.search(r'FP3_VERSION "(.*?)"', (ROOT / "sw/include/fp3/status.h").read_text(encoding="utf-8"))[1]
+    assert f"\nversion: {version}\n" in text and "\nlicense: Apache-2.0\n" in text and text.startswith("cff-version: 1.2.0\n")
+    assert all(f"\n{key}:" in text for key in ("message", "title", "authors", "references"))
