@@ -313,6 +313,18 @@ void fp3_bodies_islands(const fp3_bodies *bodies, uint32_t *root);
 /* Finds pairs, manifolds, and which contacts are active. Who is touched by something awake wakes:
  * then wakes is 1, and all has to be done again, with slots for those. */
 fp3_status fp3_bodies_touch(fp3_bodies *bodies, int *wakes);
+/* near.c: pairs anew where a shape of something that moves has left its box. */
+fp3_status fp3_pairs_renew(fp3_bodies *bodies);
+/* Share of `size`: how near shapes have points of contact. */
+#define FP3_REACH 0.02
+/* How far a shape may come in a step, where that counts: of what bounces, so that its impact is
+ * found in the step in which it is; of what is marked fast, so that it does not pass through; and
+ * of whoever is too fast for ground. */
+double fp3_shape_sweep(const fp3_bodies *bodies, const fp3_attached *shape, int is_bouncy,
+                       int is_ground);
+static inline fp3_pose2 fp3_body_turn(const fp3_body *body) {
+    return (fp3_pose2){.c = body->turn[0], .s = body->turn[1]};
+}
 /* Boxes of a body's shapes, anew. */
 void fp3_bodies_place_boxes(fp3_bodies *bodies, uint32_t number);
 

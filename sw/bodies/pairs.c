@@ -219,6 +219,25 @@ static fp3_status sort(search *s, fp3_error *error) {
     return is_made ? FP3_OK : fp3_no_memory(error);
 }
 
+fp3_status fp3_pairs_find_of(const fp3_boxes *boxes, const uint32_t *some, uint32_t count,
+                             uint64_t **keys, size_t *room, size_t *found_count, fp3_error *error) {
+    search s = {.boxes = boxes, .keys = keys, .room = room};
+    fp3_status status = FP3_OK;
+    for (uint32_t k = 0; k < count; k++)
+        for (uint32_t i = 0; !status && i < boxes->count; i++)
+            if (i != some[k] && overlap(&s, some[k], i) && is_there(&boxes->box[i]) &&
+                is_there(&boxes->box[some[k]]) && may_be(boxes, some[k], i))
+                status = found(&s, some[k], i, error);
+    if (!status && s.count)
+        qsort(*keys, s.count, sizeof **keys, ascending);
+    size_t kept = 0; /* two of `some` have found each other */
+    for (size_t k = 0; k < s.count; k++)
+        if (k == 0 || (*keys)[k] != (*keys)[kept - 1])
+            (*keys)[kept++] = (*keys)[k];
+    *found_count = kept;
+    return status;
+}
+
 fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room, size_t *count,
                           fp3_error *error) {
     search s = {.boxes = boxes, .keys = keys, .room = room};

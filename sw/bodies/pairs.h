@@ -34,5 +34,8 @@ typedef struct {
  * has `room` places. FP3_E_SYSTEM: out of memory. */
 fp3_status fp3_pairs_find(const fp3_boxes *boxes, uint64_t **keys, size_t *room, size_t *count,
                           fp3_error *error);
+/* Those of some boxes, which are compared with all: for few of them in less time. */
+fp3_status fp3_pairs_find_of(const fp3_boxes *boxes, const uint32_t *some, uint32_t count,
+                             uint64_t **keys, size_t *room, size_t *found, fp3_error *error);
 
 #endif

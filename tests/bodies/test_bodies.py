@@ -759,6 +759,31 @@ def test_what_may_not_turn_does_not_and_other_worlds_states_are_refused(tmp_path
     assert sleepy.read("v_y", falling)[0] < -1
 
 
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_pairs_of_few_that_leave_their_boxes_are_those_that_all_find(dimensions):
+    """A rain onto a heap, of which few leave their boxes in a step, has the bits that it has while hundreds fly far away, after all others."""
+    def run(many):
+        random, up = np.random.default_rng(3), np.eye(dimensions)[1]
+        world = fp3.Bodies(dimensions=dimensions)
+        ground, mover = world.add(type="static", x=-0.5 * up), world.add(type="kinematic", x=1.2 * up, v=np.eye(dimensions)[0] * 2)
+        world.attach(ground, fp3.box(*(20, 0.5, 20)[:dimensions]))
+        world.attach(mover, fp3.box(*(4, 0.3, 4)[:dimensions]))
+        drops = world.add(x=random.uniform(-3, 3, (60, dimensions)) * (1 - up) + np.outer(2 + 0.9 * np.arange(60), up))
+        for k, drop in enumerate(drops):
+            world.attach(drop, fp3.box(*(0.4, 0.3, 0.4)[:dimensions]) if k % 2 else fp3.circle(0.3) if dimensions == 2 else fp3.sphere(0.3))
+        world.join("rod", drops[0], drops[1])
+        if many:
+            far = world.add(x=np.column_stack([np.full(200, 1e4), *([3.0 * np.arange(200)] * (dimensions - 1))]), v=100 * up)
+            world.attach(far, fp3.circle(0.3) if dimensions == 2 else fp3.sphere(0.3))
+        told = []
+        for _ in range(90):
+            world.step()
+            told.append((world.read("x", drops).tobytes(), world.read("v", drops).tobytes(), world.changes("began")["body_b"].tolist()))
+        return told, world.touching
+    few, touching = run(0)
+    assert run(1) == (few, touching) and touching > 5
+
+
 def test_joints_have_the_bits_of_the_hardware():
     """One step of each law of joints, with a contact beside them."""
     def run(engine):
