@@ -91,10 +91,12 @@ FP3_EXPR_MUL = 8
 FP3_EXPR_NEGATE = 5
 FP3_EXPR_NOT = 22
 FP3_EXPR_NUMBER = 0
-FP3_EXPR_OP_COUNT = 46
+FP3_EXPR_OBJECTS = 46
+FP3_EXPR_OP_COUNT = 48
 FP3_EXPR_OR = 21
 FP3_EXPR_OTHER_PARAM = 39
 FP3_EXPR_OTHER_STATE = 38
+FP3_EXPR_PAIRS = 47
 FP3_EXPR_PARAM = 2
 FP3_EXPR_POWER = 10
 FP3_EXPR_SELECT = 23
@@ -454,6 +456,8 @@ class fp3_model(Structure):
         ("memories", POINTER(fp3_memory)),
         ("kind_count", c_uint32),
         ("kinds", POINTER(fp3_kind)),
+        ("group_invariant_count", c_uint32),
+        ("group_invariants", POINTER(fp3_definition)),
     ]
 
 

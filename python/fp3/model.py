@@ -123,6 +123,8 @@ class Model:
         self.kinds: Tuple[str, ...] = tuple(kind.name.decode() for kind in c.kinds[:c.kind_count])
         self.relations: Tuple[str, ...] = tuple(c.relations[i].name.decode() for i in range(c.relation_count))
         self.invariants: Tuple[str, ...] = tuple(c.invariants[i].name.decode() for i in range(c.invariant_count))
+        #: Those of all objects of a group together, which `fp3 run --check` computes.
+        self.group_invariants: Tuple[str, ...] = tuple(c.group_invariants[i].name.decode() for i in range(c.group_invariant_count))
         quantities = [*c.states[:c.state_count], *own]
         #: The starts of states and the defaults of params.
         self.defaults: Dict[str, float] = {q.name.decode(): q.value for q in quantities}

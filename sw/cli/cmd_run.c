@@ -3,6 +3,8 @@
  * the final ones.
  */
 #include "cli.h"
+#include "lab/check/run_invariants.h"
+#include "lab/check/run_reach.h"
 #include "run_adaptive.h"
 #include "run_bodies.h"
 #include "run_options.h"
@@ -16,6 +18,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Of an invariant of all objects, relative to its size: what a run without a check tells of. */
+#define LEAST_CHANGE 0.01
 
 static const char *warning_of(const fp3_program *program) {
     return program->compiled ? program->compiled->warning : NULL;
@@ -83,32 +88,58 @@ static fp3_run_part part_of(const fp3_run_options *o, const fp3_run_task *of, fp
                           group->first,   group->objects, o->steps};
 }
 
-/* Leaves a check for each part, or none. */
-static fp3_status make_checks(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
-                              const fp3_engine_def *def, fp3_run_check ***checks,
-                              fp3_error *error) {
-    *checks = calloc(parts_of(of), sizeof **checks);
-    if (!*checks)
+/* What is computed of a run when it has ended, set by set. */
+typedef struct {
+    fp3_run_set *sets;
+    size_t count;
+    fp3_run_check **checks; /* of each set; NULL: not asked for */
+    const fp3_run_check **of_part;
+} hindsight;
+
+static fp3_status find_sets(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
+                            hindsight *after, fp3_error *error) {
+    const size_t count = parts_of(of);
+    fp3_run_part *parts = calloc(count + 1, sizeof *parts);
+    if (!parts)
         return fp3_no_memory(error);
-    for (size_t i = 0; i < parts_of(of); i++) {
-        const fp3_run_part part = part_of(o, of, engine, i);
-        const fp3_scene_group *group = of->scene ? &of->scene->groups[i] : NULL;
-        const fp3_status status = fp3_run_check_make(&part, group, def, &(*checks)[i], error);
-        if (status)
-            return status;
-    }
-    return FP3_OK;
+    for (size_t i = 0; i < count; i++)
+        parts[i] = part_of(o, of, engine, i);
+    const fp3_status status =
+        fp3_run_sets_make(of->scene, parts, count, &after->sets, &after->count, error);
+    free(parts);
+    return status;
 }
 
-static void free_checks(const fp3_run_task *of, fp3_run_check ***checks) {
-    for (size_t i = 0; *checks && i < parts_of(of); i++)
-        fp3_run_check_free(&(*checks)[i]);
-    free(*checks);
-    *checks = NULL;
+/* Leaves a check for each set, or none. */
+static fp3_status make_checks(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
+                              const fp3_engine_def *def, hindsight *after, fp3_error *error) {
+    after->checks = calloc(after->count + 1, sizeof *after->checks);
+    after->of_part = calloc(parts_of(of) + 1, sizeof *after->of_part);
+    fp3_status status = after->checks && after->of_part ? FP3_OK : fp3_no_memory(error);
+    for (size_t i = 0; !status && i < after->count; i++)
+        status = fp3_run_check_make(&after->sets[i], def, &after->checks[i], error);
+    for (size_t i = 0; !status && i < parts_of(of); i++) {
+        const fp3_run_part part = part_of(o, of, engine, i);
+        after->of_part[i] = after->checks[fp3_run_set_of(after->sets, after->count, &part)];
+    }
+    return status;
+}
+
+static void forget(hindsight *after) {
+    for (size_t i = 0; after->checks && i < after->count; i++)
+        fp3_run_check_free(&after->checks[i]);
+    free(after->checks);
+    free((void *)after->of_part);
+    fp3_run_sets_free(&after->sets, after->count);
 }
 
 /* An fp3_run_say_fn. */
 static void say(const char *path, const char *warning) { fp3_cli_warn("run", path, warning); }
+
+/* Of a set the first file. */
+static const char *of_set(const fp3_run_options *o, const fp3_run_set *set) {
+    return set->scene ? set->groups[0]->path : o->program;
+}
 
 /* warnings: NULL after a run in which objects failed. */
 static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const fp3_run_part *part,
@@ -116,8 +147,14 @@ static fp3_status warn_of_part(const fp3_run_options *o, const char *path, const
     fp3_run_loss *loss = NULL;
     if (!part->program->model)
         return FP3_OK;
+    if (warnings) {
+        const fp3_status status = fp3_run_reach_warn(part, say, path, warnings, error);
+        if (status)
+            return status;
+    }
     if (fp3_run_loss_is_blind(part)) {
-        if (warnings && o->check.is_strict) {
+        /* A check has another arithmetic, and says itself what it does not see. */
+        if (warnings && o->check.is_strict && !o->check.is_asked) {
             say(path,
                 "digits that FP32 loses are not looked for where pairs remember, where objects "
                 "see others of another group, or where objects that see each other are "
@@ -145,15 +182,40 @@ static fp3_status warn_of_parts(const fp3_run_options *o, const fp3_run_task *of
     return status;
 }
 
+/* Prints what became of the invariants of all objects, where that takes no time; a check has said
+ * it already. */
+static fp3_status look_at_invariants(const fp3_run_options *o, const hindsight *after,
+                                     size_t *warnings, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && !after->checks && i < after->count; i++) {
+        char text[FP3_RUN_INVARIANTS_TEXT_SIZE];
+        fp3_run_invariants *invariants = NULL;
+        status = fp3_run_invariants_open(&after->sets[i], 1, &invariants, error);
+        if (!status)
+            status = fp3_run_invariants_end(invariants, error);
+        if (!status) {
+            fp3_run_invariants_print(invariants);
+            fp3_run_invariants_judge(invariants, LEAST_CHANGE, text);
+            if (*text)
+                say(of_set(o, &after->sets[i]), text);
+            *warnings += *text != '\0';
+        }
+        fp3_run_invariants_close(&invariants);
+    }
+    return status;
+}
+
 /* What no flag tells. */
 static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
-                        fp3_run_check *const *checks, fp3_error *error) {
+                        const hindsight *after, fp3_error *error) {
     size_t warnings = 0;
     fp3_status status = warn_of_parts(o, of, engine, &warnings, error);
+    if (!status)
+        status = look_at_invariants(o, after, &warnings, error);
     if (status || !o->check.is_strict)
         return status;
-    for (size_t i = 0; !status && checks && i < parts_of(of); i++)
-        status = fp3_run_check_judge(checks[i], o->check.bound, error);
+    for (size_t i = 0; !status && after->checks && i < after->count; i++)
+        status = fp3_run_check_judge(after->checks[i], o->check.bound, error);
     return !status && warnings
                ? fp3_fail(error, FP3_E_FAILED, "%zu of these warnings, and --strict allows none",
                           warnings)
@@ -164,7 +226,7 @@ static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_en
 static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engine_def *def,
                       int *has_run, fp3_error *error) {
     fp3_engine *engine = NULL;
-    fp3_run_check **checks = NULL;
+    hindsight after = {0};
     fp3_cost cost = {.stats = {.flags = 0}};
     if (o->on.cycle_limit && fp3_run_is_adaptive(of))
         return fp3_fail(error, FP3_E_ARGUMENT,
@@ -186,12 +248,15 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
                      : fp3_adaptive_run(engine, o->steps, &cost.stats);
         /* What a failed run left is read by all ranks together, and they may be elsewhere. */
         *has_run = !status || (!o->ranks && (status == FP3_E_LIMIT || status == FP3_E_PROGRAM));
+        if (!status)
+            status = find_sets(o, of, engine, &after, error);
         if (!status && o->check.is_asked)
-            status = make_checks(o, of, engine, def, &checks, error);
+            status = make_checks(o, of, engine, def, &after, error);
         fp3_progress_end(&o->progress);
         const fp3_error why = *error; /* printing reads registers, which may fail as well */
         if (*has_run && !o->is_quiet)
-            fp3_run_print(engine, of, def, &cost, status ? NULL : checks, o->all, o->on.clock);
+            fp3_run_print(engine, of, def, &cost, status ? NULL : after.of_part, o->all,
+                          o->on.clock);
         *error = why;
     }
     if (!status && !o->allows_failures)
@@ -201,8 +266,8 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         (void)warn_of_parts(o, of, engine, NULL, &other);
     }
     if (!status && !o->is_quiet)
-        status = judge(o, of, engine, checks, error);
-    free_checks(of, &checks);
+        status = judge(o, of, engine, &after, error);
+    forget(&after);
     fp3_recording_close(&o->recording);
     fp3_engine_close(&engine);
     return status;
@@ -345,20 +410,6 @@ static fp3_status run_program(fp3_run_options *o, char **report, fp3_error *erro
     return status;
 }
 
-/* Before the run, which may take long. */
-static fp3_status check_checks(const fp3_run_options *o, const fp3_scene *scene, fp3_error *error) {
-    for (size_t i = 0; o->check.is_asked && i < scene->group_count; i++) {
-        const fp3_model *model = scene->groups[i].program->model;
-        if (model && model->kind_count)
-            return fp3_fail_at(error, FP3_E_ARGUMENT, scene->path, (unsigned)scene->groups[i].line,
-                               0,
-                               "--check: model '%s' sees objects of other groups (kind '%s'), and "
-                               "each group is run again alone",
-                               model->name, model->kinds[0].name);
-    }
-    return FP3_OK;
-}
-
 /* Where the options say nothing, the scene does. */
 static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
     fp3_scene *scene = NULL;
@@ -367,8 +418,6 @@ static fp3_status run_scene(fp3_run_options *o, fp3_error *error) {
     if (status)
         return status;
     status = check_files_of(scene, o, error);
-    if (!status)
-        status = check_checks(o, scene, error);
     fp3_engine_def def = fp3_scene_engine(scene);
     o->steps = o->has_steps ? o->steps : scene->steps;
     if (!status)

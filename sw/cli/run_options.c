@@ -246,11 +246,13 @@ static const fp3_option table[] = {
     {"check", 0, NULL,
      "Of models: run again with h/2 and twice the steps, or with a tenth of the tolerance, in "
      "double-single where that compiles, and print an estimate of the error beside each final "
-     "state",
+     "state, and how invariants of the model have changed",
      FP3_FLAG(fp3_run_options, check.is_asked), .forms = FP3_RUN_BESIDE},
     {"strict", 0, "TOL",
      "End with exit code 3 after a warning about digits that FP32 loses, and with --check where an "
-     "estimate is above TOL, relative to the size of the state (default: 1e-3)",
+     "estimate is above TOL, relative to the size of the state, or the change of an invariant of "
+     "all "
+     "objects, relative to the size of its terms (default: 1e-3)",
      FP3_CALL(take_strict), .is_optional = 1, .forms = FP3_RUN_BESIDE},
     {"output", 'o', "FILE",
      "Write observed values to FILE: " FP3_FORMATS ", a row for each object of each snapshot",

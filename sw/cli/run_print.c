@@ -275,7 +275,7 @@ static void print_group(fp3_engine *engine, const fp3_scene *scene, size_t numbe
                            : cost->groups          ? cost->groups[number].object_steps
                                                    : fp3_engine_group_steps(engine, number);
     printf("%-16s %" PRIu64 "\n", "object_steps", steps);
-    fp3_run_check_print(check);
+    fp3_run_check_print(check, group->first);
     putchar('\n');
 }
 
@@ -300,7 +300,8 @@ static void print_balance(fp3_engine *engine, const fp3_cost *cost) {
 }
 
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_cost *cost, fp3_run_check *const *checks, int all, double clock) {
+                   const fp3_cost *cost, const fp3_run_check *const *checks, int all,
+                   double clock) {
     const fp3_stats *stats = &cost->stats;
     const fp3_engine_traits *is = fp3_engine_traits_of(def->engine, NULL);
     if (of->program) {
@@ -331,7 +332,7 @@ void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_
         of->scene->group_count <= stats->schedulers)
         print_balance(engine, cost);
     if (checks && of->program)
-        fp3_run_check_print(checks[0]);
+        fp3_run_check_print(checks[0], 0);
     if (*cost->hash)
         printf("%-16s %s\n", "hash", cost->hash);
     if (*cost->chain)

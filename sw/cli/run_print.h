@@ -18,7 +18,7 @@ typedef struct {
  * take; 0: not asked for. checks: estimates of the errors of the states, one for the program or for
  * each group of the scene; or NULL. */
 void fp3_run_print(fp3_engine *engine, const fp3_run_task *of, const fp3_engine_def *def,
-                   const fp3_cost *cost, fp3_run_check *const *checks, int all, double clock);
+                   const fp3_cost *cost, const fp3_run_check *const *checks, int all, double clock);
 
 /* Whether a group, or the program, has adaptive steps. */
 int fp3_run_is_adaptive(const fp3_run_task *of);

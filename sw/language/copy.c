@@ -38,6 +38,8 @@ fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *e
         m->memories = again(model->memories, model->memory_count, sizeof *m->memories);
         m->definitions = again(model->definitions, model->definition_count, sizeof *m->definitions);
         m->invariants = again(model->invariants, model->invariant_count, sizeof *m->invariants);
+        m->group_invariants = again(model->group_invariants, model->group_invariant_count,
+                                    sizeof *m->group_invariants);
         m->events = again(model->events, model->event_count, sizeof *m->events);
         m->projections = again(model->projections, model->projection_count, sizeof *m->projections);
         m->repeats = again(model->repeats, model->repeat_count, sizeof *m->repeats);
@@ -45,7 +47,7 @@ fp3_status fp3_model_copy(const fp3_model *model, fp3_model **copy, fp3_error *e
         m->exprs = again(model->exprs, model->expr_count, sizeof *m->exprs);
         is_whole &= m->doc && m->definitions && m->invariants && m->events && m->projections &&
                     m->assignments && m->exprs && m->relations && m->memories && m->kinds &&
-                    m->repeats;
+                    m->repeats && m->group_invariants;
     }
     if (is_whole)
         return FP3_OK;

@@ -119,6 +119,8 @@ static ode_dimension dimension_of(ode_parser *p, uint32_t i) {
         return p->step.dimension;
     case FP3_EXPR_NEGATE:
     case FP3_EXPR_TOTAL:
+    case FP3_EXPR_OBJECTS:
+    case FP3_EXPR_PAIRS:
         return *a;
     case FP3_EXPR_LEAST:
     case FP3_EXPR_MOST:

@@ -79,6 +79,8 @@ double fp3_ode_compute(const fp3_expr *e, const fp3_point *point, const double *
     case FP3_EXPR_MOST:
     case FP3_EXPR_STEP: /* nor a step */
     case FP3_EXPR_BEFORE:
+    case FP3_EXPR_OBJECTS: /* nor all objects */
+    case FP3_EXPR_PAIRS:
     case FP3_EXPR_OP_COUNT:
         break;
     }

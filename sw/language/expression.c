@@ -92,6 +92,12 @@ static ode_value over_neighbours(ode_parser *p, fp3_token at) {
     return fp3_ode_neighbours_close(p, &n, term, begins ? begins_with(p, at) : nothing);
 }
 
+/* Likewise. */
+static ode_value over_group(ode_parser *p, fp3_token at) {
+    ode_group g;
+    return fp3_ode_group_open(p, at, &g) ? fp3_ode_group_close(p, &g, expression(p)) : nothing;
+}
+
 /* "o.x" */
 static ode_value of_neighbour(ode_parser *p, fp3_token name, const fp3_relation *r) {
     unsigned start, size;
@@ -135,6 +141,8 @@ static ode_value arguments(ode_parser *p, fp3_token name, const ode_function *f)
     assert(f->arguments <= ODE_ARGUMENTS);
     if (fp3_ode_at_neighbours(p))
         return over_neighbours(p, name);
+    if (fp3_ode_has_terms(f) && fp3_ode_at_group(p))
+        return over_group(p, name);
     if (fp3_ode_has_terms(f) && fp3_ode_at_range(p))
         return terms(p, name, f);
     const uint32_t from = p->expr_count;

@@ -80,6 +80,8 @@ static void name_units(ode_parser *p) {
         name_unit(p, &p->dimensions[p->definitions[i].expr], p->definitions[i].unit);
     for (uint32_t i = 0; i < p->invariant_count; i++)
         name_unit(p, &p->dimensions[p->invariants[i].expr], p->invariants[i].unit);
+    for (uint32_t i = 0; i < p->group_invariant_count; i++)
+        name_unit(p, &p->dimensions[p->group_invariants[i].expr], p->group_invariants[i].unit);
     name_unit(p, &p->step.dimension, p->time_unit);
 }
 
@@ -98,7 +100,7 @@ void fp3_ode_finish(ode_parser *p) {
         fp3_ode_wrong(&p->in, p->in.next, "a time step, as in: step 0.01");
     check_time(p, &p->span);
     check_time(p, &p->rest);
-    fp3_ode_check_sums(p);
+    fp3_ode_finish_invariants(p);
     fp3_ode_check_memories(p);
     if (!p->in.report.count)
         name_units(p);

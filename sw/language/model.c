@@ -26,6 +26,7 @@ void fp3_model_free(fp3_model **model) {
     free(m->memories);
     free(m->definitions);
     free(m->invariants);
+    free(m->group_invariants);
     free(m->events);
     free(m->projections);
     free(m->repeats);

@@ -146,6 +146,64 @@ ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_v
                                 : all;
 }
 
+/* ---- all objects ---- */
+
+int fp3_ode_at_group(const ode_parser *p) {
+    ode_lexer ahead = p->in.lexer;
+    const fp3_token behind = fp3_ode_next(&ahead);
+    return fp3_token_is(p->in.next, "objects") ? fp3_token_is(behind, ":")
+           : fp3_token_is(p->in.next, "pairs")
+               ? behind.kind == FP3_TOKEN_NAME && !fp3_token_is(behind, "in")
+               : 0;
+}
+
+/* "o in springs" behind `pairs`. */
+static int pairs_open(ode_parser *p, ode_group *g) {
+    const fp3_token name = p->in.next;
+    fp3_ode_advance(&p->in);
+    fp3_ode_expect(&p->in, "in", "in");
+    const ode_symbol *s = relation_named(p, p->in.next);
+    if (!s) {
+        fp3_ode_lost(&p->in, "the name of a relation, as in sum(pairs %.*s in springs: ...)",
+                     (int)name.length, name.text);
+        return 0;
+    }
+    g->relation = s->first;
+    fp3_ode_advance(&p->in);
+    if (fp3_ode_is_new_name(p, name, 1))
+        g->symbol = fp3_ode_declare(p, name, ODE_NEIGHBOUR, g->relation, (ode_value){.size = 1});
+    return 1;
+}
+
+int fp3_ode_group_open(ode_parser *p, fp3_token at, ode_group *g) {
+    const int is_of_objects = fp3_token_is(p->in.next, "objects");
+    *g = (ode_group){
+        .at = at, .op = is_of_objects ? FP3_EXPR_OBJECTS : FP3_EXPR_PAIRS, .symbol = FP3_NONE};
+    if (p->is_in_sum || p->context != ODE_IN_INVARIANT || !fp3_token_is(at, "sum")) {
+        fp3_ode_lost_at(&p->in, at,
+                        p->is_in_sum ? "a term without another sum"
+                        : p->context != ODE_IN_INVARIANT
+                            ? "a sum over all objects in an invariant only"
+                            : "sum, which alone goes over all objects");
+        return 0;
+    }
+    fp3_ode_advance(&p->in);
+    if (!is_of_objects && !pairs_open(p, g))
+        return 0;
+    fp3_ode_expect(&p->in, ":", "':' and a term for each %s", is_of_objects ? "object" : "pair");
+    p->is_in_sum = 1;
+    return 1;
+}
+
+ode_value fp3_ode_group_close(ode_parser *p, const ode_group *g, ode_value term) {
+    p->is_in_sum = 0;
+    if (g->symbol != FP3_NONE)
+        fp3_ode_undeclare(p, g->symbol);
+    return fp3_ode_sum_of_group(p, g->at, g->op, g->relation, term);
+}
+
+/* ---- what is said of a neighbour ---- */
+
 /* Such words are in the records of guests, so they are params of the program. */
 ode_value fp3_ode_foreign(ode_parser *p, fp3_token at, uint32_t first, unsigned size) {
     fp3_ode_leaves(p, at, FP3_EXPR_PARAM, first, size);

@@ -39,6 +39,20 @@ ode_value fp3_ode_where_near(ode_parser *p, fp3_token at, uint32_t relation, ode
 ode_value fp3_ode_neighbours_close(ode_parser *p, const ode_neighbours *n, ode_value term,
                                    ode_value start);
 
+/* What all objects of an invariant's group give: a sum over them, or over the pairs of a relation.
+ */
+typedef struct {
+    fp3_token at; /* the function's name */
+    fp3_expr_op op;
+    uint32_t relation, symbol; /* of pairs, as of neighbours */
+} ode_group;
+
+/* Whether "objects:" or "pairs o in springs" is next. */
+int fp3_ode_at_group(const ode_parser *p);
+/* As the functions for neighbours. */
+int fp3_ode_group_open(ode_parser *p, fp3_token at, ode_group *g);
+ode_value fp3_ode_group_close(ode_parser *p, const ode_group *g, ode_value term);
+
 /* Of "o.x", where o is a neighbour, the part x; 0 after an error. */
 int fp3_ode_neighbours_part(ode_parser *p, fp3_token name, fp3_token *part);
 /* What it stands for: a field of the link, or what another symbol is of the neighbour. */

@@ -164,10 +164,11 @@ typedef struct {
     fp3_token undefined[FP3_REPORT_LIMIT]; /* each is reported once */
     unsigned undefined_count;
 
-    uint32_t definition_count, invariant_count, symbol_count, expr_count;
+    uint32_t definition_count, invariant_count, group_invariant_count, symbol_count, expr_count;
     /* From here on fp3_ode_make clears nothing: an entry is written as a whole when it is counted.
      */
     fp3_definition definitions[ODE_DEFINITIONS], invariants[ODE_DEFINITIONS];
+    fp3_definition group_invariants[ODE_DEFINITIONS]; /* from the end of the source on */
     ode_symbol symbols[ODE_SYMBOLS];
     fp3_expr exprs[ODE_EXPRS];
     /* Of each expression: where it is written, for which indices, its dimension once checked,

@@ -93,11 +93,14 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->param_count = p->param_count;
     m->definition_count = p->definition_count;
     m->invariant_count = p->invariant_count;
+    m->group_invariant_count = p->group_invariant_count;
     m->expr_count = p->expr_count;
     m->states = take_quantities(p->states, p->state_count);
     m->params = take_quantities(p->params, p->param_count);
     m->definitions = copy(p->definitions, p->definition_count, sizeof *p->definitions);
     m->invariants = copy(p->invariants, p->invariant_count, sizeof *p->invariants);
+    m->group_invariants =
+        copy(p->group_invariants, p->group_invariant_count, sizeof *p->group_invariants);
     m->events = take_events(p->events, p->event_count);
     m->projections = take_events(p->projections, p->projection_count);
     m->projection_count = p->projection_count;
@@ -117,7 +120,7 @@ static fp3_model *take_model(ode_parser *p, const char *path) {
     m->kind_count = p->kind_count;
     if (!m->doc || !m->states || !m->params || !m->definitions || !m->invariants || !m->events ||
         !m->projections || !m->assignments || !m->exprs || !m->relations || !m->fields ||
-        !m->memories || !m->kinds || !m->repeats)
+        !m->memories || !m->kinds || !m->repeats || !m->group_invariants)
         fp3_model_free(&m);
     return m;
 }

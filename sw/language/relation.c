@@ -350,22 +350,91 @@ void fp3_ode_relation(ode_parser *p, fp3_token word) {
     p->relations[p->relation_count++] = made;
 }
 
-/* ---- what has no neighbours ---- */
+/* ---- invariants ---- */
 
-void fp3_ode_check_sums(ode_parser *p) {
-    static const char invariant[] = "an invariant without a sum over neighbours";
-    char *has_sum = calloc(p->expr_count + 1u, 1);
-    if (!has_sum) {
-        p->out_of_memory = 1;
-        return;
+/* What an expression is made of. */
+enum {
+    HAS_FOLD = 1,   /* a sum over neighbours */
+    HAS_GROUP = 2,  /* a sum over all objects, or over pairs */
+    HAS_OBJECT = 4, /* what one object has, outside such a sum */
+    HAS_MEMORY = 8  /* what pairs remember */
+};
+
+static int made_of(const ode_parser *p, uint32_t expr) {
+    const fp3_expr *e = &p->exprs[expr];
+    switch (e->op) {
+    case FP3_EXPR_STATE:
+    case FP3_EXPR_OTHER_STATE:
+    case FP3_EXPR_OTHER_PARAM:
+        return HAS_OBJECT;
+    case FP3_EXPR_PARAM:
+        return p->params[e->index].quantity.is_shared ? 0 : HAS_OBJECT;
+    case FP3_EXPR_FIELD:
+        for (uint32_t i = 0; i < p->memory_count; i++)
+            if (p->memories[i].field == e->index)
+                return HAS_OBJECT | HAS_MEMORY;
+        return HAS_OBJECT;
+    default:
+        return fp3_expr_is_fold(e->op) ? HAS_FOLD : 0;
     }
-    for (uint32_t i = 0; i < p->expr_count; i++) {
-        has_sum[i] = (char)fp3_expr_is_fold(p->exprs[i].op);
+}
+
+static char *find_made_of(const ode_parser *p) {
+    char *made = calloc(p->expr_count + 1u, 1);
+    for (uint32_t i = 0; made && i < p->expr_count; i++) {
+        made[i] = (char)made_of(p, i);
         for (int k = 0; k < 3; k++)
-            has_sum[i] |= p->exprs[i].operand[k] != FP3_NONE && has_sum[p->exprs[i].operand[k]];
+            made[i] |=
+                (char)(p->exprs[i].operand[k] != FP3_NONE ? made[p->exprs[i].operand[k]] : 0);
+        if (p->exprs[i].op == FP3_EXPR_OBJECTS || p->exprs[i].op == FP3_EXPR_PAIRS)
+            made[i] = (char)((made[i] & ~HAS_OBJECT) | HAS_GROUP);
     }
-    for (uint32_t i = 0; i < p->invariant_count; i++)
-        if (has_sum[p->invariants[i].expr])
-            fp3_ode_wrong(&p->in, p->expr_at[p->invariants[i].expr], invariant);
-    free(has_sum);
+    return made;
+}
+
+/* The leaf that makes an expression be made of this. */
+static fp3_token where(const ode_parser *p, const char *made, uint32_t expr, int of) {
+    for (int is_deeper = 1; is_deeper;) {
+        is_deeper = 0;
+        for (int k = 0; !is_deeper && k < 3; k++) {
+            const uint32_t operand = p->exprs[expr].operand[k];
+            if (operand == FP3_NONE || !(made[operand] & of))
+                continue;
+            expr = operand;
+            is_deeper = 1;
+        }
+    }
+    return p->expr_at[expr];
+}
+
+static void check_invariant(ode_parser *p, const char *made, uint32_t expr) {
+    static const char expected[] =
+        "an invariant without a sum over neighbours (of all objects: sum(objects: ...) and "
+        "sum(pairs o in NAME: ...))";
+    const int is = made[expr];
+    if (is & HAS_FOLD)
+        fp3_ode_wrong(&p->in, p->expr_at[expr], expected);
+    else if (is & HAS_GROUP && is & HAS_OBJECT)
+        fp3_ode_wrong(&p->in, where(p, made, expr, HAS_OBJECT),
+                      "what all objects share, as this invariant is of all of them; or put it into "
+                      "sum(objects: ...)");
+    else if (is & HAS_MEMORY)
+        fp3_ode_wrong(&p->in, where(p, made, expr, HAS_MEMORY),
+                      "a field that keeps its value (what pairs remember stays in the engine)");
+}
+
+void fp3_ode_finish_invariants(ode_parser *p) {
+    const uint32_t count = p->invariant_count;
+    char *made = find_made_of(p);
+    p->out_of_memory |= !made;
+    p->invariant_count = 0;
+    for (uint32_t i = 0; made && i < count; i++) {
+        const fp3_definition one = p->invariants[i];
+        check_invariant(p, made, one.expr);
+        if (made[one.expr] & HAS_GROUP)
+            p->group_invariants[p->group_invariant_count++] = one;
+        else
+            p->invariants[p->invariant_count++] = one;
+    }
+    free(made);
 }

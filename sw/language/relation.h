@@ -10,8 +10,7 @@ int fp3_ode_is_relation(fp3_token word);
 /* The rest of the statement: "springs(k = 10 [N/m])". */
 void fp3_ode_relation(ode_parser *p, fp3_token word);
 
-/* Where sums over neighbours may not be: what happens at the end of a step, and what is observed.
- */
-void fp3_ode_check_sums(ode_parser *p);
+/* Tells invariants of an object from those of all objects, and checks what they are made of. */
+void fp3_ode_finish_invariants(ode_parser *p);
 
 #endif

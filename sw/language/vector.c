@@ -177,20 +177,30 @@ ode_value fp3_ode_select(ode_parser *p, fp3_token at, ode_value c, ode_value a, 
     return nothing;
 }
 
+/* What is made of several objects is not known before a run. */
+static ode_value over(ode_parser *p, uint32_t relation, ode_value made) {
+    for (unsigned i = 0; i < made.size; i++) {
+        const uint32_t e = made.expr[i];
+        p->exprs[e].index = relation;
+        p->exprs[e].is_known = p->is_number[e] = 0;
+        p->has_state[e] = 1;
+    }
+    return made;
+}
+
 ode_value fp3_ode_total(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t relation,
                         ode_value term, ode_value start) {
     const ode_value operand[3] = {term, start};
     const unsigned size = !start.size            ? 0
                           : op == FP3_EXPR_TOTAL ? term.size
                                                  : common_size(p, at, op, term, start);
-    const ode_value total = each(p, at, op, operand, size);
-    for (unsigned i = 0; i < total.size; i++) {
-        const uint32_t made = total.expr[i];
-        p->exprs[made].index = relation;
-        p->exprs[made].is_known = p->is_number[made] = 0;
-        p->has_state[made] = 1;
-    }
-    return total;
+    return over(p, relation, each(p, at, op, operand, size));
+}
+
+ode_value fp3_ode_sum_of_group(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t relation,
+                               ode_value term) {
+    const ode_value operand[3] = {term};
+    return over(p, relation, each(p, at, op, operand, term.size));
 }
 
 static ode_value component(ode_value a, unsigned i) { return (ode_value){1, {a.expr[i]}}; }

@@ -20,6 +20,10 @@ ode_value fp3_ode_fold(ode_parser *p, fp3_token at, fp3_expr_op op, ode_value a)
 ode_value fp3_ode_total(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t relation,
                         ode_value term, ode_value start);
 
+/* FP3_EXPR_OBJECTS, or PAIRS of a relation, of each component. */
+ode_value fp3_ode_sum_of_group(ode_parser *p, fp3_token at, fp3_expr_op op, uint32_t relation,
+                               ode_value term);
+
 /* Whether the value is a number that is known while the text is read. */
 int fp3_ode_is_number(const ode_parser *p, ode_value value);
 /* Drops the expressions from this one on: what was made of them has its value. */

@@ -72,6 +72,12 @@ static void append(char *text, size_t size, const char *name) {
 static fp3_status unknown(const fp3_program *program, const char *name, fp3_error *error) {
     const fp3_model *model = program->model;
     char names[400] = "";
+    if (model &&
+        find_definition(model->group_invariants, model->group_invariant_count, name) != FP3_NONE)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "'%s' is an invariant of all objects together, and a recording looks at "
+                        "each object by itself; --check prints it",
+                        name);
     for (uint32_t i = 0; i < program->image->symbol_count; i++)
         if (program->image->symbols[i].symbol_class == FP3_SYMBOL_STATE)
             append(names, sizeof names, program->image->symbols[i].name);

@@ -203,6 +203,8 @@ static uint32_t derivative_of(differentiation *k, uint32_t f) {
     case FP3_EXPR_MOST:
     case FP3_EXPR_STEP: /* of projections, which have no derivatives */
     case FP3_EXPR_BEFORE:
+    case FP3_EXPR_OBJECTS: /* of invariants alone */
+    case FP3_EXPR_PAIRS:
     case FP3_EXPR_OP_COUNT:
         break;
     }

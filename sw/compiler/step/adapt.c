@@ -45,6 +45,9 @@ static int is_taken(const fp3_model *model, const char *name) {
     for (uint32_t i = 0; i < model->invariant_count; i++)
         if (!strcmp(model->invariants[i].name, name))
             return 1;
+    for (uint32_t i = 0; i < model->group_invariant_count; i++)
+        if (!strcmp(model->group_invariants[i].name, name))
+            return 1;
     return fp3_model_state(model, name) != FP3_NONE || fp3_model_param(model, name) != FP3_NONE;
 }
 

@@ -351,6 +351,8 @@ static term lower(lowering *l, uint32_t expr) {
     case FP3_EXPR_NUMBER: /* known, as params are */
     case FP3_EXPR_PARAM:
     case FP3_EXPR_INITIAL: /* of closed forms alone */
+    case FP3_EXPR_OBJECTS: /* of invariants alone */
+    case FP3_EXPR_PAIRS:
     case FP3_EXPR_OP_COUNT:
         break;
     }

@@ -74,7 +74,9 @@ FP3_API_BEGIN
     X(MOST, 2, 0)        /* the most of these */                                                   \
     X(STEP, 0, 0)        /* h, the length of the step; of projections and `remember` */            \
     X(BEFORE, 0,                                                                                   \
-      0) /* a state when the step began; index: of states; of projections and `remember` */
+      0) /* a state when the step began; index: of states; of projections and `remember` */        \
+    X(OBJECTS, 1, 0) /* a of each object, added up; of group_invariants alone */                   \
+    X(PAIRS, 1, 0)   /* a of each pair, once, likewise; index: of relations */
 
 typedef enum {
 #define X(NAME, operands, host) FP3_EXPR_##NAME,
@@ -220,6 +222,10 @@ typedef struct {
     fp3_memory *memories; /* each field once; all fields of near objects are among these */
     uint32_t kind_count;
     fp3_kind *kinds;
+    /* Of all objects of the group together: made of OBJECTS and PAIRS, which have no value of one
+     * object (fp3_model_evaluate: NaN). */
+    uint32_t group_invariant_count;
+    fp3_definition *group_invariants;
 } fp3_model;
 
 /* source has size bytes, needs no NUL and may hold any bytes. name appears in the report.

@@ -2,18 +2,13 @@
 /* run_check.c - see run_check.h. */
 #include "run_check.h"
 
-#include "run_growth.h"
+#include "run_invariants.h"
+#include "second.h"
 
-#include "world/lifetime.h"
-#include "world/values.h"
-
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define LOOKS 16 /* at the second run, for the size of each state */
 
 /* The object whose invariant has changed most. */
 typedef struct {
@@ -21,235 +16,78 @@ typedef struct {
     double first, change;
 } kept;
 
-struct fp3_run_check {
-    fp3_run_part run; /* the one that has ended */
-    const fp3_scene_group *group;
-    const fp3_engine_def *first;
-    const fp3_model *model;
-    uint32_t states; /* those of the model, without what adaptive steps add */
-    size_t objects;
-    double *error, *size; /* rows of a number for each object */
-    fp3_compiled *compiled;
-    fp3_program program; /* of the second run: its parts, but for the compiled program, are the
-                            first one's */
-    fp3_params *params;
-    fp3_engine *engine;
-    fp3_engine_def def;
-    fp3_error why; /* the engine's, as long as it is open */
-    int is_adaptive, is_chosen;
-    int is_blind; /* the two runs are compared, and nothing else is looked at */
-    char how[400];
-    double end; /* of fixed steps: the time */
+/* What is said of a group. */
+typedef struct {
+    const fp3_second_part *of;
+    double *error; /* rows as of `now`, which become estimates */
+    kept *invariants;
     size_t worst_object;
     uint32_t worst_state;
-    kept *invariants;
-    fp3_run_growth growth; /* the largest of all looks, with the step of the first run */
+} judged;
+
+struct fp3_run_check {
+    fp3_second second;
+    judged *parts;
+    fp3_run_invariants *invariants;
+    fp3_error why; /* the engine's, as long as it is open */
 };
-
-/* ---- the second run ---- */
-
-/* One with room for long programs. */
-static const char *config_of(const fp3_run_check *c) {
-    return c->run.program->sees_others ? "world" : "many_full";
-}
-
-static fp3_status compile(fp3_run_check *c, fp3_arithmetic arithmetic, fp3_error *error) {
-    const fp3_program *first = c->run.program;
-    fp3_compile_def def = fp3_compile_default();
-    def.config = config_of(c);
-    def.arithmetic = arithmetic;
-    def.is_for_host = 1;
-    fp3_compiled_free(&c->compiled);
-    const fp3_status status =
-        fp3_compile(first->model, first->integrator, &def, &c->compiled, error);
-    if (status)
-        return status;
-    c->program = *first;
-    c->program.compiled = c->compiled;
-    c->program.image = c->compiled->image;
-    return FP3_OK;
-}
-
-/* A part of what the run has: of the value that was given, or of the model's. */
-static fp3_status scale(fp3_run_check *c, const char *name, double factor, double *value,
-                        fp3_error *error) {
-    fp3_status status =
-        fp3_params_has(c->params, name) ? fp3_params_get(c->params, name, value, error) : FP3_OK;
-    *value *= factor;
-    return status ? status : fp3_params_put(c->params, name, *value, error);
-}
-
-/* Values that are computed from what has been scaled would change the equations. */
-static fp3_status check_formulas(const fp3_run_check *c, fp3_error *error) {
-    fp3_value_look one;
-    for (size_t i = 0; fp3_values_look(c->run.params, i, &one); i++) {
-        double first = 0, second = 0;
-        fp3_status status =
-            one.formula ? fp3_params_get(c->run.params, one.name, &first, error) : FP3_OK;
-        if (!status && one.formula)
-            status = fp3_params_get(c->params, one.name, &second, error);
-        if (status)
-            return status;
-        if (first != second)
-            return fp3_fail(error, FP3_E_ARGUMENT,
-                            "--check: '%s' is computed from a value that a check changes; give a "
-                            "number instead",
-                            one.name);
-    }
-    return FP3_OK;
-}
-
-static fp3_status scale_all(fp3_run_check *c, fp3_error *error) {
-    const fp3_model *m = c->model;
-    double value = m->step;
-    fp3_status status = fp3_params_copy(c->run.params, &c->params, error);
-    if (!status && !c->is_chosen) {
-        status = scale(c, FP3_NAME_STEP, 0.5, &value, error);
-        c->end = 2 * value * (double)c->run.steps;
-        snprintf(c->how, sizeof c->how, "h = %.9g", value);
-        if (!c->is_adaptive)
-            snprintf(c->how + strlen(c->how), sizeof c->how - strlen(c->how),
-                     " in %" PRIu64 " steps", 2 * c->run.steps);
-    }
-    static const char *const names[] = {"absolute", "tolerance"};
-    for (size_t i = 0; !status && c->is_chosen && i < 2; i++) {
-        value = m->params[fp3_model_param(m, names[i])].value;
-        status = scale(c, names[i], 0.1, &value, error);
-        snprintf(c->how, sizeof c->how, "tolerance %.9g", value);
-    }
-    return status ? status : check_formulas(c, error);
-}
-
-/* The same times in twice the steps. */
-static fp3_status double_steps(const fp3_run_check *c, const char *what, fp3_scene_steps *steps,
-                               fp3_error *error) {
-    const uint64_t apart =
-        steps->last > steps->first ? steps->last - steps->first : steps->first - steps->last;
-    if (steps->first == FP3_FOREVER)
-        return FP3_OK;
-    if (c->objects > 1 && apart % (c->objects - 1))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "--check: the %s of %zu objects from step %" PRIu64 " to %" PRIu64
-                        " are rounded to whole steps, and with half the step to other times",
-                        what, c->objects, steps->first, steps->last);
-    steps->first *= 2;
-    steps->last *= 2;
-    return FP3_OK;
-}
-
-static fp3_status live(const fp3_run_check *c, fp3_error *error) {
-    fp3_scene_group second = *c->group;
-    second.first = 0;
-    fp3_status status = double_steps(c, "births", &second.born, error);
-    if (!status)
-        status = double_steps(c, "ends", &second.gone, error);
-    return status ? status : fp3_lifetime_apply(&second, c->engine);
-}
-
-static fp3_status open_engine(fp3_run_check *c, fp3_error *error) {
-    const fp3_engine_def *first = c->first;
-    c->def = fp3_engine_default();
-    c->def.engine = "fast";
-    c->def.config = config_of(c);
-    c->def.objects = (uint32_t)c->objects;
-    c->def.threads = first->threads;
-    c->def.is_interpreted = strcmp(first->engine, "fast") != 0 || first->native;
-    c->def.is_without_compiler = c->def.is_interpreted;
-    c->def.error = error;
-    fp3_engine_close(&c->engine);
-    fp3_status status = fp3_engine_open(&c->def, &c->engine);
-    if (!status)
-        status = fp3_program_load(&c->program, c->params, c->engine, error);
-    return status || !c->group ? status : live(c, error);
-}
-
-static fp3_status look_for_growth(fp3_run_check *c, double t, fp3_error *error) {
-    const fp3_program *first = c->run.program;
-    fp3_run_growth found;
-    if (!first->sees_others || c->is_blind)
-        return FP3_OK;
-    const fp3_status status = fp3_run_growth_find(
-        &(fp3_run_moment){first, c->run.params, c->error, c->objects, t}, &found, error);
-    if (!status && found.factor > c->growth.factor)
-        c->growth = found;
-    return status;
-}
-
-/* Notes how large each state is, and leaves the states in c->error. */
-static fp3_status look(fp3_run_check *c, double share, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    for (uint32_t s = 0; !status && s < c->states; s++) {
-        double *row = c->error + s * c->objects, *size = c->size + s * c->objects;
-        status = fp3_run_state_read(&c->program, c->engine, s, 0, c->objects, row, error);
-        for (size_t i = 0; !status && i < c->objects; i++)
-            size[i] = fmax(size[i], fabs(row[i]));
-    }
-    return status ? status : look_for_growth(c, share * c->end, error);
-}
-
-static fp3_status run_again(fp3_run_check *c, fp3_error *error) {
-    const uint64_t all = 2 * c->run.steps, parts = c->is_adaptive ? 1 : LOOKS;
-    fp3_status status = look(c, 0, error);
-    for (uint64_t i = 0; !status && i < parts; i++) {
-        const uint64_t steps =
-            c->is_adaptive ? 10 * c->run.steps : all * (i + 1) / parts - all * i / parts;
-        status = fp3_adaptive_run(c->engine, steps < UINT32_MAX ? steps : UINT32_MAX, NULL);
-        if (!status)
-            status = look(c, (double)(i + 1) / (double)parts, error);
-    }
-    return status;
-}
 
 /* ---- estimates ---- */
 
 /* Of a method of order p the error falls by 2^p with half the step. An event that is seen at the
  * end of a step, and not located, is of first order, and so is what pairs remember of it. */
-static double share_of(const fp3_run_check *c) {
-    const int is_first =
-        (c->model->event_count && !c->is_adaptive) || fp3_model_remembers(c->model);
-    const unsigned order = is_first ? 1 : c->compiled->order;
-    return c->is_chosen || !order ? 1 : 1 / (1 - pow(0.5, order));
+static double share_of(const fp3_run_check *c, const fp3_second_part *p) {
+    unsigned order = p->program.compiled->order;
+    for (size_t i = 0; i < c->second.count; i++) {
+        const fp3_second_part *other = &c->second.parts[i];
+        const unsigned its = other->program.compiled->order;
+        const int is_first =
+            (other->model->event_count && !other->is_adaptive) || fp3_model_remembers(other->model);
+        order = is_first && order ? 1 : its && its < order ? its : order;
+    }
+    return p->is_chosen || !order ? 1 : 1 / (1 - pow(0.5, order));
 }
 
 /* *is_lost: the second run has no number where the first has one. */
-static fp3_status compare_states(fp3_run_check *c, uint32_t state, double *first, int *is_lost,
-                                 fp3_error *error) {
-    double *row = c->error + state * c->objects, *size = c->size + state * c->objects;
-    fp3_status status = fp3_run_state_read(c->run.program, c->run.engine, state, c->run.first,
-                                           c->objects, first, error);
-    for (size_t i = 0; !status && i < c->objects; i++) {
+static fp3_status compare_states(fp3_run_check *c, judged *j, uint32_t state, double *first,
+                                 int *is_lost) {
+    const fp3_second_part *p = j->of;
+    double *row = j->error + state * p->objects, *size = p->size + state * p->objects;
+    fp3_status status = fp3_run_state_read(p->run->program, p->run->engine, state, p->run->first,
+                                           p->objects, first, &c->why);
+    for (size_t i = 0; !status && i < p->objects; i++) {
         *is_lost |= isfinite(first[i]) && !isfinite(row[i]);
-        row[i] = fabs(first[i] - row[i]) * share_of(c);
+        row[i] = fabs(first[i] - row[i]) * share_of(c, p);
         size[i] = fmax(size[i], fabs(first[i]));
     }
     return status;
 }
 
 /* An object that has not ended has no estimate. */
-static fp3_status judge_ends(fp3_run_check *c, fp3_error *error) {
+static fp3_status judge_ends(fp3_run_check *c, judged *j) {
+    const fp3_second_part *p = j->of;
     fp3_status status = FP3_OK;
-    for (size_t i = 0; !status && c->is_adaptive && i < c->objects; i++) {
+    for (size_t i = 0; !status && p->is_adaptive && i < p->objects; i++) {
         fp3_adaptive_object first, second;
-        status = fp3_adaptive_look(c->run.engine, c->run.first + i, &first);
+        status = fp3_adaptive_look(p->run->engine, p->run->first + i, &first);
         if (!status)
-            status = fp3_adaptive_look(c->engine, i, &second);
+            status = fp3_adaptive_look(c->second.engine, p->first + i, &second);
         if (!status && first.until != second.until)
-            return fp3_fail(error, FP3_E_ARGUMENT,
+            return fp3_fail(&c->why, FP3_E_ARGUMENT,
                             "--check: the run ends at %.9g, its last snapshot, not at %.9g, the "
                             "time of --until",
                             (double)first.until, (double)second.until);
         const int has_ended =
             !status && fp3_adaptive_is_over(first.end) && fp3_adaptive_is_over(second.end);
-        for (uint32_t s = 0; !status && !has_ended && s < c->states; s++)
-            c->error[s * c->objects + i] = NAN;
+        for (uint32_t s = 0; !status && !has_ended && s < p->states; s++)
+            j->error[s * p->objects + i] = NAN;
     }
     return status;
 }
 
 /* values: of the model's expressions, twice. */
-static void note_invariants(fp3_run_check *c, size_t object, const fp3_run_lost *found,
-                            double *values) {
-    const fp3_model *m = c->model;
+static void note_invariants(judged *j, size_t object, const fp3_run_lost *found, double *values) {
+    const fp3_model *m = j->of->model;
     double *const end = values + m->expr_count;
     fp3_point at = {.states = found->start, .params = found->params, .initial = found->start};
     fp3_model_evaluate(m, &at, values);
@@ -259,137 +97,154 @@ static void note_invariants(fp3_run_check *c, size_t object, const fp3_run_lost 
     for (uint32_t i = 0; i < m->invariant_count; i++) {
         const uint32_t e = m->invariants[i].expr;
         const double change = end[e] - values[e];
-        if (object == 0 || !(fabs(change) <= fabs(c->invariants[i].change)))
-            c->invariants[i] = (kept){object, values[e], change};
+        if (object == 0 || !(fabs(change) <= fabs(j->invariants[i].change)))
+            j->invariants[i] = (kept){object, values[e], change};
     }
 }
 
 /* Both runs underflow alike. */
-static fp3_status look_at_ends(fp3_run_check *c, fp3_error *error) {
+static fp3_status look_at_ends(fp3_run_check *c, judged *j) {
+    const fp3_second_part *p = j->of;
     fp3_run_loss *loss = NULL;
-    double *values = calloc(2u * c->model->expr_count + 1u, sizeof *values);
-    fp3_status status = values ? fp3_run_loss_open(&c->run, &loss, error) : fp3_no_memory(error);
+    double *values = calloc(2u * p->model->expr_count + 1u, sizeof *values);
+    fp3_status status = values ? fp3_run_loss_open(p->run, &loss, &c->why) : fp3_no_memory(&c->why);
     for (size_t i = 0; !status && i < fp3_run_loss_looked(loss); i++) {
         fp3_run_lost found;
-        status = fp3_run_loss_look(loss, i, &found, error);
-        for (uint32_t s = 0; !status && s < c->states; s++) {
-            const size_t at = s * c->objects + i;
-            c->error[at] += found.lost[s];
-            c->size[at] = fmax(c->size[at], found.lost[s]);
+        status = fp3_run_loss_look(loss, i, &found, &c->why);
+        for (uint32_t s = 0; !status && s < p->states; s++) {
+            const size_t at = s * p->objects + i;
+            j->error[at] += found.lost[s];
+            p->size[at] = fmax(p->size[at], found.lost[s]);
         }
         if (!status)
-            note_invariants(c, i, &found, values);
+            note_invariants(j, i, &found, values);
     }
     fp3_run_loss_close(&loss);
     free(values);
     return status;
 }
 
-static double relative(const fp3_run_check *c, size_t at) {
-    return c->error[at] == 0 ? 0 : c->error[at] / c->size[at];
+static double relative(const judged *j, size_t at) {
+    return j->error[at] == 0 ? 0 : j->error[at] / j->of->size[at];
+}
+
+static double worst(const judged *j) {
+    return relative(j, j->worst_state * j->of->objects + j->worst_object);
 }
 
 /* NaN is worse than any number. */
-static void find_worst(fp3_run_check *c) {
-    double worst = -1;
-    for (size_t i = 0; i < c->objects; i++)
-        for (uint32_t s = 0; s < c->states; s++) {
-            const double error = relative(c, s * c->objects + i);
-            if (isnan(worst) || error <= worst)
+static void find_worst(judged *j) {
+    double worst_so_far = -1;
+    for (size_t i = 0; i < j->of->objects; i++)
+        for (uint32_t s = 0; s < j->of->states; s++) {
+            const double error = relative(j, s * j->of->objects + i);
+            if (isnan(worst_so_far) || error <= worst_so_far)
                 continue;
-            worst = error;
-            c->worst_object = i;
-            c->worst_state = s;
+            worst_so_far = error;
+            j->worst_object = i;
+            j->worst_state = s;
         }
 }
 
-/* Before a long run that would be refused in the end. */
-static fp3_status check_count(const fp3_run_check *c, fp3_error *error) {
-    if (c->is_adaptive || fp3_image_steps(c->program.image) < 0 ||
-        c->run.steps <= FP3_STEPS_LIMIT / 2)
-        return FP3_OK;
-    return fp3_fail(error, FP3_E_ARGUMENT,
-                    "--check: half the step takes %" PRIu64
-                    " steps, and a program with t counts %d at most",
-                    2 * c->run.steps, FP3_STEPS_LIMIT);
+/* ---- the second run ---- */
+
+static fp3_status run_in(fp3_run_check *c, fp3_arithmetic arithmetic, int *is_lost) {
+    fp3_status status = fp3_second_run(&c->second, arithmetic);
+    *is_lost = 0;
+    for (size_t k = 0; !status && k < c->second.count; k++) {
+        judged *j = &c->parts[k];
+        double *first = malloc(j->of->objects * sizeof *first);
+        status = first ? FP3_OK : fp3_no_memory(&c->why);
+        for (uint32_t s = 0; !status && s < j->of->states; s++)
+            status = compare_states(c, j, s, first, is_lost);
+        free(first);
+        if (!status)
+            status = judge_ends(c, j);
+    }
+    return status;
 }
 
-static fp3_status run_in(fp3_run_check *c, fp3_arithmetic arithmetic, double *first, int *is_lost,
-                         fp3_error *error) {
-    memset(c->size, 0, c->objects * c->states * sizeof *c->size);
-    c->growth = (fp3_run_growth){.factor = 1};
-    *is_lost = 0;
-    fp3_status status = compile(c, arithmetic, error);
-    if (!status)
-        status = check_count(c, error);
-    if (!status)
-        status = open_engine(c, error);
-    if (!status)
-        status = run_again(c, error);
-    for (uint32_t s = 0; !status && s < c->states; s++)
-        status = compare_states(c, s, first, is_lost, error);
-    return status ? status : judge_ends(c, error);
+static int applies(const fp3_run_check *c, fp3_arithmetic arithmetic) {
+    int is_good = 1;
+    for (size_t i = 0; i < c->second.count; i++)
+        is_good &= fp3_arithmetic_applies(arithmetic, c->second.parts[i].run->program->integrator,
+                                          c->second.parts[i].is_chosen);
+    return is_good;
 }
 
 /* Double-single has no room for products near the ends of FP32, and its programs are long. */
-static fp3_status run_in_best(fp3_run_check *c, double *first, fp3_error *error) {
+static fp3_status run_in_best(fp3_run_check *c) {
     static const fp3_arithmetic tried[] = {FP3_DOUBLE_SINGLE, FP3_COMPENSATED, FP3_PLAIN};
     fp3_status status = FP3_E_PROGRAM;
     int is_lost = 0;
     for (size_t i = 0; (status == FP3_E_PROGRAM || is_lost) && i < sizeof tried / sizeof *tried;
          i++)
-        if (fp3_arithmetic_applies(tried[i], c->run.program->integrator, c->is_chosen))
-            status = run_in(c, tried[i], first, &is_lost, error);
+        if (applies(c, tried[i]))
+            status = run_in(c, tried[i], &is_lost);
     return status;
 }
 
-static fp3_status make(fp3_run_check *c, fp3_error *error) {
-    double *first = malloc(c->objects * sizeof *first);
-    c->error = calloc(c->objects * c->states, sizeof *c->error);
-    c->size = calloc(c->objects * c->states, sizeof *c->size);
-    c->invariants = calloc(c->model->invariant_count + 1u, sizeof *c->invariants);
-    fp3_status status =
-        first && c->error && c->size && c->invariants ? scale_all(c, error) : fp3_no_memory(error);
+static fp3_status look_at_invariants(fp3_run_check *c) {
+    fp3_status status = fp3_run_invariants_open(c->second.set, 0, &c->invariants, &c->why);
     if (!status)
-        status = run_in_best(c, first, error);
-    free(first);
-    if (!status && !c->is_blind)
-        status = look_at_ends(c, error);
-    if (!status && c->run.program->sees_others)
-        fp3_run_common_size(c->model, c->states, c->objects, c->size);
-    if (!status)
-        find_worst(c);
-    return status;
+        status = fp3_run_invariants_end(c->invariants, &c->why);
+    return status ? status : fp3_run_invariants_end_again(c->invariants, &c->second, &c->why);
 }
 
-fp3_status fp3_run_check_make(const fp3_run_part *part, const fp3_scene_group *group,
-                              const fp3_engine_def *def, fp3_run_check **check, fp3_error *error) {
-    *check = NULL;
-    if (!part->program->model)
+static fp3_status make(fp3_run_check *c, const fp3_run_set *set, const fp3_engine_def *def) {
+    fp3_status status = fp3_second_open(set, def, &c->second, &c->why);
+    c->parts = calloc(set->count, sizeof *c->parts);
+    if (!status && !c->parts)
+        status = fp3_no_memory(&c->why);
+    for (size_t i = 0; !status && i < set->count; i++) {
+        const fp3_second_part *p = &c->second.parts[i];
+        kept *invariants = calloc(p->model->invariant_count + 1u, sizeof *invariants);
+        c->parts[i] = (judged){.of = p, .error = p->now, .invariants = invariants};
+        status = invariants ? FP3_OK : fp3_no_memory(&c->why);
+    }
+    if (!status)
+        status = run_in_best(c);
+    for (size_t i = 0; !status && i < set->count; i++) {
+        judged *j = &c->parts[i];
+        if (!c->second.is_blind)
+            status = look_at_ends(c, j);
+        if (j->of->run->program->sees_others)
+            fp3_run_common_size(j->of->model, j->of->states, j->of->objects, j->of->size);
+        find_worst(j);
+    }
+    return status ? status : look_at_invariants(c);
+}
+
+static fp3_status check_part(const fp3_run_set *set, size_t number, fp3_error *error) {
+    const fp3_run_part *part = &set->parts[number];
+    const fp3_model *model = part->program->model;
+    if (!model)
         return fp3_fail(error, FP3_E_ARGUMENT,
-                        "--check: %s is no model, so its use of the step is unknown", group->path);
-    if (fp3_model_is_map(part->program->model))
+                        "--check: %s is no model, so its use of the step is unknown",
+                        set->groups[number]->path);
+    if (fp3_model_is_map(model))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: '%s' has no equations, so its steps have no length to halve",
-                        part->program->model->name);
+                        model->name);
     if (fp3_params_has(part->params, FP3_NAME_STEPS))
         return fp3_fail(error, FP3_E_ARGUMENT,
                         "--check: found a value of 'steps', but with half the step an object that "
                         "starts at this number of steps starts at another time");
+    return FP3_OK;
+}
+
+fp3_status fp3_run_check_make(const fp3_run_set *set, const fp3_engine_def *def,
+                              fp3_run_check **check, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    *check = NULL;
+    for (size_t i = 0; !status && i < set->count; i++)
+        status = check_part(set, i, error);
+    if (status)
+        return status;
     fp3_run_check *c = *check = calloc(1, sizeof *c);
     if (!c)
         return fp3_no_memory(error);
-    c->run = *part;
-    c->group = group;
-    c->first = def;
-    c->model = part->program->model;
-    c->is_adaptive = fp3_adaptive_is(part->program->image);
-    c->is_chosen = fp3_model_chooses_steps(c->model);
-    c->states = c->is_adaptive ? fp3_model_adapted(c->model) : c->model->state_count;
-    c->objects = part->objects;
-    c->is_blind =
-        fp3_run_loss_is_blind(part) || (part->program->sees_others && fp3_model_removes(c->model));
-    const fp3_status status = make(c, &c->why);
+    status = make(c, set, def);
     if (!status)
         return FP3_OK;
     const fp3_error why = c->why;
@@ -402,58 +257,100 @@ void fp3_run_check_free(fp3_run_check **check) {
     fp3_run_check *c = *check;
     if (!c)
         return;
-    fp3_engine_close(&c->engine);
-    fp3_compiled_free(&c->compiled);
-    fp3_params_free(&c->params);
-    free(c->error);
-    free(c->size);
-    free(c->invariants);
+    for (size_t i = 0; c->parts && i < c->second.count; i++)
+        free(c->parts[i].invariants);
+    free(c->parts);
+    fp3_run_invariants_close(&c->invariants);
+    fp3_second_close(&c->second);
     free(c);
     *check = NULL;
 }
 
 /* ---- what is said ---- */
 
-void fp3_run_check_print_state(const fp3_run_check *c, const char *name, size_t object) {
-    const uint32_t state = c ? fp3_model_state(c->model, name) : FP3_NONE;
-    if (state == FP3_NONE || state >= c->states)
-        return;
-    const size_t at = state * c->objects + object - c->run.first;
-    printf("   error %.1e, relative %.1e", c->error[at], relative(c, at));
+/* The part that has an object. */
+static const judged *part_of(const fp3_run_check *c, size_t object) {
+    for (size_t i = 0; i < c->second.count; i++)
+        if (object - c->second.parts[i].run->first < c->second.parts[i].objects)
+            return &c->parts[i];
+    return NULL;
 }
 
-static void print_growth(const fp3_run_check *c) {
-    char text[FP3_RUN_GROWTH_TEXT_SIZE];
-    if (!(c->growth.factor > 1))
+void fp3_run_check_print_state(const fp3_run_check *c, const char *name, size_t object) {
+    const judged *j = c ? part_of(c, object) : NULL;
+    const uint32_t state = j ? fp3_model_state(j->of->model, name) : FP3_NONE;
+    if (state == FP3_NONE || state >= j->of->states)
         return;
-    fp3_run_growth_text(&c->growth, c->run.program, c->run.first, text);
+    const size_t at = state * j->of->objects + object - j->of->run->first;
+    printf("   error %.1e, relative %.1e", j->error[at], relative(j, at));
+}
+
+static void print_growth(const fp3_second *s) {
+    char text[FP3_RUN_GROWTH_TEXT_SIZE];
+    if (!(s->growth.factor > 1))
+        return;
+    fp3_run_growth_text(&s->growth, s->parts[0].run->program, s->parts[0].run->first, text);
     printf("%-16s %s\n", "unstable", text);
 }
 
-void fp3_run_check_print(const fp3_run_check *c) {
-    if (!c)
+/* Of objects that see each other all are judged together. */
+static void print_all_objects(const judged *j) {
+    const fp3_second_part *p = j->of;
+    for (uint32_t s = 0; p->run->program->sees_others && s < p->states; s++) {
+        double squares = 0, largest = -1;
+        size_t object = 0;
+        for (size_t i = 0; i < p->objects; i++) {
+            const double error = j->error[s * p->objects + i];
+            squares += error * error;
+            if (!(error <= largest) && !isnan(largest)) {
+                largest = error;
+                object = i;
+            }
+        }
+        printf("%-16s %s: error %.1e RMS, %.1e at most, of object %zu\n", "all objects",
+               p->model->states[s].name, sqrt(squares / (double)p->objects), largest,
+               p->run->first + object);
+    }
+}
+
+void fp3_run_check_print(const fp3_run_check *c, size_t first) {
+    const judged *j = c ? part_of(c, first) : NULL;
+    if (!j)
         return;
-    const size_t at = c->worst_state * c->objects + c->worst_object;
-    printf("%-16s %s, %s; %s\n", "check", c->how, fp3_arithmetic_of(c->compiled->arithmetic)->text,
-           fp3_engine_how(c->engine));
+    const fp3_second_part *p = j->of;
+    const size_t at = j->worst_state * p->objects + j->worst_object;
+    printf("%-16s %s, %s; %s\n", "check", p->how,
+           fp3_arithmetic_of(p->program.compiled->arithmetic)->text,
+           fp3_engine_how(c->second.engine));
+    print_all_objects(j);
     printf("%-16s object %zu, %s: error %.1e, relative %.1e\n", "worst",
-           c->run.first + c->worst_object, c->model->states[c->worst_state].name, c->error[at],
-           relative(c, at));
-    if (c->is_blind)
-        printf("%-16s what underflows, invariants, unstable steps\n", "not looked at");
-    for (uint32_t i = 0; !c->is_blind && i < c->model->invariant_count; i++)
+           p->run->first + j->worst_object, p->model->states[j->worst_state].name, j->error[at],
+           worst(j));
+    for (uint32_t i = 0; !c->second.is_blind && i < p->model->invariant_count; i++)
         printf("%-16s object %zu, %s: was %.9g, changed by %.1e\n", "invariant",
-               c->run.first + c->invariants[i].object, c->model->invariants[i].name,
-               c->invariants[i].first, c->invariants[i].change);
-    print_growth(c);
+               p->run->first + j->invariants[i].object, p->model->invariants[i].name,
+               j->invariants[i].first, j->invariants[i].change);
+    if (j != &c->parts[c->second.count - 1])
+        return;
+    fp3_run_invariants_print(c->invariants);
+    if (c->second.is_blind)
+        printf("%-16s what underflows, invariants%s, unstable steps\n", "not looked at",
+               c->invariants ? " of an object" : "");
+    print_growth(&c->second);
 }
 
 fp3_status fp3_run_check_judge(const fp3_run_check *c, double bound, fp3_error *error) {
-    const size_t at = c ? c->worst_state * c->objects + c->worst_object : 0;
-    return !c || relative(c, at) <= bound
-               ? FP3_OK
-               : fp3_fail(error, FP3_E_FAILED,
-                          "object %zu, %s: relative error %.2g, and --strict allows %.2g",
-                          c->run.first + c->worst_object, c->model->states[c->worst_state].name,
-                          relative(c, at), bound);
+    char text[FP3_RUN_INVARIANTS_TEXT_SIZE] = "";
+    for (size_t i = 0; c && i < c->second.count; i++) {
+        const judged *j = &c->parts[i];
+        if (!(worst(j) <= bound))
+            return fp3_fail(error, FP3_E_FAILED,
+                            "object %zu, %s: relative error %.2g, and --strict allows %.2g",
+                            j->of->run->first + j->worst_object,
+                            j->of->model->states[j->worst_state].name, worst(j), bound);
+    }
+    if (c)
+        fp3_run_invariants_judge(c->invariants, bound, text);
+    return *text ? fp3_fail(error, FP3_E_FAILED, "%s, and --strict allows %.2g", text, bound)
+                 : FP3_OK;
 }
