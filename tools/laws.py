@@ -17,7 +17,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 HEADER = ROOT / "sw/bodies/laws.h"
 # What a pass gives all rows. A law with equations has the last one as its time step.
-SHARED = ["push", "inverse", "least", "warm", "pace"]
+SHARED = ["push", "inverse", "least", "warm", "pace", "far"]
 
 
 class Family:

@@ -95,6 +95,8 @@ static void stiffen(const fp3_bodies *bodies, const fp3_heavy_link *link, uint32
         bodies->heavy->springs.mass[number * 9 + 8] += bodies->def.h / bodies->def.substeps * by;
 }
 
+static double within(double x, double most) { return fmin(fmax(x, -most), most); }
+
 static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     fp3_joint *joint = &bodies->joint[link->of];
     const double rate = push ? bodies->heavy->rate : 0;
@@ -109,14 +111,18 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     for (int i = 0; i < 2; i++) {
         const double apart =
             link->gap[i] + (double)way[i] + (b[i] - link->arm_b[i]) - (a[i] - link->arm_a[i]);
-        const fp3_heavy_row row = {i,        &joint->point[i], of_a[i], of_b[i],
-                                   INFINITY, rate * apart,     1};
+        const fp3_heavy_row row = {i,        &joint->point[i],
+                                   of_a[i],  of_b[i],
+                                   INFINITY, rate * within(apart, FP3_FARTHEST * bodies->def.size),
+                                   1};
         fp3_heavy_put(bodies, link, &row);
     }
     if (!fp3_joint_is_firm(joint))
         return;
-    const fp3_heavy_row row = {
-        2, &joint->twist[0], of_a[2], of_b[2], INFINITY, rate * (link->gap[2] + (double)way[2]), 1};
+    const fp3_heavy_row row = {2,        &joint->twist[0],
+                               of_a[2],  of_b[2],
+                               INFINITY, rate * within(link->gap[2] + (double)way[2], FP3_FARTHEST),
+                               1};
     fp3_heavy_put(bodies, link, &row);
 }
 

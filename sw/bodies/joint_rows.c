@@ -205,31 +205,52 @@ fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {
 
 /* ---- and after it ---- */
 
-#define KEEP(row, lane, to)                                                                        \
-    do {                                                                                           \
-        (to)[0] = (row)->s[lane];                                                                  \
-        (to)[1] = (row)->m[lane];                                                                  \
-        (to)[2] = (row)->l[lane];                                                                  \
-        (to)[3] = (row)->u[lane];                                                                  \
-    } while (0)
+/* Impulses of a row, and how many: those of a spring or lock, a motor, both limits; one across. */
+typedef struct {
+    float *word[5];
+    uint32_t count;
+    int is_firm; /* the first one is that of a lock */
+} impulses;
 
-static void keep(const fp3_law_rows *rows, int law, uint32_t i, fp3_joint *j) {
+#define TURNS(row, lane) &(row)->s[lane], &(row)->m[lane], &(row)->l[lane], &(row)->u[lane]
+
+static impulses impulses_of(const fp3_law_rows *rows, int law, uint32_t i) {
     const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
     if (law == LAW(twist2)) {
-        const fp3_twist2_row *row = (const fp3_twist2_row *)rows->row + block;
-        KEEP(row, lane, j->twist);
-    } else if (law == LAW(slide2)) {
-        const fp3_slide2_row *row = (const fp3_slide2_row *)rows->row + block;
-        KEEP(row, lane, j->slide);
-        j->slide[4] = row->p[lane];
-    } else if (law == LAW(rod2)) {
-        const fp3_rod2_row *row = (const fp3_rod2_row *)rows->row + block;
-        KEEP(row, lane, j->rod);
-    } else {
-        const fp3_pin2_row *row = (const fp3_pin2_row *)rows->row + block;
-        j->point[0] = row->p_x[lane];
-        j->point[1] = row->p_y[lane];
+        fp3_twist2_row *row = (fp3_twist2_row *)rows->row + block;
+        return (impulses){{TURNS(row, lane)}, 4, row->firm[lane] != 0};
     }
+    if (law == LAW(slide2)) {
+        fp3_slide2_row *row = (fp3_slide2_row *)rows->row + block;
+        return (impulses){{TURNS(row, lane), &row->p[lane]}, 5, row->firm[lane] != 0};
+    }
+    if (law == LAW(rod2)) {
+        fp3_rod2_row *row = (fp3_rod2_row *)rows->row + block;
+        return (impulses){{TURNS(row, lane)}, 4, row->firm[lane] != 0};
+    }
+    fp3_pin2_row *row = (fp3_pin2_row *)rows->row + block;
+    return (impulses){{&row->p_x[lane], &row->p_y[lane]}, 2, 1};
+}
+
+int fp3_joint_gives(const fp3_bodies *bodies, int law, uint32_t row) {
+    const impulses p = impulses_of(&bodies->joined[law], law, row);
+    return law != LAW(pin2) && ((!p.is_firm && *p.word[0] != 0) || *p.word[1] != 0);
+}
+
+void fp3_joint_scale(fp3_bodies *bodies, int law, uint32_t row, float by) {
+    const impulses p = impulses_of(&bodies->joined[law], law, row);
+    for (uint32_t i = 0; i < p.count && by < 1; i++)
+        *p.word[i] *= by;
+}
+
+static void keep(const fp3_law_rows *rows, int law, uint32_t i, fp3_joint *j) {
+    const impulses p = impulses_of(rows, law, i);
+    float *const to = law == LAW(twist2)   ? j->twist
+                      : law == LAW(slide2) ? j->slide
+                      : law == LAW(rod2)   ? j->rod
+                                           : j->point;
+    for (uint32_t k = 0; k < p.count; k++)
+        to[k] = *p.word[k];
 }
 
 /* What is no number is forgotten, so that a joint of a body that failed goes on. */

@@ -391,19 +391,27 @@ void fp3_space_joints_first(fp3_bodies *bodies) {
 
 /* ---- after a step ---- */
 
-#define KEEP3(to, row, lane)                                                                       \
-    do {                                                                                           \
-        (to)[0] = (row)->p_x[lane];                                                                \
-        (to)[1] = (row)->p_y[lane];                                                                \
-        (to)[2] = (row)->p_z[lane];                                                                \
-    } while (0)
-#define KEEP4(to, row, lane)                                                                       \
-    do {                                                                                           \
-        (to)[0] = (row)->s[lane];                                                                  \
-        (to)[1] = (row)->m[lane];                                                                  \
-        (to)[2] = (row)->l[lane];                                                                  \
-        (to)[3] = (row)->u[lane];                                                                  \
-    } while (0)
+#define AT3(row, lane) &(row)->p_x[lane], &(row)->p_y[lane], &(row)->p_z[lane]
+#define AT4(row, lane) &(row)->s[lane], &(row)->m[lane], &(row)->l[lane], &(row)->u[lane]
+
+fp3_impulses3 fp3_space_impulses(const fp3_law_rows *rows, int law, uint32_t i) {
+    const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
+    enum { SPRING = 1, MOTOR = 2, ALL = 7 };
+    if (law == LAW(pin3)) {
+        fp3_pin3_row *row = (fp3_pin3_row *)rows->row + block;
+        return (fp3_impulses3){{AT3(row, lane)}, 3, 0};
+    }
+    if (law == LAW(spin3)) {
+        fp3_spin3_row *row = (fp3_spin3_row *)rows->row + block;
+        return (fp3_impulses3){{AT3(row, lane)}, 3, row->firm[lane] != 0 ? 0 : ALL};
+    }
+    if (law == LAW(line3)) {
+        fp3_line3_row *row = (fp3_line3_row *)rows->row + block;
+        return (fp3_impulses3){{AT4(row, lane)}, 4, row->firm[lane] != 0 ? MOTOR : MOTOR | SPRING};
+    }
+    fp3_twist3_row *row = (fp3_twist3_row *)rows->row + block;
+    return (fp3_impulses3){{AT4(row, lane)}, 4, row->firm[lane] != 0 ? MOTOR : MOTOR | SPRING};
+}
 
 /* What is no number is forgotten, so that a joint of a body that failed goes on. */
 static void mend(float *impulse, uint32_t count) {
@@ -421,16 +429,13 @@ static void mend_all(fp3_joint3 *j) {
 static void keep(const fp3_bodies *bodies, int law, uint32_t i) {
     const fp3_law_rows *rows = &bodies->space->joined[law];
     fp3_joint3 *j = &bodies->space->joint[rows->of[i]];
-    const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
-    if (law == LAW(pin3)) {
-        KEEP3(j->pin, (const fp3_pin3_row *)rows->row + block, lane);
-    } else if (law == LAW(spin3)) {
-        KEEP3(j->spin, (const fp3_spin3_row *)rows->row + block, lane);
-    } else if (law == LAW(line3)) {
-        KEEP4(j->line, (const fp3_line3_row *)rows->row + block, lane);
-    } else {
-        KEEP4(j->twist, (const fp3_twist3_row *)rows->row + block, lane);
-    }
+    const fp3_impulses3 p = fp3_space_impulses(rows, law, i);
+    float *const to = law == LAW(pin3)    ? j->pin
+                      : law == LAW(spin3) ? j->spin
+                      : law == LAW(line3) ? j->line
+                                          : j->twist;
+    for (uint32_t k = 0; k < p.count; k++)
+        to[k] = *p.word[k];
 }
 
 static float sum(const float impulse[4]) {

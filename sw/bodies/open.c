@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* open.c - a world is opened and closed; its memory. */
+#include "guess.h"
 #include "heavy.h"
 #include "own3.h"
 #include "share.h"
@@ -146,6 +147,7 @@ void fp3_bodies_close(fp3_bodies **bodies) {
     for (int i = 0; i < FP3_JOINT_LAWS; i++)
         fp3_rows_free(&b->joined[i]);
     fp3_heavy_free(b);
+    fp3_guess_free(b);
     fp3_share_free(b);
     fp3_laps_free(&b->laps);
     fp3_laws_close(&b->laws);

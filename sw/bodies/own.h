@@ -23,6 +23,7 @@
 typedef struct fp3_space fp3_space;       /* own3.h */
 typedef struct fp3_form3 fp3_form3;       /* form3.h */
 typedef struct fp3_heavy fp3_heavy;       /* heavy.h */
+typedef struct fp3_guess fp3_guess;       /* guess.h */
 typedef struct fp3_substeps fp3_substeps; /* substeps.c */
 typedef struct fp3_share fp3_share;       /* share.h */
 
@@ -129,6 +130,7 @@ struct fp3_bodies {
     fp3_joint *joint;
     uint32_t joint_count, joint_room, joints, free_joint;
     fp3_heavy *heavy; /* NULL: there was no step yet */
+    fp3_guess *guess; /* NULL: there was no joint in a plane yet */
     fp3_share *share; /* NULL: one process steps the world */
     int is_apart_stale;
     uint64_t *apart; /* (lower body) << 32 | higher, ascending: joined, and they do not collide */
@@ -268,6 +270,13 @@ void fp3_contacts_end(fp3_bodies *bodies, double h);
  * moved. */
 fp3_status fp3_impacts(fp3_bodies *bodies, int *is_any);
 fp3_status fp3_joints_begin(fp3_bodies *bodies, double h);
+/* Of a row of a law (- FP3_LAW_twist2): whether a spring or a motor has an impulse; makes its
+ * impulses smaller. */
+int fp3_joint_gives(const fp3_bodies *bodies, int law, uint32_t row);
+void fp3_joint_scale(fp3_bodies *bodies, int law, uint32_t row, float by);
+/* What is farther apart than this share of `size`, or turned by more than this, joints pull
+ * together as if this were all. */
+#define FP3_FARTHEST 0.2f
 /* Behind the step, where bodies are then. Joints that break are gone. */
 void fp3_joints_end(fp3_bodies *bodies, double h);
 /* Where the two anchors are, from their bodies' centres of mass, in the world's axes; and the way

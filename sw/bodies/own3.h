@@ -221,6 +221,12 @@ void fp3_space_joints_first(fp3_bodies *bodies);
 /* Behind the passes, those that other ranks have passed over. */
 void fp3_space_joints_stand(fp3_bodies *bodies);
 void fp3_space_joints_end(fp3_bodies *bodies, double h);
+/* Impulses of a row of a law (- FP3_LAW_pin3), and how many; bits: those of springs and motors. */
+typedef struct {
+    float *word[4];
+    uint32_t count, gives;
+} fp3_impulses3;
+fp3_impulses3 fp3_space_impulses(const fp3_law_rows *rows, int law, uint32_t row);
 
 /* space.c, in double: a product of quaternions; a vector turned by one of length 1. */
 void fp3_multiply3(const double p[4], const double q[4], double to[4]);

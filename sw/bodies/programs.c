@@ -140,7 +140,7 @@ static fp3_status find_words(const family *f, law *l, fp3_error *error) {
             return fp3_fail(error, FP3_E_PROGRAM,
                             "law %s: '%s' is no word of it: expected states of the names that "
                             "programs/bodies/%s.ode has, and shared params push, inverse, least, "
-                            "warm and pace",
+                            "warm, pace and far",
                             l->kind->name, symbol->name, l->kind->name);
         }
     }

@@ -39,7 +39,7 @@ typedef struct {
 typedef enum { FP3_LAWS2(X) FP3_LAWS } fp3_law;
 #undef X
 /* What all rows of a pass have: FP3_SHARED_WORDS. */
-enum { FP3_PUSH, FP3_INVERSE, FP3_LEAST, FP3_WARM, FP3_PACE, FP3_SHARED };
+enum { FP3_PUSH, FP3_INVERSE, FP3_LEAST, FP3_WARM, FP3_PACE, FP3_FAR, FP3_SHARED };
 
 /* What gravity, forces and damping do in a substep: v = damp (v + pull), lane by lane, and the way
  * is h v - drop. Of a body that nothing touches drop is half of what `pull` adds, so it follows its

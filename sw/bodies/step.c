@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step.c - a step: who touches, what that does in each substep, and where bodies are then. */
+#include "guess.h"
 #include "heavy.h"
 #include "own3.h"
 #include "share.h"
@@ -121,7 +122,8 @@ static void bring_some(void *of, uint32_t from, uint32_t to) {
         const fp3_body *body = &bodies->body[bodies->in_slot[k]];
         const float m = fp3_inverse_mass(body->mass), i = fp3_inverse_mass(body->inertia);
         bodies->heft[k] = (fp3_four){m, i};
-        bodies->speed[k] = (fp3_four){body->v[0], body->v[1], body->w, 0};
+        const float spin = i > 0 || k > bodies->movable ? body->w : 0;
+        bodies->speed[k] = (fp3_four){body->v[0], body->v[1], spin, 0};
         const double *g = bodies->def.gravity;
         const float ax = (float)(h * (body->gravity * g[0] + m * body->force[0]));
         const float ay = (float)(h * (body->gravity * g[1] + m * body->force[1]));
@@ -233,6 +235,8 @@ static fp3_status begin_in_plane(fp3_bodies *bodies, double h) {
     fp3_status status = fp3_contacts_begin(bodies, h);
     if (!status)
         status = fp3_joints_begin(bodies, h);
+    if (!status)
+        status = fp3_guess_begin(bodies);
     int has_hit = 0;
     if (!status)
         status = fp3_impacts(bodies, &has_hit);

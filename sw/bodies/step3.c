@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* step3.c - a step in space. */
+#include "guess.h"
 #include "heavy.h"
 #include "own3.h"
 
@@ -63,7 +64,10 @@ static void bring_one(fp3_bodies *bodies, uint32_t slot) {
     bodies->heft[2 * slot] = (fp3_four){m, i[0], i[1], i[2]};
     bodies->heft[2 * slot + 1] = (fp3_four){i[3], i[4], i[5], 0};
     bodies->speed[2 * slot] = (fp3_four){body->v[0], body->v[1], body->v[2], 0};
-    bodies->speed[2 * slot + 1] = (fp3_four){space->spin[0], space->spin[1], space->spin[2], 0};
+    if (space->moment[0] > 0 || slot > bodies->movable)
+        bodies->speed[2 * slot + 1] = (fp3_four){space->spin[0], space->spin[1], space->spin[2], 0};
+    else
+        bodies->speed[2 * slot + 1] = (fp3_four){0};
     if (slot > bodies->movable)
         return;
     const float slow = slow_of(h, body->damping), slow_spin = slow_of(h, body->spin_damping);
@@ -205,6 +209,8 @@ fp3_status fp3_space_begin(fp3_bodies *bodies, double h) {
         status = fp3_heavy_find(bodies, &fp3_heavy_laws3, fp3_space_firm(h).rate);
     if (!status)
         status = fp3_space_joints_begin(bodies);
+    if (!status)
+        status = fp3_guess_begin(bodies);
     if (status)
         return status;
     fp3_space_joints_first(bodies);

@@ -3,6 +3,7 @@
  *
  * Rows of a colour share no body that moves, so their order does not count: each thread has some.
  */
+#include "guess.h"
 #include "heavy.h"
 #include "passing.h"
 
@@ -83,6 +84,17 @@ static void solve_heavy(void *of, uint32_t push, uint32_t to) {
     (void)to;
     if (!bodies->substeps->status)
         bodies->substeps->status = fp3_heavy_solve(bodies, (int)push);
+}
+
+static void note_guess(void *of, uint32_t from, uint32_t to) {
+    (void)from;
+    (void)to;
+    fp3_guess_note(of);
+}
+static void check_guess(void *of, uint32_t from, uint32_t to) {
+    (void)from;
+    (void)to;
+    fp3_guess_check(of);
 }
 
 /* ---- the list ---- */
@@ -186,7 +198,11 @@ static void add_substep(fp3_bodies *bodies, int is_first) {
         fp3_laps_add(&bodies->laps, forget_heavy, bodies, 0, 1, 1);
     if (!is_first && bodies->space)
         fp3_laps_add(&bodies->laps, fp3_space_give_again, bodies, 0, 1, 1);
+    if (fp3_guess_has(bodies))
+        fp3_laps_add(&bodies->laps, note_guess, bodies, 0, 1, 1);
     add_joints(bodies, WARM);
+    if (fp3_guess_has(bodies))
+        fp3_laps_add(&bodies->laps, check_guess, bodies, 0, 1, 1);
     add_all(bodies, PUSH);
     add_bodies(bodies, bodies->space ? fp3_space_place : place);
     if (bodies->space && bodies->joints)
@@ -204,10 +220,11 @@ static int is_same(const fp3_passing *a, const fp3_passing *b) {
 /* What is as it was is not written: other threads have it. */
 static void fill(fp3_bodies *bodies, double h) {
     fp3_substeps *all = bodies->substeps;
-    const float inverse = (float)(1 / h), least = (float)-bodies->def.push;
-    const float shared[WAYS][FP3_SHARED] = {[WARM] = {1, inverse, least, 1, (float)h},
-                                            [PUSH] = {1, inverse, least, 0, (float)h},
-                                            [MEND] = {0, inverse, least, 0, (float)h}};
+    const float inverse = (float)(1 / h), least = (float)-bodies->def.push,
+                far = FP3_FARTHEST * (float)bodies->def.size;
+    const float shared[WAYS][FP3_SHARED] = {[WARM] = {1, inverse, least, 1, (float)h, far},
+                                            [PUSH] = {1, inverse, least, 0, (float)h, far},
+                                            [MEND] = {0, inverse, least, 0, (float)h, far}};
     if (memcmp(all->shared, shared, sizeof shared) != 0)
         memcpy(all->shared, shared, sizeof shared);
     for (int way = 0; way < WAYS; way++)

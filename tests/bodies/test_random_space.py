@@ -160,3 +160,39 @@ def test_energy_is_not_made(first, long):
     for number in range(first, first + (200 if long else 10)):
         before, largest = energies(number)
         assert largest <= before * (1 + 1e-3), number
+
+
+def joined_energy_above(number):
+    """Of worlds of balls and cubes that begin apart, some of which cannot turn, with far joints: whether energy is ever above what was put in by more than 2 % and
+    m g size."""
+    chance = np.random.default_rng(number)
+    made = fp3.Bodies(dimensions=3, gravity=(0, -10, 0), substeps=int(chance.integers(1, 9)))
+    made.attach(made.add(type="static"), fp3.plane(friction=chance.random()))
+    count = int(chance.integers(2, 13))
+    at = np.stack([6.5 * (np.arange(count) % 2), 5 + 6.5 * (np.arange(count) // 2), chance.uniform(-1, 1, count)], 1)
+    bodies = made.add(x=at, v=chance.uniform(-5, 5, (count, 3)), spin=chance.uniform(-5, 5, (count, 3)))
+    sizes = [spread(chance, 0.05, 1.2) for _ in bodies]
+    for body, size in zip(bodies, sizes):
+        kind = fp3.sphere if chance.random() < 0.5 else lambda r, **how: fp3.box(r, r, r, **how)
+        made.attach([body], kind(size, density=spread(chance, 1e-2, 1e2), restitution=chance.choice([0.0, 0.5]), is_sensor=bool(chance.random() < 0.1)))
+    for _ in range(int(chance.integers(1, 4))):
+        a, b = chance.choice(count, 2, replace=False)
+        axis = chance.normal(size=3)
+        made.join(str(chance.choice(KINDS)), bodies[a:a + 1], bodies[b:b + 1], anchor_b=at[a] - at[b] + 0.01, axis=axis, axle=np.cross(axis, chance.normal(size=3)))
+    m, about = made.read("mass", bodies), made.read("inertia", bodies)[:, 0]
+
+    def energy():
+        v, w = made.read("v", bodies), made.read("spin", bodies)
+        return float((m * ((v**2).sum(1) / 2 + 10 * made.read("x_y", bodies)) + about * (w**2).sum(1) / 2).sum())
+    most = 1.02 * energy() + 10 * float((m * sizes).sum()) + 1e-3
+    for _ in range(60):
+        made.step()
+        if not energy() < most:
+            return True
+    return False
+
+
+def test_joints_make_no_energy(long):
+    count = 2000 if long else 60
+    above = [number for number in range(count) if joined_energy_above(number)]
+    assert len(above) <= 0.06 * count, above  # all but one are heavy sets: docs/bodies.md

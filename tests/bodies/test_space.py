@@ -692,3 +692,16 @@ def test_heights_of_ten_thousand_columns():
     made.heights(made.add(type="static"), 1.0, 1.0, np.zeros((2, 10000)))
     with pytest.raises(fp3.ArgumentError, match="10,000"):
         made.heights(made.add(type="static"), 1.0, 1.0, np.zeros((2, 10001)))
+
+
+@pytest.mark.parametrize("dimensions, spin", [(2, {"w": 5}), (3, {"spin": (1, 2, 5)})])
+def test_a_body_without_mass_does_not_turn(dimensions, spin):
+    """Else it would be a motor without end for what is joined with it. It turns once it has a shape that weighs something."""
+    made = fp3.Bodies(dimensions=dimensions, gravity=(0,) * dimensions)
+    ball, name = fp3.sphere if dimensions == 3 else fp3.circle, next(iter(spin))
+    empty, sensor, heavy = made.add(x=np.eye(3)[:, :dimensions] * 9, **spin)
+    made.attach([sensor], ball(1, is_sensor=True))
+    made.attach([heavy], ball(1))
+    made.step(10)
+    turned = made.read(name, [empty, sensor, heavy]).reshape(3, -1)
+    assert np.all(turned[:2] == 0) and np.allclose(turned[2], spin[name])
