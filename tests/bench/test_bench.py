@@ -29,7 +29,7 @@ def test_everything_is_in_one_file(measured):
     assert {"about", "problems", "points", "left_out", "speed", "output", "failed"} == set(data) and data["failed"] == []
     assert {"date", "command", "processor", "processors", "system", "compiler", "revision", "versions", "mhz", "target", "form",
             "load"} == set(data["about"]) and {"GSL", "SUNDIALS"} <= set(data["about"]["versions"])
-    assert [problem["model"] for problem in data["problems"]] == ["ship", "kepler"]
+    assert [problem["model"] for problem in data["problems"]] == ["kepler", "ship"]  # by name
     assert {"fast" if ENGINE == "fast" else ENGINE, "rtl", "gsl", "sundials", "plain_c"} == {point["engine"] for point in data["points"]}
     for point in data["points"]:
         if point["engine"] == "rtl":
