@@ -96,6 +96,11 @@ def test_numbers_beyond_the_constants_are_params(tmp_path, config):
     assert refused.returncode == 2 and "the program needs 70 object registers, configuration 'many_full' has 64; none has enough" in refused.stderr
 
 
+def test_a_step_that_keeps_too_much_is_refused(root):
+    refused = fp3("compile", root / "programs/world/net.ode", "-i", "rkc12", "--double-single", "-c", "world", check=False)
+    assert refused.returncode == 2 and "a step keeps more than 128 values from one part to another" in refused.stderr
+
+
 def combinations(seed, every, part="0/1"):
     paths = sorted(str(path) for path in pathlib.Path(PROGRAMS).rglob("*.ode"))
     done = subprocess.run([os.path.join(BUILD, "tests/combinations"), str(seed), str(every), part, *paths], capture_output=True, text=True)

@@ -130,7 +130,7 @@ def test_the_rope_of_the_page(fp3, root, tmp_path, is_coloured):
     """How far rods are stretched, and what a step costs on the hardware, as the page has it: half of the stretch for twice the repetitions."""
     page = (root / "docs/relations.md").read_text()
     lines = re.search(r'^    model rope(?:.*\n)+?    project v.*\n', page, re.M)[0].replace("\n    ", "\n")
-    links, loop = re.search(r"^((?:    links .*\n)+)(    repeat 8\n(?:.*\n)+?    end\n)\nOne repetition", page, re.M).groups()
+    links, loop = re.search(r"^((?:    links .*\n)+)(    repeat 8\n(?:.*\n)+?    end\n)\nA single repetition", page, re.M).groups()
     rows = ("largest stretch of a rod then", "cycles of a step on `world`")
     scene = ROPE
     if is_coloured:

@@ -369,10 +369,8 @@ fp3_status fp3_cut_make(fp3_step *step, fp3_cut *cut, fp3_error *error) {
         cut->unused = needs_unused(cut, step->known.words)
                           ? fp3_cut_variable(&plan, ROLE_CARRIED, FP3_NONE)
                           : FP3_NONE;
-    if (!status && plan.has_failed)
-        status = fp3_fail(error, FP3_E_LIMIT,
-                          "a step keeps more than %d values from one part to another",
-                          2 * FP3_STATES_MAX);
+    if (!status)
+        status = fp3_cut_fits(&plan, error);
     fp3_cut_plan_close(&plan);
     return status;
 }

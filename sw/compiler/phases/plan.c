@@ -478,6 +478,13 @@ static void know_params(fp3_cut_plan *c) {
 
 /* ---- the interface ---- */
 
+fp3_status fp3_cut_fits(const fp3_cut_plan *c, fp3_error *error) {
+    return c->has_failed ? fp3_fail(error, FP3_E_LIMIT,
+                                    "a step keeps more than %d values from one part to another",
+                                    2 * FP3_STATES_MAX)
+                         : FP3_OK;
+}
+
 static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     fp3_status status = find_when(c, error);
     if (!status && c->step->kept_count)
@@ -500,7 +507,7 @@ static fp3_status make(fp3_cut_plan *c, fp3_error *error) {
     find_held(c);
     find_uses(c);
     find_holders(c);
-    return FP3_OK;
+    return fp3_cut_fits(c, error);
 }
 
 fp3_status fp3_cut_plan_make(fp3_cut_plan *c, fp3_error *error) {

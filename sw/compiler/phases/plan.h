@@ -40,7 +40,7 @@ typedef struct fp3_cut_plan {
 } fp3_cut_plan;
 
 /* Fills the plan, whose step, base and own are given; its pool may be that of an earlier plan.
- * FP3_E_LIMIT: too many phases. The caller closes, after a failure too. */
+ * FP3_E_LIMIT: too many phases, or values kept. The caller closes, after a failure too. */
 fp3_status fp3_cut_plan_make(fp3_cut_plan *plan, fp3_error *error);
 void fp3_cut_plan_close(fp3_cut_plan *plan);
 
@@ -57,9 +57,11 @@ uint32_t fp3_cut_gets(const fp3_cut_plan *plan, uint32_t phase, uint32_t variabl
 /* Whether the variable keeps a value at some time between the end of one section and the end of
  * another. */
 int fp3_cut_is_taken(const fp3_cut_plan *plan, uint32_t variable, uint32_t from, uint32_t to);
-/* One more; its index. */
+/* One more; its index. Without room 0, and the plan does not fit: nothing may be made of it. */
 uint32_t fp3_cut_variable(fp3_cut_plan *plan, role role, uint32_t state);
 uint32_t fp3_cut_pool(fp3_cut_plan *plan);
+/* FP3_E_LIMIT: there are more kept values than variables. */
+fp3_status fp3_cut_fits(const fp3_cut_plan *plan, fp3_error *error);
 uint32_t *fp3_cut_filled(size_t count);
 
 static inline const dag_node *fp3_cut_node(const fp3_cut_plan *plan, uint32_t node) {

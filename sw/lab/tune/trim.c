@@ -90,9 +90,7 @@ static void put_luts(FILE *to, const trimmed *t) {
         fprintf(to, "# LUTs: not known; there is no figure for '%s'\n", t->from->name);
         return;
     }
-    fprintf(to, "# LUTs: '%s' has %d (docs/%s, placed)\n", t->from->name, known->luts,
-            fp3_config_computes_as(t->from, fp3_config_find("many_full")) ? "results.md"
-                                                                          : "arithmetic.md");
+    fprintf(to, "# LUTs: '%s' has %d, placed\n", t->from->name, known->luts);
     if (less)
         fprintf(to,
                 "# ... without unused features about %d: an estimate, the sum of the savings of "
