@@ -474,7 +474,7 @@ evidence: $(BUILD)/bin/fp3 ## Measure the figures of the pages that are out of d
 	@$(EVIDENCE) $(if $(LIST),--list) $(if $(LINES),--lines)
 
 # From what was measured to docs/.
-REPORTS := sizes bench skip stress tune world bodies cluster everywhere arithmetic
+REPORTS := sizes bench skip stress tune scenes world bodies cluster everywhere arithmetic
 $(REPORTS:%=%-report): %-report:
 	@$(PYTHON) tools/pages.py $*
 	@$(if $(wildcard $(BUILD)/bin/fp3),$(EVIDENCE) --lines)
@@ -564,6 +564,14 @@ judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their o
 	@$(PYTHON) tools/judge.py --jobs $(JOBS) --output $(RESULTS)/judge.json $(if $(MODEL),--models $(subst $(SPACE),$(COMMA),$(strip $(MODEL))))
 
 tune-report: ## Write docs/tuning.md from build/results/tune.json
+
+# ---- whole scenes in the laboratory -------------------------------------------------------------
+
+.PHONY: scenes scenes-report
+scenes: all ## Whole scenes: error against run time beside peers, stability, tuning, skipping: build/results/scenes.json; QUICK=1, PARTS="curves skipped", SCENES="cloth dam"
+	@$(PYTHON) tools/scenes.py --fp3 $(BUILD)/fp3 --output $(RESULTS)/scenes.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
+
+scenes-report: | need-plot ## Write the pages of what `make scenes` found
 
 # ---- objects that see each other ----------------------------------------------------------------
 

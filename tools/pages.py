@@ -96,6 +96,11 @@ def tune(results):
     return {"tuning.md": tune.page(results("tune.json", "tune"))}
 
 
+def scenes(results):
+    import scenes
+    return scenes.pages(results)
+
+
 def world(results):
     from fp3world import report
     return {"world.md": report.page(results("world.json", "world"))}
@@ -130,7 +135,7 @@ def arithmetic(results):
     return {"arithmetic.md": between(results.page("arithmetic.md"), "measured", lines), "arithmetic.svg": arithmetic.draw(found)}
 
 
-PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, world, combinations, bodies, cluster, everywhere, arithmetic)}
+PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, scenes, world, combinations, bodies, cluster, everywhere, arithmetic)}
 
 
 def text_of(made):
@@ -160,7 +165,7 @@ def joined(new, old, suffix):
             at = next((number for number, one in enumerate(out, 1) if one[0] == before), 1)
             out.insert(at, (head, owners, part))
         before = head if any(one[0] == head for one in out) else before
-    text = ("\n\n" if suffix == ".md" else "\n").join(part.rstrip("\n") for _, _, part in out) + "\n"
+    text = ("\n\n" if suffix == ".md" else "\n").join(part.rstrip("\n") for _, _, part in out if part) + "\n"
     if suffix == ".html":       # a list of its sections
         links = "".join(f"<a href='#{name}'>{name}</a>" for name in re.findall(r"^<h2 id='(\w+)'>", text, re.M))
         text = re.sub(r"<nav>.*?</nav>", f"<nav>{links}</nav>", text).replace("\n</html>", "").replace("</html>", "").rstrip("\n") + "</html>\n"
