@@ -1,0 +1,1 @@
+"""The project's pages as a site: tools/site.py."""
