@@ -197,7 +197,7 @@ def draw(found):
     figure.tight_layout()
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    return re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue())
+    return plot.for_dark(re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue()))
 
 
 def main():

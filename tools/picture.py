@@ -19,14 +19,19 @@ import subprocess
 import sys
 import tempfile
 
+from fp3bench.figures import COLOURS as OF_ENGINES
+from fp3bench.figures import INTEGRATORS
+from plot import figure as empty
+from plot import for_dark
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 MODEL = "programs/kepler.ode"
 COLOURS = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666"]
 ORBITS = ["-c", "many_full", "-N", 7, "--spread", "v_y=1.25:1.75", "-n", 1000, "--every", 4]
 # How the error grows: the integrator's in two of them, that of FP32 in the third.
-ERRORS = [("leapfrog", ["-i", "leapfrog"]), ("rk4", ["-i", "rk4"]), ("yoshida6, compensated", ["-i", "yoshida6", "-k"])]
+ERRORS = [("leapfrog", []), ("rk4", []), ("yoshida6", ["-k"])]
 STEPS, EVERY, H = 12800, 16, 0.0078125
-PEERS = [("fast", "FP3 on the same processor"), ("plain_c", "a loop in C, libm"), ("gsl", "GSL, double")]
+PEERS = [("fast", "FP3"), ("plain_c", "a loop in C"), ("gsl", "GSL, double")]
 
 
 def run(fp3, *options):
@@ -89,38 +94,43 @@ def equations():
 
 
 def draw(fp3, figures):
+    """Two panels in a row, so that a telephone shows letters that can be read."""
     import matplotlib
-    from matplotlib.figure import Figure
-    matplotlib.rcParams.update({"svg.hashsalt": "fp3", "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9, "axes.grid": True,
-                                "grid.color": "#dddddd", "lines.linewidth": 1.4, "axes.titlesize": 10})
-    figure = Figure(figsize=(13, 3.2), facecolor="white", layout="constrained")
-    words, motion, error, cost = figure.subplots(1, 4, width_ratios=[0.8, 1, 1, 1])
+    figure = empty((6.6, 6.8))
+    matplotlib.rcParams.update({"path.simplify": True, "font.size": 11.5, "legend.fontsize": 10.5, "legend.handlelength": 1.2, "lines.linewidth": 1.8,
+                                "axes.titlesize": 12, "axes.titleweight": "bold"})
+    figure.set(facecolor="white", layout_engine="constrained")
+    figure.get_layout_engine().set(wspace=0.06, hspace=0.08)
+    (words, motion), (error, cost) = figure.subplots(2, 2)
     words.set_axis_off()
     words.set_title("1. The equations", loc="left")
-    words.text(0, 0.9, "\n".join(equations()), family="monospace", size=11, va="top", linespacing=2, transform=words.transAxes)
+    words.text(0, 0.92, "\n".join(equations()), family="monospace", size=11.5, va="top", linespacing=2, transform=words.transAxes)
     motion.set_title("2. Seven of its orbits", loc="left")
     rows = run(fp3, *ORBITS, "--observe", "r_x,r_y")
     for n in range(7):
-        motion.plot(*zip(*((float(row["r_x"]), float(row["r_y"])) for row in rows if row["object"] == str(n))), color=COLOURS[n], linewidth=1)
-    motion.plot([0], [0], "o", color="#e69f00", markersize=9)
+        motion.plot(*zip(*((float(row["r_x"]), float(row["r_y"])) for row in rows if row["object"] == str(n))), color=COLOURS[n], linewidth=1.5)
+    motion.plot([0], [0], "o", color="#e69f00", markersize=11)
     motion.set(aspect="equal", xlabel="x", ylabel="y")
-    error.set_title("3. How wrong it is over 16 orbits", loc="left")
-    for (name, options), colour in zip(ERRORS, COLOURS):
-        rows = run(fp3, *options, "-c", "many_full", "--set", f"h={H}", "-n", STEPS, "--every", EVERY, "--observe", "r_x,r_y")
-        error.plot(*zip(*((float(row["time"]) / (2 * math.pi), off(row)) for row in rows if float(row["time"]) > 0)), color=colour, label=name)
-    error.set(yscale="log", xlabel="orbits", ylabel="distance from the true place")
+    error.set_title("3. Its error over 16 orbits", loc="left")
+    for name, options in ERRORS:
+        rows = run(fp3, "-i", name, *options, "-c", "many_full", "--set", f"h={H}", "-n", STEPS, "--every", EVERY, "--observe", "r_x,r_y")
+        error.plot(*zip(*((float(row["time"]) / (2 * math.pi), off(row)) for row in rows if float(row["time"]) > 0)), color=INTEGRATORS[name][0],
+                   label=f"{name}, compensated" if options else name)
+    error.set(yscale="log", xlabel="orbits", ylabel="distance from truth")
     error.legend(frameon=False, loc="lower right")
-    cost.set_title("4. What an error costs, two orbits", loc="left")
-    for (engine, name), colour in zip(PEERS, COLOURS):
-        cost.plot(*zip(*((error, ns) for ns, error in figures["ns"][engine])), "o-", color=colour, markersize=3, label=name)
-    cost.set(xscale="log", yscale="log", xlabel="largest relative error of 64 orbits", ylabel="nanoseconds per object")
+    cost.set_title("4. What an error costs", loc="left")
+    for engine, name in PEERS:
+        cost.plot(*zip(*((error, ns) for ns, error in figures["ns"][engine])), "o-", color=OF_ENGINES[engine], markersize=4, label=name)
+    cost.set(xscale="log", yscale="log", xlabel="largest relative error", ylabel="nanoseconds per object")
     cost.invert_xaxis()
     cost.legend(frameon=False)
+    for one in (error, cost):
+        one.minorticks_off()
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
     clips = {}      # their names are made of addresses, which differ from run to run
     text = re.sub(r"\bp[0-9a-f]{10}\b", lambda found: clips.setdefault(found[0], f"clip{len(clips)}"), out.getvalue())
-    return re.sub(r"'DejaVu Sans( Mono)?'[^;\"]*", lambda found: "monospace" if found[1] else "sans-serif", text)
+    return for_dark(re.sub(r"'DejaVu Sans( Mono)?'[^;\"]*", lambda found: "monospace" if found[1] else "sans-serif", text))
 
 
 def main():

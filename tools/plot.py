@@ -1,8 +1,37 @@
-"""Curves as SVG by matplotlib, the same text whenever they are the same curves; the legend stands beside them."""
+#!/usr/bin/env python3
+"""Curves as SVG by matplotlib, the same text whenever they are the same curves; the legend stands beside them.
+
+    tools/plot.py FILE.svg ...      gives a picture that the command has drawn (--plot) the colours of dark pages, too
+"""
 
 import html
 import io
+import pathlib
 import re
+import sys
+
+from fp3draw.svg import PALETTE
+
+GRID, DARK_GRID = "#dddddd", "#30363d"
+
+
+def rules():
+    """What the reader of a dark page sees of white, black and the grid, as matplotlib and gnuplot write them."""
+    page, ink = PALETTE["page"][2], PALETTE["ink"][2]
+    yield page, ("fill", "stroke"), ("#ffffff",)
+    yield ink, ("fill", "stroke", "color"), ("#000000", "black", "rgb(  0,   0,   0)")
+    yield DARK_GRID, ("stroke",), (GRID, "rgb(221, 221, 221)")
+
+
+def for_dark(text):
+    """The picture, for light pages and for dark ones. Done twice it is the same."""
+    said = [f"text{{fill:{PALETTE['ink'][2]}!important}}"]
+    for colour, names, values in rules():
+        for name in names:
+            at = [f'[style*="{name}: {value}"],[{name}="{value}"]' for value in values if value in text]
+            said += [f"{','.join(at)}{{{name}:{colour}!important}}"] if at else []
+    sheet = f"<style>@media(prefers-color-scheme:dark){{{''.join(said)}}}</style>"
+    return text if "@media" in text else re.sub(r"(<svg[^>]*>)", lambda found: f"{found[1]}\n{sheet}", text, count=1)
 
 
 def figure(size):
@@ -10,7 +39,7 @@ def figure(size):
     import matplotlib
     from matplotlib.figure import Figure
     matplotlib.rcParams.update({"svg.hashsalt": "fp3", "svg.fonttype": "none", "path.simplify": False, "font.family": "sans-serif",
-                                "axes.grid": True, "grid.color": "#dddddd", "lines.linewidth": 1.2, "lines.markersize": 4})
+                                "axes.grid": True, "grid.color": GRID, "lines.linewidth": 1.2, "lines.markersize": 4})
     return Figure(figsize=size)
 
 
@@ -34,7 +63,7 @@ def draw(series, x_label, y_label, size=(9, 5), is_map=False, unit=None):
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, handlelength=4)
     text = io.StringIO()
     axes.figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None, "Creator": None})
-    return re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue())
+    return for_dark(re.sub(r"'DejaVu Sans'[^;\"]*", "sans-serif", text.getvalue()))
 
 
 def inline(series, *labels, **options):
@@ -54,3 +83,12 @@ def inline(series, *labels, **options):
                        lambda use: f"<use href={use[1]} x={use[2]} y={use[3]}><title>{html.escape(next(notes))}</title></use>", curve)
         text = f"{head}<g>{curve}{end}{rest}"
     return "<svg" + re.sub(r"\n\s*", "\n", text)
+
+
+def main():
+    for path in map(pathlib.Path, sys.argv[1:]):
+        path.write_text(for_dark(path.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -65,6 +65,15 @@ def take_text(one):
         one.set("y", f"{float(one.get('y')) + 0.35 * (size or 13):.2f}")
 
 
+def take_code(one):
+    """What a source has between ` ` is in type of code."""
+    before, *rest = one.text.split("`")
+    one.text = before
+    for code, after in zip(rest[::2], rest[1::2], strict=True):
+        part = ElementTree.SubElement(one, f"{{{SVG}}}tspan", {"class": "code"})
+        part.text, part.tail = code, after
+
+
 def without(root, dropped):
     for parent in root.iter():
         for child in [child for child in parent if dropped(child)]:
@@ -91,6 +100,8 @@ def style(used):
             if name in WAVES:
                 stroke, fill, more = WAVES[name]
                 out.append(f".{name}{{fill:{colour[fill] if fill else 'none'};stroke:{colour[stroke] if stroke else 'none'};{more}}}")
+            elif name == "code":
+                out.append(".code{font-family:'DejaVu Sans Mono',monospace}")
             elif name in ("muted", "info"):
                 out.append(f".{name}{{fill:{colour['muted' if name == 'muted' else 'ink']}}}")
             elif name[:2] in ("f-", "s-"):
@@ -120,6 +131,9 @@ def themed(text, margin=8):
     for one in root.iter():
         if one.get("id") not in bricks:
             one.attrib.pop("id", None)
+    for one in list(root.iter()):
+        if "`" in (one.text or ""):
+            take_code(one)
     used = {name for one in root.iter() if one is not root for name in one.get("class", "").split()}
     root.attrib.clear()
     root.set("viewBox", " ".join(f"{part:g}" for part in frame))
@@ -130,7 +144,7 @@ def themed(text, margin=8):
     sheet.text = style(used)
     root[:0] = [sheet, page]
     for one in root.iter():                                     # a line for each element
-        one.tail = None if one.tag.endswith("}tspan") else "\n"
+        one.tail = one.tail if one.get("class") == "code" else None if one.tag.endswith("}tspan") else "\n"
         if one.tag.endswith(("}g", "}svg", "}defs")):
             one.text = "\n"
     return ElementTree.tostring(root, encoding="unicode") + "\n"

@@ -11,16 +11,16 @@ HEAD = """\
 
 *Measured, for everyone.*
 
-A *scene* is a file that says which objects move, by which equations and for how long ([scenes.md](scenes.md)). Here are twenty, each of at most 20 lines;
-the first section prints its scene. To watch a scene move ([view.md](view.md)):
+Twenty scenes, each of at most 20 lines. Each picture leads to its scene, with its error and what a step costs on each engine.
+"""
+
+TABLES = """\
+## How to read the tables
+A *scene* is a file that says which objects move, by which equations and for how long ([scenes.md](scenes.md)). To watch one move ([view.md](view.md)):
 
     build/fp3 run --scene programs/gallery/flag.scene --every 32 --output flag.h5
     build/fp3 view flag.h5                                          # writes flag.html, a page that plays it
 
-`make gallery` runs and measures all scenes, draws the pictures, and writes this page and [gallery.json](gallery.json). `make gallery MEASURE=0` keeps the
-figures of that file, and only draws and writes.
-
-## How to read the tables
 The first table of a section has the error of the result. All engines give the same bits, so they have the same error.
 
 - *Quantity*: what is measured, with its unit.
@@ -31,9 +31,9 @@ The first table of a section has the error of the result. All engines give the s
 method and step). In a chaotic scene neighbouring motions part, so every error grows, until the result says nothing about a single object. The table of
 such a scene has the error early on, and the time at which objects are *off*: farther than the given distance from where they are in double.
 
-The second table has a row for each [engine](software.md#engines); for the hardware, one for each configuration. In scenes of [rigid bodies](scenes.md#rigid-bodies) laws of contacts
-are built in, or an engine executes them as programs, with the same bits; objects are bodies, those that stand still too. *ns* is measured for `fast` and `isa`, and for built-in laws,
-*cycles* and *µs* for `rtl`.
+The second table has a row for each [engine](software.md#engines); for the hardware, one for each configuration. Scenes of [rigid bodies](scenes.md#rigid-bodies)
+have rows for built-in laws of contacts, and for engines that execute these laws as programs, with the same bits. Their objects are all bodies, also the ones that
+stand still. *ns* is measured for `fast`, `isa` and built-in laws, *cycles* and *µs* for `rtl`.
 
 - *Form*: empty for the whole scene. Otherwise it says how the scene was made smaller for the slower engines.
 - *Object-steps*: the steps of all objects together. With `tolerance` objects choose their own number of steps.
@@ -49,9 +49,11 @@ are built in, or an engine executes them as programs, with the same bits; object
 Measured {date} on a computer with {processors} processors, {processor}, at a load average of {load}; revision {revision}.
 """
 
+COLUMNS = 3                               # of pictures, at the top
+
 # What the picture shows, and what there is to say of the error.
 NOTES = {
-    "flag": "The picture shows the flag after 2.75 s. Squares that move fast are brighter; the shade shows how a square faces the light.",
+    "flag": "The picture shows the flag after 2.75 s. The stripes are painted on; the shade shows how the cloth faces the light.",
     "heap": "The picture shows the balls after 0.375 s. Fast balls are bright. The scene ends after 8 s; the force is that of the same scene run on, from 80 s to 180 s,\n"
             "when the heap is at rest and the floor carries its weight. `fast` is timed over the 8 s, while the balls fall; at rest a ball touches more others, and a step\n"
             "takes longer ([world](world.md#beside-loops-written-by-hand)).",
@@ -60,17 +62,18 @@ NOTES = {
     "dam": "The picture shows the water at four times. Fast water is bright. The expected speed of the front is that of an experiment: Martin and Moyce,\n"
            "Philosophical Transactions of the Royal Society A 244 (1952). In its unit, sqrt(2 g a), g is gravity and a the width of the column.",
     "eight": "The film has one period: the three bodies, the path that each has just taken, and the whole orbit.",
-    "pendulums": "The picture shows all pendulums at three times. The colour is the angle at which they began, from blue to red. The swing is chaotic.",
-    "arenstorf": "The axes turn with earth and moon. The orbit is dark where the satellite is fast. The satellite chooses its steps: short ones near the moon,\n"
-                 "long ones elsewhere.",
+    "pendulums": "The colour is the angle at which a pendulum began, from blue to red. They fan out from 3 s on, and after 6 s nothing is left of their order: the swing is chaotic.",
+    "arenstorf": "The axes turn with earth and moon. A dot marks each hundredth of the period, so dots are far apart where the satellite is fast. The satellite chooses\n"
+                 "its steps: short ones near the moon, long ones elsewhere.",
     "van_der_pol": "The whole run is on the left, one of the jumps on the right. The expected value is that of the Test Set for Initial Value Problem Solvers\n"
                    "(Mazzia and Magherini, Bari, 2008).",
-    "duffing": "The picture has 50,500 points: each of the 500 oscillators at the end of the periods 20 to 120. The motion is chaotic; the attractor stays the same.",
+    "duffing": "The picture shows x and its rate for 500 oscillators over 100 periods of the drive, at four times of the period. The colour is x when the drive is at its most,\n"
+               "so it shows how the attractor is stretched and folded. The motion is chaotic; the attractor stays the same.",
     "ships": "The picture shows the distance that each ship has covered, over time. The speed is expected to be v = T/C (1 - exp(-C t/m)), and the distance its integral:\n"
              "t is the time since the ship left.",
     "chain": "The picture shows the displacement of each mass over time. Waves run to the ends and come back. The expected frequencies are those of the 32 normal modes.\n"
              "The configuration `world` has one lane; `fabric` has eight, which share the objects and exchange what neighbours see.",
-    "lorenz": "The picture shows all points at three times, and the path of the first one. The colour is the place on the line at which a point began. The\n"
+    "lorenz": "The picture shows all points at four times, and the path of the first one. The colour is the place on the line at which a point began. The\n"
               "motion is chaotic.",
     "pyramid": "The picture shows it at four times; each row has a colour. Who sleeps is pale.",
     "ragdolls": "The picture shows six dolls at four times. Limits of their hinges let knees and necks bend as far as those of people.",
@@ -146,11 +149,24 @@ def measured(parts):
     return said | {"revision": all_of("revision", "`{}`"), "load": " to ".join(dict.fromkeys((loads[0], loads[-1])))}
 
 
+def anchor(title):
+    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
+
+
+def pictures(scenes):
+    """All of them, each a link to its section."""
+    cells = [f"[![{scene.title}](gallery/{scene.name}.png)](#{anchor(scene.title)})" for scene in scenes]
+    cells += [""] * (-len(cells) % COLUMNS)
+    rows = [cells[n:n + COLUMNS] for n in range(0, len(cells), COLUMNS)]
+    return markdown(rows[0], rows[1:])
+
+
 def page(scenes, data):
     mhz = data["mhz"]
     clocks = ", ".join(f"`{config}` {clock:.1f} MHz" for config, clock in sorted(mhz.items()))
     where = measured(data["scenes"].values())
-    lines = HEAD.format(clocks=clocks, device=data["device"], grade=data["grade"], **where).splitlines() + ["", *evidence("gallery.cycles", "gallery.errors"), ""]
+    lines = [*HEAD.splitlines(), "", *pictures(scenes), "", "[How to read the tables](#how-to-read-the-tables) is below the scenes.", ""]
     for scene in scenes:
         lines += section(scene, data["scenes"][scene.name], mhz, scene is scenes[0])
+    lines += TABLES.format(clocks=clocks, device=data["device"], grade=data["grade"], **where).splitlines() + ["", *evidence("gallery.cycles", "gallery.errors")]
     return "\n".join(lines).rstrip("\n") + "\n"

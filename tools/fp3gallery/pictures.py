@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from picture import COLOURS
 
 WIDTH, HEIGHT, DPI = 960, 540, 120
+LORENZ = 23.5, 25, 26.5, 30               # times at which the ensemble is seen
 FRAMES, SMALLER = 48, 0.75                # of a film
 GROUND, INK, FAINT = "#eef0f4", "#22252b", "#9aa0aa"
 matplotlib.rcParams.update({"font.family": "DejaVu Sans", "font.size": 8, "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
@@ -54,28 +55,40 @@ def colours_of(name, count, first=0.0, last=0.92):
 
 # ---- objects that see each other ----
 
+def finer(grid, times):
+    """A grid of vectors with so many more rows and columns, linear between them."""
+    for axis in (0, 1):
+        grid = np.moveaxis(grid, axis, 0)
+        at = np.linspace(0, len(grid) - 1, (len(grid) - 1) * times + 1)
+        low = np.minimum(at.astype(int), len(grid) - 2)
+        share = (at - low)[:, None, None]
+        grid = np.moveaxis((1 - share) * grid[low] + share * grid[low + 1], 0, axis)
+    return grid
+
+
 def flag(fp3, folder, scene):
-    """Squares of cloth, the nearest last. The colour is the speed, the shade how a square faces the light."""
+    """Cloth with three stripes, the nearest last. The shade is how it faces the light: normals are between those of the masses."""
     found, _ = record(fp3, folder, scene, "--every", 64, "--steps", 2816)
     x = ws.vectors(found, "x")[-1].reshape(32, 20, 3)
-    speed = np.linalg.norm(ws.vectors(found, "v")[-1], axis=1).reshape(32, 20)
     turn, lift = np.radians(24), np.radians(14)
     right = np.array([np.cos(turn), 0, np.sin(turn)])
     away = np.array([np.sin(turn) * np.cos(lift), -np.sin(lift), -np.cos(turn) * np.cos(lift)])
     up = np.cross(right, away)
-    corners = np.stack([x[:-1, :-1], x[1:, :-1], x[1:, 1:], x[:-1, 1:]], 2).reshape(-1, 4, 3)
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    light = np.array([0.75, 0.25, 0.61])
-    shade = 0.3 + 0.75 * abs(normal @ light) / np.linalg.norm(normal, axis=1)
-    of_square = (speed[:-1, :-1] + speed[1:, :-1] + speed[1:, 1:] + speed[:-1, 1:]).ravel() / 4
-    paint = np.clip(matplotlib.colormaps["YlOrRd_r"](np.clip(0.25 + of_square / 3.2, 0, 0.9))[:, :3] * shade[:, None], 0, 1)
+    normal = finer(np.cross(np.gradient(x, axis=0), np.gradient(x, axis=1)), 6)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    fine = finer(x, 6)
+    corners = np.stack([fine[:-1, :-1], fine[1:, :-1], fine[1:, 1:], fine[:-1, 1:]], 2).reshape(-1, 4, 3)
+    light = np.array([0.86, 0.25, 0.44])
+    shade = np.clip(0.2 + 0.95 * abs(normal[:-1, :-1] @ light), 0, 1.15)
+    stripes = np.array([matplotlib.colors.to_rgb(colour) for colour in ("#e4572e", "#fff4dc", "#1f6fb2")])
+    paint = np.clip(stripes[np.arange(shade.shape[1]) * 3 // shade.shape[1]] * shade[..., None], 0, 1).reshape(-1, 3)
     order = np.argsort(-(corners.mean(1) @ away))
     figure, axes = canvas(400)
     flat = np.stack([corners @ right, corners @ up], -1)
-    axes.add_collection(PolyCollection(flat[order], facecolors=paint[order], edgecolors=paint[order] * 0.9, linewidths=0.5))
+    axes.add_collection(PolyCollection(flat[order], facecolors=paint[order], edgecolors=paint[order], linewidths=0.4))
     pole = np.array([[0, -0.1, 0], [0, 1.0, 0]])
-    axes.plot(pole @ right, pole @ up, color=INK, linewidth=3, solid_capstyle="round", zorder=0)
-    bare(axes, (-0.55, 2.05), (-0.06, 1.0))
+    axes.plot(pole @ right, pole @ up, color=INK, linewidth=4, solid_capstyle="round", zorder=0)
+    bare(axes, (-0.35, 1.75), (-0.06, 1.0))
     return figure
 
 
@@ -145,57 +158,71 @@ def chain(fp3, folder, scene):
 # ---- each for itself ----
 
 def pendulums(fp3, folder, scene):
-    found, times = record(fp3, folder, scene, "--every", 64)
+    """Every tenth pendulum while they fan out, and over time where the lower bob of each is."""
+    found, times = record(fp3, folder, scene, "--every", 16)
     x1, y1, x2, y2 = errors.bobs(found)
     paint = colours_of("turbo", x1.shape[1], 0.05, 0.95)
-    figure, axes = canvas(340, ncols=3)
-    for one, t in zip(axes, (5, 6, 7)):
-        n = np.searchsorted(times, t)
-        rods = np.stack([np.stack([np.zeros_like(x1[n]), x1[n], x2[n]], -1), np.stack([np.zeros_like(x1[n]), y1[n], y2[n]], -1)], -1)
-        one.add_collection(LineCollection(rods, colors=paint, linewidths=0.6, alpha=0.6))
-        one.scatter(x2[n], y2[n], s=7, c=paint, linewidths=0, zorder=3)
-        one.plot([0], [0], "o", color=INK, markersize=3, zorder=4)
-        one.set_title(f"{t} s", y=0)
-        bare(one, (-2.1, 2.1), (-2.4, 2.05))
+    figure, (near, long) = canvas(340, ncols=2, width_ratios=[0.8, 2])
+    n, some = np.searchsorted(times, 4.5), slice(None, None, 10)
+    rods = np.stack([np.stack([np.zeros_like(x1[n]), x1[n], x2[n]], -1), np.stack([np.zeros_like(y1[n]), y1[n], y2[n]], -1)], -1)
+    near.add_collection(LineCollection(rods[some], colors=paint[some], linewidths=1.3))
+    near.scatter(x1[n, some], y1[n, some], s=9, c=paint[some], linewidths=0, zorder=3)
+    near.scatter(x2[n, some], y2[n, some], s=30, c=paint[some], linewidths=0, zorder=3)
+    near.plot([0], [0], "o", color=INK, markersize=5, zorder=4)
+    near.set_title("40 of them after 4.5 s")
+    bare(near, (-2.1, 2.1), (-2.1, 2.1))
+    long.add_collection(LineCollection(np.stack([np.broadcast_to(times[:, None], x2.shape), x2], -1).transpose(1, 0, 2), colors=paint, linewidths=0.8, antialiaseds=False))
+    long.set(xlim=(2, times[-1]), ylim=(-2.05, 2.05), xlabel="time, s", title="all 400: the lower bob, from left to right")
     return figure
 
 
 def arenstorf(fp3, folder, scene):
-    times = np.linspace(0, 17.0652165601579625588917206249, 3000)
+    times = np.linspace(0, 17.0652165601579625588917206249, 3001)
     found, _ = record(fp3, folder, scene, "--times", ",".join(f"{t!r}" for t in times))
     x, y = found["r_x"][:, 0], found["r_y"][:, 0]
     figure, axes = canvas()
     points = np.stack([x, y], -1)
     speed = np.hypot(found["v_x"][:, 0], found["v_y"][:, 0])
-    paint = matplotlib.colormaps["viridis_r"](np.clip(0.1 + speed[:-1] / 2.5, 0, 1))
-    axes.add_collection(LineCollection(np.stack([points[:-1], points[1:]], 1), colors=paint, linewidths=1.6))
-    for place, name, size, colour in ((-0.012277471, "earth", 14, COLOURS[1]), (1 - 0.012277471, "moon", 7, "#666666")):
+    paint = matplotlib.colormaps["plasma_r"](np.clip(0.15 + speed / 2.2, 0, 0.95))
+    axes.add_collection(LineCollection(np.stack([points[:-1], points[1:]], 1), colors=paint[:-1], linewidths=3, capstyle="round"))
+    axes.scatter(x[::30], y[::30], s=42, c=paint[::30], linewidths=0, zorder=2)
+    for place, name, size, colour in ((-0.012277471, "earth", 26, COLOURS[1]), (1 - 0.012277471, "moon", 12, "#666666")):
         axes.plot([place], [0], "o", color=colour, markersize=size, zorder=3)
-        axes.annotate(name, (place, 0), (0, -14 if name == "earth" else 9), textcoords="offset points", ha="center")
-    bare(axes, (-2.1, 2.1), (-1.2, 1.2))
+        axes.annotate(name, (place, 0), (0, -24 if name == "earth" else -17), textcoords="offset points", ha="center", fontsize=9)
+    bare(axes, (-1.9, 1.9), (-1.2, 1.2))
     return figure
 
 
 def van_der_pol(fp3, folder, scene):
     times = np.unique(np.concatenate([np.linspace(0, 2000, 401), 807.1 + np.linspace(-0.6, 0.6, 201)]))
     found, times = record(fp3, folder, scene, "--times", ",".join(f"{float(t)!r}" for t in times))
-    figure, (long, near) = canvas(ncols=2, width_ratios=[2, 1])
+    x = found["x"][:, 0]
+    figure, (long, near) = canvas(400, ncols=2, width_ratios=[2, 1])
     for one in (long, near):
-        one.plot(times, found["x"][:, 0], color=COLOURS[1], linewidth=1.6)
-        one.set(xlabel="time", ylim=(-2.4, 2.4))
-        one.grid(color="#dcdfe5", linewidth=0.6)
-    long.set(ylabel="x", title="creeps for hundreds of units ...")
-    near.set(xlim=(806.5, 807.7), title="... and jumps within one")
+        one.fill_between(times, x, where=x >= 0, color=COLOURS[0], alpha=0.25, linewidth=0, interpolate=True)
+        one.fill_between(times, x, where=x <= 0, color=COLOURS[1], alpha=0.25, linewidth=0, interpolate=True)
+        line = np.stack([times, x], -1)
+        one.add_collection(LineCollection(np.stack([line[:-1], line[1:]], 1), colors=np.where(x[:-1, None] >= 0, *map(matplotlib.colors.to_rgba, COLOURS[:2])),
+                                          linewidths=3.5, capstyle="round"))
+        one.set(xlabel="time", ylim=(-2.4, 2.4), yticks=[-2, -1, 0, 1, 2])
+    long.set(ylabel="x", xlim=(0, 2000), title="creeps for hundreds of units ...")
+    near.set(xlim=(806.5, 807.7), xticks=[806.5, 807, 807.5], title="... and jumps within one")
     near.ticklabel_format(useOffset=False)
     return figure
 
 
 def duffing(fp3, folder, scene):
-    found, _ = record(fp3, folder, scene, "--every", 256)
-    x, v = found["x"][20:].ravel(), found["v"][20:].ravel()
-    figure, axes = canvas()
-    axes.plot(x, v, ",", color="#153a6b", alpha=0.75)
-    axes.set(xlabel="x", ylabel="rate of x", xlim=(-1.6, 1.7), ylim=(-0.9, 1.25))
+    """At four times of the drive's period: the attractor is stretched and folded. The colour is the place, so it shows what goes where."""
+    found, _ = record(fp3, folder, scene, "--every", 64)
+    x, v = found["x"], found["v"]
+    figure, axes = canvas(nrows=2, ncols=2)
+    start = x[80:-4:4]
+    for number, one in enumerate(axes.flat):
+        one.scatter(x[80 + number:len(x) - 4 + number:4], v[80 + number:len(v) - 4 + number:4], s=1.6, c=start, cmap="turbo", vmin=-1.5, vmax=1.6, linewidths=0)
+        one.text(0.02, 0.96, ("the drive at its most", "a quarter of a period later", "half a period later", "three quarters later")[number],
+                 va="top", transform=one.transAxes)
+        one.set(xlim=(-1.75, 1.75), ylim=(-1.2, 1.45))
+        one.set_axis_off()
     return figure
 
 
@@ -216,13 +243,13 @@ def ships(fp3, folder, scene):
 def lorenz(fp3, folder, scene):
     found, times = record(fp3, folder, scene, "--every", 8)
     paint = colours_of("turbo", 2000, 0.05, 0.95)
-    figure, axes = canvas(360, ncols=3)
-    for one, t in zip(axes, (21, 23, 30)):
+    figure, axes = canvas(400, ncols=4)
+    for one, t in zip(axes, LORENZ):
         n = np.searchsorted(times, t)
-        one.plot(found["x"][:, 0], found["z"][:, 0], color="#cdd1d9", linewidth=0.4, zorder=0)
-        one.scatter(found["x"][n], found["z"][n], s=4, c=paint, linewidths=0)
-        one.set_title(f"t = {t}", y=0.0)
-        bare(one, (-22, 22), (-5, 51))
+        one.plot(found["x"][:, 0], found["z"][:, 0], color="#c3c8d2", linewidth=0.7, zorder=0)
+        one.scatter(found["x"][n], found["z"][n], s=9, c=paint, linewidths=0)
+        one.set_title(f"t = {t:g}", y=-0.04)
+        bare(one, (-21, 21), (0, 50))
     return figure
 
 
