@@ -618,7 +618,7 @@ $(BUILD)/bench/wire: bench/cluster/wire.c $(BUILD)/flags
 cluster: all | need-cluster ## Objects divided among ranks: the same bits, kills, what the exchange costs, a model: build/results/cluster.json; QUICK=1, FIRST=1 (root: before other work), PARTS="hashes model"
 	@$(PYTHON) tools/cluster.py --output $(RESULTS)/cluster.json $(if $(QUICK),--quick) $(if $(FIRST),--first) $(if $(PARTS),--parts $(PARTS))
 
-cluster-report: | need-plot ## Write the tables of docs/cluster.md and its picture from what `make cluster` found
+cluster-report: | need-plot ## Write the tables of docs/cluster_results.md and its picture from what `make cluster` found
 
 # ---- lint ---------------------------------------------------------------------------------------
 
@@ -675,7 +675,7 @@ sizes: | $(call need_tools,sizes) ## The same on devices of several families, of
 	@$(PYTHON) tools/synth.py $(WITH) --sizes --jobs $(JOBS) $(if $(DEVICE),--device $(DEVICE)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
 
-sizes-report: ## Take what was measured into docs/synth.json, and write docs/sizes.md, the tables of docs/integration.md and docs/chip.md from it
+sizes-report: ## Take what was measured into docs/synth.json, and write docs/sizes.md, the tables of docs/integration.md and docs/chip_results.md from it
 
 .PHONY: bitstream
 bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=, TOOLS=
@@ -723,10 +723,10 @@ arithmetic: all ## What each arithmetic does to the error of models, and what it
 storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: two minutes
 	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3
 
-storage-report: all ## Write docs/arithmetic.md's table of it
+storage-report: all ## Write docs/arithmetic_results.md's table of it
 	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --report
 
-arithmetic-report: | need-plot ## Write docs/arithmetic.md's tables and its picture from it
+arithmetic-report: | need-plot ## Write docs/arithmetic_results.md's tables and its picture from it
 
 everywhere-report: ## Write docs/everywhere.md from it
 

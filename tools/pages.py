@@ -120,7 +120,7 @@ def bodies(results):
 def cluster(results):
     from fp3cluster import report
     data = results("cluster.json", "cluster")
-    return {"cluster.md": report.page(results.page("cluster.md"), data)} | report.beside(data)
+    return {"cluster_results.md": report.page(results.page("cluster_results.md"), data)} | report.beside(data)
 
 
 def everywhere(results):
@@ -132,7 +132,7 @@ def arithmetic(results):
     import arithmetic
     found = results("arithmetic.json", "arithmetic")
     lines = "".join(arithmetic.page(found)).splitlines()
-    return {"arithmetic.md": between(results.page("arithmetic.md"), "measured", lines), "arithmetic.svg": arithmetic.draw(found)}
+    return {"arithmetic_results.md": between(results.page("arithmetic_results.md"), "measured", lines), "arithmetic.svg": arithmetic.draw(found)}
 
 
 PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, scenes, world, combinations, bodies, cluster, everywhere, arithmetic)}

@@ -133,7 +133,7 @@ def lanes(synth):
     rows = []
     for row in synth:
         other = next((one for one in synth if (one["top"], one["config"], one["grade"]) == ("lane", row["config"], 8)), None)
-        if row["top"] != "lane" or row["grade"] != 6 or not other:      # other arithmetics are placed at grade 6 alone: docs/arithmetic.md
+        if row["top"] != "lane" or row["grade"] != 6 or not other:      # other arithmetics are placed at grade 6 alone: docs/arithmetic_results.md
             continue
         rows.append([f"`{row['config']}`", row["lut4"], row["comb"], row["ff"], row["dsp"], row["ebr"],
                      f"{row['fmax_best']:.1f} / {row['fmax_median']:.1f}",

@@ -1,5 +1,5 @@
 """What a configuration takes and gives on each device, as tables, for tools/pages.py: docs/synth.json, with what was measured here (tools/measured.py), to
-docs/sizes.md and between the marks of docs/integration.md and docs/chip.md.
+docs/sizes.md and between the marks of docs/integration.md and docs/chip_results.md.
 
 A figure that was not measured is "–".
 """
@@ -148,7 +148,7 @@ def page(rows):
 
 
 def chips(rows):
-    """Each chip full of lanes, as docs/chip.md has it."""
+    """Each chip full of lanes, as docs/chip_results.md has it."""
     lines = []
     for row in rows:
         if row["top"] == "chip":
@@ -165,4 +165,4 @@ def pages(rows, page_of):
     """Each page that comes from the rows, and its text; page_of: the text of a page as it is."""
     sized = processors(rows)
     return {"sizes.md": page(sized), "integration.md": between(page_of("integration.md"), "choose", choose(sized)),
-            "chip.md": between(page_of("chip.md"), "chips", chips(rows))}
+            "chip_results.md": between(page_of("chip_results.md"), "chips", chips(rows))}

@@ -2,7 +2,7 @@
 """What rounding to nearest and at random do to long runs whose records have 16 bits: `make storage`.
 
     tools/storage.py --fp3 build/bin/fp3              prints the table
-    tools/storage.py --fp3 build/bin/fp3 --report     writes it into docs/arithmetic.md
+    tools/storage.py --fp3 build/bin/fp3 --report     writes it into docs/arithmetic_results.md
 
 Each row is a model over some steps, with an object stored every VISIT steps. 256 objects begin with different values. Of each we take a quantity at
 the end, and its difference from that of the same object with records of 32 bits, as a share of the latter. `mean` is the mean of these differences,
@@ -21,7 +21,7 @@ from bench import write
 from fp3gen.text import between
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs/arithmetic.md"
+PAGE = ROOT / "docs/arithmetic_results.md"
 OBJECTS = 256
 DECAY = """model decay
 shared tau = {steps}

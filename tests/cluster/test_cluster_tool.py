@@ -96,7 +96,7 @@ def test_the_model_finds_its_constants(tool):
 
 
 def test_the_page_is_made_of_it(tool, measured, root):
-    text = tool("fp3cluster.report").page((root / "docs/cluster.md").read_text(encoding="utf-8"), measured)
+    text = tool("fp3cluster.report").page((root / "docs/cluster_results.md").read_text(encoding="utf-8"), measured)
     assert f"| cloth | links | 8 | `{measured['hashes'][0]['hash'][:12]}` | – | 1, 2, 3 | – |\n" in text
     with pytest.raises(SystemExit, match="the page has no <!-- kills -->"):
         tool("fp3cluster.report").page(text.replace("<!-- kills -->", ""), measured)

@@ -33,7 +33,7 @@ def tree(root, tmp_path):
     shutil.copytree(root / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(root / "isa", tmp_path / "isa")
     (tmp_path / "docs").mkdir()
-    for name in ("integration.md", "chip.md"):
+    for name in ("integration.md", "chip_results.md"):
         shutil.copy(root / "docs" / name, tmp_path / "docs")
     (tmp_path / "build/results").mkdir(parents=True)
     return tmp_path
@@ -67,7 +67,7 @@ def test_pages(tree):
     assert cells(guide, "| one object, on the smallest")[0][-4:] == ["–", "LFE5U-85F", "–", "iCE40UP5K: no registers around its multipliers"], \
         "what is for one device is told of that one"
     assert cells(guide, "| many objects that run one")[0][1:] == ["`many`", *"––––", "–", "–", "–", "–"]
-    assert cells((tree / "docs/chip.md").read_text(), "| `dual36")[0] == [
+    assert cells((tree / "docs/chip_results.md").read_text(), "| `dual36")[0] == [
         "`dual36`", "6", "41,820 (50 %)", "8,364 (10 %)", "1", "4", "140", "48.1 (1), 72.0 (2)", "0.3750", "2"]
     assert sizes(tree).returncode == 0 and (tree / "docs/integration.md").read_text() == guide
 
@@ -100,7 +100,7 @@ def test_pages_are_those_of_what_was_kept(root, tree, monkeypatch):
     from fp3evidence.told import bare
     shutil.copy(root / "docs/synth.json", tree / "docs")
     assert sizes(tree).returncode == 0
-    for name in ("sizes.md", "integration.md", "chip.md"):
+    for name in ("sizes.md", "integration.md", "chip_results.md"):
         assert bare((tree / "docs" / name).read_text()) == bare((root / "docs" / name).read_text()), f"docs/{name}: run make sizes-report"
 
 

@@ -1,4 +1,4 @@
-"""The tables of docs/cluster.md and its picture, from what `make cluster` measured."""
+"""The tables of docs/cluster_results.md and its picture, from what `make cluster` measured."""
 
 import numpy as np
 
