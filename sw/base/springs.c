@@ -66,8 +66,7 @@ static double dot(const double *a, const double *b, uint32_t size) {
     return sum;
 }
 
-/* How fast a row is, by speeds of bodies. */
-static double speed_of(const fp3_springs *s, const fp3_spring *row, const double *v) {
+double fp3_springs_speed(const fp3_springs *s, const fp3_spring *row, const double *v) {
     double speed = 0;
     if (row->a != FP3_NO_SPRING)
         speed += dot(row->of_a, &v[row->a * s->size], s->size);
@@ -85,7 +84,7 @@ static void add(const fp3_springs *s, const fp3_spring *row, double by, double *
 
 /* Whether a row has come to a limit or left one. */
 static int look_at(const fp3_springs *s, fp3_spring *row, const double *v, int is_guess) {
-    const double wanted = row->c - row->k * speed_of(s, row, v);
+    const double wanted = row->c - row->k * fp3_springs_speed(s, row, v);
     const int side = is_guess ? *row->was : (wanted > row->most) - (wanted < row->least);
     row->now = side > 0 ? row->most : side < 0 ? row->least : wanted;
     const int is_new = row->side != side;
@@ -97,8 +96,9 @@ static int look_at(const fp3_springs *s, fp3_spring *row, const double *v, int i
  * that direction, and nothing along it; it is another matrix where the direction is another. */
 static int look_at_disc(const fp3_springs *s, fp3_spring *row, const double *v, int is_guess) {
     fp3_spring *other = row + 1;
-    const double x = row->c - row->k * speed_of(s, row, v),
-                 y = other->c - other->k * speed_of(s, other, v), size = sqrt(x * x + y * y);
+    const double x = row->c - row->k * fp3_springs_speed(s, row, v),
+                 y = other->c - other->k * fp3_springs_speed(s, other, v),
+                 size = sqrt(x * x + y * y);
     const int side = is_guess ? *row->was || *other->was : size > row->most;
     const double to_x = is_guess ? *row->was : x, to_y = is_guess ? *other->was : y,
                  over = side ? 1 / sqrt(to_x * to_x + to_y * to_y) : 0;
@@ -219,11 +219,11 @@ static double bend(const fp3_springs *s) {
                    dot(&s->mass[(i * s->size + k) * s->size], &s->way[i * s->size], s->size);
     for (uint32_t i = 0; i < s->rows; i++) {
         const fp3_spring *row = &s->row[i];
-        const double speed = row->side ? 0 : speed_of(s, row, s->way);
+        const double speed = row->side ? 0 : fp3_springs_speed(s, row, s->way);
         sum += row->k * speed * speed;
         if (row->side && row->is_disc) {
-            const double over =
-                row->along * speed_of(s, row + 1, s->way) - row[1].along * speed_of(s, row, s->way);
+            const double over = row->along * fp3_springs_speed(s, row + 1, s->way) -
+                                row[1].along * fp3_springs_speed(s, row, s->way);
             sum += row->k * row->bent * over * over;
         }
     }
@@ -299,10 +299,13 @@ int fp3_springs_solve(fp3_springs *s) {
         const int is_of_disc = row->is_disc || (i > 0 && s->row[i - 1].is_disc);
         const double part = fabs(row->along) <= 1 ? HUNDREDTHS * row->along : 0;
         *row->was = (int8_t)(is_of_disc ? lround(part) : row->side);
-        if (is_found)
-            *row->word = (float)row->now;
     }
     return is_found;
+}
+
+void fp3_springs_keep(const fp3_springs *s) {
+    for (uint32_t i = 0; i < s->rows; i++)
+        *s->row[i].word = (float)s->row[i].now;
 }
 
 void fp3_springs_free(fp3_springs *s) {

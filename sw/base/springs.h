@@ -23,7 +23,10 @@ typedef struct {
     uint32_t normal, normals; /* of friction: the first row, and how many, whose impulses together
                                * times `share` are its limit; FP3_NO_SPRING */
     double share;
-    int is_disc;   /* this row and the next one stay together within `most` of 0, a disc */
+    int is_disc; /* this row and the next one stay together within `most` of 0, a disc */
+    double want; /* speed that it should have; beside what is given, by who is not moved */
+    double given;
+    int is_driven; /* a motor, a spring, a belt: it may give energy */
     double before; /* the impulse that both have of it already */
     float *word;   /* where its impulse stands */
     int8_t *was;   /* at which limit it was at last: -1, 1; 0: none. Of a disc: hundredths of
@@ -56,6 +59,10 @@ fp3_spring *fp3_springs_add(fp3_springs *s, uint32_t a, uint32_t b, float *word,
 /* Speeds and impulses; 0: none were found, because masses are too far apart for double or rows come
  * to limits and leave them without end. */
 int fp3_springs_solve(fp3_springs *s);
+/* Impulses go where they stand. */
+void fp3_springs_keep(const fp3_springs *s);
+/* How fast a row is, by speeds of bodies. */
+double fp3_springs_speed(const fp3_springs *s, const fp3_spring *row, const double *v);
 void fp3_springs_free(fp3_springs *s);
 
 #endif

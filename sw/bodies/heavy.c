@@ -15,6 +15,11 @@
 #define HARD 1e5   /* the spring of what does not yield, over the heaviest body */
 #define ROUND 1e10 /* ... and at most, over the lightest: else its mass is lost to rounding */
 
+/* Energy that joints may make in half a substep. */
+#define PULLED 0.02 /* of the heaviest body's, as fast as they pull together what is apart */
+#define MADE 1e-6   /* of all kinetic energy: rows are held and let go a little */
+#define LOST 1e-14  /* of what impulses do to the heaviest body: the rounding of speeds */
+
 typedef struct fp3_heavy_place {
     uint32_t root;        /* of its set; of a root itself */
     uint32_t bodies, all; /* of a set: bodies; joints, of which `held` with what does not move */
@@ -238,6 +243,7 @@ void fp3_heavy_free(fp3_bodies *bodies) {
     free(h->set);
     free(h->link);
     free(h->place);
+    free(h->other);
     free(h);
     bodies->heavy = NULL;
 }
@@ -282,9 +288,10 @@ fp3_spring *fp3_heavy_put(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_he
     memcpy(row->of_a, of->of_a, s->size * sizeof *row->of_a);
     memcpy(row->of_b, of->of_b, s->size * sizeof *row->of_b);
     row->k = fmin(of->k, row->k);
-    row->c = (of->keeps_before ? row->before : 0) -
-             row->k * (of->want + given(bodies, link->a, link->slot[0], of->of_a) +
-                       given(bodies, link->b, link->slot[1], of->of_b));
+    row->want = of->want;
+    row->given = given(bodies, link->a, link->slot[0], of->of_a) +
+                 given(bodies, link->b, link->slot[1], of->of_b);
+    row->c = (of->keeps_before ? row->before : 0) - row->k * (row->want + row->given);
     return row;
 }
 
@@ -313,6 +320,136 @@ static void put_body(fp3_bodies *bodies, uint32_t slot, uint32_t n) {
     h->laws->speed(bodies, slot, &h->springs.start[number * n]);
 }
 
+static int find(fp3_bodies *bodies, const fp3_heavy_set *set, int push, int is_calm) {
+    fp3_heavy *h = bodies->heavy;
+    h->is_calm = is_calm;
+    h->springs.rows = 0;
+    for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next)
+        put_body(bodies, k, h->springs.size);
+    for (uint32_t i = set->first_link; i != FP3_NOBODY; i = h->link[i].next)
+        h->laws->fill(bodies, &h->link[i], push);
+    return fp3_springs_solve(&h->springs);
+}
+
+/* ---- energy ---- */
+
+/* Of all bodies' motion: what it was, and how much more it is. */
+typedef struct {
+    double before, more, heaviest;
+} energy;
+
+static energy energy_of(const fp3_bodies *bodies, const fp3_heavy_set *set) {
+    const fp3_heavy *h = bodies->heavy;
+    const uint32_t n = h->springs.size;
+    energy sum = {0, 0, 0};
+    for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next) {
+        const double *from = &h->springs.start[h->place[k].number * n],
+                     *to = &h->springs.v[h->place[k].number * n];
+        double mass[FP3_SPARSE_MOST * FP3_SPARSE_MOST] = {0};
+        h->laws->weigh(bodies, k, mass);
+        sum.heaviest = fmax(sum.heaviest, mass[0]);
+        for (uint32_t i = 0; i < n; i++)
+            for (uint32_t j = 0; j < n; j++) {
+                sum.before += 0.5 * mass[i * n + j] * from[i] * from[j];
+                sum.more += 0.5 * mass[i * n + j] * (to[i] - from[i]) * (to[j] + from[j]);
+            }
+    }
+    return sum;
+}
+
+static int is_turn(const fp3_springs *s, const fp3_spring *row) {
+    double sum = 0;
+    for (uint32_t i = 0; i < (s->size == 3 ? 2 : 3); i++)
+        sum += fabs(row->of_a[i]) + fabs(row->of_b[i]);
+    return !(sum > 0);
+}
+
+/* What nobody gave: neither motors, springs and belts, nor who moves by itself. *may: how much that
+ * may be, where contacts push apart what overlaps and joints pull together what is apart. */
+static double made(const fp3_bodies *bodies, const fp3_heavy_set *set, double *may) {
+    const fp3_springs *s = &bodies->heavy->springs;
+    const energy all = energy_of(bodies, set);
+    double sum = all.more, squares = 0, pull = 0, push = 0;
+    for (uint32_t i = 0; i < s->rows; i++) {
+        const fp3_spring *row = &s->row[i];
+        const double by = row->now - row->before,
+                     fast = is_turn(s, row) ? bodies->def.size * row->want : row->want;
+        squares += row->now * row->now;
+        sum -=
+            row->is_driven
+                ? 0.5 * by * (fp3_springs_speed(s, row, s->start) + fp3_springs_speed(s, row, s->v))
+                : -by * row->given;
+        if (!row->is_driven && row->least == 0)
+            push = fmax(push, -fast);
+        else if (!row->is_driven)
+            pull = fmax(pull, fabs(fast));
+    }
+    *may = 0.5 * all.heaviest * (push * push + PULLED * pull * pull) + MADE * all.before +
+           LOST * squares / all.heaviest;
+    return sum;
+}
+
+/* Between what was found first (share 1) and what is there (0). */
+static void mix(fp3_heavy *h, double share) {
+    fp3_springs *s = &h->springs;
+    const uint32_t count = s->count * s->size;
+    for (uint32_t i = 0; i < count; i++)
+        s->v[i] += share * (h->other[i] - s->v[i]);
+    for (uint32_t i = 0; i < s->rows; i++)
+        s->row[i].now += share * (h->other[count + i] - s->row[i].now);
+}
+
+static fp3_status note(fp3_bodies *bodies) {
+    fp3_heavy *h = bodies->heavy;
+    const fp3_springs *s = &h->springs;
+    const uint32_t count = s->count * s->size;
+    const fp3_status status = fp3_bodies_room((void **)&h->other, &h->other_room, sizeof *h->other,
+                                              (size_t)count + s->rows, bodies->error);
+    if (status)
+        return status;
+    memcpy(h->other, s->v, count * sizeof *h->other);
+    for (uint32_t i = 0; i < s->rows; i++)
+        h->other[count + i] = s->row[i].now;
+    return FP3_OK;
+}
+
+/* With less and less of what made the energy, until it is what may be: it is a square of the share.
+ */
+static void take_back(fp3_bodies *bodies, const fp3_heavy_set *set, double most, double may) {
+    double unused;
+    const double least = made(bodies, set, &unused);
+    if (!(least < may))
+        return;
+    mix(bodies->heavy, 0.5);
+    const double a = 2 * (most + least) - 4 * made(bodies, set, &unused), b = most - least - a,
+                 root = sqrt(fmax(b * b + 4 * a * (may - least), 0)),
+                 share = 2 * (may - least) / (b + root);
+    mix(bodies->heavy, 2 * share - 1); /* from the middle */
+}
+
+/* Joints make energy where they contradict each other: what would satisfy all is far and fast. So
+ * does a light body that resists for a while as a heavy one. */
+static fp3_status calm(fp3_bodies *bodies, const fp3_heavy_set *set, int push, int *is_found) {
+    double may;
+    const double most = *is_found ? made(bodies, set, &may) : 0;
+    if (*is_found && most <= may)
+        return FP3_OK;
+    const int was_found = *is_found;
+    const fp3_status status = note(bodies);
+    if (status)
+        return status;
+    *is_found = find(bodies, set, push, 1);
+    if (*is_found && was_found)
+        take_back(bodies, set, most, may);
+    return FP3_OK;
+}
+
+static int has_joints(const fp3_heavy *h, const fp3_heavy_set *set) {
+    return !h->link[set->first_link].is_contact; /* they come first */
+}
+
+/* ---- all sets ---- */
+
 static fp3_status solve(fp3_bodies *bodies, const fp3_heavy_set *set, int push) {
     fp3_heavy *h = bodies->heavy;
     fp3_springs *s = &h->springs;
@@ -326,12 +463,12 @@ static fp3_status solve(fp3_bodies *bodies, const fp3_heavy_set *set, int push) 
         status = fp3_springs_make_room(s, (size_t)set->links * h->laws->rows, bodies->error);
     if (status)
         return status;
-    for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next)
-        put_body(bodies, k, n);
-    for (uint32_t i = set->first_link; i != FP3_NOBODY; i = h->link[i].next)
-        h->laws->fill(bodies, &h->link[i], push);
-    if (!fp3_springs_solve(s))
-        return FP3_OK;
+    int is_found = find(bodies, set, push, 0);
+    if (has_joints(h, set))
+        status = calm(bodies, set, push, &is_found);
+    if (status || !is_found)
+        return status;
+    fp3_springs_keep(s);
     for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next) {
         double change[FP3_SPARSE_MOST];
         for (uint32_t i = 0; i < n; i++)

@@ -67,7 +67,9 @@ struct fp3_heavy {
     struct fp3_heavy_place *place; /* of each body that moves */
     double rate;                   /* how fast what is apart comes together */
     fp3_springs springs;           /* of one set after another */
-    uint32_t set_room, link_room, place_room;
+    int is_calm;                   /* joints do nothing by which they could make energy */
+    double *other;                 /* speeds and impulses when they did */
+    uint32_t set_room, link_room, place_room, other_room;
 };
 
 /* Behind the rows of contacts, before those of joints: finds sets, marks their joints (is_heavy),

@@ -91,7 +91,7 @@ static void turned(const fp3_bodies *bodies, uint32_t slot, const double arm[2],
 static void stiffen(const fp3_bodies *bodies, const fp3_heavy_link *link, uint32_t number,
                     const double arm[2], double sign) {
     const double by = sign * (arm[0] * link->held[0] + arm[1] * link->held[1]);
-    if (number != FP3_NO_SPRING && by > 0)
+    if (number != FP3_NO_SPRING && by > 0 && !bodies->heavy->is_calm)
         bodies->heavy->springs.mass[number * 9 + 8] += bodies->def.h / bodies->def.substeps * by;
 }
 
@@ -99,7 +99,7 @@ static double within(double x, double most) { return fmin(fmax(x, -most), most);
 
 static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     fp3_joint *joint = &bodies->joint[link->of];
-    const double rate = push ? bodies->heavy->rate : 0;
+    const double rate = push && !bodies->heavy->is_calm ? bodies->heavy->rate : 0;
     const fp3_four way = bodies->way[link->slot[1]] - bodies->way[link->slot[0]];
     double a[2], b[2];
     turned(bodies, link->slot[0], link->arm_a, a);
@@ -149,6 +149,7 @@ static void fill_point(fp3_bodies *bodies, fp3_heavy_link *link, int push, int p
     const fp3_springs *s = &bodies->heavy->springs;
     fp3_heavy_push(bodies, link, along, (*words[4])[lane], push);
     fp3_spring *row = fp3_heavy_put(bodies, link, &aside);
+    row->is_driven = r->belt[lane] != 0;
     row->normal = s->rows - 2;
     row->share = r->mu[lane];
     row->most = 0;

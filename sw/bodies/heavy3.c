@@ -114,7 +114,7 @@ static void stiffen(const fp3_bodies *bodies, uint32_t number, vector arm, vecto
     const double r[3] = {arm.x, arm.y, arm.z},
                  by = sign * (arm.x * pull.x + arm.y * pull.y + arm.z * pull.z),
                  square = arm.x * arm.x + arm.y * arm.y + arm.z * arm.z;
-    if (number == FP3_NO_SPRING || !(by > 0))
+    if (bodies->heavy->is_calm || number == FP3_NO_SPRING || !(by > 0))
         return;
     const fp3_springs *s = &bodies->heavy->springs;
     for (uint32_t i = 0; i < 3; i++)
@@ -136,7 +136,7 @@ static vector without(int axis, const fp3_point3 *is_free) {
 static void drive(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_drive3 *d, int which,
                   float words[4], const double of_a[6], const double of_b[6], int push) {
     const double inverse = bodies->def.substeps / bodies->def.h,
-                 rate = push ? bodies->heavy->rate : 0;
+                 rate = push && !bodies->heavy->is_calm ? bodies->heavy->rate : 0;
     const double gaps[2] = {d->over, d->under};
     double back_a[6], back_b[6];
     for (int i = 0; i < 6; i++) {
@@ -152,11 +152,12 @@ static void drive(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_drive3 *d,
                                               : (double)d->mass * d->soft.soft / d->soft.fade,
                                    d->off * (d->is_firm ? rate : (double)d->soft.rate),
                                    d->is_firm};
-        fp3_heavy_put(bodies, link, &row);
+        fp3_heavy_put(bodies, link, &row)->is_driven = !d->is_firm;
     }
     if (d->most > 0) {
         const fp3_heavy_row row = {which + 1, &words[1], of_a, of_b, INFINITY, -d->speed, 1};
         fp3_spring *motor = fp3_heavy_put(bodies, link, &row);
+        motor->is_driven = 1;
         motor->most = d->most;
         motor->least = -motor->most;
     }
@@ -214,7 +215,8 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     const fp3_joint *joint = &bodies->joint[link->of];
     fp3_joint3 *space = &bodies->space->joint[link->of];
     const fp3_stance3 *s = &bodies->space->stance[link->of];
-    const double rate = push ? bodies->heavy->rate : 0, h = bodies->def.h / bodies->def.substeps;
+    const double rate = push && !bodies->heavy->is_calm ? bodies->heavy->rate : 0,
+                 h = bodies->def.h / bodies->def.substeps;
     const fp3_drive3 along = fp3_space_drive_along(bodies, link->of, h),
                      about = fp3_space_drive_about(bodies, link->of, h);
     const vector n = vector_of(along.n), arm_a = vector_of(along.arm_a),
@@ -251,6 +253,7 @@ static void fill_friction(fp3_bodies *bodies, fp3_heavy_link *link, const vector
         const fp3_heavy_row along = {FP3_POINTS3 + i, &link->rub[i], a, b, k, -belt[i], 1};
         aim(i < 2 ? of[1 + i] : NONE, of[3], of[4], i < 2 ? NONE : of[0], a, b);
         fp3_spring *row = fp3_heavy_put(bodies, link, &along);
+        row->is_driven = belt[i] != 0;
         if (i == 1)
             continue; /* it follows the row before */
         row->is_disc = i == 0;

@@ -232,17 +232,21 @@ enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
 
 static float inverse_of(float x) { return x > 0 ? 1 / x : 0; }
 
-static void use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double where, double h) {
+static double within(double x, double most) { return fmin(fmax(x, -most), most); }
+
+/* far: what is beyond a lock or a limit by more is pulled back no faster. */
+static void use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double where, double far,
+                double h) {
     const int has_limits = uses & USES_LIMITS && def->has_limits;
     if (d->is_firm)
         d->soft = fp3_space_firm(h);
     else if (uses & USES_SPRING && def->hertz > 0)
         d->soft = fp3_soften(def->hertz, def->damping, h);
-    d->off = (float)(where - def->rest);
+    d->off = (float)(d->is_firm ? within(where - def->rest, far) : where - def->rest);
     d->speed = (float)def->speed;
     d->most = uses & USES_MOTOR ? (float)(def->most * h) : 0;
-    d->over = has_limits ? (float)(where - def->low) : FP3_NO_LIMIT3;
-    d->under = has_limits ? (float)(def->high - where) : FP3_NO_LIMIT3;
+    d->over = has_limits ? (float)fmax(where - def->low, -far) : FP3_NO_LIMIT3;
+    d->under = has_limits ? (float)fmax(def->high - where, -far) : FP3_NO_LIMIT3;
 }
 
 fp3_drive3 fp3_space_drive_along(const fp3_bodies *bodies, uint32_t number, double h) {
@@ -260,7 +264,7 @@ fp3_drive3 fp3_space_drive_along(const fp3_bodies *bodies, uint32_t number, doub
         (fp3_inverse_mass(bodies->body[j->a].mass) + fp3_inverse_mass(bodies->body[j->b].mass)) +
         fp3_dot3(a, fp3_tensor3(s->back_a, a)) + fp3_dot3(b, fp3_tensor3(s->back_b, b)));
     use(&d, &j->def, j->def.type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL,
-        fp3_stance_at(s, j->def.type), h);
+        fp3_stance_at(s, j->def.type), FP3_FARTHEST3 * bodies->def.size, h);
     return d;
 }
 
@@ -277,7 +281,7 @@ fp3_drive3 fp3_space_drive_about(const fp3_bodies *bodies, uint32_t number, doub
         type == FP3_HINGE  ? USES_ALL
         : type == FP3_BALL ? USES_LIMITS
                            : USES_MOTOR,
-        type == FP3_BALL ? s->swing : s->about, h);
+        type == FP3_BALL ? s->swing : s->about, FP3_FARTHEST_TURN3, h);
     if (type == FP3_BALL) /* nothing is nearer to the axis than 0 */
         d.over = FP3_NO_LIMIT3;
     return d;

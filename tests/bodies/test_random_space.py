@@ -194,5 +194,5 @@ def joined_energy_above(number):
 
 def test_joints_make_no_energy(long):
     count = 2000 if long else 60
-    above = [number for number in range(count) if joined_energy_above(number)]
-    assert len(above) <= 0.06 * count, above  # 2 of 60 were, with heavy sets in space; 1 of 1,000 before these: docs/bodies.md
+    above = [number for number in [*range(count), 175] if joined_energy_above(number)]  # 175: of a rod that is far too long
+    assert len(above) <= 0.002 * count, above  # joints that contradict each other, mostly: docs/bodies.md
