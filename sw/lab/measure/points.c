@@ -15,7 +15,6 @@
 #define ERROR_MOST 0.5   /* of the scale: beyond it nothing is solved */
 #define SECONDS_MOST 0.5 /* of a run: the next tolerance would take longer */
 #define NEAR 1.5         /* times the shortest time to an error: still near the front */
-#define HOPELESS 15      /* times the time of another that is as accurate: not run at all */
 
 void fp3_measure_points_say(const fp3_measure_points *points, const char *format, ...) {
     char text[256];
@@ -196,19 +195,17 @@ static int is_near(const fp3_measure_points *points, const fp3_measure_point *p)
     return per_object(p) <= NEAR * best;
 }
 
-/* Another that was run before is as accurate in by far less time. The error is known beforehand. */
-static int is_hopeless(const fp3_measure_points *points, size_t count, const fp3_measure_point *p) {
-    double median, worst;
-    if (p->expected <= 0)
-        return 0;
-    fp3_measure_problem_errors(p->problem, p->ends, &median, &worst);
-    for (size_t i = 0; i < count; i++) {
+double fp3_measure_points_behind(const fp3_measure_points *points, const fp3_measure_point *p,
+                                 int is_same_arithmetic) {
+    double best = INFINITY;
+    for (size_t i = 0; i < points->count; i++) {
         const fp3_measure_point *q = &points->point[i];
-        if (q->repeats && is_alike(p, q) && q->error_median <= median &&
-            HOPELESS * per_object(q) < p->expected)
-            return 1;
+        if (q->work > 0 && q->threads == p->threads && q->error_median <= p->error_median &&
+            !strcmp(q->engine, p->engine) &&
+            (!is_same_arithmetic || !strcmp(q->arithmetic, p->arithmetic)))
+            best = fmin(best, q->work);
     }
-    return 0;
+    return p->work / best;
 }
 
 /* The same with one thread. */
@@ -271,7 +268,8 @@ static fp3_status first_runs(fp3_measure_points *points, int has_threads, fp3_er
         if ((p->threads > 1) == has_threads) {
             const fp3_measure_point *one = has_threads ? alone(points, p) : NULL;
             stay = has_threads ? one && is_near(points, one)
-                               : is_worth_it(&of, p) && !is_hopeless(points, i, p);
+                               : is_worth_it(&of, p) && fp3_measure_points_behind(points, p, 0) <=
+                                                            FP3_MEASURE_HOPELESS;
             if (stay) {
                 status = first_run(points, p, &stay, &spent, error);
                 note(&of, points, p, stay, spent);

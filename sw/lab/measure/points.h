@@ -13,7 +13,8 @@
 #include <jansson.h>
 #include <stdint.h>
 
-#define FP3_MEASURE_REPEATS 9 /* at most */
+#define FP3_MEASURE_REPEATS 9  /* at most */
+#define FP3_MEASURE_HOPELESS 8 /* times the work of another that is as accurate */
 
 typedef struct fp3_measure_point fp3_measure_point;
 struct fp3_measure_point {
@@ -22,7 +23,8 @@ struct fp3_measure_point {
     double h, tolerance, cycles;
     unsigned threads;
     uint64_t objects, steps;
-    double expected; /* seconds for an object, roughly: what is hopeless is not run; 0: unknown */
+    double work; /* instructions for an object, where the error is known: what is hopeless is not
+                    run; 0: unknown */
     /* Solves the problem once: *seconds for all objects, and ends. */
     fp3_status (*run)(fp3_measure_point *point, double *seconds, fp3_error *error);
     void (*close)(fp3_measure_point *point); /* frees self; or NULL */
@@ -54,6 +56,10 @@ fp3_measure_point *fp3_measure_points_add(fp3_measure_points *points,
                                           const fp3_measure_point *point);
 void fp3_measure_points_leave_out(fp3_measure_points *points, const fp3_measure_point *point,
                                   const char *why);
+/* So many times the work of the best on its engine, or in its arithmetic there, that is as
+ * accurate; 0: none is. */
+double fp3_measure_points_behind(const fp3_measure_points *points, const fp3_measure_point *point,
+                                 int is_same_arithmetic);
 /* Runs every point once for its error, leaves out those that have none, then all in turn. */
 fp3_status fp3_measure_points_time(fp3_measure_points *points, fp3_error *error);
 json_t *fp3_measure_points_json(const fp3_measure_points *points);

@@ -23,6 +23,8 @@
 #define RUNGS_WORSE 4      /* after so many without a smaller error nothing is left but rounding */
 #define RUNGS_AFTER 20 /* beyond the first time step that solves it: 1,024 times as many steps */
 #define SOLVED 0.1     /* ... if the error was once below this */
+#define RUNGS_BEHIND 3 /* after so many in a row that are hopeless ... */
+#define RUNGS_FAR 8    /* ... so far beyond that first time step: shorter ones win nothing */
 #define ERROR_MOST 0.5
 /* Instructions of such runs of a family on one configuration. A run is left out if another one on
  * the same configuration takes FAR times fewer. */
@@ -113,7 +115,13 @@ static fp3_status add(const family *f, fp3_measure_point *point, unsigned i, fp3
         return fp3_no_memory(error);
     }
     memcpy(added->ends, f->ends[i], (room(f) - 1) * sizeof *added->ends);
+    fp3_measure_problem_errors(f->problem, added->ends, &added->error_median, &added->error_worst);
     return FP3_OK;
+}
+
+/* What a pace asks of one object. */
+static double work_of(const family *f, const fp3_measure_pace *pace) {
+    return pace->made * f->compiled->instructions;
 }
 
 /* Its ends are known from the sample. */
@@ -144,8 +152,9 @@ static fp3_status add_software(const family *f, unsigned i, unsigned threads, fp
     point.close = close_run;
     point.self = t;
     point.threads = threads;
-    point.expected = f->seconds[i] / f->problem->variants;
-    point.objects = fp3_measure_run_objects(f->options, f->pace[i].made, point.expected, threads);
+    point.work = work_of(f, &f->pace[i]);
+    point.objects = fp3_measure_run_objects(f->options, f->pace[i].made,
+                                            f->seconds[i] / f->problem->variants, threads);
     const fp3_status status = fp3_measure_machines_engine(
         f->machines, f->options->engine, f->config, threads, point.objects, &t->run.engine, error);
     if (status)
@@ -220,14 +229,12 @@ static fp3_status add_predicted(const family *f, const fp3_compiled *compiled, c
 
 /* Another is as accurate with far fewer cycles. `cycles`: about what a run takes for an object. */
 static int is_far(const family *f, const char *config, unsigned i, double cycles) {
-    double ours, theirs, worst;
-    fp3_measure_problem_errors(f->problem, f->ends[i], &ours, &worst);
+    double error, worst;
+    fp3_measure_problem_errors(f->problem, f->ends[i], &error, &worst);
     for (size_t k = 0; k < f->points->count; k++) {
         const fp3_measure_point *q = &f->points->point[k];
-        if (!q->config || strcmp(q->config, config) != 0 || FAR * q->cycles >= cycles)
-            continue;
-        fp3_measure_problem_errors(f->problem, q->ends, &theirs, &worst);
-        if (theirs <= ours)
+        if (q->config && !strcmp(q->config, config) && FAR * q->cycles < cycles &&
+            q->error_median <= error)
             return 1;
     }
     return 0;
@@ -259,8 +266,9 @@ static fp3_status add_measured(const family *f, const fp3_compiled *compiled, co
 }
 
 static fp3_status add_hardware(const family *f, const char *config, fp3_error *error) {
-    fp3_compiled *compiled;
-    const fp3_status status = compile(f, "rtl", config, &compiled, error);
+    fp3_compiled *compiled = f->compiled;
+    const fp3_status status =
+        strcmp(config, f->config) != 0 ? compile(f, "rtl", config, &compiled, error) : FP3_OK;
     if (status || !compiled)
         return status;
     return (f->adapted ? add_measured : add_predicted)(f, compiled, config, error);
@@ -330,11 +338,21 @@ static fp3_status try_pace(family *f, const fp3_measure_run *r, fp3_measure_pace
     return status;
 }
 
+/* Of the same arithmetic: others end where theirs has no more digits. */
+static int is_hopeless(const family *f, const fp3_measure_pace *pace, double error) {
+    const fp3_measure_point point = {.engine = f->options->engine,
+                                     .arithmetic = fp3_arithmetic_of(f->arithmetic)->name,
+                                     .threads = 1,
+                                     .work = work_of(f, pace),
+                                     .error_median = error};
+    return fp3_measure_points_behind(f->points, &point, 1) > FP3_MEASURE_HOPELESS;
+}
+
 /* Those that solve it, up to one beyond the best. */
 static fp3_status sample(family *f, fp3_error *error) {
     fp3_measure_run r = run_of(f, f->compiled);
     double best = INFINITY, seconds = 0;
-    unsigned worse = 0, first = UINT32_MAX - RUNGS_AFTER;
+    unsigned worse = 0, behind = 0, first = UINT32_MAX - RUNGS_AFTER;
     int is_over = 0;
     fp3_measure_pace pace;
     r.is_flipped = f->adapted && f->options->is_flipped;
@@ -343,7 +361,7 @@ static fp3_status sample(family *f, fp3_error *error) {
     for (unsigned k = 0; !status && !is_over && find_pace(f, k, &pace) && f->count < PACES_MOST;
          k++) {
         double median = INFINITY, *ends;
-        if (worse >= RUNGS_WORSE || k > first + RUNGS_AFTER)
+        if (worse >= RUNGS_WORSE || behind >= RUNGS_BEHIND || k > first + RUNGS_AFTER)
             break;
         status = make_ends(f, &ends, error);
         if (!status)
@@ -356,6 +374,9 @@ static fp3_status sample(family *f, fp3_error *error) {
         }
         first = f->count ? first : k;
         keep(f, &pace, ends, seconds);
+        behind = (f->kind == ADAPTIVE || k >= first + RUNGS_FAR) && is_hopeless(f, &pace, median)
+                     ? behind + 1
+                     : 0;
     }
     return status;
 }
