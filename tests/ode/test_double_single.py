@@ -99,7 +99,7 @@ def test_functions_are_within_their_bounds_and_right_or_flagged_at_their_ends(ro
 
 def test_the_page_says_what_it_costs(root):
     """Cycles of many_full by rk4: plain, double-single, and their ratio."""
-    section = (root / "docs/compiler.md").read_text(encoding="utf-8").split("#### What it costs")[1].split("\n##")[0]
+    section = (root / "docs/compiler_results.md").read_text(encoding="utf-8").split("## Double-single")[1].split("\n##")[0]
     rows = re.findall(r"\| `(\w+)`[^|]* \| (\d+) \| (\d+) \| ([\d.]+) (?=\|)", section)
     assert len(rows) == 20
     for name, *stated in rows:
@@ -109,7 +109,7 @@ def test_the_page_says_what_it_costs(root):
 
 
 def test_kepler_to_1e_10_after_ten_orbits():
-    """Compensated within 2e-5, of which 1e-5 is that of sqrt(3) as a float; double-single within 1e-10: docs/compiler.md."""
+    """Compensated within 2e-5, of which 1e-5 is that of sqrt(3) as a float; double-single within 1e-10: docs/compiler_results.md."""
     truth = kepler_at(64)
     for arithmetic, step, most in (("--compensated", 8, 2e-5), ("--double-single", 11, 1e-10)):
         got = states(fp3("run", KEPLER, arithmetic, "-e", "fast", "-c", "many_full", "-N", 1, "--set", f"h=2^-{step}",

@@ -1,4 +1,4 @@
-"""Models of many states: which programs fit, as docs/compiler.md says, and what the compiler does where one does not fit at once."""
+"""Models of many states: which programs fit, as docs/compiler_results.md says, and what the compiler does where one does not fit at once."""
 
 import re
 import subprocess
@@ -45,8 +45,8 @@ def table(root, folder):
 
 
 def test_the_page_says_what_fits(root, tmp_path):
-    page = (root / "docs/compiler.md").read_text().split("#### Models of many states", 1)[1]
-    assert "\n".join(line for line in page.split("\n###", 1)[0].split("\n") if line.startswith("|")) == table(root, tmp_path)
+    page = (root / "docs/compiler_results.md").read_text().split("## Models of many states", 1)[1]
+    assert "\n".join(line for line in page.split("\n##", 1)[0].split("\n") if line.startswith("|")) == table(root, tmp_path)
 
 
 def test_what_does_not_fit_with_carried_values_is_made_without(root, tmp_path):
