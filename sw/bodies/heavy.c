@@ -311,6 +311,47 @@ fp3_spring *fp3_heavy_push(fp3_bodies *bodies, fp3_heavy_link *link, fp3_heavy_r
     return row;
 }
 
+void fp3_heavy_drive(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_drive3 *d, int which,
+                     float words[4], const double *of_a, const double *of_b, int push) {
+    const double inverse = bodies->def.substeps / bodies->def.h,
+                 rate = push && !bodies->heavy->is_calm ? bodies->heavy->rate : 0;
+    const double gaps[2] = {d->over, d->under};
+    double back_a[FP3_SPARSE_MOST], back_b[FP3_SPARSE_MOST];
+    for (uint32_t i = 0; i < bodies->heavy->springs.size; i++) {
+        back_a[i] = -of_a[i];
+        back_b[i] = -of_b[i];
+    }
+    if (d->is_firm || d->soft.soft > 0) {
+        const fp3_heavy_row row = {which,
+                                   &words[0],
+                                   of_a,
+                                   of_b,
+                                   d->is_firm ? INFINITY
+                                              : (double)d->mass * d->soft.soft / d->soft.fade,
+                                   d->off * (d->is_firm ? rate : (double)d->soft.rate),
+                                   d->is_firm};
+        fp3_heavy_put(bodies, link, &row)->is_driven = !d->is_firm;
+    }
+    if (d->most > 0) {
+        const fp3_heavy_row row = {which + 1, &words[1], of_a, of_b, INFINITY, -d->speed, 1};
+        fp3_spring *motor = fp3_heavy_put(bodies, link, &row);
+        motor->is_driven = 1;
+        motor->most = d->most;
+        motor->least = -motor->most;
+    }
+    for (int i = 0; i < 2; i++) {
+        const fp3_heavy_row row = {which + 2 + i,
+                                   &words[2 + i],
+                                   i ? back_a : of_a,
+                                   i ? back_b : of_b,
+                                   INFINITY,
+                                   gaps[i] * (gaps[i] > 0 ? inverse : rate),
+                                   1};
+        if (gaps[i] < FP3_NO_LIMIT3)
+            fp3_heavy_put(bodies, link, &row)->least = 0;
+    }
+}
+
 static void put_body(fp3_bodies *bodies, uint32_t slot, uint32_t n) {
     const fp3_heavy *h = bodies->heavy;
     const uint32_t number = h->place[slot].number;

@@ -7,15 +7,15 @@
  * more than 250 times the lightest. Of such sets the impulses of joints, of contacts and of their
  * friction are found at once, in double: each body has its equation, each row pulls at two of them
  * as a stiff spring that may have limits, and Newton's method finds who is at a limit. Rolling
- * stays with the passes; so do, in a plane, springs, motors and limits of joints, in space springs
- * of all three angles. So does a set of more than 50 bodies that is no tree. No engine does it, so
+ * stays with the passes; so do, in a plane, rods, sliders and wheels, in space springs of all three
+ * angles. So does a set of more than 50 bodies that is no tree. No engine does it, so
  * all engines have the same bits.
  */
 #ifndef FP3_BODIES_HEAVY_H
 #define FP3_BODIES_HEAVY_H
 
 #include "base/springs.h"
-#include "own.h"
+#include "own3.h"
 
 /* A joint or a contact. */
 typedef struct {
@@ -86,11 +86,6 @@ fp3_status fp3_heavy_solve(fp3_bodies *bodies, int push);
 void fp3_heavy_end(fp3_bodies *bodies);
 void fp3_heavy_free(fp3_bodies *bodies);
 
-/* A weld without a spring. */
-static inline int fp3_joint_is_firm(const fp3_joint *joint) {
-    return joint->def.type == FP3_WELD && !(joint->def.hertz > 0);
-}
-
 /* What a body that may not turn resists, of its mass. */
 #define FP3_HEAVY_STANDS 1e12
 
@@ -107,5 +102,10 @@ fp3_spring *fp3_heavy_put(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_he
 /* Of a contact, a point that pushes at this gap: of the row k, want and keeps_before are found. */
 fp3_spring *fp3_heavy_push(fp3_bodies *bodies, fp3_heavy_link *link, fp3_heavy_row row, double gap,
                            int push);
+
+/* As twist2.ode, line3.ode and twist3.ode: a lock or a spring, a motor, limits, whose rows are from
+ * `which` on and whose impulses stand in `words`. of_a, of_b: the speed that they are of. */
+void fp3_heavy_drive(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_drive3 *drive, int which,
+                     float words[4], const double *of_a, const double *of_b, int push);
 
 #endif

@@ -63,8 +63,7 @@ static void forget(fp3_bodies *bodies, fp3_heavy_link *link) {
         link->held[i] = (double)joint->point[i];
         joint->point[i] = 0;
     }
-    if (fp3_joint_is_firm(joint))
-        joint->twist[0] = 0;
+    memset(joint->twist, 0, sizeof joint->twist);
 }
 
 static void weigh(const fp3_bodies *bodies, uint32_t slot, double *mass) {
@@ -97,6 +96,18 @@ static void stiffen(const fp3_bodies *bodies, const fp3_heavy_link *link, uint32
 
 static double within(double x, double most) { return fmin(fmax(x, -most), most); }
 
+static fp3_drive3 drive_of(const fp3_bodies *bodies, const fp3_heavy_link *link, double angle) {
+    const float inverse = bodies->heft[link->slot[0]][1] + bodies->heft[link->slot[1]][1];
+    fp3_joint_def def = bodies->joint[link->of].def;
+    fp3_drive3 d = {.mass = inverse > 0 ? 1 / inverse : 0,
+                    .is_firm = def.type == FP3_WELD && !(def.hertz > 0)};
+    const int is_hinge = def.type == FP3_HINGE;
+    def.rest = is_hinge ? def.rest : 0; /* as joint_rows.c has it */
+    fp3_drive_use(&d, &def, is_hinge ? FP3_USES_ALL : FP3_USES_SPRING, angle, FP3_FARTHEST,
+                  bodies->def.h / bodies->def.substeps);
+    return d;
+}
+
 static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     fp3_joint *joint = &bodies->joint[link->of];
     const double rate = push && !bodies->heavy->is_calm ? bodies->heavy->rate : 0;
@@ -117,13 +128,8 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
                                    1};
         fp3_heavy_put(bodies, link, &row);
     }
-    if (!fp3_joint_is_firm(joint))
-        return;
-    const fp3_heavy_row row = {2,        &joint->twist[0],
-                               of_a[2],  of_b[2],
-                               INFINITY, rate * within(link->gap[2] + (double)way[2], FP3_FARTHEST),
-                               1};
-    fp3_heavy_put(bodies, link, &row);
+    const fp3_drive3 about = drive_of(bodies, link, link->gap[2] + (double)way[2]);
+    fp3_heavy_drive(bodies, link, &about, 2, joint->twist, of_a[2], of_b[2], push);
 }
 
 /* A push, then its friction. Both passes of a substep have the same arms: what the first one gave a
@@ -190,5 +196,5 @@ static void end(fp3_bodies *bodies, const fp3_heavy_link *link) {
     fp3_put(&r->f2, contact_lane(bodies, link), link->rub[1]);
 }
 
-const fp3_heavy_laws fp3_heavy_laws2 = {4,     holds, is_moving, has_pushed, begin, forget,
+const fp3_heavy_laws fp3_heavy_laws2 = {6,     holds, is_moving, has_pushed, begin, forget,
                                         weigh, speed, fill,      move,       end};

@@ -132,48 +132,6 @@ static vector without(int axis, const fp3_point3 *is_free) {
     return (vector){n.x - along * f.x, n.y - along * f.y, n.z - along * f.z};
 }
 
-/* As line3.ode and twist3.ode: a lock or a spring, a motor, limits. `of_a`, `of_b`: a speed. */
-static void drive(fp3_bodies *bodies, fp3_heavy_link *link, const fp3_drive3 *d, int which,
-                  float words[4], const double of_a[6], const double of_b[6], int push) {
-    const double inverse = bodies->def.substeps / bodies->def.h,
-                 rate = push && !bodies->heavy->is_calm ? bodies->heavy->rate : 0;
-    const double gaps[2] = {d->over, d->under};
-    double back_a[6], back_b[6];
-    for (int i = 0; i < 6; i++) {
-        back_a[i] = -of_a[i];
-        back_b[i] = -of_b[i];
-    }
-    if (d->is_firm || d->soft.soft > 0) {
-        const fp3_heavy_row row = {which,
-                                   &words[0],
-                                   of_a,
-                                   of_b,
-                                   d->is_firm ? INFINITY
-                                              : (double)d->mass * d->soft.soft / d->soft.fade,
-                                   d->off * (d->is_firm ? rate : (double)d->soft.rate),
-                                   d->is_firm};
-        fp3_heavy_put(bodies, link, &row)->is_driven = !d->is_firm;
-    }
-    if (d->most > 0) {
-        const fp3_heavy_row row = {which + 1, &words[1], of_a, of_b, INFINITY, -d->speed, 1};
-        fp3_spring *motor = fp3_heavy_put(bodies, link, &row);
-        motor->is_driven = 1;
-        motor->most = d->most;
-        motor->least = -motor->most;
-    }
-    for (int i = 0; i < 2; i++) {
-        const fp3_heavy_row row = {which + 2 + i,
-                                   &words[2 + i],
-                                   i ? back_a : of_a,
-                                   i ? back_b : of_b,
-                                   INFINITY,
-                                   gaps[i] * (gaps[i] > 0 ? inverse : rate),
-                                   1};
-        if (gaps[i] < FP3_NO_LIMIT3)
-            fp3_heavy_put(bodies, link, &row)->least = 0;
-    }
-}
-
 /* A line or an axis that is free is taken out of three rows: what is left is square to it, and so
  * are their impulses together. */
 static void fill_point(fp3_bodies *bodies, fp3_heavy_link *link, double rate) {
@@ -233,11 +191,11 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
         fill_turn(bodies, link, rate);
     if (laws & LAW(line3)) {
         aim(n, arm_a, arm_b, NONE, a, b);
-        drive(bodies, link, &along, 6, space->line, a, b, push);
+        fp3_heavy_drive(bodies, link, &along, 6, space->line, a, b, push);
     }
     if (laws & LAW(twist3)) {
         aim(NONE, NONE, NONE, vector_of(about.n), a, b);
-        drive(bodies, link, &about, 10, space->twist, a, b, push);
+        fp3_heavy_drive(bodies, link, &about, 10, space->twist, a, b, push);
     }
 }
 

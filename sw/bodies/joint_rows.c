@@ -41,23 +41,22 @@ static float inverse_of(double x) { return x > 0 ? (float)(1 / x) : 0; }
         const fp3_joint_def *def_ = &(f)->joint->def;                                              \
         const fp3_softness soft_ = (is_firm) ? (f)->firm : (f)->spring;                            \
         const uint32_t lane_ = (f)->lane;                                                          \
-        const int has_spring_ = (is_firm) || ((use)&USES_SPRING && def_->hertz > 0);               \
+        const int has_spring_ = (is_firm) || ((use)&FP3_USES_SPRING && def_->hertz > 0);           \
         fp3_put(&(row)->firm, lane_, (is_firm) ? 1 : 0);                                           \
         fp3_put(&(row)->rate, lane_, has_spring_ ? soft_.rate : 0);                                \
         fp3_put(&(row)->soft, lane_, has_spring_ ? soft_.soft : 0);                                \
         fp3_put(&(row)->fade, lane_, has_spring_ ? soft_.fade : 0);                                \
         fp3_put(&(row)->rest, lane_, (float)(at_rest));                                            \
         fp3_put(&(row)->speed, lane_, (float)def_->speed);                                         \
-        fp3_put(&(row)->most, lane_, (use)&USES_MOTOR ? (float)(def_->most * (f)->h) : 0);         \
+        fp3_put(&(row)->most, lane_, (use)&FP3_USES_MOTOR ? (float)(def_->most * (f)->h) : 0);     \
         fp3_put(&(row)->low, lane_,                                                                \
-                (use)&USES_LIMITS && def_->has_limits ? (float)def_->low : -1e12f);                \
+                (use)&FP3_USES_LIMITS && def_->has_limits ? (float)def_->low : -1e12f);            \
         fp3_put(&(row)->high, lane_,                                                               \
-                (use)&USES_LIMITS && def_->has_limits ? (float)def_->high : 1e12f);                \
+                (use)&FP3_USES_LIMITS && def_->has_limits ? (float)def_->high : 1e12f);            \
         fp3_put(&(row)->hold, lane_, (f)->firm.rate);                                              \
         fp3_put(&(row)->give, lane_, (f)->firm.soft);                                              \
         fp3_put(&(row)->wane, lane_, (f)->firm.fade);                                              \
     } while (0)
-enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
 
 #define FILL_MASSES(row, f)                                                                        \
     do {                                                                                           \
@@ -91,9 +90,9 @@ static void fill_twist(const fp3_bodies *bodies, const filling *f, fp3_twist2_ro
     const double ratio = type == FP3_GEAR ? j->def.ratio : -1;
     const int is_firm =
         type == FP3_SLIDER || type == FP3_GEAR || (type == FP3_WELD && !(j->def.hertz > 0));
-    const int use = type == FP3_HINGE   ? USES_ALL
-                    : type == FP3_WHEEL ? USES_MOTOR
-                    : type == FP3_WELD  ? USES_SPRING
+    const int use = type == FP3_HINGE   ? FP3_USES_ALL
+                    : type == FP3_WHEEL ? FP3_USES_MOTOR
+                    : type == FP3_WELD  ? FP3_USES_SPRING
                                         : 0;
     FILL_MASSES(row, f);
     fp3_put(&row->ratio, f->lane, (float)ratio);
@@ -113,7 +112,7 @@ static void fill_slide(const filling *f, fp3_slide2_row *row) {
     fp3_put(&row->stay, f->lane, f->firm.rate);
     fp3_put(&row->bend, f->lane, f->firm.soft);
     fp3_put(&row->lose, f->lane, f->firm.fade);
-    FILL_ROW(row, f, j->def.type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL, 0,
+    FILL_ROW(row, f, j->def.type == FP3_WHEEL ? FP3_USES_SPRING | FP3_USES_LIMITS : FP3_USES_ALL, 0,
              j->def.rest);
     FILL_IMPULSES(row, f, j->slide);
     fp3_put(&row->p, f->lane, j->slide[4]);
@@ -123,7 +122,7 @@ static void fill_rod(const filling *f, fp3_rod2_row *row) {
     const fp3_joint *j = f->joint;
     FILL_MASSES(row, f);
     FILL_ARMS(row, f);
-    FILL_ROW(row, f, USES_ALL, !(j->def.hertz > 0) && !j->def.has_limits, j->def.rest);
+    FILL_ROW(row, f, FP3_USES_ALL, !(j->def.hertz > 0) && !j->def.has_limits, j->def.rest);
     FILL_IMPULSES(row, f, j->rod);
 }
 
@@ -163,10 +162,6 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
         fill_point(&f, (fp3_pin2_row *)rows->row + block);
 }
 
-static int is_found_at_once(const fp3_joint *j, int law) {
-    return j->is_heavy && (law == LAW(pin2) || fp3_joint_is_firm(j));
-}
-
 static fp3_status lay(fp3_bodies *bodies, int law) {
     fp3_law_rows *rows = &bodies->joined[law];
     fp3_status status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
@@ -176,7 +171,7 @@ static fp3_status lay(fp3_bodies *bodies, int law) {
     rows->is_same = 1;
     for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
         const fp3_joint *j = &bodies->joint[i];
-        if (!(j->generation & 1) || !(j->laws >> law & 1) || is_found_at_once(j, law))
+        if (!(j->generation & 1) || !(j->laws >> law & 1) || j->is_heavy)
             continue;
         const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
         if (a >= bodies->movable && b >= bodies->movable)

@@ -228,23 +228,21 @@ static void fill_spin(const filling *f, fp3_spin3_row *row) {
             fp3_put(&(row)->u, (f)->lane, (impulses)[3]);                                          \
         }                                                                                          \
     } while (0)
-enum { USES_SPRING = 1, USES_MOTOR = 2, USES_LIMITS = 4, USES_ALL = 7 };
 
 static float inverse_of(float x) { return x > 0 ? 1 / x : 0; }
 
 static double within(double x, double most) { return fmin(fmax(x, -most), most); }
 
-/* far: what is beyond a lock or a limit by more is pulled back no faster. */
-static void use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double where, double far,
-                double h) {
-    const int has_limits = uses & USES_LIMITS && def->has_limits;
+void fp3_drive_use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double where, double far,
+                   double h) {
+    const int has_limits = uses & FP3_USES_LIMITS && def->has_limits;
     if (d->is_firm)
         d->soft = fp3_space_firm(h);
-    else if (uses & USES_SPRING && def->hertz > 0)
+    else if (uses & FP3_USES_SPRING && def->hertz > 0)
         d->soft = fp3_soften(def->hertz, def->damping, h);
     d->off = (float)(d->is_firm ? within(where - def->rest, far) : where - def->rest);
     d->speed = (float)def->speed;
-    d->most = uses & USES_MOTOR ? (float)(def->most * h) : 0;
+    d->most = uses & FP3_USES_MOTOR ? (float)(def->most * h) : 0;
     d->over = has_limits ? (float)fmax(where - def->low, -far) : FP3_NO_LIMIT3;
     d->under = has_limits ? (float)fmax(def->high - where, -far) : FP3_NO_LIMIT3;
 }
@@ -263,8 +261,9 @@ fp3_drive3 fp3_space_drive_along(const fp3_bodies *bodies, uint32_t number, doub
     d.mass = inverse_of(
         (fp3_inverse_mass(bodies->body[j->a].mass) + fp3_inverse_mass(bodies->body[j->b].mass)) +
         fp3_dot3(a, fp3_tensor3(s->back_a, a)) + fp3_dot3(b, fp3_tensor3(s->back_b, b)));
-    use(&d, &j->def, j->def.type == FP3_WHEEL ? USES_SPRING | USES_LIMITS : USES_ALL,
-        fp3_stance_at(s, j->def.type), FP3_FARTHEST3 * bodies->def.size, h);
+    fp3_drive_use(&d, &j->def,
+                  j->def.type == FP3_WHEEL ? FP3_USES_SPRING | FP3_USES_LIMITS : FP3_USES_ALL,
+                  fp3_stance_at(s, j->def.type), FP3_FARTHEST3 * bodies->def.size, h);
     return d;
 }
 
@@ -277,11 +276,11 @@ fp3_drive3 fp3_space_drive_about(const fp3_bodies *bodies, uint32_t number, doub
                                           : (type == FP3_WHEEL ? s->axle : s->axis)};
     d.mass = inverse_of(fp3_dot3(d.n, fp3_tensor3(s->back_a, d.n)) +
                         fp3_dot3(d.n, fp3_tensor3(s->back_b, d.n)));
-    use(&d, &j->def,
-        type == FP3_HINGE  ? USES_ALL
-        : type == FP3_BALL ? USES_LIMITS
-                           : USES_MOTOR,
-        type == FP3_BALL ? s->swing : s->about, FP3_FARTHEST_TURN3, h);
+    fp3_drive_use(&d, &j->def,
+                  type == FP3_HINGE  ? FP3_USES_ALL
+                  : type == FP3_BALL ? FP3_USES_LIMITS
+                                     : FP3_USES_MOTOR,
+                  type == FP3_BALL ? s->swing : s->about, FP3_FARTHEST_TURN3, h);
     if (type == FP3_BALL) /* nothing is nearer to the axis than 0 */
         d.over = FP3_NO_LIMIT3;
     return d;

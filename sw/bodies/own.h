@@ -274,6 +274,8 @@ fp3_status fp3_joints_begin(fp3_bodies *bodies, double h);
  * impulses smaller. */
 int fp3_joint_gives(const fp3_bodies *bodies, int law, uint32_t row);
 void fp3_joint_scale(fp3_bodies *bodies, int law, uint32_t row, float by);
+/* What of its definition a joint has. */
+enum { FP3_USES_SPRING = 1, FP3_USES_MOTOR = 2, FP3_USES_LIMITS = 4, FP3_USES_ALL = 7 };
 /* What is farther apart than this share of `size`, or turned by more than this, joints pull
  * together as if this were all. */
 #define FP3_FARTHEST 0.2f

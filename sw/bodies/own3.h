@@ -185,6 +185,10 @@ typedef struct {
     float off, speed, most, over, under; /* over, under: FP3_NO_LIMIT3 where there is none */
 } fp3_drive3;
 #define FP3_NO_LIMIT3 1e12f
+/* All but n, arm_a, mass and is_firm, of a joint that is at `where`. What is beyond a lock or a
+ * limit by more than `far` is pulled back no faster. */
+void fp3_drive_use(fp3_drive3 *drive, const fp3_joint_def *def, int uses, double where, double far,
+                   double h);
 fp3_drive3 fp3_space_drive_along(const fp3_bodies *bodies, uint32_t joint, double h);
 fp3_drive3 fp3_space_drive_about(const fp3_bodies *bodies, uint32_t joint, double h);
 /* Of its point, the line along its axis is free. */

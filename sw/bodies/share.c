@@ -289,7 +289,7 @@ static void carry_joints(fp3_bodies *bodies, doing what) {
             continue;
         }
         carry(bodies->share, what, rank, j->point, 2);
-        carry(bodies->share, what, rank, j->twist, 1);
+        carry(bodies->share, what, rank, j->twist, 4);
     }
 }
 

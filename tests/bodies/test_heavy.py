@@ -128,20 +128,43 @@ def test_a_beam_of_welds_holds_its_end(dimensions):
     assert np.linalg.norm([tree.told(name, 0) for name in about]) == pytest.approx(torque, rel=1e-3)
 
 
+def arm_with(load, dimensions, **hinge):
+    """A light arm of 1 kg and 1 m on a hinge in a wall, and a load that is welded to its end."""
+    world, end = empty(dimensions), (0,) * (dimensions - 1)
+    arm, far = world.add(x=(0.5, *end)), world.add(x=(1, *end))
+    world.attach(arm, fp3.box(0.5, *(0.05,) * (dimensions - 1), density=10.0 ** (dimensions - 1)))
+    world.attach(far, ball(0.1, load, dimensions))
+    axis = {"axis": (0, 0, 1)} if dimensions == 3 else {}
+    joint = world.join("hinge", world.add(type="static"), arm, anchor_b=(-0.5, *end), **axis, **hinge)
+    world.join("weld", arm, far, anchor_a=(0.5, *end))
+
+    def told():
+        x = column(world.read("x", far))
+        assert math.hypot(*x) == pytest.approx(1, abs=2e-3)
+        return float(column(world.read_joint("at", joint))[0])
+    return world, told
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("load", [10.0, 300.0, 1e4])
-def test_a_motor_in_space_turns_what_hangs_on_a_light_arm(load):
+def test_a_motor_turns_what_hangs_on_a_light_arm(load, dimensions):
     """Without and with a heavy set; a motor that is too weak lets it fall."""
     for most, holds in ((2 * G * load, True), (0.9 * G * load, False)):
-        world = empty(3)
-        arm, end = world.add(x=(0.5, 0, 0)), world.add(x=(1, 0, 0))
-        world.attach(arm, fp3.box(0.5, 0.05, 0.05, density=100.0))
-        world.attach(end, ball(0.1, load, 3))
-        motor = world.join("hinge", world.add(type="static"), arm, axis=(0, 0, 1), anchor_b=(-0.5, 0, 0), speed=0.5, most=most)
-        world.join("weld", arm, end, anchor_a=(0.5, 0, 0))
+        world, told = arm_with(load, dimensions, speed=0.5, most=most)
         world.step(60)
-        x, angle = column(world.read("x", end)), float(column(world.read_joint("at", motor))[0])
-        assert math.hypot(*x) == pytest.approx(1, abs=2e-3)
-        assert angle == pytest.approx(0.5, abs=0.02) if holds else angle < -0.3
+        assert told() == pytest.approx(0.5, abs=0.02) if holds else told() < -0.3
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_springs_and_limits_hold_what_hangs_on_a_light_arm(dimensions):
+    """1,000 kg: on a limit, which it does not pass; and on a spring, whose stiffness is that of the arm's inertia."""
+    world, told = arm_with(1000.0, dimensions, limits=(-0.3, 0.2))
+    world.step(300)
+    assert told() == pytest.approx(-0.3, abs=2e-3)
+    world, told = arm_with(1000.0, dimensions, hertz=100.0, damping=50.0)
+    world.step(300)
+    stiffness = 1.01 / 12 * (2 * math.pi * 100) ** 2
+    assert -told() * stiffness == pytest.approx((1000 + 0.5) * G * math.cos(told()), rel=2e-3)
 
 
 def test_what_runs_on_rails_in_space_carries_what_hangs_on_a_rod():
