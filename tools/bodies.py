@@ -35,8 +35,8 @@ class Failed(Exception):
 class Engine:
     """A process with one engine, which answers line by line; started again after it died."""
 
-    def __init__(self, name, python):
-        self.name, self.command, self.process = name, [python, bench.ROOT / "tools/bodies_peers.py", name], None
+    def __init__(self, name, python, tool="bodies_peers"):
+        self.name, self.command, self.process = name, [python, bench.ROOT / f"tools/{tool}.py", name], None
 
     def ask(self, **command):
         if self.process is None or self.process.poll() is not None:
@@ -60,11 +60,11 @@ class Engine:
             self.process.wait()
 
 
-def listed(python):
+def listed(python, tool="bodies_peers"):
     """Who can be measured by a Python."""
     if not python.exists():
         return []
-    done = subprocess.run([python, bench.ROOT / "tools/bodies_peers.py", "list"], capture_output=True, text=True)
+    done = subprocess.run([python, bench.ROOT / f"tools/{tool}.py", "list"], capture_output=True, text=True)
     return [line for line in done.stdout.splitlines() if line] if done.returncode == 0 else []
 
 

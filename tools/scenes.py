@@ -23,9 +23,11 @@ from fp3world.scene import Failed
 # A part is a module of fp3scenes/ of this name. It has
 #   measure(options, say)   its rows, each with its `scene`; options: as of this tool, and `folder` for files that go when all is done
 #   wrong(rows)             yields what is wrong with them, in words
-#   pages(rows, results)    files of docs/, each with its lines or a section of them; pictures, too (tools/pages.py)
+#   pages(rows, about)      files of docs/, each with its lines or a section of them; pictures, too (tools/pages.py); about: when and where
 #   SCENES                  whose names --scenes takes
 PARTS = [
+    "skipped",
+    "curves",
 ]
 
 
@@ -62,7 +64,7 @@ def pages(results):
     data, made = results("scenes.json", "scenes"), {}
     for name in PARTS:
         if name in data:
-            made |= part_of(name).pages(data[name], results)
+            made |= part_of(name).pages(data[name], data["about"] | data["measured"][name])
     return made
 
 
