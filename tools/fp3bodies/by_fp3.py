@@ -67,10 +67,10 @@ class Made(Engine):
         return found.T if len(names) > 1 else found[0]
 
     def pulls(self):
-        found = np.zeros((2, len(self.pins)))
-        for row, name in zip(found, (b"force_x", b"force_y")):
+        found = np.zeros((self.scene.dimensions, len(self.pins)))
+        for row, name in zip(found, (b"force_x", b"force_y", b"force_z")):
             self.call("joint_read", self.world, name, self.pins.ctypes.data, len(self.pins), row.ctypes.data)
-        return np.hypot(*found)
+        return np.linalg.norm(found, axis=0)
 
     def step(self, count=1):
         self.call("step", self.world, count)

@@ -1,5 +1,6 @@
 """How scenes stand: what drifts, sags, overlaps and still moves, and what the floor carries."""
 
+import dataclasses
 import math
 import time
 
@@ -12,10 +13,16 @@ def heavy_on_light(ratio=1000.0):
                                                sc.Body("box", (0.5, 0.5), (0.0, 1.5), mass=ratio)])
 
 
+def heavy_cube_on_light():
+    made = sc.lifted(heavy_on_light())  # nothing keeps it in the plane
+    wide = dataclasses.replace(made.bodies[0], size=(5.0, 1.0, 5.0))
+    return dataclasses.replace(made, name=f"{made.name} in space", planar=False, bodies=[wide, *made.bodies[1:]])
+
+
 # Name: the scene, and how many seconds it stands.
 SCENES = {"pyramid 10": (lambda: sc.pyramid(10), 10), "pyramid 40": (lambda: sc.pyramid(40), 60), "pyramid 100": (lambda: sc.pyramid(100), 60),
           "10 stacks of 10": (sc.stacks, 60),
-          "1000 kg on 1 kg": (heavy_on_light, 20), "wall of 1010 bricks": (sc.wall, 30),
+          "1000 kg on 1 kg": (heavy_on_light, 20), "1000 kg on 1 kg in space": (heavy_cube_on_light, 20), "wall of 1010 bricks": (sc.wall, 30),
           "pyramid 20 of cubes": (lambda: sc.pyramid_in_space(20), 30)}
 QUICK = ["pyramid 10", "1000 kg on 1 kg"]
 

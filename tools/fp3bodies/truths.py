@@ -258,6 +258,17 @@ def heavy_end(make):
     yield from pulled("what its pins carry, N: the worst", [formulas.tension(k, links, 1.0, end, G) for k in pins], engine, pins, 1e-3)
 
 
+def heavy_end_in_space(make):
+    """Statics"""
+    links, end = 20, 1000.0
+    engine = make(dataclasses.replace(sc.lifted(sc.chain(links, heavy=end)), planar=False))
+    engine.step(4 * SECOND)
+    x = path(engine, 2)[:, links]
+    yield "stretch of that chain in space, of its length", 0.0, float(np.linalg.norm(x, axis=1).mean() / links - 1), 1e-2
+    pins = list(range(links + 1))
+    yield from pulled("what its balls carry, N: the worst", [formulas.tension(k, links, 1.0, end, G) for k in pins], engine, pins, 1e-3)
+
+
 # ---- what stands and what falls ----
 
 def tipping(make):
@@ -359,7 +370,7 @@ def heavy_top(make):
 
 
 TRUTHS = [slope, braking, slide_and_roll, roll_down, cone, belt, bounces, cradle, cube_of_balls, wall, pendulum, double_pendulum,
-          hanging_chain, heavy_end, tipping, arch, domino_run, free_top, heavy_top]
+          hanging_chain, heavy_end, heavy_end_in_space, tipping, arch, domino_run, free_top, heavy_top]
 
 
 def measure(truth, make):
