@@ -249,7 +249,7 @@ static void fill_contact(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
         aim(n, of[3], of[4], at, a, b);
         fp3_heavy_push(
             bodies, link,
-            (fp3_heavy_row){.which = k, .word = (float *)&p->p + lane, .of_a = a, .of_b = b}, gap,
+            (fp3_heavy_row){.which = k, .word = FP3_WORD_OF(p->p, lane), .of_a = a, .of_b = b}, gap,
             push);
         normals++;
     }

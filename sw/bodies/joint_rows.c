@@ -207,7 +207,9 @@ typedef struct {
     int is_firm; /* the first one is that of a lock */
 } impulses;
 
-#define TURNS(row, lane) &(row)->s[lane], &(row)->m[lane], &(row)->l[lane], &(row)->u[lane]
+#define TURNS(row, lane)                                                                           \
+    FP3_WORD_OF((row)->s, lane), FP3_WORD_OF((row)->m, lane), FP3_WORD_OF((row)->l, lane),         \
+        FP3_WORD_OF((row)->u, lane)
 
 static impulses impulses_of(const fp3_law_rows *rows, int law, uint32_t i) {
     const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;
@@ -217,14 +219,14 @@ static impulses impulses_of(const fp3_law_rows *rows, int law, uint32_t i) {
     }
     if (law == LAW(slide2)) {
         fp3_slide2_row *row = (fp3_slide2_row *)rows->row + block;
-        return (impulses){{TURNS(row, lane), &row->p[lane]}, 5, row->firm[lane] != 0};
+        return (impulses){{TURNS(row, lane), FP3_WORD_OF(row->p, lane)}, 5, row->firm[lane] != 0};
     }
     if (law == LAW(rod2)) {
         fp3_rod2_row *row = (fp3_rod2_row *)rows->row + block;
         return (impulses){{TURNS(row, lane)}, 4, row->firm[lane] != 0};
     }
     fp3_pin2_row *row = (fp3_pin2_row *)rows->row + block;
-    return (impulses){{&row->p_x[lane], &row->p_y[lane]}, 2, 1};
+    return (impulses){{FP3_WORD_OF(row->p_x, lane), FP3_WORD_OF(row->p_y, lane)}, 2, 1};
 }
 
 int fp3_joint_gives(const fp3_bodies *bodies, int law, uint32_t row) {

@@ -394,8 +394,11 @@ void fp3_space_joints_first(fp3_bodies *bodies) {
 
 /* ---- after a step ---- */
 
-#define AT3(row, lane) &(row)->p_x[lane], &(row)->p_y[lane], &(row)->p_z[lane]
-#define AT4(row, lane) &(row)->s[lane], &(row)->m[lane], &(row)->l[lane], &(row)->u[lane]
+#define AT3(row, lane)                                                                             \
+    FP3_WORD_OF((row)->p_x, lane), FP3_WORD_OF((row)->p_y, lane), FP3_WORD_OF((row)->p_z, lane)
+#define AT4(row, lane)                                                                             \
+    FP3_WORD_OF((row)->s, lane), FP3_WORD_OF((row)->m, lane), FP3_WORD_OF((row)->l, lane),         \
+        FP3_WORD_OF((row)->u, lane)
 
 fp3_impulses3 fp3_space_impulses(const fp3_law_rows *rows, int law, uint32_t i) {
     const uint32_t block = rows->lane[i] / FP3_WIDE, lane = rows->lane[i] % FP3_WIDE;

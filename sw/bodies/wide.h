@@ -18,6 +18,8 @@
 
 #define FP3_WIDE 8
 typedef float fp3_wide __attribute__((vector_size(4 * FP3_WIDE), may_alias));
+/* Where one of its words stands. Clang takes no address of an element of a vector. */
+#define FP3_WORD_OF(words, lane) ((float *)&(words) + (lane))
 typedef int fp3_mask __attribute__((vector_size(4 * FP3_WIDE), may_alias));
 
 #define FP3_WIDELY static inline __attribute__((always_inline, unused))
