@@ -205,11 +205,21 @@ static fp3_status look_at_invariants(const fp3_run_options *o, const hindsight *
     return status;
 }
 
+static fp3_status look_at_growth(const fp3_run_options *o, const hindsight *after, size_t *warnings,
+                                 fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < after->count; i++)
+        status = fp3_run_growth_warn(&after->sets[i], say, o->program, warnings, error);
+    return status;
+}
+
 /* What no flag tells. */
 static fp3_status judge(const fp3_run_options *o, const fp3_run_task *of, fp3_engine *engine,
                         const hindsight *after, fp3_error *error) {
     size_t warnings = 0;
     fp3_status status = warn_of_parts(o, of, engine, &warnings, error);
+    if (!status)
+        status = look_at_growth(o, after, &warnings, error);
     if (!status)
         status = look_at_invariants(o, after, &warnings, error);
     if (status || !o->check.is_strict)

@@ -254,18 +254,6 @@ void fp3_others_close(fp3_others **others) {
     *others = NULL;
 }
 
-size_t fp3_others_within(const fp3_others *o, size_t neighbours) {
-    size_t looked = 0, sum = 0;
-    while (looked < o->looked) {
-        for (uint32_t r = 0; r < o->model->relation_count; r++)
-            sum += o->sights[r].begin[looked + 1] - o->sights[r].begin[looked];
-        if (looked && sum > neighbours)
-            break;
-        looked++;
-    }
-    return looked;
-}
-
 /* ---- values ---- */
 
 static double field_of(const fp3_others *o, uint32_t field, uint32_t link) {

@@ -26,10 +26,6 @@ fp3_status fp3_others_open(const fp3_program *program, const fp3_params *params,
 /* Sets *others to NULL, which it may be already. */
 void fp3_others_close(fp3_others **others);
 
-/* How many of the looked objects, from the first on, have at most this number of neighbours
- * together; at least one. */
-size_t fp3_others_within(const fp3_others *others, size_t neighbours);
-
 /* Sees each expression with its value, and returns the value to use instead: it is stored, and the
  * expressions after it are computed from it. */
 typedef double fp3_others_fn(const void *user, uint32_t expr, double value);

@@ -287,10 +287,9 @@ void fp3_run_check_print_state(const fp3_run_check *c, const char *name, size_t 
 
 static void print_growth(const fp3_second *s) {
     char text[FP3_RUN_GROWTH_TEXT_SIZE];
-    if (!(s->growth.factor > 1))
-        return;
-    fp3_run_growth_text(&s->growth, s->parts[0].run->program, s->parts[0].run->first, text);
-    printf("%-16s %s\n", "unstable", text);
+    fp3_run_growth_text(s->growth, text);
+    if (*text)
+        printf("%-16s %s\n", "unstable", text);
 }
 
 /* Of objects that see each other all are judged together. */
@@ -334,7 +333,7 @@ void fp3_run_check_print(const fp3_run_check *c, size_t first) {
         return;
     fp3_run_invariants_print(c->invariants);
     if (c->second.is_blind)
-        printf("%-16s what underflows, invariants%s, unstable steps\n", "not looked at",
+        printf("%-16s what underflows, and invariants%s\n", "not looked at",
                c->invariants ? " of an object" : "");
     print_growth(&c->second);
 }

@@ -3,7 +3,6 @@
 #include "run_loss.h"
 
 #include "others.h"
-#include "run_growth.h"
 
 #include "engine/common/inside.h"
 #include "language/evaluate.h"
@@ -22,9 +21,6 @@
 #define LOOKED 1024
 /* Fewer, where to see their neighbours would take more pairs than this. */
 #define PAIRS 4194304
-
-/* In a run of fewer steps nothing grows much. */
-#define FEW 100
 
 /* More than a normal number loses when FP32 rounds it. */
 #define ROUNDING 5.9604644775390625e-8
@@ -382,26 +378,6 @@ static int warn_of_standstill(warner *w, size_t object) {
     return 1;
 }
 
-/* At the start, and at the end: where objects that touched have flown apart, the end does not show
- * it. */
-static fp3_status warn_of_growth(warner *w, fp3_error *error) {
-    fp3_run_loss *l = w->loss;
-    const fp3_run_part *part = &l->part;
-    fp3_run_growth found = {.factor = 1};
-    char text[FP3_RUN_GROWTH_TEXT_SIZE];
-    if (part->steps < FEW || !part->program->sees_others)
-        return FP3_OK;
-    fp3_status status = fp3_run_growth_find(
-        &(fp3_run_moment){part->program, part->params, l->columns, l->seen, l->t}, &found, error);
-    if (!status && !(found.factor > 1))
-        status = fp3_run_growth_find_at_start(part->program, part->params, l->seen, &found, error);
-    if (status || !(found.factor > 1))
-        return status;
-    fp3_run_growth_text(&found, part->program, part->first, text);
-    warn(w, "%s", text);
-    return FP3_OK;
-}
-
 /* Each kind is said of the first object that has it. */
 fp3_status fp3_run_loss_warn(fp3_run_loss *l, fp3_run_say_fn *say, const char *path, double bound,
                              size_t *warnings, fp3_error *error) {
@@ -419,8 +395,6 @@ fp3_status fp3_run_loss_warn(fp3_run_loss *l, fp3_run_say_fn *say, const char *p
         if (!status && !has_standstill)
             has_standstill = warn_of_standstill(&w, object);
     }
-    if (!status)
-        status = warn_of_growth(&w, error);
     *warnings += w.warnings;
     return status;
 }

@@ -185,15 +185,13 @@ static fp3_status open_engine(fp3_second *s) {
 }
 
 static fp3_status look_for_growth(fp3_second *s, double share) {
-    const fp3_second_part *p = &s->parts[0];
-    fp3_run_growth found;
-    if (!p->run->program->sees_others || s->is_blind)
-        return FP3_OK;
-    const fp3_status status = fp3_run_growth_find(
-        &(fp3_run_moment){p->run->program, p->run->params, p->now, p->objects, share * p->end},
-        &found, s->error);
-    if (!status && found.factor > s->growth.factor)
-        s->growth = found;
+    const double **columns = calloc(s->count + 1, sizeof *columns);
+    if (!columns)
+        return fp3_no_memory(s->error);
+    for (size_t i = 0; i < s->count; i++)
+        columns[i] = s->parts[i].now;
+    const fp3_status status = fp3_run_growth_look(s->growth, columns, share, s->error);
+    free((void *)columns);
     return status;
 }
 
@@ -227,11 +225,13 @@ static fp3_status run(fp3_second *s) {
 }
 
 fp3_status fp3_second_run(fp3_second *s, fp3_arithmetic arithmetic) {
-    s->growth = (fp3_run_growth){.factor = 1};
+    fp3_run_growth_close(&s->growth);
+    fp3_status status = fp3_run_growth_open(s->set, &s->growth, s->error);
     for (size_t i = 0; i < s->count; i++)
         memset(s->parts[i].size, 0,
                s->parts[i].objects * s->parts[i].states * sizeof *s->parts[i].size);
-    fp3_status status = compile_all(s, arithmetic, s->error);
+    if (!status)
+        status = compile_all(s, arithmetic, s->error);
     for (size_t i = 0; !status && i < s->count; i++)
         status = check_count(&s->parts[i], s->error);
     if (!status)
@@ -272,6 +272,7 @@ fp3_status fp3_second_open(const fp3_run_set *set, const fp3_engine_def *def, fp
 
 void fp3_second_close(fp3_second *s) {
     fp3_engine_close(&s->engine);
+    fp3_run_growth_close(&s->growth);
     for (size_t i = 0; i < s->count; i++) {
         fp3_compiled_free(&s->parts[i].program.compiled);
         fp3_params_free(&s->parts[i].params);

@@ -31,10 +31,10 @@ typedef struct {
     size_t count;
     fp3_engine *engine;
     fp3_engine_def def;
-    fp3_error *error;      /* the engine's, as long as it is open */
-    int is_adaptive;       /* some group is */
-    int is_blind;          /* nothing is looked at but the two ends */
-    fp3_run_growth growth; /* the largest of all looks, with the step of the first run */
+    fp3_error *error;       /* the engine's, as long as it is open */
+    int is_adaptive;        /* some group is */
+    int is_blind;           /* nothing is looked at but the two ends */
+    fp3_run_growth *growth; /* of all looks, with the step of the first run */
 } fp3_second;
 
 /* The set, def (of the first run's engine) and error must outlive it. After a failure, too, the

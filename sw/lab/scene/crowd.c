@@ -35,11 +35,6 @@ static fp3_status check(const fp3_scene *scene, const fp3_scene_group *group, fp
         return refuse(scene, group, error,
                       "adaptive steps have no one time step that could be halved: expected a "
                       "group without 'tolerance' and 'until'");
-    if (fp3_model_state(m, FP3_NAME_REST) != FP3_NONE)
-        return refuse(scene, group, error,
-                      "model '%s' has a line 'rest': an object that sleeps stands still where its "
-                      "equations would move it, so it has no truth; leave the line out",
-                      m->name);
     return FP3_OK;
 }
 

@@ -25,12 +25,18 @@ static void find_slopes(fp3_motion *m, uint32_t group, const fp3_span *at, doubl
     for (size_t first = 0; first < g->objects; first += FP3_ASKED_OBJECTS) {
         const size_t left = g->objects - first,
                      n = left < FP3_ASKED_OBJECTS ? left : FP3_ASKED_OBJECTS;
-        m->cost += fp3_asked_values(&v->slopes, &moment, first, n, v->room);
+        size_t begin = first, end = first + n; /* of those that move */
+        while (begin < end && !moves(g, begin))
+            begin++;
+        while (end > begin && !moves(g, end - 1))
+            end--;
+        if (begin < end)
+            m->cost += fp3_asked_values(&v->slopes, &moment, begin, end - begin, v->room);
         for (uint32_t s = 0; s < g->model->state_count; s++) {
             const double *from = fp3_asked_column(v->room, g->model->states[s].derivative);
-            double *to = slopes + s * g->objects + first;
-            for (size_t i = 0; i < n; i++)
-                to[i] = moves(g, first + i) ? from[i] : 0;
+            double *to = slopes + s * g->objects;
+            for (size_t i = first; i < first + n; i++)
+                to[i] = moves(g, i) ? from[i - begin] : 0;
         }
     }
 }
@@ -174,6 +180,22 @@ static void go_back(fp3_motion *m) {
         memcpy(m->crowd->groups[k].states, m->movers[k].before,
                numbers(&m->crowd->groups[k]) * sizeof(double));
     fp3_motion_see_states(m);
+}
+
+fp3_status fp3_motion_slopes(fp3_motion *m, double at, double *slopes, fp3_error *error) {
+    const fp3_span here = {at, 1};
+    keep(m);
+    const fp3_status status = fp3_sight_look(m->crowd, m->view, error);
+    for (uint32_t k = 0; !status && k < m->crowd->group_count; k++) {
+        find_slopes(m, k, &here, slopes);
+        slopes += numbers(&m->crowd->groups[k]);
+    }
+    return status;
+}
+
+fp3_status fp3_motion_flow(fp3_motion *m, double at, double share, fp3_error *error) {
+    keep(m);
+    return integrate(m, &(fp3_span){at, share}, error);
 }
 
 static fp3_status check_finite(const fp3_motion *m, const fp3_span *at, fp3_error *error) {

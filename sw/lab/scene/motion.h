@@ -28,6 +28,12 @@ fp3_status fp3_motion_step(fp3_motion *motion, uint64_t step, uint64_t parts, fp
  * FP3_E_FAILED: also if events happen again and again. */
 fp3_status fp3_motion_step_to_events(fp3_motion *motion, uint64_t step, uint64_t parts,
                                      fp3_error *error);
+/* The derivatives of all states at this step of the scene, of each group a column of a number for
+ * each object, one after the other. Who does not move has 0. */
+fp3_status fp3_motion_slopes(fp3_motion *motion, double at, double *slopes, fp3_error *error);
+/* What the equations alone make of the states in this share of a step, without projections and
+ * events. A state may be no number then. */
+fp3_status fp3_motion_flow(fp3_motion *motion, double at, double share, fp3_error *error);
 /* How many numbers were computed so far. */
 uint64_t fp3_motion_cost(const fp3_motion *motion);
 

@@ -344,7 +344,8 @@ static fp3_status make(look *l, fp3_error *error) {
     if (!status)
         status = sort(l, error);
     for (size_t i = 0; !status && i < l->g->objects; i++) {
-        status = gather(l, i, old_begin, old_who, &at, error);
+        if (!l->g->is_stopped[i])
+            status = gather(l, i, old_begin, old_who, &at, error);
         s->begin[i + 1] = at;
     }
     if (!status)
@@ -355,6 +356,13 @@ static fp3_status make(look *l, fp3_error *error) {
     free(old_begin);
     free(old_who);
     return status;
+}
+
+void fp3_sight_forget(fp3_crowd *crowd) {
+    for (uint32_t k = 0; k < crowd->group_count; k++)
+        for (uint32_t i = 0; i < crowd->groups[k].model->relation_count; i++)
+            if (crowd->groups[k].sights[i].own)
+                crowd->groups[k].sights[i].own[0] = NAN;
 }
 
 fp3_status fp3_sight_look(fp3_crowd *crowd, double *const *states, fp3_error *error) {

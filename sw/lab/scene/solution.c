@@ -111,12 +111,28 @@ static fp3_status make_steps(task *t, fp3_crowd *crowd, fp3_motion *motion, doub
     }
 }
 
+static fp3_status check_awake(const fp3_scene *scene, fp3_error *error) {
+    for (size_t i = 0; i < scene->group_count; i++) {
+        const fp3_model *m = scene->groups[i].program->model;
+        if (m && fp3_model_state(m, FP3_NAME_REST) != FP3_NONE)
+            return fp3_fail_at(error, FP3_E_PROGRAM, scene->path, (unsigned)scene->groups[i].line,
+                               0,
+                               "group '%s': model '%s' has a line 'rest': an object that sleeps "
+                               "stands still where its equations would move it, so it has no "
+                               "truth; leave the line out",
+                               scene->groups[i].name, m->name);
+    }
+    return FP3_OK;
+}
+
 /* *made: how many rows there are, also after FP3_E_FAILED; the others are NaN. */
 static fp3_status make_rows(task *t, double *states, size_t *made, fp3_error *error) {
     fp3_crowd crowd;
     fp3_motion *motion = NULL;
     *made = 0;
     fp3_status status = fp3_crowd_open(t->scene, &crowd, error);
+    if (!status)
+        status = check_awake(t->scene, error);
     if (!status)
         status = fp3_sight_open(&crowd, error);
     if (!status)
