@@ -2,6 +2,7 @@
 /* cmd_stress.c - fp3 stress: what FP32 does to integrators and models, each figure beside what it
  * should be. */
 #include "arguments.h"
+#include "bench_scene.h"
 #include "cli.h"
 #include "files.h"
 #include "json.h"
@@ -30,12 +31,16 @@ typedef struct {
     fp3_progress *progress;
 } options;
 
+static int is_scene(const options *o, const char *path) {
+    return !o->is_model && fp3_bench_is_scene(path);
+}
+
 /* ---- what is printed and written ---- */
 
 static void print(const options *o, const fp3_verdicts *verdicts) {
     for (size_t i = 0; i < verdicts->count; i++) {
         const fp3_verdict *v = &verdicts->list[i];
-        if (v->holds && !o->shows_all)
+        if (v->holds && !o->shows_all && strcmp(v->section, "scene") != 0)
             continue;
         printf("%s %s: %s%s%s%s%s: %s: measured %.7g, expected %s %.7g", v->holds ? "ok  " : "FAIL",
                v->section, v->model, *v->integrator ? ", " : "", v->integrator,
@@ -84,11 +89,23 @@ static void say(void *user, const char *section, const char *what) {
     fp3_progress_say(user, "%s, %s", section, what);
 }
 
+static fp3_status stress_scene(const fp3_stress_options *how, const char *path,
+                               fp3_verdicts *verdicts, fp3_error *error) {
+    fp3_scene *scene = NULL;
+    fp3_status status = fp3_scene_open(path, NULL, &scene, error);
+    if (!status)
+        status = fp3_stress_scene(how, scene, verdicts, error);
+    fp3_scene_close(&scene);
+    return status;
+}
+
 static fp3_status stress_file(const options *o, const fp3_stress_options *how, const char *path,
                               fp3_verdicts *verdicts, char **report, fp3_error *error) {
     static const char *const usual[] = {"rk4", NULL};
     const char *const *names = o->integrator_count ? how->integrators : usual;
     fp3_model *model = NULL;
+    if (is_scene(o, path))
+        return stress_scene(how, path, verdicts, error);
     fp3_status status = fp3_model_load(path, &model, report, error);
     if (!status)
         status = fp3_model_check_alone(model, error);
@@ -127,7 +144,10 @@ static void take_word(void *user, struct argp_state *state, char *text) {
 static void end(void *user, struct argp_state *state) {
     options *o = user;
     for (unsigned i = 0; i < o->model_count; i++)
-        fp3_arguments_model(state, o->models[i], o->is_model);
+        if (!is_scene(o, o->models[i]))
+            fp3_arguments_model(state, o->models[i], o->is_model);
+        else if (o->integrator_count)
+            argp_error(state, "found --integrator with '%s': a scene names its own", o->models[i]);
     if ((o->section || o->arithmetic_count) && o->model_count)
         argp_error(state,
                    "found --%s with a model: the option is for the suite without a "
@@ -168,12 +188,15 @@ int fp3_cmd_stress(int argc, char **argv) {
         .options = table,
         .take = take_word,
         .end = end,
-        .forms = "[MODEL...]",
+        .forms = "[MODEL|SCENE...]",
         .doc = "Measures what FP32 does to integrators and models, and compares each figure with "
                "theory or a publication. With MODEL (*.ode), measures its "
                "invariants, its error at each step size, whether it returns when time runs "
-               "backwards, and where it fails when parameters are spread over decades. Without "
-               "MODEL, runs the suite of docs/stress.md. Prints each figure that does not hold, "
+               "backwards, and where it fails when parameters are spread over decades. With "
+               "SCENE (a path that ends in .scene), runs it on engine fast, and measures how near "
+               "the limits of its integrators the fastest springs and dampers of objects that see "
+               "each other come; it prints these figures in each case. Without a file, runs the "
+               "suite of docs/stress.md. Prints each figure that does not hold, "
                "and why; then the exit code is 3. All results are written in each case."};
     options o = {0};
     fp3_arguments_parse(&command, argc, argv, &o);

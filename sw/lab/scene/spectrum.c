@@ -4,6 +4,7 @@
 
 #include "asked.h"
 #include "motion.h"
+#include "packing.h"
 #include "sight.h"
 
 #include <math.h>
@@ -29,8 +30,6 @@
 #define SMALL 1e-10 /* a disturbance, relative to the size of states */
 #define LARGER 30   /* by which growth may not change, or something jumps */
 #define ALIKE 0.1
-#define SIDE 4      /* objects of a packing along each axis */
-#define WITHIN 0.98 /* of the reach */
 
 /* Numbers of a vector: of each group a column of each state, one after the other. */
 struct fp3_spectrum {
@@ -237,96 +236,6 @@ static fp3_status start(fp3_spectrum *of, question q, double turns, fp3_error *e
     return status;
 }
 
-/* ---- near objects ---- */
-
-/* The first relation of near objects of the own group; FP3_NONE: none. */
-static uint32_t touching(const fp3_model *m) {
-    for (uint32_t r = 0; r < m->relation_count; r++)
-        if (m->relations[r].kind == FP3_NEAR && m->relations[r].of_kind == FP3_NONE)
-            return r;
-    return FP3_NONE;
-}
-
-static double reach_of(const fp3_crowd_group *g, uint32_t relation, size_t i, size_t j) {
-    const uint32_t radius = g->model->relations[relation].radius;
-    const double *radii = radius == FP3_NONE ? NULL : g->params + radius * g->objects;
-    return g->sights[relation].reach + (radii ? radii[i] + radii[j] : 0);
-}
-
-static int is_within(const fp3_crowd_group *g, uint32_t relation, size_t i, size_t j) {
-    const fp3_relation *r = &g->model->relations[relation];
-    const double reach = reach_of(g, relation, i, j);
-    double square = 0;
-    for (uint32_t k = 0; k < r->dimensions; k++) {
-        const double *x = g->states + (r->position + k) * g->objects;
-        square += (x[j] - x[i]) * (x[j] - x[i]);
-    }
-    return square < reach * reach;
-}
-
-/* Of the objects that are looked at. */
-static void count_neighbours(fp3_spectrum *of) {
-    double objects = 0, neighbours = 0;
-    for (part p = {0}; next(of, &p);) {
-        const uint32_t r = touching(p.g->model);
-        for (size_t i = 0; r != FP3_NONE && i < p.g->objects; i++) {
-            const fp3_crowd_sight *s = &p.g->sights[r];
-            if (!moves(p.g, i))
-                continue;
-            objects++;
-            for (size_t e = s->begin[i]; e < s->begin[i + 1]; e++)
-                neighbours += p.g->is_alive[s->who[e]] && is_within(p.g, r, i, s->who[e]);
-        }
-    }
-    of->neighbours = objects > 0 ? neighbours / objects : INFINITY;
-}
-
-double fp3_spectrum_neighbours(const fp3_spectrum *of) { return of->neighbours; }
-
-/* Places the objects of a packing, whose first one is where the middle of all was. */
-static void place(const fp3_crowd_group *g, uint32_t relation, const size_t *who, size_t count) {
-    const fp3_relation *r = &g->model->relations[relation];
-    const double apart = WITHIN * reach_of(g, relation, who[0], who[0]);
-    for (uint32_t k = 0; k < r->dimensions; k++) {
-        const uint32_t velocity = g->model->states[r->position + k].velocity;
-        double *x = g->states + (r->position + k) * g->objects, sum = 0;
-        for (size_t i = 0; i < g->objects; i++)
-            sum += x[i];
-        for (size_t n = 0, row = 1; n < count; n++) {
-            for (uint32_t d = row = 1; d <= k; d++)
-                row *= SIDE;
-            x[who[n]] = sum / (double)g->objects + apart * (double)(n / row % SIDE);
-            if (velocity != FP3_NONE)
-                g->states[velocity * g->objects + who[n]] = 0;
-        }
-    }
-}
-
-/* Objects of one radius: of any other the distance would not fit. */
-static int pack_group(const fp3_crowd_group *g, uint32_t relation) {
-    size_t who[SIDE * SIDE * SIDE] = {0}, most = 1, count = 0;
-    for (uint32_t k = 0; k < g->model->relations[relation].dimensions && k < 3; k++)
-        most *= SIDE;
-    for (size_t i = 0; i < g->objects; i++) {
-        const int is_alike = reach_of(g, relation, i, i) == reach_of(g, relation, 0, 0);
-        g->is_alive[i] = (char)(is_alike && count < most);
-        if (g->is_alive[i])
-            who[count++] = i;
-    }
-    if (count > 1)
-        place(g, relation, who, count);
-    return count > 1;
-}
-
-int fp3_spectrum_pack(fp3_spectrum *of, size_t group) {
-    const fp3_crowd_group *g = &of->crowd.groups[group];
-    const uint32_t relation = g->objects ? touching(g->model) : FP3_NONE;
-    for (part p = {0}; next(of, &p);)
-        memset(p.g->is_alive, 0, p.g->objects);
-    of->is_packed = relation != FP3_NONE && pack_group(g, relation);
-    return of->is_packed;
-}
-
 /* ---- growth in steps ---- */
 
 static void take_turned(fp3_spectrum *of, double factor) {
@@ -389,12 +298,12 @@ static fp3_status judge(fp3_spectrum *of, fp3_growth *found, fp3_error *error) {
     status = grow(of, (question){1, LARGER * SMALL}, 1, LONG, &other, &at, error);
     if (status || !(fabs(other / factor - 1) <= ALIKE))
         return status;
-    while (!status && parts < SHORTEST && !(shorter < 1 + (factor - 1) / 2)) {
+    while (!status && parts < SHORTEST && !(shorter < 1 + (other - 1) / 2)) {
         parts *= SHORTER;
-        status = grow(of, (question){1.0 / parts, SMALL}, parts, STEPS, &shorter, &unused, error);
+        status = grow(of, (question){1.0 / parts, SMALL}, parts, LONG, &shorter, &unused, error);
     }
-    const int is_method = shorter < 1 + (factor - 1) / 2;
-    if (status || (!is_method && !(factor > 2)))
+    const int is_method = shorter < 1 + (other - 1) / 2;
+    if (status || (!is_method && !(other > 2)))
         return status;
     *found = (fp3_growth){other, 0, at.group, at.object};
     return is_method ? find_stable(of, parts, &found->stable, error) : FP3_OK;
@@ -409,7 +318,7 @@ fp3_status fp3_spectrum_growth(fp3_spectrum *of, uint64_t step, fp3_growth *foun
             p.g->is_stopped[i] = 1;
     fp3_status status = start(of, (question){1, SMALL}, STEPS, error);
     if (!status)
-        count_neighbours(of);
+        of->neighbours = fp3_packing_neighbours(&of->crowd);
     return status ? status : judge(of, found, error);
 }
 
@@ -488,6 +397,17 @@ fp3_status fp3_spectrum_rates(fp3_spectrum *of, uint64_t step, size_t group, fp3
     found->of_dampers = dampers.group;
     found->dampers_object = dampers.object;
     return status;
+}
+
+/* ---- packings ---- */
+
+double fp3_spectrum_neighbours(const fp3_spectrum *of) { return of->neighbours; }
+
+int fp3_spectrum_pack(fp3_spectrum *of, size_t group) {
+    for (part p = {0}; next(of, &p);)
+        memset(p.g->is_alive, 0, p.g->objects);
+    of->is_packed = fp3_packing_make(&of->crowd.groups[group]);
+    return of->is_packed;
 }
 
 /* ---- open and close ---- */
@@ -571,5 +491,7 @@ void fp3_spectrum_close(fp3_spectrum **spectrum) {
     free(of);
     *spectrum = NULL;
 }
+
+int fp3_spectrum_is_first(const fp3_spectrum *of, size_t group) { return of->set[group] == group; }
 
 fp3_crowd *fp3_spectrum_crowd(fp3_spectrum *of) { return &of->crowd; }

@@ -55,6 +55,8 @@ int fp3_spectrum_pack(fp3_spectrum *of, size_t group);
  * integrator are not, and stay where they are. */
 fp3_status fp3_spectrum_growth(fp3_spectrum *of, uint64_t step, fp3_growth *found,
                                fp3_error *error);
+/* Whether no group before this one is tied to it by what they see. */
+int fp3_spectrum_is_first(const fp3_spectrum *of, size_t group);
 /* Of one group, with those that it is tied to by what they see. */
 fp3_status fp3_spectrum_rates(fp3_spectrum *of, uint64_t step, size_t group, fp3_rates *found,
                               fp3_error *error);

@@ -111,6 +111,17 @@ double fp3_theory_growth(const fp3_integrator *integrator, double z, double angl
                                                    : evaluate(integrator, w));
 }
 
+/* x' = v, v' = -c v: x stays neutral. */
+static double growth_of_damped(const fp3_integrator *integrator, double c, double angle) {
+    double coefficients[FP3_STAGES_MAX + 1];
+    (void)angle;
+    if (integrator->kind == FP3_SPLITTING)
+        return growth_of_splitting(integrator, 0, c);
+    if (integrator->is_position_late)
+        return growth_of_late(coefficients, polynomial(integrator, coefficients), 0, c);
+    return fp3_theory_growth(integrator, c, 0);
+}
+
 static int is_matrix(const fp3_integrator *integrator) {
     return integrator->kind == FP3_SPLITTING || integrator->kind == FP3_STOERMER ||
            integrator->is_position_late;
@@ -118,18 +129,19 @@ static int is_matrix(const fp3_integrator *integrator) {
 
 /* Where growth first exceeds most. A rational R tends to a limit, which FAR_RATIONAL is as good as.
  */
-static double first(const fp3_integrator *integrator, double angle, double most, double at) {
+typedef double growth_fn(const fp3_integrator *integrator, double z, double angle);
+static double first(growth_fn *growth, const fp3_integrator *integrator, double angle, double most,
+                    double at) {
     const int is_rational = integrator->kind == FP3_ROSENBROCK;
     double apart = SCAN;
-    while (at < (is_rational ? FAR_RATIONAL : FAR) &&
-           fp3_theory_growth(integrator, at, angle) <= most)
+    while (at < (is_rational ? FAR_RATIONAL : FAR) && growth(integrator, at, angle) <= most)
         at += apart = is_rational ? at * SCAN : SCAN;
     if (is_rational && at >= FAR_RATIONAL)
         return INFINITY;
     double low = at - apart, high = at;
     for (int i = 0; i < 60; i++) {
         const double middle = (low + high) / 2;
-        if (fp3_theory_growth(integrator, middle, angle) <= most)
+        if (growth(integrator, middle, angle) <= most)
             low = middle;
         else
             high = middle;
@@ -141,9 +153,13 @@ double fp3_theory_limit(const fp3_integrator *integrator, double angle) {
     const double most = 1 + (is_matrix(integrator) ? NEUTRAL : 1e-12), least = 0.2;
     return fp3_theory_growth(integrator, least, angle) > most
                ? 0
-               : first(integrator, angle, most, least);
+               : first(fp3_theory_growth, integrator, angle, most, least);
 }
 
 double fp3_theory_onset(const fp3_integrator *integrator, double angle, double steps, double gain) {
-    return first(integrator, angle, pow(gain, 1 / steps), SCAN);
+    return first(fp3_theory_growth, integrator, angle, pow(gain, 1 / steps), SCAN);
+}
+
+double fp3_theory_damped(const fp3_integrator *integrator) {
+    return first(growth_of_damped, integrator, 0, 1 + NEUTRAL, SCAN);
 }

@@ -17,5 +17,7 @@ double fp3_theory_growth(const fp3_integrator *integrator, double z, double angl
 double fp3_theory_limit(const fp3_integrator *integrator, double angle);
 /* The smallest z at which the largest eigenvalue to the power of steps is gain. */
 double fp3_theory_onset(const fp3_integrator *integrator, double angle, double steps, double gain);
+/* The largest c of x' = v, v' = -c v with which v does not grow. */
+double fp3_theory_damped(const fp3_integrator *integrator);
 
 #endif

@@ -1,0 +1,146 @@
+"""fp3 stress SCENE: how near its limits a scene comes, beside what theory says of it; and the warning of fp3 run beyond them."""
+
+import json
+import math
+import re
+import subprocess
+
+import numpy as np
+import pytest
+
+LIMITS = {"semi_implicit_euler": (2, 2), "leapfrog": (2, 2), "rk4": (8 ** 0.5, 2.785294), "midpoint": (1.151803, 2)}
+CHAIN = """shared k = 100
+param w = 1
+state u = 0
+state v = 0
+links s
+u' = v
+v' = w*sum(o in s: k*(o.u - u))
+step 0.05
+"""
+PAIR = """shared c = 3
+state x = 0
+state v = 0
+links s
+x' = v
+v' = sum(o in s: c*(o.v - v))
+step 0.05
+"""
+BALLS = """shared R = 0.05
+shared m = 0.01
+shared stiff = 3000
+shared damp = 0.2
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+near touch(x, 2*R)
+step 1/480
+F = sum(o in touch: stiff*(norm(o.x - x) - 2*R)/norm(o.x - x)*(o.x - x) + damp*(o.v - v))
+x' = v
+v' = (0, -9.81) + (F + stiff*(max(0, R - x.x) - max(0, x.x + R - 3), max(0, R - x.y)))/m
+"""
+
+
+@pytest.fixture
+def call(fp3, tmp_path):
+    def call(command, groups, *options, code=0, steps=256, **files):
+        for name, text in files.items():
+            (tmp_path / f"{name}.ode").write_text(text)
+        path = tmp_path / "x.scene"
+        path.write_text(f'config = "world"; steps = {steps}; groups = ( {groups} );')
+        done = subprocess.run([fp3, command, *([path] if command == "stress" else ["--scene", path]), *options], cwd=tmp_path, capture_output=True, text=True, timeout=200)
+        assert done.returncode == code, done.stdout + done.stderr
+        return done
+    return call
+
+
+@pytest.fixture
+def rows(call, tmp_path):
+    """By their first words."""
+    def rows(groups, **how):
+        call("stress", groups, "--json", tmp_path / "r.json", **how)
+        return {re.match("h omega|h c/m|growth", row["name"])[0]: row for row in json.loads((tmp_path / "r.json").read_text())["results"]}
+    return rows
+
+
+@pytest.mark.parametrize("integrator, limit", [(name, limits[0]) for name, limits in LIMITS.items()])
+def test_springs_of_a_chain_have_the_limit_of_the_books(rows, integrator, limit):
+    """omega = 2 sqrt(k/m) cos(pi/2N) of N free masses. Either side of the limit."""
+    def of(share):
+        h = share * limit / (20 * math.cos(math.pi / 16))
+        return rows(f'{{ program = "m.ode"; integrator = "{integrator}"; grid = {{ count = 8; }}; links = {{ relation = "s"; grid = "structural"; }}; set = {{ h = {h!r}; }};'
+                    "only = { objects = 3; set = { u = 1e-9; }; }; }", code=3 if share > 1 else 0, m=CHAIN)
+    for share in (0.99, 1.05):
+        found = of(share)
+        assert found["h omega"]["measured"] == pytest.approx(share * limit, rel=1e-3) and found["h omega"]["expected"] == pytest.approx(limit, rel=1e-6)
+        assert found["h omega"]["holds"] == (share < 1) and found["growth"]["measured"] >= 1
+
+
+@pytest.mark.parametrize("integrator, limit", [(name, limits[1]) for name, limits in LIMITS.items()])
+def test_dampers_of_a_pair_have_the_limit_of_the_books(rows, integrator, limit):
+    """Two free masses: 2 c/m. Beyond it a small error grows by |R(-2 c h/m)|."""
+    for share in (0.98, 1.2):
+        found = rows(f'{{ program = "m.ode"; integrator = "{integrator}"; grid = {{ count = 2; }}; links = {{ relation = "s"; grid = "structural"; }};'
+                     f' set = {{ h = {share * limit / 6!r}; }}; }}', code=3 if share > 1 else 0, m=PAIR, steps=20)
+        assert found["h c/m"]["measured"] == pytest.approx(share * limit, rel=1e-3) and found["h c/m"]["expected"] == pytest.approx(limit, rel=1e-5)
+        z = -share * limit
+        grown = {"rk4": abs(1 + z + z * z / 2 + z ** 3 / 6 + z ** 4 / 24), "midpoint": abs(1 + z + z * z / 2)}.get(integrator, abs(1 + z))
+        assert found["growth"]["measured"] == pytest.approx(max(1, grown), rel=0.02)
+
+
+def test_a_sheet_has_the_frequency_that_numpy_finds(rows, root, tmp_path):
+    """The cloth of programs/world without weight: eigenvalues of its stiffness matrix, flat and at rest."""
+    count, a = 20, 0.05
+    at = np.array([(x, z) for z in range(count) for x in range(count)]) * a
+    stiff = np.zeros((400, 2, 400, 2))
+    for i in range(400):
+        for dx, dz, k in ((1, 0, 100), (0, 1, 100), (1, 1, 100), (1, -1, 100), (2, 0, 10), (0, 2, 10)):
+            x, z = i % count + dx, i // count + dz
+            if 0 <= x < count and 0 <= z < count:
+                j = z * count + x
+                way = (at[j] - at[i]) / np.linalg.norm(at[j] - at[i])
+                part = k * np.outer(way, way) * 1000
+                for p, q, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
+                    stiff[p, :, q] += sign * part
+    free = [i for i in range(800) if i // 2 not in (0, 19)]
+    omega = math.sqrt(np.linalg.eigvalsh(stiff.reshape(800, 800)[np.ix_(free, free)])[-1])
+    text = (root / "programs/world/cloth.ode").read_text().replace("(0, -9.81, 0)", "(0, 0, 0)")
+    scene = (root / "programs/world/cloth.scene").read_text()
+    found = rows(scene[scene.index("{"):scene.rindex("}") + 1], steps=8, cloth=text)
+    assert found["h omega"]["measured"] == pytest.approx(omega / 1024, rel=2e-3)
+
+
+def test_balls_that_fly_apart_are_told(call):
+    """Stiffness 3,000 throws balls that touch metres high. In the end none touch, so some are put side by side."""
+    groups = ('{ program = "balls.ode"; integrator = "semi_implicit_euler"; objects = 100; set = { stiff = %s; };'
+              ' random = { position = "x"; from = [1, 0.1]; to = [2.5, 1.5]; apart = 0.1; seed = 3; }; }')
+    said = call("run", groups % "3000.0", steps=2000, balls=BALLS).stderr
+    assert re.search(r"warning: object \d+: the step is too long( for equal objects side by side, each near the next)?: a small error grows [1-9]\S* times", said)
+    assert call("run", groups % "1000.0", steps=2000, balls=BALLS).stderr == ""
+
+
+@pytest.mark.parametrize("what", ["kinds", "remember", "born"])
+def test_what_other_looks_are_blind_to_is_told(call, what):
+    """Two masses at a spring, of which the second belongs to another group, is born late, or has a spring that remembers."""
+    spring, other = "state x = 0\nstate v = 0\nx' = v\nstep 0.05\n", ""
+    if what == "kinds":
+        model = spring + "kind wall(x)\nnear of_wall(x, wall.x, 10)\nshared k = 100\nv' = sum(o in of_wall: k*(o.x - x))\n"
+        other = ', { program = "wall.ode"; integrator = "leapfrog"; objects = 1; }'
+        limit = 0.2
+    else:
+        model = spring + "links s(k = 50%s)\nv' = sum(o in s: (%so.k)*(o.x - x))\n" % ((", old = 0", "o.old + ") if what == "remember" else ("", ""))
+        model += "remember o in s: o.old = 0*o.old\n" if what == "remember" else ""
+        limit = 0.2
+    place = "objects = 1" if what == "kinds" else "grid = { count = 2; }"
+    for share, is_told in ((0.95, False), (1.1, True)):
+        group = (f'{{ program = "m.ode"; integrator = "leapfrog"; {place}; set = {{ h = {share * limit!r}; }};'
+                 + ('' if what == "kinds" else 'links = { relation = "s"; grid = "structural"; };') + ('born = 1;' if what == "born" else '') + ' }')
+        wall = other.replace("objects = 1;", f"objects = 1; set = {{ h = {share * limit!r}; }};")
+        said = call("run", group + wall, steps=128, m=model, wall=spring + "v' = 0*x\n").stderr
+        assert ("the step is too long" in said) == is_told, said
+
+
+def test_what_has_no_limit_is_refused(call, rows):
+    group = '{ program = "m.ode"; integrator = "%s"; grid = { count = 2; }; links = { relation = "s"; grid = "structural"; }; %s }'
+    assert "adaptive steps become shorter" in call("stress", group % ("dopri5", "tolerance = 1e-4; until = 1.0;"), code=2, m=PAIR).stderr
+    assert "--integrator" in call("stress", group % ("rk4", ""), "--integrator", "rk4", code=2, m=PAIR).stderr
+    assert rows(group % ("rk4", ""), m=PAIR, steps=1)["growth"]["measured"] == 1
