@@ -252,11 +252,11 @@ typedef struct {
  * schedulers are distributed so that all groups end as early as possible if no object sleeps. The
  * objects of a group are dealt one by one to the lanes of its schedulers. An object that moves to
  * another place keeps its registers and its status. Registers beyond its new record are lost;
- * registers beyond its old record are 0. Constants belong to a group; those of a new group start at
- * 0. FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer objects than the
- * engine. FP3_E_PROGRAM: as above, or more groups than schedulers. If groups see each other: more
- * than 8 groups, a word that its group does not have, or a def with a trace, a bus log, native
- * code, a cycle limit, a board or ranks. */
+ * registers beyond its old record are 0. Constants belong to a group, and a new group's start at 0.
+ * FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer objects than the engine.
+ * FP3_E_PROGRAM: as above, or more groups than schedulers. If groups see each other: more than 8
+ * groups, a word that its group does not have, or a def with a trace, a bus log, native code, a
+ * cycle limit, a board or ranks. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* The number of groups: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
@@ -322,7 +322,7 @@ uint64_t fp3_engine_group_steps(const fp3_engine *engine, size_t group);
 typedef struct {
     size_t group, objects; /* the group whose program it runs; how many of its objects it has */
 } fp3_scheduler_share;
-/* The group and objects of a scheduler since the last load; for "isa", those of the hardware.
+/* The group and objects of a scheduler since the last load; for "isa", as on hardware.
  * If groups see each other, each has all schedulers, and the share is that of group 0.
  * FP3_E_ARGUMENT: no such scheduler. */
 fp3_status fp3_engine_scheduler_share(fp3_engine *engine, uint32_t scheduler,
