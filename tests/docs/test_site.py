@@ -47,7 +47,8 @@ def test_every_function_of_a_header_is_declared_once(root, pages):
 
 def test_a_declaration_has_its_parameters_its_errors_and_its_members(site, tmp_path):
     (tmp_path / "x.h").write_text("""/* SPDX */
-/* fp3/x.h - things. */
+/* fp3/x.h - things that
+ * matter. More. */
 FP3_API_BEGIN
 
 /* What to open. */
@@ -55,6 +56,8 @@ typedef struct {
     int size; /* of one; 0 (default): {0} */
     /* Where: both. */
     double *x, *y;
+    /* The time. */
+    double t;
 } fp3_x;
 
 /* Opens *x, see docs/models.md. size: 2 or more. FP3_E_ARGUMENT: size is 1; *x is NULL. The caller closes it with fp3_x_close. */
@@ -68,7 +71,7 @@ FP3_API_END
     pages = site.Pages([tmp_path / "x.h"])
     assert "\n".join(pages.page(tmp_path / "x.h")).strip() == """# fp3/x.h
 
-Things.
+Things that matter. More.
 
 
 
@@ -89,6 +92,10 @@ Where: both.
 
 ````
 
+````{c:member} double t
+The time.
+````
+
 `````
 
 `````{c:function} fp3_status fp3_x_open(int size, fp3_x **x)
@@ -101,6 +108,7 @@ Opens `*x`, see [models.md](../models.md). The caller closes it with {c:func}`fp
 `````{c:function} void fp3_x_close(fp3_x **x)
 Frees it.
 `````"""
+    assert "| [fp3/x.h](x.md) | Things that matter |" in pages.index()
     assert pages.page_linked("`fp3_x_open()`, [`fp3_x`](y.md), `fp3_z`\n    `fp3_x`\n") == "{c:func}`fp3_x_open`, [`fp3_x`](y.md), `fp3_z`\n    `fp3_x`\n"
 
 
@@ -148,3 +156,13 @@ def test_sphinx_finds_no_mistake(root, build, pages, tmp_path):
     for language, part in (("ode", '<span class="kd">state</span>'), ("c", '<span class="cp">#include'), ("console", '<span class="gp">$ </span>')):
         assert re.search(f'<div class="highlight-{language} .*?{re.escape(part)}', tutorial, re.S), language
     assert 'href="../api/batch.html#c.fp3_batch"' in tutorial
+
+
+def test_every_plot_and_drawing_has_colours_for_dark_pages(root, monkeypatch):
+    monkeypatch.syspath_prepend(root / "tools")
+    from plot import for_dark
+    for path in root.glob("docs/**/*.svg"):
+        assert path.read_text().count("@media(prefers-color-scheme:dark)") == 1, f"{path.name}: tools/plot.py {path}"
+    drawn = for_dark('<svg x="1"><path style="fill: #ffffff; stroke: #0072b2"/><g color="black"/></svg>')
+    assert '<svg x="1">\n<style>' in drawn and '[style*="fill: #ffffff"]' in drawn and '[color="black"]{color:#e6edf3!important}' in drawn
+    assert "#0072b2\"]" not in drawn and for_dark(drawn) == drawn

@@ -93,9 +93,9 @@ class Header:
     def __init__(self, path):
         _, _, text = path.read_text(encoding="utf-8").partition("\n")
         intro, _, _ = text.partition("*/")
-        title, _, self.about = comment(intro).partition("\n")
-        name, dash, what = title.partition(" - ")
-        self.title, self.what = (name, what[:1].upper() + what[1:]) if dash else (f"fp3/{path.name}", title)
+        title, _, self.about = comment(intro).partition("\n\n")
+        name, dash, what = " ".join(title.split()).partition(" - ")
+        self.title, self.what = (name, what[:1].upper() + what[1:]) if dash else (f"fp3/{path.name}", name)
         body = text.rpartition("\nFP3_API_BEGIN\n")[2].partition("\nFP3_API_END")[0] if "\nFP3_API_BEGIN\n" in text else text.partition("*/")[2]
         self.body = re.sub(r"^#ifndef (\w+_H)\n#define \1\n(/\* clang-format off \*/)?|^#endif.*$|^#include.*$", "", body, flags=re.M)
         self.parts = [[(kind, Declaration(found) if kind == "code" else found) for kind, found in declarations(block)] for block in blocks(self.body)]
@@ -169,7 +169,10 @@ class Pages:
             for declared in head[2].split(", ") if head else [code]:
                 found.append((role, f"{head[1]} {declared}" if head else declared, ""))
             last = len(found) - 1
-        for role, code, said in found:
+        for n, (role, _, said) in enumerate(found):     # what stands above one alone belongs to it
+            if not role and n + 1 < len(found) and found[n + 1][0] and not found[n + 1][2] and (n + 2 == len(found) or not found[n + 2][0]):
+                found[n], found[n + 1] = ("", "", ""), (*found[n + 1][:2], said)
+        for role, code, said in filter(any, found):
             yield f"````{{c:{role}}} {code}\n{said}\n````\n" if role else said + "\n"
 
     def declared(self, declaration, text):
@@ -184,7 +187,7 @@ class Pages:
     def page(self, path):
         """What the first comment below the line of the licence says, then each declaration with its comment."""
         header = self.headers[path]
-        yield "\n\n".join([f"# {header.title}", header.what, self.prose(header.about.strip("\n")), ""])
+        yield "\n\n".join([f"# {header.title}", self.linked(header.what), self.prose(header.about.strip("\n")), ""])
         for part in header.parts:
             pending, number = "", 0
             if part[0][0] == "text" and (heading := re.fullmatch(r"-+ (.*?) -+", part[0][1].partition("\n")[0])):
@@ -210,5 +213,5 @@ class Pages:
                 pending = pending if is_shared else ""
 
     def index(self):
-        rows = "".join(f"| [{header.title}]({path.stem}.md) | {header.what.rstrip('.')} |\n" for path, header in self.headers.items())
+        rows = "".join(f"| [{header.title}]({path.stem}.md) | {sentences(header.what)[0].rstrip('.')} |\n" for path, header in self.headers.items())
         return f"# Headers of the library\n\n| header | what for |\n|---|---|\n{rows}\n"
