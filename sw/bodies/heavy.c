@@ -16,9 +16,9 @@
 #define ROUND 1e10 /* ... and at most, over the lightest: else its mass is lost to rounding */
 
 /* Energy that joints may make in half a substep. */
-#define PULLED 0.02 /* of the heaviest body's, as fast as they pull together what is apart */
-#define MADE 1e-6   /* of all kinetic energy: rows are held and let go a little */
-#define LOST 1e-14  /* of what impulses do to the heaviest body: the rounding of speeds */
+#define PULLED 0.005 /* of the heaviest body's, as fast as they pull together what is apart */
+#define MADE 1e-6    /* of all kinetic energy: rows are held and let go a little */
+#define LOST 1e-14   /* of what impulses do to the heaviest body: the rounding of speeds */
 
 typedef struct fp3_heavy_place {
     uint32_t root;        /* of its set; of a root itself */
@@ -384,8 +384,8 @@ static energy energy_of(const fp3_bodies *bodies, const fp3_heavy_set *set) {
     const uint32_t n = h->springs.size;
     energy sum = {0, 0, 0};
     for (uint32_t k = set->first_body; k != FP3_NOBODY; k = h->place[k].next) {
-        const double *from = &h->springs.start[h->place[k].number * n],
-                     *to = &h->springs.v[h->place[k].number * n];
+        const size_t first = (size_t)h->place[k].number * n;
+        const double *from = h->springs.start + first, *to = h->springs.v + first;
         double mass[FP3_SPARSE_MOST * FP3_SPARSE_MOST] = {0};
         h->laws->weigh(bodies, k, mass);
         sum.heaviest = fmax(sum.heaviest, mass[0]);
