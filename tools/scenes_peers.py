@@ -27,6 +27,7 @@ class Worker:
     def go(self, scene, method, k, folder, quick):
         import numpy as np                                      # who only lists does not need it
         from fp3scenes import problems
+        os.chdir(folder)                                        # some write what they warn of where they are
         if scene != self.scene:
             with np.load(pathlib.Path(folder) / f"{scene}.npz") as file:
                 self.start, self.truth = (file["x"], file["v"]), file["truth"]

@@ -61,7 +61,7 @@ their hinges on stairs; a car with springs, a motor and a rope on hills and a br
 type of joint; a box that flips, a gyroscope and a top that falls over; balls in a box."""
 
 
-LOOKS = ("fp3", "box2d", "mujoco", "rapier")  # engines with a colour of their own; the others are grey
+LOOKS = {"fp3": "fast", "box2d": "box2d", "mujoco": "mujoco", "rapier": "rapier"}  # engines with a colour, and whose it is; the others are grey
 
 
 CHIP = """\
@@ -197,12 +197,10 @@ def beside(data):
 
 
 def pictures(rows):
-    colours = dict(zip(LOOKS, (COLOURS["fast"], COLOURS["gsl"], COLOURS["plain_c"], COLOURS["rtl"])))
-
     def look(engine):
         family = next((one for one in LOOKS if one in engine), None)
         member = [one for one in sorted(set(order(rows, "engine"))) if family and family in one or not family and not any(other in one for other in LOOKS)]
-        return colours.get(family, "#888888"), DASHES[member.index(engine) % len(DASHES)], MARKS[member.index(engine)]
+        return COLOURS[LOOKS[family]] if family else "#888888", DASHES[member.index(engine) % len(DASHES)], MARKS[member.index(engine)]
 
     def series(scene):
         for engine in order(rows, "engine"):

@@ -74,7 +74,7 @@ PROBLEMS = [
     Height("heap", 1000, 4.0, 1.0, ("heun", 10), HEAP,
            ((r"objects = 10000", "objects = 1000"), (r"to = \[3.15, 2.2, 3.15\]", "to = [0.95, 2.2, 0.95]"), ("side = 3.2", "side = 1.0")),
            what="the difference of the balls' mean height", is_chaotic=True, is_chance=True),
-    Front("dam", 800, 1.0, 2.0, ("rk4", 10), DAM, axes="xy", what="the difference of how far the water has run along the floor", is_chaotic=True),
+    Front("dam", 800, 1.0, 2.0, ("rk4", 11), DAM, axes="xy", what="the difference of how far the water has run along the floor", is_chaotic=True),
 ]
 
 

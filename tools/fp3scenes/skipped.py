@@ -9,7 +9,7 @@ import resource
 import sys
 import time
 
-from fp3gen.text import evidence, markdown
+from fp3scenes.page import skipped as pages                     # noqa: F401  (tools/scenes.py asks for it)
 from fp3world import scene as ws
 
 TURNS = 9
@@ -287,41 +287,3 @@ def wrong(rows):
             yield f"{name}: {row['words_differing']} words differ from {row['beside']}"
         if not row["error"] <= row["most"]:
             yield f"{name}: it ends {row['error']:.3g} from {row['beside']}, expected {row['most']:g} at most"
-
-
-# ---- the page ----------------------------------------------------------------------------------------
-
-HEAD = """\
-What scenes of objects [that see each other](relations.md) need not do. In each group of rows the first one does all the work, and *share* is what of its time or of its
-cycles is left. The columns: the scene; what is done; nanoseconds of one thread of the engine `fast` for a step of an object that moves, the shortest of {turns} turns, which all rows of a group make one after another;
-cycles of the simulated hardware for the same in a small form of the scene (16 to 64 objects); and the result: the same bits as the first row, or the root mean square
-of the distance from it in the end, as a share of the scene's size."""
-NOTES = {
-    "sleep": "1,000 balls lie in a heap. With a [line `rest`](relations.md#objects-at-rest) all of them fall asleep. Awake, the heap creeps on: nothing rubs.",
-    "lists": "Only pairs that touch push each other. A [list](relations.md#lists-of-near-objects) has few others in it, the fewer the thinner its skin; but a list with a thin skin is made anew more often, which the hardware leaves to the host, "
-             "so its cycles have no share of that.",
-    "kinds": "Balls fall on 324 balls that never move. As a [kind](relations.md#kinds) whose words never change, these make no steps, and no lists of their own. Sums are added in another order, and contacts make more of that with time.",
-    "outputs": "10,000 masses of a cloth, recorded as HDF5 in every 4th step, by the command, with its start. A scene's program is the same whatever is observed: only writing is saved.",
-    "precision": "100 bodies attract each other. Engine `fast` has vectors for FP32 alone; so bfloat16 is slower there, and saves multipliers of the hardware, not cycles "
-                 "([arithmetic.md](arithmetic.md)). Records of 16 bits, which only processors without neighbours have (`lorenz`: 2,000 points), save neither: as much block RAM holds twice as many objects.",
-}
-
-
-def number(value, form):
-    return "" if value is None else format(value, form)
-
-
-def result(row):
-    return "" if row["is_first"] else "the same bits" if row["words_differing"] == 0 else f"{row['error']:.1e}"
-
-
-def pages(rows, _):
-    lines = ["## Whole scenes", "", *evidence("scenes.skipped"), "", HEAD.format(turns=TURNS)]
-    for way, note in NOTES.items():
-        of = [row for row in rows if row["way"] == way]
-        if of:
-            lines += ["", f"*{way[0].upper()}{way[1:]}.* {note}", ""]
-            lines += markdown(["scene", "", "fast, ns", "share", "cycles", "share", "result"],
-                              ([f"`{row['scene']}`" if row["is_first"] else "", row["what"], f"{row['ns_per_object_step']:,.3g}", f"{row['share']:.3g}",
-                                number(row["cycles_per_object_step"], ",.0f"), number(row["share_of_cycles"], ".3g"), result(row)] for row in of))
-    return {"skipping.md": lines}
