@@ -28,6 +28,7 @@ from fp3world.scene import Failed
 PARTS = [
     "skipped",
     "curves",
+    "stress",
 ]
 
 

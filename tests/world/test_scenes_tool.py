@@ -99,3 +99,17 @@ def test_pages_show_where_fp3_loses(measured, part):
     assert "No one beats FP3's best rows" in "\n".join(part("curves").pages([*own, worse], measured["about"])["scene_errors.md"])
     page = "\n".join(part("skipped").pages(measured["skipped"], measured["about"])["skipping.md"])
     assert "| the same bits |" in page and "all asleep" in page
+
+
+def test_limits_of_scenes_hold(root, build, tmp_path, part):
+    """Those that take no second; and a theory that is wrong, or a limit beyond which nothing grows, is told."""
+    stress = part("stress")
+    bench = stress.Bench(build / "fp3", tmp_path, True)
+    rows = [row for check in (stress.dampers, stress.told, stress.wave, stress.drift, stress.held) for row in check(bench)]
+    assert len(rows) > 10 and list(stress.wrong(rows)) == []
+    page = "\n".join(stress.pages(rows, None)["stress.md"])
+    assert f"measures {len(rows)} figures, of which {len(rows)} hold" in page and "h 2c/m beyond which" in page
+    spoiled = [row | stress.row(row["scene"], row["what"], 1.01 * row["expected"], row["found"], row["within"], row["why"]) for row in rows if row["scene"] == "dampers"]
+    assert len(list(stress.wrong(spoiled))) == 3 and "does not hold" in "\n".join(stress.pages(spoiled, None)["stress.md"])
+    assert stress.limit(lambda h: h > 1.001, 1) == pytest.approx(1.001, abs=2e-3) and stress.limit(lambda h: False, 1) != stress.limit(lambda h: False, 1)
+    assert stress.bounded("x", "y", stress.AT_LEAST, 2, 1, "")["holds"] is False and stress.bounded("x", "y", stress.AT_MOST, 2, 1, "")["holds"]
