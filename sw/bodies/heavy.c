@@ -501,7 +501,7 @@ static fp3_status solve(fp3_bodies *bodies, const fp3_heavy_set *set, int push) 
         if (h->link[i].a != FP3_NO_SPRING && h->link[i].b != FP3_NO_SPRING)
             status = fp3_sparse_meet(&s->sparse, h->link[i].a, h->link[i].b, bodies->error);
     if (!status)
-        status = fp3_springs_make_room(s, (size_t)set->links * h->laws->rows, bodies->error);
+        status = fp3_springs_make_room(s, (size_t)set->links * sizeof h->link->was, bodies->error);
     if (status)
         return status;
     int is_found = find(bodies, set, push, 0);

@@ -33,7 +33,7 @@ typedef struct {
     double held[4];              /* in the substep before, by the point or points; in space [3]:
                                   * along the line */
     float rub[3];                /* friction */
-    int8_t was[14];              /* of its rows: at which limit */
+    int8_t was[14];              /* of its rows, of which there are no more: at which limit */
 } fp3_heavy_link;
 
 typedef struct {
@@ -45,7 +45,6 @@ typedef struct {
 
 /* heavy2.c, heavy3.c: of a link its rows; of a body its mass, its speed and how that changes. */
 typedef struct {
-    uint32_t rows; /* of a link, at most */
     int (*holds)(const fp3_joint *);
     int (*is_moving)(const fp3_bodies *, uint32_t slot);
     int (*has_pushed)(const fp3_bodies *, uint32_t contact); /* in the step before */

@@ -196,5 +196,5 @@ static void end(fp3_bodies *bodies, const fp3_heavy_link *link) {
     fp3_put(&r->f2, contact_lane(bodies, link), link->rub[1]);
 }
 
-const fp3_heavy_laws fp3_heavy_laws2 = {6,     holds, is_moving, has_pushed, begin, forget,
-                                        weigh, speed, fill,      move,       end};
+const fp3_heavy_laws fp3_heavy_laws2 = {holds, is_moving, has_pushed, begin, forget,
+                                        weigh, speed,     fill,       move,  end};

@@ -289,5 +289,5 @@ static void end(fp3_bodies *bodies, const fp3_heavy_link *link) {
     fp3_put(&r->ft, lane, link->rub[2]);
 }
 
-const fp3_heavy_laws fp3_heavy_laws3 = {7,     holds, is_moving, is_moving, begin, forget,
-                                        weigh, speed, fill,      move,      end};
+const fp3_heavy_laws fp3_heavy_laws3 = {holds, is_moving, is_moving, begin, forget,
+                                        weigh, speed,     fill,      move,  end};

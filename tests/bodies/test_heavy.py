@@ -55,7 +55,7 @@ def empty(dimensions, gravity=G, **options):
 class Tree:
     """Links of 1 kg and 1 m from the origin along an angle, and a disc or a ball at the end."""
 
-    def __init__(self, links, heavy, joint="hinge", turn=-math.pi / 2, dimensions=2, **options):
+    def __init__(self, links, heavy, joint="hinge", turn=-math.pi / 2, dimensions=2, drive=None, **options):
         self.world, self.dimensions = empty(dimensions, bounce=0.0, **options), dimensions
         self.ground = self.world.add(type="static", **turned(0.0, dimensions))
         self.joints, self.bodies, before = [], [], self.ground
@@ -64,8 +64,8 @@ class Tree:
             along = k + 0.5 if k < links else links
             body = self.world.add(x=place(along * math.cos(turn), along * math.sin(turn), dimensions), **turned(turn, dimensions))
             self.world.attach(body, fp3.box(0.5, *(0.125,) * (dimensions - 1), density=4.0 ** (dimensions - 1)) if k < links else ball(0.5, heavy, dimensions))
-            axis = {"axis": (0, 0, 1)} if joint == "hinge" and dimensions == 3 else {}
-            self.joints.append(self.world.join(joint, before, body, anchor_a=(0.5 if k else 0, *end), anchor_b=(-0.5 if k < links else 0, *end), **axis))
+            more = (drive or {}) | ({"axis": (0, 0, 1)} if joint == "hinge" and dimensions == 3 else {})
+            self.joints.append(self.world.join(joint, before, body, anchor_a=(0.5 if k else 0, *end), anchor_b=(-0.5 if k < links else 0, *end), **more))
             self.bodies.append(body)
             before = body
 
@@ -92,6 +92,17 @@ def test_a_chain_carries_what_hangs_on_it(joint, dimensions, heavy, substeps):
         for k in range(21):
             assert tree.pull(k) == pytest.approx([0, G * (heavy + 20 - k), 0][:dimensions], rel=1e-3, abs=1e-3 * G * heavy)
         assert np.linalg.norm(tree.of("x")) == pytest.approx(20, abs=1e-4)
+
+
+@pytest.mark.parametrize("links", [3, 35])
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_a_chain_carries_as_much_by_hinges_with_all_that_hinges_may_have(dimensions, links):
+    """A lock of the point and of the turn, a spring, a motor and both limits: the most rows of a joint."""
+    everything = {"hertz": 1.0, "damping": 1.0, "rest": 0.0, "most": 1.0, "limits": (-1.0, 1.0)}
+    tree = Tree(links, 1000.0, dimensions=dimensions, drive=everything)
+    tree.world.step(60)
+    for k in range(links + 1):
+        assert tree.pull(k) == pytest.approx([0, G * (1000 + links - k), 0][:dimensions], rel=1e-3, abs=1e-2 * G)
 
 
 @pytest.mark.parametrize("joint, dimensions", KINDS)
