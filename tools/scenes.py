@@ -29,6 +29,7 @@ PARTS = [
     "skipped",
     "curves",
     "stress",
+    "tuned",
 ]
 
 

@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -60,13 +61,33 @@ class Tuning:
 
     def __repr__(self) -> str:
         c = self.choice
-        return f"fp3.Tuning({c['model']}: " + (f"{c['integrator']}, {c['arithmetic']}, error {c['error']:.3g})" if self.met else "nothing meets the tolerance)")
+        best = c.get("choice") or c
+        return f"fp3.Tuning({c.get('model') or c['scene']}: " + (
+            f"{best['integrator']}, {best['arithmetic']}, error {best['error']:.3g})" if self.met else "nothing meets the tolerance)")
 
 
-def command(arguments: Sequence[str], found: pathlib.Path, *, progress: bool = False) -> Any:
+def _ended(words: Sequence[str], progress: bool, is_kept: bool) -> "subprocess.CompletedProcess[str]":
+    """is_kept: a first Ctrl-C only tells the command to end, and what it has found so far counts."""
+    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True, start_new_session=is_kept,
+                          stderr=sys.stderr if progress and has_descriptor(sys.stderr) else subprocess.PIPE) as child:
+        try:
+            out, said = child.communicate()
+        except KeyboardInterrupt:
+            if not is_kept:
+                child.kill()
+                raise
+            child.send_signal(signal.SIGINT)
+            try:
+                out, said = child.communicate()
+            except KeyboardInterrupt:
+                child.kill()
+                raise
+        return subprocess.CompletedProcess(words, child.returncode, out, said)
+
+
+def command(arguments: Sequence[str], found: pathlib.Path, *, progress: bool = False, is_kept: bool = False) -> Any:
     """Starts the command that the package carries, and reads what it has written to `found`. Ctrl-C ends it, too."""
-    done = subprocess.run([str(home() / "bin" / "fp3"), *arguments, f"--json={found}"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                          stderr=sys.stderr if progress and has_descriptor(sys.stderr) else subprocess.PIPE, text=True)
+    done = _ended([str(home() / "bin" / "fp3"), *arguments, f"--json={found}"], progress, is_kept)
     if done.returncode in (0, _OBJECTS_FAILED) and found.exists():
         return json.loads(found.read_text())
     said = (done.stderr or done.stdout).strip()
@@ -122,14 +143,32 @@ def _options(**options: Any) -> List[str]:
             if value is not None and value is not False]
 
 
+def _tune_scene(path: str, tolerance: float, output: Optional[str], progress: bool, **options: Any) -> Tuning:
+    with _Files([]) as files:
+        found = command(["tune", path, f"--tolerance={as_number('tolerance', tolerance)!r}", *([f"--output={output}"] if output else []), *_options(**options)],
+                        files.found, progress=progress, is_kept=True)
+    return Tuning(found, pathlib.Path(output).read_text() if output and found["met"] else "")
+
+
 def tune(model: Union[Model, Source], tolerance: float, *, ranges: Optional[Mapping[str, Union[Tuple[float, float], "np.ndarray[Any, Any]"]]] = None,
          params: Optional[Mapping[str, float]] = None, around: Optional[float] = None, span: Optional[float] = None,
-         config: Optional[str] = None, objects: Optional[int] = None, held_out: Optional[int] = None, progress: bool = False) -> Tuning:
+         config: Optional[str] = None, objects: Optional[int] = None, held_out: Optional[int] = None, cost: Optional[str] = None,
+         within: Optional[float] = None, work: Optional[float] = None, output: Union[str, "os.PathLike[str]", None] = None, progress: bool = False) -> Tuning:
     """`fp3 tune`: the cheapest integrator, step and arithmetic that keep a tolerance over ranges of values.
 
     ranges: by name, (first, last); params: values; around: a range of this share to both sides for each start and param.
-    Starts the command that the package carries, so that Ctrl-C ends it. FailedError: there is no truth to measure errors against.
+    The path of a scene whose objects see each other, *.scene: one integrator, step and arithmetic for all; cost, "cycles" or "time",
+    within and work are of such a scene, and around is how far starts differ in other scenes. output: a file for the choice, or None.
+    Starts the command that the package carries, so that Ctrl-C ends it; of a scene the result has what was found until then.
+    FailedError: there is no truth to measure errors against.
     """
+    if isinstance(model, (str, os.PathLike)) and os.fsdecode(model).endswith(".scene"):
+        if ranges or params or objects is not None:
+            raise ArgumentError("tune: ranges, params and objects are in the scene")
+        return _tune_scene(os.fsdecode(model), tolerance, os.fspath(output) if output is not None else None, progress, around=around, span=span,
+                           config=config, held_out=held_out, cost=cost, within=within, work=work)
+    if cost is not None or within is not None or work is not None or output is not None:
+        raise ArgumentError("tune: cost, within, work and output are of a scene")
     with _Files([model]) as files:
         scene = files.path / "found.scene"
         found = command(["tune", files.models[0], f"--tolerance={as_number('tolerance', tolerance)!r}", f"--output={scene}",

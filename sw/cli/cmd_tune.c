@@ -8,6 +8,7 @@
 #include "run_values.h"
 #include "tune_machines.h"
 #include "tune_print.h"
+#include "tune_scene.h"
 
 #include <fp3/model.h>
 #include <fp3/program.h>
@@ -29,7 +30,9 @@ typedef struct {
     const char *arithmetics[FP3_TUNE_MACHINES_MOST];
     unsigned arithmetic_count;
     double around;
-    uint32_t objects;
+    uint32_t objects, held_out;
+    fp3_tune_scene scene; /* of objects that see each other */
+    const char *cost;
     fp3_run_values values;
     fp3_files files;
     fp3_tune_def def;
@@ -50,9 +53,14 @@ static void check(options *o, struct argp_state *state) {
     o->is_scene = !o->is_model && ends_in_scene(o->input);
     if (!o->is_scene)
         fp3_arguments_model(state, o->input, o->is_model);
-    if (o->is_scene && (fp3_params_count(o->values.params) || o->around > 0 || o->objects))
+    if (o->is_scene && (fp3_params_count(o->values.params) || o->objects))
         argp_error(state, "values, ranges and objects are in the scene, not in --params, --set, "
-                          "--spread, --around or --objects");
+                          "--spread or --objects");
+    if (!o->is_scene && (o->cost || o->scene.def.within > 0 || o->scene.def.work > 0))
+        argp_error(state, "--cost, --within and --work are of a scene whose objects see each "
+                          "other; a model is tuned for cycles");
+    if (o->held_out)
+        o->def.held_out = o->held_out;
 }
 
 static void take_spread(void *user, struct argp_state *state, char *text) {
@@ -99,7 +107,9 @@ static const fp3_option table[] = {
     {"around", 0, "SHARE",
      "Of a model: a range of this share to both sides for each start and each param of an object "
      "that "
-     "is not 0 and has no other value",
+     "is not 0 and has no other value. Of a scene whose objects see each other: how far starts "
+     "that "
+     "are not random differ in other scenes, as a share of the state's size (default: 0.001)",
      FP3_ABOVE_ZERO(options, around)},
     {"set", 's', "NAME=VALUE", "Of a model: a value; may be repeated", FP3_CALL(take_set),
      .is_repeated = 1},
@@ -113,8 +123,20 @@ static const fp3_option table[] = {
      "Of a model: number of objects in the scene (default: the contexts of the configuration; "
      "without ranges 1)",
      FP3_NUMBER(options, objects, 1, UINT32_MAX)},
-    {"held-out", 0, "N", "Number of new objects that judge the choice (default: 64)",
-     FP3_NUMBER(options, def.held_out, 1, 65536)},
+    {"held-out", 0, "N",
+     "Number of new objects that judge the choice (default: 64), or of scenes whose objects see "
+     "each other (default: 4)",
+     FP3_NUMBER(options, held_out, 1, 65536)},
+    {"cost", 0, "COST",
+     "Of a scene whose objects see each other: cycles, predicted (default), or time, measured on "
+     "engine fast with one thread",
+     FP3_TEXT(options, cost)},
+    {"within", 0, "SHARE",
+     "Of such a scene: the solution is known where two lengths of step agree within this (default: "
+     "1e-6)",
+     FP3_ABOVE_ZERO(options, scene.def.within)},
+    {"work", 0, "N", "Of such a scene: how many numbers each solution may compute (default: 1e10)",
+     FP3_ABOVE_ZERO(options, scene.def.work)},
     {"output", 'o', "FILE", "Write the choice as a scene, which fp3 run --scene runs",
      FP3_TEXT(options, out.scene)},
     {"json", 0, "FILE", "Also write the choice and all candidates as JSON",
@@ -276,10 +298,55 @@ static fp3_status open_fixed(const fp3_scene *scene, fp3_program **program, fp3_
                : fp3_program_open(scene->groups[0].path, &how, program, NULL, error);
 }
 
+static int sees_others(const fp3_scene *scene) {
+    int sees = 0;
+    for (size_t i = 0; i < scene->group_count; i++)
+        sees |= scene->groups[i].program->sees_others;
+    return sees;
+}
+
+static fp3_status tune_world(options *o, fp3_error *error) {
+    fp3_tune_scene *w = &o->scene;
+    fp3_scene_tune_def def = fp3_scene_tune_default();
+    def.path = o->input;
+    def.config = o->config;
+    def.tolerance = o->def.tolerance;
+    def.within = w->def.within > 0 ? w->def.within : def.within;
+    def.work = w->def.work > 0 ? w->def.work : def.work;
+    def.around = o->around > 0 ? o->around : def.around;
+    def.held_out = o->held_out ? o->held_out : def.held_out;
+    if (o->arithmetic_count || o->has_hardware)
+        return fp3_fail(error, FP3_E_ARGUMENT,
+                        "%s: objects see each other: expected no --arithmetic and no --hardware",
+                        o->input);
+    if (o->cost && strcmp(o->cost, "time") != 0 && strcmp(o->cost, "cycles") != 0)
+        return fp3_fail(error, FP3_E_ARGUMENT, "--cost: found '%s', expected cycles or time",
+                        o->cost);
+    if (o->cost && strcmp(o->cost, "time") == 0)
+        def.cost = FP3_SCENE_COST_TIME;
+    *w = (fp3_tune_scene){.def = def,
+                          .span = o->def.span,
+                          .output = o->out.scene,
+                          .json = o->out.json,
+                          .progress = o->progress};
+    o->progress = NULL;
+    return fp3_tune_scene_run(w, error);
+}
+
 static fp3_status tune_scene(options *o, fp3_error *error) {
     fp3_scene *scene = NULL;
     fp3_program *fixed = NULL;
     fp3_status status = fp3_scene_open(o->input, o->config, &scene, error);
+    const int is_world = !status && sees_others(scene);
+    if (is_world) {
+        fp3_scene_close(&scene);
+        return tune_world(o, error);
+    }
+    if (!status && (o->around > 0 || o->cost || o->scene.def.within > 0 || o->scene.def.work > 0))
+        status = fp3_fail(error, FP3_E_ARGUMENT,
+                          "%s: --around, --cost, --within and --work are of a scene whose objects "
+                          "see each other",
+                          o->input);
     if (!status)
         status = check_scene(o, scene, error);
     if (!status)

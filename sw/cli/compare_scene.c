@@ -6,7 +6,7 @@
 #include "bench_files.h"
 #include "files.h"
 #include "json.h"
-#include "lab/check/run_loss.h"
+#include "lab/scene/scaled.h"
 #include "progress.h"
 
 #include <fp3/scene_truth.h>
@@ -35,92 +35,11 @@ typedef struct {
 
 /* ---- the engine's states ---- */
 
-/* The scene with h/parts, and what belongs to it. */
-typedef struct {
-    fp3_scene scene;
-    fp3_scene_group *groups;
-} finer;
-
-static fp3_status scale_life(const fp3_scene_group *group, uint64_t parts, fp3_scene_steps *steps,
-                             fp3_error *error) {
-    const uint64_t apart =
-        steps->last > steps->first ? steps->last - steps->first : steps->first - steps->last;
-    if (parts > 1 && group->objects > 1 && apart % (group->objects - 1))
-        return fp3_fail(error, FP3_E_ARGUMENT,
-                        "group '%s': births or ends of %zu objects from step %" PRIu64
-                        " to %" PRIu64 " are rounded to whole steps, and with shorter steps to "
-                        "other times: expected --halvings 0",
-                        group->name, group->objects, steps->first, steps->last);
-    if (steps->first != FP3_FOREVER)
-        steps->first *= parts;
-    if (steps->last != FP3_FOREVER)
-        steps->last *= parts;
-    return FP3_OK;
-}
-
-static fp3_status make_group(fp3_scene_group *group, uint64_t parts, fp3_error *error) {
-    const fp3_params *given = group->params;
-    double h = group->program->model->step;
-    fp3_status status = fp3_params_copy(given, &group->params, error);
-    if (!status && fp3_params_has(given, FP3_NAME_STEP))
-        status = fp3_params_get(given, FP3_NAME_STEP, &h, error);
-    if (!status && parts > 1 && fp3_params_has(given, FP3_NAME_STEPS))
-        status = fp3_fail(error, FP3_E_ARGUMENT,
-                          "group '%s': found a value of 'steps', which with shorter steps is "
-                          "another time: expected --halvings 0",
-                          group->name);
-    if (!status && parts > 1)
-        status = fp3_params_put(group->params, FP3_NAME_STEP, h / (double)parts, error);
-    if (!status)
-        status = scale_life(group, parts, &group->born, error);
-    return status ? status : scale_life(group, parts, &group->gone, error);
-}
-
-static void close_finer(finer *f) {
-    for (size_t i = 0; f->groups && i < f->scene.group_count; i++)
-        fp3_params_free(&f->groups[i].params);
-    free(f->groups);
-}
-
-/* The caller closes, after a failure too. */
-static fp3_status open_finer(const fp3_scene *scene, uint64_t parts, finer *f, fp3_error *error) {
-    fp3_status status = FP3_OK;
-    f->scene = *scene;
-    f->groups = calloc(scene->group_count + 1, sizeof *f->groups);
-    if (!f->groups)
-        return fp3_no_memory(error);
-    f->scene.groups = f->groups;
-    for (size_t i = 0; i < scene->group_count; i++) {
-        f->groups[i] = scene->groups[i];
-        f->groups[i].params = NULL;
-    }
-    for (size_t i = 0; !status && i < scene->group_count; i++) {
-        f->groups[i].params = scene->groups[i].params;
-        status = make_group(&f->groups[i], parts, error);
-        if (f->groups[i].params == scene->groups[i].params) /* no copy was made */
-            f->groups[i].params = NULL;
-    }
-    return status;
-}
-
-static fp3_status read_row(const fp3_scene *scene, fp3_engine *engine, double *row,
-                           fp3_error *error) {
-    fp3_status status = FP3_OK;
-    for (size_t k = 0; k < scene->group_count; k++) {
-        const fp3_scene_group *g = &scene->groups[k];
-        for (uint32_t s = 0; !status && s < g->program->model->state_count; s++) {
-            status = fp3_run_state_read(g->program, engine, s, g->first, g->objects, row, error);
-            row += g->objects;
-        }
-    }
-    return status;
-}
-
 static fp3_status run_engine(comparison *c, uint64_t parts, fp3_error *error) {
-    finer f = {.groups = NULL};
+    fp3_scaled f;
     fp3_engine *engine = NULL;
     fp3_stats stats;
-    fp3_status status = open_finer(c->scene, parts, &f, error);
+    fp3_status status = fp3_scaled_open(c->scene, parts, 1, &f, error);
     fp3_engine_def def = fp3_scene_engine(&f.scene);
     def.engine = "fast";
     def.error = error;
@@ -137,10 +56,10 @@ static fp3_status run_engine(comparison *c, uint64_t parts, fp3_error *error) {
         if (c->steps[i] > made)
             status = fp3_adaptive_run(engine, (c->steps[i] - made) * parts, &stats);
         if (!status)
-            status = read_row(&f.scene, engine, c->engine + i * c->width, error);
+            status = fp3_scaled_row(&f.scene, engine, c->engine + i * c->width, error);
     }
     fp3_engine_close(&engine);
-    close_finer(&f);
+    fp3_scaled_close(&f);
     return status;
 }
 
@@ -201,14 +120,6 @@ static void put_row(comparison *c, const row *r) {
     fp3_progress_resume(c->progress);
 }
 
-static double step_of(const fp3_scene_group *group, uint64_t parts) {
-    double h = group->program->model->step;
-    fp3_error none;
-    if (fp3_params_has(group->params, FP3_NAME_STEP))
-        (void)fp3_params_get(group->params, FP3_NAME_STEP, &h, &none);
-    return h / (double)parts;
-}
-
 static void put_rows(comparison *c, uint64_t parts) {
     const size_t known = c->solved.known, both = c->no_method.text[0] ? 0 : c->times;
     size_t first = 0;
@@ -219,7 +130,7 @@ static void put_rows(comparison *c, uint64_t parts) {
                 .group = g,
                 .state = &g->program->model->states[s],
                 .parts = parts,
-                .h = step_of(g, parts),
+                .h = fp3_scaled_step(g) / (double)parts,
                 .size = g->objects ? c->sizes[first] : 0,
                 .rounding = between(c, c->engine, c->method, both, first, g->objects),
                 .method = between(c, c->method, c->solution, both ? known : 0, first, g->objects),
@@ -231,10 +142,11 @@ static void put_rows(comparison *c, uint64_t parts) {
 
 /* ---- all of it ---- */
 
-static void tell(void *user, uint64_t parts, double share) {
+static int tell(void *user, uint64_t parts, double share) {
     comparison *c = user;
     fp3_progress_say(c->progress, "the solution, with steps of h/%" PRIu64, parts);
     fp3_progress_share(c->progress, share);
+    return 0;
 }
 
 static fp3_status solve(comparison *c, fp3_error *error) {

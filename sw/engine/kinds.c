@@ -126,6 +126,13 @@ static const fp3_backend divided_by_kind = {
     .how = how_kinds,
 };
 
+const fp3_members *fp3_engine_members(const fp3_engine *engine, uint32_t group) {
+    if (!fp3_layout_is_joined(&engine->layout))
+        return &engine->layout.groups[group];
+    const fp3_engine *own = fp3_kinds_of(engine)->kinds[group].own;
+    return own ? &own->layout.groups[0] : NULL;
+}
+
 const fp3_backend *fp3_kinds_usual(const fp3_engine *engine) {
     return engine->backend->run == fp3_kinds_run ? fp3_kinds_of(engine)->usual : engine->backend;
 }

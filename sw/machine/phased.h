@@ -4,7 +4,7 @@
  *
  * A phase is a round. All contexts of a batch go through a loop as often as the longest of their
  * lists is long, so the cycles follow from the program, the lists and isa/timing.toml:
- * tests/cosim/foreseen.h computes those of a run, and holds them to the hardware's.
+ * tests/cosim/foreseen.h holds those of a run to the hardware's.
  */
 #ifndef FP3_PHASED_H
 #define FP3_PHASED_H
@@ -34,5 +34,20 @@ fp3_phase_cost fp3_phase_cost_of(const fp3_config *config, const fp3_phased *pro
                                  uint32_t begin);
 /* Of the loop that begins with the word `each`: cycles of a turn, for each object. */
 uint32_t fp3_turn_cost_of(const fp3_phased *program, uint32_t each);
+
+/* Who makes a step. */
+typedef struct {
+    uint32_t rows;   /* objects of the fullest lane */
+    uint32_t copies; /* from lane to lane before each phase ... */
+    uint32_t words;  /* ... of so many published words */
+    /* The longest of the lists of register reg that the objects in these rows have, in whichever
+     * lane. */
+    uint32_t (*longest)(const void *user, uint32_t reg, uint32_t first, uint32_t rows);
+    const void *user;
+} fp3_phased_run;
+
+/* Of a step, exactly. */
+uint64_t fp3_phased_cycles(const fp3_config *config, const fp3_phased *program,
+                           const fp3_phased_run *run);
 
 #endif

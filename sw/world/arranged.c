@@ -277,8 +277,8 @@ static fp3_status read_fill(const fp3_settings *s, const config_setting_t *from,
                            : fp3_setting_count(s, seed, "seed", 0, UINT64_MAX, &fill->seed);
 }
 
-static fp3_status place_random(const fp3_settings *s, fp3_arranged *a, const fp3_scene_group *group,
-                               double *columns) {
+static fp3_status place_random(const fp3_settings *s, fp3_arranged *a, uint64_t draw,
+                               const fp3_scene_group *group, double *columns) {
     static const char *const names[] = {"position", "from", "to", "apart", "seed", NULL};
     fp3_fill *fill = &a->fill;
     position p;
@@ -296,6 +296,7 @@ static fp3_status place_random(const fp3_settings *s, fp3_arranged *a, const fp3
     fill->objects = group->objects;
     double *const column[] = {columns, columns + group->objects, columns + 2 * group->objects};
     status = read_fill(s, at, fill);
+    fill->seed += draw;
     if (!status)
         status = fp3_fill_box(fill, column, &placed, s->error);
     if (!status && placed < fill->objects)
@@ -319,7 +320,8 @@ static fp3_status place_points(const fp3_settings *s, const fp3_arranged *a,
     return status;
 }
 
-static fp3_status place(const fp3_settings *s, fp3_arranged *a, const fp3_scene_group *group) {
+static fp3_status place(const fp3_settings *s, fp3_arranged *a, uint64_t draw,
+                        const fp3_scene_group *group) {
     double *columns = malloc(FP3_FILL_AXES * group->objects * sizeof *columns);
     fp3_status status = FP3_OK;
     if (!columns)
@@ -327,14 +329,14 @@ static fp3_status place(const fp3_settings *s, fp3_arranged *a, const fp3_scene_
     else if (a->grid_at)
         status = place_grid(s, a, group, columns);
     else if (a->random_at)
-        status = place_random(s, a, group, columns);
+        status = place_random(s, a, draw, group, columns);
     free(columns);
     return status ? status : place_points(s, a, group);
 }
 
-fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from, fp3_arranged *a,
-                              fp3_scene_group *group) {
-    fp3_status status = place(s, a, group);
+fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from, uint64_t draw,
+                              fp3_arranged *a, fp3_scene_group *group) {
+    fp3_status status = place(s, a, draw, group);
     if (!status && a->points_at)
         status = fp3_links_note(group, a->points.path, s->error);
     if (!status)

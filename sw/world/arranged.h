@@ -25,8 +25,8 @@ fp3_status fp3_arranged_read(const fp3_settings *s, const config_setting_t *from
 void fp3_arranged_close(fp3_arranged *arranged);
 
 /* Places the objects, links them, and gives some of them other values. The group has its program,
- * its number of objects and all other values. */
-fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from,
+ * its number of objects and all other values. draw: added to the seed of `random`. */
+fp3_status fp3_arranged_apply(const fp3_settings *s, const config_setting_t *from, uint64_t draw,
                               fp3_arranged *arranged, fp3_scene_group *group);
 
 #endif

@@ -17,6 +17,11 @@
 
 fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scene,
                           fp3_error *error) {
+    return fp3_scene_open_drawn(path, config, 0, scene, error);
+}
+
+fp3_status fp3_scene_open_drawn(const char *path, const char *config, uint64_t draw,
+                                fp3_scene **scene, fp3_error *error) {
     FP3_HOST;
     fp3_scene *s = *scene = calloc(1, sizeof *s);
     fp3_status status = FP3_OK;
@@ -27,7 +32,7 @@ fp3_status fp3_scene_open(const char *path, const char *config, fp3_scene **scen
     if (!s || !s->path)
         status = fp3_no_memory(error);
     if (!status)
-        status = fp3_scene_read(s, config, error);
+        status = fp3_scene_read(s, config, draw, error);
     if (status)
         fp3_scene_close(scene);
     return status;

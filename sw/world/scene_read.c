@@ -23,6 +23,7 @@ typedef struct {
     fp3_scene *scene;
     const char *path, *config; /* config: what replaces the file's, or NULL */
     const fp3_config *machine; /* the one or the other */
+    uint64_t draw; /* added to each seed of `random` */
     double h;
     const config_setting_t *h_at; /* NULL: the file gives no h */
     fp3_settings in;
@@ -301,7 +302,7 @@ static fp3_status read_group(const reader *r, const config_setting_t *from, fp3_
     if (!status)
         status = read_params(r, from, to);
     if (!status)
-        status = fp3_arranged_apply(&r->in, from, &arranged, to);
+        status = fp3_arranged_apply(&r->in, from, r->draw, &arranged, to);
     fp3_arranged_close(&arranged);
     return status;
 }
@@ -501,8 +502,9 @@ static fp3_status read_scene(reader *r) {
     return status;
 }
 
-fp3_status fp3_scene_read(fp3_scene *scene, const char *config, fp3_error *error) {
-    reader r = {.scene = scene, .path = scene->path, .config = config, .error = error};
+fp3_status fp3_scene_read(fp3_scene *scene, const char *config, uint64_t draw, fp3_error *error) {
+    reader r = {
+        .scene = scene, .path = scene->path, .config = config, .draw = draw, .error = error};
     fp3_status status = fp3_settings_load(r.path, FP3_E_ARGUMENT, &r.in, error);
     if (!status)
         status = read_scene(&r);

@@ -26,6 +26,8 @@ fp3_status fp3_params_make(fp3_params **params, fp3_error *error) {
     return *params ? FP3_OK : fp3_no_memory(error);
 }
 
+void fp3_values_skin(fp3_params *params, double skin) { params->skin = skin; }
+
 /* ---- places ---- */
 
 /* Keeps the path, and points at.path to what is kept. */

@@ -33,6 +33,9 @@ fp3_status fp3_values_at(const fp3_params *params, const char *name, double shar
 /* How many words a program has of a value: 2 in double-single, where states have a second one. */
 unsigned fp3_values_words(const fp3_image *image);
 
+/* Of lists of near objects, as a share of the reach (the setting `skin`). */
+void fp3_values_skin(fp3_params *params, double skin);
+
 /* A given value. formula: NULL, or the formula of the value; without a formula the value is `first`
  * or, if spread, `first` of the first object to `last` of the last. */
 typedef struct {

@@ -8,6 +8,7 @@
 #include <fp3/batch.h>
 #include <fp3/program.h>
 #include <fp3/recording.h>
+#include <fp3/scene_tune.h>
 #include <fp3/tune.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -114,6 +115,21 @@ static fp3_status use_tuning_scene(void *def) {
     return fp3_tuning_scene(def, &none, "x.ode", 1, &scene, &error);
 }
 
+static fp3_status use_scene_tune(void *def) {
+    fp3_scene_tune_def *of = def;
+    fp3_scene_tuning *made = NULL;
+    of->tolerance = 2; /* so that nothing is searched */
+    const fp3_status status = fp3_scene_tune(of, &made, &error);
+    fp3_scene_tuning_free(&made);
+    return status;
+}
+
+static fp3_status use_scene_tuning_text(void *def) {
+    const fp3_scene_tuning none = {0};
+    char *scene = NULL;
+    return fp3_scene_tuning_text(def, &none, NULL, &scene, &error);
+}
+
 /* Each call goes by the types of its definition. */
 #define MAKER(name)                                                                                \
     static void make_##name(void *def, size_t size) { fp3_##name##_set_default(def, size); }
@@ -124,22 +140,26 @@ MAKER(adaptive)
 MAKER(program)
 MAKER(recording)
 MAKER(tune)
+MAKER(scene_tune)
 
 static const struct {
     const char *name;
     size_t size;
     void (*make)(void *def, size_t size);
     fp3_status (*use)(void *def);
-} definitions[] = {{"engine", sizeof(fp3_engine_def), make_engine, use_engine},
-                   {"batch", sizeof(fp3_batch_def), make_batch, use_batch},
-                   {"compile", sizeof(fp3_compile_def), make_compile, use_compile},
-                   {"adaptive", sizeof(fp3_adaptive_def), make_adaptive, use_adaptive},
-                   {"adaptive", sizeof(fp3_adaptive_def), make_adaptive, use_batch_adaptive},
-                   {"program", sizeof(fp3_program_def), make_program, use_program},
-                   {"program", sizeof(fp3_program_def), make_program, use_program_file},
-                   {"recording", sizeof(fp3_recording_def), make_recording, use_recording},
-                   {"tune", sizeof(fp3_tune_def), make_tune, use_tune},
-                   {"tune", sizeof(fp3_tune_def), make_tune, use_tuning_scene}};
+} definitions[] = {
+    {"engine", sizeof(fp3_engine_def), make_engine, use_engine},
+    {"batch", sizeof(fp3_batch_def), make_batch, use_batch},
+    {"compile", sizeof(fp3_compile_def), make_compile, use_compile},
+    {"adaptive", sizeof(fp3_adaptive_def), make_adaptive, use_adaptive},
+    {"adaptive", sizeof(fp3_adaptive_def), make_adaptive, use_batch_adaptive},
+    {"program", sizeof(fp3_program_def), make_program, use_program},
+    {"program", sizeof(fp3_program_def), make_program, use_program_file},
+    {"recording", sizeof(fp3_recording_def), make_recording, use_recording},
+    {"tune", sizeof(fp3_tune_def), make_tune, use_tune},
+    {"tune", sizeof(fp3_tune_def), make_tune, use_tuning_scene},
+    {"scene_tune", sizeof(fp3_scene_tune_def), make_scene_tune, use_scene_tune},
+    {"scene_tune", sizeof(fp3_scene_tune_def), make_scene_tune, use_scene_tuning_text}};
 
 static void try(size_t i, const char *what, size_t size) {
     _Alignas(16) unsigned char room[ROOM];

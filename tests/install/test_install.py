@@ -13,7 +13,7 @@ pytestmark = pytest.mark.xdist_group("install")
 
 PREFIX = "usr/local"
 HEADERS = sorted(path.name for path in (pathlib.Path(__file__).parents[2] / "sw/include/fp3").glob("*.h"))
-LAB = {"convergence.h", "scene_truth.h", "truth.h", "tune.h"}  # of libfp3_lab
+LAB = {"convergence.h", "scene_truth.h", "scene_tune.h", "truth.h", "tune.h"}  # of libfp3_lab
 STANDARD = {"math.h", "stddef.h", "stdint.h", "stdio.h"}
 
 

@@ -70,6 +70,8 @@ int fp3_engine_is_divided(const fp3_engine *engine);
 /* They belong to the engine. */
 const char *fp3_engine_name(const fp3_engine *engine);
 const fp3_layout *fp3_engine_layout(const fp3_engine *engine);
+/* The members that have a group's lists, of whatever engine; NULL: none of its objects lives. */
+const fp3_members *fp3_engine_members(const fp3_engine *engine, uint32_t group);
 /* The row of each object, by which lists of near objects go; NULL: its number. */
 const uint32_t *fp3_engine_rows(const fp3_engine *engine);
 

@@ -61,8 +61,9 @@ typedef struct {
     double within;
     /* How many numbers may be computed for it, about 10^9 in a second. Default 1e10. */
     double work;
-    /* NULL, or called as it goes on: this share of the steps with h/parts is made. */
-    void (*tell)(void *user, uint64_t parts, double share);
+    /* NULL, or called as it goes on: this share of the steps with h/parts is made. 1: no more; the
+     * solution is known as far as it is. */
+    int (*tell)(void *user, uint64_t parts, double share);
     void *user;
 } fp3_scene_truth_def;
 /* For fp3_scene_truth_default() only. size is that of fp3_scene_truth_def in the calling program.

@@ -47,26 +47,6 @@ struct fp3_run_loss {
 
 /* ---- states ---- */
 
-fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, uint32_t state,
-                              size_t first, size_t count, double *values, fp3_error *error) {
-    const fp3_symbol *symbol = fp3_image_find(program->image, program->model->states[state].name,
-                                              FP3_CLASS(FP3_SYMBOL_STATE));
-    const int low = fp3_compiled_low(program->compiled, state);
-    float *words = malloc((count + 1) * sizeof *words);
-    if (!words)
-        return fp3_no_memory(error);
-    fp3_status status =
-        symbol ? fp3_engine_read(engine, first, count, symbol->index, words) : FP3_OK;
-    for (size_t i = 0; !status && i < count; i++)
-        values[i] = symbol ? (double)words[i] : NAN;
-    if (!status && symbol && low >= 0)
-        status = fp3_engine_read(engine, first, count, (uint32_t)low, words);
-    for (size_t i = 0; !status && symbol && low >= 0 && i < count; i++)
-        values[i] += (double)words[i];
-    free(words);
-    return status;
-}
-
 static int are_of_one_vector(const char *one, const char *other) {
     const char *end = strrchr(one, '_');
     const size_t length = end ? (size_t)(end - one) + 1 : 0;

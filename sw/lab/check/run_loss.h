@@ -6,6 +6,8 @@
 #ifndef FP3_CHECK_RUN_LOSS_H
 #define FP3_CHECK_RUN_LOSS_H
 
+#include "lab/scene/scaled.h"
+
 #include <fp3/program.h>
 
 /* Objects of a model that have made a run. */
@@ -16,10 +18,6 @@ typedef struct {
     size_t first, objects;
     uint64_t steps;
 } fp3_run_part;
-
-/* A state of a model in double, of count objects: the sum of its words. */
-fp3_status fp3_run_state_read(const fp3_program *program, fp3_engine *engine, uint32_t state,
-                              size_t first, size_t count, double *values, fp3_error *error);
 
 /* size: rows of the first states, a number for each object. Gives all objects the largest size that
  * one of them has of the vector that the state is part of (r_x, r_y). Objects that see each other

@@ -85,6 +85,7 @@ typedef struct {
     size_t count, width;
     const fp3_scene_truth_def *def; /* NULL: as long as it takes */
     double cost;                    /* so far */
+    int is_stopped;                 /* by `tell` */
 } task;
 
 static fp3_status make_steps(task *t, fp3_crowd *crowd, fp3_motion *motion, double *states,
@@ -106,8 +107,10 @@ static fp3_status make_steps(task *t, fp3_crowd *crowd, fp3_motion *motion, doub
             return fp3_fail(error, FP3_E_FAILED,
                             "it takes more than the %.3g numbers that may be computed",
                             t->def->work);
-        if (t->def && t->def->tell && n % (all / 64 + 1) == 0)
-            t->def->tell(t->def->user, t->parts, (double)n / (double)all);
+        t->is_stopped = t->def && t->def->tell && n % (all / 64 + 1) == 0 &&
+                        t->def->tell(t->def->user, t->parts, (double)n / (double)all);
+        if (t->is_stopped)
+            return fp3_fail(error, FP3_E_FAILED, "it was stopped");
     }
 }
 
@@ -248,8 +251,15 @@ static fp3_status look(search *s, double *states, fp3_scene_solved *solved, fp3_
         if (status && status != FP3_E_FAILED)
             return fp3_fail(error, status, "%s", why.text);
         choose(s, states, solved);
+        if (s->t.is_stopped)
+            break;
         if (solved->known < s->t.count && s->t.cost + 2 * (s->t.cost - before) > s->t.def->work) {
-            if (!status)
+            if (!status && !s->level)
+                fp3_fail(&why, FP3_E_FAILED,
+                         "steps shorter than the scene's take more than the %.3g numbers that may "
+                         "be computed",
+                         s->t.def->work);
+            else if (!status)
                 fp3_fail(&why, FP3_E_FAILED,
                          "steps of h/%" PRIu64 " and h/%" PRIu64
                          " differ by more than %g of the size, and shorter ones take more than the "
