@@ -80,7 +80,7 @@ def result(row):
 def pages(rows, _):
     kept = [row["met"] for row in chosen(rows)]
     lines = ["## Scenes whose objects see each other", "", *evidence("scenes.tuned"), "",
-             f"{sum(kept)} of {len(kept)} choices keep their tolerance in {HELD_OUT} scenes that they have not seen; for {len(rows) - len(kept)} of {len(rows)} rows nothing meets it. "
+             f"{sum(kept)} of {len(kept)} choices keep their tolerance in {HELD_OUT} scenes that they have not seen; for {len(rows) - len(kept)} of {len(rows)} rows nothing meets it, or {WORK:g} numbers give no solution. "
              "The columns: the [scene](../programs/world); the tolerance; the choice and its `h`; the steps of the scene over which errors are known; the error in the scenes that the choice has seen,",
              "and in those that it has not; its cycles, as a share of those of the scene as it is. [The tuner](tuner.md#scenes-whose-objects-see-each-other) says how it chooses, "
              "and `make scenes PARTS=tuned` measures this again.", "",
