@@ -23,7 +23,7 @@ typedef struct {
     fp3_scene *scene;
     const char *path, *config; /* config: what replaces the file's, or NULL */
     const fp3_config *machine; /* the one or the other */
-    uint64_t draw; /* added to each seed of `random` */
+    uint64_t draw;             /* added to each seed of `random` */
     double h;
     const config_setting_t *h_at; /* NULL: the file gives no h */
     fp3_settings in;

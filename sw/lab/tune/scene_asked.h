@@ -7,7 +7,7 @@
 
 /* The definition with a number for what it leaves open. FP3_E_ARGUMENT: a number is out of range.
  */
-fp3_status fp3_scene_tune_settle(const fp3_scene_tune_def *def, fp3_scene_tune_def *settled,
+fp3_status fp3_scene_tune_settle(const fp3_scene_tune_def *asked, fp3_scene_tune_def *def,
                                  fp3_error *error);
 /* FP3_E_ARGUMENT: its objects do not see each other, or its groups have steps of different lengths.
  */
