@@ -87,6 +87,16 @@ def test_dampers_of_a_pair_have_the_limit_of_the_books(rows, integrator, limit):
         assert found["growth"]["measured"] == pytest.approx(max(1, grown), rel=0.02)
 
 
+@pytest.mark.parametrize("is_first", [True, False])
+def test_the_limit_is_that_of_the_group_that_swings(rows, is_first):
+    """A wall that never moves, and steps by Euler's method, has no part in the limit of who swings at it."""
+    ball = "kind wall(x)\nstate x = 0\nstate v = 0\nnear of_wall(x, wall.x, 10)\nx' = v\nv' = sum(o in of_wall: 100*(o.x - x) - 3*v)\nstep 0.1\n"
+    groups = ['{ program = "wall.ode"; integrator = "euler"; objects = 1; }', '{ program = "ball.ode"; integrator = "semi_implicit_euler"; objects = 1; }']
+    found = rows(", ".join(groups if is_first else groups[::-1]), ball=ball, wall="state x = 0\nx' = 0\nstep 0.1\n")
+    assert [found["h omega"][key] for key in ("integrator", "expected", "measured")] == ["semi_implicit_euler", pytest.approx(2), pytest.approx(1, rel=1e-3)]
+    assert [found["h c/m"][key] for key in ("integrator", "expected", "measured")] == ["semi_implicit_euler", pytest.approx(2), pytest.approx(0.3, rel=1e-3)]
+
+
 def test_a_sheet_has_the_frequency_that_numpy_finds(rows, root, tmp_path):
     """The cloth of programs/world without weight: eigenvalues of its stiffness matrix, flat and at rest."""
     count, a = 20, 0.05

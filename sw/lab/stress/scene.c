@@ -154,17 +154,24 @@ static double limit_of_springs(const fp3_integrator *by) {
     return limit > 0 ? limit : fp3_theory_onset(by, M_PI_2, 1, GROWS);
 }
 
+/* By the integrator of the group that swings or is damped fastest. */
+static const fp3_integrator *integrator_of(const trial *t, const most *of) {
+    return t->scene->groups[of->group].program->integrator;
+}
+
 static fp3_status judge(trial *t) {
     fp3_status status = FP3_OK;
     char because[96] = "";
     for (size_t i = 0; !status && i < t->scene->group_count; i++) {
+        const most *springs = &t->springs[i], *dampers = &t->dampers[i];
         if (!fp3_spectrum_is_first(t->spectrum, i))
             continue;
-        const fp3_integrator *by = t->scene->groups[i].program->integrator;
-        if (t->springs[i].value > 0)
-            status = add(t, &t->springs[i], "h omega of springs", limit_of_springs(by), NULL);
-        if (!status && t->dampers[i].value > 0)
-            status = add(t, &t->dampers[i], "h c/m of dampers", fp3_theory_damped(by), NULL);
+        if (springs->value > 0)
+            status = add(t, springs, "h omega of springs",
+                         limit_of_springs(integrator_of(t, springs)), NULL);
+        if (!status && dampers->value > 0)
+            status = add(t, dampers, "h c/m of dampers",
+                         fp3_theory_damped(integrator_of(t, dampers)), NULL);
     }
     if (t->stable > 0)
         snprintf(because, sizeof because, "with h = %.2g nothing grows",
