@@ -4,7 +4,7 @@
     tools/world_peers.py list --bullet build/bench/bullet
     tools/world_peers.py warp --bullet build/bench/bullet --fp3 build/fp3 --folder DIR --output rows.json [--quick]
 
-One thread each. What one solves, and in which arithmetic, is said in fp3world/peers_SCENE.py. Compilation is not timed; the figure is the
+One thread each. What one solves, and in which arithmetic, is said in docs/world.md. Compilation is not timed; the figure is the
 shortest of several turns, in time that the processor gave.
 """
 
@@ -43,8 +43,7 @@ def installed(bullet):
 
 def measure(name, lab):
     for scene in PEERS[name][1]:
-        module = importlib.import_module(f"fp3world.peers_{scene}")
-        for found in getattr(module, f"{name}_{scene}")(lab):
+        for found in importlib.import_module("fp3world.peers").rows(lab, name, scene):
             yield found | {"engine": name}
 
 

@@ -1,5 +1,5 @@
 // bullet.cpp - build/bench/bullet: a net of masses by Bullet's soft bodies, in float32;
-// tools/fp3world/peers_net.py runs it.
+// tools/fp3world/peers.py runs it.
 //
 //     bullet springs|threads COLUMNS ROWS BEFORE STEPS REPEATS
 //

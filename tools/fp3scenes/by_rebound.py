@@ -23,7 +23,8 @@ class Stars:
         begin = time.process_time()
         simulation.integrate(self.problem.seconds)
         took = time.process_time() - begin
-        self.x, self.steps = np.array([body.xyz for body in simulation.particles]), simulation.steps_done
+        self.x, self.velocity = (np.array([getattr(body, name) for body in simulation.particles]) for name in ("xyz", "vxyz"))
+        self.steps = simulation.steps_done
         return took
 
 

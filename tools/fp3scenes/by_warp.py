@@ -30,7 +30,7 @@ class Scene:
             for call in self.calls:
                 call()
         took = time.process_time() - begin
-        self.x = self.position.numpy()[:, :len(self.problem.axes)].astype(float)
+        self.x, self.velocity = (array.numpy()[:, :len(self.problem.axes)].astype(float) for array in (self.position, self.v))
         return took
 
     def reset(self):

@@ -76,8 +76,9 @@ nothing is known to compare with.
 - `heap`: the largest difference of a coordinate from where FP3 has the balls, after 256 steps from the same start at rest, as a share
   of the width of the box. It has the errors of both, and the difference of their integrators.
 
-The program with Bullet's nets is `bench/world/bullet.cpp`; `tools/fp3world/peers_net.py`, `peers_heap.py` and `peers_stars.py` have the other
-peers. A result that is too far off makes no row, and neither does a peer that fails: `make world` names it and ends with exit code 1."""
+The program with Bullet's nets is `bench/world/bullet.cpp`; that of Box2D is in `tools/fp3world/peers.py`. The others are those of
+[scene_errors.md](scene_errors.md), `tools/fp3scenes/by_*.py`. A result that is too far off makes no row, and neither does a peer that fails:
+`make world` names it and ends with exit code 1."""
 
 CHIP = """\
 Clock cycles of the simulated hardware for a step of an object, from the difference of a longer and a shorter run. Scenes are small, because objects and

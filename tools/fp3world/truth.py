@@ -6,6 +6,7 @@ A net's steps are made again in double precision. Bodies that attract each other
 import math
 
 import numpy as np
+from fp3scenes import problems
 from fp3world import bodies
 from fp3world import cases
 from fp3world import scene as ws
@@ -24,14 +25,15 @@ def at(lab, case, steps):
 
 class Net:
     """programs/world/net.scene. Object k is at (k % columns, k // columns); the first row is held."""
-    spacing, w, h, g = 2.0 ** -7, 81920.0, 2.0 ** -12, 9.81
-    stiffness = {"structural": 60.0, "shear": 60.0, "bending": 6.0}
+    spacing, w, g, stiffness = (problems.NET[name] for name in ("apart", "w", "g", "k"))
+    h = 2.0 ** -12
 
     def __init__(self, quick):
         self.case = cases.find("net")
         self.columns, self.rows = (40, 20) if quick else (128, 128)
         self.objects, self.steps = self.columns * self.rows, 64 if quick else 1024
         self.size = self.spacing * (max(self.columns, self.rows) - 1)
+        self.made = problems.NET | {"columns": self.columns, "rows": self.rows, "held": tuple(range(self.columns))}
 
     def ways(self):
         """Half of the neighbours of an object: columns and rows to go, and the stiffness of the spring."""
@@ -84,6 +86,7 @@ class Stars:
     def __init__(self, label, quick):
         self.case, self.name, self.objects = cases.find(label), cases.find(label).name(quick), 70 if quick else int(label.split()[-1])
         self.steps = 64 if quick else 2048
+        self.made = {"soft": self.soft, "m": 1 / self.objects}
 
     def start(self, lab):
         return at(lab, self.case, 0)
@@ -100,18 +103,18 @@ class Stars:
 
 class Heap:
     """programs/world/heap.scene, at rest."""
-    radius, mass, stiff, damp, h, g = 0.05, 0.01, 1000.0, 1.0, 2.0 ** -10, 9.81
+    made, h = problems.HEAP | {"side": 3.2}, 2.0 ** -10
 
     def __init__(self, quick):
-        self.case = cases.find("heap")
-        self.side, self.before, self.steps = 3.2, 2048 if quick else self.case.before, 64 if quick else 256
+        self.case, self.objects = cases.find("heap"), 90 if quick else 10000
+        self.before, self.steps = 2048 if quick else self.case.before, 64 if quick else 256
 
     def start(self, lab):
         return at(lab, self.case, self.before)
 
     def error(self, lab, x):
         """Largest difference of a coordinate from where fp3 has the balls, as a share of the box."""
-        return below(1e-3, self.case.name(lab.quick), abs(x - at(lab, self.case, self.before + self.steps)[0]).max() / self.side)
+        return below(1e-3, self.case.name(lab.quick), abs(x - at(lab, self.case, self.before + self.steps)[0]).max() / self.made["side"])
 
 
 def below(most, scene, error):
