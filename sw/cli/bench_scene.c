@@ -242,10 +242,7 @@ static fp3_status check(const fp3_bench_scene *what, const fp3_scene *scene, fp3
     for (size_t i = 0; i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
         fp3_files files = {0};
-        fp3_files_read(&files, "program", group->path);
-        fp3_files_read(&files, "params", group->params_file);
-        for (size_t k = 0; k < group->file_count; k++)
-            fp3_files_read(&files, "points or links", group->files[k]);
+        fp3_files_read_group(&files, group);
         fp3_files_write(&files, "--json", what->json);
         const fp3_status status = fp3_files_check(&files, error);
         if (status)

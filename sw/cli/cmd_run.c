@@ -273,7 +273,10 @@ static fp3_status run(fp3_run_options *o, const fp3_run_task *of, const fp3_engi
         status = fp3_run_failed(engine, of, &cost, error);
     if (status == FP3_E_FAILED && *has_run && !o->is_quiet) {
         fp3_error other; /* why it failed stays the message */
+        size_t unused = 0;
         (void)warn_of_parts(o, of, engine, NULL, &other);
+        if (!after.checks)
+            (void)look_at_growth(o, &after, &unused, &other);
     }
     if (!status && !o->is_quiet)
         status = judge(o, of, engine, &after, error);
@@ -360,12 +363,9 @@ static fp3_status check_files_of(const fp3_scene *scene, fp3_run_options *o, fp3
     fp3_status status = FP3_OK;
     for (size_t i = 0; !status && i < scene->group_count; i++) {
         fp3_files files = {0};
-        fp3_files_read(&files, "program", scene->groups[i].path);
-        fp3_files_read(&files, "integrator", scene->groups[i].integrator_file);
-        fp3_files_read(&files, "params", scene->groups[i].params_file);
-        for (size_t k = 0; k < scene->groups[i].file_count; k++)
-            fp3_files_read(&files, "points or links", scene->groups[i].files[k]);
+        fp3_files_read_group(&files, &scene->groups[i]);
         fp3_files_write(&files, "--bus-log", o->on.bus_log);
+        fp3_files_write(&files, "--kanata", o->on.kanata);
         fp3_files_write(&files, "--output", o->record.def.path);
         fp3_files_write(&files, "--plot", o->record.def.plot);
         fp3_files_write(&files, "--checkpoint", o->record.def.checkpoint);

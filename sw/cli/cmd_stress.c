@@ -89,10 +89,23 @@ static void say(void *user, const char *section, const char *what) {
     fp3_progress_say(user, "%s, %s", section, what);
 }
 
-static fp3_status stress_scene(const fp3_stress_options *how, const char *path,
+static fp3_status check_files_of(const options *o, const fp3_scene *scene, fp3_error *error) {
+    fp3_status status = FP3_OK;
+    for (size_t i = 0; !status && i < scene->group_count; i++) {
+        fp3_files files = {0};
+        fp3_files_read_group(&files, &scene->groups[i]);
+        fp3_files_write(&files, "--json", o->json);
+        status = fp3_files_check(&files, error);
+    }
+    return status;
+}
+
+static fp3_status stress_scene(const options *o, const fp3_stress_options *how, const char *path,
                                fp3_verdicts *verdicts, fp3_error *error) {
     fp3_scene *scene = NULL;
     fp3_status status = fp3_scene_open(path, NULL, &scene, error);
+    if (!status)
+        status = check_files_of(o, scene, error);
     if (!status)
         status = fp3_stress_scene(how, scene, verdicts, error);
     fp3_scene_close(&scene);
@@ -105,7 +118,7 @@ static fp3_status stress_file(const options *o, const fp3_stress_options *how, c
     const char *const *names = o->integrator_count ? how->integrators : usual;
     fp3_model *model = NULL;
     if (is_scene(o, path))
-        return stress_scene(how, path, verdicts, error);
+        return stress_scene(o, how, path, verdicts, error);
     fp3_status status = fp3_model_load(path, &model, report, error);
     if (!status)
         status = fp3_model_check_alone(model, error);

@@ -255,8 +255,7 @@ static fp3_status check_scene(const options *o, const fp3_scene *scene, fp3_erro
                            "found lifetimes, which are steps: expected objects that live all the "
                            "time");
     fp3_files_read(&files, "scene", o->input);
-    fp3_files_read(&files, "program", group->path);
-    fp3_files_read(&files, "params", group->params_file);
+    fp3_files_read_group(&files, group);
     fp3_files_write(&files, "--output", o->out.scene);
     fp3_files_write(&files, "--json", o->out.json);
     return fp3_files_check(&files, error);

@@ -35,6 +35,21 @@ typedef struct {
 
 /* ---- the engine's states ---- */
 
+/* The first failure of all runs is kept; rows are printed in each case. */
+static fp3_status look_for_failures(comparison *c, fp3_engine *engine, uint64_t parts) {
+    fp3_failure found;
+    char text[FP3_FAILURE_TEXT_SIZE];
+    if (c->failure.text[0])
+        return FP3_OK;
+    const fp3_status status = fp3_engine_failure(engine, 0, fp3_engine_objects(engine), &found);
+    if (!status && found.failed) {
+        fp3_engine_failure_text(engine, &found, text);
+        fp3_fail(&c->failure, FP3_E_FAILED, "with h/%" PRIu64 ": %s; %zu of %zu objects failed",
+                 parts, text, found.failed, fp3_engine_objects(engine));
+    }
+    return status;
+}
+
 static fp3_status run_engine(comparison *c, uint64_t parts, fp3_error *error) {
     fp3_scaled f;
     fp3_engine *engine = NULL;
@@ -55,6 +70,8 @@ static fp3_status run_engine(comparison *c, uint64_t parts, fp3_error *error) {
                          c->steps[i]);
         if (c->steps[i] > made)
             status = fp3_adaptive_run(engine, (c->steps[i] - made) * parts, &stats);
+        if (!status && c->steps[i] > made)
+            status = look_for_failures(c, engine, parts);
         if (!status)
             status = fp3_scaled_row(&f.scene, engine, c->engine + i * c->width, error);
     }
@@ -288,6 +305,9 @@ static fp3_status compare(comparison *c, fp3_error *error) {
 
 static fp3_status take_room(comparison *c, fp3_error *error) {
     const uint64_t all = c->what->steps ? c->what->steps : c->scene->steps;
+    if (!all)
+        return fp3_fail(error, FP3_E_ARGUMENT, "%s: found 'steps = 0', expected steps to compare",
+                        c->what->path);
     c->times = all < TIMES ? all : TIMES;
     for (size_t i = 0; i < c->times; i++)
         c->steps[i] = all / c->times * (i + 1) + all % c->times * (i + 1) / c->times;
@@ -297,18 +317,14 @@ static fp3_status take_room(comparison *c, fp3_error *error) {
     c->method = calloc(numbers, sizeof *c->method);
     c->engine = calloc(numbers, sizeof *c->engine);
     c->sizes = calloc(c->width + 1, sizeof *c->sizes);
-    return c->solution && c->method && c->engine && c->sizes && c->times ? FP3_OK
-                                                                         : fp3_no_memory(error);
+    return c->solution && c->method && c->engine && c->sizes ? FP3_OK : fp3_no_memory(error);
 }
 
 static fp3_status check(const fp3_compare_scene *what, const fp3_scene *scene, fp3_error *error) {
     for (size_t i = 0; i < scene->group_count; i++) {
         const fp3_scene_group *group = &scene->groups[i];
         fp3_files files = {0};
-        fp3_files_read(&files, "program", group->path);
-        fp3_files_read(&files, "params", group->params_file);
-        for (size_t k = 0; k < group->file_count; k++)
-            fp3_files_read(&files, "points or links", group->files[k]);
+        fp3_files_read_group(&files, group);
         fp3_files_write(&files, "--json", what->json);
         fp3_files_write(&files, "--csv", what->csv);
         fp3_files_write(&files, "--states", what->states);

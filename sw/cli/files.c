@@ -28,6 +28,14 @@ void fp3_files_write(fp3_files *files, const char *what, const char *path) {
     add(files, what, path, 1);
 }
 
+void fp3_files_read_group(fp3_files *files, const fp3_scene_group *group) {
+    fp3_files_read(files, "program", group->path);
+    fp3_files_read(files, "integrator", group->integrator_file);
+    fp3_files_read(files, "params", group->params_file);
+    for (size_t k = 0; k < group->file_count; k++)
+        fp3_files_read(files, "points or links", group->files[k]);
+}
+
 void fp3_files_keep(fp3_files *files, const char *what, const char *path) {
     add(files, what, path, 1);
     if (path && !files->is_full)

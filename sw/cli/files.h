@@ -9,6 +9,7 @@
 #ifndef FP3_CLI_FILES_H
 #define FP3_CLI_FILES_H
 
+#include <fp3/scene.h>
 #include <fp3/status.h>
 #include <stddef.h>
 
@@ -27,6 +28,8 @@ typedef struct {
 /* what: the option, or the argument's name. A path of NULL is no file. */
 void fp3_files_read(fp3_files *files, const char *what, const char *path);
 void fp3_files_write(fp3_files *files, const char *what, const char *path);
+/* All that a group of a scene is read from, besides the scene. */
+void fp3_files_read_group(fp3_files *files, const fp3_scene_group *group);
 /* Where the output that was added last keeps what it replaces. The two are not compared: while
  * another process publishes, and after it was killed, both may be links of one file. */
 void fp3_files_keep(fp3_files *files, const char *what, const char *path);

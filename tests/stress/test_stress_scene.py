@@ -58,7 +58,7 @@ def rows(call, tmp_path):
     """By their first words."""
     def rows(groups, **how):
         call("stress", groups, "--json", tmp_path / "r.json", **how)
-        return {re.match("h omega|h c/m|growth", row["name"])[0]: row for row in json.loads((tmp_path / "r.json").read_text())["results"]}
+        return {re.match("h omega|h c/m|growth|objects", row["name"])[0]: row for row in json.loads((tmp_path / "r.json").read_text())["results"]}
     return rows
 
 
@@ -147,6 +147,40 @@ def test_what_other_looks_are_blind_to_is_told(call, what):
         wall = other.replace("objects = 1;", f"objects = 1; set = {{ h = {share * limit!r}; }};")
         said = call("run", group + wall, steps=128, m=model, wall=spring + "v' = 0*x\n").stderr
         assert ("the step is too long" in said) == is_told, said
+
+
+MET = """state x = 0
+state v = 0
+near touch(x, 0.1)
+x' = v
+v' = sum(o in touch: 1000*(1 - 0.1/abs(o.x - x))*(o.x - x))
+step 0.001
+"""
+
+
+def test_objects_that_fail_do_not_hold(rows):
+    """Two that meet at one place have no direction: their states are NaN from then on, which no limit shows."""
+    group = '{ program = "m.ode"; integrator = "semi_implicit_euler"; objects = 2; spread = { x = [0.0, 0.5]; v = [%s, 0.0]; }; }'
+    found = rows(group % "500.0", code=3, steps=16, m=MET)
+    assert found["growth"]["holds"] and found["objects"]["measured"] == 2 and "at the same place" in found["objects"]["why"]
+    assert "objects" not in rows(group % "1.0", steps=16, m=MET)
+
+
+def test_a_long_step_is_told_in_a_short_run_and_in_one_that_fails(call):
+    group = '{ program = "m.ode"; integrator = "%s"; grid = { count = 2; }; links = { relation = "s"; grid = "structural"; }; set = { h = %s; }; only = { objects = 0; set = { u = %s; }; }; }'
+    told = ": the step is too long: a small error grows "
+    assert told in call("run", group % ("leapfrog", "30.0", "0.0"), steps=8, m=CHAIN).stderr
+    assert "the step is too long" in call("run", group % ("leapfrog", "30.0", "0.0"), "--check", "--strict", code=3, steps=8, m=CHAIN).stderr
+    assert told in call("run", group % ("rk4", "0.5", "0.1"), code=3, steps=200, m=CHAIN).stderr
+    assert "too long" not in call("run", group % ("leapfrog", "0.15", "0.0"), "--check", steps=8, m=CHAIN).stdout
+
+
+def test_results_do_not_overwrite_what_the_scene_reads(call, tmp_path):
+    group = '{ program = "m.ode"; objects = 2; links = { relation = "s"; file = "l.csv"; }; }'
+    (tmp_path / "l.csv").write_text("a,b\n0,1\n")
+    for name in ("m.ode", "l.csv"):
+        assert f"--json {name} would overwrite" in call("stress", group, "--json", name, code=2, m=CHAIN).stderr
+    assert (tmp_path / "m.ode").read_text() == CHAIN and (tmp_path / "l.csv").read_text() == "a,b\n0,1\n"
 
 
 def test_what_has_no_limit_is_refused(call, rows):

@@ -268,6 +268,25 @@ def test_a_chaotic_scene_has_a_truth_for_a_while(compare, root):
     assert all(math.isnan(value) == (step > known) for step, values in found.at("x").items() for value in values)
 
 
+def test_objects_that_fail_end_with_code_3(compare):
+    """Two pass each other in the solution; with the scene's steps they meet at one place."""
+    met = "model m\nstate x = 0\nstate v = 0\nnear by(x, 0.1)\nstep 0.001\nx' = v\nv' = sum(o in by: 1000*(1 - 0.1/abs(o.x - x))*(o.x - x))\n"
+    scene = 'config = "world"; steps = 16; groups = ( { program = "m.ode"; integrator = "semi_implicit_euler"; objects = 2; spread = { x = [0.0, 0.5]; v = [500.0, 0.0]; }; } );'
+    found = compare(scene, code=3, files={"m.ode": met})
+    assert "with h/1: object 0 in step 2: invalid, at the same place as object 1; 2 of 2 objects failed" in found.text
+    assert found.solution["known_until_step"] == 16
+    assert "found 'steps = 0'" in compare(scene.replace("steps = 16", "steps = 0"), code=2)
+
+
+def test_what_an_unstable_method_makes_is_no_solution(compare):
+    """Beside a state of 1e200 all small ones agree. The solution stays below 1."""
+    spring = "model m\nstate u = 0\nstate v = 0\nlinks s(k = 1e9)\nstep 0.0078125\nu' = v\nv' = sum(o in s: o.k*(o.u - u))\n"
+    group = ('{ program = "m.ode"; integrator = "euler"; grid = { count = 2; }; links = { relation = "s"; grid = "structural"; };'
+             ' only = { objects = 0; set = { u = 0.1; }; }; }')
+    found = compare(f'config = "world"; steps = 40; groups = ( {group} );', "--halvings", 0, "--work", "3e6", code=3, files={"m.ode": spring})
+    assert found.solution["known_until_step"] == 0 and "no solution at step 1" in found.text
+
+
 def test_what_has_none_is_refused(compare, root):
     rest = "model m\nstate x = 0\nnear by(x, 1)\nrest when x < 1 for 1\nstep 0.125\nx' = count(o in by)\n"
     still = "model m\nparam a = 1\nstate x = 0\nlinks l\nstep 0.125\nproject x = x + a\n"

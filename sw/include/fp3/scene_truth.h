@@ -56,7 +56,8 @@ fp3_status fp3_scene_in_double(const fp3_scene *scene, uint64_t parts, const uin
 
 typedef struct {
     /* Two lengths of step have to agree within this, as a share of a state's size: the largest that
-     * it, or another component of its vector, has in any object at any of the times. Default 1e-6.
+     * it, or another component of its vector, has in any object at the times that have a truth.
+     * Default 1e-6.
      */
     double within;
     /* How many numbers may be computed for it, about 10^9 in a second. Default 1e10. */

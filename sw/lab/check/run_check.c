@@ -339,7 +339,7 @@ void fp3_run_check_print(const fp3_run_check *c, size_t first) {
 }
 
 fp3_status fp3_run_check_judge(const fp3_run_check *c, double bound, fp3_error *error) {
-    char text[FP3_RUN_INVARIANTS_TEXT_SIZE] = "";
+    char text[FP3_RUN_INVARIANTS_TEXT_SIZE] = "", grows[FP3_RUN_GROWTH_TEXT_SIZE] = "";
     for (size_t i = 0; c && i < c->second.count; i++) {
         const judged *j = &c->parts[i];
         if (!(worst(j) <= bound))
@@ -348,6 +348,10 @@ fp3_status fp3_run_check_judge(const fp3_run_check *c, double bound, fp3_error *
                             j->of->run->first + j->worst_object,
                             j->of->model->states[j->worst_state].name, worst(j), bound);
     }
+    if (c)
+        fp3_run_growth_text(c->second.growth, grows);
+    if (*grows)
+        return fp3_fail(error, FP3_E_FAILED, "%s", grows);
     if (c)
         fp3_run_invariants_judge(c->invariants, bound, text);
     return *text ? fp3_fail(error, FP3_E_FAILED, "%s, and --strict allows %.2g", text, bound)

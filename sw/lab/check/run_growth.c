@@ -9,7 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FEW 100         /* in a run of fewer steps nothing grows much */
+#define MUCH 0x1p24     /* in a run that enlarges errors less, they stay below the digits of FP32 */
+#define FEW 100         /* steps: only of small scenes, where a look takes some milliseconds */
+#define SMALL_SCENE 256 /* objects */
 #define LEAST 1e6       /* numbers, which take some milliseconds: what a look may compute */
 #define SHARE 0.1       /* of the steps that objects have made: likewise */
 #define SPARSE 1        /* neighbours: where an object has fewer in the end, objects fly apart */
@@ -115,10 +117,14 @@ fp3_status fp3_run_growth_look(fp3_run_growth *of, const double *const *columns,
     return of ? look(of, share, error) : FP3_OK;
 }
 
+static int is_much(const fp3_run_growth *of) {
+    return pow(of->found.factor, (double)of->set->parts[0].steps) >= MUCH;
+}
+
 void fp3_run_growth_text(const fp3_run_growth *of, char text[FP3_RUN_GROWTH_TEXT_SIZE]) {
     char shorter[64] = "", packed[FP3_NAME_SIZE + 64] = "";
     *text = '\0';
-    if (!of || !(of->found.factor > 1))
+    if (!of || !is_much(of))
         return;
     const fp3_crowd_group *g = &fp3_spectrum_crowd(of->spectrum)->groups[of->found.group];
     if (of->found.stable > 0)
@@ -161,11 +167,15 @@ static fp3_status look_at_end(fp3_run_growth *of, fp3_error *error) {
     return status;
 }
 
-static int is_quick(const fp3_run_set *set) {
+static size_t objects_of(const fp3_run_set *set) {
     size_t objects = 0;
     for (size_t i = 0; i < set->count; i++)
         objects += set->parts[i].objects;
-    return objects <= MANY || set->parts[0].steps >= MANY_STEPS;
+    return objects;
+}
+
+static int is_quick(const fp3_run_set *set) {
+    return objects_of(set) <= MANY || set->parts[0].steps >= MANY_STEPS;
 }
 
 /* Where objects that touched have flown apart, the end does not show it. */
@@ -189,7 +199,8 @@ fp3_status fp3_run_growth_warn(const fp3_run_set *set, fp3_run_say_fn *say, cons
                                size_t *warnings, fp3_error *error) {
     fp3_run_growth *of = NULL;
     char text[FP3_RUN_GROWTH_TEXT_SIZE];
-    fp3_status status = set->parts[0].steps < FEW ? FP3_OK : fp3_run_growth_open(set, &of, error);
+    const int is_worth = set->parts[0].steps >= FEW || objects_of(set) <= SMALL_SCENE;
+    fp3_status status = is_worth ? fp3_run_growth_open(set, &of, error) : FP3_OK;
     if (!status && of)
         status = look_at_run(of, error);
     if (!status) {

@@ -194,12 +194,12 @@ static void extrapolate(const search *s, const double *fine, const double *coars
         to[i] = fine[i] + factor * (fine[i] - coarse[i]);
 }
 
-/* How many rows agree, and by how much they differ. */
-static size_t agree(const search *s, double *apart) {
+/* How many of these rows agree, by the sizes in them, and by how much they differ. */
+static size_t agree_among(const search *s, size_t count, double *apart) {
     size_t row = 0;
     *apart = 0;
-    fp3_scene_sizes(s->t.scene, s->made, s->t.count, s->sizes);
-    for (; row < s->t.count; row++) {
+    fp3_scene_sizes(s->t.scene, s->made, count, s->sizes);
+    for (; row < count; row++) {
         double most = 0;
         for (size_t i = 0; i < s->t.width; i++) {
             const double d =
@@ -212,6 +212,15 @@ static size_t agree(const search *s, double *apart) {
         *apart = fmax(*apart, most);
     }
     return row;
+}
+
+/* A row that does not agree tells no size: an unstable method's may be beyond all bounds, beside
+ * which everything agrees. */
+static size_t agree(const search *s, double *apart) {
+    size_t count = s->t.count, known = agree_among(s, count, apart);
+    for (; known < count; known = agree_among(s, count, apart))
+        count = known;
+    return known;
 }
 
 /* What is best of the last lengths goes to the caller, if it is better than what he has. */

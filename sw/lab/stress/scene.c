@@ -34,6 +34,8 @@ typedef struct {
     most growth;
     double stable; /* a step with which nothing grows, of the group's */
     double neighbours;
+    size_t failed;
+    char failure[FP3_FAILURE_TEXT_SIZE];
     fp3_verdicts *verdicts;
     fp3_error *error;
 } trial;
@@ -78,7 +80,19 @@ static fp3_status look(trial *t, uint64_t step, const char *where) {
     return status;
 }
 
-static fp3_status take_states(trial *t, int *is_finite) {
+/* The states of objects that failed tell nothing. */
+static fp3_status look_for_failures(trial *t) {
+    fp3_failure found;
+    const fp3_status status =
+        fp3_engine_failure(t->engine, 0, fp3_engine_objects(t->engine), &found);
+    if (!status && found.failed) {
+        t->failed = found.failed;
+        fp3_engine_failure_text(t->engine, &found, t->failure);
+    }
+    return status;
+}
+
+static fp3_status take_states(trial *t) {
     fp3_status status = FP3_OK;
     for (size_t k = 0; !status && k < t->scene->group_count; k++) {
         const fp3_scene_group *of = &t->scene->groups[k];
@@ -88,11 +102,9 @@ static fp3_status take_states(trial *t, int *is_finite) {
         for (uint32_t s = 0; !status && s < g->model->state_count; s++) {
             status = fp3_run_state_read(of->program, t->engine, s, of->first, g->objects, column,
                                         t->error);
-            for (size_t i = 0; !status && i < g->objects; i++) {
-                *is_finite &= !isinf(column[i]);
-                if (!isnan(column[i]))
+            for (size_t i = 0; !status && i < g->objects; i++)
+                if (!isnan(column[i])) /* the engine has the state */
                     g->states[s * g->objects + i] = column[i];
-            }
         }
         free(column);
     }
@@ -111,15 +123,18 @@ static fp3_status look_at_packed(trial *t) {
 static fp3_status run(trial *t) {
     const uint64_t steps = t->scene->steps, looks = t->how->is_quick ? QUICK : LOOKS;
     fp3_status status = look(t, 0, "");
-    int is_finite = 1;
-    for (uint64_t i = 0, made = 0; !status && is_finite && i < looks; i++) {
+    for (uint64_t i = 0, made = 0; !status && !t->failed && i < looks; i++) {
         const uint64_t until = steps / looks * (i + 1) + steps % looks * (i + 1) / looks;
         t->how->say(t->how->say_user, "scene", t->scene->path);
+        if (until == made)
+            continue;
         status = fp3_adaptive_run(t->engine, until - made, NULL);
         made = until;
         if (!status)
-            status = take_states(t, &is_finite);
-        if (!status && is_finite)
+            status = look_for_failures(t);
+        if (!status && !t->failed)
+            status = take_states(t);
+        if (!status && !t->failed)
             status = look(t, made, "");
     }
     return status ? status : look_at_packed(t);
@@ -145,6 +160,18 @@ static fp3_status add(trial *t, const most *of, const char *what, double expecte
     else
         snprintf(v.name, sizeof v.name, "%s, h = %.3g, object %zu at time %.4g", what, g->h,
                  of->object, of->time);
+    return fp3_verdicts_add(t->verdicts, &v, t->error);
+}
+
+static fp3_status add_failed(trial *t) {
+    fp3_verdict v = {.section = "scene",
+                     .name = "objects that failed",
+                     .integrator = "",
+                     .arithmetic = "",
+                     .relation = FP3_AT_MOST,
+                     .measured = (double)t->failed,
+                     .because = t->failure};
+    snprintf(v.model, sizeof v.model, "%s", t->scene->groups[0].name);
     return fp3_verdicts_add(t->verdicts, &v, t->error);
 }
 
@@ -176,7 +203,9 @@ static fp3_status judge(trial *t) {
     if (t->stable > 0)
         snprintf(because, sizeof because, "with h = %.2g nothing grows",
                  t->stable * group_of(t, t->growth.group)->h);
-    return status ? status : add(t, &t->growth, "growth of a small error in a step", 1, because);
+    if (!status)
+        status = add(t, &t->growth, "growth of a small error in a step", 1, because);
+    return status || !t->failed ? status : add_failed(t);
 }
 
 /* ---- open and close ---- */
