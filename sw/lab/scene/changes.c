@@ -106,8 +106,6 @@ void fp3_changes_close(const fp3_crowd_group *g, fp3_mover *v) {
 
 /* ---- one of them, of all objects of a group ---- */
 
-static int moves(const fp3_crowd_group *g, size_t i) { return g->is_alive[i] && !g->is_stopped[i]; }
-
 static fp3_span end_of(const fp3_span *at) { return (fp3_span){at->from + at->share, at->share}; }
 
 /* The values of the assignments become columns of v->changed, and behind them comes the condition,
@@ -143,7 +141,7 @@ static int take(const fp3_crowd_group *g, fp3_mover *v, const fp3_event *event, 
         const int happens = event->condition == FP3_NONE ||
                             (condition[i] != 0 &&
                              (event->armed == FP3_NONE || v->is_armed[number * g->objects + i]));
-        if (!moves(g, i) || !happens)
+        if (!fp3_crowd_moves(g, i) || !happens)
             continue;
         for (uint32_t k = 0; k < event->count; k++) {
             double *state =

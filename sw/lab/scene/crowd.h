@@ -64,6 +64,11 @@ fp3_status fp3_crowd_open(const fp3_scene *scene, fp3_crowd *crowd, fp3_error *e
 /* Leaves {0}, which may be closed as well. */
 void fp3_crowd_close(fp3_crowd *crowd);
 
+/* Who lives and does not stand still. */
+static inline int fp3_crowd_moves(const fp3_crowd_group *group, size_t object) {
+    return group->is_alive[object] && !group->is_stopped[object];
+}
+
 /* Who lives in the step after this one, of which the scene makes `parts` for each of its own. */
 void fp3_crowd_live(fp3_crowd *crowd, uint64_t step, uint64_t parts);
 

@@ -15,8 +15,6 @@
 
 /* ---- slopes ---- */
 
-static int moves(const fp3_crowd_group *g, size_t i) { return g->is_alive[i] && !g->is_stopped[i]; }
-
 /* The derivatives of all states, or of those that are kicked; of who does not move 0. */
 static void find_slopes(fp3_motion *m, uint32_t group, const fp3_span *at, double *slopes) {
     const fp3_crowd_group *g = &m->crowd->groups[group];
@@ -26,9 +24,9 @@ static void find_slopes(fp3_motion *m, uint32_t group, const fp3_span *at, doubl
         const size_t left = g->objects - first,
                      n = left < FP3_ASKED_OBJECTS ? left : FP3_ASKED_OBJECTS;
         size_t begin = first, end = first + n; /* of those that move */
-        while (begin < end && !moves(g, begin))
+        while (begin < end && !fp3_crowd_moves(g, begin))
             begin++;
-        while (end > begin && !moves(g, end - 1))
+        while (end > begin && !fp3_crowd_moves(g, end - 1))
             end--;
         if (begin < end)
             m->cost += fp3_asked_values(&v->slopes, &moment, begin, end - begin, v->room);
@@ -36,7 +34,7 @@ static void find_slopes(fp3_motion *m, uint32_t group, const fp3_span *at, doubl
             const double *from = fp3_asked_column(v->room, g->model->states[s].derivative);
             double *to = slopes + s * g->objects;
             for (size_t i = first; i < first + n; i++)
-                to[i] = moves(g, i) ? from[i - begin] : 0;
+                to[i] = fp3_crowd_moves(g, i) ? from[i - begin] : 0;
         }
     }
 }
@@ -69,7 +67,7 @@ static int is_position(const fp3_model *m, uint32_t state) {
 static void move_late(const fp3_crowd_group *g, double h, double *next) {
     for (uint32_t s = 0; s < g->model->state_count; s++)
         for (size_t i = 0; is_position(g->model, s) && i < g->objects; i++)
-            if (moves(g, i))
+            if (fp3_crowd_moves(g, i))
                 next[s * g->objects + i] = g->states[s * g->objects + i] +
                                            h * next[g->model->states[s].velocity * g->objects + i];
 }
@@ -111,7 +109,7 @@ static void drift_or_kick(fp3_motion *m, uint32_t group, const fp3_substep *subs
                                   : v->next + g->model->states[s].velocity * g->objects;
         double *to = v->next + s * g->objects;
         for (size_t i = 0; i < g->objects; i++)
-            if (moves(g, i))
+            if (fp3_crowd_moves(g, i))
                 to[i] += substep->coefficient * h * slope[i];
     }
 }

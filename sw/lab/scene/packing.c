@@ -32,8 +32,6 @@ static int is_within(const fp3_crowd_group *g, uint32_t relation, size_t i, size
     return square < reach * reach;
 }
 
-static int moves(const fp3_crowd_group *g, size_t i) { return g->is_alive[i] && !g->is_stopped[i]; }
-
 static double neighbours_of(const fp3_crowd_group *g, uint32_t relation, size_t i) {
     const fp3_crowd_sight *s = &g->sights[relation];
     double neighbours = 0;
@@ -48,7 +46,7 @@ double fp3_packing_neighbours(const fp3_crowd *crowd) {
         const fp3_crowd_group *g = &crowd->groups[k];
         const uint32_t relation = touching(g->model);
         for (size_t i = 0; relation != FP3_NONE && i < g->objects; i++)
-            if (moves(g, i)) {
+            if (fp3_crowd_moves(g, i)) {
                 objects++;
                 neighbours += neighbours_of(g, relation, i);
             }

@@ -62,8 +62,6 @@ static int next(const fp3_spectrum *of, part *p) {
     return p->g != NULL;
 }
 
-static int moves(const fp3_crowd_group *g, size_t i) { return g->is_alive[i] && !g->is_stopped[i]; }
-
 static void take_states(const fp3_spectrum *of, double *to) {
     for (part p = {0}; next(of, &p);)
         memcpy(to + p.first, p.g->states, numbers(p.g) * sizeof *to);
@@ -81,7 +79,7 @@ static void disturb(fp3_spectrum *of) {
         for (size_t k = 0; k < numbers(p.g); k++) {
             random = random * 1664525u + 1013904223u;
             of->now[p.first + k] =
-                moves(p.g, k % p.g->objects)
+                fp3_crowd_moves(p.g, k % p.g->objects)
                     ? of->scale[p.first + k] * ((double)random / 2147483648.0 - 1)
                     : 0;
         }
@@ -176,7 +174,7 @@ static fp3_status keep_who_answers(const fp3_spectrum *of, double share, fp3_err
         return fp3_no_memory(error);
     for (part p = {0}; next(of, &p);)
         for (size_t i = 0; i < p.g->objects; i++)
-            if (moves(p.g, i))
+            if (fp3_crowd_moves(p.g, i))
                 answers[count++] = answer_of(of, &p, i);
     qsort(answers, count, sizeof *answers, by_size);
     const double least = answers[(size_t)(share * (double)count)];
