@@ -568,7 +568,7 @@ tune-report: ## Write docs/tuning.md from build/results/tune.json
 # ---- whole scenes in the laboratory -------------------------------------------------------------
 
 .PHONY: scenes scenes-report
-scenes: all ## Whole scenes: error against run time beside peers, stability, tuning, skipping: build/results/scenes.json; QUICK=1, PARTS="curves skipped", SCENES="cloth dam"
+scenes: all ## Whole scenes: what is skipped, error against run time beside peers, limits, tuning: build/results/scenes.json; QUICK=1, PARTS="skipped curves stress tuned", SCENES="cloth dam"
 	@$(PYTHON) tools/scenes.py --fp3 $(BUILD)/fp3 --output $(RESULTS)/scenes.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
 
 scenes-report: | need-plot ## Write the pages of what `make scenes` found

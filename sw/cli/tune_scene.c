@@ -96,6 +96,9 @@ static void print_asked(const fp3_tune_scene *w, const fp3_scene_tuning *t) {
     if (t->known < t->steps)
         printf("%-16s errors are known up to step %" PRIu64 " of %" PRIu64 "%s%s\n", "solution",
                t->known, t->steps, t->solved.why[0] ? ": " : "", t->solved.why);
+    if (t->known < t->steps && t->within < 0.09 * w->def.tolerance)
+        printf("%-16s --within %g is near enough, and errors may be known for longer\n", "",
+               w->def.tolerance / 10);
     printf("%-16s %s, %s, h = %.6g: ", "as it is", t->own.integrator,
            fp3_arithmetic_of(t->own.arithmetic)->name, t->own.h);
     printf("%.0f cycles and %.0f ns for an object, error %.2e\n", t->own.cycles, t->own.ns,

@@ -122,11 +122,21 @@ def test_nothing_meets_what_no_arithmetic_gives(tune):
     assert "nothing meets the tolerance 0.0001 over 64 steps" in said
 
 
+def test_a_choice_that_never_holds_is_none(tune, folder):
+    """Numbers of 16 bits: both scenes that are seen are within half the tolerance; others are beyond it, and nothing keeps it there."""
+    close = {"stars.ode": STARS.replace("soft = 0.25", "soft = 0.05")}
+    scene = RANDOM.replace("steps = 64", "steps = 16").replace("objects = 8", "objects = 4").replace("seed = 1", "seed = 11")
+    found, said = tune(scene, "--tolerance", "0.03", "--config", "world_bfloat", "--output", "y.scene", code=3, files=close)
+    assert not found["met"] and found["choice"] is None and found["rounds"] == 2
+    assert found["error_held_out"] > 0.03 and "the choice does not hold: in one of 4 held-out scenes its error is 3.27e-02, above 0.03" in said
+    assert any(row["error"] <= 0.015 for row in found["tried"]) and not (folder / "y.scene").exists()
+
+
 def test_what_has_no_solution_to_its_end_is_tuned_as_far_as_it_goes(tune, folder):
     """Swings that amplify each difference, and little work: the scene that is written ends where errors are known."""
     swings = "model swings\nstate x = 1\nstate y = 1\nstate z = 20\nall others\nstep 0.015625\n" \
              "x' = 10*(y - x)\ny' = x*(28 - z) - y + 0*sum(o in others: o.x)\nz' = x*y - 8/3*z\n"
-    found, said = tune('steps = 1024; groups = ( { program = "swings.ode"; objects = 2; } );', "--tolerance", "0.1", "--within", "1e-6", "--work", "4e7",
+    found, said = tune('steps = 1024; groups = ( { program = "swings.ode"; objects = 2; } );', "--tolerance", "0.1", "--within", "1e-6", "--work", "1.3e7",
                        "--output", "y.scene", "--held-out", "1", "--around", "1e-6", files={"swings.ode": swings})
     known, choice = found["known_until_step"], found["choice"]
     assert found["met"] and 256 < known < 1024 and f"errors are known up to step {known} of 1024" in said

@@ -113,3 +113,16 @@ def test_limits_of_scenes_hold(root, build, tmp_path, part):
     assert len(list(stress.wrong(spoiled))) == 3 and "does not hold" in "\n".join(stress.pages(spoiled, None)["stress.md"])
     assert stress.limit(lambda h: h > 1.001, 1) == pytest.approx(1.001, abs=2e-3) and stress.limit(lambda h: False, 1) != stress.limit(lambda h: False, 1)
     assert stress.bounded("x", "y", stress.AT_LEAST, 2, 1, "")["holds"] is False and stress.bounded("x", "y", stress.AT_MOST, 2, 1, "")["holds"]
+
+
+def test_choices_for_scenes_keep_their_tolerance(scenes, measured, part):
+    """And one that does not, or a looser tolerance that costs more, is told."""
+    tuned = part("tuned")
+    rows = scenes("--parts", "tuned")["tuned"]
+    assert [(row["scene"], row["tolerance"]) for row in rows] == [(scene, tolerance) for scene in ("chain", "planets") for tolerance in (1e-1, 1e-2)]
+    assert list(tuned.wrong(rows)) == [] and all(row["met"] and row["error_held_out"] <= row["tolerance"] and row["held_out"] == 2 for row in rows)
+    assert "4 of 4 choices keep their tolerance" in "\n".join(tuned.pages(rows, None)["tuning.md"])
+    assert len(list(tuned.wrong([*rows[1:], rows[0] | {"met": False}]))) == 1
+    assert list(tuned.wrong([rows[0] | {"cycles": 2 * rows[1]["cycles"]}, rows[1]]))[0].startswith("tuned: chain: a looser tolerance costs more")
+    nothing = {"scene": "chain", "tolerance": 1e-3, "met": None, "steps": 32, "why": ""}
+    assert list(tuned.wrong([nothing])) == [] and "for 1 of 1 rows nothing meets it" in "\n".join(tuned.pages([nothing], None)["tuning.md"])

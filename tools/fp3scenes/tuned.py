@@ -13,7 +13,7 @@ STEPS = {"chain": 2560, "clocks": 1024, "cloth": 64, "eight": 1024, "membrane": 
          "rope": 1024, "stars": 64, "train": 1024}
 SCENES = sorted(STEPS)
 TOLERANCES = (1e-1, 1e-2, 1e-3)
-QUICK = {"scenes": ("chain", "players"), "steps": 32, "tolerances": (1e-1, 1e-2), "held_out": 2}
+QUICK = {"scenes": ("chain", "planets"), "steps": 32, "tolerances": (1e-1, 1e-2), "held_out": 2}
 HELD_OUT = 4
 KEPT = 0.95                         # of the choices
 WORK = 4e9                          # numbers of a solution

@@ -110,6 +110,7 @@ typedef struct {
     uint32_t rounds;           /* of held-out scenes: those of all but the last were seen later */
     double error_held_out;     /* of the best row; NaN: there is none */
     char differ[160];          /* in what the scenes of the sample and those held out do so */
+    double within;             /* of each solution */
     fp3_scene_solved solved;   /* of the scene as it is */
     size_t objects;
     char config[FP3_NAME_SIZE];

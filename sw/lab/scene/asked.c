@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COLUMN 16 /* numbers, in whose time a column is begun */
+#define COLUMN 4 /* numbers, in whose time a column is begun */
 
 /* ---- what has to be computed ---- */
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #define SHORT_RUN 1e6   /* object-steps: making native code takes longer */
-#define SHORT_TIMED 1e5 /* likewise, and nobody would do so */
+#define SHORT_TIMED 1e5 /* of the scene as it is: likewise, and nobody would do so */
 #define TURNS 9
 #define TIME_MOST 6.0 /* seconds; then two turns have to do */
 
@@ -104,9 +104,11 @@ fp3_status fp3_recast_begin(const fp3_recast_steps *steps, const fp3_scene *scen
     def.engine = "fast";
     def.error = error;
     def.threads = is_timed;
-    const double object_steps =
-        (double)scene->objects * (double)of_steps * (double)steps->parts / (double)steps->joined;
-    def.is_without_compiler = object_steps < (is_timed ? SHORT_TIMED : SHORT_RUN);
+    const double as_is = (double)scene->objects * (double)of_steps;
+    /* All whose times are compared, or none. */
+    def.is_interpreted = is_timed && as_is < SHORT_TIMED;
+    def.is_without_compiler =
+        !is_timed && as_is * (double)steps->parts / (double)steps->joined < SHORT_RUN;
     status = fp3_engine_open(&def, &run->engine);
     return status ? status : fp3_scene_load(&run->scaled.scene, run->engine, error);
 }

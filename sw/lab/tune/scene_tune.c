@@ -16,8 +16,9 @@
 #include <string.h>
 
 #define FEWEST 16        /* steps of a combination, at least */
-#define DEAREST 5e7      /* more cycles of a run are too many, unless ... */
+#define DEAREST 2e8      /* more cycles of a run are too many, unless ... */
 #define DEAREST_TIMES 16 /* ... they are so many times those of the scene as it is at most */
+#define FINEST 64        /* parts of a step of the scene, at most */
 #define FINALISTS 5      /* whose time is measured ... */
 #define FINAL_TIMES 3    /* ... if their cycles are so many times the fewest at most */
 #define ROUNDS 4         /* of held-out scenes */
@@ -228,14 +229,14 @@ static fp3_status list_pairs(tuner *k) {
     uint64_t longest = fp3_drawn_power(k->steps, FEWEST);
     while (longest > 1 && longest * FEWEST > k->t->known)
         longest /= 2;
-    enum { LENGTHS = 128 };
+    enum { LENGTHS = 64 + 7 }; /* of joined steps, and of parts up to FINEST */
     k->pairs = calloc(k->choice_count * LENGTHS + 1, sizeof *k->pairs);
     k->after = calloc(k->choice_count + 1, sizeof *k->after);
     if (!k->pairs || !k->after)
         return fp3_no_memory(k->error);
     for (size_t i = 0; i < k->choice_count; i++) {
         const double step = fp3_turns_cycles(k->turns, k->choices[i].programs);
-        for (pair p = {i, 1, longest, 0}; p.parts < UINT64_C(1) << 40;) {
+        for (pair p = {i, 1, longest, 0}; p.parts <= FINEST;) {
             p.cycles = step * (double)k->steps * (double)p.parts / (double)p.joined;
             if (p.cycles > dearest)
                 break;
@@ -504,6 +505,7 @@ fp3_status fp3_scene_tune(const fp3_scene_tune_def *def, fp3_scene_tuning **tuni
     if (!status) {
         k.t->error_held_out = NAN;
         k.t->skin = -1;
+        k.t->within = own.within;
         k.t->target = def->tolerance / def->safety;
         status = tune(&k);
     }
