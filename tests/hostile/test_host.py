@@ -28,7 +28,7 @@ def test_a_definition_of_other_headers_is_refused_by_name(build):
     out = subprocess.run([build / "tests/definitions"], capture_output=True, text=True, timeout=60)
     assert out.returncode == 0, out.stdout + out.stderr
     *lines, null = out.stdout.splitlines()
-    assert null == "NULL: 1 1 1 1 1 1 1 1 1 1 1 1 1, 0 0 0" and len(lines) == 40
+    assert null == "NULL: 1 1 1 1 1 1 1 1 1 1 1 1 1, 0 0 0" and len(lines) == 48
     for line in lines:
         (what, name), status, said = line.split(": ", 1)[0].split(), *line.split(": ", 1)[1].split(" ", 1)
         if what == "right":
