@@ -18,7 +18,7 @@ def test_worlds_by_chance(build, first, count):
     hashes, gained = worlds(build, first, count)
     failed = hashes.count("0" * 16)
     assert len(hashes) == count and failed <= 0.01 * count + 2
-    assert gained <= 0.0005 * count  # of those that begin apart, in each fourth world
+    assert gained <= 0.0005 * count  # of joined bodies, in each fourth world
     assert len(set(hashes)) > 0.98 * (count - failed)
 
 
