@@ -6,6 +6,7 @@
 #include "bench_files.h"
 #include "files.h"
 #include "json.h"
+#include "lab/check/scene_invariants.h"
 #include "lab/scene/scaled.h"
 #include "progress.h"
 
@@ -28,9 +29,12 @@ typedef struct {
     uint64_t steps[TIMES];
     size_t times, width;
     double *solution, *method, *engine, *sizes;
+    double *engine_start; /* before the first step */
+    fp3_scene_invariants *invariants;
+    fp3_scene_invariant *changed; /* of each length of step three times as many: see CHANGES */
     fp3_scene_solved solved;
     fp3_error no_method, failure; /* text "": there is one; none failed */
-    json_t *rows;
+    json_t *rows, *kept;          /* of states, and of invariants */
 } comparison;
 
 /* ---- the engine's states ---- */
@@ -65,6 +69,8 @@ static fp3_status run_engine(comparison *c, uint64_t parts, fp3_error *error) {
         status = fp3_engine_open(&def, &engine);
     if (!status)
         status = fp3_scene_load(&f.scene, engine, error);
+    if (!status)
+        status = fp3_scaled_row(&f.scene, engine, c->engine_start, error);
     for (size_t i = 0, made = 0; !status && i < c->times; made = c->steps[i++]) {
         fp3_progress_say(c->progress, "engine fast with h/%" PRIu64 ", step %" PRIu64, parts,
                          c->steps[i]);
@@ -157,6 +163,77 @@ static void put_rows(comparison *c, uint64_t parts) {
     }
 }
 
+/* ---- invariants ---- */
+
+enum { BY_ENGINE, BY_METHOD, BY_SOLUTION, CHANGES };
+
+static fp3_scene_invariant *changes_by(const comparison *c, uint32_t halving, int who) {
+    return c->changed +
+           ((size_t)halving * CHANGES + (size_t)who) * fp3_scene_invariants_count(c->invariants);
+}
+
+static fp3_status look_at_invariants(comparison *c, uint32_t halving, fp3_error *error) {
+    const size_t both = c->no_method.text[0] ? 0 : c->times;
+    fp3_progress_say(c->progress, "invariants with h/%" PRIu64, UINT64_C(1) << halving);
+    fp3_status status =
+        fp3_scene_invariants_look(c->invariants, c->engine_start, c->engine, c->times,
+                                  changes_by(c, halving, BY_ENGINE), error);
+    if (!status)
+        status = fp3_scene_invariants_look(c->invariants, NULL, c->method, both,
+                                           changes_by(c, halving, BY_METHOD), error);
+    if (!status)
+        status = fp3_scene_invariants_look(c->invariants, NULL, c->solution, c->solved.known,
+                                           changes_by(c, halving, BY_SOLUTION), error);
+    return status;
+}
+
+static void put_invariant(comparison *c, uint32_t halving, size_t i) {
+    const fp3_scene_invariant *engine = changes_by(c, halving, BY_ENGINE) + i;
+    const double method = changes_by(c, halving, BY_METHOD)[i].change,
+                 solution = changes_by(c, halving, BY_SOLUTION)[i].change;
+    const fp3_scene_group *g = fp3_scene_invariants_group(c->invariants, i);
+    const fp3_definition *of = fp3_scene_invariants_name(c->invariants, i);
+    const uint64_t parts = UINT64_C(1) << halving, step = c->steps[engine->time];
+    const double h = fp3_scaled_step(g ? g : &c->scene->groups[0]) / (double)parts;
+    json_array_append_new(
+        c->kept,
+        json_pack("{s:s?, s:s, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:I}", "group",
+                  g ? g->name : NULL, "invariant", of->name, "unit", of->unit, "h",
+                  fp3_json_number(h), "parts", (json_int_t)parts, "first",
+                  fp3_json_number(engine->first), "change", fp3_json_number(engine->change),
+                  "relative", fp3_json_number(engine->relative), "method_change",
+                  fp3_json_number(method), "solution_change", fp3_json_number(solution), "object",
+                  g ? json_integer((json_int_t)engine->object) : json_null(), "step",
+                  (json_int_t)step));
+    printf("%11.6g  %-12s  %-10s  %13.6g  %9.1e  ", h, g ? g->name : "all objects", of->name,
+           engine->first, engine->change);
+    if (g)
+        printf("%9s  %9.1e  %9.1e", "", method, solution);
+    else
+        printf("%9.1e  %9.1e  %9.1e", engine->relative, method, solution);
+    if (engine->change != 0 && g)
+        printf("  %6zu %8" PRIu64, engine->object, step);
+    else if (engine->change != 0)
+        printf("  %6s %8" PRIu64, "", step);
+    putchar('\n');
+}
+
+static void put_invariants(comparison *c) {
+    const size_t count = fp3_scene_invariants_count(c->invariants);
+    if (!count)
+        return;
+    fp3_progress_pause(c->progress);
+    printf(
+        "\ninvariants: the largest change at these times, of the object that has changed most\n\n"
+        "%11s  %-12s  %-10s  %13s  %20s  %9s  %9s  %6s %8s\n",
+        "h", "group", "invariant", "first", "by the engine", "by method", "solution", "object",
+        "step");
+    for (uint32_t k = 0; k <= c->what->halvings; k++)
+        for (size_t i = 0; i < count; i++)
+            put_invariant(c, k, i);
+    fp3_progress_resume(c->progress);
+}
+
 /* ---- all of it ---- */
 
 static int tell(void *user, uint64_t parts, double share) {
@@ -235,7 +312,8 @@ static fp3_status write_states(const comparison *c, fp3_error *error) {
     return status;
 }
 
-static fp3_status compare_parts(comparison *c, uint64_t parts, fp3_error *error) {
+static fp3_status compare_parts(comparison *c, uint32_t halving, fp3_error *error) {
+    const uint64_t parts = UINT64_C(1) << halving;
     fp3_status status = run_engine(c, parts, error);
     if (status == FP3_E_FAILED) {
         c->failure = *error;
@@ -251,6 +329,8 @@ static fp3_status compare_parts(comparison *c, uint64_t parts, fp3_error *error)
     }
     if (!status)
         put_rows(c, parts);
+    if (!status)
+        status = look_at_invariants(c, halving, error);
     return status || parts > 1 || !c->what->states ? status : write_states(c, error);
 }
 
@@ -262,12 +342,12 @@ static fp3_status write_files(const comparison *c, fp3_error *error) {
     if (status || !c->what->json)
         return status;
     json_t *all = json_pack(
-        "{s:s, s:I, s:I, s:{s:s, s:I, s:I, s:o, s:I, s:s}, s:s, s:O}", "scene", c->scene->path,
+        "{s:s, s:I, s:I, s:{s:s, s:I, s:I, s:o, s:I, s:s}, s:s, s:O, s:O}", "scene", c->scene->path,
         "objects", (json_int_t)c->scene->objects, "steps", (json_int_t)c->steps[c->times - 1],
         "solution", "method", s->method, "parts", (json_int_t)s->parts, "extrapolated_order",
         (json_int_t)s->extrapolated, "apart", fp3_json_number(s->known ? s->apart : NAN),
         "known_until_step", (json_int_t)(s->known ? c->steps[s->known - 1] : 0), "why", s->why,
-        "no_method", c->no_method.text, "rows", c->rows);
+        "no_method", c->no_method.text, "rows", c->rows, "invariants", c->kept);
     return fp3_json_write(c->what->json, all, 9, error);
 }
 
@@ -281,8 +361,20 @@ static fp3_status judge(const comparison *c, fp3_error *error) {
     return FP3_OK;
 }
 
+static fp3_status find_invariants(comparison *c, fp3_error *error) {
+    fp3_status status = fp3_scene_invariants_open(c->scene, c->steps, &c->invariants, error);
+    if (status)
+        return status;
+    c->changed = calloc(
+        (c->what->halvings + 1u) * (size_t)CHANGES * fp3_scene_invariants_count(c->invariants) + 1,
+        sizeof *c->changed);
+    return c->changed ? FP3_OK : fp3_no_memory(error);
+}
+
 static fp3_status compare(comparison *c, fp3_error *error) {
     fp3_status status = solve(c, error);
+    if (!status)
+        status = find_invariants(c, error);
     if (status)
         return status;
     /* Without a solution, the scene's own steps tell the sizes. */
@@ -295,7 +387,9 @@ static fp3_status compare(comparison *c, fp3_error *error) {
     print_head(c);
     fp3_progress_resume(c->progress);
     for (uint32_t k = 0; !status && k <= c->what->halvings; k++)
-        status = compare_parts(c, UINT64_C(1) << k, error);
+        status = compare_parts(c, k, error);
+    if (!status)
+        put_invariants(c);
     if (!status && c->no_method.text[0])
         printf("\nnot known what of it FP32 costs: %s\n", c->no_method.text);
     if (!status)
@@ -317,7 +411,10 @@ static fp3_status take_room(comparison *c, fp3_error *error) {
     c->method = calloc(numbers, sizeof *c->method);
     c->engine = calloc(numbers, sizeof *c->engine);
     c->sizes = calloc(c->width + 1, sizeof *c->sizes);
-    return c->solution && c->method && c->engine && c->sizes ? FP3_OK : fp3_no_memory(error);
+    c->engine_start = calloc(c->width + 1, sizeof *c->engine_start);
+    return c->solution && c->method && c->engine && c->sizes && c->engine_start
+               ? FP3_OK
+               : fp3_no_memory(error);
 }
 
 static fp3_status check(const fp3_compare_scene *what, const fp3_scene *scene, fp3_error *error) {
@@ -345,7 +442,7 @@ fp3_status fp3_compare_scene_run(const fp3_compare_scene *what, fp3_error *error
     if (status)
         return status;
     fp3_scene *scene = NULL;
-    comparison c = {.what = what, .rows = json_array()};
+    comparison c = {.what = what, .rows = json_array(), .kept = json_array()};
     c.progress = fp3_progress_begin("compare", what->path);
     fp3_progress_say(c.progress, "reading and compiling");
     status = fp3_scene_open(what->path, what->config, &scene, error);
@@ -358,6 +455,10 @@ fp3_status fp3_compare_scene_run(const fp3_compare_scene *what, fp3_error *error
         status = compare(&c, error);
     fp3_progress_end(&c.progress);
     json_decref(c.rows);
+    json_decref(c.kept);
+    fp3_scene_invariants_close(&c.invariants);
+    free(c.changed);
+    free(c.engine_start);
     free(c.solution);
     free(c.method);
     free(c.engine);

@@ -1,5 +1,6 @@
 """Invariants of all objects: `sum(objects: ...)` and `sum(pairs o in NAME: ...)`, what runs made of them, and what steps that are too long do to them."""
 
+import json
 import math
 import re
 import subprocess
@@ -137,6 +138,41 @@ def test_a_step_too_long_changes_them(spring):
     assert done.returncode == 3 and 0.05 < relative and 0.3 < again/change < 0.6 and abs(told(done)["momentum"][2]) < 1e-6
     assert "energy of all objects has changed" in spring(group=euler).stderr
     assert spring("--strict", group=euler).returncode == 3
+
+
+def test_compare_tells_what_each_makes_of_them(fp3, spring, folder):
+    """Of the same steps as `run --check`, beside the solution, which keeps them. Half the step, half of what Euler's method adds. The energy of an object
+    alone is not kept by the equations either: the one that is pulled aside begins with none, and gets half of 0.5 k x^2 from its springs."""
+    model = SPRING + "invariant own = 0.5*m*v^2\n"
+    told_at = {name: values for name, values in told(spring("--check", model=model, group=FIVE.replace("leapfrog", "euler"))).items()}
+
+    def compared(model, *options):
+        (folder / "s.ode").write_text(model)
+        done = subprocess.run([fp3, "compare", "s.scene", "--json", "x.json", *map(str, options)], cwd=folder, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        rows = json.loads((folder / "x.json").read_text())["invariants"]
+        for row in rows:
+            change = re.escape(f"{row['change']:.1e}")
+            assert re.search(rf"^ *{row['h']:.6g}  {row['group'] or 'all objects'} +{row['invariant']} .* {change} ", done.stdout, re.M)
+        return {(row["invariant"], row["parts"]): row for row in rows}
+
+    found = compared(model, "--steps", 200)
+    energy = found["energy", 1]
+    # Energy grows, so it is largest in the end, where --check looks.
+    assert energy["first"] == told_at["energy"][0] == 4 and energy["step"] == 200 and energy["group"] is None
+    assert energy["change"] == pytest.approx(told_at["energy"][1], rel=0.06) and energy["relative"] == pytest.approx(told_at["energy"][2], rel=0.06)
+    assert energy["method_change"] == pytest.approx(energy["change"], rel=1e-3) and abs(energy["solution_change"]) < 1e-5
+    assert all(abs(found["momentum", parts][who]) < 1e-5 for parts in (1, 2, 4) for who in ("relative", "method_change", "solution_change"))
+    short = compared(model, "--steps", 16)
+    assert [short["energy", parts]["change"]/short["energy", 2*parts]["change"] for parts in (1, 2)] == pytest.approx([2.4, 2.2], rel=0.1)
+    own = short["own", 4]
+    assert own["group"] == "s" and own["object"] == 1 and own["relative"] is None and own["first"] == 0
+    assert own["solution_change"] == pytest.approx(own["change"], rel=0.1) and own["solution_change"] > 1
+    # A wrong term: the solution does not keep it.
+    wrong = compared(model.replace("+ sum(pairs", "- sum(pairs"), "--steps", 16)["energy", 1]
+    assert abs(wrong["solution_change"]) > 1
+    (folder / "s.scene").write_text((folder / "s.scene").read_text().replace("} );", "gone = 8; } );"))
+    assert {name for name, _ in compared(model, "--steps", 16)} == {"own"}
 
 
 def test_three_bodies_at_rest(start, folder):
