@@ -87,6 +87,16 @@ def test_dampers_of_a_pair_have_the_limit_of_the_books(rows, integrator, limit):
         assert found["growth"]["measured"] == pytest.approx(max(1, grown), rel=0.02)
 
 
+def test_what_pushes_away_has_no_frequency(rows):
+    """Two masses push each other away by 100 u and 10 v, and each is held by a spring of 25 and a damper of 3: they swing together, with 5, and part by
+    exp(t sqrt(175)), which is no frequency, and has no limit of h."""
+    model = PAIR.replace("c*(o.v - v))", "100*(x - o.x) + 10*(v - o.v))")
+    group = '{ program = "m.ode"; integrator = "leapfrog"; grid = { count = 2; }; links = { relation = "s"; grid = "structural"; }; set = { h = 0.01; }; }'
+    held = rows(group, m=model.replace("o.v))", "o.v)) - 25*x - 3*v"), steps=1)
+    assert held["h omega"]["measured"] == pytest.approx(0.05, rel=1e-3) and held["h c/m"]["measured"] == pytest.approx(0.03, rel=1e-3)
+    assert rows(group, m=model, steps=1).keys() == {"growth"}
+
+
 @pytest.mark.parametrize("is_first", [True, False])
 def test_the_limit_is_that_of_the_group_that_swings(rows, is_first):
     """A wall that never moves, and steps by Euler's method, has no part in the limit of who swings at it."""

@@ -26,9 +26,11 @@
     5 /* for a step that is short enough: less than SETTLES in a step may also be a swing */
 #define SETTLES 1.1
 #define MARGIN 0.95
-#define TURNS 200   /* of the iteration for a largest eigenvalue */
-#define SMALL 1e-10 /* a disturbance, relative to the size of states */
-#define LARGER 30   /* by which growth may not change, or something jumps */
+#define TURNS 200    /* of the iteration for a largest eigenvalue */
+#define PUSHES 0.5   /* of a disturbance that grows: more than this in its own direction */
+#define NOTHING 1e-3 /* of what pushes: the iteration does not tell less */
+#define SMALL 1e-10  /* a disturbance, relative to the size of states */
+#define LARGER 30    /* by which growth may not change, or something jumps */
 #define ALIKE 0.1
 
 /* Numbers of a vector: of each group a column of each state, one after the other. */
@@ -346,38 +348,66 @@ static void take_forces(const fp3_spectrum *of, double *by) {
                        p.g->objects * sizeof *by);
 }
 
-static double length(const fp3_spectrum *of, const double *by) {
+/* What power iteration leaves: by how much it grows in a turn, and its own share of that, which is
+ * negative where it turns around. */
+typedef struct {
+    double factor, own;
+} left_over;
+
+static double product(const fp3_spectrum *of, const double *a, const double *b) {
     double sum = 0;
     for (part p = {0}; next(of, &p);)
         for (size_t k = p.first; k < p.first + numbers(p.g); k++)
-            sum += by[k] * by[k];
-    return sqrt(sum);
+            sum += a[k] * b[k];
+    return sum;
 }
 
-/* The mean over the last quarter of the turns. */
-static fp3_status iterate(fp3_spectrum *of, int is_of_springs, double *largest, peak *at,
-                          fp3_error *error) {
+/* Of the equations less `less` of the disturbance itself. The mean over the last quarter of the
+ * turns. */
+static fp3_status iterate(fp3_spectrum *of, int is_of_springs, double less, left_over *left,
+                          peak *at, fp3_error *error) {
     const question q = {0, SMALL};
-    double sum = 0;
-    *largest = 0;
+    double sum = 0, own = 0;
+    *left = (left_over){0, 0};
     fp3_status status = start(of, q, TURNS, error);
     leave(of, is_of_springs, of->now);
     for (int n = 0; !status && n < TURNS; n++) {
-        const double before = length(of, of->now);
+        const double before = sqrt(product(of, of->now, of->now));
         status = turn(of, q, error);
         if (is_of_springs)
             take_forces(of, of->turned);
         leave(of, is_of_springs, of->turned);
-        const double ratio = length(of, of->turned) / before;
+        for (part p = {0}; next(of, &p);)
+            for (size_t k = p.first; k < p.first + numbers(p.g); k++)
+                of->turned[k] -= less * of->now[k];
+        const double ratio = sqrt(product(of, of->turned, of->turned)) / before;
         if (!(ratio > 0) || !isfinite(ratio)) {
-            *largest = isfinite(ratio) || before == 0 ? 0 : ratio;
+            left->factor = isfinite(ratio) || before == 0 ? 0 : ratio;
             return status;
         }
-        take_turned(of, 1 / length(of, of->turned));
+        own += n >= TURNS - TURNS / 4 ? product(of, of->now, of->turned) / (before * before) : 0;
         sum += n >= TURNS - TURNS / 4 ? log(ratio) : 0;
+        take_turned(of, 1 / (ratio * before));
     }
-    *largest = exp(sum / (TURNS / 4));
+    *left = (left_over){exp(sum / (TURNS / 4)), own / (TURNS / 4)};
     *at = peak_of(of, of->now);
+    return status;
+}
+
+/* The largest of those that pull back. Where what pushes away is larger than that, this is added to
+ * all, so that none pushes, and the one that pulls most is the largest. */
+static fp3_status find_largest(fp3_spectrum *of, uint64_t step, size_t group, int is_of_springs,
+                               double *largest, peak *at, fp3_error *error) {
+    left_over left, shifted;
+    begin(of, step, group);
+    fp3_status status = iterate(of, is_of_springs, 0, &left, at, error);
+    *largest = left.factor;
+    if (status || !(left.own > PUSHES * left.factor))
+        return status;
+    begin(of, step, group);
+    status = iterate(of, is_of_springs, left.factor, &shifted, at, error);
+    *largest = shifted.factor - left.factor;
+    *largest = *largest > NOTHING * left.factor || isnan(*largest) ? *largest : 0;
     return status;
 }
 
@@ -385,11 +415,9 @@ fp3_status fp3_spectrum_rates(fp3_spectrum *of, uint64_t step, size_t group, fp3
                               fp3_error *error) {
     peak springs = {0}, dampers = {0};
     *found = (fp3_rates){.stiffness = 0};
-    begin(of, step, group);
-    fp3_status status = iterate(of, 1, &found->stiffness, &springs, error);
-    begin(of, step, group);
+    fp3_status status = find_largest(of, step, group, 1, &found->stiffness, &springs, error);
     if (!status)
-        status = iterate(of, 0, &found->damping, &dampers, error);
+        status = find_largest(of, step, group, 0, &found->damping, &dampers, error);
     found->of_springs = springs.group;
     found->springs_object = springs.object;
     found->of_dampers = dampers.group;

@@ -30,8 +30,9 @@ typedef struct {
     size_t group, object; /* where it is largest */
 } fp3_growth;
 
-/* The largest eigenvalues of the equations: of -dv'/dx, and of dv'/dv with all that has no
- * velocity. */
+/* The largest eigenvalues of the equations: of -dv'/dx, and of -dv'/dv with all that has no
+ * velocity. What pushes away has no frequency and is no damper: it is of the other sign, and does
+ * not count. */
 typedef struct {
     double stiffness; /* of springs: the square of an angular frequency */
     double damping;   /* of dampers, and of equations of first order */
