@@ -575,14 +575,9 @@ scenes-report: | need-plot ## Write the pages of what `make scenes` found
 
 # ---- objects that see each other ----------------------------------------------------------------
 
-.PHONY: world world-report combinations granular
+.PHONY: world world-report granular
 world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics", SCENES="belt slope"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
-
-combinations: all ## What goes with objects that see each other, each cell tried: the table of docs/relations.md
-	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json --parts combinations
-	@$(PYTHON) tools/pages.py combinations
-	@$(EVIDENCE) --lines
 
 granular: ## What LAMMPS makes of scenes of grains, for `make world` and its tests: tools/fp3world/lammps.json
 	@.venv-bench/bin/python tools/granular.py
@@ -591,7 +586,7 @@ granular: ## What LAMMPS makes of scenes of grains, for `make world` and its tes
 four: all | need-cluster ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4
 	@tools/four.sh $(BUILD)/fp3 $(if $(SCENE),$(SCENE),programs/world/cloth.scene) $(if $(STEPS),$(STEPS),10) $(if $(RANKS),$(RANKS),4)
 
-world-report: ## Write docs/world.md from what `make world` found
+world-report: ## Write docs/world.md and a table of docs/relations.md from what `make world` found
 
 .PHONY: bodies bodies-report
 bodies: all $(if $(BOX2D),$(BUILD)/bench/bodies_box2d.so) $(if $(BOX3D),$(BUILD)/bench/bodies_box3d.so) ## Rigid bodies beside theory and other engines: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier", BOX2D=DIR and BOX3D=DIR of those that you built
@@ -719,14 +714,12 @@ gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/ga
 arithmetic: all ## What each arithmetic does to the error of models, and what it costs: half an hour; MODEL="kepler lorenz". JSON in build/results
 	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
 
-.PHONY: storage storage-report
-storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: two minutes
-	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3
+.PHONY: storage
+storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: build/results/storage.json
+	@mkdir -p $(RESULTS)
+	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/storage.json
 
-storage-report: all ## Write docs/arithmetic_results.md's table of it
-	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --report
-
-arithmetic-report: | need-plot ## Write docs/arithmetic_results.md's tables and its picture from it
+arithmetic-report: | need-plot ## Write docs/arithmetic_results.md's tables and its picture from both
 
 everywhere-report: ## Write docs/everywhere.md from it
 

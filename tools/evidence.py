@@ -2,27 +2,36 @@
 """Which figures of the pages are out of date, and measures those again: docs/evidence.toml describes them.
 
     tools/evidence.py --list                   each figure: fresh or not, and why; minutes to measure it
-    tools/evidence.py                          measures what is out of date, in the order of the description
+    tools/evidence.py                          measures what is out of date: exact figures and errors two at a time, then times, each alone
     tools/evidence.py --only world.chip bench  these alone, fresh or not; of `bench` all that begin with it
     tools/evidence.py --kind exact             of one kind
     tools/evidence.py --lines                  only what pages say of it: docs/figures.md, and a line beside each table
 
-A run that was stopped goes on where it was: what is measured is recorded at once. Exit code 1: a command failed, and its figures stay as
-they were; 2: wrong words.
+A run that was stopped goes on where it was: what is measured is recorded at once. What a command says goes to build/evidence/NAME.txt. Figures
+with a line `old` are measured when they are named. Exit code 1: a command failed, and its figures stay as they were, while the others went on;
+2: wrong words, or a package is missing.
 """
 
 import argparse
 import itertools
-import os
 import pathlib
-import shlex
 import subprocess
 import sys
-import time
 
-import bench
-from fp3evidence import figures as fig
-from fp3evidence import inputs, probes, told
+
+
+def missing(why):
+    """Of this Python, which need not be the one of make."""
+    print(f"evidence: {sys.executable} has no package '{why.name}': make setup, or start it with another Python (PYTHON=)", file=sys.stderr)
+    return 2
+
+
+try:
+    import bench
+    from fp3evidence import figures as fig
+    from fp3evidence import inputs, measure, probes, told
+except ModuleNotFoundError as lacking:
+    sys.exit(missing(lacking))
 
 PAGES = ("docs/", "README.md")          # which measuring writes
 
@@ -45,21 +54,19 @@ def files(figure, name, revision):
     return f" ({', '.join(some[:2])}{', ...' if some[2:] else ''})" if some else ""
 
 
-def say(figures, found):
+def say(every, figures, found):
     """A line for each figure, and why it is not fresh: also by which files."""
     known, width = fig.records(), max(map(len, figures))
     for name, figure in figures.items():
         why = [one + files(figure, one, known.get(name, {}).get("revision")) for one in found[name]]
         state = "old" if why else "fresh"
-        print(f"{name:{width}}  {state:5}  {figure.kind:5}  {figure.minutes:4g} min  {figure.page}" +
+        print(f"{name:{width}}  {state:5}  {figure.kind:5}  {measure.minutes_of(figure, known):5.3g} min  {figure.page}" +
               (f": {'; '.join(why)}" if why else "") + (f" ({figure.old})" if figure.old else ""))
-    stale = [figure for name, figure in figures.items() if found[name]]
-    print(f"{len(stale)} of {len(figures)} figures are old; to measure them takes about {minutes(stale):g} minutes, and a night what is placed")
-
-
-def minutes(figures):
-    """Of the commands: some measure several figures. What is synthesised and placed is not counted."""
-    return sum({figure.command: figure.minutes for figure in figures if "primitives" not in figure.inputs}.values())
+    stale = [name for name in figures if found[name]]
+    asked = jobs_of(every, [name for name in stale if not figures[name].old], known)
+    named = ", ".join(name for name in stale if figures[name].old)
+    print(f"{len(stale)} of {len(figures)} figures are old; to measure them takes about {measure.minutes(asked):.0f} minutes" +
+          (f", without {named}: ONLY=NAME" if named else ""))
 
 
 def uncommitted():
@@ -68,51 +75,12 @@ def uncommitted():
     return [line[3:] for line in said.splitlines() if not line[3:].startswith(PAGES)]
 
 
-def run(command):
-    """As if nobody had called make before."""
-    mine = {name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    return subprocess.run(shlex.split(command), cwd=fig.ROOT, env=mine).returncode
-
-
-def measure(of, fp3):
-    """Figures of one command. Why it failed, or nothing: then they are recorded."""
-    before = {figure.name: inputs.now(figure, fp3) for figure in of}
-    load, date, begin = os.getloadavg()[0], time.strftime("%Y-%m-%d"), time.monotonic()
-    for command in dict.fromkeys([of[0].command, *(figure.report for figure in of if figure.report)]):
-        code = run(command)
-        if code:
-            return f"`{command}`: exit code {code}"
-    inputs.forget()
-    found = fig.records()
-    for figure in of:
-        now = inputs.now(figure, fp3)
-        # Of a probe that could not be asked before the command had built it, the answer after it counts.
-        if any(before[figure.name][name] not in (None, now[name]) for name in now):
-            return f"{figure.name}: its inputs have changed while it was measured"
-        found[figure.name] = {"revision": bench.said("git", "rev-parse", "--short", "HEAD"), "date": date, "machine": machine(), "load": round(load, 1),
-                              "seconds": round(time.monotonic() - begin), "inputs": now}
-    fig.record(found)
-    return None
-
-
-def machine():
-    return f"{os.cpu_count()} processors, {bench.processor()}"
-
-
-def measure_all(figures, fp3):
-    """Yields what failed."""
+def jobs_of(every, wanted, known):
+    """The commands that measure what is wanted; each with all of its figures."""
     commands = {}
-    for figure in figures.values():
+    for figure in every.values():
         commands.setdefault(figure.command, []).append(figure)
-    begin, left = time.monotonic(), minutes(figures.values())
-    for number, of in enumerate(commands.values(), 1):
-        print(f"evidence: {number} of {len(commands)}: {', '.join(figure.name for figure in of)}, about {of[0].minutes:g} min; "
-              f"{(time.monotonic() - begin) / 60:.0f} min so far, about {left:g} to go", file=sys.stderr, flush=True)
-        why = measure(of, fp3)
-        left -= minutes(of)
-        if why:
-            print(f"evidence: {why}", file=sys.stderr)
-            yield why
+    return [measure.Job(figures, known) for figures in commands.values() if any(figure.name in wanted for figure in figures)]
 
 
 def put_lines(figures, fp3):
@@ -129,19 +97,22 @@ def work(options):
         raise inputs.Wrong(f"{options.fp3} is not there, and probes ask it: make all")
     figures = {name: figure for name, figure in chosen(every, options.only).items() if figure.kind in (options.kind or fig.KINDS)}
     if options.list:
-        say(figures, fig.states(figures, options.fp3))
+        say(every, figures, fig.states(figures, options.fp3))
         return 0
     failed = []
     if not options.lines:
         if uncommitted():
             raise inputs.Wrong(f"a revision cannot say what is measured before these are committed: {', '.join(uncommitted()[:5])}")
         found = fig.states(figures, options.fp3)
-        wanted = figures if options.only else {name: figure for name, figure in figures.items() if found[name]}
+        wanted = figures if options.only else [name for name, figure in figures.items() if found[name] and not figure.old]
         try:
-            failed = list(measure_all(wanted, options.fp3))
+            for why in measure.measure_all(jobs_of(every, wanted, fig.records()), fig.prepare(), options.fp3):
+                failed.append(why)
         except KeyboardInterrupt:
-            failed = ["stopped"]
+            failed.append("stopped")
             print("evidence: stopped; what was measured is recorded", file=sys.stderr)
+        for why in failed:
+            print(f"evidence: failed: {why.splitlines()[0]}", file=sys.stderr)
     inputs.forget()
     put_lines(every, options.fp3)
     return 1 if failed else 0
@@ -160,6 +131,8 @@ def main():
     except (inputs.Wrong, probes.Failed) as why:
         print(f"evidence: {why}", file=sys.stderr)
         return 2
+    except ModuleNotFoundError as why:
+        return missing(why)
 
 
 if __name__ == "__main__":

@@ -102,13 +102,11 @@ def scenes(results):
 
 
 def world(results):
-    from fp3world import report
-    return {"world.md": report.page(results("world.json", "world"))}
-
-
-def combinations(results):
     from fp3world import combinations
-    return {"relations.md": combinations.page(results.page("relations.md"), results("world.json", "world")["combinations"])}
+    from fp3world import report
+    data = results("world.json", "world")
+    tried = {"relations.md": combinations.page(results.page("relations.md"), data["combinations"])} if "combinations" in data else {}
+    return tried | ({"world.md": report.page(data)} if {"hashes", "speed", "chip", "physics"} & data.keys() else {})
 
 
 def bodies(results):
@@ -130,12 +128,18 @@ def everywhere(results):
 
 def arithmetic(results):
     import arithmetic
-    found = results("arithmetic.json", "arithmetic")
-    lines = "".join(arithmetic.page(found)).splitlines()
-    return {"arithmetic_results.md": between(results.page("arithmetic_results.md"), "measured", lines), "arithmetic.svg": arithmetic.draw(found)}
+    import storage
+    text, found, records = results.page("arithmetic_results.md"), results.maybe("arithmetic.json"), results.maybe("storage.json")
+    if not (found or records):
+        raise Wrong(f"{results.folder} has nothing of it: run `make arithmetic storage` first")
+    if found:
+        text = between(text, "measured", "".join(arithmetic.page(found)).splitlines())
+    if records:
+        text = between(text, "records", storage.table(records["rows"]))
+    return {"arithmetic_results.md": text} | ({"arithmetic.svg": arithmetic.draw(found)} if found else {})
 
 
-PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, scenes, world, combinations, bodies, cluster, everywhere, arithmetic)}
+PAGES = {page.__name__: page for page in (results, sizes, bench, skip, stress, tune, scenes, world, bodies, cluster, everywhere, arithmetic)}
 
 
 def text_of(made):

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """What rounding to nearest and at random do to long runs whose records have 16 bits: `make storage`.
 
-    tools/storage.py --fp3 build/bin/fp3              prints the table
-    tools/storage.py --fp3 build/bin/fp3 --report     writes it into docs/arithmetic_results.md
+    tools/storage.py --fp3 build/bin/fp3 --output build/results/storage.json
 
 Each row is a model over some steps, with an object stored every VISIT steps. 256 objects begin with different values. Of each we take a quantity at
 the end, and its difference from that of the same object with records of 32 bits, as a share of the latter. `mean` is the mean of these differences,
@@ -10,6 +9,7 @@ the bias, and `spread` their standard deviation.
 """
 
 import argparse
+import json
 import pathlib
 import re
 import statistics
@@ -18,10 +18,8 @@ import sys
 import tempfile
 
 from bench import write
-from fp3gen.text import between
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs/arithmetic_results.md"
 OBJECTS = 256
 DECAY = """model decay
 shared tau = {steps}
@@ -98,14 +96,12 @@ def table(found):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fp3", required=True, type=pathlib.Path)
-    parser.add_argument("--report", action="store_true", help="write the page's table")
+    parser.add_argument("--output", required=True, type=pathlib.Path, help="the rows, JSON")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        lines = table(rows(given.fp3.resolve(), folder))
-    if given.report:
-        write(PAGE, between(PAGE.read_text(encoding="utf-8"), "records", lines))
-    else:
-        print("\n".join(lines))
+        found = list(rows(given.fp3.resolve(), folder))
+    write(given.output, json.dumps({"rows": found}, indent=1) + "\n")
+    print("\n".join(table(found)))
 
 
 if __name__ == "__main__":

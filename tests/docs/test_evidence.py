@@ -1,9 +1,12 @@
 """Figures of the pages: those that are exact are not out of date without a word, and pages say of each how it stands."""
 
 import pathlib
+import resource
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -12,7 +15,7 @@ pytestmark = pytest.mark.xdist_group("evidence")        # what is read is read o
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 from fp3evidence import figures as fig  # noqa: E402
-from fp3evidence import inputs, probes, told  # noqa: E402
+from fp3evidence import inputs, measure, probes, told  # noqa: E402
 import pages  # noqa: E402
 
 
@@ -88,6 +91,43 @@ def test_what_is_out_of_date_is_told():
     assert [line.split(" ")[:2] for line in fig.out_of_date(old, {"a.x": ["tools"], "a.y": []})] == [["a.y", "is"]], "old must not outlive its cause"
     timed = fig.read(TEXT.replace("exact", "time"))
     assert list(fig.out_of_date(timed, {"a.x": ["tools"], "a.y": []})) == []
+
+
+def test_a_time_beside_other_work_is_old():
+    exact, timed = fig.read(TEXT)["a.x"], fig.read(TEXT.replace("exact", "time"))["a.x"]
+    known = recorded() | {"load": 1.5}
+    assert fig.changed(timed, known, known["inputs"]) == [fig.BUSY] and fig.changed(exact, known, known["inputs"]) == []
+    assert fig.changed(timed, known | {"load": 0.1}, known["inputs"]) == []
+    assert told.line("make x", known, [fig.BUSY]).endswith("Its inputs have not changed since. Other work ran beside it.*")
+
+
+def test_work_counts_until_it_is_known_to_be_ours():
+    """A loop whose end nobody has waited for, and the same one after that."""
+    def ours():
+        found = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return found.ru_utime + found.ru_stime
+    before = measure.busy() + ours()
+    words = [sys.executable, "-c", "import time\nend = time.process_time() + 1\nwhile time.process_time() < end: pass"]
+    mine = ours()
+    with subprocess.Popen(words) as process:
+        while measure.busy() + ours() < before + 0.5:
+            time.sleep(0.01)
+        assert ours() == mine
+        process.wait()
+    assert ours() > mine + 0.9 and measure.busy() + ours() > before + 0.9
+
+
+@pytest.mark.parametrize("config, module, counts", [("single", "rtl/lane/fp3_lists.v", False), ("world", "rtl/lane/fp3_lists.v", True),
+                                                    ("single", "rtl/solo/fp3_solo.v", True), ("single", "rtl/gen/isa.vh", True), ("many", "rtl/gen/lns_curves.vh", False)])
+def test_a_configuration_is_what_its_top_reaches(config, module, counts, monkeypatch):
+    def texts():
+        return probes.hardware(config)[0]("")
+    before, name = texts(), pathlib.Path(module).name
+    assert any(text.startswith(f"{name} ") for text in before) == counts
+    assert any(text.startswith("fp3.v ") for text in before) and f"fp3_{config}.v" in before[0]
+    bare = inputs.bare
+    monkeypatch.setattr(inputs, "bare", lambda of, text: bare(of, text) + ("wire more;" if of == name else ""))
+    assert (texts() != before) == counts
 
 
 @pytest.mark.parametrize("wrong, said", [
@@ -198,8 +238,10 @@ inputs = ["one.*"]
 
 @pytest.fixture
 def tree(tmp_path):
-    """A project with two figures, whose measurements leave a line each."""
+    """A project with two figures, whose measurements leave a line each, on a machine that has other work."""
     shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / "tools/fp3evidence/figures.py"
+    path.write_text(path.read_text(encoding="utf-8").replace("IDLE = 0.3 ", "IDLE = 999 "), encoding="utf-8")
     (tmp_path / "docs").mkdir()
     for name, text in {"one.txt": "1\n", "two.txt": "2\n", "docs/evidence.toml": TREE, ".gitignore": "tools/\nlog\nstop\n",
                        "docs/page.md": "# P\n\n<!-- evidence a b.times -->\n<!-- evidence end -->\n"}.items():
@@ -247,3 +289,61 @@ def test_what_changes_while_it_is_measured_is_not_recorded(tree):
     commit(tree)
     code, log, said = evidence(tree, "--only", "a")
     assert code == 1 and log[0] == "a" and "changed while it was measured" in said and not (tree / "docs/evidence.json").exists()
+
+
+PAIRS = """[inputs]
+sources = ["one.txt"]
+""" + "".join(f"""[[figure]]
+name = "{name}"
+page = "docs/page.md"
+what = "{name}"
+kind = "{kind}"
+command = "{command}"
+minutes = {minutes}
+inputs = ["sources"]
+""" for name, kind, command, minutes in (
+    ("first", "exact", "sh first.sh first second", 4), ("second", "error", "sh second.sh second first", 3), ("third", "exact", "sh first.sh third", 2),
+    ("time", "time", "sh time.sh time", 1), ("of_time", "exact", "sh time.sh time", 1)))
+# Leaves marks of its begin and end; with a second word it waits for the begin of that one.
+STEP = """echo $1 begins >>log
+for i in $(seq 100); do [ -z "$2" ] || grep -q "$2 begins" log && break; sleep 0.05; done
+sleep 0.2
+echo $1 ends >>log
+"""
+
+
+def test_two_at_a_time_but_times_alone_and_one_of_each_target(tree):
+    (tree / "docs/evidence.toml").write_text(PAIRS, encoding="utf-8")
+    (tree / "docs/page.md").write_text("# P\n\n" + "\n".join(f"<!-- evidence {name} -->\n<!-- evidence end -->\n" for name in
+                                                            ("first", "second", "third", "time of_time")), encoding="utf-8")
+    for name in ("first", "second", "time"):
+        (tree / f"{name}.sh").write_text(STEP, encoding="utf-8")
+    commit(tree)
+    code, log, said = evidence(tree, "--kind", "exact", "--kind", "error")
+    events = list(zip(log[::2], log[1::2]))
+    at = {event: number for number, event in enumerate(events)}
+    assert code == 0, said
+    assert max(at["first", "begins"], at["second", "begins"]) < min(at["first", "ends"], at["second", "ends"]), "two at a time"
+    assert at["third", "begins"] > at["first", "ends"], "of one target after each other"
+    assert events[-2:] == [("time", "begins"), ("time", "ends")], "what has a time runs last, and alone"
+    assert "of 4: time, of_time" in said and set(fig.json.loads((tree / "docs/evidence.json").read_text())) == {"first", "second", "third", "time", "of_time"}
+
+
+def test_a_stop_ends_what_runs_and_the_rest_is_measured_later(tree):
+    (tree / "docs/evidence.toml").write_text(TREE.replace("echo a >>log", "echo a >>log; sleep 60"), encoding="utf-8")
+    commit(tree)
+    process = subprocess.Popen([sys.executable, tree / "tools/evidence.py", "--only", "a"], cwd=tree, stderr=subprocess.PIPE, text=True)
+    while not (tree / "log").exists():
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=30)[1]
+    assert process.returncode == 1 and "stopped; what was measured is recorded" in said and not (tree / "docs/evidence.json").exists()
+    (tree / "docs/evidence.toml").write_text(TREE, encoding="utf-8")
+    commit(tree)
+    assert evidence(tree)[:2] == (0, ["a", "report", "b"])
+
+
+def test_a_missing_package_is_told(tree):
+    (tree / "tools/bench.py").write_text("import no_such_package\n", encoding="utf-8")
+    code, _, said = evidence(tree, "--list")
+    assert code == 2 and "has no package 'no_such_package': make setup" in said and "Traceback" not in said

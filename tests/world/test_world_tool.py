@@ -47,9 +47,9 @@ def test_what_goes_with_what(measured, long, root, build, tmp_path, monkeypatch)
     combinations = importlib.import_module("fp3world.combinations")
     page = (root / "docs/relations.md").read_text()
     if combinations.NO_MPI not in {row["state"] for row in measured["combinations"]}:  # else the machine that made the page had more than this one
-        assert not combinations.differing(page, measured["combinations"]), "make combinations"
+        assert not combinations.differing(page, measured["combinations"]), "make world PARTS=combinations"
         if long:
-            assert combinations.page(page, combinations.measure(build / "fp3", tmp_path, lambda said: None)) == page, "make combinations"
+            assert combinations.page(page, combinations.measure(build / "fp3", tmp_path, lambda said: None)) == page, "make world PARTS=combinations"
     assert {(row["relation"], row["engine"]) for row in measured["combinations"] if row["state"] == "works"} == set(itertools.product(combinations.RELATIONS, combinations.ENGINES))
     assert collections.Counter(row["feature"] for row in measured["combinations"]) == {feature.name: 2 * len(feature.engines) for feature in combinations.FEATURES}
     cell = measured["combinations"][0]

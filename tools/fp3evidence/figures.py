@@ -11,7 +11,8 @@ from fp3evidence import inputs, probes
 ROOT = inputs.ROOT
 DESCRIBED, RECORDED = ROOT / "docs/evidence.toml", ROOT / "docs/evidence.json"
 KINDS = ("exact", "error", "time")
-UNKNOWN = "not recorded"
+UNKNOWN, BUSY = "not recorded", "other work ran beside it"
+IDLE = 0.3          # processors that others may keep busy while a time is measured
 
 
 @dataclasses.dataclass(frozen=True)
@@ -66,8 +67,13 @@ def read(text=None):
     return found
 
 
+def prepare():
+    """What is built first: commands that run at a time must find nothing to build."""
+    return tomllib.loads(DESCRIBED.read_text(encoding="utf-8")).get("prepare")
+
+
 def records():
-    """By figure: revision, date, machine, load, and the hash of each input."""
+    """By figure: revision, date, machine, of times the processors that others kept busy, seconds, and the hash of each input."""
     return json.loads(RECORDED.read_text(encoding="utf-8")) if RECORDED.exists() else {}
 
 
@@ -78,11 +84,12 @@ def record(found):
 
 
 def changed(figure, known, now):
-    """The inputs that are not what they were. What cannot be asked here is not among them."""
+    """The inputs that are not what they were. What cannot be asked here is not among them. Of times also that they were no idle machine's."""
     if not known or not known["inputs"]:
         return [UNKNOWN]
     before = known["inputs"]
-    return [name for name, found in now.items() if found is not None and before.get(name, "") is not None and before.get(name) != found]
+    return [name for name, found in now.items() if found is not None and before.get(name, "") is not None and before.get(name) != found] + \
+           [BUSY] * (figure.kind == "time" and (known.get("load") or 0) > IDLE)
 
 
 def states(figures, fp3):

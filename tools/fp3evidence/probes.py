@@ -5,17 +5,22 @@ probe said is kept in build/evidence/ for as long as the command and the probed 
 """
 
 import concurrent.futures
+import functools
 import hashlib
 import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import tempfile
+import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 KEPT = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build")) / "evidence/probes.json"
 WAYS = ((), ("-k",), ("--double-single",))
+LISTED = ROOT / "isa/configs.toml"
+CONFIGS = [row["name"] for row in tomllib.loads(LISTED.read_text(encoding="utf-8"))["config"]] if LISTED.exists() else []
 THOROUGH = ("kepler", "oscillator")         # whose tables have a row for each integrator
 
 
@@ -87,13 +92,58 @@ def compiled(listed):
     return probe
 
 
+def modules_of(top):
+    """The modules that are left of a top once its parameters are known, by Icarus Verilog."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "x.vvp"
+        done = subprocess.run(["iverilog", "-g2012", "-c", "rtl/fp3.f", "-s", top.stem, "-o", path, top], cwd=ROOT, capture_output=True, text=True)
+        if done.returncode:
+            raise Failed(f"iverilog {top}: {done.stderr.strip()}")
+        return set(re.findall(r'^S_\w+ \.scope module, "[^"]*" "(\w+)"', path.read_text(encoding="utf-8"), re.M)) - {top.stem}
+
+
+def with_headers(paths):
+    """Sources, and what they include, and so on."""
+    found, left = set(), set(paths)
+    headers = {path.name: path for path in ROOT.glob("rtl/**/*.vh")}
+    while left:
+        found |= left
+        named = {name for path in left for name in re.findall(r'^\s*`include\s+"(?:[^"]*/)?(\w+\.vh)"', path.read_text(encoding="utf-8"), re.M)}
+        left = {headers[name] for name in named} - found
+    return sorted(found)
+
+
+@functools.cache
+def described():
+    from fp3gen.read import load
+    return load(ROOT)
+
+
+def hardware(config):
+    """The sources that a configuration is made of, and no others: another one's parts may change."""
+    def probe(_):
+        if not shutil.which("iverilog"):
+            return None
+        import tops
+        from fp3evidence import inputs
+        machine = described()
+        row = next(row for row in machine.configs if row["name"] == config)
+        with tempfile.TemporaryDirectory() as made:
+            top = tops.write(row, machine, pathlib.Path(made))
+            modules = modules_of(top)
+            folders = re.findall(r"^-y (\S+)", (ROOT / "rtl/fp3.f").read_text(encoding="utf-8"), re.M)
+            files = with_headers(path for folder in folders for path in (ROOT / folder).glob("*.v") if path.stem in modules)
+            return [f"{path.name} {inputs.bare(path.name, path.read_text(encoding='utf-8'))}" for path in (top, *files)]
+    return probe, ("rtl/**/*.v", "rtl/**/*.vh", "rtl/fp3.f", "isa/*.toml", "tools/tops.py", "tools/fp3gen/*.py")
+
+
 # Name, what it does, and the files that it reads beside the command.
 PROBES = {
     "words of models": (compiled(words_of_models), ("programs/*.ode", "programs/integrators/*")),
     "words of scenes": (compiled(words_of_scenes), ("programs/world/*", "programs/bodies/*.ode")),
     "hashes everywhere": (hashes_everywhere, ("programs/**/*", "tests/everywhere/*", "tools/everywhere.py")),
     "hashes of bodies": (hashes_of_bodies, ("tools/fp3bodies/*.py",)),
-}
+} | {f"hardware {name}": hardware(name) for name in CONFIGS}
 
 
 def key(fp3, patterns):
@@ -107,7 +157,7 @@ def key(fp3, patterns):
 
 
 def ask(name, fp3):
-    """The hash of what a probe says. None: nothing is built that could be asked."""
+    """The hash of what a probe says. None: nothing is built that could be asked, or whom it asks is not installed."""
     if not pathlib.Path(fp3).exists():
         return None
     probe, patterns = PROBES[name]
@@ -117,7 +167,10 @@ def ask(name, fp3):
         kept = {}
     of = key(fp3, patterns)
     if kept.get(name, {}).get("of") != of:
-        kept[name] = {"of": of, "said": hashlib.sha256("\n".join(probe(fp3)).encode()).hexdigest()[:16]}
+        said = probe(fp3)
+        if said is None:
+            return None
+        kept[name] = {"of": of, "said": hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]}
         KEPT.parent.mkdir(parents=True, exist_ok=True)
         temporary = KEPT.with_name(f"{KEPT.name}.{os.getpid()}")
         temporary.write_text(json.dumps(kept), encoding="utf-8")

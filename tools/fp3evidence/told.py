@@ -2,6 +2,7 @@
 
 import re
 
+from fp3evidence import figures as fig
 from fp3evidence import inputs
 from fp3evidence.figures import ROOT
 from fp3gen.text import markdown
@@ -32,7 +33,8 @@ def line(command, known, why):
     """What a page says beside a table. Which inputs have changed is not told: the line would be another one after each of them."""
     if not known:
         return f"*`{command}` measures it. When that was done last is not recorded.*"
-    return f"*Measured {known['date']} by `{command}`, {where(known)}. {CHANGED[bool(why)]}*"
+    beside = " Other work ran beside it." if fig.BUSY in why else ""
+    return f"*Measured {known['date']} by `{command}`, {where(known)}. {CHANGED[bool(set(why) - {fig.BUSY})]}{beside}*"
 
 
 def marked(text):
@@ -47,7 +49,7 @@ def lines(text, figures, records, found):
         for name in mark[1].split():
             if name in figures:
                 by.setdefault(figures[name].command, []).append(name)
-        said = (line(command, records.get(names[0]), any(found[name] for name in names)) for command, names in by.items())
+        said = (line(command, records.get(names[0]), [why for name in names for why in found[name]]) for command, names in by.items())
         return "\n".join([f"<!-- evidence {mark[1]} -->", "\n\n".join(said), END])
     return MARK.sub(of, text)
 
