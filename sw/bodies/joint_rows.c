@@ -144,7 +144,8 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
     filling f = {.joint = j,
                  .stance = fp3_joint_stance(bodies, j),
                  .firm = firm,
-                 .spring = fp3_soften(j->def.hertz, j->def.damping, h),
+                 .spring = law == LAW(pin2) ? (fp3_softness){0, 0, 0}
+                                            : fp3_soften(j->def.hertz, j->def.damping, h),
                  .ma = fp3_inverse_mass(a->mass),
                  .ia = fp3_inverse_mass(a->inertia),
                  .mb = fp3_inverse_mass(b->mass),
@@ -162,36 +163,58 @@ static void fill(const fp3_bodies *bodies, int law, uint32_t i, double h, fp3_so
         fill_point(&f, (fp3_pin2_row *)rows->row + block);
 }
 
-static fp3_status lay(fp3_bodies *bodies, int law) {
-    fp3_law_rows *rows = &bodies->joined[law];
-    fp3_status status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
-                                        bodies->joint_count + 1u, bodies->error);
-    if (!status)
-        status = fp3_rows_make_room(bodies, rows, bodies->joint_count);
-    rows->is_same = 1;
-    for (uint32_t i = 0; !status && i < bodies->joint_count; i++) {
-        const fp3_joint *j = &bodies->joint[i];
-        if (!(j->generation & 1) || !(j->laws >> law & 1) || j->is_heavy)
-            continue;
-        const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
-        if (a >= bodies->movable && b >= bodies->movable)
-            continue;
-        rows->is_same &= fp3_rows_put(rows, rows->count, a, b);
-        rows->of[rows->count++] = i;
+static fp3_status make_room(fp3_bodies *bodies) {
+    fp3_status status = FP3_OK;
+    for (int law = 0; !status && law < FP3_JOINT_LAWS; law++) {
+        fp3_law_rows *rows = &bodies->joined[law];
+        status = fp3_bodies_room((void **)&rows->of, &rows->of_room, sizeof *rows->of,
+                                 bodies->joint_count + 1u, bodies->error);
+        if (!status)
+            status = fp3_rows_make_room(bodies, rows, bodies->joint_count);
     }
-    if (!status && rows->count)
-        status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law]);
-    return status ? status : fp3_cut_rows(bodies, rows);
+    return status;
+}
+
+static void put_rows(fp3_bodies *bodies, uint32_t number, unsigned laws) {
+    const fp3_joint *j = &bodies->joint[number];
+    const uint32_t a = fp3_slot_of(bodies, j->a), b = fp3_slot_of(bodies, j->b);
+    if (a >= bodies->movable && b >= bodies->movable)
+        return;
+    for (; laws; laws &= laws - 1) {
+        fp3_law_rows *rows = &bodies->joined[__builtin_ctz(laws)];
+        rows->is_same &= fp3_rows_put(rows, rows->count, a, b);
+        rows->of[rows->count++] = number;
+    }
+}
+
+static fp3_status lay(fp3_bodies *bodies) {
+    fp3_status status = bodies->joints ? make_room(bodies) : FP3_OK;
+    for (int law = 0; law < FP3_JOINT_LAWS; law++) {
+        bodies->joined[law].count = 0;
+        bodies->joined[law].is_same = 1;
+    }
+    if (status || !bodies->joints)
+        return status;
+    for (uint32_t i = 0; i < bodies->joint_count; i++) {
+        const fp3_joint *j = &bodies->joint[i];
+        if (j->generation & 1 && !j->is_heavy)
+            put_rows(bodies, i, j->laws);
+    }
+    for (int law = 0; !status && law < FP3_JOINT_LAWS; law++) {
+        fp3_law_rows *rows = &bodies->joined[law];
+        if (rows->count)
+            status = fp3_rows_lay(bodies, rows, rows->a, rows->b, sizes[law]);
+        if (!status)
+            status = fp3_cut_rows(bodies, rows);
+    }
+    return status;
 }
 
 fp3_status fp3_joints_begin(fp3_bodies *bodies, double h) {
     const fp3_softness firm = fp3_soften(fmax(RESOLVED / h, fmin(STIFFNESS, 1 / h)), DAMPING, h);
     fp3_status status = fp3_heavy_find(bodies, &fp3_heavy_laws2, firm.rate);
-    for (int law = 0; !status && law < FP3_JOINT_LAWS; law++) {
-        bodies->joined[law].count = 0;
-        if (bodies->joints)
-            status = lay(bodies, law);
-    }
+    if (!status)
+        status = lay(bodies);
     for (int law = 0; !status && law < FP3_JOINT_LAWS; law++)
         for (uint32_t i = 0; i < bodies->joined[law].count; i++)
             fill(bodies, law, i, h, firm);
@@ -240,6 +263,9 @@ void fp3_joint_scale(fp3_bodies *bodies, int law, uint32_t row, float by) {
         *p.word[i] *= by;
 }
 
+/* What is no number is forgotten, so that a joint of a body that failed goes on. */
+static float number_or_0(float x) { return isfinite(x) ? x : 0; }
+
 static void keep(const fp3_law_rows *rows, int law, uint32_t i, fp3_joint *j) {
     const impulses p = impulses_of(rows, law, i);
     float *const to = law == LAW(twist2)   ? j->twist
@@ -247,14 +273,15 @@ static void keep(const fp3_law_rows *rows, int law, uint32_t i, fp3_joint *j) {
                       : law == LAW(rod2)   ? j->rod
                                            : j->point;
     for (uint32_t k = 0; k < p.count; k++)
-        to[k] = *p.word[k];
+        to[k] = number_or_0(*p.word[k]);
 }
 
-/* What is no number is forgotten, so that a joint of a body that failed goes on. */
-static void mend(float *impulse, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++)
-        if (!isfinite(impulse[i]))
-            impulse[i] = 0;
+/* Joints that heavy sets have found have no rows. */
+static void mend(fp3_joint *j) {
+    for (int i = 0; i < 2; i++)
+        j->point[i] = number_or_0(j->point[i]);
+    for (int i = 0; i < 4; i++)
+        j->twist[i] = number_or_0(j->twist[i]);
 }
 
 static float sum(const float impulse[4]) {
@@ -263,16 +290,22 @@ static float sum(const float impulse[4]) {
 
 /* What the joint did to b. */
 static void weigh(const fp3_bodies *bodies, fp3_joint *j, double h) {
-    const fp3_stance s = fp3_joint_stance(bodies, j);
-    const double length = sqrt(s.gap[0] * s.gap[0] + s.gap[1] * s.gap[1]);
-    const double rod = length > 0 ? sum(j->rod) / length : 0, along = sum(j->slide);
-    j->force[0] =
-        (float)((j->point[0] + rod * s.gap[0] + along * s.axis[0] - j->slide[4] * s.axis[1]) / h);
-    j->force[1] =
-        (float)((j->point[1] + rod * s.gap[1] + along * s.axis[1] + j->slide[4] * s.axis[0]) / h);
+    double force[2] = {j->point[0], j->point[1]};
+    if (j->laws & (1 << LAW(rod2) | 1 << LAW(slide2))) {
+        const fp3_stance s = fp3_joint_stance(bodies, j);
+        const double length = sqrt(s.gap[0] * s.gap[0] + s.gap[1] * s.gap[1]);
+        const double rod = length > 0 ? sum(j->rod) / length : 0, along = sum(j->slide);
+        force[0] = force[0] + rod * s.gap[0] + along * s.axis[0] - j->slide[4] * s.axis[1];
+        force[1] = force[1] + rod * s.gap[1] + along * s.axis[1] + j->slide[4] * s.axis[0];
+    }
+    j->force[0] = (float)(force[0] / h);
+    j->force[1] = (float)(force[1] / h);
+    j->torque = (float)(sum(j->twist) / h);
     /* About the anchor that the caller knows. */
-    const fp3_body *b = &bodies->body[j->b];
     const double x = j->anchor_b[0] - j->def.anchor_b[0], y = j->anchor_b[1] - j->def.anchor_b[1];
+    if (x == 0 && y == 0)
+        return;
+    const fp3_body *b = &bodies->body[j->b];
     const double dx = b->turn[0] * x - b->turn[1] * y, dy = b->turn[1] * x + b->turn[0] * y;
     j->torque = (float)(sum(j->twist) / h + dx * j->force[1] - dy * j->force[0]);
 }
@@ -292,10 +325,8 @@ void fp3_joints_end(fp3_bodies *bodies, double h) {
         if (!(j->generation & 1) || (fp3_slot_of(bodies, j->a) >= bodies->movable &&
                                      fp3_slot_of(bodies, j->b) >= bodies->movable))
             continue;
-        mend(j->twist, 4);
-        mend(j->slide, 5);
-        mend(j->rod, 4);
-        mend(j->point, 2);
+        if (j->is_heavy)
+            mend(j);
         weigh(bodies, j, h);
         if (breaks(j))
             fp3_joint_drop(bodies, i);

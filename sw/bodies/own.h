@@ -65,17 +65,18 @@ typedef struct {
     uint8_t is_sensor, is_link;
 } fp3_attached;
 
+/* What every step looks at first: joints are many. */
 typedef struct {
-    fp3_joint_def def;              /* rest is a number */
-    uint32_t a, b;                  /* bodies */
+    uint32_t a, b; /* bodies */
+    uint32_t generation;
+    uint8_t laws;                   /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
+    uint8_t is_heavy;               /* in this step: heavy.h */
     float anchor_a[2], anchor_b[2]; /* in the bodies' axes, from their origins */
     float axis[2];
-    double from; /* what the angle of b and `ratio` times that of a had when it was made */
-    uint32_t generation;
-    uint8_t laws;     /* bit FP3_LAW_.. - FP3_LAW_twist2: which it is made of */
-    uint8_t is_heavy; /* in this step: heavy.h */
     float point[2], rod[4], slide[5], twist[4]; /* impulses, as their rows have them */
     float force[2], torque;                     /* on b, in the last substep */
+    double from;       /* what the angle of b and `ratio` times that of a had when it was made */
+    fp3_joint_def def; /* rest is a number */
 } fp3_joint;
 
 /* The rows of a law, colour by colour, and whose they are. */
@@ -93,6 +94,7 @@ typedef struct {
      * leaves it 0. */
     int is_same;
     uint32_t laid, laid_movable, laid_share;
+    uint32_t layings; /* how often they were laid anew */
     /* Blocks that each thread has of a colour: thread t of colour k from cut[k * threads + t] on
      * (cuts.c). */
     uint32_t *cut;

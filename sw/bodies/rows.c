@@ -110,6 +110,7 @@ fp3_status fp3_rows_lay(const fp3_bodies *bodies, fp3_law_rows *rows, const uint
         return FP3_OK;
     }
     rows->laid = FP3_NOBODY;
+    rows->layings++;
     rows->is_cut = 0;
     fp3_status status = fp3_bodies_room((void **)&rows->colour, &rows->colour_room,
                                         sizeof *rows->colour, rows->count + 1u, bodies->error);

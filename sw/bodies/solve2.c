@@ -254,19 +254,28 @@ FP3_WIDELY void give(const float shared[FP3_SHARED], fp3_wide given[FP3_SHARED])
         given[i] = fp3_wide_all(shared[i]);
 }
 
-/* Joints are who reads ways. */
+/* Joints are who reads ways. What only guesses (FP3_WARM), or never does, is compiled as that: half
+ * of a law is left out. */
 #define X(name, type, has_speed, has_way, is_of_point, integrator)                                 \
+    FP3_WIDELY void pass_##name##_of(const fp3_work2 *work, uint32_t first, uint32_t end,          \
+                                     fp3_wide given[FP3_SHARED], float is_warm) {                  \
+        given[FP3_WARM] = fp3_wide_all(is_warm);                                                   \
+        for (uint32_t i = first; i < end; i += 2) {                                                \
+            both of;                                                                               \
+            bring_both(work, i, has_way, &of);                                                     \
+            fp3_law_##name((fp3_##type##_row *)work->row + i, of.a, of.b, given);                  \
+            take_both(work, has_way, i, &of);                                                      \
+        }                                                                                          \
+    }                                                                                              \
     static void pass_##name(const fp3_work2 *given_work, uint32_t first, uint32_t end,             \
                             const float shared[FP3_SHARED]) {                                      \
         const fp3_work2 work = *given_work;                                                        \
         fp3_wide given[FP3_SHARED];                                                                \
         give(shared, given);                                                                       \
-        for (uint32_t i = first; i < end; i += 2) {                                                \
-            both of;                                                                               \
-            bring_both(&work, i, has_way, &of);                                                    \
-            fp3_law_##name((fp3_##type##_row *)work.row + i, of.a, of.b, given);                   \
-            take_both(&work, has_way, i, &of);                                                     \
-        }                                                                                          \
+        if (has_way && shared[FP3_WARM] != 0)                                                      \
+            pass_##name##_of(&work, first, end, given, 1);                                         \
+        else                                                                                       \
+            pass_##name##_of(&work, first, end, given, 0);                                         \
     }
 FP3_LAWS2(X)
 #undef X
@@ -304,7 +313,23 @@ static void place(const fp3_four *speeds, fp3_four *way, const fp3_pull2 *pull, 
         way[i] += h * speeds[i] - pull[i].drop;
 }
 
+static double all_of(fp3_masses x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+
+static void energy(const fp3_guessed *of, uint32_t first, uint32_t end, fp3_energy *to) {
+    fp3_masses before = {0}, by_first = {0}, by_second = {0};
+    for (uint32_t k = first; k < end; k++) {
+        const fp3_masses v = __builtin_convertvector(of->before[of->fours * k], fp3_masses),
+                         now = __builtin_convertvector(of->speed[of->fours * of->slot[k]],
+                                                       fp3_masses),
+                         by = now - v, moved = of->mass[k] * v;
+        before += moved * v;
+        by_first += moved * by;
+        by_second += of->mass[k] * by * by;
+    }
+    *to = (fp3_energy){0.5 * all_of(before), all_of(by_first), 0.5 * all_of(by_second)};
+}
+
 #define X(name, type, has_speed, has_way, is_of_point, integrator) pass_##name,
 extern const fp3_solver2 FP3_SOLVER;
-const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, keep, {FP3_LAWS2(X)},
-                                moved,           speed,   place};
+const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, keep,  {FP3_LAWS2(X)},
+                                moved,           speed,   place, energy};

@@ -62,6 +62,20 @@ typedef struct {
     fp3_softness softness[2]; /* between bodies that move; against one that does not */
 } fp3_making2;
 
+/* What guesses of joints are checked by (guess.h): of each body its slot, its speed before them,
+ * and the masses of its numbers; `fours` of speed, of which the first counts. */
+typedef double fp3_masses __attribute__((vector_size(32)));
+typedef struct {
+    const fp3_four *speed, *before;
+    const uint32_t *slot;
+    const fp3_masses *mass;
+    uint32_t fours;
+} fp3_guessed;
+/* Kinetic energy of speeds before; what their change adds, in both orders. */
+typedef struct {
+    double before, first, second;
+} fp3_energy;
+
 typedef struct {
     const char *name;
     /* Makes rows of contacts, blocks first .. end - 1, and how fast their bodies come together. */
@@ -79,6 +93,8 @@ typedef struct {
                   int is_first);
     void (*place)(const fp3_four *speed, fp3_four *way, const fp3_pull2 *pull, uint32_t count,
                   float h);
+    /* Of bodies first .. end - 1. */
+    void (*energy)(const fp3_guessed *, uint32_t first, uint32_t end, fp3_energy *to);
 } fp3_solver2;
 
 #endif
