@@ -238,15 +238,20 @@ static uint64_t kept_in_place(const interpreter *in) {
     return in->fast->plan.stored & ~in->fast->plan.around.published;
 }
 
-/* Where the processor raises underflow too early it is a hint: with it the phase is made again by
- * what knows. */
-static void run_native_with_hints(const interpreter *in, uint32_t phase) {
+/* What a phase is only hinted at by the processor. It raises underflow too early, and in turns of
+ * loops that are no folds objects without a neighbour raise what they like. */
+static uint32_t hints_of(const fp3_fast_plan *plan, uint32_t phase) {
+    return !fp3_fast_folds(plan, phase) ? UINT32_MAX : FP3_FPU_IS_EARLY ? FP3_FLAG_UNDERFLOW : 0;
+}
+
+/* With a hint the phase is made again by what knows. */
+static void run_native_with_hints(const interpreter *in, uint32_t phase, uint32_t hints) {
     const size_t size = in->lanes->count * sizeof(float);
     const uint32_t count = in->lanes->count;
     FP3_EACH_REGISTER (kept_in_place(in), reg)
         memcpy(in->worker->rows[reg], in->group->own[reg] + in->first, size);
     run_native(in, phase);
-    if (!(fp3_fpu_get() & FP3_FPU_UNDERFLOW))
+    if (!(fp3_fast_raised(0) & hints))
         return;
     FP3_EACH_REGISTER (kept_in_place(in), reg)
         memcpy(in->group->own[reg] + in->first, in->worker->rows[reg], size);
@@ -256,18 +261,13 @@ static void run_native_with_hints(const interpreter *in, uint32_t phase) {
 }
 
 /* A phase that has changed what entries remember cannot be made again. */
-static int may_be_made_again(const fp3_fast_plan *plan, uint32_t phase) {
-    int is_any = 0;
-    for (uint32_t pc = plan->phase[phase]; pc < plan->phase[phase + 1]; pc++)
-        is_any |= plan->code[pc].in.op == FP3_OP_STL;
-    return !is_any;
-}
-
-static void run_or_interpret(const interpreter *in, uint32_t phase) {
-    if (may_be_made_again(&in->fast->plan, phase))
-        run_native_with_hints(in, phase);
-    else
+static void run_or_interpret(const interpreter *in, uint32_t phase, uint32_t hints) {
+    if (!hints)
+        run_native(in, phase);
+    else if (fp3_fast_remembers(&in->fast->plan, phase))
         interpret(in, phase);
+    else
+        run_native_with_hints(in, phase, hints);
 }
 
 void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fast_group *group,
@@ -286,10 +286,9 @@ void fp3_fast_phase(const fp3_fast *fast, fp3_fast_worker *worker, const fp3_fas
     const int is_phase = phase < fp3_fast_phases(fast);
     if (is_phase && !fp3_fast_native_for(fast, group->constants))
         interpret(&in, phase);
-    else if (is_phase && FP3_FPU_IS_EARLY && !(worker->confirmed & FP3_FLAG_UNDERFLOW))
-        run_or_interpret(&in, phase);
     else
-        run_native(&in, phase);
+        run_or_interpret(&in, phase,
+                         is_phase ? hints_of(&fast->plan, phase) & ~worker->confirmed : 0);
     worker->confirmed |= fp3_fast_raised(worker->now.seen | worker->aside.seen);
     fp3_fpu_set(callers);
 }

@@ -369,14 +369,31 @@ static int are_folds(const fp3_fast_plan *plan, const fp3_fast_loop *loop, uint3
     return !(loop->kept & ~computed);
 }
 
+int fp3_fast_remembers(const fp3_fast_plan *plan, uint32_t phase) {
+    int is_any = 0;
+    for (uint32_t pc = plan->phase[phase]; pc < plan->phase[phase + 1]; pc++)
+        is_any |= plan->code[pc].in.op == FP3_OP_STL;
+    return is_any;
+}
+
+int fp3_fast_folds(const fp3_fast_plan *plan, uint32_t phase) {
+    int are_folds = 1;
+    for (uint32_t i = 0; i < plan->loop_count; i++)
+        if (plan->loops[i].first >= plan->phase[phase] &&
+            plan->loops[i].first < plan->phase[phase + 1])
+            are_folds &= plan->loops[i].is_fold;
+    return are_folds;
+}
+
 static void find_folds(fp3_fast_plan *plan) {
-    plan->are_folds = 1;
     for (uint32_t i = 0; i < plan->loop_count; i++) {
         uint32_t phase = 0;
         while (plan->phase[phase + 1] <= plan->loops[i].first)
             phase++;
-        plan->are_folds &= are_folds(plan, &plan->loops[i], plan->phase[phase]);
+        plan->loops[i].is_fold = are_folds(plan, &plan->loops[i], plan->phase[phase]);
     }
+    for (uint32_t i = 0; i < plan->around.distinct; i++)
+        plan->is_final |= fp3_fast_remembers(plan, i) && !fp3_fast_folds(plan, i);
 }
 
 /* The second pass of the step part begins with what the first part or a step left. */

@@ -59,7 +59,8 @@ typedef struct {
     uint32_t first, end; /* of the instructions within */
     uint32_t list;       /* number of the list */
     uint64_t outside,
-        kept; /* registers that it reads as they were before; that something reads after it */
+        kept;    /* registers that it reads as they were before; that something reads after it */
+    int is_fold; /* what it keeps are sums, leasts and mosts */
 } fp3_fast_loop;
 
 typedef struct {
@@ -77,7 +78,8 @@ typedef struct {
         around; /* with neighbours: of these parts only the step part has instructions */
     fp3_fast_loop *loops;
     uint32_t loop_count;
-    int are_folds;     /* what loops keep: native code has no other loops */
+    int is_final;      /* a phase that writes fields of entries, and so is never made again, has a
+                          loop that is no fold: native code has none */
     uint32_t *phase;   /* where each phase begins, and where the last one ends */
     uint32_t *order;   /* which of these a step makes, one after the other */
     int sleeps, slept; /* there is a sleep; the register of sleep and lds, or -1 */
@@ -88,6 +90,9 @@ typedef struct {
 uint32_t fp3_fast_record(const fp3_fast_plan *plan);
 /* The registers of the object that a word reads or writes. */
 uint64_t fp3_fast_touched(const fp3_fast_word *word);
+/* Whether a phase writes fields of entries; whether all its loops are folds. */
+int fp3_fast_remembers(const fp3_fast_plan *plan, uint32_t phase);
+int fp3_fast_folds(const fp3_fast_plan *plan, uint32_t phase);
 
 /* states: registers that are looked at after each step. *plan is freed by the caller.
  * FP3_E_PROGRAM: a word is no instruction that the configuration has, or an lds stands behind

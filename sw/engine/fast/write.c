@@ -187,9 +187,10 @@ fp3_status fp3_fast_write(const fp3_fast_plan *plan, FILE *to, fp3_error *error)
             plan->config->flags != 0, fp3_text_place, fp3_text_lanes,
             plan->config->fused ? fp3_text_fused : "",
             plan->config->storage ? fp3_text_halves : "");
-    if (plan->around.is_any && !plan->are_folds)
+    if (plan->around.is_any && plan->is_final)
         return fp3_fail(error, FP3_E_SYSTEM,
-                        "a loop over neighbours keeps more than sums, a least and a most");
+                        "pairs remember, and a loop over neighbours keeps more than sums, a least "
+                        "and a most");
     if (plan->around.is_any)
         fp3_write_phases(&w);
     else

@@ -5,7 +5,8 @@
  * what arithmetic there is given by the neighbour given_(s + 1). What turn s gives for word 7 of
  * the program is n7_s. Where some objects have no neighbour, another pair stands in, which raises
  * nothing that it does not raise anyway, and sums take -0, a least and a most nothing
- * (`takes_s`).
+ * (`takes_s`). What else a loop keeps stays as it was; there the pair may raise anything, which
+ * counts as a hint (around.c).
  */
 #include "write_around.h"
 
@@ -192,6 +193,21 @@ typedef struct {
                                               read yet; or 0 */
 } turn;
 
+/* What a turn keeps and has not touched for the last time. */
+static uint64_t left_by(const writer *w, const fp3_fast_loop *l, const turn *t) {
+    uint64_t left = 0;
+    for (uint32_t pc = t->at; pc < l->end; pc++)
+        left |= fp3_fast_touched(&w->plan->code[pc]);
+    return left & l->kept;
+}
+
+static void keep_as_it_was(const writer *w, uint32_t reg, unsigned s) {
+    fprintf(w->to,
+            "            r%" PRIu32 "_%u = fp3_choose(takes_%u, r%" PRIu32 "_%u, r%" PRIu32
+            "_%u);\n",
+            reg, s + 1, s, reg, s + 1, reg, s);
+}
+
 /* What is given is read where it is first needed, as it would else wait in a register. */
 static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s, kind of) {
     const uint32_t pc = t->at++;
@@ -221,18 +237,13 @@ static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s
         copy(w, reg, s + 1, s);
     t->taken |= kept;
     snprintf(mask, sizeof mask, "takes_%u", s);
-    if (kept && of != PLAIN && of != ALL)
+    if (kept && l->is_fold && of != PLAIN && of != ALL)
         fp3_write_fold(w, p, s + 1, mask);
     else
         fp3_write_arithmetic(w, p, s + 1);
-}
-
-/* What a turn keeps and has not touched for the last time. */
-static uint64_t left_by(const writer *w, const fp3_fast_loop *l, const turn *t) {
-    uint64_t left = 0;
-    for (uint32_t pc = t->at; pc < l->end; pc++)
-        left |= fp3_fast_touched(&w->plan->code[pc]);
-    return left & l->kept;
+    if (!l->is_fold && of != PLAIN && of != ALL)
+        FP3_EACH_REGISTER (kept & ~left_by(w, l, t), reg)
+            keep_as_it_was(w, reg, s);
 }
 
 /* A word of one turn and then of the next, as a turn waits for its own results more than for
