@@ -158,7 +158,8 @@ static void put_rows(comparison *c, uint64_t parts) {
                 .rounding = between(c, c->engine, c->method, both, first, g->objects),
                 .method = between(c, c->method, c->solution, both ? known : 0, first, g->objects),
                 .whole = between(c, c->engine, c->solution, known, first, g->objects)};
-            put_row(c, &r);
+            if (!isinf(r.size))
+                put_row(c, &r);
         }
     }
 }

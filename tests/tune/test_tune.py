@@ -330,3 +330,11 @@ def test_the_table_of_all_models(fp3, root, tmp_path):
         assert row["integrator"] and row["arithmetic"] and (row["adaptive_tolerance"] if row["h"] is None else row["h"]) > 0
     subprocess.run([sys.executable, root / "tools/pages.py", "tune", "--results", tmp_path, "--docs", tmp_path], cwd=root, check=True)
     assert f"| {rows[0]['cost_ratio']:.2f} `{rows[0]['integrator']}`" in (tmp_path / "tuning.md").read_text()
+
+
+@pytest.mark.parametrize("start, moves", [("0", False), ("1e-6", True)])
+def test_a_model_that_does_not_move_tells_nothing(tune, tmp_path, start, moves):
+    """Any step keeps a spring of 1e6 at rest."""
+    (tmp_path / "m.ode").write_text(f"state x = {start}\nstate v = 0\nx' = v\nv' = -1e6*x\nstep 0.01\nspan 0.0625\n")
+    done, _ = tune("m.ode", "--tolerance", "1e-2")
+    assert (done.returncode, "no object of the sample ever moves" in done.stderr) == ((0, False) if moves else (2, True)), done.stderr

@@ -175,3 +175,18 @@ def test_it_is_there_in_python(fp3, folder, root):
     done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, timeout=60,
                           env={**os.environ, "FP3_HOME": str(pathlib.Path(fp3).parents[0]), "PYTHONPATH": str(root / "python")})
     assert done.returncode == 0 and done.stdout.startswith("fp3.Tuning(x.scene: "), done.stdout + done.stderr
+
+
+SLOWS = "state x = 0\nstate v = 1\nnear by(x, 1)\nrest when v < %s for 0.0625\nstep 0.0078125\nx' = v\nv' = -v + 0*count(o in by)\n"
+
+
+@pytest.mark.parametrize("least, short", [("0.001", 0), ("0.5", math.exp(-0.75)*(1 - math.exp(-1.25)))])
+def test_who_sleeps_is_judged_by_who_does_not(tune, least, short):
+    """In the scene as it is, the object sleeps at step 96. The choice does not: it makes 16 steps, and one sleeps after a multiple of 16."""
+    scene = 'config = "world"; steps = 256; groups = ( { program = "m.ode"; objects = 1; integrator = "rk4"; } );'
+    found, _ = tune(scene, "--tolerance", "1e-2", files={"m.ode": SLOWS % least})
+    assert found["own"]["error"]*(1 - math.exp(-2)) == pytest.approx(short, abs=1e-4) and found["met"] and found["error_held_out"] < 1e-2
+
+
+def test_a_scene_in_which_nothing_moves_tells_nothing(tune):
+    assert "nothing ever moves, so each step would do" in tune(SCENE.format(steps=64, more="").replace("u = 0.1", "u = 0.0"), "--tolerance", "1e-3", code=2)

@@ -287,11 +287,21 @@ def test_what_an_unstable_method_makes_is_no_solution(compare):
     assert found.solution["known_until_step"] == 0 and "no solution at step 1" in found.text
 
 
+def test_sleep_is_an_error_and_truths_do_not_sleep(compare):
+    """x = x0 + v0 (1 - exp(-t)). Who sleeps at step n, a multiple of 16, goes v0 exp(-t) (1 - exp(-(2 - t))) less far."""
+    model = "model m\nstate x = 0\nstate v = 0\nnear by(x, 1)\n%sstep 0.0078125\nx' = v\nv' = -v + 0*count(o in by)\n"
+    scene = 'config = "world"; steps = 256; groups = ( { program = "m.ode"; objects = 2; integrator = "rk4"; spread = { x = [0.0, 8.0]; v = [1.0, 2.0]; }; } );'
+    for rest, short in (("", 0), ("rest when v < 0.5 for 0.125\n", math.exp(-0.875)*(1 - math.exp(-1.125)))):
+        found = compare(scene, "--halvings", 0, files={"m.ode": model % rest})
+        row = next(row for row in found.rows if row["state"] == "x")
+        assert found.error("x", lambda n, i: 8*i + (1 + i)*(1 - math.exp(-n/128))) < 1e-9
+        assert row["method_worst"] < 1e-7 and row["worst"]*row["size"] == pytest.approx(short, abs=1e-5)
+        assert "at_rest" not in found.text
+
+
 def test_what_has_none_is_refused(compare, root):
-    rest = "model m\nstate x = 0\nnear by(x, 1)\nrest when x < 1 for 1\nstep 0.125\nx' = count(o in by)\n"
     still = "model m\nparam a = 1\nstate x = 0\nlinks l\nstep 0.125\nproject x = x + a\n"
     one = '{ program = "m.ode"; objects = 2; }'
-    assert "has a line 'rest'" in compare(f"config = \"world\"; steps = 4; groups = ( {one} );", code=2, files={"m.ode": rest})
     assert "projections alone move" in compare(f"config = \"world\"; steps = 4; groups = ( {one} );", code=2, files={"m.ode": still.replace("links l\n", "")})
     moves = {"m.ode": "model m\nstate x = 2\nall others\nstep 0.125\nx' = count(o in others) - x\n"}
     adaptive = one.replace("objects", "tolerance = 1e-3; until = 1.0; objects")

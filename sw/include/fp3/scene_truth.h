@@ -23,7 +23,7 @@
  * code with the compiler and the engines. docs/truth.md says how.
  *
  * States are in the units of their models. Both refuse a scene with FP3_E_PROGRAM and the reason:
- * a group that is no model, adaptive steps, a line `rest`.
+ * a group that is no model, adaptive steps. With a line `rest` nobody sleeps in them.
  *
  * This header belongs to the library libfp3_lab.
  *

@@ -49,7 +49,8 @@ static void copy_row(const fp3_crowd *crowd, double *row) {
     }
 }
 
-/* Components of a vector are declared in one line. */
+/* Components of a vector are declared in one line. How long an object has been at rest is no place,
+ * and nobody sleeps here: beside an infinite size it has no error. */
 static void find_sizes(const fp3_model *m, size_t objects, size_t width, const double *states,
                        size_t count, double *sizes) {
     for (uint32_t s = 0; s < m->state_count; s++) {
@@ -58,6 +59,8 @@ static void find_sizes(const fp3_model *m, size_t objects, size_t width, const d
             for (size_t i = 0; m->states[o].line == m->states[s].line && i < objects; i++)
                 for (size_t row = 0; row < count; row++)
                     most = fmax(most, fabs(states[row * width + o * objects + i]));
+        if (fp3_model_state(m, FP3_NAME_REST) == s)
+            most = INFINITY;
         for (size_t i = 0; i < objects; i++)
             sizes[s * objects + i] = most;
     }
@@ -114,28 +117,12 @@ static fp3_status make_steps(task *t, fp3_crowd *crowd, fp3_motion *motion, doub
     }
 }
 
-static fp3_status check_awake(const fp3_scene *scene, fp3_error *error) {
-    for (size_t i = 0; i < scene->group_count; i++) {
-        const fp3_model *m = scene->groups[i].program->model;
-        if (m && fp3_model_state(m, FP3_NAME_REST) != FP3_NONE)
-            return fp3_fail_at(error, FP3_E_PROGRAM, scene->path, (unsigned)scene->groups[i].line,
-                               0,
-                               "group '%s': model '%s' has a line 'rest': an object that sleeps "
-                               "stands still where its equations would move it, so it has no "
-                               "truth; leave the line out",
-                               scene->groups[i].name, m->name);
-    }
-    return FP3_OK;
-}
-
 /* *made: how many rows there are, also after FP3_E_FAILED; the others are NaN. */
 static fp3_status make_rows(task *t, double *states, size_t *made, fp3_error *error) {
     fp3_crowd crowd;
     fp3_motion *motion = NULL;
     *made = 0;
     fp3_status status = fp3_crowd_open(t->scene, &crowd, error);
-    if (!status)
-        status = check_awake(t->scene, error);
     if (!status)
         status = fp3_sight_open(&crowd, error);
     if (!status)

@@ -16,6 +16,7 @@
 
 #define TIMES 1024       /* at least, if the number of steps allows it; at most twice that */
 #define FEWEST 16        /* times of a solution that is very wide */
+#define STILL 1e-9       /* of a state's size: no motion */
 #define NUMBERS_MOST 4e6 /* of a solution: then fewer times */
 
 /* ---- times ---- */
@@ -71,7 +72,7 @@ static fp3_status shift_group(const fp3_scene_group *group, double *starts, cons
     for (uint32_t s = 0; !status && s < m->state_count; s++) {
         double *column = starts + s * group->objects;
         const double size = sizes[s * group->objects];
-        if (!(size > 0))
+        if (!(size > 0 && isfinite(size)))
             continue;
         for (size_t i = 0; i < group->objects; i++)
             column[i] = (float)(column[i] + around * size * (2 * gsl_rng_uniform(random) - 1));
@@ -178,6 +179,18 @@ fp3_status fp3_drawn_solve(const fp3_scene_tune_def *def, const fp3_drawn_times 
                         def->path, times->steps[0], d->solved.why);
     fp3_scene_sizes(d->scene, d->solution, d->solved.known, d->sizes);
     return FP3_OK;
+}
+
+fp3_status fp3_drawn_moves(const fp3_drawn *d, int *moves, fp3_error *error) {
+    double *starts = NULL;
+    const fp3_status status = find_starts(d->scene, &starts, error);
+    *moves = 0;
+    for (size_t row = 0; !status && !*moves && row < d->solved.known; row++)
+        for (size_t i = 0; i < d->width; i++)
+            *moves |=
+                fabs(d->solution[row * d->width + i] - starts[i]) > STILL * fmax(d->sizes[i], 0);
+    free(starts);
+    return status;
 }
 
 double fp3_drawn_error(const fp3_drawn *d, size_t time, const double *states) {

@@ -40,6 +40,8 @@ fp3_status fp3_drawn_open(const fp3_scene_tune_def *def, uint64_t draw, const fp
 /* FP3_E_FAILED: there is no solution at the first of the times. */
 fp3_status fp3_drawn_solve(const fp3_scene_tune_def *def, const fp3_drawn_times *times,
                            fp3_drawn *drawn, fp3_error *error);
+/* Whether anything in the solution is ever elsewhere than at the start of the scene. */
+fp3_status fp3_drawn_moves(const fp3_drawn *drawn, int *moves, fp3_error *error);
 /* Leaves {0}, which may be closed as well. */
 void fp3_drawn_close(fp3_drawn *drawn);
 /* In what it differs from the scene as it is. */

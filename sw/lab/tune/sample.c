@@ -10,6 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define LOOKS 64
+#define STILL 1e-9 /* of a state's size */
+
 uint32_t fp3_sample_ranges(const fp3_params *params) {
     uint32_t ranges = 0;
     fp3_value_look look;
@@ -135,6 +138,27 @@ fp3_status fp3_sample_join(fp3_sample *s, fp3_sample *other, fp3_error *error) {
 double fp3_sample_error(const fp3_sample *s, size_t object, double t, const double *states) {
     const fp3_path_scale scale = {s->sizes + object * s->model->state_count, s->span, s->there};
     return fp3_path_error(s->paths[object], &scale, t, states);
+}
+
+/* By more than a path is exact. */
+static int moves(const fp3_sample *s, size_t object) {
+    const size_t states = s->model->state_count;
+    for (int n = 1; n <= LOOKS; n++) {
+        fp3_path_at(s->paths[object], s->span * n / LOOKS, s->there);
+        for (size_t k = 0; k < states; k++) {
+            const double way = fabs(s->there[k] - s->initial[object * states + k]);
+            if (way > STILL * s->sizes[object * states + k] || isnan(way))
+                return 1;
+        }
+    }
+    return 0;
+}
+
+int fp3_sample_moves(const fp3_sample *s) {
+    for (size_t i = 0; i < s->count; i++)
+        if (moves(s, i))
+            return 1;
+    return 0;
 }
 
 double fp3_sample_gap(const fp3_sample *s, double t) {

@@ -31,6 +31,8 @@ fp3_status fp3_sample_join(fp3_sample *sample, fp3_sample *other, fp3_error *err
 
 /* The error of an object that has these states at time t, as fp3/tune.h defines it. */
 double fp3_sample_error(const fp3_sample *sample, size_t object, double t, const double *states);
+/* Whether the truth of an object is ever elsewhere than at its start. */
+int fp3_sample_moves(const fp3_sample *sample);
 /* How far the truths move between time t and the end of the span, likewise. */
 double fp3_sample_gap(const fp3_sample *sample, double t);
 

@@ -80,6 +80,7 @@ static void note_known(tuner *k, const fp3_drawn *d) {
 
 static fp3_status open_sample(tuner *k) {
     fp3_status status = FP3_OK;
+    int moves = 0;
     for (uint32_t i = 0; !status && i < k->def->sample && !is_stopped(k); i++) {
         fp3_drawn *d = &k->sample[i];
         say(k, "the solution of scene %" PRIu32 " of %" PRIu32, i + 1, k->def->sample);
@@ -94,7 +95,14 @@ static fp3_status open_sample(tuner *k) {
     }
     k->t->sample = (uint32_t)k->sample_count;
     k->t->solved = k->sample[0].solved;
-    return status;
+    for (size_t i = 0; !status && !moves && !is_stopped(k) && i < k->sample_count; i++)
+        status = fp3_drawn_moves(&k->sample[i], &moves, k->error);
+    return status || moves || is_stopped(k)
+               ? status
+               : fp3_fail(k->error, FP3_E_ARGUMENT,
+                          "%s: nothing ever moves, so each step would do: expected a start from "
+                          "which something moves",
+                          k->def->path);
 }
 
 /* ---- one run ---- */

@@ -411,6 +411,10 @@ static fp3_status begin(tuner *k) {
     say(k, "the truth");
     if (!status)
         status = draw_seen(k);
+    if (!status && !fp3_sample_moves(&k->seen))
+        status = fp3_fail(k->error, FP3_E_ARGUMENT,
+                          "no object of the sample ever moves, so each step would do: give other "
+                          "starts, or ranges in which something moves");
     if (!status)
         status = fp3_sensitivity_find(&k->seen, k->def->config, k->t->sensitive, &k->t->sensitivity,
                                       k->error);
