@@ -711,8 +711,8 @@ gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/ga
 	@$(PYTHON) tools/gallery.py --fp3 $(BUILD)/bin/fp3 $(if $(filter 0,$(MEASURE)),,--measure) $(if $(ONLY),--only $(ONLY))
 
 .PHONY: arithmetic arithmetic-report
-arithmetic: all ## What each arithmetic does to the error of models, and what it costs: half an hour; MODEL="kepler lorenz". JSON in build/results
-	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
+arithmetic: all ## What each arithmetic does to the error of models, and what it costs: ten minutes; MODEL="kepler lorenz". JSON in build/results
+	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --jobs $(JOBS) --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
 
 .PHONY: storage
 storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: build/results/storage.json

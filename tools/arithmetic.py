@@ -14,6 +14,7 @@ error_bound_ulp, inputs_checked. `left_out` says which arithmetic cannot run wha
 
 import argparse
 import collections
+import concurrent.futures
 import datetime
 import io
 import json
@@ -73,15 +74,16 @@ def unit_of(synth, top, config, bound, checked):
                    "cuts": of["cuts"], "mhz_median": of["fmax_median"], "error_bound_ulp": bound, "inputs_checked": checked}
 
 
-def measure(fp3, wanted, integrators, synth):
+def measure(fp3, wanted, integrators, synth, jobs):
     """Yields what there is after each model."""
     rows, left_out, done = [], [], []
     revision = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
     units = [unit for unit in (unit_of(synth, *of) for of in UNITS) if unit]
-    for model in wanted:
-        for config, arithmetic in ARITHMETICS.items():
+    tasks = [(model, config) for model in wanted for config in ARITHMETICS]
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:       # errors and cycles do not depend on time
+        for (model, config), (points, why) in zip(tasks, pool.map(lambda task: bench(fp3, *task, integrators), tasks)):
             print(f"{model}, {config}", file=sys.stderr, flush=True)
-            points, why = bench(fp3, model, config, integrators)
+            arithmetic = ARITHMETICS[config]
             if why:
                 left_out.append({"arithmetic": arithmetic, "model": model, "why": why})
             of = placed(synth, "fp3", config)
@@ -89,9 +91,10 @@ def measure(fp3, wanted, integrators, synth):
                       "integrator": f"{point['integrator']}, {point['arithmetic']}", "h": point["h"], "tolerance": point["tolerance"],
                       "error_median": point["error_median"], "error_worst": point["error_worst"], "cycles": point["cycles"],
                       "lut4": of and of["lut4"], "mhz": of and of["fmax_median"], "words_differing": 0} for point in points]     # bench stops where one differs
-        done.append(model)
-        yield {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": integrators, "models": done, "rows": rows,
-               "units": units, "left_out": left_out}
+            if config == list(ARITHMETICS)[-1]:
+                done.append(model)
+                yield {"measured": datetime.date.today().isoformat(), "revision": revision, "integrators": integrators, "models": done, "rows": rows,
+                       "units": units, "left_out": left_out}
 
 
 # ---- page and picture ---------------------------------------------------------------------------
@@ -206,9 +209,10 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, required=True, help="the figures, JSON")
     parser.add_argument("--model", action="append", help="only this model of programs/; may be repeated")
     parser.add_argument("--integrator", action="append", help=f"only this integrator; may be repeated (default: {', '.join(INTEGRATORS)})")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time (default: %(default)s)")
     args = parser.parse_args()
     args.output.parent.mkdir(parents=True, exist_ok=True)
-    for found in measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"]):
+    for found in measure(args.fp3, args.model or models(), args.integrator or INTEGRATORS, measured.known()["rows"], args.jobs):
         args.output.write_text(json.dumps(found, indent=1) + "\n")
 
 

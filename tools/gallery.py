@@ -31,7 +31,7 @@ from fp3world import scene as ws
 ROOT = ws.ROOT
 HERE, WORLD, BODIES = ROOT / "programs/gallery", ROOT / "programs/world", ROOT / "programs/bodies"
 DATA, PAGE, PICTURES = ROOT / "docs/gallery.json", ROOT / "docs/gallery.md", ROOT / "docs/gallery"
-TURNS, ENOUGH = 40, 5.0                     # runs that are timed, at most, and seconds: the shortest counts
+TURNS, ENOUGH = 20, 2.0                     # runs that are timed, at most, and seconds: the shortest counts
 LONG = 0.02                                 # seconds of a run that others interrupt: the time that the processor gave it counts
 FIRST = 60                                  # stars of the small form
 

@@ -16,7 +16,7 @@ from fp3world.truth import Net
 from fp3world.truth import Stars
 
 METHODS = {"mujoco": "Euler", "rebound": "leapfrog"}     # of those that have several
-TURNS, MOST = 9, 15.0               # of a run, until it has taken so many seconds
+TURNS, MOST = 5, 5.0                # of a run, until it has taken so many seconds
 
 
 def measured(lab, name, form, start, steps, error):

@@ -35,7 +35,7 @@ def of_case(case, program, lab):
     """By hand and by engine fast."""
     output = lab.folder / "speed.json"
     path = kinds.put(lab, case) if case.kinds == 2 else ws.put(lab.folder, case.text(lab.quick), "speed")
-    turns = ["--steps", 5, "--repeats", 3] if lab.quick else ["--steps", case.steps, "--before", case.before, "--repeats", 15]
+    turns = ["--steps", 5, "--repeats", 3] if lab.quick else ["--steps", case.steps, "--before", case.before, "--repeats", 9]
     run([program, "--scene", path, "--json", output, *turns, *(["--loop", case.loop] if case.loop else [])], case.label)
     error = truth.of_fp3(lab, case)
     for row in json.loads(output.read_text(encoding="utf-8")):

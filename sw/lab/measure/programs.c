@@ -28,7 +28,7 @@
 #define ERROR_MOST 0.5
 /* Instructions of such runs of a family on one configuration. A run is left out if another one on
  * the same configuration takes FAR times fewer. */
-#define HARDWARE_MOST 6e5
+#define HARDWARE_MOST 3e5
 #define FAR 4
 #define CUTS_MOST 4096 /* attempts to find events, beside steps */
 #define PACES_MOST 48
