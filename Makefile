@@ -31,7 +31,7 @@ REST   := $(filter-out $(SETUP),$(MAKECMDGOALS))
 
 # Goals that want those before them done: make clean all, make sim models prove synth report. Of several setups each installs packages,
 # for which there is one lock.
-ifneq ($(filter clean synth sizes sizes-report report,$(MAKECMDGOALS))$(word 2,$(SETUP)),)
+ifneq ($(filter clean synth sizes report,$(MAKECMDGOALS))$(word 2,$(SETUP)),)
 .NOTPARALLEL:
 endif
 
@@ -473,10 +473,9 @@ EVIDENCE = $(PYTHON) tools/evidence.py --fp3 $(BUILD)/bin/fp3 $(if $(ONLY),--onl
 evidence: $(BUILD)/bin/fp3 ## Measure the figures of the pages that are out of date; LIST=1: only say which and why, LINES=1: only write what pages say of it; ONLY="world.chip bench", KIND=exact
 	@$(EVIDENCE) $(if $(LIST),--list) $(if $(LINES),--lines)
 
-# From what was measured to docs/.
-REPORTS := sizes bench skip stress tune scenes world bodies cluster everywhere arithmetic
-$(REPORTS:%=%-report): %-report:
-	@$(PYTHON) tools/pages.py $*
+.PHONY: report
+report: ## Write the pages of what was measured, from build/results/ to docs/; PAGES="world bodies": these alone
+	@$(PYTHON) tools/pages.py $(PAGES)
 	@$(if $(wildcard $(BUILD)/bin/fp3),$(EVIDENCE) --lines)
 
 # ---- error against run time ---------------------------------------------------------------------
@@ -526,34 +525,28 @@ $(BUILD)/bench/bullet: bench/world/bullet.cpp $(BUILD)/flags | $(BUILD)/ready
 	@$(CCACHE) g++ $(CXXFLAGS) -isystem /usr/include/bullet $(LDFLAGS) -o $@ $< -lBulletSoftBody -lBulletDynamics -lBulletCollision -lLinearMath
 
 RESULTS := $(BUILD)/results
-.PHONY: bench bench-report bench-check
+.PHONY: bench bench-check
 bench: $(BUILD)/bench/bench $(BUILD)/fp3 | need-plot ## Error against run time beside GSL, SUNDIALS, plain C: build/results/bench.json, benchmarks.html; QUICK=1, MODEL="kepler speed": these alone, ENGINE=
 	@$(PYTHON) tools/bench.py --bench $< --output $(RESULTS)/bench.json $(if $(QUICK),--quick) $(if $(MODEL),--models $(MODEL)) $(if $(ENGINE),--engine $(ENGINE))
 	@$(PYTHON) tools/pages.py bench --docs $(RESULTS)
 	@echo "Look at it with a browser: $(RESULTS)/benchmarks.html"
 
-bench-report: | need-plot ## Write docs/benchmarks.md and .html from the full form of `make bench`
-
 bench-check: $(BUILD)/bench/bench $(BUILD)/fp3 ## Hold speeds against the ratios in bench/baseline.json; WRITE=1 makes new ones
 	@$(PYTHON) tools/bench_check.py --bench $< $(if $(WRITE),--write) $(if $(ENGINE),--engine $(ENGINE))
 
-.PHONY: skip skip-report
+.PHONY: skip
 skip: $(BUILD)/bench/bench ## What a scene does not need, done and left out: build/results/skip.json; QUICK=1
 	@$(PYTHON) tools/skip.py --bench $< --output $(RESULTS)/skip.json $(if $(QUICK),--quick)
 
-skip-report: ## Write docs/skipping.md from what `make skip` measured
-
 # ---- the stress suite ---------------------------------------------------------------------------
 
-.PHONY: stress stress-report
+.PHONY: stress
 stress: $(BUILD)/fp3 ## Judge integrators and models in FP32 against theory: build/results/stress.json; QUICK=1
 	@$(PYTHON) tools/stress.py --fp3 $< --output $(RESULTS)/stress.json $(if $(QUICK),--quick) --jobs $(JOBS)
 
-stress-report: | need-plot ## Write docs/stress.md and its pictures from the full form of `make stress`
-
 # ---- the tuner ----------------------------------------------------------------------------------
 
-.PHONY: tune tune-report
+.PHONY: tune
 tune: $(BUILD)/fp3 ## The cheapest way to integrate each model to four tolerances: build/results/tune.json; QUICK=1, MODEL="kepler ship"
 	@mkdir -p $(RESULTS)
 	@$(PYTHON) tools/tune.py --fp3 $< --jobs $(JOBS) --output $(RESULTS)/tune.json $(if $(QUICK),--quick) $(if $(MODEL),--models $(subst $(SPACE),$(COMMA),$(strip $(MODEL))))
@@ -563,19 +556,15 @@ judge: all ## Fresh objects by the scenes of fp3 tune against a truth of their o
 	@mkdir -p $(RESULTS)
 	@$(PYTHON) tools/judge.py --jobs $(JOBS) --output $(RESULTS)/judge.json $(if $(MODEL),--models $(subst $(SPACE),$(COMMA),$(strip $(MODEL))))
 
-tune-report: ## Write docs/tuning.md from build/results/tune.json
-
 # ---- whole scenes in the laboratory -------------------------------------------------------------
 
-.PHONY: scenes scenes-report
+.PHONY: scenes
 scenes: all ## Whole scenes: what is skipped, error against run time beside peers, limits, tuning: build/results/scenes.json; QUICK=1, PARTS="skipped curves stress tuned", SCENES="cloth dam"
 	@$(PYTHON) tools/scenes.py --fp3 $(BUILD)/fp3 --output $(RESULTS)/scenes.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
 
-scenes-report: | need-plot ## Write the pages of what `make scenes` found
-
 # ---- objects that see each other ----------------------------------------------------------------
 
-.PHONY: world world-report granular
+.PHONY: world granular
 world: all ## Objects that see each other: the same bits everywhere, speed, cycles, physics: build/results/world.json; QUICK=1, PARTS="hashes physics", SCENES="belt slope"
 	@$(PYTHON) tools/world.py --output $(RESULTS)/world.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(SCENES),--scenes $(SCENES))
 
@@ -586,9 +575,7 @@ granular: ## What LAMMPS makes of scenes of grains, for `make world` and its tes
 four: all | need-cluster ## Four simulated boards with a cloth, each on a serial line of its own: cycles, bytes, and the bits of one process; SCENE=programs/world/cloth.scene, STEPS=10, RANKS=4
 	@tools/four.sh $(BUILD)/fp3 $(if $(SCENE),$(SCENE),programs/world/cloth.scene) $(if $(STEPS),$(STEPS),10) $(if $(RANKS),$(RANKS),4)
 
-world-report: ## Write docs/world.md and a table of docs/relations.md from what `make world` found
-
-.PHONY: bodies bodies-report
+.PHONY: bodies
 bodies: all $(if $(BOX2D),$(BUILD)/bench/bodies_box2d.so) $(if $(BOX3D),$(BUILD)/bench/bodies_box3d.so) ## Rigid bodies beside theory and other engines: build/results/bodies.json; QUICK=1, PARTS="truths speed", ENGINES="box2d rapier", BOX2D=DIR and BOX3D=DIR of those that you built
 	@$(PYTHON) tools/bodies.py --output $(RESULTS)/bodies.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS)) $(if $(ENGINES),--engines $(ENGINES))
 
@@ -600,8 +587,6 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 	@echo "  LD   $@"
 	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(OWN)/include -o $@ $< -L$(OWN)/lib -l$* -lm -Wl,-rpath,$(abspath $(OWN)/lib)
 
-bodies-report: | need-plot ## Write docs/bodies_results.md, docs/bodies_error.md and its pictures from what `make bodies` found
-
 # ---- objects divided among processes ------------------------------------------------------------
 
 $(BUILD)/bench/wire: bench/cluster/wire.c $(BUILD)/flags
@@ -609,11 +594,9 @@ $(BUILD)/bench/wire: bench/cluster/wire.c $(BUILD)/flags
 	@echo "  CC   $<"
 	@$(CCACHE) gcc $(CFLAGS) $(LDFLAGS) -o $@ $<
 
-.PHONY: cluster cluster-report
+.PHONY: cluster
 cluster: all | need-cluster ## Objects divided among ranks: the same bits, kills, what the exchange costs, a model: build/results/cluster.json; QUICK=1, FIRST=1 (root: before other work), PARTS="hashes model"
 	@$(PYTHON) tools/cluster.py --output $(RESULTS)/cluster.json $(if $(QUICK),--quick) $(if $(FIRST),--first) $(if $(PARTS),--parts $(PARTS))
-
-cluster-report: | need-plot ## Write the tables of docs/cluster_results.md and its picture from what `make cluster` found
 
 # ---- lint ---------------------------------------------------------------------------------------
 
@@ -665,21 +648,14 @@ chip: | $(call need_tools,synth) ## An LFE5U-85F full of lanes, placed and route
 chip-run: all ## The same array in simulation, against the engine isa; CONFIG=lanes (dual), LANES=36, SET=
 	@$(PYTHON) tools/chip.py --run $(CHIP)
 
-.PHONY: sizes sizes-report
+.PHONY: sizes
 sizes: | $(call need_tools,sizes) ## The same on devices of several families, of the configurations to choose between; DEVICE=, CONFIG=, GRADES=, SEEDS=1, TOOLS=
 	@$(PYTHON) tools/synth.py $(WITH) --sizes --jobs $(JOBS) $(if $(DEVICE),--device $(DEVICE)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
 
-sizes-report: ## Take what was measured into docs/synth.json, and write docs/sizes.md, the tables of docs/integration.md and docs/chip_results.md from it
-
 .PHONY: bitstream
 bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=, TOOLS=
 	@$(PYTHON) tools/bitstream.py $(WITH) $(BOARD) $(if $(CONFIG),--config $(CONFIG)) $(if $(SEED),--seed $(SEED))
-
-.PHONY: report
-report: ## Write docs/results.md and README's tables from build/results/ and docs/synth.json
-	@$(PYTHON) tools/pages.py results
-	@$(if $(wildcard $(BUILD)/bin/fp3),$(EVIDENCE) --lines)
 
 # ---- other processors ---------------------------------------------------------------------------
 
@@ -694,7 +670,7 @@ $(BUILD)/netlist/ecp5_%.vvp: tools/netlist.sh $(BUILD)/rtl/fp3_%.v $(RTL) sim/re
 	@echo "  SYN  fp3_$*"
 	@tools/netlist.sh ecp5 $* $@
 
-.PHONY: everywhere everywhere-report $(ELSEWHERE)
+.PHONY: everywhere $(ELSEWHERE)
 $(ELSEWHERE): %: $(ABROAD)/%/root/done $(BUILD)/ready
 	@+$(MAKE) -s BUILD=$(ABROAD)/$* CROSS=$*- SYSROOT=$(abspath $(ABROAD)/$*/root) $(ABROAD)/$*/bin/fp3 $(ABROAD)/$*/tests/operations $(ABROAD)/$*/tests/stepped
 
@@ -710,7 +686,7 @@ picture: all | need-plot ## Draw README's picture; MEASURE=1: with new times of 
 gallery: $(BUILD)/fp3 | need-plot ## Run, measure and draw the scenes of docs/gallery.md: five minutes; MEASURE=0: only draw, ONLY="eight dam"
 	@$(PYTHON) tools/gallery.py --fp3 $(BUILD)/bin/fp3 $(if $(filter 0,$(MEASURE)),,--measure) $(if $(ONLY),--only $(ONLY))
 
-.PHONY: arithmetic arithmetic-report
+.PHONY: arithmetic
 arithmetic: all ## What each arithmetic does to the error of models, and what it costs: ten minutes; MODEL="kepler lorenz". JSON in build/results
 	@$(PYTHON) tools/arithmetic.py --fp3 $(BUILD)/bin/fp3 --jobs $(JOBS) --output $(RESULTS)/arithmetic.json $(foreach model,$(MODEL),--model $(model))
 
@@ -718,10 +694,6 @@ arithmetic: all ## What each arithmetic does to the error of models, and what it
 storage: all ## What rounding to nearest and at random do to long runs with records of 16 bits: build/results/storage.json
 	@mkdir -p $(RESULTS)
 	@$(PYTHON) tools/storage.py --fp3 $(BUILD)/bin/fp3 --output $(RESULTS)/storage.json
-
-arithmetic-report: | need-plot ## Write docs/arithmetic_results.md's tables and its picture from both
-
-everywhere-report: ## Write docs/everywhere.md from it
 
 # ---- for other tools ----------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The pages of measurements, from what was measured: build/results/*.json to docs/.
 
+    tools/pages.py                                  all pages of which something was measured here: `make report`
     tools/pages.py world bodies                     docs/world.md, docs/bodies_results.md and what belongs to them
     tools/pages.py bench --docs build/results       elsewhere
 
@@ -178,23 +179,30 @@ def joined(new, old, suffix):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("pages", nargs="+", choices=PAGES, metavar="PAGE", help=", ".join(PAGES))
+    parser.add_argument("pages", nargs="*", metavar="PAGE", help=f"{', '.join(PAGES)} (default: all that were measured)")
     parser.add_argument("--results", type=pathlib.Path, default=ROOT / "build/results", help="where the measurements are")
     parser.add_argument("--docs", type=pathlib.Path, default=DOCS, help="where the pages go")
     options = parser.parse_args()
+    for name in options.pages:
+        if name not in PAGES:
+            parser.error(f"no page '{name}': there are {', '.join(PAGES)}")
     texts, found = {}, Results(options.results, options.docs.resolve())
-    try:
-        for name in options.pages:
+    for name in options.pages or PAGES:
+        try:
             texts |= {options.docs / file: text_of(made) for file, made in PAGES[name](found).items()}
-    except Wrong as why:
-        print(f"pages: {why}", file=sys.stderr)
-        return 1
+        except Wrong as why:
+            print(f"pages: {why}" if options.pages else f"pages: {name} stays as it is: {why}", file=sys.stderr)
+            if options.pages:
+                return 1
+        except ModuleNotFoundError as why:
+            print(f"pages: {name} needs the package '{why.name}': make setup-bench", file=sys.stderr)
+            return 1
     for path, text in texts.items():
         if path.suffix in HEADS and path.exists():
             text = joined(text, path.read_text(encoding="utf-8"), path.suffix)
         write(path, text)
         print(f"wrote {path}")
-    if {"results", "sizes"} & set(options.pages):
+    if {"results", "sizes"} & set(options.pages or PAGES):
         measured.keep()
     return 0
 

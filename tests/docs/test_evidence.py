@@ -55,6 +55,7 @@ page = "docs/figures.md"
 what = "of {name}"
 kind = "exact"
 command = "make {name}"
+results = "log"
 minutes = 1
 inputs = ["tools", "docs/evidence.toml"]
 """
@@ -222,6 +223,7 @@ page = "docs/page.md"
 what = "a"
 kind = "exact"
 command = "sh -c 'echo a >>log'"
+results = "log"
 report = "sh -c 'echo report >>log'"
 minutes = 1
 inputs = ["sources"]
@@ -231,6 +233,7 @@ page = "docs/page.md"
 what = "b"
 kind = "time"
 command = "sh -c 'test ! -e stop && echo b >>log'"
+results = "log"
 minutes = 2
 inputs = ["one.*"]
 """
@@ -299,6 +302,7 @@ page = "docs/page.md"
 what = "{name}"
 kind = "{kind}"
 command = "{command}"
+results = "log"
 minutes = {minutes}
 inputs = ["sources"]
 """ for name, kind, command, minutes in (

@@ -95,13 +95,13 @@ def test_what_was_measured_elsewhere_is_kept(tree):
 
 
 def test_pages_are_those_of_what_was_kept(root, tree, monkeypatch):
-    """Nobody has edited them, nor what makes them, without `make sizes-report`."""
+    """Nobody has edited them, nor what makes them, without `make report PAGES=sizes`."""
     monkeypatch.syspath_prepend(str(root / "tools"))
     from fp3evidence.told import bare
     shutil.copy(root / "docs/synth.json", tree / "docs")
     assert sizes(tree).returncode == 0
     for name in ("sizes.md", "integration.md", "chip_results.md"):
-        assert bare((tree / "docs" / name).read_text()) == bare((root / "docs" / name).read_text()), f"docs/{name}: run make sizes-report"
+        assert bare((tree / "docs" / name).read_text()) == bare((root / "docs" / name).read_text()), f"docs/{name}: run make report PAGES=sizes"
 
 
 def test_families_are_whole(root, monkeypatch):

@@ -25,6 +25,7 @@ class Figure:
     command: str
     minutes: float
     inputs: tuple
+    results: str
     named: dict = dataclasses.field(repr=False, compare=False)   # globs of each name in [inputs]
     report: str = ""
     peers: tuple = ()

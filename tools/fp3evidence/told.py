@@ -16,9 +16,10 @@ HEAD = """\
 
 *Measured, for everyone.*
 
-Each table of figures in these pages: what it says, the command that measures it, and where and when that was done last. A figure is *fresh* if none of its
+Each table of figures in these pages: what it says, the command that measures it, the file that has the numbers, and where and when that was done last. A figure is *fresh* if none of its
 inputs has changed since: programs, sources, versions of what it is measured beside; else it is *old*. *Exact* figures (cycles, hashes, orders, LUTs) are
-the same on every machine. An *error* comes from exact results and a truth in double. *Times* hold for the machine that is named.
+the same on every machine. An *error* comes from exact results and a truth in double. *Times* hold for the machine that is named, with no other work on it:
+a time is old as well if other work ran beside it. To cite a figure, name its row, its revision and, of a time, its machine.
 
 `docs/evidence.toml` describes the figures, and `docs/evidence.json` has what was recorded of them. `make evidence LIST=1` says what is old and which input
 has changed, `make evidence` measures it again, and `make evidence ONLY=NAME` one figure."""
@@ -66,11 +67,11 @@ def table(figures, records, found):
         for name, figure in figures.items():
             if figure.page == page:
                 known = records.get(name, {})
-                rows.append([f"`{name}`", figure.what, figure.kind, f"`{figure.command}`", known.get("date", "–"),
+                rows.append([f"`{name}`", figure.what, figure.kind, f"`{figure.command}`", f"`{figure.results}`", known.get("date", "–"),
                              f"`{known['revision']}`" if known.get("revision") else "–", known.get("machine", "–"), "old" if found[name] else "fresh"])
         title = page.removeprefix("docs/")
         yield from ("", f"## [{title}]({'../README.md' if title == 'README.md' else title})", "")
-        yield from markdown(["figure", "what", "kind", "command", "measured", "revision", "machine", "state"], rows)
+        yield from markdown(["figure", "what", "kind", "command", "numbers", "measured", "revision", "machine", "state"], rows)
 
 
 def pages(figures, records, found):
