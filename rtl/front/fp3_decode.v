@@ -56,9 +56,9 @@ module fp3_decode #(
     assign choice    = choice_of(op);
     assign halve      = SCALE != 0 && (op == OP_ADDH || op == OP_SUBH);
     assign twice     = SCALE != 0 && (op == OP_ADDT || op == OP_SUBT);
-    wire plain_add   = op == OP_ADD || op == OP_SUB || halve || twice || valued;
+    wire plain_add   = op == OP_ADD || op == OP_SUB || halve || twice || (valued && DUAL == 0);
     assign to_add    = plain_add || (takes && !takes_mul);
-    assign to_mul    = op == OP_MUL || takes_mul;
+    assign to_mul    = op == OP_MUL || takes_mul || (valued && DUAL != 0);
     assign to_chain  = (CHAIN != 0 && (op == OP_MADD || op == OP_MSUB)) || (FUSED != 0 && (op == OP_FMADD || op == OP_FMSUB));
     assign subtract  = op == OP_SUB || op == OP_MSUB || op == OP_FMSUB || op == OP_SUBH || op == OP_SUBT
                     || (is_more && (more == OP_SUBN || more == OP_SUBL));
@@ -70,11 +70,13 @@ module fp3_decode #(
     assign to_memory  = plain_memory || stl || each || next || loads_word || loads_field;
 
     // Sums and products apart: each writes its bank, and reads at most one register of each bank. A
-    // scaled operand is b, which is then not in the bank of sums.
+    // scaled operand is b, which is then not in the bank of sums. What fp_value makes is made in a
+    // product's place, of a sum.
     wire a_even = !field_a[6] && !field_a[0], a_odd = !field_a[6] && field_a[0];
     wire b_even = !field_b[6] && !field_b[0], b_odd = !field_b[6] && field_b[0];
     wire apart  = !(has_b(op) && ((a_even && b_even) || (a_odd && b_odd)))
-               && !((halve || twice) && (a_odd || b_even));
+               && !((halve || twice) && (a_odd || b_even))
+               && !(valued && a_odd);
     wire banked = DUAL == 0 || to_memory || (apart && field_d[0] == to_mul);
 
     // An index fits if shifting out the bits that the register file has leaves nothing.

@@ -136,8 +136,8 @@ end
 if (DUAL > 0 && STORE_WORDS == 0) begin : g_multiply_add_dual_needs_store_words
     MULTIPLY_ADD_DUAL_needs_STORE_WORDS u_error ();
 end
-if (DUAL > 0 && ESTIMATE != 0) begin : g_multiply_add_dual_excludes_reciprocal_estimate_or_mixed
-    MULTIPLY_ADD_DUAL_excludes_RECIPROCAL_ESTIMATE_OR_MIXED u_error ();
+if (DUAL > 0 && MIXED != 0) begin : g_multiply_add_dual_excludes_reciprocal_mixed
+    MULTIPLY_ADD_DUAL_excludes_RECIPROCAL_MIXED u_error ();
 end
 if (DUAL > 0 && ROUND != 0) begin : g_multiply_add_dual_excludes_round
     MULTIPLY_ADD_DUAL_excludes_ROUND u_error ();

@@ -88,6 +88,7 @@ rtl/unit/fp3_fused_arith.v
 rtl/unit/fp3_lane_arith.v
 rtl/unit/fp3_log_arith.v
 rtl/unit/fp3_multiplier.v
+rtl/unit/fp3_product.v
 rtl/unit/fp3_shared_arith.v
 rtl/unit/fp3_solo_arith.v
 rtl/unit/fp3_solo_fused.v

@@ -52,6 +52,8 @@ module fp3_dual_operands #(
         .write_addr_i(product_spot), .write_value_i(write_value_i[63:32]),
         .read_i(1'b1), .read_addr_i(issue_product_y), .read_value_o(product_y));
 
+    wire [CHOICE_W-1:0] choice_i3;
+    fp3_delay #(.W(CHOICE_W), .N(3)) u_choice (.clk_i(clk_i), .rst_i(1'b0), .d_i(issue_choice), .q_o(choice_i3));
     wire        twice_i1, halve_i1, minus_x_i2, minus_y_i2, st_x_i2, st_y_i2;
     wire [31:0] scaled;                                // cycle 2
     fp3_delay #(.W(2), .N(1)) u_scale_by (.clk_i(clk_i), .rst_i(1'b0), .d_i({issue_twice, issue_halve}),
@@ -87,14 +89,15 @@ module fp3_dual_operands #(
     end
     assign stored_o = sum_x_q | sum_y_scaled_q;
 
-    // A sum is z +/- y, a product x * y.
+    // A sum is z +/- y, a product x * y; in its place, what fp_value makes of z is made of x.
     genvar p;
     generate
         for (p = 0; p < 2; p = p + 1) begin : g_stream
             `FP3_OPERANDS_FIELDS
-            assign {operands_choice, operands_twice, operands_halve} = {CHOICE_NONE, 2'b00};
+            assign operands_choice   = p == 0 ? CHOICE_NONE : choice_i3;
+            assign {operands_twice, operands_halve} = 2'b00;
             assign operands_subtract = p == 0 && minus_q;
-            assign operands_z        = p == 0 ? sum_x_q : 32'd0;
+            assign operands_z        = p == 0 ? sum_x_q : product_x_q;
             assign operands_x        = p == 0 ? 32'd0 : product_x_q;
             assign operands_y        = p == 0 ? sum_y_scaled_q : product_y_q;
             assign operands_o[`FP3_OPERANDS_W*p +: `FP3_OPERANDS_W] = `FP3_OPERANDS;

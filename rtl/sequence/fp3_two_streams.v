@@ -59,7 +59,7 @@ module fp3_two_streams #(
 
     // The sweeps
     // ---------------------------------------------------------------------------------------
-    localparam SUM_W = TRACE_W + 9 + REGISTER_W + 2 * (REGISTER_W + 1), PRODUCT_W = TRACE_W + 1 + REGISTER_W + 2 * (REGISTER_W + 1);
+    localparam SUM_W = TRACE_W + 9 + REGISTER_W + 2 * (REGISTER_W + 1), PRODUCT_W = TRACE_W + 1 + CHOICE_W + REGISTER_W + 2 * (REGISTER_W + 1);
     reg                  memory_q;         // both units are taken
     wire                 to_products = to_mul || (to_memory && !st && d[0]);
     wire                 sum_busy, sum_free, product_busy, product_free, sum_valid, product_valid;
@@ -79,6 +79,7 @@ module fp3_two_streams #(
     wire [PRODUCT_W-1:0]  product_what;
     wire [TRACE_W-1:0]    sum_trace, product_trace;
     wire                  sum_adds, sum_loads, sum_memory, product_loads;
+    wire [CHOICE_W-1:0]   product_choice;
     wire [REGISTER_W-1:0] sum_register, product_register;
     wire [REGISTER_W:0]   sum_x, sum_y, product_x, product_y;
     fp3_dual_sweep #(.WHAT_W(SUM_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_sums (.clk_i(clk_i),
@@ -91,10 +92,10 @@ module fp3_two_streams #(
     fp3_dual_sweep #(.WHAT_W(PRODUCT_W), .COUNT_W(COUNT_W), .CONTEXT_W(CONTEXT_W), .ROW_W(ROW_W)) u_products (
         .clk_i(clk_i), .rst_i(rst_i || abort_i),
         .load_i(load_o && to_products), .count_i(count), .base_i(row_i),
-        .what_i({pc_i, word_i, to_memory, d, x, y}),
+        .what_i({pc_i, word_i, to_memory, choice, d, x, y}),
         .busy_o(product_busy), .free_o(product_free), .valid_o(product_valid), .context_o(product_context),
         .what_o(product_what), .row_o(product_row));
-    assign {product_trace, product_loads, product_register, product_x, product_y} = product_what;
+    assign {product_trace, product_loads, product_choice, product_register, product_x, product_y} = product_what;
 
     // To the lanes
     // ----------------------------------------------------------------------------------------
@@ -106,9 +107,9 @@ module fp3_two_streams #(
     wire [5:0] sum_kind;
     wire       issue_st_now, valid_late;
     assign {sum_trace, sum_memory, sum_adds, sum_loads, sum_kind, sum_register, sum_x, sum_y} = sum_what;
-    fp3_delay #(.W(6+REGISTER_W+3*BANK_W), .N(TIMING_EARLY)) u_issue (.clk_i(clk_i), .rst_i(1'b0),
-        .d_i({sum_kind, sum_register, spot(sum_x, sum_context), spot(product_x, product_context), spot(product_y, product_context)}),
-        .q_o({issue_minus_x, issue_minus_y, issue_twice, issue_halve, issue_st_now, issue_st_y, issue_register,
+    fp3_delay #(.W(6+CHOICE_W+REGISTER_W+3*BANK_W), .N(TIMING_EARLY)) u_issue (.clk_i(clk_i), .rst_i(1'b0),
+        .d_i({sum_kind, product_choice, sum_register, spot(sum_x, sum_context), spot(product_x, product_context), spot(product_y, product_context)}),
+        .q_o({issue_minus_x, issue_minus_y, issue_twice, issue_halve, issue_st_now, issue_st_y, issue_choice, issue_register,
               issue_sum_x, issue_product_x, issue_product_y}));
     fp3_delay #(.W(1), .N(TIMING_EARLY)) u_valid (.clk_i(clk_i), .rst_i(rst_i), .d_i(sum_valid), .q_o(valid_late));
     fp3_delay #(.W(ROW_W), .N(1+TIMING_EARLY)) u_st_row (.clk_i(clk_i), .rst_i(1'b0), .d_i(sum_row),

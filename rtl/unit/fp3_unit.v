@@ -2,7 +2,7 @@
 // fp3_unit: the arithmetic of one stream of a lane, behind its socket.
 //
 // Purpose   The only place that selects a configuration's arithmetic: z +/- x * y in one stream,
-//           rounded twice or once; or, with DUAL, z +/- x in the first stream and x * y in the
+//           rounded twice or once; or, with DUAL, z +/- y in the first stream and x * y in the
 //           second, independent of each other.
 // Latency   UNIT_LATENCY: of two units that of the slower one; new operands every cycle.
 //
@@ -33,11 +33,8 @@ module fp3_unit #(
                 .a_i(operands_z), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
             assign result_o = `FP3_RESULT;
         end else begin : g_product
-            `FP3_RESULT_FIELDS
-            fp3_multiplier #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_mul (.clk_i(clk_i),
-                .no_product_i(1'b0), .instead_i(37'd0),
-                .a_i(operands_x), .b_i(operands_y), .value_o(result_value), .flags_o(result_flags));
-            assign result_o = `FP3_RESULT;
+            fp3_product #(.WAIT(UNIT_LATENCY - MUL_LATENCY), .CONFIG(CONFIG)) u_product (.clk_i(clk_i),
+                .operands_i(operands_i), .result_o(result_o));
         end
     endgenerate
 endmodule

@@ -37,6 +37,12 @@ fp3_key fp3_operation_lacks(const fp3_config *config, uint32_t code) {
 static int is_sum(uint32_t operand) { return operand < FP3_BANK_SHARED_BASE && !(operand & 1); }
 static int is_product(uint32_t operand) { return operand < FP3_BANK_SHARED_BASE && operand & 1; }
 
+fp3_counter fp3_operation_counter(const fp3_config *config, const fp3_operation *of) {
+    return config->dual && of->counter == FP3_COUNTER_ISSUED_ADD && fp3_operation_multiplies(of)
+               ? FP3_COUNTER_ISSUED_MUL
+               : of->counter;
+}
+
 int fp3_operation_scales(uint32_t code) {
     const fp3_operation *operation = fp3_operation_find(code);
     return operation && operation->needs == FP3_KEY_SCALE;
@@ -46,15 +52,17 @@ const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction 
     const fp3_operation *of = fp3_operation_find(in->op);
     if (!config->dual || !of || !fp3_operation_is_arithmetic(of))
         return NULL;
-    const int adds = (of->path & FP3_UNIT_ADDER) != 0;
+    const int adds = !fp3_operation_multiplies(of), has_b = strchr(of->operands, 'b') != NULL;
     if (adds && is_product(in->d))
         return "writes a sum to a register of odd number";
     if (!adds && is_sum(in->d))
         return "writes a product to a register of even number";
-    if (is_sum(in->a) && is_sum(in->b))
+    if (has_b && is_sum(in->a) && is_sum(in->b))
         return "reads two registers of even number";
-    if (is_product(in->a) && is_product(in->b))
+    if (has_b && is_product(in->a) && is_product(in->b))
         return "reads two registers of odd number";
+    if (of->path & FP3_UNIT_VALUE && is_product(in->a))
+        return "estimates from a register of odd number";
     if (fp3_operation_scales(in->op) && is_sum(in->b))
         return "scales a register of even number";
     if (fp3_operation_scales(in->op) && is_product(in->a))

@@ -25,7 +25,7 @@ typedef struct {
     const char *operands; /* a letter each, in the order of the assembly language: "dab" */
     uint32_t sources;     /* how many registers are read: none, a, a and b, or a, b and c */
     unsigned path;        /* FP3_UNIT_*: the units that it goes through */
-    fp3_counter counter;  /* where the hardware counts it */
+    fp3_counter counter;  /* where the hardware counts it: fp3_operation_counter */
     fp3_key needs;        /* what a configuration must have for it, or FP3_KEY_NONE */
     unsigned raises;      /* FP3_FLAG_*: what it can raise, in any configuration */
     fp3_writes writes;    /* whether it writes d when it is executed */
@@ -56,6 +56,15 @@ fp3_decoded *fp3_decode_all(const uint32_t *code, uint32_t count);
 /* Whether its result depends on operands, rounding and flushing alone, and so can be computed
  * beforehand. The others work with the store or put an object to sleep. */
 int fp3_operation_is_arithmetic(const fp3_operation *operation);
+
+/* Where a configuration keeps sums and products apart (`dual`): whether the multiplier makes it, or
+ * what is made in a product's place; else the adder, or both are taken by a load or a store. */
+static inline int fp3_operation_multiplies(const fp3_operation *of) {
+    return (of->path & (FP3_UNIT_MULTIPLIER | FP3_UNIT_VALUE)) != 0;
+}
+
+/* Where this configuration's hardware counts it. */
+fp3_counter fp3_operation_counter(const fp3_config *config, const fp3_operation *of);
 
 /* Whether it adds b doubled or halved. */
 int fp3_operation_scales(uint32_t code);

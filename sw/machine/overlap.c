@@ -7,8 +7,9 @@
 /* A load or a store takes both units, and so does a word that is no instruction. */
 static unsigned units_of(const fp3_decoded *word) {
     const unsigned both = FP3_UNIT_ADDER | FP3_UNIT_MULTIPLIER;
-    const unsigned units = word->of ? word->of->path & both : 0;
-    return units ? units : both;
+    if (!word->of || !fp3_operation_is_arithmetic(word->of))
+        return both;
+    return fp3_operation_multiplies(word->of) ? FP3_UNIT_MULTIPLIER : FP3_UNIT_ADDER;
 }
 
 static uint64_t later(uint64_t a, uint64_t b) { return a > b ? a : b; }

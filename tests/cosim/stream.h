@@ -111,7 +111,8 @@ static inline uint32_t operation_word(chance *c, stream *s) {
     const uint32_t op = random_op(c, s->config, 1), sources = stream_sources(op);
     const uint32_t x = stream_source(c, s), y = sources > 1 ? stream_source(c, s) : 0;
     const uint32_t z = sources > 2 ? stream_source(c, s) : 0;
-    return stream_word(op, s->config->dual && op == FP3_OP_MUL, x, y, z);
+    const int is_odd = s->config->dual && fp3_operation_multiplies(fp3_operation_find(op));
+    return stream_word(op, is_odd, x, y, z);
 }
 
 static inline int stream_is_legal(const stream *s, uint32_t word) {

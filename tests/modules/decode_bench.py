@@ -31,11 +31,12 @@ def code_of(word):
 
 
 def mixes(row, d, a, b):
-    """Whether the instruction breaks the rule of `dual`: sums in registers of even number, products in those of odd number."""
+    """Whether the instruction breaks the rule of `dual`: sums in registers of even number, products and estimates of sums in those of odd number."""
     even, odd = (lambda x: x < 64 and x % 2 == 0), (lambda x: x < 64 and x % 2 == 1)
     operands = [x for x, name in ((a, "a"), (b, "b")) if name in row["operands"]]
     scales = row.get("needs") == "scale"
-    return (d % 2 == 0) != ("adder" in row["path"]) or sum(map(even, operands)) > 1 or sum(map(odd, operands)) > 1 or \
+    valued = "value" in row["path"]
+    return (d % 2 == 0) != (row["path"] == ["adder"]) or valued and odd(a) or sum(map(even, operands)) > 1 or sum(map(odd, operands)) > 1 or \
         scales and (even(b) or odd(a))
 
 
@@ -53,6 +54,7 @@ def expected(word):
         return None
     repeats = KEYS["fused"] and not KEYS["interleave"] and "c" not in row["operands"]         # a, as c: what a sum alone adds to
     name, path, gives, takes = row["name"], row["path"], row.get("gives"), row.get("computes")
+    path = ["multiplier"] if KEYS["dual"] and path == ["value", "adder"] else path         # made in a product's place
     return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"], ["store", "adder"])), "to_mul": int(path in (["multiplier"], ["store", "multiplier"])),
             "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
             "subtract": int(name in ("sub", "msub", "fmsub", "subh", "subt", "subn", "subl")), "st": int(name in ("st", "stl")), "lds": int(name == "lds"),

@@ -10,7 +10,7 @@ import simulate
 from bugs import Bug, few, source, tree
 
 ROOT = Path(__file__).resolve().parents[2]
-DUAL = {"interleave": 1, "dual": 1, "scale": 1, "registers": 8}
+DUAL = {"interleave": 1, "dual": 1, "scale": 1, "estimate": 1, "registers": 8}
 FULL = {"interleave": 1, "chain": 1, "scale": 1, "select": 1, "estimate": 1, "round": 1, "sleep": 1, "registers": 32}
 PLAIN = {"registers": 64}
 
@@ -86,6 +86,8 @@ BUGS = {
         Bug("doubles are not kept apart", "fp3_decode.v", SCALED, "!(halve && (a_odd || b_even))"),
         Bug("a scaled sum", "fp3_decode.v", SCALED, "!((halve || twice) && a_odd)"),
         Bug("a scaled operand and a product", "fp3_decode.v", SCALED, "!((halve || twice) && b_even)"),
+        Bug("an estimate of a product", "fp3_decode.v", "!(valued && a_odd)", "1'b1"),
+        Bug("an estimate is a sum", "fp3_decode.v", "(valued && DUAL == 0)", "valued"),
     ],
     "decode, multiply-add rounded once": [
         Bug("a difference is a sum", "fp3_decode.v", "op == OP_MSUB || op == OP_FMSUB || op == OP_SUBH", "op == OP_MSUB || op == OP_SUBH"),

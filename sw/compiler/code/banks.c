@@ -28,7 +28,10 @@ typedef struct {
     uint32_t *wants; /* of the same: operations that need it, or their other operand, moved */
 } part;
 
-static int adds(uint32_t op) { return op != FP3_OP_MUL; }
+static int adds(uint32_t op) { return !fp3_operation_multiplies(fp3_operation_find(op)); }
+
+/* It reads a register of sums alone. */
+static int estimates(uint32_t op) { return (fp3_operation_find(op)->path & FP3_UNIT_VALUE) != 0; }
 
 static bank bank_of(const part *p, fp3_ref ref) {
     if (ref.at == p->own)
@@ -57,6 +60,8 @@ static void vote(const part *p, const fp3_op *op, fp3_ref param, fp3_ref other, 
         return;
     if (fp3_operation_scales(op->op))
         sums[param.index] += is_b ? -1 : 1;
+    else if (estimates(op->op))
+        sums[param.index]++;
     else if (other.at != FP3_AT_PARAM && of != EITHER)
         sums[param.index] += of == PRODUCT ? 1 : -1;
 }
@@ -86,6 +91,8 @@ static int conflict_of(const part *p, const fp3_op *op) {
     const bank a = bank_of(p, op->a), b = bank_of(p, op->b);
     if (fp3_operation_scales(op->op))
         return (a == PRODUCT ? 1 : 0) + (b == SUM ? 2 : 0);
+    if (estimates(op->op))
+        return a == PRODUCT ? 1 : 0;
     return a != EITHER && a == b ? 3 : 0;
 }
 

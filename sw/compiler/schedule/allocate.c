@@ -113,8 +113,8 @@ static uint32_t idle_before(const work *w, uint32_t reg, uint32_t gap) {
 
 /* Where there are two: sums, and products. */
 static uint32_t bank_of(const work *w, uint32_t node) {
-    const unsigned path = fp3_operation_find(w->block->nodes[node].op.op)->path;
-    return w->banks == 2 && !(path & FP3_UNIT_ADDER);
+    return w->banks == 2 &&
+           fp3_operation_multiplies(fp3_operation_find(w->block->nodes[node].op.op));
 }
 
 static uint32_t best_fit(const work *w, const arc *a, uint32_t bank, uint32_t used,

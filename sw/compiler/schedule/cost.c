@@ -120,9 +120,10 @@ static double issue_bound(const fp3_step_code *code, const fp3_config *config) {
     if (!config->interleave)
         return config->writeback_stall ? 2 * count : count;
     for (uint32_t i = 0; i < code->step_count; i++) {
-        const unsigned path = fp3_operation_find(code->step[i].op)->path;
-        adds += path & FP3_UNIT_ADDER ? 1 : 0;
-        muls += path & FP3_UNIT_MULTIPLIER ? 1 : 0;
+        const fp3_operation *of = fp3_operation_find(code->step[i].op);
+        const int multiplies = config->dual && fp3_operation_multiplies(of);
+        adds += of->path & FP3_UNIT_ADDER && !multiplies ? 1 : 0;
+        muls += of->path & FP3_UNIT_MULTIPLIER || multiplies ? 1 : 0;
     }
     const double issue = count * per_sweep(config) / parts(config);
     const double use = (adds > muls ? adds : muls) / (double)config->tiles;

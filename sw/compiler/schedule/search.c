@@ -265,7 +265,7 @@ static fp3_status propose_turns(search *m, uint32_t *order, fp3_error *error) {
     const uint32_t moves = orders_for(m, NODES_MOVED);
     uint32_t units[2] = {0};
     for (uint32_t i = 0; i < m->block->count; i++)
-        units[fp3_operation_find(m->block->nodes[i].op.op)->path == FP3_UNIT_MULTIPLIER]++;
+        units[fp3_operation_multiplies(fp3_operation_find(m->block->nodes[i].op.op))]++;
     const double least = units[0] > units[1] ? units[0] : units[1];
     memcpy(order, m->best->order, m->block->count * sizeof *order);
     const fp3_status status = fp3_polish(m->block, &m->graph, least,

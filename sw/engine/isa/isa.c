@@ -275,7 +275,7 @@ static void sweep(const round_of *r, const fp3_decoded *word, int is_last) {
         if ((self->now[i] == AWAKE || (is_last && self->now[i] == ASLEEP)) && has_turn(r, i))
             execute(r, i, word);
     uint64_t *counter = r->engine->counters[0];
-    counter[word->of->counter] += self->executed - before;
+    counter[fp3_operation_counter(r->engine->config, word->of)] += self->executed - before;
     counter[FP3_COUNTER_CYCLES] = counter[FP3_COUNTER_RETIRED] = self->executed;
 }
 

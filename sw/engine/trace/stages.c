@@ -69,7 +69,11 @@ static void of_many(const fp3_config *config, const fp3_traced *t, unsigned path
     if (path & (FP3_UNIT_STORE | FP3_UNIT_COMPARISON)) {
         add(s, path & FP3_UNIT_STORE ? "Me" : "Cm", operands, chosen);
     } else if (config->dual) {
-        add(s, path & FP3_UNIT_ADDER ? "Ad" : "Mu", operands, chosen);
+        add(s,
+            path & FP3_UNIT_VALUE   ? "Va"
+            : path & FP3_UNIT_ADDER ? "Ad"
+                                    : "Mu",
+            operands, chosen);
     } else {
         add(s, while_multiplied(config, path), operands, chosen);
         add(s, while_added(config, path), operands + config->mul_latency, chosen);
