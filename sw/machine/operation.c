@@ -55,13 +55,15 @@ const char *fp3_operation_mixes(const fp3_config *config, const fp3_instruction 
     const int adds = !fp3_operation_multiplies(of), has_b = strchr(of->operands, 'b') != NULL;
     if (adds && is_product(in->d))
         return "writes a sum to a register of odd number";
+    const int values = (of->path & FP3_UNIT_VALUE) != 0;
     if (!adds && is_sum(in->d))
-        return "writes a product to a register of even number";
+        return values ? "writes an estimate to a register of even number"
+                      : "writes a product to a register of even number";
     if (has_b && is_sum(in->a) && is_sum(in->b))
         return "reads two registers of even number";
     if (has_b && is_product(in->a) && is_product(in->b))
         return "reads two registers of odd number";
-    if (of->path & FP3_UNIT_VALUE && is_product(in->a))
+    if (values && is_product(in->a))
         return "estimates from a register of odd number";
     if (fp3_operation_scales(in->op) && is_sum(in->b))
         return "scales a register of even number";

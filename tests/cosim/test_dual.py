@@ -40,15 +40,16 @@ def test_the_ship_takes_fourteen_cycles_and_has_its_bits(root, run):
     assert states(few) == states(other)
 
 
-@pytest.mark.parametrize("model", ["lorenz", "robertson", "double_spring"])
-def test_a_compiled_model_has_its_bits_and_its_cycles(root, fp3, run, model):
+@pytest.mark.parametrize("config, model, other", [("dual", "lorenz", "shared"), ("dual", "robertson", "shared"), ("dual", "double_spring", "shared"),
+                                                  ("dual_full", "kepler", "shared_full"), ("dual_full", "arenstorf", "shared_full")])
+def test_a_compiled_model_has_its_bits_and_its_cycles(root, fp3, run, config, model, other):
     path = root / f"programs/{model}.ode"
-    text = subprocess.run([fp3, "compile", path, "-c", "dual"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([fp3, "compile", path, "-c", config], capture_output=True, text=True, check=True).stdout
     told = float(re.search(r"([\d.]+) cycles per object-step", text)[1])
-    full = [run(path, "-c", "dual", "-N", LANES * CONTEXTS, "-n", n) for n in (2, 5)]
+    full = [run(path, "-c", config, "-N", LANES * CONTEXTS, "-n", n) for n in (2, 5)]
     assert (cycles(full[1]) - cycles(full[0])) / (3 * LANES * CONTEXTS) == pytest.approx(told, rel=1e-5)
-    few = [run(path, "-c", config, "-e", engine, "-N", 7, "-n", 9)
-           for config, engine in (("dual", "rtl"), ("dual", "isa"), ("dual", "fast"), ("shared", "isa"))]
+    few = [run(path, "-c", name, "-e", engine, "-N", 7, "-n", 9)
+           for name, engine in ((config, "rtl"), (config, "isa"), (config, "fast"), (other, "isa"))]
     assert len(states(few[0])) == 7 * len(set(re.findall(r"^\.state +(\w+)", text, re.MULTILINE)))
     assert all(states(out) == states(few[0]) for out in few)
 
@@ -76,9 +77,12 @@ def test_a_lane_without_an_object_raises_nothing(run, tmp_path):
     ("sub r0, r2, r4", "word 0 (sub) reads two registers of even number"),
     ("mul r1, r3, r3", "word 0 (mul) reads two registers of odd number"),
     ("addh r0, r1, k0", "word 0 (addh) adds a scaled value to a register of odd number"),
-    ("subt r0, k0, r2", "word 0 (subt) scales a register of even number")])
+    ("subt r0, k0, r2", "word 0 (subt) scales a register of even number"),
+    ("rcp r0, r2", "word 0 (rcp) writes an estimate to a register of even number"),
+    ("rsqrt r1, r3", "word 0 (rsqrt) estimates from a register of odd number")])
 @pytest.mark.parametrize("engine", ["rtl", "isa", "fast"])
 def test_sums_and_products_are_apart(run, tmp_path, engine, word, wrong):
     (tmp_path / "x.s").write_text(f"step:\n    {word}\n")
-    said = run("x.s", "-c", "dual", "-e", engine, status=2)
-    assert f"{wrong}: configuration 'dual' keeps sums in registers of even number" in said
+    config = "dual_full" if word.startswith("r") else "dual"
+    said = run("x.s", "-c", config, "-e", engine, status=2)
+    assert f"{wrong}: configuration '{config}' keeps sums in registers of even number" in said
