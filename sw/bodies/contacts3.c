@@ -121,7 +121,6 @@ static fp3_status choose(fp3_bodies *bodies) {
     bodies->may_bounce = all.may_bounce;
     s->is_rolling = all.is_rolling;
     s->has_belts = all.has_belts;
-    s->has_turned = 0;
     return FP3_OK;
 }
 
@@ -209,7 +208,7 @@ void fp3_space_find_turned(fp3_bodies *bodies, uint32_t first, uint32_t end) {
     for (uint32_t k = first; k < end; k++)
         has |= has_turned(bodies, k);
     if (has)
-        __atomic_store_n(&bodies->space->has_turned, 1, __ATOMIC_RELAXED);
+        __atomic_store_n(&bodies->has_turned, 1, __ATOMIC_RELAXED);
 }
 
 #define FAR 1e9f /* farther than anything comes in a step */

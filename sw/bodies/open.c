@@ -136,7 +136,7 @@ void fp3_bodies_close(fp3_bodies **bodies) {
                             b->shape,     b->boxes.box, b->boxes.filter, b->touch,   b->key,
                             b->in_slot,   b->speed,     b->way,          b->base,    b->pull,
                             b->heft,      b->merged,    b->joint,        b->apart,   b->apart_first,
-                            b->change[0], b->change[1], b->change[2],    b->now};
+                            b->change[0], b->change[1], b->change[2],    b->now,     b->before};
     fp3_threads_free(&b->threads); /* they may still read the stages */
     for (uint32_t i = 0; b->space && i < b->shape_count; i++)
         fp3_form_give_back(b->shape[i].form);

@@ -153,9 +153,14 @@ struct fp3_bodies {
      * moves; then those that the caller moves. */
     uint32_t *in_slot, slot_room;
     uint32_t movable, slots;
-    fp3_four *speed, *way, *base, *heft; /* heft: over mass and over inertia */
+    /* heft: over mass and over inertia; in a plane then 1 if the body has turned far in this step,
+     * and how soon it does (turned.c). */
+    fp3_four *speed, *way, *base, *heft;
     fp3_pull2 *pull;
     uint8_t *is_held; /* by a row: it does not follow its parabola */
+    int has_turned;   /* a body has turned far in this step (turned.c) */
+    fp3_four *before; /* speeds, while some are given again */
+    uint32_t before_room;
     fp3_law_rows contacts, joined[FP3_JOINT_LAWS];
     fp3_contact *change[3], *now; /* by fp3_contact_change; room for fp3_bodies_contacts */
     uint32_t change_count[3], change_room[3], now_room, told,

@@ -87,11 +87,8 @@ struct fp3_space {
     uint32_t stance_room;
     fp3_mesh_touch3 *meeting;
     uint32_t meeting_room;
-    fp3_four *before; /* speeds, while some are given again (step3.c) */
-    uint32_t before_room;
     int is_rolling,
         has_belts;       /* a contact of this step has rolling resistance, a surface that moves */
-    int has_turned;      /* a body has turned far in this step (contacts3.c) */
     fp3_kept_forms kept; /* while a checkpoint is written or read (fields.h) */
 };
 
@@ -161,7 +158,7 @@ void fp3_space_contacts_follow(fp3_bodies *bodies);
 fp3_point3 fp3_space_belt(const fp3_bodies *bodies, const fp3_attached *a, const fp3_attached *b);
 fp3_status fp3_space_contacts_begin(fp3_bodies *bodies, double h);
 /* Slots first .. end - 1 of bodies that have turned so far in this step that they would answer
- * otherwise: their heft is as they are turned, and fp3_space.has_turned is set. */
+ * otherwise: their heft is as they are turned, and fp3_bodies.has_turned is set. */
 void fp3_space_find_turned(fp3_bodies *bodies, uint32_t first, uint32_t end);
 void fp3_space_contacts_end(fp3_bodies *bodies);
 

@@ -30,13 +30,20 @@ struct fp3_substeps {
     fp3_status status; /* of the engine that executes laws; no memory */
 };
 
+/* turned.c: a body that has turned far in this step. */
+/* In a plane: slots first .. end - 1 of those who have; fp3_bodies.has_turned is set. */
+void fp3_find_turned(fp3_bodies *bodies, uint32_t first, uint32_t end);
+/* In a plane: whether a block of contacts has one. */
+int fp3_block_has_turned(const fp3_bodies *bodies, uint32_t block);
+/* Of slots first .. end - 1 that have turned far: without what contacts give, which their rows give
+ * again (fp3_give_again, by one thread). */
+void fp3_forget_turned(fp3_bodies *bodies, uint32_t first, uint32_t end);
+void fp3_give_again(void *bodies, uint32_t from, uint32_t to);
 /* substeps3.c: contacts in space. */
 void fp3_space_pass(void *passing, uint32_t from, uint32_t to);
 void fp3_space_pass_by_engine(void *passing, uint32_t from, uint32_t to);
-/* Of slots first .. end - 1 that have turned far: without what contacts give, which their rows give
- * again (fp3_space_give_again, by one thread). */
-void fp3_space_forget_turned(fp3_bodies *bodies, uint32_t first, uint32_t end);
-void fp3_space_give_again(void *bodies, uint32_t from, uint32_t to);
+/* Contacts of a block give what they gave in the last substep. */
+fp3_status fp3_space_give(const fp3_passing *, uint32_t block);
 /* Bodies go and turn. */
 void fp3_space_place(void *bodies, uint32_t from, uint32_t to);
 

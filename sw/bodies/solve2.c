@@ -295,6 +295,30 @@ static void moved(const fp3_work2 *given_work, uint32_t first, uint32_t end,
     }
 }
 
+/* A point that does not count (0) stays one. */
+FP3_WIDELY void renew_point(const fp3_contact2_row *r, fp3_mask is_turned, const fp3_wide arms[4],
+                            fp3_wide *along, fp3_wide *aside) {
+    const fp3_wide mass = r->ma + r->mb, is_there = fp3_wide_lt(fp3_wide_all(0), *along);
+    const fp3_wide n = mass + r->ia * arms[0] * arms[0] + r->ib * arms[1] * arms[1],
+                   t = mass + r->ia * arms[2] * arms[2] + r->ib * arms[3] * arms[3];
+    *along = fp3_wide_choose(is_turned, quotient(is_there, n), *along);
+    *aside = fp3_wide_choose(is_turned, quotient(is_there, t), *aside);
+}
+
+static void renew(const fp3_work2 *work, const fp3_four *heft, uint32_t first, uint32_t end) {
+    for (uint32_t i = first; i < end; i++) {
+        fp3_contact2_row *r = (fp3_contact2_row *)work->row + i;
+        fp3_wide a[3], b[3];
+        bring(heft, work->ends[i].a, a);
+        bring(heft, work->ends[i].b, b);
+        const fp3_mask is_turned = (fp3_mask)(fp3_wide_all(0) < a[2] + b[2]);
+        const fp3_wide arms1[4] = {r->a1, r->b1, r->c1, r->e1},
+                       arms2[4] = {r->a2, r->b2, r->c2, r->e2};
+        renew_point(r, is_turned, arms1, &r->j1, &r->k1);
+        renew_point(r, is_turned, arms2, &r->j2, &r->k2);
+    }
+}
+
 /* ---- bodies ---- */
 
 static void speed(fp3_four *speeds, fp3_four *base, const fp3_pull2 *pull, uint32_t count,
@@ -331,5 +355,5 @@ static void energy(const fp3_guessed *of, uint32_t first, uint32_t end, fp3_ener
 
 #define X(name, type, has_speed, has_way, is_of_point, integrator) pass_##name,
 extern const fp3_solver2 FP3_SOLVER;
-const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, keep,  {FP3_LAWS2(X)},
+const fp3_solver2 FP3_SOLVER = {FP3_SOLVER_NAME, prepare, keep,  {FP3_LAWS2(X)}, renew,
                                 moved,           speed,   place, energy};

@@ -85,6 +85,8 @@ typedef struct {
     /* Blocks first .. end - 1, an even number of them, make a pass. */
     void (*law[FP3_LAWS])(const fp3_work2 *, uint32_t first, uint32_t end,
                           const float shared[FP3_SHARED]);
+    /* Masses that contacts feel anew, at their arms now, of bodies whose heft[2] is 1. */
+    void (*renew)(const fp3_work2 *, const fp3_four *heft, uint32_t first, uint32_t end);
     /* gap2, then contact2. */
     void (*moved)(const fp3_work2 *, uint32_t first, uint32_t end, const float shared[FP3_SHARED]);
     /* A substep begins for bodies 0 .. count-1. base: the speed without what contacts give, which

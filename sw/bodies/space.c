@@ -18,10 +18,10 @@ void fp3_space_close(fp3_space **space) {
     *space = NULL;
     if (!s)
         return;
-    void *const arrays[] = {s->body,          s->patch,        s->old,       s->pose,
-                            s->turning,       s->turning_ends, s->meeting,   s->joint,
-                            s->stance,        s->points,       s->kept.form, s->kept.corner,
-                            s->kept.triangle, s->kept.of,      s->before,    s};
+    void *const arrays[] = {
+        s->body,         s->patch,       s->old,           s->pose,    s->turning,
+        s->turning_ends, s->meeting,     s->joint,         s->stance,  s->points,
+        s->kept.form,    s->kept.corner, s->kept.triangle, s->kept.of, s};
     fp3_rows_free(&s->contacts);
     for (int i = 0; i < FP3_JOINT_LAWS3; i++)
         fp3_rows_free(&s->joined[i]);

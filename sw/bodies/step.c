@@ -121,7 +121,7 @@ static void bring_some(void *of, uint32_t from, uint32_t to) {
         }
         const fp3_body *body = &bodies->body[bodies->in_slot[k]];
         const float m = fp3_inverse_mass(body->mass), i = fp3_inverse_mass(body->inertia);
-        bodies->heft[k] = (fp3_four){m, i};
+        bodies->heft[k] = (fp3_four){m, i, 0, i > 0 ? i / m * (body->extent * body->extent) : 0};
         const float spin = i > 0 || k > bodies->movable ? body->w : 0;
         bodies->speed[k] = (fp3_four){body->v[0], body->v[1], spin, 0};
         const double *g = bodies->def.gravity;
@@ -294,6 +294,7 @@ static fp3_status step(fp3_bodies *bodies) {
         return FP3_OK;
     }
     bodies->crew = crew_of(bodies);
+    bodies->has_turned = 0;
     bodies->ended_before = bodies->change_count[FP3_CONTACT_ENDED];
     for (int wakes = 1; !status && wakes;) {
         status = give_slots(bodies);

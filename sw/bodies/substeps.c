@@ -30,6 +30,24 @@ static void fetch(const fp3_work2 *work, uint32_t first, uint32_t end) {
         }
 }
 
+static int have_turned(const fp3_bodies *bodies, uint32_t i) {
+    return fp3_block_has_turned(bodies, i) || fp3_block_has_turned(bodies, i + 1);
+}
+
+static void pass_turned(const fp3_passing *p, uint32_t first, uint32_t end) {
+    const fp3_bodies *bodies = p->all->bodies;
+    const fp3_solver2 *solver = bodies->solver;
+    for (uint32_t i = first; i < end; i += 2) {
+        if (!have_turned(bodies, i)) {
+            p->pass(&p->work, i, i + 2, p->shared);
+            continue;
+        }
+        solver->law[FP3_LAW_gap2](&p->work, i, i + 2, p->shared);
+        solver->renew(&p->work, bodies->heft, i, i + 2);
+        solver->law[FP3_LAW_contact2](&p->work, i, i + 2, p->shared);
+    }
+}
+
 /* Of colours and threads: fp3_law_rows.cut. Neighbours of other threads are at both ends. */
 static void pass_some(void *of, uint32_t from, uint32_t to) {
     const fp3_passing *p = of;
@@ -38,16 +56,23 @@ static void pass_some(void *of, uint32_t from, uint32_t to) {
         fetch(&p->work, first, first + NEIGHBOURS);
         fetch(&p->work, end - NEIGHBOURS, end);
     }
-    p->pass(&p->work, first, end, p->shared);
+    if (p->has_moved && p->all->bodies->has_turned)
+        pass_turned(p, first, end);
+    else
+        p->pass(&p->work, first, end, p->shared);
 }
 
 static void pass_by_engine(void *of, uint32_t from, uint32_t to) {
     const fp3_passing *p = of;
-    fp3_laws *laws = p->all->bodies->laws;
+    const fp3_bodies *bodies = p->all->bodies;
+    fp3_laws *laws = bodies->laws;
     fp3_status *status = &p->all->status;
     const uint32_t first = p->cut[from], end = p->cut[to];
     if (!*status && p->has_moved)
         *status = fp3_laws_run(laws, FP3_LAW_gap2, &p->work, first, end, 0, p->shared);
+    for (uint32_t i = first; !*status && p->has_moved && bodies->has_turned && i < end; i += 2)
+        if (have_turned(bodies, i))
+            bodies->solver->renew(&p->work, bodies->heft, i, i + 2);
     if (!*status)
         *status = fp3_laws_run(laws, p->law, &p->work, first, end, 0, p->shared);
 }
@@ -58,19 +83,20 @@ static void speed(fp3_bodies *b, uint32_t from, uint32_t to, int is_first) {
     const uint32_t fours = b->space ? FP3_FOURS3 : 1, at = fours * first;
     if (first >= end)
         return;
-    if (b->space && !is_first)
-        fp3_space_forget_turned(b, first, end);
+    if (!is_first)
+        fp3_forget_turned(b, first, end);
     b->solver->speed(b->speed + at, b->base + at, b->pull + at, fours * (end - first), is_first);
 }
 static void speed_first(void *of, uint32_t from, uint32_t to) { speed(of, from, to, 1); }
 static void speed_later(void *of, uint32_t from, uint32_t to) { speed(of, from, to, 0); }
 
 static void place(void *of, uint32_t from, uint32_t to) {
-    const fp3_bodies *b = of;
+    fp3_bodies *b = of;
     const double h = b->def.h / b->def.substeps;
-    const uint32_t first = b->cut[from];
+    const uint32_t first = b->cut[from], end = b->cut[to] < b->movable ? b->cut[to] : b->movable;
     b->solver->place(b->speed + first, b->way + first, b->pull + first, b->cut[to] - first,
                      (float)h);
+    fp3_find_turned(b, first, end);
 }
 
 static void forget_heavy(void *of, uint32_t from, uint32_t to) {
@@ -196,8 +222,8 @@ static void add_substep(fp3_bodies *bodies, int is_first) {
         add_pass(bodies, WARM, FP3_JOINT_LAWS);
     if (!is_first && has_heavy_sets(bodies))
         fp3_laps_add(&bodies->laps, forget_heavy, bodies, 0, 1, 1);
-    if (!is_first && bodies->space)
-        fp3_laps_add(&bodies->laps, fp3_space_give_again, bodies, 0, 1, 1);
+    if (!is_first)
+        fp3_laps_add(&bodies->laps, fp3_give_again, bodies, 0, 1, 1);
     if (fp3_guess_has(bodies))
         fp3_laps_add(&bodies->laps, note_guess, bodies, 0, 1, 1);
     add_joints(bodies, WARM);

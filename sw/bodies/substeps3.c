@@ -24,7 +24,7 @@ void fp3_space_pass(void *of, uint32_t from, uint32_t to) {
     const fp3_bodies *bodies = p->all->bodies;
     const fp3_space *s = bodies->space;
     const uint32_t first = p->cut[from], end = p->cut[to];
-    if (p->has_moved && s->has_turned)
+    if (p->has_moved && bodies->has_turned)
         mark_turned(bodies, first, end);
     s->solver->pass(&p->work, &s->making, first, end, p->shared, s->is_rolling, p->has_moved);
 }
@@ -56,61 +56,26 @@ static fp3_status run_pass(const fp3_bodies *bodies, const fp3_work2 *work, uint
     return status;
 }
 
+fp3_status fp3_space_give(const fp3_passing *p, uint32_t block) {
+    const fp3_bodies *bodies = p->all->bodies;
+    const fp3_space *s = bodies->space;
+    if (bodies->laws)
+        return run_pass(bodies, &p->work, block, block + 1, p->shared, 0);
+    s->solver->pass(&p->work, &s->making, block, block + 1, p->shared, s->is_rolling, 0);
+    return FP3_OK;
+}
+
 void fp3_space_pass_by_engine(void *of, uint32_t from, uint32_t to) {
     const fp3_passing *p = of;
     const fp3_bodies *bodies = p->all->bodies;
     const uint32_t first = p->cut[from], end = p->cut[to];
-    if (p->has_moved && bodies->space->has_turned)
+    if (p->has_moved && bodies->has_turned)
         mark_turned(bodies, first, end);
     if (!p->all->status)
         p->all->status = run_pass(bodies, &p->work, first, end, p->shared, p->has_moved);
 }
 
 /* ---- bodies ---- */
-
-static int is_turned(const fp3_bodies *bodies, uint32_t slot) {
-    return bodies->heft[2 * slot + 1][3] > 0;
-}
-
-void fp3_space_forget_turned(fp3_bodies *bodies, uint32_t first, uint32_t end) {
-    for (uint32_t k = 2 * first; bodies->space->has_turned && k < 2 * end; k++)
-        if (is_turned(bodies, k / 2))
-            bodies->base[k] = bodies->speed[k];
-}
-
-/* A substep begins with what contacts gave in the last one, which bodies have kept. Of who has
- * turned far, it would be taken back otherwise than it was given: it gets it from its rows, as they
- * are now. */
-static fp3_status give_again(fp3_bodies *bodies, const fp3_passing *p) {
-    fp3_space *s = bodies->space;
-    const size_t fours = 2 * (size_t)bodies->movable;
-    fp3_status status = fp3_bodies_room((void **)&s->before, &s->before_room, sizeof *s->before,
-                                        fours, bodies->error);
-    if (status)
-        return status;
-    memcpy(s->before, bodies->speed, fours * sizeof *s->before);
-    for (uint32_t i = 0; !status && i < s->contacts.blocks; i++) {
-        if (!(s->points[i] & FP3_HAS_TURNED))
-            continue;
-        if (bodies->laws)
-            status = run_pass(bodies, &p->work, i, i + 1, p->shared, 0);
-        else
-            s->solver->pass(&p->work, &s->making, i, i + 1, p->shared, s->is_rolling, 0);
-    }
-    for (uint32_t k = 0; k < fours; k++)
-        if (!is_turned(bodies, k / 2))
-            bodies->speed[k] = s->before[k];
-    return status;
-}
-
-void fp3_space_give_again(void *of, uint32_t from, uint32_t to) {
-    fp3_bodies *bodies = of;
-    fp3_substeps *all = bodies->substeps;
-    (void)from;
-    (void)to;
-    if (!all->status && bodies->space->has_turned)
-        all->status = give_again(bodies, &all->pass[FP3_WARM_WAY][FP3_JOINT_LAWS]);
-}
 
 /* Slots from .. end - 1, which begin with a block of eight. */
 static void turn(const fp3_bodies *bodies, uint32_t from, uint32_t end) {
