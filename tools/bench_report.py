@@ -64,8 +64,9 @@ def about(data):
     a = data["about"]
     versions = ", ".join(f"{name} {version}" for name, version in sorted(a["versions"].items()))
     failed = "".join(f" `{one['name']}` failed: {one['why']}." for one in data["failed"])
-    return (f"Last measured on {a['processors']} processors: {a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}; {versions}; "
-            f"the loop by hand is for `{a['target']}`. Each section says when it was measured.{failed}")
+    hand = f"; the loop by hand is for `{a['target']}`" if "target" in a else ""        # of `speed`, which may not have been measured yet
+    return (f"Last measured on {a['processors']} processors: {a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}; {versions}"
+            f"{hand}. Each section says when it was measured.{failed}")
 
 
 # ---- the page in Markdown ---------------------------------------------------------------------------
@@ -201,10 +202,10 @@ def markdown(data):
     for problem in data["problems"]:
         parts += [f"### {problem['model']}", "\n".join(evidence(f"bench.{problem['model']}")), f"{problem['doc']}; {problem['span']:g} time units, {problem['states']} states.",
                   model_table(data, problem["model"])]
-    parts += ["## Speed", "\n".join(evidence("bench.speed")), "Nanoseconds for a step of one object: the ship, Equations (1), as `programs/ship.s` has it. The loop by hand "
+    speed = ["## Speed", "\n".join(evidence("bench.speed")), "Nanoseconds for a step of one object: the ship, Equations (1), as `programs/ship.s` has it. The loop by hand "
               "(`bench/ship.c`) has vectors of 16 floats, 1 to 8 of them interleaved. All results have its bits, except those of GSL and of physics engines. "
-              "The figure in brackets is the time relative to the best loop by hand in the same cell.", *bodies(data), *speed_tables(data),
-              *recording(data), "## Left out", left_out(data) if data["left_out"] else "Nothing."]
+              "The figure in brackets is the time relative to the best loop by hand in the same cell.", *bodies(data), *speed_tables(data)]
+    parts += [*(speed if data["speed"] else []), *recording(data), "## Left out", left_out(data) if data["left_out"] else "Nothing."]
     return "\n\n".join(parts) + "\n"
 
 

@@ -8,7 +8,7 @@
     tools/evidence.py --lines                  only what pages say of it: docs/figures.md, and a line beside each table
 
 A run that was stopped goes on where it was: what is measured is recorded at once. What a command says goes to build/evidence/NAME.txt. Figures
-with a line `old` are measured when they are named. Exit code 1: a command failed, and its figures stay as they were, while the others went on;
+that are placed for hours are measured when they are named. Exit code 1: a command failed, and its figures stay as they were, while the others went on;
 2: wrong words, or a package is missing.
 """
 
@@ -63,8 +63,8 @@ def say(every, figures, found):
         print(f"{name:{width}}  {state:5}  {figure.kind:5}  {measure.minutes_of(figure, known):5.3g} min  {figure.page}" +
               (f": {'; '.join(why)}" if why else "") + (f" ({figure.old})" if figure.old else ""))
     stale = [name for name in figures if found[name]]
-    asked = jobs_of(every, [name for name in stale if not figures[name].old], known)
-    named = ", ".join(name for name in stale if figures[name].old)
+    asked = jobs_of(every, [name for name in stale if not figures[name].by_name], known)
+    named = ", ".join(name for name in stale if figures[name].by_name)
     print(f"{len(stale)} of {len(figures)} figures are old; to measure them takes about {measure.minutes(asked):.0f} minutes" +
           (f", without {named}: ONLY=NAME" if named else ""))
 
@@ -83,9 +83,9 @@ def jobs_of(every, wanted, known):
     return [measure.Job(figures, known) for figures in commands.values() if any(figure.name in wanted for figure in figures)]
 
 
-def put_lines(figures, fp3):
+def put_lines(figures, found):
     """Writes the pages whose lines are others now."""
-    for path, text in told.pages(figures, fig.records(), fig.anywhere(figures, fig.states(figures, fp3))).items():
+    for path, text in told.pages(figures, fig.records(), fig.anywhere(figures, found)).items():
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             bench.write(path, text)
             print(f"wrote {path.relative_to(fig.ROOT)}")
@@ -104,7 +104,7 @@ def work(options):
         if uncommitted():
             raise inputs.Wrong(f"a revision cannot say what is measured before these are committed: {', '.join(uncommitted()[:5])}")
         found = fig.states(figures, options.fp3)
-        wanted = figures if options.only else [name for name, figure in figures.items() if found[name] and not figure.old]
+        wanted = figures if options.only else [name for name, figure in figures.items() if found[name] and not figure.by_name]
         try:
             for why in measure.measure_all(jobs_of(every, wanted, fig.records()), fig.prepare(), options.fp3):
                 failed.append(why)
@@ -114,7 +114,11 @@ def work(options):
         for why in failed:
             print(f"evidence: failed: {why.splitlines()[0]}", file=sys.stderr)
     inputs.forget()
-    put_lines(every, options.fp3)
+    found = fig.states(every, options.fp3)
+    if done := [name for name, figure in every.items() if figure.old and not found[name]]:
+        fig.drop_old(done)
+        print(f"docs/evidence.toml: no line `old` of {', '.join(done)}, which are fresh")
+    put_lines(every, found)
     return 1 if failed else 0
 
 

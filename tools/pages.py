@@ -162,11 +162,12 @@ def sections(text, suffix):
 
 
 def joined(new, old, suffix):
-    """The new text, and of the old one the sections of figures that the new one does not have."""
+    """The new text, and of the old one the sections of figures that the new one does not have. A section without a mark that both have is the new one."""
     out = list(sections(new, suffix))
     measured, before = {name for _, owners, _ in out for name in owners}, None
     for head, owners, part in sections(old, suffix):
-        if owners and not measured & set(owners):
+        is_there = suffix == ".md" and not told.marked(part) and any(one[0] == head for one in out)
+        if owners and not measured & set(owners) and not is_there:
             at = next((number for number, one in enumerate(out, 1) if one[0] == before), 1)
             out.insert(at, (head, owners, part))
         before = head if any(one[0] == head for one in out) else before

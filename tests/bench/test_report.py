@@ -20,6 +20,7 @@ import bench_check    # noqa: E402
 from fp3bench import figures  # noqa: E402
 import bench_report   # noqa: E402
 import measured       # noqa: E402
+import pages          # noqa: E402
 
 
 pictures = pytest.mark.skipif(not importlib.util.find_spec("matplotlib"), reason="needs matplotlib: make setup-bench")
@@ -238,3 +239,15 @@ def test_a_new_baseline_holds(root, data, tmp_path):
     path.write_text(json.dumps(stored))
     done = tool(root, "bench_check.py", *words)
     assert done.returncode == 1 and "1.25 times the loop by hand, the baseline 0.50, at most 0.75" in done.stdout
+
+
+def test_one_model_renews_its_section_alone(data):
+    """Where nothing else was measured: the page's speed and recording stay."""
+    whole = bench_report.markdown(data)
+    del data["about"]["target"]
+    alone = bench_report.markdown(data | {"speed": [], "output": []})
+    assert "## Speed" in whole and "## Speed" not in alone and "None" not in alone
+    text = pages.joined(alone, whole, ".md")
+    assert sorted(re.findall("^## .*", text, re.M)) == sorted(re.findall("^## .*", whole, re.M))
+    assert re.search(r"^## Speed\n.*?(?=^## )", text, re.M | re.S)[0].strip() == re.search(r"^## Speed\n.*?(?=^## )", whole, re.M | re.S)[0].strip()
+    assert pages.joined(whole, text, ".md") == whole

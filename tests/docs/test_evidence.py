@@ -351,3 +351,21 @@ def test_a_missing_package_is_told(tree):
     (tree / "tools/bench.py").write_text("import no_such_package\n", encoding="utf-8")
     code, _, said = evidence(tree, "--list")
     assert code == 2 and "has no package 'no_such_package': make setup" in said and "Traceback" not in said
+
+
+def test_what_takes_hours_is_measured_by_name_and_old_goes_out_when_it_is_fresh(tree):
+    text = TREE.replace('minutes = 1\n', 'minutes = 1\nby_name = true\nold = "it takes hours"\n').replace('inputs = ["one.*"]\n', 'inputs = ["one.*"]\nafter = "a"\n')
+    (tree / "docs/evidence.toml").write_text(text, encoding="utf-8")
+    commit(tree)
+    code, log, said = evidence(tree)
+    assert (code, log) == (0, ["b"]) and "1 of 2 figures are old" in evidence(tree, "--list")[2] and "without a: ONLY=NAME" in evidence(tree, "--list")[2]
+    assert (tree / "docs/evidence.toml").read_text() == text
+    assert evidence(tree, "--only", "b.times", "a")[:2] == (0, ["a", "report", "b"]), "b.times is measured after a"
+    assert (tree / "docs/evidence.toml").read_text() == text.replace('old = "it takes hours"\n', "")
+
+
+def test_what_needs_another_waits_for_it():
+    every = fig.read(PAIRS.replace('command = "sh second.sh second first"\n', 'command = "sh second.sh second first"\nafter = "first"\n'))
+    first, second, third = (measure.Job([every[name]], {}) for name in ("first", "second", "third"))
+    assert not measure.may_start(second, [], [first, second]) and not measure.may_start(second, [first], [second]) and measure.may_start(second, [third], [second])
+    assert measure.may_start(first, [], [first, second]) and not measure.may_start(third, [first], [third])

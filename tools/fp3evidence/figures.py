@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import re
 import tomllib
 
 from bench import write
@@ -29,6 +30,8 @@ class Figure:
     named: dict = dataclasses.field(repr=False, compare=False)   # globs of each name in [inputs]
     report: str = ""
     peers: tuple = ()
+    after: str = ""
+    by_name: bool = False
     old: str = ""
 
     def globs(self, name):
@@ -82,6 +85,15 @@ def record(found):
     """A line for each figure, so that a change shows which one it is."""
     lines = [f"{json.dumps(name)}: {json.dumps(found[name])}" for name in sorted(found)]
     write(RECORDED, "{\n" + ",\n".join(lines) + "\n}\n")
+
+
+def drop_old(names):
+    """Takes the lines `old` of figures out of the description that are fresh now."""
+    entries = DESCRIBED.read_text(encoding="utf-8").split("\n[[figure]]\n")
+    for number, entry in enumerate(entries):
+        if any(f'name = "{name}"\n' in entry for name in names):
+            entries[number] = re.sub(r"^old = .*\n", "", entry, flags=re.M)
+    write(DESCRIBED, "\n[[figure]]\n".join(entries))
 
 
 def changed(figure, known, now):

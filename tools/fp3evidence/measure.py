@@ -116,8 +116,10 @@ def finish(job, code, fp3):
     return None
 
 
-def may_start(job, running):
-    """Alone, or one of two that write different results."""
+def may_start(job, running, waiting):
+    """Alone, or one of two that write different results; not before what it needs has ended."""
+    if any(figure.after == other.name for figure in job.figures for one in (*running, *waiting) for other in one.figures):
+        return False
     return not running or not job.is_timed and len(running) < AT_A_TIME and all(not one.is_timed and one.target != job.target for one in running)
 
 
@@ -133,7 +135,7 @@ def measure_all(jobs, prepare, fp3):
             return
     try:
         while waiting or running:
-            for job in [job for job in waiting if may_start(job, running)][:1]:
+            for job in [job for job in waiting if may_start(job, running, waiting)][:1]:
                 waiting.remove(job)
                 begun += 1
                 say(f"{begun} of {len(jobs)}: {job.name}, about {job.minutes:.2g} min; {(time.monotonic() - begin) / 60:.0f} min so far, "
@@ -147,7 +149,7 @@ def measure_all(jobs, prepare, fp3):
                 say(why or f"{job.name}: {(time.monotonic() - job.begin) / 60:.1f} min")
                 if why:
                     yield why
-            if not ended and not (waiting and any(may_start(job, running) for job in waiting)):
+            if not ended and not (waiting and any(may_start(job, running, waiting) for job in waiting)):
                 time.sleep(0.2)
     finally:
         stop([job.process for job in running])
