@@ -168,8 +168,8 @@ class Lab:
                             if answer and "refused" in answer and substeps == error.SUBSTEPS[0]]
                 found = {name: answer["off"] for name, answer in found.items() if answer and "refused" not in answer}
                 best, spent = {}, dict.fromkeys(found, 0.0)
-                for _ in range(1 if self.quick else 7):
-                    for name in [name for name in found if spent[name] < 2]:
+                for _ in range(1 if self.quick else 5):
+                    for name in [name for name in found if spent[name] < 1]:
                         begin, answer = time.monotonic(), self.ask(name, do="pace", run=run, substeps=substeps)
                         spent[name] += time.monotonic() - begin
                         best[name] = min(best.get(name, math.inf), answer["ns"] if answer else math.inf)

@@ -33,7 +33,7 @@ How far an engine is from theory when it may take shorter substeps, and what a s
 horizontal, 3 s. *Bounces*: a ball that falls 5 m on a floor of restitution 0.8, 4 s. *Sliding block*: at 5 m/s with friction 0.5 until it lies still, 1.5 s.
 *Chain*: ten rods of 0.5 m let go from the horizontal, 2 s. The error is the root mean square of the distance of a point from where theory has it, over all
 steps: of the tip of the last rod, else of the centre. Theory is a formula, or Lagrange's equations in double. Each run is there sixteen times in one world. Time is
-nanoseconds of processor time for a step of 1/60 s of one body, over the whole run: the shortest of up to 7 turns, which all engines make one after another.
+nanoseconds of processor time for a step of 1/60 s of one body, over the whole run: the shortest of up to 5 turns, which all engines make one after another.
 
 An engine without substeps of its own takes as many steps instead. MuJoCo is here by its integrators Euler, implicit and RK4; implicitfast, with which
 other pages have it, is Euler where nothing damps. It works in double and in coordinates of joints, so its rods cannot come apart. In a table, a cell is the error in m, then the time in ns. An

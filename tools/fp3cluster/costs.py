@@ -72,7 +72,7 @@ def way_of(ranks, nodes):
 
 def exchange(lab, say, wire, _):
     """On one node, and between two whose packets take longer and longer."""
-    steps, repeats, scene = (100, 1, cloth(lab, 20)) if lab.quick else (1000, 9, cloth(lab, 20))
+    steps, repeats, scene = (100, 1, cloth(lab, 20)) if lab.quick else (1000, 5, cloth(lab, 20))
     runs = {ranks: (ranks, scene, 1, 1, steps) for ranks in ((2,) if lab.quick else (2, 4, 8))}
     timed = Timed(lab, runs, repeats)
     rows = [row_of(timed, ranks, way=way_of(ranks, 1), ranks=ranks, nodes=1, delay_us=0) for ranks in runs]
@@ -85,7 +85,7 @@ def exchange(lab, say, wire, _):
         with two_nodes(wire, delay):
             trip = round_trip_us()
             runs = {ranks: (ranks, scene, 2, 1, steps if delay < 1000 else steps // 2) for ranks in ((2,) if lab.quick else (2, 4))}
-            timed = Timed(lab, runs, 1 if lab.quick else 5)
+            timed = Timed(lab, runs, 1 if lab.quick else 3)
         rows += [row_of(timed, ranks, way=way_of(ranks, 2), ranks=ranks, nodes=2, delay_us=delay, round_trip_us=round(trip, 1)) for ranks in runs]
         say(f"exchange of two nodes, {delay} us: a packet there and back {trip:.0f} us, " +
             ", ".join(f"{row['ranks']} ranks {row['us_per_step']:.0f} us" for row in rows[-len(runs):]))
@@ -128,7 +128,7 @@ def everybody(lab):
 
 def scale(lab, say, *_):
     """A large cloth on two ranks beside two threads, bytes beside what is needed, a million objects."""
-    side, steps, repeats = (64, 20, 1) if lab.quick else (512, 60, 5)
+    side, steps, repeats = (64, 20, 1) if lab.quick else (512, 60, 3)
     scene = cloth(lab, side)
     timed = Timed(lab, {"ranks": (2, scene, 1, 1, steps), "threads": (1, scene, 1, 2, steps)}, repeats)
     share = timed.exchange["ranks"] / timed.step["ranks"]
@@ -146,7 +146,7 @@ def scale(lab, say, *_):
         row = {"scene": scene.stem, "memory_mb": {}, "seconds": {}}
         for ranks in (1, 2) if lab.quick else (1, 2, 4):
             row["memory_mb"][str(ranks)] = [round(mb, 1) for mb in memory_of(lab, ranks, scene)]
-            row["seconds"][str(ranks)] = round(startup(lab, ranks, scene, 1 if lab.quick else 3) - startup(lab, ranks, small, 1 if lab.quick else 3), 3)
+            row["seconds"][str(ranks)] = round(startup(lab, ranks, scene, 1 if lab.quick else 2) - startup(lab, ranks, small, 1 if lab.quick else 2), 3)
         large.append(row)
         say(f"{scene.stem}: ready and one step made after {row['seconds']} s, at most {({k: max(v) for k, v in row['memory_mb'].items()})} MB for a rank")
     return {"share": found, "ghosts": ghosts, "million": large}
@@ -156,7 +156,7 @@ def scale(lab, say, *_):
 
 def model(lab, say, wire, data):
     """Its constants from some runs, and how it meets others."""
-    repeats = 1 if lab.quick else 7
+    repeats = 1 if lab.quick else 4
     sides = (20, 32, 64) if lab.quick else (20, 64, 256)
     scenes = {side: cloth(lab, side) for side in sides}
     steps = dict(zip(sides, (100, 100, 100) if lab.quick else (1000, 300, 50)))
@@ -168,7 +168,7 @@ def model(lab, say, wire, data):
     for delay in () if why_no_nodes(wire) or not lab.is_open_mpi else DELAYS[lab.quick][-1:] if lab.quick else DELAYS[False]:
         with two_nodes(wire, delay):
             trip = round_trip_us()
-            two = Timed(lab, {side: (2, scenes[side], 2, 1, min(steps[side], 500)) for side in sides}, 1 if lab.quick else 4)
+            two = Timed(lab, {side: (2, scenes[side], 2, 1, min(steps[side], 500)) for side in sides}, 1 if lab.quick else 2)
         rows += [{"side": side, "ranks": 2, "nodes": 2, "delay_us": delay, "round_trip_us": trip, "measured": two.step[side], "exchange": two.exchange[side],
                   "bytes": two.bytes[side], "is_fitted": delay == (200 if lab.quick else 0) and side != sides[1]} for side in sides]
         say(f"model, two nodes, {delay} us: measured")

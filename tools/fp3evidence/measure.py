@@ -24,9 +24,9 @@ def say(text):
 
 
 def minutes_of(figure, records):
-    """Of its command: what it took last, else what the description says."""
-    seconds = records.get(figure.name, {}).get("seconds")
-    return seconds / 60 if seconds else figure.minutes
+    """Of its command: what it took last, unless other work ran beside it; else what the description says."""
+    known = records.get(figure.name, {})
+    return known["seconds"] / 60 if "seconds" in known and (known.get("load") or 0) <= fig.IDLE else figure.minutes
 
 
 class Job:
