@@ -406,8 +406,9 @@ static fp3_status find_largest(fp3_spectrum *of, uint64_t step, size_t group, in
         return status;
     begin(of, step, group);
     status = iterate(of, is_of_springs, left.factor, &shifted, at, error);
-    *largest = shifted.factor - left.factor;
-    *largest = *largest > NOTHING * left.factor || isnan(*largest) ? *largest : 0;
+    /* Nothing is larger than what was largest: where a force jumps, it may seem so. */
+    *largest = fmin(shifted.factor - left.factor, left.factor);
+    *largest = *largest > NOTHING * left.factor ? *largest : 0;
     return status;
 }
 
