@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Rigid bodies beside theory and beside other engines: what holds, what stands, how fast.
 
-    tools/bodies.py                                     all of it, by everyone who is installed: half an hour
+    tools/bodies.py                                     all of it, by everyone who is installed: an hour; truths, standing, speed take 5 minutes each
     tools/bodies.py --quick                             the same in seconds, for the tests
     tools/bodies.py --parts truths --engines box2d rapier                           only these; the rows of others stay
 
-Writes build/results/bodies.json; parts that are not measured stay as they were in it. A peer's row that does not hold is no fault
+Writes build/results/bodies.json, row by row as they come; parts that are not measured stay as they were in it. A peer who takes too long is told so. A peer's row that does not hold is no fault
 of ours. Exit code 1: an engine failed, a row of fp3 does not hold, or a scene has two hashes.
 """
 
@@ -13,6 +13,7 @@ import argparse
 import json
 import math
 import pathlib
+import select
 import subprocess
 import sys
 import time
@@ -24,12 +25,17 @@ ALONE = {"hashes", "chip"}  # parts without peers
 # Who is a part of an engine that is there already has its own parts; implicitfast is Euler where nothing damps.
 SOME = {"fp3, laws on fast": ("speed",), "fp3, threads 2": ("speed",), "mujoco": ("truths", "standing", "speed"), "mujoco, RK4": ("truths", "standing", "error"), "mujoco, Euler": ("error",), "mujoco, implicit": ("error",)}
 OWN = "fp3"
-SETTLE, MOST, TURN = 600, 20.0, 0.1  # steps before a scene is timed, seconds that they may take, seconds of a turn
-STAND = 100.0                         # seconds that a scene may take to stand
+BESIDE = ("own box2d", "box2d")  # whom FP3 is compared with, who has as much time as FP3
+SETTLE, MOST, OTHERS, TURN, TURNS = 600, 20.0, 4.0, 0.1, 5  # steps before a scene is timed; seconds that they may take, and may of other peers; seconds of a turn; turns
+STAND, OTHERS_STAND = 100.0, 6.0  # seconds that a scene may take to stand, and may of other peers
 
 
 class Failed(Exception):
     """An engine did not answer."""
+
+
+class Slow(Exception):
+    """It took longer than it may."""
 
 
 class Engine:
@@ -38,12 +44,17 @@ class Engine:
     def __init__(self, name, python, tool="bodies_peers"):
         self.name, self.command, self.process = name, [python, bench.ROOT / f"tools/{tool}.py", name], None
 
-    def ask(self, **command):
+    def ask(self, limit=None, **command):
+        """limit: seconds for the answer; then it is ended."""
         if self.process is None or self.process.poll() is not None:
             self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         try:
             self.process.stdin.write(json.dumps(command) + "\n")
             self.process.stdin.flush()
+            if limit and not select.select([self.process.stdout], [], [], limit)[0]:
+                self.process.kill()
+                self.process.wait()
+                raise Slow(f"slower than {limit:g} s")
             line = self.process.stdout.readline()
         except OSError:
             line = ""
@@ -68,12 +79,17 @@ def listed(python, tool="bodies_peers"):
     return [line for line in done.stdout.splitlines() if line] if done.returncode == 0 else []
 
 
+def most_of(name, own, others):
+    """FP3 and whom it is compared with have as much time."""
+    return own if name in (OWN, "fp3, threads 2", *BESIDE) else others
+
+
 class Lab:
     def __init__(self, options, say):
         pythons = {name: python for python in (options.peers, pathlib.Path(sys.executable)) for name in listed(python)}
         wanted = [name for name in pythons if not options.engines or name in options.engines]
         self.engines, self.quick, self.say = {name: Engine(name, pythons[name]) for name in wanted}, options.quick, say
-        self.failed, self.scenes = [], options.scenes
+        self.failed, self.scenes, self.limit, self.record = [], options.scenes, options.limit, lambda found: None
 
     def who(self, part):
         return [name for name in self.engines if part in SOME.get(name, PARTS)]
@@ -82,9 +98,12 @@ class Lab:
         return [scene for scene in scenes if not self.scenes or scene in self.scenes]
 
     def ask(self, name, **command):
-        """None: it failed, which is noted."""
+        """None: it failed, which is noted. A peer who does not answer in time is refused."""
+        most = command.get("most", 0.0)
         try:
-            return self.engines[name].ask(**command)
+            return self.engines[name].ask(limit=None if name.split(",")[0] == OWN else 2 * most + self.limit, **command)
+        except Slow as why:
+            return {"refused": str(why)}
         except Failed as why:
             self.failed.append(str(why))
             self.say(f"failed: {why}")
@@ -96,9 +115,12 @@ class Lab:
         for truth in [truths.slope, truths.pendulum] if self.quick else truths.TRUTHS:
             for name in self.who("truths"):
                 answer = self.ask(name, do="truth", test=truth.__name__) or {"rows": [], "refuses": []}
+                if "refused" in answer:
+                    answer = {"rows": [], "refuses": [{"test": truth.__name__, "why": answer["refused"]}]}
                 rows += [row | {"peer": name} for row in answer["rows"]]
                 refused += [row | {"peer": name} for row in answer["refuses"]]
             of = [row for row in rows if row["test"] == truth.__name__]
+            self.record({"truths": rows, "truths_refused": refused})
             self.say(f"{truth.__name__}: {sum(row['holds'] for row in of)} of {len(of)} rows hold")
         return {"truths": rows, "truths_refused": refused}
 
@@ -107,11 +129,13 @@ class Lab:
         rows, refused = [], []
         for scene in self.wanted(standing.QUICK if self.quick else standing.SCENES):
             for name in self.who("standing"):
-                answer = self.ask(name, do="stand", scene=scene, seconds=2 if self.quick else standing.SCENES[scene][1], most=STAND)
+                answer = self.ask(name, do="stand", scene=scene, seconds=2 if self.quick else standing.SCENES[scene][1],
+                                  most=most_of(name, STAND, OTHERS_STAND))
                 if answer and "refused" not in answer:
                     rows.append({"scene": scene, "engine": name} | answer)
                 elif answer:
                     refused.append({"scene": scene, "engine": name, "why": answer["refused"]})
+                self.record({"standing": rows, "standing_refused": refused})
             self.say(f"{scene} stood")
         return {"standing": rows, "standing_refused": refused}
 
@@ -120,15 +144,16 @@ class Lab:
         from fp3bodies import scene as sc
         rows, refused = [], []
         for scene in self.wanted(["pyramid 10"] if self.quick else [make().name for make in sc.FAST]):
-            made = {name: self.ask(name, do="make", scene=scene, steps=20 if self.quick else SETTLE, most=MOST) for name in self.who("speed")}
+            made = {name: self.ask(name, do="make", scene=scene, steps=20 if self.quick else SETTLE, most=most_of(name, MOST, OTHERS)) for name in self.who("speed")}
             refused += [{"scene": scene, "engine": name, "why": answer["refused"]} for name, answer in made.items() if answer and "refused" in answer]
             made = {name: answer for name, answer in made.items() if answer and "refused" not in answer}
             steps = {name: max(1, round(TURN * answer["steps"] / max(answer["seconds"], 1e-6))) for name, answer in made.items()}
             best = {}
-            for _ in range(3 if self.quick else 11):
+            for _ in range(3 if self.quick else TURNS):
                 for name in list(made):
                     answer = self.ask(name, do="turn", steps=steps[name])
-                    if answer is None:
+                    if answer is None or "refused" in answer:
+                        refused += [{"scene": scene, "engine": name, "why": answer["refused"]}] if answer else []
                         made.pop(name)
                         continue
                     best[name] = min(best.get(name, math.inf), answer["seconds"] / steps[name])
@@ -136,9 +161,10 @@ class Lab:
                 row = {"scene": scene, "engine": name, "threads": answer.get("threads", 1), "bodies": answer["bodies"], "settled": answer["steps"],
                        "substeps": answer["substeps"], "ns_per_body_step": 1e9 * best[name] / answer["bodies"],
                        "arithmetic": answer["arithmetic"], "note": answer["note"]}
-                beside = next((one for one in ("own box2d", "box2d") if one in made), None)
+                beside = next((one for one in BESIDE if one in made), None)
                 rows.append(row | ({"ratio_to_box2d": best[name] / best[beside], "box2d": beside} if beside else {}))
                 self.say(f"{scene}, {name}: {row['ns_per_body_step']:.0f} ns")
+            self.record({"speed": rows, "speed_refused": refused})
         return {"speed": rows, "speed_refused": refused}
 
     def chip(self):
@@ -172,9 +198,10 @@ class Lab:
                     for name in [name for name in found if spent[name] < 1]:
                         begin, answer = time.monotonic(), self.ask(name, do="pace", run=run, substeps=substeps)
                         spent[name] += time.monotonic() - begin
-                        best[name] = min(best.get(name, math.inf), answer["ns"] if answer else math.inf)
+                        best[name] = min(best.get(name, math.inf), answer["ns"] if answer and "refused" not in answer else math.inf)
                 rows += [{"scene": run, "engine": name, "substeps": substeps, "error": off if math.isfinite(off) else None, "ns_per_body_step": best[name]}
                          for name, off in found.items() if math.isfinite(best[name])]
+                self.record({"error": rows, "error_refused": refused})
                 self.say(f"{run}, {substeps} substeps")
         return {"error": rows, "error_refused": refused}
 
@@ -185,6 +212,17 @@ def joined(options, data, found):
         return ((not options.engines or key in ALONE or row.get("peer", row.get("engine")) in options.engines) and
                 (not options.scenes or row.get("scene") in options.scenes))
     return {key: [row for row in data.get(key, []) if not is_new(key, row)] + rows for key, rows in found.items()}
+
+
+def partly(data, found):
+    """The same while a part is measured: rows take the place of those that are of the same."""
+    def of(row):
+        return row.get("scene"), row.get("test"), row.get("peer", row.get("engine")), row.get("substeps")
+
+    def join(old, rows):
+        new = {of(row) for row in rows}
+        return [row for row in old if of(row) not in new] + rows
+    return {key: join(data.get(key, []), rows) for key, rows in found.items()}
 
 
 def wrong(found):
@@ -213,6 +251,7 @@ def measure(options):
         for part in options.parts:
             if part in ALONE and options.engines and OWN not in options.engines:
                 continue
+            lab.record = lambda some: bench.write(options.output, json.dumps(data | {"about": about} | partly(data, some), indent=1) + "\n")
             found = getattr(lab, part)()
             measured[part] = {"date": about["date"], "revision": about["revision"], "load": about["load"]}
             data |= {"about": about, "measured": measured} | joined(options, data, found)
@@ -232,6 +271,7 @@ def main():
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--engines", nargs="+", help="only these (default: all that are installed)")
     parser.add_argument("--scenes", nargs="+", help="of other parts than truths, only these")
+    parser.add_argument("--limit", type=float, default=15.0, metavar="SECONDS", help="what a peer has for an answer, beside twice what the scene may take (default: 15)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/bodies.json", help="the file to write")
     options = parser.parse_args()
     if options.scenes and "truths" in options.parts:

@@ -15,10 +15,19 @@
 #define HARD 1e5   /* the spring of what does not yield, over the heaviest body */
 #define ROUND 1e10 /* ... and at most, over the lightest: else its mass is lost to rounding */
 
-/* Energy that joints may make in half a substep. */
-#define PULLED 0.005 /* of the heaviest body's, as fast as they pull together what is apart */
-#define MADE 1e-6    /* of all kinetic energy: rows are held and let go a little */
-#define LOST 1e-14   /* of what impulses do to the heaviest body: the rounding of speeds */
+/* Energy that joints may make in half a substep.
+ *
+ * PULLED, of M u^2/2, where the heaviest body weighs M and joints pull together what is apart at
+ * speed u: to bring a body of mass m to that speed takes m u^2/2, so all that weighs up to M/200
+ * comes as fast as joints want it, and who weighs more comes by as much slower as the root of that.
+ * MADE, of all kinetic energy: a row that holds is a spring of HARD M at most, in which an impulse
+ * p keeps p^2/(2 HARD M), and lets it go later. One that stops the heaviest body keeps 1/HARD of
+ * its energy. A tenth of it is allowed: impulses change by less within half a substep. LOST, of
+ * p^2/M of all impulses p: sums of some hundred products in double, each of which is rounded by up
+ * to 1.1e-16 of it. */
+#define PULLED 0.005
+#define MADE 1e-6
+#define LOST 1e-14
 
 typedef struct fp3_heavy_place {
     uint32_t root;        /* of its set; of a root itself */

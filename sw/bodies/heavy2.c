@@ -94,8 +94,6 @@ static void stiffen(const fp3_bodies *bodies, const fp3_heavy_link *link, uint32
         bodies->heavy->springs.mass[number * 9 + 8] += bodies->def.h / bodies->def.substeps * by;
 }
 
-static double within(double x, double most) { return fmin(fmax(x, -most), most); }
-
 static fp3_drive3 drive_of(const fp3_bodies *bodies, const fp3_heavy_link *link, double angle) {
     const float inverse = bodies->heft[link->slot[0]][1] + bodies->heft[link->slot[1]][1];
     fp3_joint_def def = bodies->joint[link->of].def;
@@ -124,7 +122,7 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
             link->gap[i] + (double)way[i] + (b[i] - link->arm_b[i]) - (a[i] - link->arm_a[i]);
         const fp3_heavy_row row = {i,        &joint->point[i],
                                    of_a[i],  of_b[i],
-                                   INFINITY, rate * within(apart, FP3_FARTHEST * bodies->def.size),
+                                   INFINITY, rate * fp3_within(apart, FP3_FARTHEST * bodies->def.size),
                                    1};
         fp3_heavy_put(bodies, link, &row);
     }

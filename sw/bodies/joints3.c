@@ -231,8 +231,6 @@ static void fill_spin(const filling *f, fp3_spin3_row *row) {
 
 static float inverse_of(float x) { return x > 0 ? 1 / x : 0; }
 
-static double within(double x, double most) { return fmin(fmax(x, -most), most); }
-
 void fp3_drive_use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double where, double far,
                    double h) {
     const int has_limits = uses & FP3_USES_LIMITS && def->has_limits;
@@ -240,7 +238,7 @@ void fp3_drive_use(fp3_drive3 *d, const fp3_joint_def *def, int uses, double whe
         d->soft = fp3_space_firm(h);
     else if (uses & FP3_USES_SPRING && def->hertz > 0)
         d->soft = fp3_soften(def->hertz, def->damping, h);
-    d->off = (float)(d->is_firm ? within(where - def->rest, far) : where - def->rest);
+    d->off = (float)(d->is_firm ? fp3_within(where - def->rest, far) : where - def->rest);
     d->speed = (float)def->speed;
     d->most = uses & FP3_USES_MOTOR ? (float)(def->most * h) : 0;
     d->over = has_limits ? (float)fmax(where - def->low, -far) : FP3_NO_LIMIT3;

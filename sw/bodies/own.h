@@ -16,6 +16,7 @@
 #include "base/threads.h"
 
 #include <fp3/bodies.h>
+#include <math.h>
 
 #define FP3_NOBODY UINT32_MAX
 #define FP3_JOINT_LAWS (FP3_LAWS - FP3_LAW_twist2)
@@ -286,6 +287,7 @@ enum { FP3_USES_SPRING = 1, FP3_USES_MOTOR = 2, FP3_USES_LIMITS = 4, FP3_USES_AL
 /* What is farther apart than this share of `size`, or turned by more than this, joints pull
  * together as if this were all. */
 #define FP3_FARTHEST 0.2f
+static inline double fp3_within(double x, double most) { return fmin(fmax(x, -most), most); }
 /* Behind the step, where bodies are then. Joints that break are gone. */
 void fp3_joints_end(fp3_bodies *bodies, double h);
 /* Where the two anchors are, from their bodies' centres of mass, in the world's axes; and the way

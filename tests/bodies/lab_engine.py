@@ -2,6 +2,7 @@
 
 import pathlib
 import sys
+import time
 
 import numpy as np
 
@@ -44,6 +45,11 @@ class Fails(Falls):
         raise ValueError("it fails")
 
 
-engines.ENGINES = {"falls": ("falls", "Falls", "numpy"), "fails": ("fails", "Fails", "numpy")}
-engines.find = lambda name: {"falls": Falls, "fails": Fails}[name]
+class Hangs(Falls):
+    def step(self, count=1):
+        time.sleep(1000)
+
+
+engines.ENGINES = {"falls": ("falls", "Falls", "numpy"), "fails": ("fails", "Fails", "numpy"), "hangs": ("hangs", "Hangs", "numpy")}
+engines.find = lambda name: {"falls": Falls, "fails": Fails, "hangs": Hangs}[name]
 sys.exit(bodies_peers.main())

@@ -208,6 +208,27 @@ def test_what_swings_into_the_ground_comes_to_rest():
     assert energies[1] < energies[0] + 0.05
 
 
+@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("heavy", [60.0, 1000.0])
+@pytest.mark.parametrize("apart, arm", [(0.01, 0.01), (0.05, 0.02)])
+def test_joints_that_contradict_each_other_make_as_much_energy_as_they_may(dimensions, heavy, apart, arm):
+    """Two joints pull one light body up at one side and down at the other, so that it would spin fast. A half percent of what the heavy body would have at the speed of
+    the pull is what a substep makes (sw/bodies/heavy.c): no more, and no less, else what is apart would stay apart."""
+    world, h = empty(dimensions, gravity=0.0, substeps=1), 1 / 60
+    bodies = world.add(x=np.zeros((2, dimensions)))
+    for body, mass in zip(bodies, (heavy, 1.0)):
+        world.attach([body], ball(0.5, mass, dimensions, mask=0))
+    for side in (1, -1):
+        anchors = (side * arm, side * apart, 0.0)[:dimensions], (side * arm, 0.0, 0.0)[:dimensions]
+        world.join("hinge" if dimensions == 2 else "ball", bodies[:1], bodies[1:], anchor_a=anchors[0], anchor_b=anchors[1])
+    world.step()  # where bodies are, they have come by the speeds that the pull gave them
+    way, masses, inertias = world.read("x", bodies) / h, world.read("mass", bodies), world.read("inertia", bodies).reshape(2, -1)[:, 0]
+    turn = world.read("angle", bodies) / h if dimensions == 2 else 2 * np.linalg.norm(world.read("q", bodies)[:, 1:], axis=1) / h
+    omega = 2 * math.pi * 60  # a spring of 60 Hz and five times critical damping, over one implicit step
+    pull = omega / (10 + h * omega) * apart
+    assert masses @ (way**2).sum(1) / 2 + inertias @ turn**2 / 2 == pytest.approx(0.005 * heavy * pull**2 / 2, rel=3e-3)
+
+
 def span(substeps):
     """Twenty links of 1 kg between two walls, 3 m deep in the middle, where 1,000 kg hang."""
     world, tilt = fp3.Bodies(gravity=(0, -G), rest_speed=0.0, substeps=substeps), math.asin(0.3)

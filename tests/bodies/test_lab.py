@@ -3,8 +3,11 @@
 import importlib
 import json
 import math
+import os
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -236,10 +239,20 @@ def lab(root, tmp_path_factory):
     python.write_text(f'#!/bin/sh\nshift\nexec {sys.executable} {root}/tests/bodies/lab_engine.py "$@"\n')
     python.chmod(0o755)
 
-    def lab(*options):
+    def lab(*options, cut=None):
+        """cut: it is ended as soon as this is true of its file."""
         path = tmp_path_factory.mktemp("lab") / "bodies.json"
-        done = subprocess.run([sys.executable, root / "tools/bodies.py", "--quick", "--peers", python, "--output", path, *options],
-                              capture_output=True, text=True, timeout=100)
+        command = [sys.executable, root / "tools/bodies.py", "--quick", "--peers", python, "--output", path, *options]
+        if cut:
+            with subprocess.Popen(command, stderr=subprocess.DEVNULL, start_new_session=True) as process:
+                end = time.monotonic() + 100
+                while not (path.exists() and cut(json.loads(path.read_text()))) and time.monotonic() < end and process.poll() is None:
+                    time.sleep(0.05)
+                is_cut = process.poll() is None and time.monotonic() < end
+                os.killpg(process.pid, signal.SIGKILL)
+            assert is_cut
+            return None
+        done = subprocess.run(command, capture_output=True, text=True, timeout=100)
         return done, json.loads(path.read_text()) if path.exists() else None
     return lab
 
@@ -284,6 +297,16 @@ def test_an_engine_that_fails_is_named(lab):
     done, found = lab("--engines", "falls", "fails", "--parts", "speed")
     assert done.returncode == 1 and "fails: ValueError: it fails" in done.stderr
     assert [row["engine"] for row in found["speed"]] == ["falls"]
+
+
+def test_an_engine_that_does_not_answer_is_slower(lab):
+    done, found = lab("--engines", "hangs", "--parts", "truths", "--limit", "1")
+    assert done.returncode == 0, done.stderr
+    assert found["truths"] == [] and found["truths_refused"] == [{"test": test, "why": "slower than 1 s", "peer": "hangs"} for test in ("slope", "pendulum")]
+
+
+def test_rows_are_kept_of_a_part_that_is_cut(lab):
+    lab("--engines", "falls", "hangs", "--parts", "standing", cut=lambda found: found["standing"][0]["engine"] == "falls")
 
 
 def test_one_hash_a_scene(part, build, monkeypatch):

@@ -69,7 +69,7 @@ def stand(engine, scene, seconds, most=math.inf):
     for done in range(steps):
         engine.step()
         if time.process_time() - start > most:
-            raise sc.Refused(f"too slow: {done + 1} steps of {steps} took {most:g} s")
+            raise sc.Refused(f"slower than {most:g} s: {done + 1} of {steps} steps")
 
     def momentum():
         return float((masses * engine.speeds()[loose, up]).sum())
