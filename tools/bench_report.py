@@ -209,7 +209,8 @@ def markdown(data):
     return "\n\n".join(parts) + "\n"
 
 
-ROW, LEFT_OUT = re.compile(r"^\| \[`(\w+)`\]\(#\w+\) \|.*\n", re.M), "## Left out\n"
+HEAD, ROW = re.compile(r"^\| model \|.*\n\|[-|]+\n", re.M), re.compile(r"^\| \[`(\w+)`\]\(#\w+\) \|.*\n", re.M)       # of the models side by side
+LEFT_OUT = "## Left out\n"
 
 
 def completed(text, old):
@@ -218,8 +219,8 @@ def completed(text, old):
     rows = {row[1]: row[0] for row in ROW.finditer(old)} | new
     if rows.keys() == new.keys():
         return text
-    first = ROW.search(text)
-    text = text[:first.start()] + "".join(rows[name] for name in sorted(rows)) + ROW.sub("", text[first.start():])
+    at = HEAD.search(text).end()
+    text = text[:at] + "".join(rows[name] for name in sorted(rows)) + ROW.sub("", text[at:])
     return text.partition(LEFT_OUT)[0] + "".join(old.partition(LEFT_OUT)[1:])
 
 

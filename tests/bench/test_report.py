@@ -251,3 +251,11 @@ def test_one_model_renews_its_section_alone(data):
     assert sorted(re.findall("^## .*", text, re.M)) == sorted(re.findall("^## .*", whole, re.M))
     assert re.search(r"^## Speed\n.*?(?=^## )", text, re.M | re.S)[0].strip() == re.search(r"^## Speed\n.*?(?=^## )", whole, re.M | re.S)[0].strip()
     assert pages.joined(whole, text, ".md") == whole
+
+
+def test_a_recording_alone_leaves_the_models(data):
+    whole = bench_report.markdown(data)
+    alone = bench_report.markdown(data | {"problems": [], "points": [], "speed": [], "left_out": []})
+    text = pages.joined(bench_report.completed(alone, whole), whole, ".md")
+    rows = re.findall(r"^\| \[`.*", whole, re.M)
+    assert rows and re.findall(r"^\| \[`.*", text, re.M) == rows and sorted(re.findall("^##.*", text, re.M)) == sorted(re.findall("^##.*", whole, re.M))
