@@ -62,10 +62,10 @@ def digest(data):
 
 def about(data):
     a = data["about"]
-    versions = ", ".join(f"{name} {version}" for name, version in sorted(a["versions"].items()))
+    versions = "; " * bool(a["versions"]) + ", ".join(f"{name} {version}" for name, version in sorted(a["versions"].items()))
     failed = "".join(f" `{one['name']}` failed: {one['why']}." for one in data["failed"])
     hand = f"; the loop by hand is for `{a['target']}`" if "target" in a else ""        # of `speed`, which may not have been measured yet
-    return (f"Last measured on {a['processors']} processors: {a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}; {versions}"
+    return (f"Last measured on {a['processors']} processors: {a['processor']}, {a['system']}; load at the end {a['load']:.1f}; {a['compiler']}{versions}"
             f"{hand}. Each section says when it was measured.{failed}")
 
 
