@@ -14,12 +14,10 @@
 One thread, and processor time; of an engine with several threads the time of the wall. An answer with "refused" says what the engine has not, one with "error" that it failed.
 """
 
-import argparse
-import json
-import os
 import sys
 import time
 
+import worker
 from fp3bodies import engines
 from fp3bodies import error
 from fp3bodies import scene as sc
@@ -29,30 +27,30 @@ from fp3bodies import truths
 
 class Worker:
     def __init__(self, name):
-        self.make, self.engine = engines.find(name), None
+        self.open, self.engine = engines.find(name), None
 
     def truth(self, test):
-        rows, refused = truths.measure(next(truth for truth in truths.TRUTHS if truth.__name__ == test), self.make)
+        rows, refused = truths.measure(next(truth for truth in truths.TRUTHS if truth.__name__ == test), self.open)
         return {"rows": rows, "refuses": refused}
 
     def stand(self, scene, seconds, most):
         made = standing.SCENES[scene][0]()
-        return standing.stand(self.make(made), made, seconds, most)
+        return standing.stand(self.open(made), made, seconds, most)
 
     def now(self):
         """Processor time; of several threads together that of the wall."""
-        return time.process_time() if self.make.THREADS == 1 else time.perf_counter()
+        return time.process_time() if self.open.THREADS == 1 else time.perf_counter()
 
-    def settle(self, scene, steps, most):
+    def make(self, scene, steps, most):
         scene = next(one for one in (make() for make in sc.FAST) if one.name == scene)
         self.engine = None  # two large ones at once would share the caches
-        scene.substeps = scene.substeps if self.make.SUBSTEPS else 1
-        self.engine = self.make(scene)
+        scene.substeps = scene.substeps if self.open.SUBSTEPS else 1
+        self.engine = self.open(scene)
         begin, taken = self.now(), 0
         while taken < steps and self.now() - begin < most:
             self.engine.step(1)
             taken += 1
-        return {"steps": taken, "substeps": scene.substeps, "seconds": self.now() - begin, "threads": self.make.THREADS,
+        return {"steps": taken, "substeps": scene.substeps, "seconds": self.now() - begin, "threads": self.open.THREADS,
                 "bodies": int(scene.loose().sum()), "arithmetic": self.engine.ARITHMETIC, "note": self.engine.NOTE}
 
     def turn(self, steps):
@@ -61,35 +59,14 @@ class Worker:
         return {"seconds": self.now() - begin}
 
     def error(self, run, substeps):
-        return {"off": error.error(run, self.make(error.scene(run, substeps)))}
+        return {"off": error.error(run, self.open(error.scene(run, substeps)))}
 
     def pace(self, run, substeps):
-        return {"ns": error.pace(run, self.make(error.scene(run, substeps)))}
-
-    def answer(self, do, **more):
-        try:
-            return {"truth": self.truth, "stand": self.stand, "make": self.settle, "turn": self.turn, "error": self.error,
-                    "pace": self.pace}[do](**more)
-        except sc.Refused as why:
-            return {"refused": str(why)}
-        except Exception as why:  # whatever a peer does: the others go on  # pylint: disable=broad-exception-caught
-            return {"error": f"{type(why).__name__}: {why}"}
+        return {"ns": error.pace(run, self.open(error.scene(run, substeps)))}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("engine", choices=["list", *engines.ENGINES], help="who; list: print who is installed")
-    options = parser.parse_args()
-    if options.engine == "list":
-        for name in engines.installed():
-            print(name)
-        return 0
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # some print when they begin
-    worker = Worker(options.engine)
-    for line in sys.stdin:
-        print(json.dumps(worker.answer(**json.loads(line))), file=answers, flush=True)
-    return 0
+    return worker.serve(__doc__, engines.ENGINES, engines.installed, Worker, sc.Refused)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,11 @@
 DIR has SCENE.npz with start and truth, and room for files. An answer has the seconds of the run, its steps, and how far off its end is. One thread, and processor time. An answer with "error" says why it failed.
 """
 
-import argparse
-import json
 import os
 import pathlib
 import sys
 
+import worker
 from fp3scenes import peers
 
 
@@ -39,26 +38,9 @@ class Worker:
         found = self.problem.error(self.truth, run.x)
         return {"seconds": seconds, "steps": getattr(run, "steps", self.problem.steps(2.0 ** -k)), "off": found if found < 1 else None}
 
-    def answer(self, do, **more):
-        try:
-            return {"go": self.go}[do](**more)
-        except Exception as why:  # whatever a peer does: the others go on  # pylint: disable=broad-exception-caught
-            return {"error": f"{type(why).__name__}: {why}"}
-
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("engine", choices=["list", *peers.PEERS], help="who; list: print who is installed")
-    options = parser.parse_args()
-    if options.engine == "list":
-        print("\n".join(peers.installed()))
-        return 0
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # some print when they begin
-    worker = Worker(options.engine)
-    for line in sys.stdin:
-        print(json.dumps(worker.answer(**json.loads(line))), file=answers, flush=True)
-    return 0
+    return worker.serve(__doc__, peers.PEERS, peers.installed, Worker)
 
 
 if __name__ == "__main__":
