@@ -208,7 +208,7 @@ $(BUILD)/results/models/%.json: programs/%.ode $(BUILD)/fp3
 $(BUILD)/results/models.json: tools/models.py $(COMPARED)
 	@$(PYTHON) tools/models.py --output $@ $(COMPARED)
 
-all: $(BUILD)/fp3 $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
+all: $(BUILD)/fp3 $(LIB) $(LIB_SO) $(TESTS) $(BUILD)/tests/operations_soft $(REPLAYS) $(BUILD)/bench/bench $(BUILD)/bench/world $(BUILD)/bench/alone $(BUILD)/bench/wire $(BULLET) ## Build the command and everything else that the tests start
 
 $(BUILD)/obj/%.o: %.c $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -518,6 +518,12 @@ $(BUILD)/bench/world: $(WORLD_O) $(LIB)
 	@echo "  LD   $@"
 	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
 
+# The bare driver on simulated hardware with a memory.
+$(BUILD)/bench/alone: $(call obj,$(wildcard bench/alone/*.c) sw/bare/fp3_bare.c sw/bare/fp3_bare_moves.c) $(LIB)
+	@mkdir -p $(@D)
+	@echo "  LD   $@"
+	@$(CC_FOR) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+
 # The same net by another, where it is installed: make setup-bench. -isystem: its headers are not as strict as ours.
 $(BUILD)/bench/bullet: bench/world/bullet.cpp $(BUILD)/flags | $(BUILD)/ready
 	@mkdir -p $(@D)
@@ -586,6 +592,12 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 	@mkdir -p $(@D)
 	@echo "  LD   $@"
 	@gcc -O2 -Wall -Wextra -fPIC -shared -isystem $(OWN)/include -o $@ $< -L$(OWN)/lib -l$* -lm -Wl,-rpath,$(abspath $(OWN)/lib)
+
+# ---- the processor on its own ---------------------------------------------------------------------
+
+.PHONY: alone
+alone: all ## The processor with a memory of its own, simulated: cycles of loads: build/results/alone.json; QUICK=1
+	@$(PYTHON) tools/alone.py --output $(RESULTS)/alone.json $(if $(QUICK),--quick)
 
 # ---- objects divided among processes ------------------------------------------------------------
 

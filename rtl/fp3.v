@@ -5,7 +5,8 @@
 //           bus and starts a run of N steps; docs/architecture.md says how the parts work together.
 //
 //           bus ──► axi_lite ──► hub ──► solo                     one object, STORE_WORDS = 0
-//                                 └────► tile, tile ...           many, STORE_WORDS > 0
+//                            ▲    └────► tile, tile ...           many, STORE_WORDS > 0
+//           memory ◄──► master                                    MASTER = 1
 //
 // Latency   See solo, or sequencer and lane; axi_lite, hub and host_port for an access of the host.
 // Trace     Its ports (issue_*, retire_*) are for simulation; leave them open in a design, as a
@@ -51,6 +52,42 @@ module fp3 #(
     output wire [1:0]           s_axi_rresp,
     output wire                 s_axi_rvalid,
     input  wire                 s_axi_rready,
+    // With `master`: memory, AXI4. A top without it has none of these.
+    output wire                 m_axi_awid,
+    output wire [31:0]          m_axi_awaddr,
+    output wire [7:0]           m_axi_awlen,
+    output wire [2:0]           m_axi_awsize,
+    output wire [1:0]           m_axi_awburst,
+    output wire                 m_axi_awlock,
+    output wire [3:0]           m_axi_awcache,
+    output wire [2:0]           m_axi_awprot,
+    output wire                 m_axi_awvalid,
+    input  wire                 m_axi_awready,
+    output wire [31:0]          m_axi_wdata,
+    output wire [3:0]           m_axi_wstrb,
+    output wire                 m_axi_wlast,
+    output wire                 m_axi_wvalid,
+    input  wire                 m_axi_wready,
+    input  wire                 m_axi_bid,
+    input  wire [1:0]           m_axi_bresp,
+    input  wire                 m_axi_bvalid,
+    output wire                 m_axi_bready,
+    output wire                 m_axi_arid,
+    output wire [31:0]          m_axi_araddr,
+    output wire [7:0]           m_axi_arlen,
+    output wire [2:0]           m_axi_arsize,
+    output wire [1:0]           m_axi_arburst,
+    output wire                 m_axi_arlock,
+    output wire [3:0]           m_axi_arcache,
+    output wire [2:0]           m_axi_arprot,
+    output wire                 m_axi_arvalid,
+    input  wire                 m_axi_arready,
+    input  wire                 m_axi_rid,
+    input  wire [31:0]          m_axi_rdata,
+    input  wire [1:0]           m_axi_rresp,
+    input  wire                 m_axi_rlast,
+    input  wire                 m_axi_rvalid,
+    output wire                 m_axi_rready,
     // High while a scheduler's run has ended and its register `interrupt` says so
     (* X_INTERFACE_INFO = "xilinx.com:signal:interrupt:1.0 irq INTERRUPT" *)
     (* X_INTERFACE_PARAMETER = "XIL_INTERFACENAME irq, SENSITIVITY LEVEL_HIGH" *)
@@ -92,9 +129,11 @@ module fp3 #(
     // few.
     localparam WRITES_W = STORE_WORDS != 0 ? 4 : 2;
     localparam READS_W  = STORE_WORDS != 0 ? $clog2(MEMORY_LATENCY + TIMING_BUS) : 2;
-    wire                 asks, taken, write;
-    wire [ADDRESS_W-1:0] address;
-    wire [31:0]          wdata;
+    wire                 asks, taken, write, host_asks, host_taken, host_write;
+    wire [ADDRESS_W-1:0] address, host_address;
+    wire [31:0]          wdata, host_wdata;
+    wire                 host_wrote, host_write_error, host_read, host_read_error;
+    wire [31:0]          host_rdata;
     `FP3_ANSWER_FIELDS
     fp3_axi_lite #(.ADDRESS_W(ADDRESS_W), .STREAM(STREAM[ADDRESS_W-1:0]), .WRITES_W(WRITES_W),
         .READS_W(READS_W)) u_axi (
@@ -104,9 +143,44 @@ module fp3 #(
         .s_axi_bvalid(s_axi_bvalid), .s_axi_bready(s_axi_bready), .s_axi_bresp(s_axi_bresp),
         .s_axi_arvalid(s_axi_arvalid), .s_axi_arready(s_axi_arready), .s_axi_araddr(s_axi_araddr),
         .s_axi_rvalid(s_axi_rvalid), .s_axi_rready(s_axi_rready), .s_axi_rdata(s_axi_rdata), .s_axi_rresp(s_axi_rresp),
-        .req_valid_o(asks), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
-        .wrote_i(answer_wrote), .write_error_i(answer_write_error),
-        .read_i(answer_read), .read_error_i(answer_read_error), .rdata_i(answer_rdata));
+        .req_valid_o(host_asks), .req_ready_i(host_taken), .req_write_o(host_write), .req_addr_o(host_address),
+        .req_wdata_o(host_wdata),
+        .wrote_i(host_wrote), .write_error_i(host_write_error),
+        .read_i(host_read), .read_error_i(host_read_error), .rdata_i(host_rdata));
+
+    // A transfer asks where the host does.
+    generate
+        if (MASTER != 0) begin : g_master
+            fp3_master #(.ADDRESS_W(ADDRESS_W), .INSIDE(INSIDE), .STREAM(STREAM[ADDRESS_W-1:0]), .READS_W(READS_W + 1)) u_master (
+                .clk_i(clk), .rst_i(bus_rst),
+                .host_valid_i(host_asks), .host_ready_o(host_taken), .host_write_i(host_write), .host_addr_i(host_address),
+                .host_wdata_i(host_wdata), .host_wrote_o(host_wrote), .host_write_error_o(host_write_error),
+                .host_read_o(host_read), .host_read_error_o(host_read_error), .host_rdata_o(host_rdata),
+                .req_valid_o(asks), .req_ready_i(taken), .req_write_o(write), .req_addr_o(address), .req_wdata_o(wdata),
+                .wrote_i(answer_wrote), .write_error_i(answer_write_error),
+                .read_i(answer_read), .read_error_i(answer_read_error), .rdata_i(answer_rdata),
+                .m_axi_awid(m_axi_awid), .m_axi_awaddr(m_axi_awaddr), .m_axi_awlen(m_axi_awlen), .m_axi_awsize(m_axi_awsize),
+                .m_axi_awburst(m_axi_awburst), .m_axi_awlock(m_axi_awlock), .m_axi_awcache(m_axi_awcache),
+                .m_axi_awprot(m_axi_awprot), .m_axi_awvalid(m_axi_awvalid), .m_axi_awready(m_axi_awready),
+                .m_axi_wdata(m_axi_wdata), .m_axi_wstrb(m_axi_wstrb), .m_axi_wlast(m_axi_wlast), .m_axi_wvalid(m_axi_wvalid),
+                .m_axi_wready(m_axi_wready), .m_axi_bid(m_axi_bid), .m_axi_bresp(m_axi_bresp), .m_axi_bvalid(m_axi_bvalid),
+                .m_axi_bready(m_axi_bready),
+                .m_axi_arid(m_axi_arid), .m_axi_araddr(m_axi_araddr), .m_axi_arlen(m_axi_arlen), .m_axi_arsize(m_axi_arsize),
+                .m_axi_arburst(m_axi_arburst), .m_axi_arlock(m_axi_arlock), .m_axi_arcache(m_axi_arcache),
+                .m_axi_arprot(m_axi_arprot), .m_axi_arvalid(m_axi_arvalid), .m_axi_arready(m_axi_arready),
+                .m_axi_rid(m_axi_rid), .m_axi_rdata(m_axi_rdata), .m_axi_rresp(m_axi_rresp), .m_axi_rlast(m_axi_rlast),
+                .m_axi_rvalid(m_axi_rvalid), .m_axi_rready(m_axi_rready));
+        end else begin : g_no_master
+            assign {asks, host_taken, write, address, wdata} = {host_asks, taken, host_write, host_address, host_wdata};
+            assign {host_wrote, host_write_error, host_read, host_read_error, host_rdata} = `FP3_ANSWER;
+            assign {m_axi_awid, m_axi_awaddr, m_axi_awlen, m_axi_awsize, m_axi_awburst, m_axi_awlock, m_axi_awcache, m_axi_awprot,
+                    m_axi_awvalid, m_axi_wdata, m_axi_wstrb, m_axi_wlast, m_axi_wvalid, m_axi_bready} = 94'd0;
+            assign {m_axi_arid, m_axi_araddr, m_axi_arlen, m_axi_arsize, m_axi_arburst, m_axi_arlock, m_axi_arcache, m_axi_arprot,
+                    m_axi_arvalid, m_axi_rready} = 56'd0;
+            wire unused_memory = &{m_axi_awready, m_axi_wready, m_axi_bid, m_axi_bresp, m_axi_bvalid, m_axi_arready, m_axi_rid,
+                                   m_axi_rdata, m_axi_rresp, m_axi_rlast, m_axi_rvalid};
+        end
+    endgenerate
 
     wire [7:0] scheduler;              // all ones, in as many bits as there are: all of them
     generate

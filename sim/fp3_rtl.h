@@ -39,7 +39,7 @@ typedef struct {
 } fp3_rtl_watch;
 
 /* Raise it with every change of this header, or of a structure that it takes from elsewhere. */
-#define FP3_RTL_VERSION 3u
+#define FP3_RTL_VERSION 4u
 
 /* One transfer on the bus. */
 typedef struct {
@@ -48,6 +48,15 @@ typedef struct {
     uint8_t is_refused; /* it was answered with an error, or the address is outside of the
                            processor's window */
 } fp3_rtl_word;
+
+/* A memory on the port of a configuration with `master`: one data bus of this many words in 1,000
+ * cycles, reads and writes together, though the port takes one of each in a cycle. */
+typedef struct {
+    uint32_t words;   /* from byte address 0 on; beyond them it answers with DECERR */
+    uint32_t rate;    /* above 0 */
+    uint32_t latency; /* cycles from an address to the first word, and from the last one to the
+                         response */
+} fp3_rtl_memory;
 
 typedef struct {
     /* FP3_RTL_VERSION and sizeof(fp3_rtl_ops), where the table was compiled. */
@@ -64,6 +73,10 @@ typedef struct {
     /* Clocks until nothing has issued or retired, in any scheduler, for quiet cycles in a row;
      * cycles at most. */
     void (*clock)(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet);
+    /* Puts a memory there, all 0, instead of the one before. Its words, which the hardware may
+     * change in each cycle; NULL: there is no such port, or out of memory. Until then there is a
+     * memory of no word. With waits of open each channel waits by chance. */
+    uint32_t *(*memory)(fp3_rtl *rtl, const fp3_rtl_memory *how);
     /* Cycles since open, those of transfers included. */
     uint64_t (*now)(const fp3_rtl *rtl);
 } fp3_rtl_ops;

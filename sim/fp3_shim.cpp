@@ -17,6 +17,7 @@
 
 #include "gen/configs.h"
 #include "gen/registers.h"
+#include "memory_port.h"
 #include <memory>
 #include <new>
 #include <verilated.h>
@@ -27,6 +28,7 @@ struct fp3_rtl {
     fp3_rtl_watch watch;
     uint64_t cycle;
     uint64_t noise; /* 0: the master never lets anything wait */
+    memory_port memory;
 };
 
 namespace {
@@ -37,17 +39,17 @@ const unsigned ANSWER_CYCLES = 1000;
 /* How many parts the trace ports have: as many as this build has schedulers, and lanes in each; so
  * many times as instructions may issue at once in one. */
 struct shape {
-    unsigned schedulers, lanes, streams, space_bit;
+    unsigned schedulers, lanes, streams, space_bit, master;
 };
 
 constexpr bool same(const char *a, const char *b) {
     return *a == *b && (!*a || same(a + 1, b + 1));
 }
 constexpr shape find_shape() {
-    shape found = {0, 0, 0, 0};
-#define X(name, doc, schedulers, lanes, streams, space_bit)                                        \
+    shape found = {0, 0, 0, 0, 0};
+#define X(name, doc, schedulers, lanes, streams, space_bit, master)                                \
     if (same(#name, STRING(FP3_CONFIG)))                                                           \
-        found = {schedulers, lanes, streams, space_bit};
+        found = {schedulers, lanes, streams, space_bit, master};
     FP3_CONFIGS(X)
 #undef X
     return found;
@@ -76,8 +78,19 @@ template <std::size_t WORDS> bool is_zero(const VlWide<WORDS> &port) {
     return true;
 }
 
+/* How many cycles the master lets each channel wait: 0 to 3, none in a plain run; noise after a
+ * seed. */
+unsigned patience(fp3_rtl *rtl) {
+    if (!rtl->noise)
+        return 0;
+    rtl->noise = rtl->noise * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<unsigned>(rtl->noise >> 62);
+}
+
 void settle(fp3_rtl *rtl) {
     rtl->top->s_axi_aclk = 0;
+    if constexpr (SHAPE.master > 0)
+        rtl->memory.show(rtl->top.get(), rtl->cycle, [rtl] { return patience(rtl) > 1; });
     rtl->top->eval();
 }
 
@@ -126,6 +139,9 @@ bool edge(fp3_rtl *rtl) {
         tell_issues(rtl);
     if (rtl->watch.end && !is_zero(top->retire_end_o) && top->s_axi_aresetn)
         tell_ends(rtl);
+    if constexpr (SHAPE.master > 0)
+        if (top->s_axi_aresetn)
+            rtl->memory.take(top, rtl->cycle);
     top->s_axi_aclk = 1;
     top->eval();
     rtl->cycle++;
@@ -133,15 +149,6 @@ bool edge(fp3_rtl *rtl) {
 }
 
 /* ---- the bus: a master of AXI4-Lite ---- */
-
-/* How many cycles the master lets each channel wait: 0 to 3, none in a plain run; noise after a
- * seed. */
-unsigned patience(fp3_rtl *rtl) {
-    if (!rtl->noise)
-        return 0;
-    rtl->noise = rtl->noise * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<unsigned>(rtl->noise >> 62);
-}
 
 constexpr unsigned address_bits() {
     unsigned bits = SHAPE.space_bit + FP3_ADDRESS_SPACE_BITS;
@@ -279,6 +286,15 @@ void clock_until_quiet(fp3_rtl *rtl, uint64_t cycles, uint64_t quiet) {
     }
 }
 
+uint32_t *put_memory(fp3_rtl *rtl, const fp3_rtl_memory *how) try {
+    if (!SHAPE.master)
+        return nullptr;
+    rtl->memory.open(*how);
+    return rtl->memory.words.data();
+} catch (const std::bad_alloc &) {
+    return nullptr;
+}
+
 uint64_t cycles_so_far(const fp3_rtl *rtl) { return rtl->cycle; }
 
 fp3_rtl *open_rtl(const fp3_rtl_watch *watch, uint64_t waits) try {
@@ -313,6 +329,6 @@ void close_rtl(fp3_rtl *rtl) {
 
 extern "C" __attribute__((visibility("default"))) const fp3_rtl_ops fp3_rtl_table;
 extern "C" const fp3_rtl_ops fp3_rtl_table = {
-    FP3_RTL_VERSION, sizeof(fp3_rtl_ops), STRING(FP3_CONFIG), open_rtl, close_rtl,
-    transfer,        clock_until_quiet,   cycles_so_far,
+    FP3_RTL_VERSION, sizeof(fp3_rtl_ops), STRING(FP3_CONFIG), open_rtl,      close_rtl,
+    transfer,        clock_until_quiet,   put_memory,         cycles_so_far,
 };

@@ -8,6 +8,7 @@ PeakRDL writes the memory map out of rtl/gen/fp3.rdl; ports, bus interfaces and 
 are `registers`, `constants`, ..; with several schedulers their names end in its number or in `_broadcast`. Addresses are those of the bus.
 
 s_axi           amba.com:AMBA4:AXI4-Lite:r0p0, a slave
+m_axi           amba.com:AMBA4:AXI4:r0p0, a master, with `master`
 s_axi_aclk      xilinx.com:signal:clock:1.0
 s_axi_aresetn   xilinx.com:signal:reset:1.0, active low
 irq             xilinx.com:signal:interrupt:1.0, active high
@@ -38,6 +39,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 IDENTITY = {"vendor": "fp3", "library": "fp3", "version": ".".join(map(str, version(ROOT)))}  # as in fp3.core
 LICENCE = " SPDX-License-Identifier: Apache-2.0 "  # the schema has no element for it
 AXI = {"vendor": "amba.com", "library": "AMBA4", "name": "AXI4-Lite", "version": "r0p0"}
+MEMORY = {**AXI, "name": "AXI4"}
 
 
 class Blocks(IPXACTExporter):
@@ -93,18 +95,20 @@ class Writer:
             "abstractionType", self.element("abstractionRef", **{**bus, "name": bus["name"] + "_rtl"}), self.element("portMaps", *maps))),
             mode, *([self.element("parameters", *rows)] if rows else []))
 
-    def interfaces(self, ports, mapped):
+    def interfaces(self, row, ports, mapped):
         def signal(kind):
             return {"vendor": "xilinx.com", "library": "signal", "name": kind, "version": "1.0"}
 
         axi = [(name.removeprefix("s_axi_").upper(), name) for _, _, name in ports if name.startswith("s_axi_")]
         axi = [("ARESETn" if logical == "ARESETN" else logical, name) for logical, name in axi]
         slave = self.element("slave", self.element("memoryMapRef", memoryMapRef=mapped))
+        memory = [(name.removeprefix("m_axi_").upper(), name) for _, _, name in ports if name.startswith("m_axi_")]
         modes = {name: "slave" if direction == "input" else "master" for direction, _, name in ports}
         return self.element(
             "busInterfaces", self.interface("s_axi", AXI, axi, slave, []),
+            *([self.interface("m_axi", MEMORY, memory, self.element("master"), [])] if memory else []),
             *[self.interface(name, signal(kind), [(logical, name)], self.element(modes[name]), parameters.items())
-              for name, (kind, logical, parameters) in verilog.signals(ROOT).items()])
+              for name, (kind, logical, parameters) in verilog.signals(ROOT, row).items()])
 
     def model(self, module, ports):
         def port(direction, width, name):
@@ -137,7 +141,7 @@ def component(compiler, root, row, regs, folder):
     maps = doc.getElementsByTagName(SPACE + "memoryMaps")[0]
     name = doc.getElementsByTagName(SPACE + "name")[0]
     name.firstChild.data = f"fp3_{row['name']}"
-    body.insertBefore(writer.interfaces(ports, "host"), maps)
+    body.insertBefore(writer.interfaces(row, ports, "host"), maps)
     body.appendChild(writer.model(f"fp3_{row['name']}", ports))
 
     def seen(names):

@@ -105,6 +105,7 @@ def drawn(rng):
         row |= {"fused": 1, "chain": 0}
     row |= {"counters": random.Random(repr(row) + "counters").choice([0, 1, 1])}
     halves = row | {"storage": random.Random(repr(row) + "storage").choice([0, 1, 2])}
+    row, halves = (one | {"master": random.Random(repr(one) + "master").choice([0, 0, 1])} for one in (row, halves))
     return halves if is_possible({"name": "halves", "doc": "Halves."} | said(halves)) else row
 
 

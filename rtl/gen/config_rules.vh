@@ -106,6 +106,9 @@ end
 if (COUNTERS < 0 || COUNTERS > 1) begin : g_counters_must_be_0_to_1
     COUNTERS_must_be_0_to_1 u_error ();
 end
+if (MASTER < 0 || MASTER > 1) begin : g_master_must_be_0_to_1
+    MASTER_must_be_0_to_1 u_error ();
+end
 if (FRACTION < 7 || FRACTION > 23) begin : g_fraction_must_be_7_to_23
     FRACTION_must_be_7_to_23 u_error ();
 end

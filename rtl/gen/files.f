@@ -4,7 +4,11 @@
 // (make top CONFIG=name: build/rtl/fp3_name.v) is named beside this list. Paths are relative to the project's directory.
 +incdir+rtl
 rtl/bus/fp3_axi_lite.v
+rtl/bus/fp3_bursts.v
+rtl/bus/fp3_master.v
 rtl/bus/fp3_responses.v
+rtl/bus/fp3_transfer.v
+rtl/bus/fp3_turns.v
 rtl/config/fp3_config_rules.v
 rtl/fp/fp3_fp_add.v
 rtl/fp/fp3_fp_add_near.v

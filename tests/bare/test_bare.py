@@ -35,24 +35,28 @@ def folder(root, fp3, tmp_path_factory):
     return at
 
 
-@pytest.fixture(scope="module")
-def simulated(root, build, folder):
+def compiled(root, build, folder, name):
     sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
     succeeds("gcc", *WARN, "-D_GNU_SOURCE", "-g", *sanitize, "-ffp-contract=off", "-I", root / "sw", "-I", root / "sw/bare", "-I",
-             root / "sw/include", "-I", root / "sim", "-I", folder, root / "tests/bare/simulated.c", root / "sw/bare/fp3_bare.c",
-             "-ldl", "-o", folder / "simulated")
-    return folder / "simulated"
+             root / "sw/include", "-I", root / "sim", "-I", folder, root / f"tests/bare/{name}.c", root / "sw/bare/fp3_bare.c",
+             root / "sw/bare/fp3_bare_moves.c", "-ldl", "-o", folder / name)
+    return folder / name
+
+
+@pytest.fixture(scope="module")
+def simulated(root, build, folder):
+    return compiled(root, build, folder, "simulated")
 
 
 @pytest.mark.parametrize("options", [["-O0"], ["-Os", "-m32", "-fno-pic"]], ids=" ".join)
 def test_it_needs_nothing(root, folder, options):
     """Freestanding, on 64 and 32 bits: no symbol of anybody else's, and the example only the driver's."""
-    for source in (root / "sw/bare/fp3_bare.c", folder / "ships.c"):
+    for source in (root / "sw/bare/fp3_bare.c", root / "sw/bare/fp3_bare_moves.c", folder / "ships.c"):
         succeeds("gcc", *WARN, *options, "-ffreestanding", "-nostdlib", "-nostdinc", "-isystem",
                  succeeds("gcc", "-print-file-name=include").strip(), "-I", root / "sw", "-I", root / "sw/bare", "-I",
                  root / "sw/include", "-c", source, "-o", folder / "x.o")
         names = re.findall(r"U (\w+)", succeeds("nm", "-u", folder / "x.o"))
-        assert [name for name in names if not name.startswith("fp3_bare_") or source.name == "fp3_bare.c"] == [], names
+        assert [name for name in names if not name.startswith("fp3_bare_") or source.parent != folder] == [], names
 
 
 def hardware(root, build, config):
@@ -61,21 +65,32 @@ def hardware(root, build, config):
     return build / f"lib/fp3/fp3_{config}.so", int(re.search(r"\[(\d+):0\] +s_axi_araddr", ports)[1]) + 1
 
 
+def run_of(root, fp3, folder, config, ships):
+    """The bits of v and s, ship by ship, of the engine isa."""
+    out = folder / "x.csv"
+    spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
+    succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-N", ships, "-n", STEPS, "--params",
+             root / "programs/ship.cfg", *spread, "--output", out)
+    head, *rows = [line.split(",") for line in out.read_text().splitlines()]
+    bits = lambda text: f"{struct.unpack('<I', struct.pack('<f', float(text)))[0]:08x}"
+    return [f"{bits(row['v'])} {bits(row['s'])}" for row in [dict(zip(head, row)) for row in rows][-ships:]]
+
+
 # Ships, with lanes and schedulers that have one more than others; and a seed for waits of the bus.
 @pytest.mark.parametrize("config, ships, seed", [("single", 1, 0), ("single", 1, 5), ("many", 25, 0), ("many", 25, 5), ("lanes", 9, 5),
                                                  ("array", 5, 5)])
 def test_the_example_has_the_bits_of_a_run(root, build, fp3, simulated, tmp_path, config, ships, seed):
     """And so it has after every refusal and error that simulated.c provokes; without waits in each single transfer."""
-    out = tmp_path / "x.csv"
-    spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
-    succeeds(fp3, "run", root / "programs/ship.s", "-e", "isa", "-c", config, "-N", ships, "-n", STEPS, "--params",
-             root / "programs/ship.cfg", *spread, "--output", out)
-    head, *rows = [line.split(",") for line in out.read_text().splitlines()]
-    end = [dict(zip(head, row)) for row in rows][-ships:]
-    bits = lambda text: f"{struct.unpack('<I', struct.pack('<f', float(text)))[0]:08x}"
     got = succeeds(simulated, *hardware(root, build, config), seed, ships, STEPS)
-    assert got.splitlines() == [f"{bits(row['v'])} {bits(row['s'])}" for row in end]
+    assert got.splitlines() == run_of(root, fp3, tmp_path, config, ships)
     assert len(set(got.splitlines())) == ships
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+def test_what_moves_has_the_bits_of_a_run(root, build, fp3, folder, tmp_path, seed):
+    """Program, constants, list and ships come from memory, and the ships go back; moves.c also provokes what can go wrong."""
+    got = succeeds(compiled(root, build, folder, "moves"), hardware(root, build, "many_memory")[0], seed)
+    assert got.splitlines() == run_of(root, fp3, tmp_path, "many_memory", 30)
 
 
 @pytest.mark.parametrize("config", ["many", "many_half"])

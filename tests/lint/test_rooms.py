@@ -90,7 +90,7 @@ LOADED = {"fp3_hdf5_calls", "fp3_mpi_calls"}  # by name
 
 def test_each_global_name_has_a_user(root, build):
     """What no other file uses is static, or gone. Programs use what the public headers declare."""
-    public = set(re.findall(r"\bfp3_\w+", "".join(path.read_text(encoding="utf-8") for path in (root / "sw/include/fp3").glob("*.h"))))
+    public = set(re.findall(r"\bfp3_\w+", "".join(path.read_text(encoding="utf-8") for path in [*(root / "sw/include/fp3").glob("*.h"), *(root / "sw/bare").glob("*.h")])))
     objects = [path for path in (build / "obj").rglob("*.o")
                if (root / str(path.relative_to(build / "obj")).removeprefix("soft/")).with_suffix(".c").exists()]
     used, defined = set(), {}

@@ -40,14 +40,14 @@ def plain_rdl(name):
     """fp3_array.scheduler[1].registers.id: 1.id"""
     _, scheduler, *rest = name.split(".")
     which = re.fullmatch(r"scheduler(?:\[(\d+)\])?|(broadcast)", scheduler)
-    return ".".join([which[1] or which[2] or "0", *(rest[1:] if rest[0] == "registers" else ["memory", *rest])])
+    return ".".join([which[1] or which[2] or "0", *(rest[1:] if rest[0] in ("registers", "transfers") else ["memory", *rest])])
 
 
 def plain_ipxact(name):
     """fp3_array__host.registers_1.id: 1.id"""
     _, block, *rest = name.split(".")
     which = re.fullmatch(r"([a-z]+)(?:_(\d+|broadcast))?", block)
-    return ".".join([which[2] or "0", *(rest if which[1] == "registers" else ["memory", which[1]])])
+    return ".".join([which[2] or "0", *(rest if which[1] in ("registers", "transfers") else ["memory", which[1]])])
 
 
 def interfaces(tree):

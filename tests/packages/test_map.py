@@ -16,7 +16,7 @@ pytestmark = pytest.mark.xdist_group("packages")  # they share what they read
 
 SW = {"ro": "r", "rw": "rw", "wo": "w"}
 # One object; many in a store; lanes without sleep; several schedulers.
-CONFIGS = ["single", "many", "lanes", "array"]
+CONFIGS = ["single", "many", "many_memory", "lanes", "array"]
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +55,7 @@ def expected(root, name):
     isa, regs, configs = tables(root)
     config = config_of(configs, name)
     features = config | {name: key["full"] - config[name] for name, key in configs["key"].items() if "full" in key}
+    more = int(any(features[name] for name, key in configs["key"].items() if key.get("feature", [0])[0] >= 32))
     registers, memories = [], []
 
     def there(row):
@@ -63,11 +64,11 @@ def expected(root, name):
     def fields(row, reset):
         for i, (field, (high, low)) in enumerate((row.get("fields") or {"value": [31, 0]}).items()):
             value = row["shows"][i] if "shows" in row else reset
-            value = {"revision": isa["revision"], "more": 0, **features}.get(value, value)
+            value = {"revision": isa["revision"], "more": more, **features}.get(value, value)
             clears = field in row.get("interrupt", {})
             yield [field, high, low, SW[row["access"]], value, "woclr" if clears else None, clears]
 
-    for row in filter(there, regs["register"]):
+    for row in filter(there, regs["register"] + regs["transfer"]):
         if row["name"] == "features":
             pairs = {key: known["feature"] for key, known in configs["key"].items() if "feature" in known}
             pairs = {key: pair for key, pair in pairs.items() if pair[0] < 32}
@@ -174,6 +175,15 @@ INTERFACES = [["s_axi", "amba.com:AMBA4:AXI4-Lite:r0p0", {"ACLK": "s_axi_aclk", 
               ["irq", "xilinx.com:signal:interrupt:1.0", {"INTERRUPT": "irq"}]]
 
 
+MEMORY = {f"{channel}{signal}".upper(): f"m_axi_{channel}{signal}" for channel, signals in
+          {**dict.fromkeys(("aw", "ar"), "id addr len size burst lock cache prot valid ready"), "w": "data strb last valid ready", "b": "id resp valid ready",
+           "r": "id data resp last valid ready"}.items() for signal in signals.split()}
+
+
+def interfaces(name):
+    return [*INTERFACES[:1], *[["m_axi", "amba.com:AMBA4:AXI4:r0p0", MEMORY]] * simulate.key(name, "MASTER"), *INTERFACES[1:]]
+
+
 @pytest.fixture(scope="module")
 def components(root, python, tmp_path_factory):
     folder = tmp_path_factory.mktemp("ipxact")
@@ -200,7 +210,7 @@ def test_ipxact_is_read_back(root, components, ipxact, name):
     text = (components / f"fp3_{name}.xml").read_text()
     version = re.search(r'#define FP3_VERSION "(.*)"', (root / "sw/include/fp3/status.h").read_text())[1]
     assert "<!-- SPDX-License-Identifier: Apache-2.0 -->" in text and f"<ipxact:version>{version}</ipxact:version>" in text
-    assert found["interfaces"] == INTERFACES
+    assert found["interfaces"] == interfaces(name)
     module = simulate.top(name).read_text()
     assert found["ports"] == re.findall(r"^    (?:input|output) +wire .*?(\w+),?$", module.partition("`ifdef FP3_TRACE")[0], re.M)
     files = {(components / file).resolve() for file in found["files"]}
@@ -221,7 +231,9 @@ def test_attributes_of_the_tops_are_the_interfaces(root):
             for _, bus, signals in INTERFACES[1:] for signal, port in signals.items()}
     modules = json.loads(done.stdout)["modules"]
     assert sorted(modules) == sorted(f"fp3_{name}" for name in names)
-    for module in modules.values():
+    for name, module in modules.items():
+        more = "ASSOCIATED_BUSIF s_axi:m_axi" if simulate.key(name.removeprefix("fp3_"), "MASTER") else "ASSOCIATED_BUSIF s_axi"
+        want["s_axi_aclk"][1] = f"XIL_INTERFACENAME s_axi_aclk, {PARAMETERS['s_axi_aclk'].replace('ASSOCIATED_BUSIF s_axi', more)}"
         wires = {name: wire["attributes"] for name, wire in module["netnames"].items()}
         assert {name: [said["X_INTERFACE_INFO"], said["X_INTERFACE_PARAMETER"]] for name, said in wires.items() if "X_INTERFACE_INFO" in said} == want
 

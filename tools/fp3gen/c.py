@@ -124,7 +124,7 @@ def registers_c(regs, revision):
              if "shows" in row and row["name"] != "version"]
     return c_header("registers", "isa/registers.toml", [
         "/* Byte addresses of 32-bit words. */",
-        *defines([(f"FP3_ADDR_{row['name'].upper()}", at(row["at"])) for row in regs["register"]]), "",
+        *defines([(f"FP3_ADDR_{row['name'].upper()}", at(row["at"])) for row in regs["register"] + regs["transfer"]]), "",
         "/* Fields of registers. */",
         *defines([("FP3_" + name, value) for name, value in field_rows(regs)]), "",
         "/* X(NAME, word): the registers that show the configuration, and what they must show for this one. */",
@@ -155,9 +155,9 @@ def configs_c(known, configs):
         *initialisers("FP3_KEY_ROWS", [
             [("name", quote(condition(name, known))), ("lack", quote(key["lack"]) if "lack" in key else "NULL"),
              ("choices", f'{{{", ".join(map(quote, key["choices"]))}}}' if "choices" in key else "{0}"), ("offset", f"offsetof(fp3_config, {name})")] for name, key in known.items()]), "",
-        "/* X(name, doc, schedulers of all tiles, lanes of each, what may issue in each at once, space_bit) */",
+        "/* X(name, doc, schedulers of all tiles, lanes of each, what may issue in each at once, space_bit, master) */",
         *x_macro("FP3_CONFIGS", [(row["name"], quote(row["doc"]), str(row["tiles"] * row["schedulers"]),
-                                  str(row["lanes"]), str(1 + row["dual"]), str(row["space_bit"])) for row in configs]), "",
+                                  str(row["lanes"]), str(1 + row["dual"]), str(row["space_bit"]), str(row["master"])) for row in configs]), "",
         "/* Of fp3_configs. */",
         *initialisers("FP3_CONFIG_ROWS", [
             [("name", quote(row["name"])), ("doc", quote(row["doc"])), ("take", quote(row["take"]) if row.get("take") else "NULL")]

@@ -93,6 +93,13 @@ def registers_page(regs):
                         ", ".join(f"`{name}` [{bit_text(pair)}]"
                                   for name, pair in row.get("fields", {}).items()), row["doc"]]
                        for row in regs["register"]]), "",
+            "## Registers of transfers", "",
+            "With `master`: they move words between memory and the processor ([memory.md](memory.md)). They are the same ones for all schedulers. Written",
+            "while a transfer runs they answer with an error.", "",
+            *markdown(["address", "name", "access", "fields", "meaning"],
+                      [[f"0x{row['at']:04x}", f"`{row['name']}`", ACCESS[row["access"]],
+                        ", ".join(f"`{name}` [{bit_text(pair)}]" for name, pair in row.get("fields", {}).items()), row["doc"]]
+                       for row in regs["transfer"]]), "",
             "## Counters", "",
             "Counters of the last run: 48 bits in two words, low word first, read only; they wrap. While a program runs the two words may",
             "not belong together: read the high word, the low word and the high word again, until both high words are the same. Every running",

@@ -71,13 +71,17 @@ def scheduler(isa, regs, known, defaults):
         registers += block("reg", [f"desc = {text(row['doc'])};", *present(row), *register_fields(row, regs, isa["revision"])],
                            f"{row['name']} @ 0x{row['at']:04x}")
     registers += [f"fp3_counter {row['name']} @ 0x{at:04x}; {row['name']}->desc = {text(row['doc'])};" for row, at in counter_rows(regs)]
+    first, transfers = regs["transfer"][0], []
+    for row in regs["transfer"]:
+        transfers += block("reg", [f"desc = {text(row['doc'])};", *register_fields(row, regs, isa["revision"])], f"{row['name']} @ 0x{row['at'] - first['at']:x}")
+    transfers = block("addrmap", present(first) + transfers, f"transfers @ 0x{first['at']:04x}")
     memories = [line for row in regs["window"] for line in memory(row, False)]
     memories += [line for row in regs["space"] for line in memory(row, True)]
     return ["// Counters have no value before the first run starts.", "regfile fp3_counter {",
             "    default sw = r; default hw = w;", "    reg { field {} value[31:0]; } low @ 0x0;",
             "    reg { field {} value[31:0]; } high @ 0x4;", "};", "",
             "addrmap fp3_scheduler #(", parameters, ") {", "    default regwidth = 32;",
-            *["    " + line for line in block("addrmap", registers, "registers @ 0x0") + memories], "};"]
+            *["    " + line for line in block("addrmap", registers, "registers @ 0x0") + transfers + memories], "};"]
 
 
 def config_map(row, regs):

@@ -3,6 +3,7 @@
 from .check import NAME, bit_ranges, keys, named, need
 
 FEATURE_WORDS = ("features", "features_more")  # the registers that keys of configs.toml have a place in, 32 bits each
+TRANSFER_BYTES = 32
 MOST_COUNTERS = 48                            # host_decode finds a counter's number from address bits 8 to 3
 ACCESS = {"ro": "read only", "rw": "read and write", "wo": "write only"}
 
@@ -35,18 +36,19 @@ def check_range(row, known):
 
 def check_keys_named(regs, known):
     """known: the keys of configs.toml."""
-    for row in regs["register"] + regs["window"] + regs["space"]:
+    for row in regs["register"] + regs["transfer"] + regs["window"] + regs["space"]:
         for name in (name for key in ("needs", "shows", "holds", "instead") for name in row.get(key, ())):
             need(name in known or str(name).rpartition(" - ")[2] in known or name in ("revision", "more") or isinstance(name, int), "registers.toml",
                  f"'{row['name']}' needs, shows or holds '{name}', which is no key of configs.toml")
         if "range" in row:
+            need(row in regs["register"], "registers.toml", f"'{row['name']}': 'range' is for settings of a run")
             check_range(row, known)
 
 
 def check_registers(regs, counted):
     """counted: the counters that instructions count in."""
     file = "registers.toml"
-    keys(regs, file, "top level", {"address": dict, "register": list, "counter": list, "counters": dict,
+    keys(regs, file, "top level", {"address": dict, "register": list, "transfer": list, "counter": list, "counters": dict,
                                    "window": list, "space": list})
     keys(regs["counters"], file, "[counters]", {"at": int})
     keys(regs["address"], file, "[address]", dict.fromkeys(("scheduler", "broadcast", "space", "word"), int))
@@ -60,6 +62,12 @@ def check_registers(regs, counted):
         check_reset(row, file, where)
         for name in row.get("fields", {}):
             need(NAME.fullmatch(name), file, f"{where}: '{name}' is not a field name")
+    for row in regs["transfer"]:
+        where = f"transfer '{row.get('name', '?')}'"
+        keys(row, file, where, {"name": str, "at": int, "access": str, "needs": list, "doc": str}, {"fields": dict})
+        bit_ranges(row.get("fields", {}), file, where)
+        need(row["at"] // TRANSFER_BYTES == regs["transfer"][0]["at"] // TRANSFER_BYTES, file,
+             f"{where}: 0x{row['at']:04x} is not within the {TRANSFER_BYTES} bytes of the others: rtl/bus/fp3_master.v looks at the bits above")
     for row in regs["counter"]:
         keys(row, file, f"counter '{row.get('name', '?')}'", {"name": str, "doc": str})
     for row in regs["window"]:
@@ -70,7 +78,7 @@ def check_registers(regs, counted):
         keys(row, file, where, {"name": str, "at": int, "holds": list, "access": str, "doc": str},
              {"fields": dict, "needs": list, "instead": list, "stream": bool})
         bit_ranges(row.get("fields", {}), file, where)
-    for what in ("register", "counter", "window", "space"):
+    for what in ("register", "transfer", "counter", "window", "space"):
         named(regs[what], file, what)
     for name in counted:
         need(any(row["name"] == name for row in regs["counter"]), file, f"there must be a counter '{name}'")
@@ -87,12 +95,12 @@ def check_registers(regs, counted):
     need(regs["counters"]["at"] == 128 and len(counters) <= MOST_COUNTERS, file,
          f"[counters]: at must be 128, for at most {MOST_COUNTERS} counters: rtl/host/fp3_host_decode.v takes a counter's number from address bits 8 to 3")
     owner = {}
-    for row in regs["register"] + counters + windows:
+    for row in regs["register"] + counters + windows + regs["transfer"]:
         at, name = row["at"], row["name"]
         need(row.get("access", "ro") in ACCESS, file,
              f"'{name}': access '{row.get('access')}' is not one of {', '.join(ACCESS)}")
         need(at % 4 == 0 and 0 <= at <= 0xfffc, file, f"'{name}': 0x{at:04x} is not the address of a word")
-        need("words" in row or not windows or at + row.get("bytes", 4) <= windows[0]["at"], file,
+        need("words" in row or row in regs["transfer"] or not windows or at + row.get("bytes", 4) <= windows[0]["at"], file,
              f"'{name}' at 0x{at:04x} lies in the windows")
         for word in range(at, at + row.get("bytes", 4), 4):
             need(word not in owner, file, f"'{owner.get(word)}' and '{name}' overlap at 0x{word:04x}")
@@ -172,7 +180,7 @@ def stream_mask(regs):
     memories = [(row["at"], row["words"], row) for row in regs["window"]]
     need(all(row.get("stream") for row in regs["space"]), "registers.toml", "a space must stream: rtl/fp3.v tells it by the bits of the space alone")
     ends = regs["counters"]["at"] + 8 * len(regs["counter"])
-    alone = [(at, words) for at, words, row in memories if not row.get("stream")] + [(0, ends // 4)]
+    alone = [(at, words) for at, words, row in memories if not row.get("stream")] + [(0, ends // 4)] + [(row["at"], 1) for row in regs["transfer"]]
     taken = 0
     for at, words in alone:
         for offset in range(words):
@@ -197,7 +205,7 @@ def counter_rows(regs):
 
 
 def field_rows(regs):
-    return [(f"{reg['name'].upper()}_{name.upper()}_{end}", pair[i]) for reg in regs["register"] + regs["space"]
+    return [(f"{reg['name'].upper()}_{name.upper()}_{end}", pair[i]) for reg in regs["register"] + regs["transfer"] + regs["space"]
             for name, pair in reg.get("fields", {}).items() for i, end in enumerate(("HI", "LO"))]
 
 

@@ -87,7 +87,7 @@ def registers_verilog(regs):
 
     return verilog_header("isa/registers.toml", [
         ("Registers.", [("[15:0] ", f"ADDR_{row['name'].upper()}", at(row["at"]))
-                        for row in regs["register"]]),
+                        for row in regs["register"] + regs["transfer"]]),
         ("Fields of registers, but for those that show keys: gen/host_map.vh has these.",
          [("", name, value) for name, value in field_rows({**regs, "register": [row for row in regs["register"] if "shows" not in row]})]),
         ("Counters: 64 bits in two words each.",
@@ -102,6 +102,21 @@ def registers_verilog(regs):
     ])
 
 
+def channel(name, widths):
+    """A channel of AXI4 that the processor is the master of."""
+    reads = name in ("r", "b")
+    rows = [("input" if reads else "output", width, f"m_axi_{name}{signal}") for signal, width in widths.items()]
+    return [*rows, (rows[0][0], 1, f"m_axi_{name}valid"), ("output" if reads else "input", 1, f"m_axi_{name}ready")]
+
+
+def memory_ports():
+    """What a configuration with `master` has beside the bus of its host."""
+    address = {"id": 1, "addr": 32, "len": 8, "size": 3, "burst": 2, "lock": 1, "cache": 4, "prot": 3}
+    return [
+        *channel("aw", address), *channel("w", {"data": 32, "strb": 4, "last": 1}), *channel("b", {"id": 1, "resp": 2}), None,
+        *channel("ar", address), *channel("r", {"id": 1, "data": 32, "resp": 2, "last": 1}), None]
+
+
 def ports(row, regs):
     """The bus of a configuration: direction, width, name; None is a blank line."""
     schedulers = row["tiles"] * row["schedulers"]
@@ -114,7 +129,7 @@ def ports(row, regs):
             ("input", address, "s_axi_araddr"), ("input", 3, "s_axi_arprot"), ("input", 1, "s_axi_arvalid"),
             ("output", 1, "s_axi_arready"), ("output", 32, "s_axi_rdata"), ("output", 2, "s_axi_rresp"),
             ("output", 1, "s_axi_rvalid"), ("input", 1, "s_axi_rready"), None,
-            ("output", 1, "irq")]
+            *(memory_ports() if row["master"] else []), ("output", 1, "irq")]
 
 
 def trace(row):
@@ -143,16 +158,18 @@ def configs_verilog(configs):
           (width, "MUL_CUTS", packed([mul for _, mul in pairs]))])])
 
 
-def attributes(root):
-    """The lines of attributes before a port of rtl/fp3.v, by the port's name."""
+def attributes(root, row):
+    """The lines of attributes before a port of rtl/fp3.v, by the port's name; with `master` the clock is that of a second bus."""
     text = (root / "rtl/fp3.v").read_text(encoding="utf-8")
+    if row["master"]:
+        text = text.replace("ASSOCIATED_BUSIF s_axi,", "ASSOCIATED_BUSIF s_axi:m_axi,")
     return {port: lines for lines, port in re.findall(r"^((?: *\(\*.*\*\)\n)+) *(?:in|out)put +wire +(\w+),$", text, re.M)}
 
 
-def signals(root):
+def signals(root, row):
     """What these attributes say: by port, the kind of signal, its name there, and its parameters."""
     found = {}
-    for port, lines in attributes(root).items():
+    for port, lines in attributes(root, row).items():
         kind, logical = re.search(r'"xilinx\.com:signal:(\w+):1\.0 \w+ (\w+)"', lines).groups()
         parameters = re.search(r'"XIL_INTERFACENAME \w+, (.*)"', lines)[1]
         found[port] = kind, logical, dict(pair.split(" ") for pair in parameters.split(", "))
@@ -161,7 +178,7 @@ def signals(root):
 
 def config_verilog(row, machine, root):
     """The top module of a configuration."""
-    before = attributes(root)
+    before = attributes(root, row)
 
     def list_of(line):
         def listed(rows):
@@ -176,10 +193,12 @@ def config_verilog(row, machine, root):
         bits = f"{MASK_BITS}'h"
         return f"{bits}{row[key]:02x}" if key.endswith("_cuts") else str(row[key])
 
+    # What fp3 hears of memory, where there is none.
+    tied = [] if row["master"] else [f"        .{port[2]:<17} ({port[1]}'d0)," for port in memory_ports() if port and port[0] == "input"]
     return [f"// fp3_{row['name']}: {row['doc']}", "//", f"// {MARK.format(source='isa/configs.toml')}",
             "`default_nettype none",
             f"module fp3_{row['name']} (", *list_of(declare), ");",
             "    // verilator lint_off PINMISSING", "    fp3 #(",
             ",\n".join(f"        .{key.upper():<15} ({value(key)})" for key in given(machine.keys)),
-            "    ) u_fp3 (", *list_of(lambda d, w, name: f"        .{name:<17} ({name})"),
+            "    ) u_fp3 (", *tied, *list_of(lambda d, w, name: f"        .{name:<17} ({name})"),
             "    );", "    // verilator lint_on PINMISSING", "endmodule", "`default_nettype wire"]

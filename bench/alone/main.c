@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* main.c - the processor with a memory of its own, simulated: one row of JSON.
+ *
+ *     alone load CONFIG OBJECTS RATE LATENCY WAITS
+ *
+ * RATE: words of memory in 1,000 cycles. WAITS: a seed for waits on each channel; 0: none. */
+#include "rows.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint32_t number(const char *text) {
+    char *end;
+    const unsigned long value = strtoul(text, &end, 10);
+    if (*end || end == text || value > UINT32_MAX) {
+        fprintf(stderr, "alone: '%s' is no number\n", text);
+        exit(2);
+    }
+    return (uint32_t)value;
+}
+
+int main(int argc, char **argv) {
+    if (argc == 7 && !strcmp(argv[1], "load")) {
+        measure_load(argv[2], number(argv[3]), number(argv[4]), number(argv[5]), number(argv[6]));
+        return 0;
+    }
+    fprintf(stderr, "usage: alone load CONFIG OBJECTS RATE LATENCY WAITS\n");
+    return 2;
+}

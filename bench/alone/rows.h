@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* rows.h - what build/bench/alone measures, a row of JSON each. */
+#ifndef FP3_ALONE_ROWS_H
+#define FP3_ALONE_ROWS_H
+
+#include <stdint.h>
+
+/* rate: words of memory in 1,000 cycles. waits: a seed, 0: no channel waits. */
+void measure_load(const char *config, uint32_t objects, uint32_t rate, uint32_t latency,
+                  uint64_t waits);
+
+#endif

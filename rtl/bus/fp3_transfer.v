@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// fp3_transfer: moves words between memory and the processor, as a master of AXI4.
+//
+// Purpose   The host says a range of memory, a place in the processor (an address of the bus, as it
+//           would write there itself) and how many words, and starts a transfer: a load from memory
+//           or a store to it. docs/memory.md has the registers' use, isa/registers.toml the map.
+//
+//           load    memory ─ R ─► word ─────────► requests (turns, hub)
+//           store   memory ◄─ W ─ responses ◄──── answers
+//
+// Latency   A load takes a cycle for each word beyond the memory's latency, a store likewise. Where
+//           the place does not stream (constants, registers), a word takes as long as an access.
+// Promise   Each word is moved once, in order; no byte outside of the range is written. After an
+//           error of memory (SLVERR, DECERR) or of the processor nothing else is moved: bursts that
+//           memory has taken come to their end, with words that are dropped, or that write no byte.
+//           So a transfer ends if memory answers, and says where the error was.
+// Hazard    Words that are moved at the same time as the host accesses them are old or new. After an
+//           error what memory or the processor has of the range is old or new word by word.
+`default_nettype none
+module fp3_transfer #(
+    parameter WORDS_W = 24,            // bits of a number of words
+    parameter READS_W = 4,             // 2^READS_W reads of the processor under way at most
+    parameter OPEN_W  = 6
+) (
+    input  wire              clk_i,
+    input  wire              rst_i,
+    // Its registers: an access is answered in the next cycle
+    input  wire              ask_i,
+    input  wire              ask_write_i,
+    input  wire [2:0]        ask_register_i,
+    input  wire [31:0]       ask_wdata_i,
+    output wire              told_o,
+    output wire              told_write_o,
+    output wire              told_error_o,
+    output wire [31:0]       told_rdata_o,
+    // Requests, and their answers
+    output wire              req_valid_o,
+    input  wire              req_ready_i,
+    output wire              req_write_o,
+    output wire [31:2]       req_place_o,
+    output wire [31:0]       req_wdata_o,
+    input  wire              answered_i,
+    input  wire              answer_error_i,
+    input  wire [31:0]       answer_rdata_i,
+    input  wire [OPEN_W-1:0] open_i,             // requests under way, this answer's included
+    // Memory
+    output wire              awvalid_o,
+    input  wire              awready_i,
+    output wire              arvalid_o,
+    input  wire              arready_i,
+    output wire [31:2]       address_o,          // of both
+    output wire [7:0]        length_o,           // likewise
+    output wire              wvalid_o,
+    input  wire              wready_i,
+    output wire [31:0]       wdata_o,
+    output wire              wstrobe_o,          // of all four bytes
+    output wire              wlast_o,
+    input  wire              bvalid_i,
+    output wire              bready_o,
+    input  wire              berror_i,
+    input  wire              rvalid_i,
+    output wire              rready_o,
+    input  wire [31:0]       rdata_i,
+    input  wire              rerror_i
+);
+`include "gen/registers.vh"
+    localparam OWED_W = 10, BURSTS_W = 5;
+    localparam [2:0] MEMORY = ADDR_TRANSFER_MEMORY[4:2], PLACE = ADDR_TRANSFER_PLACE[4:2], WORDS = ADDR_TRANSFER_WORDS[4:2],
+                     CONTROL = ADDR_TRANSFER_CONTROL[4:2], OUTCOME = ADDR_TRANSFER_STATUS[4:2], ERROR = ADDR_TRANSFER_ERROR[4:2];
+
+    // What is being done
+    reg                busy_q, store_q, stay_q, done_q, memory_error_q, refused_q;
+    reg  [31:2]        error_q;
+    // Of words: in memory, the next that is moved on W or R, and how many; in the processor, the next
+    // that is asked for, and how many.
+    reg  [31:2]        memory_q, place_q;
+    reg  [WORDS_W-1:0] words_q, ask_left_q;
+    reg  [OWED_W-1:0]  owed_q;         // words of bursts that memory has taken
+    reg  [BURSTS_W:0]  bursts_q;       // bursts of a store without a response
+    reg  [31:2]        oldest_q;       // the address of the first of these
+    wire               failed = memory_error_q || refused_q;
+
+    // The registers
+    wire        control  = ask_write_i && ask_register_i == CONTROL;
+    wire        load     = ask_wdata_i[TRANSFER_CONTROL_LOAD_LO], store = ask_wdata_i[TRANSFER_CONTROL_STORE_LO];
+    wire        sets     = ask_write_i && (ask_register_i == MEMORY || ask_register_i == PLACE || ask_register_i == WORDS);
+    wire        whole    = ask_register_i == WORDS ? ask_wdata_i[31:WORDS_W] == {32-WORDS_W{1'b0}} : ask_wdata_i[1:0] == 2'd0;
+    wire        legal    = ask_write_i ? !busy_q && (control ? load != store : sets && whole)
+                                       : ask_register_i != CONTROL && ask_register_i <= ERROR;
+    wire        start    = ask_i && control && legal;
+    wire        set      = ask_i && sets && legal;
+    reg  [31:0] shown;
+    reg         told_q, told_write_q, told_error_q;
+    reg  [31:0] told_rdata_q;
+    always @* begin
+        shown = 32'd0;
+        case (ask_register_i)
+            MEMORY:  shown = {memory_q, 2'd0};
+            PLACE:   shown = {place_q, 2'd0};
+            WORDS:   shown = {{32-WORDS_W{1'b0}}, words_q};
+            OUTCOME: begin
+                shown[TRANSFER_STATUS_RUNNING_LO]      = busy_q;
+                shown[TRANSFER_STATUS_DONE_LO]         = done_q;
+                shown[TRANSFER_STATUS_MEMORY_ERROR_LO] = memory_error_q && !busy_q;
+                shown[TRANSFER_STATUS_REFUSED_LO]      = refused_q && !busy_q;
+            end
+            ERROR:   shown = {error_q, 2'd0} & {32{failed}};
+            default: shown = 32'd0;
+        endcase
+    end
+    always @(posedge clk_i) begin
+        told_q       <= ask_i && !rst_i;
+        told_write_q <= ask_write_i;
+        told_error_q <= !legal;
+        told_rdata_q <= legal && !ask_write_i ? shown : 32'd0;
+    end
+    assign {told_o, told_write_o, told_error_o, told_rdata_o} = {told_q, told_write_q, told_error_q, told_rdata_q};
+
+    // Bursts
+    wire       asks, taken, bursts_over;
+    wire [7:0] length;
+    wire       room = owed_q < 10'd256 && !bursts_q[BURSTS_W];
+    fp3_bursts #(.WORDS_W(WORDS_W)) u_bursts (.clk_i(clk_i), .rst_i(rst_i),
+        .start_i(start), .address_i(memory_q), .words_i(words_q), .room_i(room), .stop_i(failed), .over_o(bursts_over),
+        .valid_o(asks), .ready_i(store_q ? awready_i : arready_i), .address_o(address_o), .length_o(length));
+    assign taken     = asks && (store_q ? awready_i : arready_i);
+    assign awvalid_o = asks && store_q;
+    assign arvalid_o = asks && !store_q;
+    assign length_o  = length;
+
+    // A load: a word from memory waits here for the processor.
+    reg         full_q;
+    reg  [31:0] word_q;
+    wire        asked = req_valid_o && req_ready_i;
+    assign rready_o = busy_q && !store_q && (!full_q || failed || asked);
+    wire        reads = rvalid_i && rready_o;
+
+    // A store: a word from the processor waits for memory.
+    reg         sends_q, strobe_q, last_q;
+    reg  [31:0] sent_q;
+    wire        answers_room, answers_idle, waits;
+    wire [31:0] waiting;
+    wire        sends = store_q && owed_q != {OWED_W{1'b0}} && (waits || failed) && (!sends_q || wready_i);
+    fp3_responses #(.W(32), .DEPTH_W(READS_W)) u_answers (.clk_i(clk_i), .rst_i(rst_i || !busy_q),
+        .room_o(answers_room), .idle_o(answers_idle),
+        .go_i(asked && store_q), .answered_i(answered_i && store_q), .value_i(answer_rdata_i),
+        .valid_o(waits), .ready_i(sends), .value_o(waiting));
+    assign {wvalid_o, wdata_o, wstrobe_o, wlast_o} = {sends_q, sent_q, strobe_q, last_q};
+
+    wire asks_left = ask_left_q != {WORDS_W{1'b0}};
+    assign req_valid_o = busy_q && !failed && (store_q ? asks_left && answers_room : full_q);
+    assign req_write_o = !store_q;
+    assign req_place_o = place_q;
+    assign req_wdata_o = word_q;
+
+    // What has gone wrong, and where: the first word that did
+    assign bready_o = 1'b1;
+    wire   closes = bvalid_i && busy_q;
+    wire   moves  = reads || sends;
+    wire   bad    = (reads && rerror_i) || (closes && berror_i);
+    wire   denied = answered_i && answer_error_i;
+    wire   over   = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
+                 && open_i == {OPEN_W{1'b0}} && (failed || !asks_left);
+    always @(posedge clk_i) begin
+        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, sends_q} <= 6'd0;
+        else begin
+            busy_q <= start || (busy_q && !over);
+            if (start)                {done_q, memory_error_q, refused_q} <= 3'd0;
+            else if (busy_q) begin
+                done_q <= over && !failed;
+                if (!failed) {memory_error_q, refused_q} <= {bad, denied && !bad};
+            end
+            full_q  <= (reads && !failed) || (full_q && !asked && !failed);
+            sends_q <= sends || (sends_q && !wready_i);
+        end
+        if (start) {store_q, stay_q} <= {store, ask_wdata_i[TRANSFER_CONTROL_STAY_LO]};
+        if (reads) word_q <= rdata_i;
+        if (sends) {sent_q, strobe_q, last_q} <= {waiting, !failed, &memory_q[9:2] || words_q == {{WORDS_W-1{1'b0}}, 1'b1}};
+        if (!failed) error_q <= bad ? (store_q ? oldest_q : memory_q)
+                              : place_q - (stay_q ? 30'd0 : {{30-OPEN_W{1'b0}}, open_i});
+
+        if (set && ask_register_i == MEMORY) memory_q <= ask_wdata_i[31:2];
+        else if (moves)                      memory_q <= memory_q + 30'd1;
+        if (set && ask_register_i == WORDS)  words_q <= ask_wdata_i[WORDS_W-1:0];
+        else if (moves)                      words_q <= words_q - {{WORDS_W-1{1'b0}}, 1'b1};
+        if (set && ask_register_i == PLACE)  place_q <= ask_wdata_i[31:2];
+        else if (asked && !stay_q)           place_q <= place_q + 30'd1;
+        if (start)                           ask_left_q <= words_q;
+        else if (asked)                      ask_left_q <= ask_left_q - {{WORDS_W-1{1'b0}}, 1'b1};
+
+        if (!busy_q)      owed_q <= {OWED_W{1'b0}};
+        else              owed_q <= owed_q + (taken ? {{OWED_W-8{1'b0}}, length} + {{OWED_W-1{1'b0}}, 1'b1} : {OWED_W{1'b0}})
+                                           - {{OWED_W-1{1'b0}}, moves};
+        if (!busy_q)      bursts_q <= {BURSTS_W+1{1'b0}};
+        else if ((taken && store_q) != closes) bursts_q <= closes ? bursts_q - 1'b1 : bursts_q + 1'b1;
+        if (start)        oldest_q <= memory_q;
+        else if (closes)  oldest_q <= {oldest_q[31:10] + 22'd1, 8'd0};
+    end
+    wire unused = answers_idle;
+endmodule
+`default_nettype wire

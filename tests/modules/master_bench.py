@@ -1,0 +1,318 @@
+"""master against its header, with a memory that somebody else wrote (cocotbext-axi) and a model of the hub.
+
+Each word is moved once and in order, no byte outside of the range is written, no burst crosses 4 KB, every request is answered to who
+asked, and a transfer ends whatever memory or the processor answers. All channels wait by chance, but in the test of speed.
+"""
+
+import os
+import pathlib
+import random
+import tomllib
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, with_timeout
+from cocotbext.axi import AxiBus, AxiRam
+
+REGISTERS = tomllib.loads(pathlib.Path(os.environ["FP3_MAP"]).read_text(encoding="utf-8"))["transfer"]
+AT = {row["name"].removeprefix("transfer_"): row["at"] for row in REGISTERS}
+LOAD, STORE, STAY = 1, 2, 4
+RUNNING, DONE, MEMORY_ERROR, REFUSED = 1, 2, 4, 8
+STREAM, ALONE = 0x20000, 0x2000                            # places; with and without the bit of parameter STREAM
+WROTE, WRITE_ERROR, READ, READ_ERROR = 1 << 35, 1 << 34, 1 << 33, 1 << 32
+SIZE = 1 << 16                                             # bytes of memory
+REST = 4
+
+
+class Hub:
+    """Takes requests when it likes, answers a write after 2 cycles and a read after 14."""
+
+    def __init__(self, dut, chance):
+        self.dut, self.chance, self.words, self.refused, self.asked = dut, chance, {}, set(), []
+        self.due, self.cycle, self.rested, self.alone, self.waits = {}, 0, 0, False, 0.2
+
+    async def run(self):
+        dut = self.dut
+        while True:
+            answer = self.due.pop(self.cycle, 0)
+            for i, name in enumerate(("read_error_i", "read_i", "write_error_i", "wrote_i")):
+                getattr(dut, name).value = answer >> 32 + i & 1
+            dut.rdata_i.value = answer & 0xffffffff
+            dut.req_ready_i.value = int(self.chance.random() >= self.waits)
+            await FallingEdge(dut.clk_i)
+            if dut.req_valid_o.value == 1 and dut.req_ready_i.value == 1:
+                self.take(dut.req_write_o.value == 1, dut.req_addr_o.value.integer, dut.req_wdata_o.value.integer)
+            await RisingEdge(dut.clk_i)
+            self.cycle += 1
+
+    def take(self, write, address, data):
+        streams = bool(address & STREAM)
+        assert streams and not self.alone or self.cycle > self.rested, f"{address:#x} is asked for beside one that has to be alone"
+        assert streams or not self.due, f"{address:#x} has to be alone"
+        self.alone, self.asked = not streams, [*self.asked, (write, address)]
+        bad = address in self.refused or address % 4 != 0
+        if write and not bad:
+            self.words[address] = data
+        at = self.cycle + (2 if write else 14)
+        if not streams:
+            self.rested = at + REST
+        assert at not in self.due or not write
+        self.due[at] = self.due.get(at, 0) | (WROTE | bad * WRITE_ERROR if write else READ | bad * READ_ERROR | (0 if bad else self.words.get(address, 0)))
+
+
+class Bench:
+    def __init__(self, dut, seed, waits=True):
+        self.dut, self.chance = dut, random.Random(seed)
+        self.hub = Hub(dut, self.chance)
+        self.bursts, self.sent, self.broken = [], [], set()
+        self.waits = waits
+
+    async def start(self):
+        dut = self.dut
+        cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
+        for name in ("host_valid_i", "host_write_i", "host_addr_i", "host_wdata_i", "req_ready_i", "wrote_i", "write_error_i", "read_i", "read_error_i", "rdata_i"):
+            getattr(dut, name).value = 0
+        self.ram = AxiRam(AxiBus.from_prefix(dut, "m_axi"), dut.clk_i, dut.rst_i, size=SIZE)
+        self.ram.write(0, bytes(self.chance.randrange(256) for _ in range(SIZE)))
+        whole = {self.ram.read_if: self.ram.read_if._read, self.ram.write_if: self.ram.write_if._write}
+        for one, name in ((self.ram.read_if, "_read"), (self.ram.write_if, "_write")):
+            setattr(one, name, self.fail(whole[one]))
+        if self.waits:
+            for channel in (self.ram.write_if.aw_channel, self.ram.write_if.w_channel, self.ram.write_if.b_channel,
+                            self.ram.read_if.ar_channel, self.ram.read_if.r_channel):
+                channel.set_pause_generator(self.pauses())
+        else:
+            self.hub.waits = 0
+        dut.rst_i.value = 1
+        for _ in range(5):
+            await RisingEdge(dut.clk_i)
+        dut.rst_i.value = 0
+        for one in (self.hub.run, self.watch):
+            cocotb.start_soon(one())
+        await RisingEdge(dut.clk_i)
+
+    def pauses(self):
+        while True:
+            rate = self.chance.choice((0, 0.2, 0.8))
+            for _ in range(self.chance.randrange(1, 40)):
+                yield self.chance.random() < rate
+
+    def fail(self, access):
+        """Memory that answers with SLVERR where it is broken."""
+        async def done(address, what):
+            length = what if isinstance(what, int) else len(what)
+            if self.broken & {at & ~3 for at in range(address, address + length)}:
+                raise ValueError("broken memory")
+            return await access(address, what)
+        return done
+
+    async def watch(self):
+        """The rules of the bus that the memory does not look at: what stands stands still, and where bursts end."""
+        dut, stood = self.dut, {}
+        left = []                                          # beats of each burst of a store
+        untold = asked = 0                                 # its bursts without a response; accesses of the host without an answer
+        while True:
+            await FallingEdge(dut.clk_i)
+            untold -= dut.m_axi_bvalid.value == 1 and dut.m_axi_bready.value == 1
+            assert untold == 0 or dut.u_transfer.busy_q.value == 1, "over, and memory has not answered"
+            asked -= dut.host_wrote_o.value == 1 or dut.host_read_o.value == 1
+            assert asked >= 0, "the host gets an answer that is not its own"
+            asked += dut.host_valid_i.value == 1 and dut.host_ready_o.value == 1
+            for channel, names in (("aw", ("addr", "len", "size", "burst")), ("ar", ("addr", "len", "size", "burst")), ("w", ("data", "strb", "last"))):
+                valid, ready = (getattr(dut, f"m_axi_{channel}{name}").value == 1 for name in ("valid", "ready"))
+                now = tuple(getattr(dut, f"m_axi_{channel}{name}").value.integer for name in names) if valid else None
+                assert stood.get(channel) in (None, now), f"{channel} does not stand still"
+                stood[channel] = now if valid and not ready else None
+                if not (valid and ready):
+                    continue
+                if channel == "w":
+                    self.sent.append(now)
+                    left[0] -= 1
+                    assert bool(now[2]) == (left[0] == 0), "the last word of a burst"
+                    left = left[left[0] == 0:]
+                else:
+                    address, length = now[0], now[1] + 1
+                    assert now[2:] == (2, 1) and address % 4 == 0 and address // 4096 == (address + 4 * length - 1) // 4096, f"a burst {now}"
+                    self.bursts.append((channel, address, length))
+                    left += [length] * (channel == "aw")
+                    untold += channel == "aw"
+
+    async def access(self, address, data=None):
+        """As axi_lite asks: alone, and not soon after an answer. (refused, word)"""
+        dut = self.dut
+        dut.host_valid_i.value, dut.host_write_i.value, dut.host_addr_i.value, dut.host_wdata_i.value = 1, int(data is not None), address, data or 0
+        while True:
+            await ReadOnly()
+            taken = dut.host_ready_o.value == 1
+            await RisingEdge(dut.clk_i)
+            if taken:
+                break
+        dut.host_valid_i.value = 0
+        while True:
+            await ReadOnly()
+            answer = [getattr(dut, f"host_{name}_o").value.integer for name in ("wrote", "write_error", "read", "read_error", "rdata")]
+            if answer[0] or answer[2]:
+                break
+            await RisingEdge(dut.clk_i)
+        for _ in range(REST):
+            await RisingEdge(dut.clk_i)
+        assert bool(answer[2]) == (data is None) and bool(answer[0]) != (data is None)
+        return bool(answer[3 if data is None else 1]), answer[4] if data is None else 0
+
+    async def get(self, name):
+        refused, word = await self.access(AT[name])
+        assert not refused
+        return word
+
+    async def begin(self, memory, place, words, control):
+        self.bursts.clear(), self.sent.clear(), self.hub.asked.clear()
+        for name, word in (("memory", memory), ("place", place), ("words", words), ("control", control)):
+            assert await self.access(AT[name], word) == (False, 0)
+
+    async def end(self):
+        async def over():
+            while (status := await self.get("status")) & RUNNING:
+                pass
+            return status
+        return await with_timeout(cocotb.start_soon(over()), 2000, "us")
+
+    async def move(self, memory, place, words, control):
+        await self.begin(memory, place, words, control)
+        return await self.end()
+
+    def word(self, address):
+        return int.from_bytes(self.ram.read(address, 4), "little")
+
+    def some(self, most=700):
+        """A range of memory, and how many words: short ones, and some around the ends of bursts."""
+        words = self.chance.choice((1, 2, self.chance.randrange(1, 40), 255, 256, 257, self.chance.randrange(1, most)))
+        edge = 1024 * self.chance.randrange(1, 40)
+        memory = self.chance.choice((edge, edge - 4, edge - 4 * words, 4 * self.chance.randrange(SIZE // 4 - words)))
+        return max(0, memory), words
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def loads_move_each_word_once(dut):
+    bench = Bench(dut, 1)
+    await bench.start()
+    before = bench.ram.read(0, SIZE)
+    for turn in range(10):
+        memory, words = bench.some()
+        place = STREAM + 4 * bench.chance.randrange(1000) if turn % 5 else ALONE
+        words = words if turn % 5 else min(words, 20)
+        bench.hub.words = {}
+        assert await bench.move(memory, place, words, LOAD) == DONE
+        assert bench.hub.asked == [(True, place + 4 * i) for i in range(words)]
+        assert bench.hub.words == {place + 4 * i: bench.word(memory + 4 * i) for i in range(words)}
+        assert [(memory, place, words)] == [(await bench.get("memory") - 4 * words, await bench.get("place") - 4 * words, words + await bench.get("words"))]
+        assert sum(length for _, _, length in bench.bursts) == words and await bench.get("error") == 0
+    assert await bench.move(0x400, ALONE, 7, LOAD | STAY) == DONE
+    assert bench.hub.asked == [(True, ALONE)] * 7 and bench.hub.words[ALONE] == bench.word(0x418)
+    assert await bench.move(0x400, STREAM, 0, LOAD) == DONE and bench.hub.asked == bench.bursts == []
+    assert bench.ram.read(0, SIZE) == before
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def stores_write_no_byte_outside(dut):
+    bench = Bench(dut, 2)
+    await bench.start()
+    for _ in range(10):
+        memory, words = bench.some()
+        place, before = STREAM + 4 * bench.chance.randrange(1000), bytearray(bench.ram.read(0, SIZE))
+        bench.hub.words = {place + 4 * i: bench.chance.getrandbits(32) for i in range(words)}
+        assert await bench.move(memory, place, words, STORE) == DONE
+        assert bench.hub.asked == [(False, place + 4 * i) for i in range(words)]
+        before[memory:memory + 4 * words] = b"".join(word.to_bytes(4, "little") for word in bench.hub.words.values())
+        assert bench.ram.read(0, SIZE) == before, "memory has other words"
+        assert len(bench.sent) == words and all(strobe == 15 for _, strobe, _ in bench.sent)
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def the_host_is_answered_meanwhile(dut):
+    bench = Bench(dut, 3)
+    await bench.start()
+    own = STREAM + 0x10000 - 4
+    for control in (LOAD, STORE):
+        bench.hub.words = {own: 5}
+        await bench.begin(0x7f4, STREAM, 600, control)
+        for name, word in (("memory", 4), ("words", 1), ("control", LOAD)):
+            assert (await bench.access(AT[name], word))[0], "a register is written while a transfer runs"
+        count = 0
+        while await bench.get("status") & RUNNING:
+            count += 1
+            assert await bench.access(own) == (False, bench.hub.words[own])
+            assert await bench.access(own, count) == (False, 0)
+            assert (await bench.access(ALONE + 1))[0]
+        assert count > 3 and await bench.get("status") == DONE
+        moved = [at for _, at in bench.hub.asked if STREAM <= at < own]
+        assert moved == [STREAM + 4 * i for i in range(600)]
+    for name, word in (("memory", 2), ("place", 1), ("words", 1 << 24), ("control", 0), ("control", LOAD | STORE), ("status", 0), ("error", 0)):
+        assert (await bench.access(AT[name], word))[0], f"{name} = {word} was taken"
+    assert (await bench.access(AT["control"]))[0] and (await bench.access(AT["error"] + 4))[0]
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def an_error_of_memory_ends_a_transfer(dut):
+    bench = Bench(dut, 4)
+    await bench.start()
+    for turn in range(8):
+        words, control = 2000, (LOAD, STORE)[turn % 2]
+        memory, place = 4 * bench.chance.randrange(SIZE // 4 - words), STREAM
+        broken = memory + 4 * bench.chance.randrange(400)
+        bench.broken, before = {broken}, bytearray(bench.ram.read(0, SIZE))
+        bench.hub.words = {place + 4 * i: bench.chance.getrandbits(32) for i in range(words)} if control == STORE else {}
+        assert await bench.move(memory, place, words, control) == MEMORY_ERROR
+        burst = next(address for _, address, length in bench.bursts if address <= broken < address + 4 * length)
+        at, wanted, done = await bench.get("error"), broken if control == LOAD else burst, bench.hub.asked
+        assert at == wanted, f"{at:#x} failed, not {wanted:#x}"
+        assert len(bench.bursts) <= 6, "bursts go on after an error"
+        assert done == [(control == LOAD, place + 4 * i) for i in range(len(done))] and len(done) < words or control == STORE
+        if control == LOAD:
+            assert bench.hub.words == {place + 4 * i: bench.word(memory + 4 * i) for i in range(len(done))} and 4 * len(done) <= broken - memory
+        else:
+            after = bench.ram.read(0, SIZE)
+            for i in range(words):
+                before_it = bytes(before[memory + 4 * i:memory + 4 * i + 4])
+                new = bench.hub.words[place + 4 * i].to_bytes(4, "little")
+                assert after[memory + 4 * i:memory + 4 * i + 4] in (new, before_it)
+                assert memory + 4 * i >= burst or after[memory + 4 * i:memory + 4 * i + 4] == new
+            assert after[:memory] == before[:memory] and after[memory + 4 * words:] == before[memory + 4 * words:]
+        bench.broken = set()
+        assert await bench.move(memory, place, 9, LOAD) == DONE and await bench.get("error") == 0
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_refusal_ends_a_transfer(dut):
+    bench = Bench(dut, 5)
+    await bench.start()
+    for turn in range(8):
+        words, control = bench.chance.choice((1, 30, 700)), (LOAD, STORE)[turn % 2]
+        memory, place = 4 * bench.chance.randrange(SIZE // 4 - words), STREAM
+        number = bench.chance.randrange(words)
+        bench.hub.refused, before = {place + 4 * number}, bytearray(bench.ram.read(0, SIZE))
+        bench.hub.words = {place + 4 * i: bench.chance.getrandbits(32) for i in range(words)} if control == STORE else {}
+        assert await bench.move(memory, place, words, control) == REFUSED
+        assert await bench.get("error") == place + 4 * number
+        after = bench.ram.read(0, SIZE)
+        for i in range(words if control == STORE else 0):
+            new = bench.hub.words[place + 4 * i].to_bytes(4, "little")
+            assert after[memory + 4 * i:memory + 4 * i + 4] in (bytes(before[memory + 4 * i:memory + 4 * i + 4]), *[new] * (i < number)), "a word that was refused"
+        assert after[:memory] == before[:memory] and after[memory + 4 * words:] == before[memory + 4 * words:]
+        bench.hub.refused = set()
+        assert await bench.move(memory, place, 9, LOAD) == DONE
+    # Beyond the bits of the bus there is nothing.
+    assert await bench.move(0, 1 << dut.ADDRESS_W.value, 3, LOAD) == REFUSED and await bench.get("error") == 1 << dut.ADDRESS_W.value
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_word_takes_a_cycle(dut):
+    bench = Bench(dut, 6, waits=False)
+    await bench.start()
+    for control in (LOAD, STORE):
+        await bench.begin(0, STREAM, 2000, control)
+        begin = bench.hub.cycle
+        while dut.u_transfer.busy_q.value == 1:
+            await RisingEdge(dut.clk_i)
+        taken = bench.hub.cycle - begin
+        dut._log.info("%.3f cycles a word", taken / 2000)
+        assert taken <= 1.1 * 2000, f"{taken / 2000:.3f} cycles a word"
