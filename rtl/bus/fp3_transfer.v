@@ -8,6 +8,9 @@
 //           load    memory ─ R ─► word ─────────► requests (turns, hub)
 //           store   memory ◄─ W ─ responses ◄──── answers
 //
+//           A list is descriptors in memory, each of which is a transfer, or waits for the end of a
+//           run: so one command is many runs on objects that the store has no room for.
+//
 // Latency   A load takes a cycle for each word beyond the memory's latency, a store likewise. Where
 //           the place does not stream (constants, registers), a word takes as long as an access.
 // Promise   Each word is moved once, in order; no byte outside of the range is written. After an
@@ -65,12 +68,25 @@ module fp3_transfer #(
 );
 `include "gen/registers.vh"
     localparam OWED_W = 10, BURSTS_W = 5;
+    localparam [WORDS_W-1:0] DESCRIPTOR = 4;
     localparam [2:0] MEMORY = ADDR_TRANSFER_MEMORY[4:2], PLACE = ADDR_TRANSFER_PLACE[4:2], WORDS = ADDR_TRANSFER_WORDS[4:2],
-                     CONTROL = ADDR_TRANSFER_CONTROL[4:2], OUTCOME = ADDR_TRANSFER_STATUS[4:2], ERROR = ADDR_TRANSFER_ERROR[4:2];
+                     CONTROL = ADDR_TRANSFER_CONTROL[4:2], OUTCOME = ADDR_TRANSFER_STATUS[4:2], ERROR = ADDR_TRANSFER_ERROR[4:2],
+                     NEXT = ADDR_TRANSFER_NEXT[4:2];
+
+    // Exactly one of load, store, wait and list
+    function one_of(input [3:0] bits);
+        one_of = bits != 4'd0 && (bits & (bits - 4'd1)) == 4'd0;
+    endfunction
 
     // What is being done
     reg                busy_q, store_q, stay_q, done_q, memory_error_q, refused_q;
     reg  [31:2]        error_q;
+    // Of a list: a descriptor comes, word by word, and is not possible; what it says; another one
+    // follows, and where. A word is waited for, and has come.
+    reg                fetch_q, wrong_q, more_q, wait_q, waited_q;
+    reg  [1:0]         word_number_q;
+    reg  [5:0]         said_q;
+    reg  [31:2]        next_q;
     // Of words: in memory, the next that is moved on W or R, and how many; in the processor, the next
     // that is asked for, and how many.
     reg  [31:2]        memory_q, place_q;
@@ -82,11 +98,11 @@ module fp3_transfer #(
 
     // The registers
     wire        control  = ask_write_i && ask_register_i == CONTROL;
-    wire        load     = ask_wdata_i[TRANSFER_CONTROL_LOAD_LO], store = ask_wdata_i[TRANSFER_CONTROL_STORE_LO];
+    wire        list     = ask_wdata_i[TRANSFER_CONTROL_LIST_LO];
     wire        sets     = ask_write_i && (ask_register_i == MEMORY || ask_register_i == PLACE || ask_register_i == WORDS);
     wire        whole    = ask_register_i == WORDS ? ask_wdata_i[31:WORDS_W] == {32-WORDS_W{1'b0}} : ask_wdata_i[1:0] == 2'd0;
-    wire        legal    = ask_write_i ? !busy_q && (control ? load != store : sets && whole)
-                                       : ask_register_i != CONTROL && ask_register_i <= ERROR;
+    wire        legal    = ask_write_i ? !busy_q && (control ? one_of({ask_wdata_i[4:3], ask_wdata_i[1:0]}) : sets && whole)
+                                       : ask_register_i != CONTROL && ask_register_i <= NEXT;
     wire        start    = ask_i && control && legal;
     wire        set      = ask_i && sets && legal;
     reg  [31:0] shown;
@@ -105,6 +121,7 @@ module fp3_transfer #(
                 shown[TRANSFER_STATUS_REFUSED_LO]      = refused_q && !busy_q;
             end
             ERROR:   shown = {error_q, 2'd0} & {32{failed}};
+            NEXT:    shown = {next_q, 2'd0};
             default: shown = 32'd0;
         endcase
     end
@@ -116,12 +133,23 @@ module fp3_transfer #(
     end
     assign {told_o, told_write_o, told_error_o, told_rdata_o} = {told_q, told_write_q, told_error_q, told_rdata_q};
 
+    // What begins: a command of the host's, the next descriptor, or what a descriptor says
+    wire       over;
+    wire       next   = busy_q && over && !failed && !fetch_q && more_q;
+    wire       does   = busy_q && over && !failed && fetch_q && !wrong_q;
+    wire       go     = start || next || does;
+    wire       fetch  = (start && list) || next;
+    wire [5:0] said   = does ? said_q : ask_wdata_i[5:0];
+    wire       waits_for = !fetch && said[TRANSFER_CONTROL_WAIT_LO];
+    wire [31:2] first = next ? next_q : memory_q;
+    wire [WORDS_W-1:0] count = fetch ? DESCRIPTOR : waits_for ? {WORDS_W{1'b0}} : words_q;
+
     // Bursts
     wire       asks, taken, bursts_over;
     wire [7:0] length;
     wire       room = owed_q < 10'd256 && !bursts_q[BURSTS_W];
     fp3_bursts #(.WORDS_W(WORDS_W)) u_bursts (.clk_i(clk_i), .rst_i(rst_i),
-        .start_i(start), .address_i(memory_q), .words_i(words_q), .room_i(room), .stop_i(failed), .over_o(bursts_over),
+        .start_i(go), .address_i(first), .words_i(count), .room_i(room), .stop_i(failed), .over_o(bursts_over),
         .valid_o(asks), .ready_i(store_q ? awready_i : arready_i), .address_o(address_o), .length_o(length));
     assign taken     = asks && (store_q ? awready_i : arready_i);
     assign awvalid_o = asks && store_q;
@@ -148,8 +176,8 @@ module fp3_transfer #(
     assign {wvalid_o, wdata_o, wstrobe_o, wlast_o} = {sends_q, sent_q, strobe_q, last_q};
 
     wire asks_left = ask_left_q != {WORDS_W{1'b0}};
-    assign req_valid_o = busy_q && !failed && (store_q ? asks_left && answers_room : full_q);
-    assign req_write_o = !store_q;
+    assign req_valid_o = busy_q && !failed && (wait_q ? !waited_q && open_i == {OPEN_W{1'b0}} : store_q ? asks_left && answers_room : full_q);
+    assign req_write_o = !store_q && !wait_q;
     assign req_place_o = place_q;
     assign req_wdata_o = word_q;
 
@@ -158,34 +186,56 @@ module fp3_transfer #(
     wire   closes = bvalid_i && busy_q;
     wire   moves  = reads || sends;
     wire   bad    = (reads && rerror_i) || (closes && berror_i);
-    wire   denied = answered_i && answer_error_i;
-    wire   over   = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
-                 && open_i == {OPEN_W{1'b0}} && (failed || !asks_left);
+    wire   comes  = answered_i && wait_q && !answer_rdata_i[0];
+    wire   denied = answered_i && (answer_error_i || (comes && answer_rdata_i != {{32-WORDS_W{1'b0}}, words_q}));
+    assign over   = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
+                 && open_i == {OPEN_W{1'b0}} && (failed || fetch_q || (wait_q ? waited_q : !asks_left));
     always @(posedge clk_i) begin
-        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, sends_q} <= 6'd0;
+        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, sends_q, fetch_q, more_q} <= 8'd0;
         else begin
-            busy_q <= start || (busy_q && !over);
+            busy_q <= go || (busy_q && !over);
+            if (go) {fetch_q, more_q} <= {fetch, fetch || (does && !said_q[TRANSFER_CONTROL_LAST_LO])};
             if (start)                {done_q, memory_error_q, refused_q} <= 3'd0;
             else if (busy_q) begin
-                done_q <= over && !failed;
-                if (!failed) {memory_error_q, refused_q} <= {bad, denied && !bad};
+                done_q <= over && !failed && !fetch_q && !more_q;
+                if (!failed) {memory_error_q, refused_q} <= {bad, (denied || (over && fetch_q && wrong_q)) && !bad};
             end
-            full_q  <= (reads && !failed) || (full_q && !asked && !failed);
+            full_q  <= (reads && !failed && !fetch_q) || (full_q && !asked && !failed);
             sends_q <= sends || (sends_q && !wready_i);
         end
-        if (start) {store_q, stay_q} <= {store, ask_wdata_i[TRANSFER_CONTROL_STAY_LO]};
+        if (go) begin
+            store_q <= !fetch && said[TRANSFER_CONTROL_STORE_LO];
+            stay_q  <= waits_for || said[TRANSFER_CONTROL_STAY_LO];
+            {wait_q, waited_q, wrong_q, word_number_q} <= {waits_for, 4'd0};
+        end else begin
+            waited_q <= waited_q || comes;
+            if (reads && fetch_q) begin
+                word_number_q <= word_number_q + 2'd1;
+                said_q        <= rdata_i[5:0];
+                case (word_number_q)
+                    2'd2:    wrong_q <= wrong_q || |rdata_i[31:WORDS_W];
+                    2'd3:    wrong_q <= wrong_q || !one_of({rdata_i[4:3], rdata_i[1:0]}) || rdata_i[TRANSFER_CONTROL_LIST_LO];
+                    default: wrong_q <= wrong_q || |rdata_i[1:0];
+                endcase
+            end
+        end
         if (reads) word_q <= rdata_i;
         if (sends) {sent_q, strobe_q, last_q} <= {waiting, !failed, &memory_q[9:2] || words_q == {{WORDS_W-1{1'b0}}, 1'b1}};
-        if (!failed) error_q <= bad ? (store_q ? oldest_q : memory_q)
+        if (!failed) error_q <= bad ? (fetch_q ? next_q : store_q ? oldest_q : memory_q)
                               : place_q - (stay_q ? 30'd0 : {{30-OPEN_W{1'b0}}, open_i});
 
         if (set && ask_register_i == MEMORY) memory_q <= ask_wdata_i[31:2];
-        else if (moves)                      memory_q <= memory_q + 30'd1;
+        else if ((reads && fetch_q && word_number_q == 2'd0))             memory_q <= rdata_i[31:2];
+        else if (moves && !fetch_q)          memory_q <= memory_q + 30'd1;
         if (set && ask_register_i == WORDS)  words_q <= ask_wdata_i[WORDS_W-1:0];
-        else if (moves)                      words_q <= words_q - {{WORDS_W-1{1'b0}}, 1'b1};
+        else if ((reads && fetch_q && word_number_q == 2'd2))             words_q <= rdata_i[WORDS_W-1:0];
+        else if (moves && !fetch_q)          words_q <= words_q - {{WORDS_W-1{1'b0}}, 1'b1};
         if (set && ask_register_i == PLACE)  place_q <= ask_wdata_i[31:2];
+        else if ((reads && fetch_q && word_number_q == 2'd1))             place_q <= rdata_i[31:2];
         else if (asked && !stay_q)           place_q <= place_q + 30'd1;
-        if (start)                           ask_left_q <= words_q;
+        if (start && list)                   next_q <= memory_q;
+        else if (reads && fetch_q)           next_q <= next_q + 30'd1;
+        if (go)                              ask_left_q <= words_q;
         else if (asked)                      ask_left_q <= ask_left_q - {{WORDS_W-1{1'b0}}, 1'b1};
 
         if (!busy_q)      owed_q <= {OWED_W{1'b0}};
@@ -193,7 +243,7 @@ module fp3_transfer #(
                                            - {{OWED_W-1{1'b0}}, moves};
         if (!busy_q)      bursts_q <= {BURSTS_W+1{1'b0}};
         else if ((taken && store_q) != closes) bursts_q <= closes ? bursts_q - 1'b1 : bursts_q + 1'b1;
-        if (start)        oldest_q <= memory_q;
+        if (go)           oldest_q <= memory_q;
         else if (closes)  oldest_q <= {oldest_q[31:10] + 22'd1, 8'd0};
     end
     wire unused = answers_idle;

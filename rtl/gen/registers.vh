@@ -40,6 +40,7 @@ localparam [15:0] ADDR_TRANSFER_WORDS   = 16'h2808;
 localparam [15:0] ADDR_TRANSFER_CONTROL = 16'h280c;
 localparam [15:0] ADDR_TRANSFER_STATUS  = 16'h2810;
 localparam [15:0] ADDR_TRANSFER_ERROR   = 16'h2814;
+localparam [15:0] ADDR_TRANSFER_NEXT    = 16'h2818;
 
 // Fields of registers, but for those that show keys: gen/host_map.vh has these.
 localparam CONTROL_START_HI                = 0;
@@ -82,6 +83,12 @@ localparam TRANSFER_CONTROL_STORE_HI       = 1;
 localparam TRANSFER_CONTROL_STORE_LO       = 1;
 localparam TRANSFER_CONTROL_STAY_HI        = 2;
 localparam TRANSFER_CONTROL_STAY_LO        = 2;
+localparam TRANSFER_CONTROL_WAIT_HI        = 3;
+localparam TRANSFER_CONTROL_WAIT_LO        = 3;
+localparam TRANSFER_CONTROL_LIST_HI        = 4;
+localparam TRANSFER_CONTROL_LIST_LO        = 4;
+localparam TRANSFER_CONTROL_LAST_HI        = 5;
+localparam TRANSFER_CONTROL_LAST_LO        = 5;
 localparam TRANSFER_STATUS_RUNNING_HI      = 0;
 localparam TRANSFER_STATUS_RUNNING_LO      = 0;
 localparam TRANSFER_STATUS_DONE_HI         = 1;

@@ -16,7 +16,7 @@ from cocotbext.axi import AxiBus, AxiRam
 
 REGISTERS = tomllib.loads(pathlib.Path(os.environ["FP3_MAP"]).read_text(encoding="utf-8"))["transfer"]
 AT = {row["name"].removeprefix("transfer_"): row["at"] for row in REGISTERS}
-LOAD, STORE, STAY = 1, 2, 4
+LOAD, STORE, STAY, WAIT, LIST, LAST = 1, 2, 4, 8, 16, 32
 RUNNING, DONE, MEMORY_ERROR, REFUSED = 1, 2, 4, 8
 STREAM, ALONE = 0x20000, 0x2000                            # places; with and without the bit of parameter STREAM
 WROTE, WRITE_ERROR, READ, READ_ERROR = 1 << 35, 1 << 34, 1 << 33, 1 << 32
@@ -248,7 +248,7 @@ async def the_host_is_answered_meanwhile(dut):
         assert moved == [STREAM + 4 * i for i in range(600)]
     for name, word in (("memory", 2), ("place", 1), ("words", 1 << 24), ("control", 0), ("control", LOAD | STORE), ("status", 0), ("error", 0)):
         assert (await bench.access(AT[name], word))[0], f"{name} = {word} was taken"
-    assert (await bench.access(AT["control"]))[0] and (await bench.access(AT["error"] + 4))[0]
+    assert (await bench.access(AT["control"]))[0] and (await bench.access(AT["error"] + 8))[0]
 
 
 @cocotb.test(timeout_time=120, timeout_unit="us")
@@ -316,3 +316,51 @@ async def a_word_takes_a_cycle(dut):
         taken = bench.hub.cycle - begin
         dut._log.info("%.3f cycles a word", taken / 2000)
         assert taken <= 1.1 * 2000, f"{taken / 2000:.3f} cycles a word"
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_list_is_one_command(dut):
+    """Chunks of objects come, a run begins, its end is waited for, they go back: in this order, and each once."""
+    bench = Bench(dut, 7)
+    await bench.start()
+    at, chunks, words = 0x8000, 3, 100
+    status, command = STREAM + 0x8000, ALONE + 4
+    commands, runs = [], []
+    for chunk in range(chunks):
+        place = STREAM + 4 * chunk
+        commands += [(0x400 + 4 * words * chunk, place, words, LOAD), (0x40, command, 1, LOAD), (0, status, 2, WAIT),
+                     (0x2000 + 4 * words * chunk, place, words, STORE | (LAST if chunk == chunks - 1 else 0))]
+
+    def put(rows):
+        bench.ram.write(at, b"".join(word.to_bytes(4, "little") for row in rows for word in row))
+
+    take = bench.hub.take
+
+    def run(write, address, data):
+        """The words of the status are 1 for a while after the command."""
+        if write and address == command:
+            runs.append(bench.hub.cycle + 200)
+        bench.hub.words[status] = 1 if runs and bench.hub.cycle < runs[-1] else ended
+        take(write, address, data)
+        if write and STREAM <= address < status:
+            bench.hub.words[address] = data ^ 0xffffffff
+        if not write and STREAM <= address < status:
+            assert bench.hub.cycle >= runs[-1], "a chunk goes back while its run goes on"
+
+    bench.hub.take, ended = run, 2
+    put(commands)
+    assert await bench.move(at, 0, 0, LIST) == DONE
+    assert await bench.get("next") == at + 16 * len(commands) and len(runs) == chunks
+    for i in range(chunks * words):
+        assert bench.word(0x2000 + 4 * i) == bench.word(0x400 + 4 * i) ^ 0xffffffff
+    # A run that ends otherwise ends the list, and so does what is not possible; where it is, is told.
+    ended, before = 4, bench.ram.read(0x2000, 0x1000)
+    assert await bench.move(at, 0, 0, LIST) == REFUSED and await bench.get("error") == status and await bench.get("next") == at + 48
+    assert bench.ram.read(0x2000, 0x1000) == before
+    for wrong in ((2, STREAM, 1, LOAD), (0, STREAM + 1, 1, LOAD), (0, STREAM, 1 << 24, LOAD), (0, STREAM, 1, LOAD | STORE), (0, STREAM, 1, LIST), (0, STREAM, 1, 0)):
+        put([(0x400, STREAM, 1, LOAD), wrong])
+        assert await bench.move(at, 0, 0, LIST) == REFUSED and await bench.get("next") == at + 32
+        assert len([one for one in bench.hub.asked if one[0]]) == 1
+    put(commands[:1])
+    bench.broken = {at + 20}
+    assert await bench.move(at, 0, 0, LIST) == MEMORY_ERROR and await bench.get("error") == at + 20
