@@ -2,6 +2,7 @@
 /* main.c - the processor with a memory of its own, simulated: one row of JSON.
  *
  *     alone load CONFIG OBJECTS RATE LATENCY WAITS
+ *     alone chunks CONFIG IMAGE OBJECTS STEPS RATE LATENCY
  *
  * RATE: words of memory in 1,000 cycles. WAITS: a seed for waits on each channel; 0: none. */
 #include "rows.h"
@@ -25,6 +26,12 @@ int main(int argc, char **argv) {
         measure_load(argv[2], number(argv[3]), number(argv[4]), number(argv[5]), number(argv[6]));
         return 0;
     }
-    fprintf(stderr, "usage: alone load CONFIG OBJECTS RATE LATENCY WAITS\n");
+    if (argc == 8 && !strcmp(argv[1], "chunks")) {
+        measure_chunks(argv[2], argv[3], number(argv[4]), number(argv[5]), number(argv[6]),
+                       number(argv[7]));
+        return 0;
+    }
+    fprintf(stderr, "usage: alone load CONFIG OBJECTS RATE LATENCY WAITS | alone chunks CONFIG "
+                    "IMAGE OBJECTS STEPS RATE LATENCY\n");
     return 2;
 }

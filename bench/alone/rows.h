@@ -9,4 +9,9 @@
 void measure_load(const char *config, uint32_t objects, uint32_t rate, uint32_t latency,
                   uint64_t waits);
 
+/* image: kepler by rk4. steps: of each visit of a chunk, and of the run. The words that it ends
+ * with must be those of the engine fast. */
+void measure_chunks(const char *config, const char *image, uint32_t objects, uint32_t steps,
+                    uint32_t rate, uint32_t latency);
+
 #endif

@@ -1,9 +1,11 @@
 """The C driver (sw/bare) and the example examples/ships.c, on the simulated hardware over AXI4-Lite."""
 
+import json
 import re
 import shutil
 import struct
 import subprocess
+import sys
 
 import pytest
 
@@ -135,3 +137,11 @@ def test_a_header_has_all_that_a_host_gives(root, fp3, tmp_path):
         assert (done.returncode == 2) == (name == "step.h") and (tmp_path / name).exists() == (name != "step.h"), done.stderr
     done = subprocess.run([fp3, "dis", "--word", "0x38000000", "--header", "x.h"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 2 and "--header: expected an image" in done.stderr
+
+
+def test_alone_measures_loads_and_chunks(root, build, tmp_path):
+    """The quick form of `make alone`: words moved once, and the words of the engine fast from two chunks; else it fails."""
+    succeeds(sys.executable, root / "tools/alone.py", "--quick", "--output", tmp_path / "alone.json")
+    rows = json.loads((tmp_path / "alone.json").read_text())["rows"]
+    assert all(row["cycles_per_word"] < 1.1 * max(1, 1 / row["memory"]) for row in rows if row["scene"] == "load")
+    assert len({row["hash"] for row in rows if row["scene"] == "kepler rk4"}) == 1 and len(rows) == 5
