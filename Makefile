@@ -596,7 +596,7 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 # ---- the processor on its own ---------------------------------------------------------------------
 
 .PHONY: alone
-alone: all ## The processor with a memory of its own, simulated: cycles of loads: build/results/alone.json; QUICK=1
+alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, an hour: build/results/alone.json; QUICK=1
 	@$(PYTHON) tools/alone.py --output $(RESULTS)/alone.json $(if $(QUICK),--quick)
 
 # ---- objects divided among processes ------------------------------------------------------------
