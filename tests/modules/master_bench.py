@@ -70,7 +70,8 @@ class Bench:
     async def start(self):
         dut = self.dut
         cocotb.start_soon(Clock(dut.clk_i, 10, "ns").start())
-        for name in ("host_valid_i", "host_write_i", "host_addr_i", "host_wdata_i", "req_ready_i", "wrote_i", "write_error_i", "read_i", "read_error_i", "rdata_i"):
+        for name in ("host_valid_i", "host_write_i", "host_addr_i", "host_wdata_i", "req_ready_i", "wrote_i", "write_error_i", "read_i",
+                     "read_error_i", "rdata_i"):
             getattr(dut, name).value = 0
         self.ram = AxiRam(AxiBus.from_prefix(dut, "m_axi"), dut.clk_i, dut.rst_i, size=SIZE)
         self.ram.write(0, bytes(self.chance.randrange(256) for _ in range(SIZE)))
@@ -296,7 +297,8 @@ async def a_refusal_ends_a_transfer(dut):
         after = bench.ram.read(0, SIZE)
         for i in range(words if control == STORE else 0):
             new = bench.hub.words[place + 4 * i].to_bytes(4, "little")
-            assert after[memory + 4 * i:memory + 4 * i + 4] in (bytes(before[memory + 4 * i:memory + 4 * i + 4]), *[new] * (i < number)), "a word that was refused"
+            old = bytes(before[memory + 4 * i:memory + 4 * i + 4])
+            assert after[memory + 4 * i:memory + 4 * i + 4] in (old, *[new] * (i < number)), "a word that was refused"
         assert after[:memory] == before[:memory] and after[memory + 4 * words:] == before[memory + 4 * words:]
         bench.hub.refused = set()
         assert await bench.move(memory, place, 9, LOAD) == DONE
@@ -357,7 +359,8 @@ async def a_list_is_one_command(dut):
     ended, before = 4, bench.ram.read(0x2000, 0x1000)
     assert await bench.move(at, 0, 0, LIST) == REFUSED and await bench.get("error") == status and await bench.get("next") == at + 48
     assert bench.ram.read(0x2000, 0x1000) == before
-    for wrong in ((2, STREAM, 1, LOAD), (0, STREAM + 1, 1, LOAD), (0, STREAM, 1 << 24, LOAD), (0, STREAM, 1, LOAD | STORE), (0, STREAM, 1, LIST), (0, STREAM, 1, 0)):
+    for wrong in ((2, STREAM, 1, LOAD), (0, STREAM + 1, 1, LOAD), (0, STREAM, 1 << 24, LOAD), (0, STREAM, 1, LOAD | STORE), (0, STREAM, 1, LIST),
+                  (0, STREAM, 1, 0)):
         put([(0x400, STREAM, 1, LOAD), wrong])
         assert await bench.move(at, 0, 0, LIST) == REFUSED and await bench.get("next") == at + 32
         assert len([one for one in bench.hub.asked if one[0]]) == 1
