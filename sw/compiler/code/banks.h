@@ -2,9 +2,9 @@
 /* banks.h - sums and products apart (`dual`): every operation reads at most one of each.
  *
  * A value is in the bank of the unit that makes it: sums and variables in the bank of sums,
- * products in the other, and so are estimates, which read the bank of sums. If both operands are in one bank, one operand is moved first: a sum times
- * 1, or a product plus -0. A move changes no bit and raises no flag that the operation itself would
- * not raise.
+ * products in the other, and so are estimates, which read the bank of sums. If both operands are in
+ * one bank, one operand is moved first: a sum times 1, or a product plus -0. A move changes no bit
+ * and raises no flag that the operation itself would not raise.
  */
 #ifndef FP3_BANKS_H
 #define FP3_BANKS_H
