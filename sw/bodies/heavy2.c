@@ -120,10 +120,8 @@ static void fill_joint(fp3_bodies *bodies, fp3_heavy_link *link, int push) {
     for (int i = 0; i < 2; i++) {
         const double apart =
             link->gap[i] + (double)way[i] + (b[i] - link->arm_b[i]) - (a[i] - link->arm_a[i]);
-        const fp3_heavy_row row = {
-            i,       &joint->point[i], of_a[i],
-            of_b[i], INFINITY,         rate * fp3_within(apart, FP3_FARTHEST * bodies->def.size),
-            1};
+        const double back = rate * fp3_within(apart, FP3_FARTHEST * bodies->def.size);
+        const fp3_heavy_row row = {i, &joint->point[i], of_a[i], of_b[i], INFINITY, back, 1};
         fp3_heavy_put(bodies, link, &row);
     }
     const fp3_drive3 about = drive_of(bodies, link, link->gap[2] + (double)way[2]);
