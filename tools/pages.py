@@ -106,7 +106,8 @@ def world(results):
     from fp3world import combinations
     from fp3world import report
     data = results("world.json", "world")
-    tried = {"relations.md": combinations.page(results.page("relations.md"), data["combinations"])} if "combinations" in data else {}
+    tried = data.get("combinations", [])
+    tried = {"relations.md": combinations.page(results.page("relations.md"), tried)} if tried and combinations.are_whole(tried) else {}
     return tried | ({"world.md": report.page(data)} if {"hashes", "speed", "chip", "physics"} & data.keys() else {})
 
 

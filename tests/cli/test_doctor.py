@@ -47,8 +47,8 @@ def written(root, build, tmp_path_factory):
 
 
 @pytest.mark.parametrize("line, expected", [
-    (["fp3", "comp"], {"compile", "compare"}), (["fp3", "run", "--eng"], {"--engine="}), (["fp3", "run", "m.ode", "-c", "many"], {"many", "many_full", "many_half"}),
-    (["fp3", "run", "--config", "=", "many_"], {"many_full", "many_half"}), (["fp3", "compare", "-i", "rk4_"], {"rk4_paper"}), (["fp3", "run", "-e", "f"], {"fast"}),
+    (["fp3", "comp"], {"compile", "compare"}), (["fp3", "run", "--eng"], {"--engine="}), (["fp3", "run", "m.ode", "-c", "many"], {"many", "many_full", "many_half", "many_memory"}),
+    (["fp3", "run", "--config", "=", "many_"], {"many_full", "many_half", "many_memory"}), (["fp3", "compare", "-i", "rk4_"], {"rk4_paper"}), (["fp3", "run", "-e", "f"], {"fast"}),
     (["fp3", "doctor", "--h"], {"--help"}), (["fp3", "run", "m."], set())])
 def test_bash_completes(written, line, expected):
     script = f"source {written('bash')}; compopt() {{ :; }}; COMP_WORDS=({' '.join(line)}); COMP_CWORD={len(line) - 1}; _fp3; printf '%s\\n' \"${{COMPREPLY[@]}}\""

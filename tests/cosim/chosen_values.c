@@ -171,11 +171,17 @@ static uint32_t expected(const fp3_config *config, uint32_t op, const uint32_t *
     return (op == FP3_OP_RCP ? fp3_lns_float_rcp : fp3_lns_float_rsqrt)(in[0], flags);
 }
 
+/* Where the word of operation i goes: to a register of odd number if sums and products are apart.
+ */
+static uint32_t apart(const fp3_config *config) { return config->dual ? 2 : 1; }
+static uint32_t result_of(const fp3_config *config, uint32_t i) { return 3 + i * apart(config); }
+
 static void compare(void *user, const fp3_retirement *r) {
     bench *b = user;
     if (r->reg < 3) /* a load */
         return;
-    const uint32_t *in = b->inputs[r->object].operand, op = b->ops[r->reg - 3];
+    const uint32_t *in = b->inputs[r->object].operand;
+    const uint32_t op = b->ops[(r->reg - 3) / apart(b->config)];
     uint32_t flags;
     const uint32_t bits = expected(b->config, op, in, &flags);
     b->checked++;
@@ -278,8 +284,10 @@ static int load(bench *b, fp3_engine *engine) {
         if (!has(b->config, b->ops[i]))
             continue;
         const uint32_t sources = fp3_operation_find(b->ops[i])->sources;
-        const fp3_instruction in = {
-            .op = b->ops[i], .d = 3 + i, .b = sources > 1, .c = sources > 2 ? 2 : 0};
+        const fp3_instruction in = {.op = b->ops[i],
+                                    .d = result_of(b->config, i),
+                                    .b = sources > 1,
+                                    .c = sources > 2 ? 2 : 0};
         code[count++] = fp3_word_encode(&in);
     }
     return fp3_engine_load(engine, &(fp3_image){.code = code, .code_count = count, .last = count});
@@ -302,7 +310,7 @@ static int compare_read(bench *b, fp3_engine *engine, size_t count) {
             continue;
         for (size_t object = 0; object < count; object++) {
             uint32_t got, flags;
-            if (fp3_engine_read_words(engine, object, 1, 3 + i, &got))
+            if (fp3_engine_read_words(engine, object, 1, result_of(b->config, i), &got))
                 return 1;
             const uint32_t *in = b->inputs[object].operand;
             const uint32_t bits = expected(b->config, b->ops[i], in, &flags);

@@ -362,6 +362,12 @@ def differing(text, rows):
     return [row for row in rows if said(row["feature"], row["relation"], row["engine"]) != row["state"]]
 
 
+def are_whole(rows):
+    """Whether each feature was tried with each relation: a quick trial makes no table."""
+    tried = {(row["feature"], row["relation"]) for row in rows}
+    return all((feature, relation) in tried for feature, _ in tried for relation in HEADS)
+
+
 def page(text, rows):
     """docs/relations.md with this table."""
     return between(text, "combinations", table(rows))

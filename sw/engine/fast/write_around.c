@@ -208,13 +208,14 @@ static void keep_as_it_was(const writer *w, uint32_t reg, unsigned s) {
             reg, s + 1, s, reg, s + 1, reg, s);
 }
 
-/* What is given is read where it is first needed, as it would else wait in a register. */
+/* What is given is read where it is first needed, as it would else wait in a register; what is kept
+ * at once. */
 static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s, kind of) {
     const uint32_t pc = t->at++;
     const fp3_fast_word *p = &w->plan->code[pc];
     const uint64_t kept = fp3_fast_touched(p) & l->kept;
     char mask[16];
-    if (is_loaded(p)) {
+    if (is_loaded(p) && !(kept >> p->in.d & 1)) {
         t->given[p->in.d] = 1 + pc;
         return;
     }
@@ -233,13 +234,13 @@ static void do_word(const writer *w, const fp3_fast_loop *l, turn *t, unsigned s
                 p->is_one_nan ? ")" : "");
         return;
     }
-    FP3_EACH_REGISTER (kept & ~t->taken, reg)
+    FP3_EACH_REGISTER (is_loaded(p) ? 0 : kept & ~t->taken, reg)
         copy(w, reg, s + 1, s);
     t->taken |= kept;
     snprintf(mask, sizeof mask, "takes_%u", s);
     if (kept && l->is_fold && of != PLAIN && of != ALL)
         fp3_write_fold(w, p, s + 1, mask);
-    else
+    else if (!is_loaded(p))
         fp3_write_arithmetic(w, p, s + 1);
     if (!l->is_fold && of != PLAIN && of != ALL)
         FP3_EACH_REGISTER (kept & ~left_by(w, l, t), reg)
