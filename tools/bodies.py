@@ -226,8 +226,10 @@ def partly(data, found):
 
 
 def wrong(found):
+    from fp3bodies import truths
     for row in found.get("truths", []):
-        if row["peer"] == OWN and not row["holds"]:
+        off = math.inf if row["found"] is None else abs(row["found"] - row["expected"])
+        if row["peer"] == OWN and not row["holds"] and off > truths.SHORT.get(row["what"], 0):
             yield f"{row['what']}: found {row['found']}, expected {row['expected']:.6g} within {row['within']:.2g}"
     if "chip" in found:
         from fp3bodies import chip

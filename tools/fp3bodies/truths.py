@@ -373,6 +373,10 @@ TRUTHS = [slope, braking, slide_and_roll, roll_down, cone, belt, bounces, cradle
           hanging_chain, heavy_end, heavy_end_in_space, tipping, arch, domino_run, free_top, heavy_top]
 
 
+# What FP3 is known to miss, and by how much at most: the page says so, and more than that is an error.
+SHORT = {"how far its tilt leaves 60 degrees in 10 s, rad": 0.0145}
+
+
 def measure(truth, make):
     """Rows of a truth, and what an engine refuses of it."""
     rows, refused = [], []
