@@ -30,11 +30,15 @@ SPEED = """\
 One thread. A scene settles for 600 steps of 1/60 s, or for 20 s of processor time if that is less; engines other than FP3 and Box2D have 4 s. Then all make turns one after another, 5
 each, and the shortest turn counts, in time that the processor gave. Nothing sleeps. FP3, Box2D and Rapier have 4 substeps within a step; the others make
 one step of 1/60 s, as their users do, and stand worse than above. The columns: the scene; the engine; loose bodies; steps that it settled;
-nanoseconds for a step of a body; how many times that of Box2D, which is the user's own one if there is one. The grid of pins and
-the chain of 200 were measured so, at revision `710483e2` and beside other work, which takes most from two threads; all had 20 s and 11 turns in the rows of other scenes, which are older.
+nanoseconds for a step of a body; how many times that of Box2D, which is the user's own one if there is one.
 
-FP3 steps pyramids of cubes 2.6 to 2.8 times as fast as Rapier and Box3D; 3 times was the aim. Passes over contacts, which are wide already, take the largest part of
-such a step, nearly a third."""
+What was aimed at and is not reached:
+
+- *Pyramids of cubes*: 3 times the speed of Rapier and Box3D; the table has 2.5 to 2.9. Passes over contacts, which are wide already, take the largest part of such a step,
+  nearly a third.
+- *`mixed 2000`*: 230 ns. No part of its step takes more than a tenth of it: who has moved, which boxes meet, where shapes touch, rows and passes each take some per cent.
+- *Two threads*: 1.7 times the speed of one. The wall and the larger pyramid in space reach it. In a plane a step of `pyramid 40` takes a quarter of a millisecond, and the two wait for each other
+  after each colour of each pass; `pyramid 100`, whose step is eight times as long, gains more."""
 
 ERROR = """\
 How far an engine is from theory when it may take shorter substeps, and what a step of 1/60 s costs then. *Double pendulum*: two rods of 1 m let go from the
