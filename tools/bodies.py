@@ -27,6 +27,7 @@ SOME = {"fp3, laws on fast": ("speed",), "fp3, threads 2": ("speed",), "mujoco":
 OWN = "fp3"
 BESIDE = ("own box2d", "box2d")  # whom FP3 is compared with, who has as much time as FP3
 SETTLE, MOST, OTHERS, TURN, TURNS = 600, 20.0, 4.0, 0.1, 5  # steps before a scene is timed; seconds that they may take, and may of other peers; seconds of a turn; turns
+LIMIT = 15.0  # seconds that a peer has for an answer, beside twice what the scene may take
 STAND, OTHERS_STAND = 100.0, 6.0  # seconds that a scene may take to stand, and may of other peers
 
 
@@ -273,7 +274,7 @@ def main():
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="only these (default: all)")
     parser.add_argument("--engines", nargs="+", help="only these (default: all that are installed)")
     parser.add_argument("--scenes", nargs="+", help="of other parts than truths, only these")
-    parser.add_argument("--limit", type=float, default=15.0, metavar="SECONDS", help="what a peer has for an answer, beside twice what the scene may take (default: 15)")
+    parser.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS", help="what a peer has for an answer, beside twice what the scene may take (default: %(default)g)")
     parser.add_argument("--output", type=pathlib.Path, default=bench.ROOT / "build/results/bodies.json", help="the file to write")
     options = parser.parse_args()
     if options.scenes and "truths" in options.parts:

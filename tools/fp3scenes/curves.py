@@ -55,7 +55,7 @@ def turns(options, scene, made, failed):
 
 def chain(options, say):
     """Its rows in the form of these: a step is a substep."""
-    lab = bodies.Lab(argparse.Namespace(peers=options.peers, engines=RODS, quick=False, scenes=[CHAIN]), say)
+    lab = bodies.Lab(argparse.Namespace(peers=options.peers, engines=RODS, quick=False, scenes=[CHAIN], limit=bodies.LIMIT), say)
     try:
         for row in lab.error()["error"]:
             engine, _, method = row["engine"].partition(", ")
