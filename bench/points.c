@@ -100,7 +100,7 @@ static const struct argp_option table[] = {
     {"json", KEY_JSON, "FILE", 0, "Where the points go", 0},
     {"engine", KEY_ENGINE, "NAME", 0, "Of fp3: fast (default) or isa", 0},
     {"integrator", 'i', "NAME", 0, "May be repeated (default: all)", 0},
-    {"quick", KEY_QUICK, NULL, 0, "Few tolerances, few objects, three repeats", 0},
+    {"quick", KEY_QUICK, NULL, 0, "Few tolerances, few objects", 0},
     {"problem", KEY_PROBLEM, "FILE", 0,
      "Where the equations go in Python, and of every object its start and its truth; a model with "
      "events has none",

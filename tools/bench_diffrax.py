@@ -8,6 +8,7 @@ relative to the size of each, as it is for the other solvers. Its implicit solve
 A run is of the variants alone, or of 256 copies of each.
 """
 
+import concurrent.futures
 import json
 import math
 import os
@@ -63,12 +64,24 @@ def timed(run):
     return found, time.perf_counter() - begin
 
 
-def sweep(problem, method, dtype, copies, points, left_out):
+class Sweep:
+    """A solver on one number of objects, compiled: of fixed shapes, so that several are compiled at once."""
+
+    def __init__(self, problem, method, dtype, copies):
+        self.problem, self.method, self.dtype, self.copies = problem, method, dtype, copies
+        scale = jnp.array([s or 1 for s in problem["scale"][0]], dtype)
+        self.p, self.y = (jnp.tile(jnp.array(problem[name], dtype).reshape(len(problem["truth"]), -1), (copies, 1)) for name in ("params", "initial"))
+        self.lowered = solver(problem, method, scale).lower(self.p, self.y, jnp.asarray(0.1, dtype))
+
+    def compile(self):
+        self.solve = self.lowered.compile()
+        return self
+
+
+def sweep(made, points, left_out):
+    problem, method, dtype, copies, p, y, solve = made.problem, made.method, made.dtype, made.copies, made.p, made.y, made.solve
     about = {"model": problem["model"], "engine": "diffrax", "method": method, "integrator": None, "arithmetic": dtype, "config": None, "h": None}
-    scale = jnp.array([s or 1 for s in problem["scale"][0]], dtype)
     count = len(problem["truth"])
-    p, y = (jnp.tile(jnp.array(problem[name], dtype).reshape(count, -1), (copies, 1)) for name in ("params", "initial"))
-    solve = solver(problem, method, scale)
     for digits in TOLERANCES[dtype][::1 if copies == 1 else 2]:
         tolerance = jnp.asarray(10.0 ** -digits, dtype)
         (ends, is_good), first = timed(lambda: solve(p, y, tolerance))
@@ -91,11 +104,12 @@ def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         problem = json.load(file)
     points, left_out = [], []
-    for dtype in TOLERANCES:
-        for method in METHODS[dtype]:
-            for copies in COPIES:
-                print(f"{problem['model']}: diffrax, {method}, {dtype}, {copies * len(problem['truth'])} objects", file=sys.stderr)
-                sweep(problem, method, dtype, copies, points, left_out)
+    print(f"{problem['model']}: diffrax, compiled", file=sys.stderr)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        compiled = list(pool.map(Sweep.compile, [Sweep(problem, method, dtype, copies) for dtype in TOLERANCES for method in METHODS[dtype] for copies in COPIES]))
+    for made in compiled:
+        print(f"{problem['model']}: diffrax, {made.method}, {made.dtype}, {len(made.p)} objects", file=sys.stderr)
+        sweep(made, points, left_out)
     temporary = f"{sys.argv[2]}.{os.getpid()}"
     with open(temporary, "w", encoding="utf-8") as file:
         json.dump({"points": points, "left_out": left_out, "versions": {"diffrax": diffrax.__version__, "JAX": jax.__version__}}, file, indent=1)

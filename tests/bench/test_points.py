@@ -62,7 +62,7 @@ def test_smaller_steps_and_tolerances_give_smaller_errors(oscillator):
     rk4 = {point["steps"]: point["error_median"] for point in oscillator["points"]
            if point["engine"] == ENGINE and (point["integrator"], point["arithmetic"]) == ("rk4", "compensated")}
     assert math.log2(rk4[64] / rk4[128]) > 3.5                # fourth order
-    assert {1, 2, 3, 4, 6, 8, 12, 16} & set(rk4) == set(rk4) & set(range(17)) and rk4[64] > rk4[96] > rk4[128]
+    assert set(rk4) & set(range(17)) <= {1, 2, 4, 8, 16}
     for engine, method in SOLVERS - {("plain_c", "scalar"), ("plain_c", "vectors"), ("gsl", "rk4")}:
         of = {point["tolerance"]: point["error_median"] for point in oscillator["points"] if point["method"] == method}
         assert of[1e-6] < 1e-3 and of[1e-6] < of[1e-2] / 10, (engine, method)       # of 1e-10 one or another takes too long
@@ -206,7 +206,7 @@ def test_without_times_two_runs_write_the_same(fp3, root, tmp_path):
         points = json.loads((tmp_path / "0.json").read_text())["points"]
         assert {point["engine"] for point in points} == {"rtl"} and all(point["ns_per_object"] is None for point in points)
         steps[config] = {point["steps"] for point in points if point["arithmetic"] == "compensated"}
-    assert len(steps["many_full"] & steps["flush"]) > 10
+    assert len(steps["many_full"] & steps["flush"]) > 6
 
 
 def test_times_are_left_out_of_one_configuration_only(fp3, root):

@@ -20,25 +20,24 @@ static const char export[] =
 
 fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
     fp3_measure_options o = {.variants = 64,
-                             .repeats = 5,
+                             .repeats = 3,
                              .patience = 0.15,
                              .engine = engine,
                              .most_work = 2e9,
                              .has_times = 1,
                              .objects = 16384,
                              .object_steps = 1 << 20,
-                             .most_rungs = 35,
+                             .most_rungs = 18,
                              .fewest_digits = 2,
                              .most_digits = 10,
                              .digits_apart = 1,
                              .has_threads = 1};
     if (is_quick) {
-        o.repeats = 3;
         o.patience = 0.2;
         o.most_work = 1e8;
         o.objects = 1024;
         o.object_steps = 1 << 20;
-        o.most_rungs = 19;
+        o.most_rungs = 10;
         o.digits_apart = 2;
     }
     if (!strcmp(engine, "isa")) {

@@ -229,15 +229,15 @@ static unsigned repeats_of(const fp3_measure_points *points, const fp3_measure_p
                                            : points->repeats;
 }
 
-/* In turn: the first repeat of all, the second of all, ... */
+/* In turn: the second run of all, the third of all, ... */
 static fp3_status repeat_all(fp3_measure_points *points, fp3_error *error) {
     fp3_status status = FP3_OK;
-    for (unsigned r = 0; !status && r < points->repeats; r++) {
+    for (unsigned r = 1; !status && r < points->repeats; r++) {
         fp3_measure_points_say(points, "%zu points, time %u of %u", points->count, r + 1,
                                points->repeats);
         for (size_t i = 0; !status && i < points->count; i++) {
             fp3_measure_point *p = &points->point[i];
-            if (r < p->repeats && p->repeats > 1)
+            if (r < p->repeats)
                 status = p->run(p, &p->seconds[r], error);
         }
     }

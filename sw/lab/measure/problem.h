@@ -28,8 +28,8 @@ void fp3_measure_problem_close(fp3_measure_problem *problem);
 void fp3_measure_problem_errors(const fp3_measure_problem *problem, const double *ends,
                                 double *median, double *worst);
 
-/* Fixed steps that are tried: 1, 2, 3, 4, 6, 8, 12, 16, ... over the span, so that their cost grows
- * no faster than that of the tolerances of others. */
+/* Fixed steps that are tried: 1, 2, 4, 8, ... over the span. Between two of them errors follow the
+ * order of the method. */
 uint64_t fp3_measure_steps(unsigned rung);
 
 double fp3_measure_median(const double *values, unsigned count);

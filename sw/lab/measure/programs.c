@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* programs.c - programs of fp3 on its own engines: the points, and that all engines agree.
  *
- * Fixed time steps are span/1, span/2, span/3, span/4, span/6, ..., rounded once: what that moves
+ * Fixed time steps are span/1, span/2, span/4, span/8, ..., rounded once: what that moves
  * the end is part of the error. With events they are also cut there. Adaptive ones have tolerances
  * 10^-2, 10^-3, ... A short run says which are worth a point.
  */
@@ -20,18 +20,18 @@
 #define CONFIG "many_full" /* unless another is asked for */
 #define CHECKED_STEPS 8    /* of fixed ones, of the runs in which engines are compared */
 #define CHECKED_OBJECTS 8  /* of the others, whose runs are whole, on isa */
-#define RUNGS_WORSE 4      /* after so many without a smaller error nothing is left but rounding */
-#define RUNGS_AFTER 20 /* beyond the first time step that solves it: 1,024 times as many steps */
+#define RUNGS_WORSE 2      /* after so many without a smaller error nothing is left but rounding */
+#define RUNGS_AFTER 10 /* beyond the first time step that solves it: 1,024 times as many steps */
 #define SOLVED 0.1     /* ... if the error was once below this */
-#define RUNGS_BEHIND 3 /* after so many in a row that are hopeless ... */
-#define RUNGS_FAR 8    /* ... so far beyond that first time step: shorter ones win nothing */
+#define RUNGS_BEHIND 2 /* after so many in a row that are hopeless ... */
+#define RUNGS_FAR 4    /* ... so far beyond that first time step: shorter ones win nothing */
 #define ERROR_MOST 0.5
 /* Instructions of such runs of a family on one configuration. A run is left out if another one on
  * the same configuration takes FAR times fewer. */
 #define HARDWARE_MOST 3e5
 #define FAR 4
 #define CUTS_MOST 4096 /* attempts to find events, beside steps */
-#define PACES_MOST 48
+#define PACES_MOST 24
 
 /* Those whose cycles are predicted, and that were placed: docs/results.md has their clocks. */
 static const char *const hardware[] = {"many_full", "single_full", "many", "single",
