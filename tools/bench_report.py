@@ -25,7 +25,7 @@ takes.
 - *Times* are nanoseconds for one object over the whole span, medians of repeats. Methods that solve the same model alternate on the same machine, so a
   slow machine slows all of them. A run of `fast` has up to 16,384 objects. Compiling the program and writing the start are not timed.
 - *Fixed time steps* are the span over 1, 2, 4, 8, ..., until smaller steps gain nothing, or down to 1,024 times below the first that solves the
-  model. A step is not timed if it takes more than 8 times the instructions of one that is at least as accurate. Two such steps in a row, in the same
+  model. A time is of a run, so it may be up to twice that of the best step for its error. A step is not timed if it takes more than 8 times the instructions of one that is at least as accurate. Two such steps in a row, in the same
   arithmetic, end the list, if they are at least 16 times below the first; of tolerances any two do. Points within 1.5 times the fastest equally
   accurate point of their engine are run up to 3 times, and with all threads, too. All others are run once.
 - *Adaptive steps* (`dopri5 adaptive` and so on) have tolerances from 1e-2 down, until an object does not reach the end or the arithmetic has no such
