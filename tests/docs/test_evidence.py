@@ -131,6 +131,12 @@ def test_a_configuration_is_what_its_top_reaches(config, module, counts, monkeyp
     assert (texts() != before) == counts
 
 
+def test_a_constant_counts_where_it_is_named():
+    header = "localparam [15:0] ADDR_A = 1; // one\nlocalparam B = 2;\nlocalparam C_HI = B;\n"
+    assert probes.without_unused([header, "assign x = ADDR_A;"]) == ["localparam [15:0] ADDR_A = 1; // one\nlocalparam B = 2;\n", "assign x = ADDR_A;"]
+    assert probes.without_unused([header, "assign x = ADDR_A + C_HI;"])[0] == header
+
+
 @pytest.mark.parametrize("wrong, said", [
     ('kind = "guess"', "kind 'guess', expected exact"), ('inputs = ["tooling"]', "input 'tooling', expected a name in [inputs]"),
     ('inputs = ["tools/*.none"]', "no file is 'tools/*.none'"), ("colour = 1", "unknown key 'colour'")])

@@ -4,6 +4,7 @@ A source may change and its program not. So a figure about a program depends on 
 probe said is kept in build/evidence/ for as long as the command and the probed files are the same.
 """
 
+import collections
 import concurrent.futures
 import functools
 import hashlib
@@ -21,6 +22,7 @@ KEPT = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build")) / "evidence/pro
 WAYS = ((), ("-k",), ("--double-single",))
 LISTED = ROOT / "isa/configs.toml"
 CONFIGS = [row["name"] for row in tomllib.loads(LISTED.read_text(encoding="utf-8"))["config"]] if LISTED.exists() else []
+CONSTANT = re.compile(r"^localparam +(?:\[\S+\] +)?(\w+) *=[^;\n]*;[^\n]*\n", re.M)
 THOROUGH = ("kepler", "oscillator")         # whose tables have a row for each integrator
 
 
@@ -113,6 +115,12 @@ def with_headers(paths):
     return sorted(found)
 
 
+def without_unused(texts):
+    """Without the constants of headers that are named nowhere else: those of parts that a configuration does not have."""
+    count = collections.Counter(word for text in texts for word in re.findall(r"\w+", text))
+    return [CONSTANT.sub(lambda line: "" if count[line[1]] == 1 else line[0], text) for text in texts]
+
+
 @functools.cache
 def described():
     from fp3gen.read import load
@@ -133,7 +141,8 @@ def hardware(config):
             modules = modules_of(top)
             folders = re.findall(r"^-y (\S+)", (ROOT / "rtl/fp3.f").read_text(encoding="utf-8"), re.M)
             files = with_headers(path for folder in folders for path in (ROOT / folder).glob("*.v") if path.stem in modules)
-            return [f"{path.name} {inputs.bare(path.name, path.read_text(encoding='utf-8'))}" for path in (top, *files)]
+            texts = [path.read_text(encoding="utf-8") for path in (top, *files)]
+            return [f"{path.name} {inputs.bare(path.name, text)}" for path, text in zip((top, *files), without_unused(texts))]
     return probe, ("rtl/**/*.v", "rtl/**/*.vh", "rtl/fp3.f", "isa/*.toml", "tools/tops.py", "tools/fp3gen/*.py")
 
 
