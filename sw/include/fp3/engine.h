@@ -27,8 +27,8 @@
  * configuration with several schedulers.
  *
  * Threads: only one thread at a time may use an engine; engines in different threads do not affect
- * each other. Callbacks run in the thread that calls the engine. `tasks` alone runs work in other
- * threads of the caller.
+ * each other. Callbacks run in the thread that calls the engine. Only `tasks` uses other threads of
+ * the caller.
  *
  * After `make install`, build a program that uses it with
  *     cc ship.c $(pkg-config --cflags --libs fp3)
@@ -51,8 +51,8 @@ typedef struct fp3_engine fp3_engine;
  * mode of its configuration: a callback that computes must set its own mode, and restore the old
  * one. */
 typedef struct {
-    uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run; of groups that
-                        see each other, those of the group's own core */
+    uint64_t cycle;  /* rtl: clock cycles since open; isa: instructions of this run; if groups see
+                        each other, cycles of the group's own core */
     uint32_t object; /* 0 .. fp3_engine_objects() - 1 */
     uint32_t reg;    /* object register */
     uint32_t bits;   /* FP32; for sleep, the number of the step */
@@ -113,7 +113,7 @@ typedef struct {
     /* Number of objects. 0 (default): one for each context of each lane. A configuration that does
      * not interleave has one object. */
     uint32_t objects;
-    /* Steps per visit. 0 (default): all steps of a run. Only of configurations that interleave. */
+    /* Steps per visit. 0 (default): all steps of a run. Only for configurations that interleave. */
     uint32_t visit;
     uint32_t seed; /* with `storage`: stores round at random from this seed; 0: to nearest */
     /* isa and rtl: called for every retirement, or NULL. Must not call the engine. */
@@ -156,7 +156,7 @@ typedef struct {
 
 /* What a run cost. For each scheduler, cycles = the sum of issued_* and stall_*. An instruction
  * counts once, however many lanes execute it. "isa" issues in every cycle and never stalls. All
- * counters of "fast" are 0, and those of hardware whose configuration has no counters. */
+ * counters are 0 on "fast", and on hardware whose configuration has no counters. */
 typedef struct {
     uint64_t counter[FP3_COUNTER_COUNT]; /* sums over schedulers; cycles: the maximum */
     uint32_t schedulers;                 /* each has its own counters; isa: 1 */
@@ -199,10 +199,11 @@ fp3_status fp3_engine_find(const char *port, uint32_t baud, const char **config,
 size_t fp3_engine_objects(const fp3_engine *engine);
 
 /* Use of the hardware's bus since the engine was opened: transfers is the number of words written
- * and read; cycles is the sum of cycles from a transfer's first handshake to its response, which no
- * run counts (board: 0). With board, requests is the number of requests sent over the line, repeats
- * the number sent again because an answer was lost or late, and bytes the bytes on the line both
- * ways. All members are 0 for engines without a bus. */
+ * and read. cycles is the time from a transfer's first handshake to its response, summed over all
+ * transfers; the counters of runs do not include these cycles (board: 0). With board, requests is
+ * the number of requests sent over the line, repeats the number of requests sent again because an
+ * answer was lost or late, and bytes the number of bytes on the line in both directions. All
+ * members are 0 for engines without a bus. */
 typedef struct {
     uint64_t transfers, cycles;
     uint64_t requests, repeats, bytes;
@@ -224,8 +225,9 @@ fp3_status fp3_engine_write_native(fp3_engine *engine, const char *path);
 /* Loads the code and the constants that have values; everything else keeps its contents. The image
  * is copied. The first step of the next run has the number 1. FP3_E_PROGRAM: the configuration has
  * too few registers, constants or words, lacks an operation, or its store has no room for that many
- * objects of this program; the engine is unchanged. A word that is not an instruction ends the run
- * later; only "fast" refuses such a word here, and an lds that follows anything but loads. */
+ * objects of this program; the engine is unchanged. If a word is not an instruction, a later run
+ * ends there. Only "fast" refuses such a word here; it also refuses an lds after anything but
+ * loads. */
 fp3_status fp3_engine_load(fp3_engine *engine, const fp3_image *image);
 
 /* A word that a program reads of objects of another group (docs/relations.md#kinds). */
@@ -239,32 +241,32 @@ typedef struct {
 typedef struct {
     const fp3_image *image;
     size_t objects; /* at least 1 */
-    /* What it reads of other groups. All groups then make each step together, phase by phase.
-     * NULL: nothing. */
+    /* The words that it reads of other groups; NULL: none. If any group has some, all groups make
+     * each step together, phase by phase. */
     const fp3_foreign *foreign;
     size_t foreign_count;
 } fp3_group;
 
-/* The same with one program per group. Objects are numbered group by group; the groups together
- * must have the engine's number of objects. Groups that read words of others (up to 8 groups) make
- * each step together, phase by phase; cycles of hardware are then the sum over the groups.
- * Otherwise a scheduler runs one program. Each group gets at least one scheduler; the other
- * schedulers are distributed so that all groups end as early as possible if no object sleeps. The
- * objects of a group are dealt one by one to the lanes of its schedulers. An object that moves to
- * another place keeps its registers and its status. Registers beyond its new record are lost;
- * registers beyond its old record are 0. Constants belong to a group, and a new group's start at 0.
- * FP3_E_ARGUMENT: a group has no objects, or the groups have more or fewer objects than the engine.
- * FP3_E_PROGRAM: as above, or more groups than schedulers. If groups see each other: more than 8
- * groups, a word that its group does not have, or a def with a trace, a bus log, native code, a
- * cycle limit, a board or ranks. */
+/* Loads one program per group. Objects are numbered group by group; the groups together must have
+ * the engine's number of objects. If a group reads words of others, all groups (at most 8) make
+ * each step together, phase by phase, and cycles of hardware are the sum over the groups. Otherwise
+ * each group gets at least one scheduler, and the remaining schedulers are distributed so that all
+ * groups end as early as possible if no object sleeps. The objects of a group are dealt one by one
+ * to the lanes of its schedulers. An object that moves to another place keeps its registers and its
+ * status. If its new record is shorter, the registers beyond it are lost; if it is longer, the new
+ * registers are 0. Constants belong to a group; those of a new group are 0. FP3_E_ARGUMENT: a group
+ * has no objects, or the groups have more or fewer objects than the engine. FP3_E_PROGRAM: as for
+ * fp3_engine_load, or there are more groups than schedulers. If groups see each other, also: more
+ * than 8 groups, a word that its group does not have, or a def with a trace, a bus log, native
+ * code, a cycle limit, a board or ranks. */
 fp3_status fp3_engine_load_groups(fp3_engine *engine, const fp3_group *groups, size_t count);
 /* The number of groups: 1 before the first load. */
 size_t fp3_engine_groups(const fp3_engine *engine);
 
-/* Write or read register reg of objects first .. first+count-1. values has count floats; their bits
- * are kept, even a NaN's, where words are floats (docs/logarithmic.md). FP3_E_ARGUMENT: no such
- * object or register, no room for the register with this number of objects, or a value that the
- * format cannot represent; nothing is written. */
+/* Write or read register reg of objects first .. first+count-1. values has count floats. If words
+ * are floats (docs/logarithmic.md), their bits are kept, even those of a NaN. FP3_E_ARGUMENT: no
+ * such object or register, no room for the register with this number of objects, or a value that
+ * the format cannot represent; nothing is written. */
 fp3_status fp3_engine_write(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
                             const float *values);
 fp3_status fp3_engine_read(fp3_engine *engine, size_t first, size_t count, uint32_t reg,
@@ -299,16 +301,17 @@ fp3_status fp3_engine_get(fp3_engine *engine, size_t object, const char *name, f
  * the first part once, the step part once per step, and the last part once. 0 steps execute
  * nothing. An object that falls asleep still executes the last part of that visit, and then
  * nothing.
- * FP3_E_ARGUMENT: too many steps; or an object's `steps` would pass FP3_STEPS_LIMIT, or what its
- * words can count; or there is a cycle limit, and an object is born or gone during the run. Nothing
- * was executed.
+ * FP3_E_ARGUMENT: too many steps; or an object's `steps` would exceed FP3_STEPS_LIMIT, or the
+ * largest number that its words can count; or there is a cycle limit, and an object is born or gone
+ * during the run. Nothing was executed.
  * FP3_E_PROGRAM: an illegal instruction. FP3_E_LIMIT: the cycle limit was reached; the run ends
  * within a step, a few cycles late. After either, registers can be read, stats (may be NULL) is
  * filled, and the next run numbers its steps as if this run had not taken place. If the
  * configuration interleaves, objects hold what their last complete visit stored (if they see each
  * other: docs/neighbours.md); otherwise all instructions before the end were executed.
- * From the second run after a load on, a run begins by reading back the states and the registers
- * that its programs load, unless they were written since: fp3_engine_failure may need them. */
+ * Except for the first run after a load, a run begins by reading back the states, and the registers
+ * that its programs load, because fp3_engine_failure may need them. It does not read registers that
+ * were written since. */
 fp3_status fp3_engine_run(fp3_engine *engine, uint64_t steps, fp3_stats *stats);
 
 /* The counters of one scheduler in the last run. FP3_E_ARGUMENT: the run had no such scheduler,
@@ -380,17 +383,17 @@ fp3_status fp3_engine_wake(fp3_engine *engine, size_t first, size_t count);
 fp3_status fp3_engine_remove(fp3_engine *engine, size_t first, size_t count);
 
 /* Objects first .. first+count-1 live from step `born` to step `gone`, counted from the load: they
- * make the steps born + 1 .. gone and cost no cycles in any other. Before, they hold what the host
- * wrote; afterwards, their last values. A load makes all objects live from 0 to FP3_FOREVER. The
- * program needs no sleep. A run is split where an object is born or gone. Each part executes the
- * first and the last part of the program, which must only prepare and complete values, and the host
- * looks at each object. FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is
+ * make the steps born + 1 .. gone, and cost no cycles in other steps. Before, they hold what the
+ * host wrote; afterwards, their last values. A load makes all objects live from 0 to FP3_FOREVER.
+ * The program needs no sleep. A run is split where an object is born or gone. Each part executes
+ * the first and the last part of the program, which must only prepare and complete values, and the
+ * host looks at each object. FP3_E_ARGUMENT: gone is not above born, no such object, or nothing is
  * loaded. FP3_E_PROGRAM: the configuration interleaves but has no `sleep`, so it visits all its
- * objects, unless they see each other. After an error nothing is changed. An object that does not
- * live is not seen by others. A link exists, with what it remembers, while both of its ends live; a
- * near pair forgets when one of the two does not live. An object whose state FP3_NAME_REMOVED
- * (fp3/image.h) is not 0 never lives; if a program has this state, each step is a part of its
- * own. */
+ * objects, unless they see each other. After an error nothing is changed. Other objects do not see
+ * an object that does not live. A link exists, and keeps its fields, while both of its ends live; a
+ * near pair forgets its fields when one of the two does not live. An object whose state
+ * FP3_NAME_REMOVED (fp3/image.h) is not 0 never lives; if a program has this state, each step is a
+ * part of its own. */
 #define FP3_FOREVER UINT64_MAX
 fp3_status fp3_engine_live(fp3_engine *engine, size_t first, size_t count, uint64_t born,
                            uint64_t gone);
@@ -415,8 +418,8 @@ typedef struct {
     const uint32_t *begin;
     const uint32_t *other; /* of each entry: the neighbour, counted in the group */
     const float *fields;   /* of each entry, entry by entry; NULL: the list has none */
-    /* 0: neighbours are of the same group; else 1 + the group that they are of, in which `other`
-     * counts them. The program reads that group's words (fp3_foreign). */
+    /* 0: neighbours are of the same group. Else 1 + the number of their group; `other` then counts
+     * in that group, and the program reads that group's words (fp3_foreign). */
     size_t kind;
 } fp3_neighbours;
 
@@ -434,10 +437,10 @@ fp3_status fp3_engine_set_neighbours(fp3_engine *engine, size_t group, const cha
 typedef struct {
     size_t count;
     const uint32_t *a, *b; /* of each link: its objects, counted in their group */
-    /* Columns of fields, one number for each link, by the fields' names. A program has them as it
-     * has params: rounded to FP32, or in double-single to a sum of two words. A field without a
-     * column has the model's default. An image has no names and no defaults: its columns are in the
-     * order in which the program reads the fields. */
+    /* Columns of fields, one number for each link, by the fields' names. A program gets them as it
+     * gets params: rounded to FP32, or in double-single to a sum of two words. A field without a
+     * column has the model's default. An image has no names and no defaults; give the columns in
+     * the order in which the program reads the fields. */
     const char *const *names;
     const double *const *fields;
     size_t field_count;
@@ -451,14 +454,15 @@ typedef struct {
     /* Lists reach farther by this distance, so they stay valid until an object has moved by half of
      * the skin. 0: lists are made in each phase. At most 2^63. The skin changes no bit. */
     double skin;
-    size_t kind;           /* as of fp3_neighbours */
-    const char *theirs[3]; /* of another group: this program's params with its position */
+    size_t kind;           /* as in fp3_neighbours */
+    const char *theirs[3]; /* if they are of another group: this program's params that have their
+                              position */
     /* Params that are added to the reach of a pair, one of the object and one of the neighbour;
      * within one group, `radius` of both. NULL: nothing is added. A run ends with FP3_E_ARGUMENT if
      * an object has a value that is neither 0 nor from 2^-50 to 2^61. */
     const char *radius, *their_radius;
-    /* With radii, if above 0: this share of the reach of two objects with the middle radius
-     * replaces `skin`. */
+    /* With radii: if above 0, the skin is this share of the reach of two objects with the median
+     * radius, and `skin` is ignored. */
     double share;
     /* The second word of each component of the position, if it is a sum of two words, as in
      * double-single. NULL: it is one word. */
@@ -467,8 +471,8 @@ typedef struct {
 
 /* Lets the engine make a list, and renew it before a pair could be missed. Lists may contain
  * objects beyond reach; the program must skip them itself. An object whose position is not finite
- * is near no other object. Fields that the program writes (`stl`) are 0 for a pair that comes into
- * the list, and stay as long as the pair is in it, also when the reach is set again; a program must
+ * is near no other object. Fields that the program writes (`stl`) are 0 for a pair that enters the
+ * list, and stay as long as the pair is in the list, even if the reach is set again. A program must
  * write 0 for a pair beyond reach. FP3_E_ARGUMENT: as above; or the program reads fields that it
  * does not write. */
 fp3_status fp3_engine_set_near(fp3_engine *engine, size_t group, const char *name,
