@@ -7,31 +7,31 @@ from fp3scenes import problems
 from plot import draw
 
 HEAD = """\
-How far from the truth a scene ends, against what it costs: by FP3's engine `fast`, one thread, and by others that step the same equations on one thread of the
-same processor. Who takes shorter steps pays more for a smaller error, so each method is a curve, with a mark for each length of step. Lower is more exact, and farther left is
+This page sets the error of a scene against its cost. FP3's engine `fast` and other engines step the same equations, each on one thread of the same processor.
+Shorter steps cost more and have a smaller error, so each method is a curve, with a mark for each length of step. Lower is more accurate, and farther left is
 cheaper.
 
-- *Error*: each section says of what, as a share of what. The truth is computed in double from the scene's equations ([truth.md](truth.md#scenes)) by code that shares
-  nothing with FP3's compiler and engines.
+- *Error*: each section defines its error, and the size that the error is divided by. The truth is computed in double from the scene's equations
+  ([truth.md](truth.md#scenes)) by code that shares nothing with FP3's compiler and engines.
 - *Cost*: processor time of the whole run, for one object and one second of the scene: the shortest of up to {turns} runs, which all engines make one after another. Reading the scene
   and compiling are not in it.
-- *Steps* become shorter from mark to mark, to the right. IAS15 chooses its steps, and its marks are tolerances. A run that bursts has no mark.
-- In a table, a cell is the error, then the cost in µs. An error is bold if no row of the scene has a smaller one for as much time or less.
+- *Steps* become shorter from left to right along a curve. IAS15 chooses its steps, so its marks are tolerances. *Bursts* means that the run is unstable; it has no mark.
+- *Tables*: a cell has the error, then the cost in µs. An error is bold if no row of the scene has a smaller error for the same time or less.
 
 *FP3*, *Taichi*, *Warp*, *Box2D* and *Rapier* compute in float32, *REBOUND*, *LAMMPS* and *MuJoCo* in double. Taichi and Warp are languages for kernels and have no
-integrators: the kernels are ours (`tools/fp3scenes/by_taichi.py`, `by_warp.py`), written as their own examples are. Taichi makes all steps within one kernel. REBOUND, LAMMPS
-and MuJoCo are given the scene, and step it by their own methods and in their own code.
+integrators, so we wrote the kernels (`tools/fp3scenes/by_taichi.py`, `by_warp.py`) after their own examples. Taichi makes all steps within one kernel. REBOUND, LAMMPS
+and MuJoCo get the scene, and step it by their own methods and in their own code.
 
-What is not fair:
+The comparison is not fair in these points:
 
-- The scenes are FP3's own, and small: 160 to 2,304 objects. Taichi and Warp are made for GPUs and for many more. Warp starts each kernel from Python, which costs some microseconds a step.
-- Taichi and Warp are here by one method each. Others could be written in them, too, so compare rows of the same method: FP3's `rk4` beats them by its order.
-- Everybody has one thread, and all could have several.
-- FP3's first step makes its lists and takes up to a millisecond, which is in its cost: two fifths of it where steps are few (`balls` with 1/128 s). LAMMPS makes its first lists before its time begins.
-- REBOUND, LAMMPS and MuJoCo carry 16 digits, FP3 7. MuJoCo's springs are flexible bodies, which could also touch each other.
-- Where motion is chaotic (`heap`, and `dam` in the end), single objects have no truth. The error is that of a figure of the whole.
+- The scenes are FP3's own, and small: 160 to 2,304 objects. Taichi and Warp are made for GPUs and for many more objects. Warp starts each kernel from Python, which costs some microseconds per step.
+- In each scene Taichi and Warp have one method only. Other methods could be written in them, too. So compare rows of the same method: FP3's `rk4` beats them by its order.
+- All engines have one thread here, and all could have several.
+- The cost of FP3 includes making its first lists, which takes up to a millisecond. If there are few steps, this is two fifths of the cost (`balls` with 1/128 s). The cost of LAMMPS does not include its first lists.
+- REBOUND, LAMMPS and MuJoCo compute with 16 digits, FP3 with 7. MuJoCo's springs are flexible bodies, which could also touch each other.
+- If motion is chaotic (`heap`, and `dam` at the end), single objects have no truth. The error is then that of a quantity of the whole scene.
 
-Single objects have such curves beside GSL, SUNDIALS and others in [benchmarks.md](benchmarks.md)."""
+[benchmarks.md](benchmarks.md) has such curves for single objects, beside GSL, SUNDIALS and others."""
 
 ABOUT = {
     "cloth": "A cloth of 20 x 20 masses with dampers hangs from two corners and falls for {seconds:g} s. Taichi and Warp find neighbours by their place in the grid; FP3 reads lists of links.",
@@ -39,8 +39,8 @@ ABOUT = {
     "balls": "300 balls fall for {seconds:g} s, and some of them meet. The damper of a contact acts from the first touch on, so forces jump, and no method has more than first order for long. The truth itself is good to 1e-5 here. "
              "LAMMPS moves balls by velocity Verlet, with the damping of the speeds at half a step.",
     "stars": "300 bodies attract each other and fall together for {seconds:g} units of time; where they are close, gravity is softened.",
-    "heap": "1,000 balls fall into a box and come to rest within {seconds:g} s. Which ball lies where is chance: rounding alone changes it, and with it the mean height, by about a thousandth. So an error of "
-            "a thousandth is none, and steps shorter than the longest that does not burst buy nothing.",
+    "heap": "1,000 balls fall into a box and come to rest within {seconds:g} s. Rounding alone decides which ball lies where, and changes the mean height by about a thousandth. So an error of "
+            "a thousandth is no error, and steps below the longest stable step gain nothing.",
     "chain": "Ten rods of 0.5 m hang in a chain of hinges, are let go from the horizontal, and swing for {seconds:g} s: rigid bodies, which FP3 steps with its built-in solver. It is one of the runs of "
              "[bodies_error.md](bodies_error.md), which has more engines. A step is a substep of a frame of 1/60 s.",
     "dam": "A column of water, 800 particles (SPH), falls and runs along the floor for {seconds:g} unit of time. Where its front is then is known to 1e-6. Warp fills its grid of neighbours again for each evaluation.",
