@@ -52,14 +52,15 @@ typedef struct {
     const char *text;
     size_t text_size;
     const fp3_compiled *compiled;
-    size_t objects; /* 1 (default) to 2^25: the most that live at the same time */
-    int is_empty;   /* 0 (default): all of them live from the start; 1: nobody does */
+    size_t objects; /* 1 (default) to 2^25: the largest number that live at the same time */
+    int is_empty;   /* 0 (default): all live from the start; 1: none does */
 
     /* The next three members apply to a model that is not compiled yet. integrator: a built-in
-     * table or a file; NULL (default): rk4, or cash_karp if adaptive. The config of compile is NULL
-     * by default: "many_full", or "world" if objects see each other. */
+     * table or a file; NULL (default): rk4, or cash_karp if adaptive. compile.config: NULL
+     * (default): "many_full", or "world" if objects see each other. */
     const char *integrator;
-    const fp3_adaptive_def *adaptive; /* each object chooses its steps; NULL (default): all are h */
+    const fp3_adaptive_def *adaptive; /* each object chooses its steps; NULL (default): all steps
+                                         are h */
     fp3_compile_def compile;          /* arithmetic, passes, observed states */
 
     double h;           /* the time step; 0 (default): the model's */
@@ -101,13 +102,13 @@ void fp3_batch_close(fp3_batch **batch);
 /* ---- values ----
  *
  * FP3_E_ARGUMENT: there is no such name (the message suggests the nearest), no such object, or the
- * value is not finite; nothing is changed. A value below 2^-150 becomes 0. Whether the values
- * computed from it fit FP32 is checked by the next step. A state that is written before the first
- * step sets where its object starts. Later, the object goes on from there. A start that the model
- * computes from params follows these params, at the first step and after fp3_batch_restart, unless
- * the start itself is written. After the first step, an integrator that keeps earlier positions
- * (stoermer) refuses new states and another h; another h is also refused if the equations contain
- * t. */
+ * value is not finite; nothing is changed. A value below 2^-150 becomes 0. The next step checks
+ * whether values that are computed from it fit FP32. A state that is written before the first step
+ * is the start of its object. Later, the object continues from the new value. If the model computes
+ * a start from params, the start follows these params, at the first step and after
+ * fp3_batch_restart, unless the state itself is written. After the first step, an integrator that
+ * keeps earlier positions (stoermer) refuses new states and another h; another h is also refused if
+ * the equations contain t. */
 
 /* Sets a value of all objects, or a shared value. */
 fp3_status fp3_batch_set(fp3_batch *batch, const char *name, double value);
@@ -124,23 +125,22 @@ fp3_status fp3_batch_read(fp3_batch *batch, const char *const *names, size_t nam
 fp3_status fp3_batch_read_double(fp3_batch *batch, const char *const *names, size_t name_count,
                                  size_t first, size_t count, double *const *values);
 
-/* Several columns side by side, as in a buffer of vertices: number k of the n-th of these
- * objects is values[n * stride + k]. stride is in floats; numbers between stay as they are.
- * FP3_E_ARGUMENT: also if stride is below name_count. After an error, columns of earlier names are
- * written or read. */
+/* Several columns interleaved, as in a buffer of vertices: number k of the n-th of these objects is
+ * values[n * stride + k]. stride is in floats; other numbers stay as they are. FP3_E_ARGUMENT: also
+ * if stride is below name_count. After an error, columns of earlier names are written or read. */
 fp3_status fp3_batch_read_strided(fp3_batch *batch, const char *const *names, size_t name_count,
                                   size_t first, size_t count, float *values, size_t stride);
 fp3_status fp3_batch_write_strided(fp3_batch *batch, const char *const *names, size_t name_count,
                                    size_t first, size_t count, const float *values, size_t stride);
 
 /* Read-only pointer to the column of a state, or of a param of each object, as fp3_engine_column.
- * *values stays valid until the fp3_batch is closed, and changes with each step. Of objects that
- * see each other it shows them until the next fp3_batch_run, fp3_batch_add, fp3_batch_remove,
- * fp3_batch_link or fp3_batch_restart only: ask again after each. The column shows
- * values that were written before the first step from this call on, states that were written later
- * at once, and params after the next step at the latest. NULL: no such column; fp3_batch_read gives
- * a copy. FP3_E_ARGUMENT: no such name, or a value computed from written values is refused
- * as in fp3_batch_run. */
+ * *values stays valid until the fp3_batch is closed, and changes with each step. If objects see
+ * each other, it shows their values only until the next fp3_batch_run, fp3_batch_add,
+ * fp3_batch_remove, fp3_batch_link or fp3_batch_restart: ask again after each. The column shows
+ * values that were written before the first step, from this call on. A state that is written later
+ * shows at once, a param after the next step at the latest. NULL: no such column; fp3_batch_read
+ * gives a copy. FP3_E_ARGUMENT: no such name, or a value computed from written values is refused as
+ * in fp3_batch_run. */
 fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **values);
 
 /* ---- links (docs/relations.md) ----
@@ -154,12 +154,11 @@ fp3_status fp3_batch_column(fp3_batch *batch, const char *name, const float **va
  * not join two objects, or joins the same two as another link; or a field is not finite. After an
  * error the links are unchanged. */
 fp3_status fp3_batch_link(fp3_batch *batch, const char *relation, const fp3_links *links);
-/* Some more, behind those that the relation has; these keep what their pairs remember. Otherwise as
+/* Appends links to those of a relation, which keep what their pairs remember. Otherwise as
  * fp3_batch_link. fp3_batch_numbers gives the numbers of handles. */
 fp3_status fp3_batch_link_more(fp3_batch *batch, const char *relation, const fp3_links *links);
-/* Removes the links of pairs of objects, whose ends may be in either order; the others stay as they
- * are. FP3_E_ARGUMENT: a pair has no link of this relation, or is given twice; nothing is changed.
- */
+/* Removes the links of pairs of objects, whose ends may be in either order; all other links stay.
+ * FP3_E_ARGUMENT: a pair has no link of this relation, or is given twice; nothing is changed. */
 fp3_status fp3_batch_unlink(fp3_batch *batch, const char *relation, const uint32_t *ends_a,
                             const uint32_t *ends_b, size_t count);
 
@@ -169,12 +168,13 @@ fp3_status fp3_batch_unlink(fp3_batch *batch, const char *relation, const uint32
  * number of attempts until it reaches `until`. FP3_E_ARGUMENT: links are missing; a computed value
  * is refused as by fp3_compiled_inputs ("object 3: 1/m is inf"); nothing was executed.
  * FP3_E_FAILED: all steps were made and values can be read, but objects failed in them
- * (fp3_batch_failure); see may_fail. An object that has made its attempts, and can go on to `until`
- * in the next call, has not failed. Other errors are those of fp3_engine_run. */
+ * (fp3_batch_failure); see may_fail. An object that has made all its attempts, and can continue to
+ * `until` in the next call, has not failed. Other errors are those of fp3_engine_run. */
 fp3_status fp3_batch_run(fp3_batch *batch, uint64_t steps);
 /* The time since the start, with fixed steps. With adaptive steps, read `t`. */
 double fp3_batch_time(const fp3_batch *batch);
-/* Goes back to the starting states at time 0. Params, h, links, and who lives stay as they are. */
+/* Goes back to the starting states at time 0. Params, h and links do not change, and the same
+ * objects live. */
 fp3_status fp3_batch_restart(fp3_batch *batch);
 
 /* Which of the objects that live failed in the last fp3_batch_run, as fp3_engine_failure. text (may
@@ -187,32 +187,31 @@ fp3_status fp3_batch_failure(fp3_batch *batch, fp3_failure *failure,
 
 /* ---- objects that come and go ----
  *
- * An object that lives has a number, below `objects`, and a handle, which nobody else ever has; no
- * handle is 0. Columns have a place for each
- * number, also where nobody lives: what is written there no object ever sees. FP3_E_PROGRAM: the
- * configuration has no `sleep`, so all its objects make all steps, unless they see each other.
- */
+ * An object that lives has a number below `objects`, and a handle, which no other object ever has;
+ * no handle is 0. Columns have a place for each number, even if no object with this number lives;
+ * what is written to such a place, no object ever sees. FP3_E_PROGRAM: the configuration has no
+ * `sleep`, so all its objects make all steps, unless they see each other. */
 
-/* `count` objects are born: handles[i] receives the handle of each. They get the lowest numbers
- * that are free, in ascending order, and the model's defaults: states, params, t, and `steps` 0;
- * what the model starts from params follows those that are written before the next step. They have
- * no links. FP3_E_LIMIT: there is no room for them. After an error nobody was born. */
+/* `count` objects are born: handles[i] receives the handle of each. They get the lowest free
+ * numbers, in ascending order, and the model's defaults; t and `steps` are 0. Starts that the model
+ * computes from params follow the params that are written before the next step. They have no links.
+ * FP3_E_LIMIT: there is no room for them. After an error no object was born. */
 fp3_status fp3_batch_add(fp3_batch *batch, size_t count, uint64_t *handles);
-/* Removes objects: nobody sees them any more, and their links and what pairs remember of them are
- * gone for good. Their numbers are free for others. FP3_E_ARGUMENT: an object was removed before,
- * or occurs twice; nobody is removed. */
+/* Removes objects: no object sees them any more, and their links and what pairs remember of them
+ * are gone for good. Their numbers are free for others. FP3_E_ARGUMENT: an object was removed
+ * before, or occurs twice; none is removed. */
 fp3_status fp3_batch_remove(fp3_batch *batch, const uint64_t *handles, size_t count);
-/* How many have a handle: those that an event removed, too. */
+/* The number of objects that have a handle, including objects that an event removed. */
 size_t fp3_batch_living(const fp3_batch *batch);
-/* The numbers of objects; FP3_NOBODY of a handle whose object was removed, and of 0. An object has
- * one number as long as it lives. */
+/* The numbers of objects; FP3_NOBODY if a handle is 0 or its object was removed. An object has the
+ * same number as long as it lives. */
 void fp3_batch_numbers(const fp3_batch *batch, const uint64_t *handles, size_t count,
                        uint32_t *numbers);
-/* The handles of objects first .. first+count-1; 0: nobody lives there. FP3_E_ARGUMENT: no such
- * numbers. */
+/* The handles of objects first .. first+count-1; 0: no object with this number lives.
+ * FP3_E_ARGUMENT: no such numbers. */
 fp3_status fp3_batch_handles(const fp3_batch *batch, size_t first, size_t count, uint64_t *handles);
 /* As fp3_batch_write, fp3_batch_write_double and fp3_batch_read, of these objects in this order.
- * FP3_E_ARGUMENT: also if one was removed; nothing is changed then. */
+ * FP3_E_ARGUMENT: also if an object was removed; nothing is changed. */
 fp3_status fp3_batch_write_of(fp3_batch *batch, const char *name, const uint64_t *handles,
                               size_t count, const float *values);
 fp3_status fp3_batch_write_of_double(fp3_batch *batch, const char *name, const uint64_t *handles,
@@ -222,30 +221,31 @@ fp3_status fp3_batch_read_of(fp3_batch *batch, const char *name, const uint64_t 
 
 /* ---- who is where ----
  *
- * Questions about the objects that live, where they are now: `of` names a relation of near objects,
- * whose position is taken, or a state: a number, or a vector of 2 or 3 components. A position that
- * is not finite is nowhere. Points have as many numbers as positions, point after point. Distances
- * are computed in double; an object is within a distance if it is nearer than that. What is found
- * is given by numbers, in ascending order. FP3_E_ARGUMENT: no such relation or state, a number
- * beyond 2^500, or a radius that is neither 0 nor from 2^-500 to 2^500.
+ * These calls find living objects by their present positions. `of` names a relation of near
+ * objects, and means its position; or a state, which is a number or a vector of 2 or 3 components.
+ * An object whose position is not finite is never found. Points have the same number of components
+ * as positions, and follow each other. Distances are computed in double; an object is within a
+ * distance if it is nearer. Results are numbers of objects, in ascending order. FP3_E_ARGUMENT: no
+ * such relation or state, a number beyond 2^500, or a radius that is neither 0 nor from 2^-500 to
+ * 2^500.
  *
- * Where the number of answers is not known before, `room` is for how many there is room, and *count
- * receives how many there are: those that have no room are left out.
+ * If the number of results is not known before the call, the caller's arrays have space for `room`
+ * results. *count receives the number of all results; those beyond `room` are left out.
  */
 
-/* How many components these positions have. */
+/* The number of components of these positions. */
 fp3_status fp3_batch_dimensions(fp3_batch *batch, const char *of, uint32_t *dimensions);
 /* All pairs of objects within a distance of each other: a[i] below b[i], ascending by a and then b.
- * distance: 0: the reach of the relation, of each pair its own if objects have radii; else 2^-50 to
- * 2^63. */
+ * distance: 0: the reach of the relation, which differs from pair to pair if objects have radii;
+ * else 2^-50 to 2^63. */
 fp3_status fp3_batch_pairs(fp3_batch *batch, const char *of, double distance, size_t room,
                            uint32_t *a, uint32_t *b, size_t *count);
 /* All objects within radii[n] of point n, point after point: which[i] is the point. */
 fp3_status fp3_batch_within(fp3_batch *batch, const char *of, const double *points,
                             const double *radii, size_t points_count, size_t room, uint32_t *which,
                             uint32_t *objects, size_t *count);
-/* The object that is nearest to each point, and how far it is away; of several the lowest number.
- * FP3_NOBODY and infinity: nobody lives. */
+/* The object that is nearest to each point, and its distance; if there are several, the lowest
+ * number. FP3_NOBODY and infinity: no object lives. */
 fp3_status fp3_batch_nearest(fp3_batch *batch, const char *of, const double *points, size_t count,
                              uint32_t *objects, double *distances);
 
@@ -253,18 +253,19 @@ fp3_status fp3_batch_nearest(fp3_batch *batch, const char *of, const double *poi
 typedef struct {
     size_t count;
     const double *origins, *directions;
-    const char *radius_of; /* a param or state, the radius of each object; NULL: all have: */
+    const char *radius_of; /* a param or state, the radius of each object; NULL: `radius` */
     double radius;         /* 0 or above */
-    double length;         /* how far rays go; 0: without end */
+    double length;         /* the length of each ray; 0: no end */
 } fp3_rays;
-/* The first object that each ray meets, and how far from the origin it meets it: 0 if the origin is
- * inside. Of several the lowest number. FP3_NOBODY and infinity: it meets nobody. */
+/* The first object that each ray meets, and its distance from the origin, which is 0 if the origin
+ * is inside the object. If there are several, the lowest number. FP3_NOBODY and infinity: it meets
+ * no object. */
 fp3_status fp3_batch_ray(fp3_batch *batch, const char *of, const fp3_rays *rays, uint32_t *objects,
                          double *distances);
 
 /* ---- contacts ---- */
 
-/* Pairs of handles, by the objects' numbers ascending, as of fp3_batch_pairs. They belong to the
+/* Pairs of handles, ascending by the objects' numbers, as in fp3_batch_pairs. They belong to the
  * fp3_batch, and are valid until the next such call. */
 typedef struct {
     size_t began, ended;
@@ -272,9 +273,9 @@ typedef struct {
     const uint64_t *ended_a, *ended_b; /* the reverse; objects may have been removed since */
 } fp3_contacts;
 /* The contacts that began and ended since the last call with this `of`; at the first call all
- * begin. Only the moments of the calls count: who came and went between two of them is not told.
- * of, distance: as of fp3_batch_pairs. Objects that are removed end their contacts, also if others
- * have their numbers at once. */
+ * begin. Only the moments of the calls count: contacts that begin and end between two calls are not
+ * reported. of, distance: as in fp3_batch_pairs. If an object is removed, its contacts end, even if
+ * another object gets its number at once. */
 fp3_status fp3_batch_contacts(fp3_batch *batch, const char *of, double distance,
                               fp3_contacts *contacts);
 /* What object a[i] remembers of other[i] in a field of a relation of near objects (`remember`),
