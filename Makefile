@@ -596,8 +596,8 @@ $(BUILD)/bench/bodies_%.so: bench/bodies/%.c
 # ---- the processor on its own ---------------------------------------------------------------------
 
 .PHONY: alone
-alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, an hour: build/results/alone.json; QUICK=1
-	@$(PYTHON) tools/alone.py --output $(RESULTS)/alone.json $(if $(QUICK),--quick)
+alone: all ## The processor with a memory of its own, simulated: cycles of loads, and of objects beyond the store, three hours: build/results/alone.json; QUICK=1, PARTS="loads chunks linked": these alone
+	@$(PYTHON) tools/alone.py --output $(RESULTS)/alone.json $(if $(QUICK),--quick) $(if $(PARTS),--parts $(PARTS))
 
 # ---- objects divided among processes ------------------------------------------------------------
 

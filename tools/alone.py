@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The processor with a memory of its own, simulated: `make alone`.
 
-    tools/alone.py                  all rows: an hour
+    tools/alone.py                  all rows: three hours
     tools/alone.py --quick          the same of a few objects, for the tests
 
 Writes build/results/alone.json, and prints its rows. Exit code 1: a row misses its goal.
@@ -16,11 +16,14 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 CONFIG = "many_memory"
+WORLD = "world_memory"
 LATENCY = 20                              # cycles of memory
 RATES = (1000, 400, 3000)                 # words of memory in 1,000 cycles
 GOAL = 1.1                                # cycles a word that memory can give in each
 STEPS = {3000: 16, 400: 32}               # of a visit of a chunk, by the rate of memory
 SLOWER = 1.02                             # goal: cycles of chunks over those of objects in the store
+LINKED = {"programs/gallery/flag.scene": (400, 3000), "bench/alone/cloth.scene": (3000,)}   # scenes of objects with links, and the rates of memory
+LINKED_SLOWER = 1.3                       # goal: likewise, with a memory that gives a word in each cycle
 
 
 def alone(build, *arguments):
@@ -44,16 +47,26 @@ def chunks(build, objects, steps):
     return [alone(build, "chunks", CONFIG, image, objects, steps or of, rate, LATENCY) for rate, of in STEPS.items()]
 
 
+def linked(build, scenes, steps):
+    """Rows of scenes whose objects have links, one list of transfers for all steps; build/bench/alone compares their words with those of the engine fast."""
+    return [alone(build, "linked", WORLD, ROOT / scene, steps, rate, LATENCY) for scene in scenes for rate in LINKED[scene]]
+
+
 def text(row):
     where = f"{row['scene']:10} {row['config']:12} {row['objects']:6} objects, memory of {row['memory']:g} words a cycle"
     if "cycles_per_word" in row:
         return (f"{where}: {row['cycles_per_word']:.3f} cycles a word, back {row['back']:.3f}; through AXI4-Lite {row['slave_streams']:.3f}, "
                 f"waiting for each {row['slave_waits']:.3f}")
+    if "chunks" in row:
+        return (f"{where}: {row['cycles_per_object_step']:.2f} cycles per object-step in {row['chunks']} chunks, {row['in_store']:.2f} in the store; "
+                f"busy: lanes {row['lanes_busy']:.0%}, memory {row['memory_busy']:.0%}")
     return f"{where}: {row['cycles_per_object_step']:.2f} cycles per object-step with {row['visit']} steps a visit, {row['in_store']:.2f} in the store"
 
 
 def misses(row):
     """A word takes a cycle, or as long as memory takes for it; chunks cost little."""
+    if "chunks" in row:
+        return row["memory"] >= 1 and row["cycles_per_object_step"] > LINKED_SLOWER * row["in_store"]
     if "cycles_per_word" not in row:
         return row["visit"] >= min(STEPS.values()) and row["cycles_per_object_step"] > SLOWER * row["in_store"]
     return max(row["cycles_per_word"], row["back"]) > GOAL * max(1, 1 / row["memory"])
@@ -62,10 +75,13 @@ def misses(row):
 def main():
     parser = argparse.ArgumentParser(description="the processor with a memory of its own, simulated")
     parser.add_argument("--quick", action="store_true", help="few objects")
+    parser.add_argument("--parts", nargs="+", choices=("loads", "chunks", "linked"), default=("loads", "chunks", "linked"), help="these alone")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/alone.json", help="where rows go (%(default)s)")
     args = parser.parse_args()
     build = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
-    rows = loads(build, 2500 if args.quick else 10_000) + chunks(build, *((2100, 2) if args.quick else (100_000, None)))
+    made = {"loads": lambda: loads(build, 2500 if args.quick else 10_000), "chunks": lambda: chunks(build, *((2100, 2) if args.quick else (100_000, None))),
+            "linked": lambda: linked(build, *((list(LINKED)[:1], 2) if args.quick else (LINKED, 100)))}
+    rows = [row for part in made if part in args.parts for row in made[part]()]
     for row in rows:
         print(text(row))
     args.output.parent.mkdir(parents=True, exist_ok=True)

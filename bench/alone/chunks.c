@@ -168,9 +168,8 @@ void measure_chunks(const char *config, const char *image, uint32_t objects, uin
     const double inside = in_store(&a, &s, steps); /* the settings of the run stay */
     describe(&a, &s);
     const uint64_t begin = alone_now(&a);
-    const fp3_bare_bus *bus = &a.fp3.bus;
-    NEED(!bus->write(bus->user, FP3_ADDR_TRANSFER_MEMORY, 4 * LIST_AT));
-    NEED(!bus->write(bus->user, FP3_ADDR_TRANSFER_CONTROL, 1u << FP3_TRANSFER_CONTROL_LIST_LO));
+    NEED(!fp3_bare_move_list(&a.fp3, 4 * LIST_AT));
+    const uint64_t accesses = a.accesses;
     NEED(!fp3_bare_move_wait(&a.fp3, POLLS, &how) && how == FP3_BARE_MOVED);
     const double cycles = (double)(alone_now(&a) - begin) / objects / steps;
     const uint64_t hash = hash_of(&s, a.memory + OBJECTS);
@@ -181,8 +180,9 @@ void measure_chunks(const char *config, const char *image, uint32_t objects, uin
     printf("{\"scene\": \"kepler rk4\", \"config\": \"%s\", \"memory\": %g, \"latency\": %" PRIu32
            ", \"objects\": %" PRIu32 ", \"visit\": %" PRIu32
            ", \"cycles_per_object_step\": %.3f, \"in_store\": %.3f, \"hash\": \"%016" PRIx64
-           "\", \"host_accesses_between_steps\": 0}\n",
-           config, rate / 1000.0, latency, objects, steps, cycles, inside, hash);
+           "\", \"host_accesses_between_steps\": %" PRIu64 "}\n",
+           config, rate / 1000.0, latency, objects, steps, cycles, inside, hash,
+           a.accesses - accesses);
     free(wanted);
     fp3_engine_close(&s.fast);
     fp3_visit_free(&s.visit);

@@ -6,6 +6,9 @@
 #include "bare/fp3_bare_moves.h"
 #include "engine/board/hardware.h"
 
+#include <stdio.h>
+#include <stdlib.h>
+
 #define POLLS UINT32_MAX
 
 #define NEED(what)                                                                                 \
@@ -21,7 +24,7 @@ typedef struct {
     fp3_rtl *rtl;
     fp3_rtl_memory shape;
     uint32_t *memory;
-    uint64_t accesses; /* of the host, through AXI4-Lite */
+    uint64_t accesses; /* of the host, through AXI4-Lite, but those that ask whether words move */
     fp3_bare fp3;
 } alone;
 

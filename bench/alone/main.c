@@ -3,6 +3,7 @@
  *
  *     alone load CONFIG OBJECTS RATE LATENCY WAITS
  *     alone chunks CONFIG IMAGE OBJECTS STEPS RATE LATENCY
+ *     alone linked CONFIG SCENE STEPS RATE LATENCY
  *
  * RATE: words of memory in 1,000 cycles. WAITS: a seed for waits on each channel; 0: none. */
 #include "rows.h"
@@ -31,7 +32,12 @@ int main(int argc, char **argv) {
                        number(argv[7]));
         return 0;
     }
+    if (argc == 7 && !strcmp(argv[1], "linked")) {
+        measure_linked(argv[2], argv[3], number(argv[4]), number(argv[5]), number(argv[6]));
+        return 0;
+    }
     fprintf(stderr, "usage: alone load CONFIG OBJECTS RATE LATENCY WAITS | alone chunks CONFIG "
-                    "IMAGE OBJECTS STEPS RATE LATENCY\n");
+                    "IMAGE OBJECTS STEPS RATE LATENCY | alone linked CONFIG SCENE STEPS RATE "
+                    "LATENCY\n");
     return 2;
 }

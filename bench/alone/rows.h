@@ -14,4 +14,9 @@ void measure_load(const char *config, uint32_t objects, uint32_t rate, uint32_t 
 void measure_chunks(const char *config, const char *image, uint32_t objects, uint32_t steps,
                     uint32_t rate, uint32_t latency);
 
+/* scene: one group of objects that see each other by links. The words that they end with must be
+ * those of the engine fast. */
+void measure_linked(const char *config, const char *scene, uint32_t steps, uint32_t rate,
+                    uint32_t latency);
+
 #endif

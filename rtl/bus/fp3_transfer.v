@@ -9,7 +9,9 @@
 //           store   memory ◄─ W ─ responses ◄──── answers
 //
 //           A list is descriptors in memory, each of which is a transfer, or waits for the end of a
-//           run: so one command is many runs on objects that the store has no room for.
+//           run, or goes back some times: so one command is many runs on objects that the store has no
+//           room for. The place of a transfer may be some words of each record: after each run of
+//           words others are left out.
 //
 // Latency   A load takes a cycle for each word beyond the memory's latency, a store likewise. Where
 //           the place does not stream (constants, registers), a word takes as long as an access.
@@ -67,15 +69,15 @@ module fp3_transfer #(
     input  wire              rerror_i
 );
 `include "gen/registers.vh"
-    localparam OWED_W = 10, BURSTS_W = 5;
+    localparam OWED_W = 10, BURSTS_W = 5, SAID_W = TRANSFER_CONTROL_SKIP_HI + 1;
     localparam [WORDS_W-1:0] DESCRIPTOR = 4;
     localparam [2:0] MEMORY = ADDR_TRANSFER_MEMORY[4:2], PLACE = ADDR_TRANSFER_PLACE[4:2], WORDS = ADDR_TRANSFER_WORDS[4:2],
                      CONTROL = ADDR_TRANSFER_CONTROL[4:2], OUTCOME = ADDR_TRANSFER_STATUS[4:2], ERROR = ADDR_TRANSFER_ERROR[4:2],
                      NEXT = ADDR_TRANSFER_NEXT[4:2];
 
-    // Exactly one of load, store, wait and list
-    function one_of(input [3:0] bits);
-        one_of = bits != 4'd0 && (bits & (bits - 4'd1)) == 4'd0;
+    // Exactly one of load, store, wait, list and again
+    function one_of(input [4:0] bits);
+        one_of = bits != 5'd0 && (bits & (bits - 5'd1)) == 5'd0;
     endfunction
 
     // What is being done
@@ -85,11 +87,19 @@ module fp3_transfer #(
     // follows, and where. A word is waited for, and has come.
     reg                fetch_q, wrong_q, more_q, wait_q, waited_q;
     reg  [1:0]         word_number_q;
-    reg  [5:0]         said_q;
+    reg  [SAID_W-1:0]  said_q;
     reg  [31:2]        next_q;
+    // A part of the list is made again: how often after this; where the descriptor ends that says so.
+    // It has come and was looked at; it is another one, within that part.
+    reg                again_q, looked_q, strays_q;
+    reg  [WORDS_W-1:0] again_left_q;
+    reg  [31:2]        again_at_q;
     // Of words: in memory, the next that is moved on W or R, and how many; in the processor, the next
-    // that is asked for, and how many.
-    reg  [31:2]        memory_q, place_q;
+    // that is asked for, and how many; the next that is answered.
+    reg  [31:2]        memory_q, place_q, due_q;
+    // Words of a place that follow one another, 0: 64, and how many are left out behind them; of a run,
+    // how many are still asked for, and answered.
+    reg  [5:0]         run_q, skip_q, run_left_q, due_left_q;
     reg  [WORDS_W-1:0] words_q, ask_left_q;
     reg  [OWED_W-1:0]  owed_q;         // words of bursts that memory has taken
     reg  [BURSTS_W:0]  bursts_q;       // bursts of a store without a response
@@ -101,7 +111,8 @@ module fp3_transfer #(
     wire        list     = ask_wdata_i[TRANSFER_CONTROL_LIST_LO];
     wire        sets     = ask_write_i && (ask_register_i == MEMORY || ask_register_i == PLACE || ask_register_i == WORDS);
     wire        whole    = ask_register_i == WORDS ? ask_wdata_i[31:WORDS_W] == {32-WORDS_W{1'b0}} : ask_wdata_i[1:0] == 2'd0;
-    wire        legal    = ask_write_i ? !busy_q && (control ? one_of({ask_wdata_i[4:3], ask_wdata_i[1:0]}) : sets && whole)
+    wire        commands = one_of({1'b0, ask_wdata_i[4:3], ask_wdata_i[1:0]}) && !ask_wdata_i[TRANSFER_CONTROL_AGAIN_LO];
+    wire        legal    = ask_write_i ? !busy_q && (control ? commands : sets && whole)
                                        : ask_register_i != CONTROL && ask_register_i <= NEXT;
     wire        start    = ask_i && control && legal;
     wire        set      = ask_i && sets && legal;
@@ -135,14 +146,20 @@ module fp3_transfer #(
 
     // What begins: a command of the host's, the next descriptor, or what a descriptor says
     wire       over;
+    wire       impossible = wrong_q || strays_q;
     wire       next   = busy_q && over && !failed && !fetch_q && more_q;
-    wire       does   = busy_q && over && !failed && fetch_q && !wrong_q;
+    wire       does   = busy_q && over && !failed && fetch_q && !impossible;
     wire       go     = start || next || does;
     wire       fetch  = (start && list) || next;
-    wire [5:0] said   = does ? said_q : ask_wdata_i[5:0];
+    wire [SAID_W-1:0] said = does ? said_q : ask_wdata_i[SAID_W-1:0];
+    // The part is made again.
+    wire       repeats = does && said_q[TRANSFER_CONTROL_AGAIN_LO];
+    wire [WORDS_W-1:0] again_left = again_q ? again_left_q : words_q;
+    wire       back   = repeats && again_left != {WORDS_W{1'b0}};
     wire       waits_for = !fetch && said[TRANSFER_CONTROL_WAIT_LO];
+    wire       none   = waits_for || repeats;              // no words
     wire [31:2] first = next ? next_q : memory_q;
-    wire [WORDS_W-1:0] count = fetch ? DESCRIPTOR : waits_for ? {WORDS_W{1'b0}} : words_q;
+    wire [WORDS_W-1:0] count = fetch ? DESCRIPTOR : none ? {WORDS_W{1'b0}} : words_q;
 
     // Bursts
     wire       asks, taken, bursts_over;
@@ -188,17 +205,26 @@ module fp3_transfer #(
     wire   bad    = (reads && rerror_i) || (closes && berror_i);
     wire   comes  = answered_i && wait_q && !answer_rdata_i[0];
     wire   denied = answered_i && (answer_error_i || (comes && answer_rdata_i != {{32-WORDS_W{1'b0}}, words_q}));
-    assign over   = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
-                 && open_i == {OPEN_W{1'b0}} && (failed || fetch_q || (wait_q ? waited_q : !asks_left));
+    wire   rests  = bursts_over && owed_q == {OWED_W{1'b0}} && bursts_q == {BURSTS_W+1{1'b0}} && !full_q && !sends_q
+                 && open_i == {OPEN_W{1'b0}};
+    assign over   = rests && (failed || (fetch_q ? looked_q : wait_q ? waited_q : !asks_left));
+
+    // The next word of a place
+    function [29:0] after(input [29:0] at, input [5:0] left_out);
+        reg unused_carry;
+        {after, unused_carry} = {at, 1'b1} + {24'd0, left_out, 1'b1};
+    endfunction
+    wire run_ends = run_left_q == 6'd1, due_ends = due_left_q == 6'd1;
     always @(posedge clk_i) begin
-        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, sends_q, fetch_q, more_q} <= 8'd0;
+        if (rst_i) {busy_q, done_q, memory_error_q, refused_q, full_q, sends_q, fetch_q, more_q, again_q} <= 9'd0;
         else begin
             busy_q <= go || (busy_q && !over);
-            if (go) {fetch_q, more_q} <= {fetch, fetch || (does && !said_q[TRANSFER_CONTROL_LAST_LO])};
+            if (go) {fetch_q, more_q} <= {fetch, fetch || back || (does && !said_q[TRANSFER_CONTROL_LAST_LO])};
+            if (start || repeats) again_q <= back;
             if (start)                {done_q, memory_error_q, refused_q} <= 3'd0;
             else if (busy_q) begin
                 done_q <= over && !failed && !fetch_q && !more_q;
-                if (!failed) {memory_error_q, refused_q} <= {bad, (denied || (over && fetch_q && wrong_q)) && !bad};
+                if (!failed) {memory_error_q, refused_q} <= {bad, (denied || (over && fetch_q && impossible)) && !bad};
             end
             full_q  <= (reads && !failed && !fetch_q) || (full_q && !asked && !failed);
             sends_q <= sends || (sends_q && !wready_i);
@@ -207,22 +233,25 @@ module fp3_transfer #(
             store_q <= !fetch && said[TRANSFER_CONTROL_STORE_LO];
             stay_q  <= waits_for || said[TRANSFER_CONTROL_STAY_LO];
             {wait_q, waited_q, wrong_q, word_number_q} <= {waits_for, 4'd0};
+            {run_q, skip_q} <= {said[TRANSFER_CONTROL_RUN_HI:TRANSFER_CONTROL_RUN_LO], said[TRANSFER_CONTROL_SKIP_HI:TRANSFER_CONTROL_SKIP_LO]};
         end else begin
             waited_q <= waited_q || comes;
             if (reads && fetch_q) begin
                 word_number_q <= word_number_q + 2'd1;
-                said_q        <= rdata_i[5:0];
+                said_q        <= rdata_i[SAID_W-1:0];
                 case (word_number_q)
                     2'd2:    wrong_q <= wrong_q || |rdata_i[31:WORDS_W];
-                    2'd3:    wrong_q <= wrong_q || !one_of({rdata_i[4:3], rdata_i[1:0]}) || rdata_i[TRANSFER_CONTROL_LIST_LO];
+                    2'd3:    wrong_q <= wrong_q || !one_of({rdata_i[6], rdata_i[4:3], rdata_i[1:0]}) || rdata_i[TRANSFER_CONTROL_LIST_LO];
                     default: wrong_q <= wrong_q || |rdata_i[1:0];
                 endcase
             end
         end
         if (reads) word_q <= rdata_i;
         if (sends) {sent_q, strobe_q, last_q} <= {waiting, !failed, &memory_q[9:2] || words_q == {{WORDS_W-1{1'b0}}, 1'b1}};
-        if (!failed) error_q <= bad ? (fetch_q ? next_q : store_q ? oldest_q : memory_q)
-                              : place_q - (stay_q ? 30'd0 : {{30-OPEN_W{1'b0}}, open_i});
+        if (!failed) error_q <= bad ? (fetch_q ? next_q : store_q ? oldest_q : memory_q) : fetch_q ? place_q : due_q;
+        looked_q <= rests && busy_q && fetch_q && !go;
+        strays_q <= said_q[TRANSFER_CONTROL_AGAIN_LO] && again_q && again_at_q != next_q;
+        if (repeats) {again_left_q, again_at_q} <= {again_left - {{WORDS_W-1{1'b0}}, 1'b1}, next_q};
 
         if (set && ask_register_i == MEMORY) memory_q <= ask_wdata_i[31:2];
         else if ((reads && fetch_q && word_number_q == 2'd0))             memory_q <= rdata_i[31:2];
@@ -232,10 +261,17 @@ module fp3_transfer #(
         else if (moves && !fetch_q)          words_q <= words_q - {{WORDS_W-1{1'b0}}, 1'b1};
         if (set && ask_register_i == PLACE)  place_q <= ask_wdata_i[31:2];
         else if ((reads && fetch_q && word_number_q == 2'd1))             place_q <= rdata_i[31:2];
-        else if (asked && !stay_q)           place_q <= place_q + 30'd1;
-        if (start && list)                   next_q <= memory_q;
+        else if (asked && !stay_q)           place_q <= after(place_q, skip_q & {6{run_ends}});
+        if (go)                              due_q <= place_q;
+        else if (answered_i && !stay_q)      due_q <= after(due_q, skip_q & {6{due_ends}});
+        if (go) {run_left_q, due_left_q} <= {2{said[TRANSFER_CONTROL_RUN_HI:TRANSFER_CONTROL_RUN_LO]}};
+        else begin
+            if (asked)      run_left_q <= run_ends ? run_q : run_left_q - 6'd1;
+            if (answered_i) due_left_q <= due_ends ? run_q : due_left_q - 6'd1;
+        end
+        if ((start && list) || back)         next_q <= memory_q;
         else if (reads && fetch_q)           next_q <= next_q + 30'd1;
-        if (go)                              ask_left_q <= words_q;
+        if (go)                              ask_left_q <= repeats ? {WORDS_W{1'b0}} : words_q;
         else if (asked)                      ask_left_q <= ask_left_q - {{WORDS_W-1{1'b0}}, 1'b1};
 
         if (!busy_q)      owed_q <= {OWED_W{1'b0}};

@@ -74,6 +74,13 @@ fp3_status fp3_bare_move_rows(fp3_bare *fp3, fp3_bare_direction direction, uint3
     return fp3_bare_move_start(fp3, &move);
 }
 
+fp3_status fp3_bare_move_list(fp3_bare *fp3, uint32_t memory) {
+    if (!HAS(fp3->features_more, FEATURES_MORE_MASTER) || !is_idle(fp3, FP3_ALL) || memory % 4)
+        return FP3_E_ARGUMENT;
+    const fp3_status status = put(fp3, FP3_ADDR_TRANSFER_MEMORY, memory);
+    return status ? status : put(fp3, FP3_ADDR_TRANSFER_CONTROL, BIT(TRANSFER_CONTROL_LIST));
+}
+
 fp3_status fp3_bare_move_poll(fp3_bare *fp3, fp3_bare_moved *how) {
     uint32_t word = 0;
     if (!HAS(fp3->features_more, FEATURES_MORE_MASTER))

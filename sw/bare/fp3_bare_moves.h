@@ -46,6 +46,10 @@ fp3_status fp3_bare_move_start(fp3_bare *fp3, const fp3_bare_move *move);
 /* Rows row to row + rows - 1 of a lane, whole records. The program must be loaded. */
 fp3_status fp3_bare_move_rows(fp3_bare *fp3, fp3_bare_direction direction, uint32_t scheduler,
                               uint32_t lane, uint32_t row, uint32_t rows, uint32_t memory);
+/* A list of transfers in memory, which begins at this address (docs/memory.md). Runs that it starts
+ * are its own: this driver knows of none, and the caller starts none meanwhile. FP3_E_ARGUMENT: a
+ * scheduler runs. */
+fp3_status fp3_bare_move_list(fp3_bare *fp3, uint32_t memory);
 /* Reads the status once; or until nothing moves, polls times at most: FP3_E_LIMIT: it still does.
  * FP3_E_SYSTEM: *how says of which side, failed_at where. */
 fp3_status fp3_bare_move_poll(fp3_bare *fp3, fp3_bare_moved *how);

@@ -16,7 +16,8 @@ from cocotbext.axi import AxiBus, AxiRam
 
 REGISTERS = tomllib.loads(pathlib.Path(os.environ["FP3_MAP"]).read_text(encoding="utf-8"))["transfer"]
 AT = {row["name"].removeprefix("transfer_"): row["at"] for row in REGISTERS}
-LOAD, STORE, STAY, WAIT, LIST, LAST = 1, 2, 4, 8, 16, 32
+LOAD, STORE, STAY, WAIT, LIST, LAST, AGAIN = 1, 2, 4, 8, 16, 32, 64
+RUN, SKIP = 8, 16                                          # their lowest bits
 RUNNING, DONE, MEMORY_ERROR, REFUSED = 1, 2, 4, 8
 STREAM, ALONE = 0x20000, 0x2000                            # places; with and without the bit of parameter STREAM
 WROTE, WRITE_ERROR, READ, READ_ERROR = 1 << 35, 1 << 34, 1 << 33, 1 << 32
@@ -181,6 +182,10 @@ class Bench:
         await self.begin(memory, place, words, control)
         return await self.end()
 
+    def put(self, at, rows):
+        """Descriptors, four words each."""
+        self.ram.write(at, b"".join(word.to_bytes(4, "little") for row in rows for word in row))
+
     def word(self, address):
         return int.from_bytes(self.ram.read(address, 4), "little")
 
@@ -333,9 +338,6 @@ async def a_list_is_one_command(dut):
         commands += [(0x400 + 4 * words * chunk, place, words, LOAD), (0x40, command, 1, LOAD), (0, status, 2, WAIT),
                      (0x2000 + 4 * words * chunk, place, words, STORE | (LAST if chunk == chunks - 1 else 0))]
 
-    def put(rows):
-        bench.ram.write(at, b"".join(word.to_bytes(4, "little") for row in rows for word in row))
-
     take = bench.hub.take
 
     def run(write, address, data):
@@ -350,7 +352,7 @@ async def a_list_is_one_command(dut):
             assert bench.hub.cycle >= runs[-1], "a chunk goes back while its run goes on"
 
     bench.hub.take, ended = run, 2
-    put(commands)
+    bench.put(at, commands)
     assert await bench.move(at, 0, 0, LIST) == DONE
     assert await bench.get("next") == at + 16 * len(commands) and len(runs) == chunks
     for i in range(chunks * words):
@@ -361,9 +363,60 @@ async def a_list_is_one_command(dut):
     assert bench.ram.read(0x2000, 0x1000) == before
     for wrong in ((2, STREAM, 1, LOAD), (0, STREAM + 1, 1, LOAD), (0, STREAM, 1 << 24, LOAD), (0, STREAM, 1, LOAD | STORE), (0, STREAM, 1, LIST),
                   (0, STREAM, 1, 0)):
-        put([(0x400, STREAM, 1, LOAD), wrong])
+        bench.put(at, [(0x400, STREAM, 1, LOAD), wrong])
         assert await bench.move(at, 0, 0, LIST) == REFUSED and await bench.get("next") == at + 32
         assert len([one for one in bench.hub.asked if one[0]]) == 1
-    put(commands[:1])
+    bench.put(at, commands[:1])
     bench.broken = {at + 20}
     assert await bench.move(at, 0, 0, LIST) == MEMORY_ERROR and await bench.get("error") == at + 20
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_place_may_be_some_words_of_each_record(dut):
+    bench = Bench(dut, 8)
+    await bench.start()
+    for turn, (run, skip) in enumerate(((1, 7), (6, 10), (9, 7), (64, 0), (1, 63), (63, 1), (2, 0), (64, 63))):
+        words = bench.chance.choice((1, run, run + 1, bench.chance.randrange(1, 100)))
+        memory, place = 4 * bench.chance.randrange(SIZE // 4 - words), STREAM + 4 * bench.chance.randrange(100)
+        at = [place + 4 * (i // run * (run + skip) + i % run) for i in range(words)]
+        for way in (LOAD, STORE):
+            bench.hub.words = {address: bench.chance.getrandbits(32) for address in at} if way == STORE else {}
+            control = way | (run & 63) << RUN | skip << SKIP
+            assert await bench.move(memory, place, words, control) == DONE
+            assert bench.hub.asked == [(way == LOAD, address) for address in at]
+            assert bench.hub.words == {address: bench.word(memory + 4 * i) for i, address in enumerate(at)}
+            bench.hub.refused = {bench.chance.choice(at[turn % 2 * (words // 2):])}
+            assert await bench.move(memory, place, words, control) == REFUSED and {await bench.get("error")} == bench.hub.refused
+            bench.hub.refused = set()
+    assert await bench.move(0x400, ALONE, 7, LOAD | STAY | 2 << RUN | 5 << SKIP) == DONE and bench.hub.asked == [(True, ALONE)] * 7
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_part_of_a_list_is_made_again(dut):
+    bench = Bench(dut, 9)
+    await bench.start()
+    at = 0x8004
+
+    def one(i, control=LOAD):
+        return (0x400, STREAM + 4 * i, 1, control)
+
+    def again(to, times, control=AGAIN):
+        return (at + 16 * to, 0, times, control)
+
+    async def made(rows, outcome=DONE):
+        bench.put(at, rows)
+        assert await bench.move(at, 0, 0, LIST) == outcome
+        return [(address - STREAM) // 4 for _, address in bench.hub.asked]
+
+    for times in (0, 1, 5):
+        assert await made([one(0), one(1), one(2), again(1, times), one(3, LOAD | LAST)]) == [0, *[1, 2] * (1 + times), 3]
+        assert await made([one(0), again(0, times, AGAIN | LAST)]) == [0] * (1 + times)
+        assert await bench.get("next") == at + 32
+    assert await made([one(0), again(0, 2), one(1), one(2), again(2, 1), one(3, LOAD | LAST)]) == [0, 0, 0, 1, 2, 1, 2, 3]
+    # Not within another one; it is as possible as other descriptors; the host has no list to go back in.
+    assert await made([one(0), one(1), again(1, 1), again(0, 1, AGAIN | LAST)], REFUSED) == [0, 1, 1, 0, 1] and await bench.get("next") == at + 48
+    assert await made([one(0), again(0, 1, AGAIN | LAST)]) == [0, 0], "after one that was refused"
+    for wrong in (again(0, 1, AGAIN | LOAD), again(0, 1 << 24), (at + 2, 0, 1, AGAIN)):
+        assert await made([one(0), wrong], REFUSED) == [0] and await bench.get("next") == at + 32
+    for control in (AGAIN, AGAIN | LIST):
+        assert (await bench.access(AT["control"], control))[0]
