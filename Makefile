@@ -716,8 +716,8 @@ ipxact: | need-ipxact ## IP-XACT components of the configurations: build/ipxact/
 # ---- a system around it -------------------------------------------------------------------------
 
 .PHONY: soc
-soc: $(BUILD)/bin/fp3 | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone
-	@.venv/bin/python examples/litex/soc.py --fp3 $< --output $(BUILD)/soc --config $(CONFIG_OR) $(if $(SHIPS),--ships $(SHIPS)) $(if $(BUS),--bus $(BUS))
+soc: $(BUILD)/bin/fp3 | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone; or SOC=scenes
+	@.venv/bin/python examples/litex/soc.py --fp3 $< --output $(BUILD)/soc $(if $(SOC),--program $(SOC)) $(if $(CONFIG),--config $(CONFIG)) $(if $(SHIPS),--ships $(SHIPS)) $(if $(BUS),--bus $(BUS))
 
 # ---- a library for others -----------------------------------------------------------------------
 

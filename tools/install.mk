@@ -109,7 +109,7 @@ install: $(INSTALLED) $(HARDWARE) $(HDF5) $(MPI) ## Install library, headers, co
 	@install -m 644 $(BUILD)/completion.bash $(BASH)
 	@install -m 644 $(BUILD)/completion.zsh $(ZSH)
 	@install $(AT)/bin/fp3 $(COMMAND)
-	@install -m 644 sw/bare/fp3_bare.c sw/bare/fp3_bare.h $(BARE)
+	@install -m 644 sw/bare/*.c sw/bare/*.h $(BARE)
 	@install -m 644 sw/gen/registers.h $(BARE)/gen
 	@install -m 644 sw/include/fp3/status.h sw/include/fp3/image.h sw/include/fp3/isa.h $(BARE)/fp3
 

@@ -53,7 +53,7 @@ void machine_print(const char *text) {
 static void interrupt(void) {
     const uint32_t pending = irq_pending();
     if (pending & 1u << FP3_INTERRUPT)
-        ships_interrupt();
+        program_interrupt();
     if (pending & 1u << TIMER0_INTERRUPT) {
         timer0_ev_pending_write(1);
         is_late = 1;
@@ -96,6 +96,6 @@ void machine_main(void) {
     csrw(mtvec, trap);
     irq_setmask(1u << FP3_INTERRUPT | 1u << TIMER0_INTERRUPT);
     csrw(mie, MEIE);
-    ships();
+    program();
     end();
 }

@@ -1,4 +1,4 @@
-/* machine.h - all that ships.c knows of the system that it runs in. */
+/* machine.h - all that a program knows of the system that it runs in. */
 #ifndef MACHINE_H
 #define MACHINE_H
 
@@ -13,9 +13,9 @@ int machine_wait(int (*is_over)(void), uint32_t cycles);
 
 void machine_print(const char *text);
 
-/* ships.c. FP3's interrupt is high: takes it back. */
-void ships_interrupt(void);
+/* ships.c, or scenes.c. FP3's interrupt is high: takes it back. */
+void program_interrupt(void);
 /* 0: all went well. */
-int ships(void);
+int program(void);
 
 #endif

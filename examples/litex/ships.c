@@ -25,7 +25,7 @@ static fp3_bare fp3;
 static volatile int is_ended;
 static volatile fp3_status handled; /* how the handler of the interrupt fared */
 
-void ships_interrupt(void) {
+void program_interrupt(void) {
     fp3_bare_outcome outcome = FP3_BARE_NONE;
     handled = fp3_bare_handle(&fp3, FP3_ALL, &outcome);
     is_ended = handled || outcome != FP3_BARE_RUNNING;
@@ -145,7 +145,7 @@ static int print_all(void) {
     return status ? report("flags", status) : flags & bad ? report("flags", FP3_E_FAILED) : 0;
 }
 
-int ships(void) {
+int program(void) {
     fp3_status status = fp3_bare_open(&fp3, &machine_bus);
     if (status)
         return report("open", status);

@@ -3,8 +3,10 @@
 
     .venv/bin/python examples/litex/soc.py                          build/soc/
     .venv/bin/python examples/litex/soc.py --config many --ships 8
+    .venv/bin/python examples/litex/soc.py --program scenes
 
-The program, ships.c, prints the final states of its ships; they have to be those of `fp3 run -e isa`, bit for bit.
+The program, ships.c, prints the final states of its ships; they have to be those of `fp3 run -e isa`, bit for bit. The program scenes.c
+prints a hash of all states of each of its scenes; the engine fast has to have the same.
 """
 
 import argparse
@@ -28,13 +30,14 @@ try:
 except ImportError as error:
     sys.exit(f"soc.py: {error}: run make setup-soc, and this with .venv/bin/python")
 
+import scenes_data
 from fp3_litex import ROOT, add_fp3
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOFTWARE = pathlib.Path(litex.__file__).parent / "soc/software"
 ORIGIN = 0x9000_0000          # VexRiscv caches nothing from 0x8000_0000 on
-ROM, SRAM = 0x4000, 0x1000    # bytes
-LIMIT = 2_000_000             # cycles that are simulated
+MEMORY = {"ships": (0x4000, 0x1000), "scenes": (0x10000, 0x4000)}    # bytes of ROM and of RAM
+LIMIT = {"ships": 2_000_000, "scenes": 40_000_000}                   # cycles that are simulated
 STEPS = 1000
 SERIAL = [Subsignal(f"{way}_{name}", Pins(width)) for way in ("source", "sink") for name, width in (("valid", 1), ("ready", 1), ("data", 8))]
 
@@ -44,10 +47,11 @@ class Failed(Exception):
 
 
 class SoC(SoCCore):
-    def __init__(self, config, bus):
+    def __init__(self, config, bus, program="ships"):
         platform = SimPlatform("SIM", [("sys_clk", 0, Pins(1)), ("serial", 0, *SERIAL)])
+        rom, sram = MEMORY[program]
         super().__init__(platform, clk_freq=int(100e6), bus_standard=bus, bus_timeout=10_000, cpu_type="vexriscv", uart_name="sim",
-                         integrated_rom_size=ROM, integrated_sram_size=SRAM)
+                         integrated_rom_size=rom, integrated_sram_size=sram)
         self.crg = CRG(platform.request("sys_clk"))
         add_fp3(self, config=config, origin=ORIGIN)
 
@@ -70,17 +74,21 @@ def write_headers(soc, folder):
     (folder / "regions.ld").write_text(export.get_linker_regions(soc.mem_regions))
 
 
-def compile_program(soc, folder, fp3, ships):
+def compile_program(soc, folder, fp3, program, ships):
     """The contents of the ROM."""
-    start(fp3, "asm", ROOT / "programs/ship.s", "-o", folder / "ship.fp3")
-    start(fp3, "dis", folder / "ship.fp3", "--header", folder / "ship.h")
-    sources = [HERE / "start.S", HERE / "ships.c", HERE / "machine.c", ROOT / "sw/bare/fp3_bare.c"]
+    sources = [HERE / "start.S", HERE / f"{program}.c", HERE / "machine.c", ROOT / "sw/bare/fp3_bare.c"]
+    if program == "ships":
+        start(fp3, "asm", ROOT / "programs/ship.s", "-o", folder / "ship.fp3")
+        start(fp3, "dis", folder / "ship.fp3", "--header", folder / "ship.h")
+    else:
+        scenes_data.make(fp3, folder)
+        sources.append(ROOT / "sw/bare/fp3_bare_neighbours.c")
     # Warnings in LiteX's headers are LiteX's business.
     start("clang", "--target=riscv32-unknown-elf", "-march=rv32im", "-mabi=ilp32", "-mno-relax", "-ffreestanding", "-nostdlib", "-std=gnu11", "-Os",
           "-Wall", "-Wextra", "-Werror", f"-DSHIPS={ships}", f"-DSTEPS={STEPS}", f"-I{HERE}", f"-I{ROOT / 'sw'}", f"-I{ROOT / 'sw/bare'}",
           f"-I{ROOT / 'sw/include'}", f"-I{folder}", "-isystem", SOFTWARE / "include", "-isystem", pathlib.Path(inspect.getfile(type(soc.cpu))).parent, "-isystem", folder, "-fuse-ld=lld",
-          f"-Wl,-T,{HERE / 'ships.ld'},-L,{folder},--oformat=binary", *sources, "-o", folder / "ships.bin")
-    return get_mem_data(str(folder / "ships.bin"), endianness="little")
+          f"-Wl,-T,{HERE / 'ships.ld'},-L,{folder},--oformat=binary", *sources, "-o", folder / f"{program}.bin")
+    return get_mem_data(str(folder / f"{program}.bin"), endianness="little")
 
 
 def verilate(soc, folder):
@@ -93,16 +101,21 @@ def verilate(soc, folder):
     return folder / "verilated/soc"
 
 
-def simulate(program, folder):
+def simulate(program, folder, limit):
     """What came out of the UART. The memories of the SoC are files in its folder."""
-    done = subprocess.run([program, str(LIMIT)], cwd=folder, capture_output=True, text=True)
+    done = subprocess.run([program, str(limit)], cwd=folder, capture_output=True, text=True)
     print(done.stdout + done.stderr, end="")
     if done.returncode or not done.stdout.endswith("done\n"):
         raise Failed("the program did not say that it is done")
     return done.stdout
 
 
-def expected(fp3, config, ships):
+def expected_scenes(fp3, folder):
+    """The hashes of what the engine fast has, as the program prints them."""
+    return [f"{name} {scenes_data.hash_of(scenes_data.expected(fp3, folder, name))}" for name in scenes_data.SCENES]
+
+
+def expected_ships(fp3, config, ships):
     """The states by the engine isa, as the program prints them."""
     spread = ["--spread", f"v=0:{ships - 1}"] if ships > 1 else []
     text = start(fp3, "run", ROOT / "programs/ship.s", "-e", "isa", "-c", config, "-N", ships, "-n", STEPS, "--params", ROOT / "programs/ship.cfg",
@@ -114,27 +127,34 @@ def expected(fp3, config, ships):
 def run(args):
     folder = args.output.resolve()
     folder.mkdir(parents=True, exist_ok=True)
-    soc = SoC(args.config, args.bus)
+    soc = SoC(args.config, args.bus, args.program)
     soc.finalize()
     write_headers(soc, folder)
-    soc.init_rom(name="rom", contents=compile_program(soc, folder, args.fp3, args.ships))
+    soc.init_rom(name="rom", contents=compile_program(soc, folder, args.fp3, args.program, args.ships))
     with contextlib.chdir(folder):
         soc.platform.get_verilog(soc, name="soc").write("soc.v")
-    got = simulate(verilate(soc, folder), folder).splitlines()[:-1]
-    want = expected(args.fp3, args.config, args.ships)
+    got = simulate(verilate(soc, folder), folder, LIMIT[args.program]).splitlines()[:-1]
+    is_ships = args.program == "ships"
+    engine = "isa" if is_ships else "fast"
+    want = expected_ships(args.fp3, args.config, args.ships) if is_ships else expected_scenes(args.fp3, folder)
     if got != want:
-        raise Failed("the engine isa has other bits:\n" + "\n".join(want))
-    print(f"{args.config} on {args.bus}: {len(got)} ships, {STEPS} steps: the bits of the engine isa")
+        raise Failed(f"the engine {engine} has other bits:\n" + "\n".join(want))
+    what = f"{len(got)} ships, {STEPS} steps" if is_ships else ", ".join(scenes_data.SCENES)
+    print(f"{args.config} on {args.bus}: {what}: the bits of the engine {engine}")
 
 
 def main():
     parser = argparse.ArgumentParser(description="a SoC with FP3, simulated")
-    parser.add_argument("--config", default="single", help="of FP3 (single)")
+    parser.add_argument("--program", choices=list(MEMORY), default="ships", help="that the processor runs (ships)")
+    parser.add_argument("--config", help="of FP3 (single; of scenes world, and no other)")
     parser.add_argument("--ships", type=int, choices=range(1, 9), default=1, help="that fly, 1 to 8 (1)")
     parser.add_argument("--bus", choices=["wishbone", "axi-lite"], default="wishbone", help="of the SoC (wishbone)")
     parser.add_argument("--fp3", type=pathlib.Path, default=ROOT / "build/bin/fp3", help="the command (build/bin/fp3)")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/soc", help="the folder (build/soc)")
     args = parser.parse_args()
+    args.config = args.config or ("single" if args.program == "ships" else scenes_data.CONFIG)
+    if args.program == "scenes" and args.config != scenes_data.CONFIG:
+        parser.error(f"argument --config: objects that see each other: expected '{scenes_data.CONFIG}', found '{args.config}'")
     logging.disable(logging.WARNING)
     try:
         run(args)

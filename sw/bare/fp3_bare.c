@@ -87,7 +87,7 @@ static uint32_t columns_of(const fp3_bare *fp3, uint32_t scheduler) {
 }
 
 static uint32_t rows_of(const fp3_bare *fp3, uint32_t scheduler) {
-    return !fp3->record[scheduler] ? 0 : fp3->store ? fp3->store >> fp3->record[scheduler] : 1;
+    return !fp3->record[scheduler] ? 0 : fp3->store ? fp3->room >> fp3->record[scheduler] : 1;
 }
 
 typedef struct {
@@ -135,6 +135,8 @@ fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus) {
     fp3->failed_at = 0;
     fp3->schedulers = FP3_BARE_SCHEDULERS; /* not known yet: what is asked is scheduler 0 */
     fp3->space_bit = 0;
+    fp3->around = NULL;
+    fp3->half = fp3->missing = 0;
     fp3_status status = get(fp3, 0, FP3_ADDR_ID, &id);
     if (!status && FIELD(id, ID_LETTERS) != FP3_ID_LETTERS)
         return FP3_E_MISMATCH;
@@ -145,6 +147,7 @@ fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus) {
          fp3->space_bit == 0 || fp3->space_bit > FP3_ADDRESS_WORD_BITS + 2))
         return FP3_E_MISMATCH;
     fp3->revision = (uint8_t)id;
+    fp3->room = fp3->store;
     for (uint32_t i = 0; !status && i < fp3->schedulers; i++) {
         status = get(fp3, i, FP3_ADDR_STATUS, &word);
         fp3->running[i] = (uint8_t)FIELD(word, STATUS_RUNNING);
@@ -177,6 +180,14 @@ static int has_room(const fp3_bare *fp3, const fp3_bare_program *program, uint32
            (fp3->store == 0 || fp3->store >> program->record > 0);
 }
 
+/* Objects that see each other need loads and stores of their own, in a lane that has them all. */
+static int has_neighbours(const fp3_bare *fp3, const fp3_bare_program *program) {
+    return !program->list_count ||
+           (FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS) && program->list_count < 32 &&
+            fp3->schedulers == 1 && fp3->lanes == 1 && !program->loads && !program->stores &&
+            fp3->store / 2 >> program->record > 0);
+}
+
 /* The register that `sleep` writes, which keeps all its bits in a record of 16 bits; NO_WORD: there
  * is none. */
 static uint32_t whole_of(const fp3_bare_program *program) {
@@ -198,9 +209,9 @@ static fp3_status put_shape(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_pr
     if (!status && fp3->store)
         status = put(fp3, scheduler, FP3_ADDR_RECORD, program->record);
     if (!status && FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS))
-        status = put(fp3, scheduler, FP3_ADDR_PUBLISHED, 0);
+        status = put(fp3, scheduler, FP3_ADDR_PUBLISHED, program->published[0]);
     if (!status && FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS))
-        status = put(fp3, scheduler, FP3_ADDR_PUBLISHED_MORE, 0);
+        status = put(fp3, scheduler, FP3_ADDR_PUBLISHED_MORE, program->published[1]);
     if (!status && FIELD(fp3->features, FEATURES_SLEEP) &&
         FIELD(fp3->features_more, FEATURES_MORE_STORAGE))
         status = put(fp3, scheduler, FP3_ADDR_WHOLE, whole_of(program));
@@ -214,8 +225,12 @@ fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_progr
         return FP3_E_ARGUMENT;
     if (program->revision != fp3->revision || !has_arithmetic(fp3, program))
         return FP3_E_MISMATCH;
-    if (!has_room(fp3, program, words))
+    if (!has_room(fp3, program, words) || !has_neighbours(fp3, program))
         return FP3_E_PROGRAM;
+    fp3->around = program->list_count ? program : NULL;
+    fp3->room = program->list_count ? fp3->store / 2 : fp3->store;
+    fp3->half = 0;
+    fp3->missing = (1u << program->list_count) - 1;
     for (uint32_t i = first_of(scheduler); i < end_of(fp3, scheduler); i++)
         fp3->record[i] = 0; /* until all of it is there */
     fp3_status status = FP3_OK;
@@ -245,9 +260,15 @@ static int find_register(const fp3_bare *fp3, uint32_t scheduler, uint32_t objec
     if (!find(fp3, scheduler, object, at))
         return 0;
     const uint32_t record = fp3->record[at->scheduler];
+    if (reg >= fp3->registers || (fp3->store && reg >> record))
+        return 0;
+    const int is_published = fp3->around && fp3->around->published[reg / 32] >> reg % 32 & 1;
+    const uint32_t word = at->lane * fp3->store + (at->row << record) + reg;
     *address = FP3_ADDRESS_IN(fp3->space_bit, FP3_SPACE_OBJECTS,
-                              fp3->store ? at->lane * fp3->store + (at->row << record) + reg : reg);
-    return reg < fp3->registers && (fp3->store == 0 || reg >> record == 0);
+                              !fp3->store    ? reg
+                              : is_published ? word + fp3->half
+                                             : word);
+    return 1;
 }
 
 fp3_status fp3_bare_write(fp3_bare *fp3, uint32_t scheduler, uint32_t object, uint32_t reg,
@@ -307,7 +328,7 @@ static fp3_status list_lane(fp3_bare *fp3, uint32_t scheduler, uint32_t lane, ui
 
 fp3_status fp3_bare_list(fp3_bare *fp3, uint32_t scheduler, uint32_t count) {
     place at;
-    if (!is_idle(fp3, scheduler))
+    if (!is_idle(fp3, scheduler) || (fp3->around && count != rows_of(fp3, 0)))
         return FP3_E_ARGUMENT;
     const uint32_t columns = columns_of(fp3, scheduler), first = first_of(scheduler);
     /* The fullest row is the last; in it every scheduler must have room. */
@@ -338,25 +359,17 @@ fp3_status fp3_bare_wake(fp3_bare *fp3, uint32_t scheduler, uint32_t object) {
 
 /* ---- a run ---- */
 
-/* Where neighbours read words a visit is a step. */
-static fp3_status check_visit(fp3_bare *fp3, uint32_t scheduler, uint32_t visit) {
-    uint32_t low = 0, high = 0;
-    if (visit == 1 || !FIELD(fp3->features_more, FEATURES_MORE_NEIGHBOURS))
-        return FP3_OK;
-    fp3_status status = get(fp3, scheduler, FP3_ADDR_PUBLISHED, &low);
-    if (!status)
-        status = get(fp3, scheduler, FP3_ADDR_PUBLISHED_MORE, &high);
-    return !status && (low || high) ? FP3_E_ARGUMENT : status;
-}
-
 fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uint32_t visit,
                           uint32_t clock) {
-    if (!is_idle(fp3, scheduler) || clock > UINT32_MAX - steps)
+    if (!is_idle(fp3, scheduler) || clock > UINT32_MAX - steps || fp3->missing ||
+        (fp3->around && visit != 1))
         return FP3_E_ARGUMENT;
     for (uint32_t i = first_of(scheduler); i < end_of(fp3, scheduler); i++)
         if (!fp3->record[i])
             return FP3_E_ARGUMENT;
-    fp3_status status = check_visit(fp3, scheduler, visit);
+    fp3_status status = FP3_OK;
+    if (fp3->around) /* published words are where the run before has left them */
+        status = put(fp3, scheduler, FP3_ADDR_HALF, fp3->half != 0);
     if (!status && fp3->store)
         status = put(fp3, scheduler, FP3_ADDR_VISIT, visit);
     if (!status && fp3->store)
@@ -379,13 +392,17 @@ static fp3_bare_outcome outcome_of(uint32_t word) {
 }
 
 fp3_status fp3_bare_poll(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *outcome) {
-    uint32_t word = 0;
+    uint32_t word = 0, half = 0;
     if (!is_there(fp3, scheduler))
         return FP3_E_ARGUMENT;
-    const fp3_status status = get(fp3, scheduler, FP3_ADDR_STATUS, &word);
+    fp3_status status = get(fp3, scheduler, FP3_ADDR_STATUS, &word);
+    if (!status && fp3->around && outcome_of(word) != FP3_BARE_RUNNING)
+        status = get(fp3, scheduler, FP3_ADDR_HALF, &half);
     if (status)
         return status;
     *outcome = outcome_of(word);
+    if (*outcome != FP3_BARE_RUNNING)
+        fp3->half = half ? fp3->store / 2 : 0;
     for (uint32_t i = first_of(scheduler);
          *outcome != FP3_BARE_RUNNING && i < end_of(fp3, scheduler); i++)
         fp3->running[i] = 0;

@@ -49,6 +49,17 @@ typedef struct {
     uint32_t bits;  /* of its FP32 value */
 } fp3_bare_constant;
 
+/* Of a program whose objects see each other (docs/relations.md): a list that each object has ... */
+typedef struct {
+    uint32_t reg;    /* of the object: the list's place and length */
+    uint32_t fields; /* words of an entry behind the neighbour */
+} fp3_bare_shape;
+
+/* ... and the phases of a step, one after the other. */
+typedef struct {
+    uint32_t first, end; /* words first .. end - 1 */
+} fp3_bare_phase;
+
 /* As `fp3 dis --header` writes it. The loads and stores around a visit of an object are the first
  * and last words; a machine without an object store gets the words between them. */
 typedef struct {
@@ -61,6 +72,12 @@ typedef struct {
     uint32_t record;            /* the binary logarithm of the words of an object, 3 to 6 */
     uint32_t revision;          /* of the instruction set */
     uint32_t arithmetic;        /* that it is compiled for: fp3_image.words (fp3/image.h) */
+    /* Where objects see each other; else 0. */
+    const fp3_bare_shape *lists;
+    const fp3_bare_phase *phases;
+    uint32_t list_count, phase_count;
+    uint32_t published[2]; /* bit r % 32 of r / 32: neighbours read register r, and phases store it
+                            */
 } fp3_bare_program;
 
 /* All schedulers. Elsewhere a number from 0 on. */
@@ -78,6 +95,10 @@ typedef struct {
     uint32_t features;      /* the register of this name */
     uint32_t features_more; /* likewise, 0 where the hardware has none */
     uint32_t failed_at;     /* the address of the last transfer that failed */
+    const fp3_bare_program *around; /* the program that is loaded, if its objects see each other */
+    uint32_t room;    /* words of each lane's store for objects; behind them are lists */
+    uint32_t half;    /* the word of the store from which on published registers are: 0, or half */
+    uint32_t missing; /* bit i: list i of `around` is not there, so nothing starts */
     uint8_t revision;
     uint8_t record[FP3_BARE_SCHEDULERS];  /* of the program that is loaded; 0: none */
     uint8_t running[FP3_BARE_SCHEDULERS]; /* since start, until poll or wait says that it ended */
@@ -98,8 +119,10 @@ fp3_status fp3_bare_open(fp3_bare *fp3, const fp3_bare_bus *bus);
 /* Words, shape and constants of a program. FP3_E_MISMATCH: it is of another revision of the
  * instruction set, or compiled for another arithmetic (docs/arithmetic.md), or the hardware's
  * words are logarithms or numbers of fewer fraction bits, which constants would have to be
- * converted to. FP3_E_PROGRAM: there is no room for it. The objects then have no values, and the
- * lists are empty. */
+ * converted to. FP3_E_PROGRAM: there is no room for it; or its objects see each other, and the
+ * hardware has no neighbours, or several lanes. The objects then have no values, and the lists are
+ * empty. A program whose objects see each other must outlive its runs; fp3_bare_neighbours.h has
+ * what else it needs. */
 fp3_status fp3_bare_load(fp3_bare *fp3, uint32_t scheduler, const fp3_bare_program *program);
 /* A constant that the program leaves to the host, as h. */
 fp3_status fp3_bare_write_shared(fp3_bare *fp3, uint32_t scheduler, uint32_t index, uint32_t bits);
@@ -124,9 +147,8 @@ fp3_status fp3_bare_list(fp3_bare *fp3, uint32_t scheduler, uint32_t count);
 fp3_status fp3_bare_wake(fp3_bare *fp3, uint32_t scheduler, uint32_t object);
 
 /* A run of this number of steps. visit: steps per visit, 0: all. clock: steps made before this run.
- * One object has no use for these two. visit must be 1 if you set `published` after the load, as
- * neighbours need it. A program that counts its steps in FP32 counts to 2^24: the caller keeps
- * count. */
+ * One object has no use for these two. visit must be 1 where objects see each other. A program that
+ * counts its steps in FP32 counts to 2^24: the caller keeps count. */
 fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uint32_t visit,
                           uint32_t clock);
 /* Reads the status once; or until no scheduler runs, polls times at most. FP3_E_LIMIT: one still

@@ -59,7 +59,7 @@ fp3_status fp3_bare_move_start(fp3_bare *fp3, const fp3_bare_move *move) {
 
 fp3_status fp3_bare_move_rows(fp3_bare *fp3, fp3_bare_direction direction, uint32_t scheduler,
                               uint32_t lane, uint32_t row, uint32_t rows, uint32_t memory) {
-    if (scheduler >= fp3->schedulers || lane >= fp3->lanes || !fp3->record[scheduler])
+    if (scheduler >= fp3->schedulers || lane >= fp3->lanes || !fp3->record[scheduler] || fp3->half)
         return FP3_E_ARGUMENT;
     const uint32_t record = fp3->record[scheduler], most = fp3->store >> record;
     if (row > most || rows > most - row)

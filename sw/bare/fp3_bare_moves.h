@@ -43,7 +43,9 @@ typedef enum {
  * moved does not change what the driver knows of programs: after a program came in this way, call
  * fp3_bare_load anyway, or write its registers. */
 fp3_status fp3_bare_move_start(fp3_bare *fp3, const fp3_bare_move *move);
-/* Rows row to row + rows - 1 of a lane, whole records. The program must be loaded. */
+/* Rows row to row + rows - 1 of a lane, whole records. The program must be loaded. FP3_E_ARGUMENT
+ * also while what objects publish is in the upper half of the store (fp3.half): not in their
+ * records. */
 fp3_status fp3_bare_move_rows(fp3_bare *fp3, fp3_bare_direction direction, uint32_t scheduler,
                               uint32_t lane, uint32_t row, uint32_t rows, uint32_t memory);
 /* A list of transfers in memory, which begins at this address (docs/memory.md). Runs that it starts

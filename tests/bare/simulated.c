@@ -227,9 +227,9 @@ static void look_at_memory(void) {
     memory[FP3_ADDR_FEATURES / 4] |= 1u << FP3_FEATURES_SLEEP_LO;
     memory[FP3_ADDR_FEATURES_MORE / 4] = 1u << FP3_FEATURES_MORE_NEIGHBOURS_LO;
     memory[FP3_ADDR_STORE / 4] = 16;
-    memory[FP3_ADDR_PUBLISHED_MORE / 4] = 1;
     EXPECT(!fp3_bare_open(&fp3, &bus));
     fp3.record[0] = 3;
+    fp3.around = &ship_program;
     EXPECT(fp3_bare_start(&fp3, FP3_ALL, 1, 0, 0) == FP3_E_ARGUMENT);
     EXPECT(memory[FP3_ADDR_CONTROL / 4] == 2 && !fp3_bare_start(&fp3, FP3_ALL, 1, 1, 0));
     EXPECT(memory[FP3_ADDR_CONTROL / 4] == 1 && !fp3_bare_poll(&fp3, FP3_ALL, &outcome));

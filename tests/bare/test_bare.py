@@ -1,6 +1,7 @@
 """The C driver (sw/bare) and the example examples/ships.c, on the simulated hardware over AXI4-Lite."""
 
 import json
+import pathlib
 import re
 import shutil
 import struct
@@ -8,6 +9,10 @@ import subprocess
 import sys
 
 import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples/litex"))
+
+import scenes_data  # noqa: E402
 
 WARN = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 STEPS = 3
@@ -40,8 +45,8 @@ def folder(root, fp3, tmp_path_factory):
 def compiled(root, build, folder, name):
     sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
     succeeds("gcc", *WARN, "-D_GNU_SOURCE", "-g", *sanitize, "-ffp-contract=off", "-I", root / "sw", "-I", root / "sw/bare", "-I",
-             root / "sw/include", "-I", root / "sim", "-I", folder, root / f"tests/bare/{name}.c", root / "sw/bare/fp3_bare.c",
-             root / "sw/bare/fp3_bare_moves.c", "-ldl", "-o", folder / name)
+             root / "sw/include", "-I", root / "sim", "-I", folder, "-I", root / "examples/litex", root / f"tests/bare/{name}.c",
+             *sorted((root / "sw/bare").glob("*.c")), "-ldl", "-o", folder / name)
     return folder / name
 
 
@@ -53,12 +58,12 @@ def simulated(root, build, folder):
 @pytest.mark.parametrize("options", [["-O0"], ["-Os", "-m32", "-fno-pic"]], ids=" ".join)
 def test_it_needs_nothing(root, folder, options):
     """Freestanding, on 64 and 32 bits: no symbol of anybody else's, and the example only the driver's."""
-    for source in (root / "sw/bare/fp3_bare.c", root / "sw/bare/fp3_bare_moves.c", folder / "ships.c"):
+    for source in (*sorted((root / "sw/bare").glob("*.c")), folder / "ships.c"):
         succeeds("gcc", *WARN, *options, "-ffreestanding", "-nostdlib", "-nostdinc", "-isystem",
                  succeeds("gcc", "-print-file-name=include").strip(), "-I", root / "sw", "-I", root / "sw/bare", "-I",
                  root / "sw/include", "-c", source, "-o", folder / "x.o")
         names = re.findall(r"U (\w+)", succeeds("nm", "-u", folder / "x.o"))
-        assert [name for name in names if not name.startswith("fp3_bare_") or source.parent != folder] == [], names
+        assert [name for name in names if not name.startswith("fp3_bare_") or source.name == "fp3_bare.c"] == [], names
 
 
 def hardware(root, build, config):
@@ -93,6 +98,43 @@ def test_what_moves_has_the_bits_of_a_run(root, build, fp3, folder, tmp_path, se
     """Program, constants, list and ships come from memory, and the ships go back; moves.c also provokes what can go wrong."""
     got = succeeds(compiled(root, build, folder, "moves"), hardware(root, build, "many_memory")[0], seed)
     assert got.splitlines() == run_of(root, fp3, tmp_path, "many_memory", 30)
+
+
+@pytest.fixture(scope="module")
+def around(root, build, fp3, tmp_path_factory):
+    """The three scenes of examples/litex on `world`, by the driver alone; the balls by this integrator."""
+    made = {}
+
+    def start(integrator, *arguments):
+        if integrator not in made:
+            made[integrator] = tmp_path_factory.mktemp(integrator)
+            scenes_data.make(fp3, made[integrator], {"balls": integrator})
+            compiled(root, build, made[integrator], "neighbours")
+        folder = made[integrator]
+        return folder, succeeds(folder / "neighbours", build / "lib/fp3/fp3_world.so", *arguments)
+    return start
+
+
+# Seeds for waits of the bus; cells of the grid, and how often lists are made, at least and at most. A step of leapfrog has two phases.
+@pytest.mark.parametrize("integrator, seed, skin, cells, least, most", [
+    ("semi_implicit_euler", 0, 0.01, 300, 3, 9), ("semi_implicit_euler", 0, 0.05, 4, 1, 2), ("leapfrog", 5, 0.0, 20, 20, 20)])
+def test_neighbours_have_the_words_of_the_engine_fast(fp3, around, integrator, seed, skin, cells, least, most):
+    """Links, all, near: every word of every state; whatever the skin and the grid are."""
+    folder, text = around(integrator, seed, "words", f"{scenes_data.bits(skin):x}", cells)
+    for name in scenes_data.SCENES:
+        assert re.findall(rf"^{name} (\w+)$", text, re.M) == [f"{word:08x}" for word in scenes_data.expected(fp3, folder, name)], name
+    assert least <= int(re.search(r"^lists (\d+)$", text, re.M)[1]) <= most
+
+
+def test_the_scenes_of_the_soc_print_what_the_engine_fast_has(fp3, around):
+    folder, text = around("semi_implicit_euler", 5, "program")
+    assert text.splitlines() == [f"{name} {scenes_data.hash_of(scenes_data.expected(fp3, folder, name))}" for name in scenes_data.SCENES] + ["done"]
+
+
+@pytest.mark.parametrize("mode", ["ends", "broken"])
+def test_neighbours_are_refused_beyond_the_ends(around, mode):
+    """tests/bare/neighbours.c has each range, and lets each transfer fail once."""
+    around("semi_implicit_euler", 0, mode)
 
 
 @pytest.mark.parametrize("config", ["many", "many_half"])

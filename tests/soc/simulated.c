@@ -53,7 +53,7 @@ int machine_wait(int (*is_over)(void), uint32_t cycles) {
         if (fp3_rtl_transfer_one(board.ops, board.rtl, 0, FP3_ADDR_INTERRUPT, &word))
             break;
         if ((word & both) == both && !board.is_deaf)
-            ships_interrupt();
+            program_interrupt();
     }
     return is_over();
 }
@@ -70,7 +70,7 @@ int main(int argc, char **argv) {
     board.rtl = board.ops->open(&watch, 0);
     if (!board.rtl)
         return 2;
-    const int status = ships();
+    const int status = program();
     board.ops->close(board.rtl);
     fprintf(stderr, "%" PRIu64 " transfers\n", board.transfers);
     return status;

@@ -98,6 +98,12 @@ def test_the_soc_has_the_bits_of_a_run(root, fp3, python, tmp_path, config, bus)
     assert text.endswith(f"{config} on {bus}: {SHIPS[config]} ships, 1000 steps: the bits of the engine isa\n")
 
 
+@pytest.mark.long
+def test_the_soc_moves_objects_that_see_each_other(root, fp3, python, tmp_path):
+    text = succeeds(python, root / "examples/litex/soc.py", "--fp3", fp3, "--program", "scenes", "--output", tmp_path)
+    assert text.endswith("world on wishbone: cloth, stars, balls: the bits of the engine fast\n")
+
+
 # What is broken, what is said, and by whom: the program, or the comparison.
 BROKEN = [("address", "error: open: there is no FP3 at this address, or it has another instruction set"),
           ("interrupt", "error: the run has ended, but no interrupt came"),
