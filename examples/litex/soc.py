@@ -37,7 +37,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 SOFTWARE = pathlib.Path(litex.__file__).parent / "soc/software"
 ORIGIN = 0x9000_0000          # VexRiscv caches nothing from 0x8000_0000 on
 MEMORY = {"ships": (0x4000, 0x1000), "scenes": (0x10000, 0x4000)}    # bytes of ROM and of RAM
-LIMIT = {"ships": 2_000_000, "scenes": 40_000_000}                   # cycles that are simulated
+LIMIT = {"ships": 2_000_000, "scenes": 60_000_000}                   # cycles that are simulated
 STEPS = 1000
 SERIAL = [Subsignal(f"{way}_{name}", Pins(width)) for way in ("source", "sink") for name, width in (("valid", 1), ("ready", 1), ("data", 8))]
 
