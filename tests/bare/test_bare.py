@@ -181,6 +181,14 @@ def test_a_header_has_all_that_a_host_gives(root, fp3, tmp_path):
     assert done.returncode == 2 and "--header: expected an image" in done.stderr
 
 
+def test_a_header_of_what_the_driver_cannot_run_is_refused(fp3, tmp_path):
+    """A word of all objects is compared between phases: nobody would do it."""
+    (tmp_path / "w.s").write_text(".state x\n.worst w\nstep:\n  ld x\n  add w, x, x\n  st w\n  phase\n  ld x\n  st x\n")
+    succeeds(fp3, "asm", tmp_path / "w.s", "-o", tmp_path / "w.fp3")
+    done = subprocess.run([fp3, "dis", tmp_path / "w.fp3", "--header", tmp_path / "w.h"], capture_output=True, text=True)
+    assert done.returncode == 2 and "compares a word of all objects between phases" in done.stderr and not (tmp_path / "w.h").exists()
+
+
 def test_alone_measures_loads_and_chunks(root, build, tmp_path):
     """The quick form of `make alone`: words moved once, and the words of the engine fast from chunks; else it fails."""
     succeeds(sys.executable, root / "tools/alone.py", "--quick", "--output", tmp_path / "alone.json")
