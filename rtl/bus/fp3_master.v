@@ -82,7 +82,7 @@ module fp3_master #(
     output wire                 m_axi_rready
 );
 `include "gen/registers.vh"
-    localparam OPEN_W = 6;
+    localparam OPEN_W = READS_W + 1;                       // all of the transfer's reads, or the host's and its writes
     localparam [ADDRESS_W-1:0] NOWHERE = 1;                // no multiple of 4
     // Registers of the transfer, of whatever scheduler
     wire [INSIDE-1:0]  local_at = host_addr_i[INSIDE-1:0];
@@ -117,7 +117,7 @@ module fp3_master #(
         .move_valid_i(move_valid), .move_ready_o(move_ready), .move_streams_i(|(move_addr & STREAM)), .move_write_i(move_write),
         .move_what_i({move_addr, move_wdata}), .moves_o(moves), .open_o(open),
         .req_valid_o(req_valid_o), .req_ready_i(req_ready_i), .req_write_o(req_write_o),
-        .req_what_o({req_addr_o, req_wdata_o}), .answered_i(wrote_i || read_i));
+        .req_what_o({req_addr_o, req_wdata_o}), .wrote_i(wrote_i), .read_i(read_i));
     assign host_ready_o  = ours || hub_host;
     assign host_wrote_o       = (wrote_i && !moves) || (told && told_write);
     assign host_write_error_o = told ? told_error : write_error_i;

@@ -248,7 +248,7 @@ module fp3_transfer #(
         end
         if (reads) word_q <= rdata_i;
         if (sends) {sent_q, strobe_q, last_q} <= {waiting, !failed, &memory_q[9:2] || words_q == {{WORDS_W-1{1'b0}}, 1'b1}};
-        if (!failed) error_q <= bad ? (fetch_q ? next_q : store_q ? oldest_q : memory_q) : fetch_q ? place_q : due_q;
+        if (!failed) error_q <= bad ? (fetch_q ? next_q + {28'hfffffff, word_number_q} : store_q ? oldest_q : memory_q) : fetch_q ? place_q : due_q;
         looked_q <= rests && busy_q && fetch_q && !go;
         strays_q <= said_q[TRANSFER_CONTROL_AGAIN_LO] && again_q && again_at_q != next_q;
         if (repeats) {again_left_q, again_at_q} <= {again_left - {{WORDS_W-1{1'b0}}, 1'b1}, next_q};
@@ -269,8 +269,8 @@ module fp3_transfer #(
             if (asked)      run_left_q <= run_ends ? run_q : run_left_q - 6'd1;
             if (answered_i) due_left_q <= due_ends ? run_q : due_left_q - 6'd1;
         end
-        if ((start && list) || back)         next_q <= memory_q;
-        else if (reads && fetch_q)           next_q <= next_q + 30'd1;
+        if (go && fetch)                     next_q <= first + 30'd4;
+        else if (back)                       next_q <= memory_q;
         if (go)                              ask_left_q <= repeats ? {WORDS_W{1'b0}} : words_q;
         else if (asked)                      ask_left_q <= ask_left_q - {{WORDS_W-1{1'b0}}, 1'b1};
 

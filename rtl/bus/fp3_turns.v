@@ -11,7 +11,8 @@
 //           their turn while they want it. A request of the transfer that does not stream is alone,
 //           as axi_lite says it: nothing else is under way, and none follows within REST cycles of
 //           its answer.
-// Hazard    Of the host, axi_lite looks after that.
+// Hazard    Of the host, axi_lite looks after that. A write and a read may be answered at once. At most
+//           2^OPEN_W - 1 requests are under way.
 `default_nettype none
 module fp3_turns #(
     parameter W    = 32,               // bits of a request but for its two
@@ -39,7 +40,8 @@ module fp3_turns #(
     input  wire              req_ready_i,
     output wire              req_write_o,
     output wire [W-1:0]      req_what_o,
-    input  wire              answered_i
+    input  wire              wrote_i,            // a write is answered
+    input  wire              read_i              // a read is answered
 );
     localparam TURN_W = $clog2(TURN);
 
@@ -65,8 +67,8 @@ module fp3_turns #(
             alone_q <= (goes && moves_q && !move_streams_i) || (alone_q && !still);
             if (turns)                         made_q <= {TURN_W+1{1'b0}};
             else if (goes && !made_q[TURN_W])  made_q <= made_q + 1'b1;
-            if (goes != answered_i)            open_q <= goes ? open_q + 1'b1 : open_q - 1'b1;
-            if (answered_i)                    rest_q <= REST[2:0];
+            open_q  <= open_q + {{OPEN_W-1{1'b0}}, goes} - {{OPEN_W-1{1'b0}}, wrote_i} - {{OPEN_W-1{1'b0}}, read_i};
+            if (wrote_i || read_i)             rest_q <= REST[2:0];
             else if (rest_q != 3'd0)           rest_q <= rest_q - 3'd1;
         end
     assign req_valid_o  = may;

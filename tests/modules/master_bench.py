@@ -57,7 +57,7 @@ class Hub:
         at = self.cycle + (2 if write else 14)
         if not streams:
             self.rested = at + REST
-        assert at not in self.due or not write
+        assert not self.due.get(at, 0) & (WROTE if write else READ)
         self.due[at] = self.due.get(at, 0) | (WROTE | bad * WRITE_ERROR if write else READ | bad * READ_ERROR | (0 if bad else self.words.get(address, 0)))
 
 
@@ -117,7 +117,7 @@ class Bench:
             await FallingEdge(dut.clk_i)
             untold -= dut.m_axi_bvalid.value == 1 and dut.m_axi_bready.value == 1
             assert untold == 0 or dut.u_transfer.busy_q.value == 1, "over, and memory has not answered"
-            asked -= dut.host_wrote_o.value == 1 or dut.host_read_o.value == 1
+            asked -= (dut.host_wrote_o.value == 1) + (dut.host_read_o.value == 1)
             assert asked >= 0, "the host gets an answer that is not its own"
             asked += dut.host_valid_i.value == 1 and dut.host_ready_o.value == 1
             for channel, names in (("aw", ("addr", "len", "size", "burst")), ("ar", ("addr", "len", "size", "burst")), ("w", ("data", "strb", "last"))):
@@ -258,6 +258,26 @@ async def the_host_is_answered_meanwhile(dut):
 
 
 @cocotb.test(timeout_time=120, timeout_unit="us")
+async def a_transfer_has_its_turn_after_two_answers_at_once(dut):
+    """The hub answers a write sooner than a read: both in one cycle, if the host streams both."""
+    bench = Bench(dut, 8, waits=False)
+    await bench.start()
+    own = STREAM + 0x10000 - 4
+    for data, cycles in ((None, 11), (7, 3)):              # how long until the next one, or the end
+        dut.host_valid_i.value, dut.host_write_i.value, dut.host_addr_i.value, dut.host_wdata_i.value = 1, int(data is not None), own, data or 0
+        await RisingEdge(dut.clk_i)
+        dut.host_valid_i.value, both = 0, False
+        for _ in range(cycles):
+            await FallingEdge(dut.clk_i)
+            both = both or (dut.host_wrote_o.value == 1 and dut.host_read_o.value == 1)
+            await RisingEdge(dut.clk_i)
+    assert both, "the answers do not meet"
+    for _ in range(REST):
+        await RisingEdge(dut.clk_i)
+    assert await bench.move(0x400, STREAM, 5, LOAD) == DONE and bench.hub.words[own] == 7
+
+
+@cocotb.test(timeout_time=120, timeout_unit="us")
 async def an_error_of_memory_ends_a_transfer(dut):
     bench = Bench(dut, 4)
     await bench.start()
@@ -369,6 +389,13 @@ async def a_list_is_one_command(dut):
     bench.put(at, commands[:1])
     bench.broken = {at + 20}
     assert await bench.move(at, 0, 0, LIST) == MEMORY_ERROR and await bench.get("error") == at + 20
+    # A descriptor may lie in two bursts.
+    at -= 8
+    bench.put(at, [(0x400, STREAM, 1, LOAD | LAST)])
+    for broken, ends in ({at + 4}, MEMORY_ERROR), (set(), DONE):
+        bench.broken = broken
+        assert await bench.move(at, 0, 0, LIST) == ends and await bench.get("next") == at + 16
+        assert await bench.get("error") == (at + 4 if broken else 0)
 
 
 @cocotb.test(timeout_time=120, timeout_unit="us")

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import pytest
 
+import master_bugs
 import simulate
 from bugs import Bug, few, source, tree
 
@@ -142,38 +143,7 @@ BUGS = {
         Bug("what streams waits, too", "fp3_hub.v", "takes = quiet || streams", "takes = quiet"),
         Bug("a cycle too soon", "fp3_hub.v", "left_q <= QUIET[W-1:0]", "left_q <= QUIET[W-1:0] - 1'b1"),
     ],
-    "master": [
-        Bug("a burst crosses 4 KB", "fp3_bursts.v", "ends ? left_q[7:0] - 8'd1 : up", "ends ? left_q[7:0] - 8'd1 : 8'd255"),
-        Bug("an address that does not stand", "fp3_bursts.v", "else if (valid_q)              valid_q <= !ready_i;", "else if (valid_q)              valid_q <= 1'b0;"),
-        Bug("a range of a multiple of 1 KB has a burst more", "fp3_bursts.v", "left_q <= {{WORDS_W-8{1'b0}}, up}", "left_q < {{WORDS_W-8{1'b0}}, up}"),
-        Bug("an error does not end a range", "fp3_bursts.v", "else if (stop_i && !valid_q)   left_q", "else if (1'b0)   left_q"),
-        Bug("a word that the processor does not take is lost", "fp3_transfer.v", "(!full_q || failed || asked)", "1'b1"),
-        Bug("a word is moved twice", "fp3_transfer.v", "(full_q && !asked && !failed)", "(full_q && (!asked || owed_q == 10'd3) && !failed)"),
-        Bug("a word for memory is lost", "fp3_transfer.v", "(waits || failed) && (!sends_q || wready_i)", "(waits || failed)"),
-        Bug("words that were refused are written", "fp3_transfer.v", "{waiting, !failed,", "{waiting, 1'b1,"),
-        Bug("a word that could not be read is moved", "fp3_transfer.v", "req_valid_o = busy_q && !failed &&", "req_valid_o = busy_q &&"),
-        Bug("over before memory has said so", "fp3_transfer.v", "&& bursts_q == {BURSTS_W+1{1'b0}}", ""),
-        Bug("over before the processor has said so", "fp3_transfer.v", "open_i == {OPEN_W{1'b0}} && (failed", "(failed"),
-        Bug("a run's end is not waited for", "fp3_transfer.v", "wait_q ? waited_q :", "wait_q ? 1'b1 :"),
-        Bug("however a run ends, the list goes on", "fp3_transfer.v", "(comes && answer_rdata_i !=", "(comes && 1'b0 && answer_rdata_i !="),
-        Bug("what is not possible is done", "fp3_transfer.v", "wrong_q <= wrong_q || |rdata_i[31:WORDS_W];", "wrong_q <= wrong_q;"),
-        Bug("nothing of a place is left out", "fp3_transfer.v", "skip_q & {6{run_ends}}", "6'd0"),
-        Bug("after the first run of words no other one", "fp3_transfer.v", "run_ends ? run_q : run_left_q - 6'd1", "run_left_q - 6'd1"),
-        Bug("an error is told as if nothing was left out", "fp3_transfer.v", "skip_q & {6{due_ends}}", "6'd0"),
-        Bug("a part is made once more", "fp3_transfer.v", "again_q ? again_left_q : words_q", "again_q ? again_left_q : words_q + 1'b1"),
-        Bug("a part within a part", "fp3_transfer.v", "again_q && again_at_q != next_q", "1'b0"),
-        Bug("a list ends before its part is made again", "fp3_transfer.v", "fetch || back ||", "fetch ||"),
-        Bug("after an error a part is still under way", "fp3_transfer.v", "if (start || repeats) again_q", "if (repeats) again_q"),
-        Bug("an error of memory's is none", "fp3_transfer.v", "bad    = (reads && rerror_i) || (closes && berror_i)", "bad    = reads && rerror_i"),
-        Bug("the first burst for all", "fp3_transfer.v", "else if (closes)  oldest_q", "else if (closes && rst_i)  oldest_q"),
-        Bug("the last word of a burst is not said", "fp3_transfer.v", "&memory_q[9:2] || words_q", "words_q"),
-        Bug("all addresses wrap", "fp3_master.v", "|bytes[31:ADDRESS_W] ? NOWHERE :", "1'b0 ? NOWHERE :"),
-        Bug("the host gets the answers of a transfer", "fp3_master.v", "(read_i && !moves)", "read_i"),
-        Bug("turns change with requests under way", "fp3_turns.v", "turns = other && still && (spent || !owner)", "turns = other && (spent || !owner)"),
-        Bug("the host waits for the end", "fp3_turns.v", "made_q[TURN_W] && other", "made_q[TURN_W] && other && !moves_q"),
-        Bug("what is alone streams", "fp3_turns.v", "(move_streams_i ? !alone_q : still)", "1'b1"),
-        Bug("soon after one that was alone", "fp3_turns.v", "&& rest_q == 3'd0;", ";"),
-    ],
+    "master": [Bug(name, file, right, wrong) for file, rows in master_bugs.BUGS.items() for name, right, wrong in rows],
     "counters": [
         Bug("an event of the clear's cycle counts", "fp3_counters.v", "event_q <= clear_i ? {N{1'b0}} : event_i", "event_q <= event_i"),
         Bug("an event of the cycle before the clear counts", "fp3_counters.v", "if (clear_i) count_q <= {W{1'b0}};", "if (clear_i) count_q <= {{W-1{1'b0}}, event_q[k]};"),
