@@ -1,5 +1,5 @@
 """Bugs of the master of AXI4, file by file: (name, right, wrong). Its bench (tests/modules/master_bench.py) must see each, and so must the proof of
-the file's module (tests/formal/control.py). `right` is in the file once."""
+the file's module, where there is one (tests/formal/control.py). `right` is in the file once."""
 
 BUGS = {
     "fp3_bursts.v": [

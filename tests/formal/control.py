@@ -9,28 +9,30 @@ from mutants import Bug
 
 HERE = Path(__file__).parent
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "tools"))
+sys.path += [str(ROOT / "tools"), str(ROOT / "tests")]
 
+import master_bugs
 from fp3gen.read import load
 
 TIMING = load(ROOT).timing
-CYCLES = 24                              # a seeded bug must show within so many of reset
 
 
 class Subject(NamedTuple):
     spec: str                            # the specification's module and file, which instantiates ours
-    sources: tuple                       # files of ours
+    sources: tuple                       # files of ours: that of the seeded bugs first, and what is included
     title: str                           # of a shape, by its parameters
     shapes: list                         # parameter sets to prove
     bugs: list                           # (name, right, wrong, parameters)
     depth: int = 1                       # of the induction
     models: tuple = ()                   # files beside the specification, in place of modules of ours
+    cycles: int = 24                     # a seeded bug must show within so many of reset
 
     def machine(self, yosys, files, shape, lemmas):
         texts = {name: files[name] for name in self.sources}
         texts |= {name: (HERE / name).read_text() for name in (f"{self.spec}.v", *self.models)}
         chosen = " ".join(f"-set {name} {value}" for name, value in {**shape, "LEMMAS": lemmas}.items())
-        return Machine(yosys, f"read_verilog -formal {' '.join(texts)}; chparam {chosen} {self.spec}; "
+        read = " ".join(name for name in texts if name.endswith(".v"))
+        return Machine(yosys, f"read_verilog -formal {read}; chparam {chosen} {self.spec}; "
                        f"hierarchy -top {self.spec}; proc; memory_collect; memory_map", self.spec, texts)
 
     def prove(self, yosys, files, shape):
@@ -39,7 +41,7 @@ class Subject(NamedTuple):
     def find(self, yosys, files, bug, shape):
         """A seeded bug must break a promise in a run from reset; lemmas about registers do not count."""
         try:
-            self.machine(yosys, bug.patch(files), shape, 0).refute(CYCLES)
+            self.machine(yosys, bug.patch(files), shape, 0).refute(self.cycles)
         except Refuted as found:
             return f"found: {found}"
         raise RuntimeError("the bug was not found")
@@ -283,7 +285,25 @@ TRANSACT = Subject(
     ], models=("one_word.v",))
 
 
+# ---- the master of AXI4 ---------------------------------------------------------------------------
+
+def seeded(file, shape):
+    """The bugs that its bench sees, too."""
+    return [(*bug, shape) for bug in master_bugs.BUGS[file]]
+
+
+RANGE, TURNS, BOTH = {"WORDS_W": 24}, {"TURN": 64, "REST": 4}, {"ADDRESS_W": 20, "INSIDE": 18, "READS_W": 5}
+
+BURSTS = Subject("bursts_spec", ("fp3_bursts.v",), "{WORDS_W} bits of a number of words", [RANGE], seeded("fp3_bursts.v", RANGE))
+
+TURN_BY_TURN = Subject("turns_spec", ("fp3_turns.v",), "turns of {TURN} requests, {REST} cycles between",
+                       [TURNS], seeded("fp3_turns.v", {"TURN": 4, "REST": 4}))
+
+MASTER = Subject("master_spec", ("fp3_master.v", "fp3_turns.v", "gen/registers.vh"), "{ADDRESS_W} bits of address, {INSIDE} of them of a scheduler",
+                 [BOTH, {"ADDRESS_W": 24, "INSIDE": 20, "READS_W": 4}], seeded("fp3_master.v", BOTH), models=("any_transfer.v",))
+
+
 def cases():
     """(name, action of yosys and files) for every proof and every seeded bug."""
-    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT):
+    for subject in (SCOREBOARD, ARBITER, PACE, DUAL_PACE, AXI_LITE, RESPONSES, TRANSACT, BURSTS, TURN_BY_TURN, MASTER):
         yield from subject.cases()

@@ -29,12 +29,12 @@ class Machine:
     def prove(self, depth=1):
         """All assertions hold in the first cycles, and in each cycle after `depth` cycles in which they hold."""
         self.refute(depth)
-        self.run(depth + 8)
         run = Run(self.netlist)
         run.begin(lambda latch: run.free(f"state {latch}"))
         holds, broken = [run.cycle() ^ 1 for _ in range(depth)], run.cycle()
         if Question(run.aig, [*run.assumed, *holds, broken]).ask():
             raise Unproved("the induction fails")
+        self.run(depth + 8)
         return "proved by induction"
 
     def run(self, cycles):
