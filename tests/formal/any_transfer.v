@@ -1,5 +1,5 @@
 // any_transfer: stands for fp3_transfer.v in the proof of fp3_master.v. It answers the host in the next cycle, and what it asks of the
-// processor are reads or writes while any of them is under way. Whatever else it gives is anything.
+// processor are reads or writes while any of them is under way, as transfer_spec.v shows. Whatever else it gives is anything.
 `default_nettype none
 module fp3_transfer #(
     parameter WORDS_W = 24,
