@@ -1,9 +1,11 @@
 /* neighbours.c - fp3_bare_neighbours.h on the whole simulated hardware of configuration `world`.
  *
- *     neighbours LIBRARY SEED words SKIN CELLS   prints all states of scenes.c's scenes; of the
- * balls with this skin (bits) and so many cells, and then how many lists were made neighbours
- * LIBRARY SEED program            prints what the program prints neighbours LIBRARY 0 ends every
- * range to its end, and beyond neighbours LIBRARY 0 broken                each transfer fails once
+ *     neighbours LIBRARY SEED words SKIN CELLS
+ *         prints all states of scenes.c's scenes, of the balls with this skin (bits) and so many
+ *         cells, and how many lists were made
+ *     neighbours LIBRARY SEED program     prints what the program prints
+ *     neighbours LIBRARY 0 ends           every range to its end, and beyond
+ *     neighbours LIBRARY 0 broken         each transfer fails once
  *
  * scenes_data.h is made by the test. */
 #include "scenes.c"

@@ -45,14 +45,18 @@ def test_chunks_have_the_words_of_fast(linked, integrator, steps):
 
 
 STAR = """program = "web.ode"; objects = 1500; links = ( { relation = "ties"; file = "star.csv"; }, { relation = "far"; file = "star.csv"; } ); """
+# No list alone is too long; the cut shows it, after all numbers of chunks have been tried.
+STARS = """program = "web.ode"; integrator = "INTEGRATOR"; objects = 4800;
+         links = ( { relation = "ties"; file = "near.csv"; }, { relation = "far"; file = "far.csv"; } ); """
 
 
 @pytest.mark.parametrize("scene, said", [
     ("programs/world/balls.scene", "near objects change"), ("programs/world/stars.scene", "all others are more"), ("programs/world/breaking.scene", "remember"),
     (NET + "born = 2;", "come and go"), (STAR, "object 0 and the 1499 that it sees have no room in the 16384 words of configuration 'world_memory'"),
-    ('program = "one.ode"; objects = 9;', "see no others")])
+    (STARS, "object 0 and the 1200 that it sees have no room"), ('program = "one.ode"; objects = 9;', "see no others")])
 def test_what_chunks_cannot_do_is_refused(linked, root, tmp_path, scene, said):
-    (tmp_path / "star.csv").write_text("a,b\n" + "".join(f"0,{i}\n" for i in range(1, 1500)), encoding="utf-8")
+    for name, others in (("star", range(1, 1500)), ("near", range(1, 601)), ("far", range(601, 1201))):
+        (tmp_path / f"{name}.csv").write_text("a,b\n" + "".join(f"0,{i}\n" for i in others), encoding="utf-8")
     (tmp_path / "one.ode").write_text("state x = 1\nx' = -x\nstep 0.125\n", encoding="utf-8")
     done = linked(root / scene if scene.endswith(".scene") else scene.replace("INTEGRATOR", "semi_implicit_euler"), 1)
     assert done.returncode == 1 and said in done.stderr and not done.stdout, done.stderr

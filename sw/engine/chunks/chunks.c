@@ -55,8 +55,7 @@ static uint32_t put(maker *m, const uint32_t *words, uint32_t count) {
         return 0;
     }
     if (count > m->room - first) {
-        const uint32_t room =
-            2 * (first + count) > first + count ? 2 * (first + count) : UINT32_MAX;
+        const uint32_t room = 2 * (first + count); /* below 2^31: of 4 GB */
         uint32_t *memory = realloc(chunks->memory, (size_t)room * sizeof *memory);
         if (!memory) {
             m->is_full = 1;
@@ -201,15 +200,16 @@ static void put_lists(maker *m, const fp3_piece *piece, chunk_data *data) {
 /* ---- the cut ---- */
 
 /* The next number of pieces from this one on for which a piece is whole batches, or nearly: a batch
- * that is not full takes as long as one that is. */
+ * that is not full takes as long as one that is. Never a smaller number, or the cut would not end.
+ */
 static uint32_t whole(const maker *m, uint64_t count) {
     const uint32_t objects = m->group->objects, contexts = m->config->contexts;
     if (count >= objects)
         return objects;
     const uint64_t batches = (objects + count - 1) / count / contexts;
-    return (uint32_t)(batches && count > 1
-                          ? (objects + batches * contexts - 1) / (batches * contexts)
-                          : count);
+    const uint64_t pieces =
+        batches && count > 1 ? (objects + batches * contexts - 1) / (batches * contexts) : count;
+    return (uint32_t)(pieces > count ? pieces : count);
 }
 
 /* Pieces as large as fit. */
