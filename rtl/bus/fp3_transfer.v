@@ -18,9 +18,11 @@
 // Promise   Each word is moved once, in order; no byte outside of the range is written. After an
 //           error of memory (SLVERR, DECERR) or of the processor nothing else is moved: bursts that
 //           memory has taken come to their end, with words that are dropped, or that write no byte.
-//           So a transfer ends if memory answers, and says where the error was.
+//           So a transfer ends if memory answers, and says where the error was. What a descriptor
+//           has moved is there before the next one is read.
 // Hazard    Words that are moved at the same time as the host accesses them are old or new. After an
-//           error what memory or the processor has of the range is old or new word by word.
+//           error what memory or the processor has of the range is old or new word by word. A wait
+//           for a bit that never falls ends by reset alone: a run that a list starts has to end.
 `default_nettype none
 module fp3_transfer #(
     parameter WORDS_W = 24,            // bits of a number of words
@@ -75,25 +77,28 @@ module fp3_transfer #(
                      CONTROL = ADDR_TRANSFER_CONTROL[4:2], OUTCOME = ADDR_TRANSFER_STATUS[4:2], ERROR = ADDR_TRANSFER_ERROR[4:2],
                      NEXT = ADDR_TRANSFER_NEXT[4:2];
 
-    // Exactly one of load, store, wait, list and again
-    function one_of(input [4:0] bits);
-        one_of = bits != 5'd0 && (bits & (bits - 5'd1)) == 5'd0;
+    // Whether it is one thing to do
+    function one_of(input [3:0] bits);
+        one_of = bits != 4'd0 && (bits & (bits - 4'd1)) == 4'd0;
     endfunction
 
     // What is being done
     reg                busy_q, store_q, stay_q, done_q, memory_error_q, refused_q;
     reg  [31:2]        error_q;
-    // Of a list: a descriptor comes, word by word, and is not possible; what it says; another one
-    // follows, and where. A word is waited for, and has come.
-    reg                fetch_q, wrong_q, more_q, wait_q, waited_q;
-    reg  [1:0]         word_number_q;
-    reg  [SAID_W-1:0]  said_q;
-    reg  [31:2]        next_q;
-    // A part of the list is made again: how often after this; where the descriptor ends that says so.
-    // It has come and was looked at; it is another one, within that part.
-    reg                again_q, looked_q, strays_q;
-    reg  [WORDS_W-1:0] again_left_q;
-    reg  [31:2]        again_at_q;
+    // Of a list
+    reg                fetch_q;        // a descriptor comes, word by word
+    reg  [1:0]         word_number_q;  // ... this one is next
+    reg                wrong_q;        // ... one was not possible
+    reg  [SAID_W-1:0]  said_q;         // ... what the last one says
+    reg                looked_q;       // the descriptor has come, and strays_q is of it
+    reg                more_q;         // when what is done is over, another descriptor comes
+    reg  [31:2]        next_q;         // ... from here
+    reg                wait_q, waited_q; // a word of a place is waited for, and has come
+    // A part of a list is made again
+    reg                again_q;        // it is
+    reg  [WORDS_W-1:0] again_left_q;   // ... how often after this time
+    reg  [31:2]        again_at_q;     // ... where the descriptor ends that says so
+    reg                strays_q;       // the descriptor that has come also says `again`, within that part
     // Of words: in memory, the next that is moved on W or R, and how many; in the processor, the next
     // that is asked for, and how many; the next that is answered.
     reg  [31:2]        memory_q, place_q, due_q;
@@ -111,7 +116,8 @@ module fp3_transfer #(
     wire        list     = ask_wdata_i[TRANSFER_CONTROL_LIST_LO];
     wire        sets     = ask_write_i && (ask_register_i == MEMORY || ask_register_i == PLACE || ask_register_i == WORDS);
     wire        whole    = ask_register_i == WORDS ? ask_wdata_i[31:WORDS_W] == {32-WORDS_W{1'b0}} : ask_wdata_i[1:0] == 2'd0;
-    wire        commands = one_of({1'b0, ask_wdata_i[4:3], ask_wdata_i[1:0]}) && !ask_wdata_i[TRANSFER_CONTROL_AGAIN_LO];
+    wire        commands = one_of({ask_wdata_i[TRANSFER_CONTROL_LOAD_LO], ask_wdata_i[TRANSFER_CONTROL_STORE_LO],
+                                   ask_wdata_i[TRANSFER_CONTROL_WAIT_LO], list}) && !ask_wdata_i[TRANSFER_CONTROL_AGAIN_LO];
     wire        legal    = ask_write_i ? !busy_q && (control ? commands : sets && whole)
                                        : ask_register_i != CONTROL && ask_register_i <= NEXT;
     wire        start    = ask_i && control && legal;
@@ -143,6 +149,10 @@ module fp3_transfer #(
         told_rdata_q <= legal && !ask_write_i ? shown : 32'd0;
     end
     assign {told_o, told_write_o, told_error_o, told_rdata_o} = {told_q, told_write_q, told_error_q, told_rdata_q};
+
+    // What a descriptor may say; it is the word that comes last.
+    wire        possible = one_of({rdata_i[TRANSFER_CONTROL_LOAD_LO], rdata_i[TRANSFER_CONTROL_STORE_LO], rdata_i[TRANSFER_CONTROL_WAIT_LO],
+                                   rdata_i[TRANSFER_CONTROL_AGAIN_LO]}) && !rdata_i[TRANSFER_CONTROL_LIST_LO];
 
     // What begins: a command of the host's, the next descriptor, or what a descriptor says
     wire       over;
@@ -178,7 +188,8 @@ module fp3_transfer #(
     reg  [31:0] word_q;
     wire        asked = req_valid_o && req_ready_i;
     assign rready_o = busy_q && !store_q && (!full_q || failed || asked);
-    wire        reads = rvalid_i && rready_o;
+    wire        reads   = rvalid_i && rready_o;
+    wire        fetched = reads && fetch_q;            // a word of a descriptor
 
     // A store: a word from the processor waits for memory.
     reg         sends_q, strobe_q, last_q;
@@ -236,12 +247,12 @@ module fp3_transfer #(
             {run_q, skip_q} <= {said[TRANSFER_CONTROL_RUN_HI:TRANSFER_CONTROL_RUN_LO], said[TRANSFER_CONTROL_SKIP_HI:TRANSFER_CONTROL_SKIP_LO]};
         end else begin
             waited_q <= waited_q || comes;
-            if (reads && fetch_q) begin
+            if (fetched) begin
                 word_number_q <= word_number_q + 2'd1;
                 said_q        <= rdata_i[SAID_W-1:0];
                 case (word_number_q)
                     2'd2:    wrong_q <= wrong_q || |rdata_i[31:WORDS_W];
-                    2'd3:    wrong_q <= wrong_q || !one_of({rdata_i[6], rdata_i[4:3], rdata_i[1:0]}) || rdata_i[TRANSFER_CONTROL_LIST_LO];
+                    2'd3:    wrong_q <= wrong_q || !possible;
                     default: wrong_q <= wrong_q || |rdata_i[1:0];
                 endcase
             end
@@ -254,13 +265,13 @@ module fp3_transfer #(
         if (repeats) {again_left_q, again_at_q} <= {again_left - {{WORDS_W-1{1'b0}}, 1'b1}, next_q};
 
         if (set && ask_register_i == MEMORY) memory_q <= ask_wdata_i[31:2];
-        else if ((reads && fetch_q && word_number_q == 2'd0))             memory_q <= rdata_i[31:2];
+        else if (fetched && word_number_q == 2'd0) memory_q <= rdata_i[31:2];
         else if (moves && !fetch_q)          memory_q <= memory_q + 30'd1;
         if (set && ask_register_i == WORDS)  words_q <= ask_wdata_i[WORDS_W-1:0];
-        else if ((reads && fetch_q && word_number_q == 2'd2))             words_q <= rdata_i[WORDS_W-1:0];
+        else if (fetched && word_number_q == 2'd2) words_q <= rdata_i[WORDS_W-1:0];
         else if (moves && !fetch_q)          words_q <= words_q - {{WORDS_W-1{1'b0}}, 1'b1};
         if (set && ask_register_i == PLACE)  place_q <= ask_wdata_i[31:2];
-        else if ((reads && fetch_q && word_number_q == 2'd1))             place_q <= rdata_i[31:2];
+        else if (fetched && word_number_q == 2'd1) place_q <= rdata_i[31:2];
         else if (asked && !stay_q)           place_q <= after(place_q, skip_q & {6{run_ends}});
         if (go)                              due_q <= place_q;
         else if (answered_i && !stay_q)      due_q <= after(due_q, skip_q & {6{due_ends}});
