@@ -13,7 +13,8 @@
  * Of a phase a chunk loads the words of its objects, their lists, and the words that others publish
  * to them; it runs, and what it publishes goes to the other of two places, so each chunk reads what
  * held when the phase began. What one object alone has is in a single place. docs/memory.md has the
- * words of a step.
+ * words of a step. Each start clears `flags`, so after the list it tells of the last chunk's phase
+ * alone.
  */
 #ifndef FP3_CHUNKS_H
 #define FP3_CHUNKS_H
