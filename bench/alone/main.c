@@ -5,7 +5,8 @@
  *     alone chunks CONFIG IMAGE OBJECTS STEPS RATE LATENCY
  *     alone linked CONFIG SCENE STEPS RATE LATENCY
  *
- * RATE: words of memory in 1,000 cycles. WAITS: a seed for waits on each channel; 0: none. */
+ * RATE: words of memory in 1,000 cycles, at least 1. WAITS: a seed for waits on each channel; 0:
+ * none. */
 #include "rows.h"
 
 #include <stdio.h>
@@ -22,18 +23,28 @@ static uint32_t number(const char *text) {
     return (uint32_t)value;
 }
 
+/* Memory of no words never answers. */
+static uint32_t rate(const char *text) {
+    const uint32_t value = number(text);
+    if (!value) {
+        fprintf(stderr, "alone: RATE: expected 1 or more words in 1,000 cycles, found 0\n");
+        exit(2);
+    }
+    return value;
+}
+
 int main(int argc, char **argv) {
     if (argc == 7 && !strcmp(argv[1], "load")) {
-        measure_load(argv[2], number(argv[3]), number(argv[4]), number(argv[5]), number(argv[6]));
+        measure_load(argv[2], number(argv[3]), rate(argv[4]), number(argv[5]), number(argv[6]));
         return 0;
     }
     if (argc == 8 && !strcmp(argv[1], "chunks")) {
-        measure_chunks(argv[2], argv[3], number(argv[4]), number(argv[5]), number(argv[6]),
+        measure_chunks(argv[2], argv[3], number(argv[4]), number(argv[5]), rate(argv[6]),
                        number(argv[7]));
         return 0;
     }
     if (argc == 7 && !strcmp(argv[1], "linked")) {
-        measure_linked(argv[2], argv[3], number(argv[4]), number(argv[5]), number(argv[6]));
+        measure_linked(argv[2], argv[3], number(argv[4]), rate(argv[5]), number(argv[6]));
         return 0;
     }
     fprintf(stderr, "usage: alone load CONFIG OBJECTS RATE LATENCY WAITS | alone chunks CONFIG "

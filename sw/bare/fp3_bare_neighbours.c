@@ -31,7 +31,8 @@ static fp3_status put_store(fp3_bare *fp3, uint32_t word, uint32_t data) {
 fp3_status fp3_bare_neighbours_open(fp3_bare_neighbours *n, fp3_bare *fp3, uint32_t objects,
                                     uint32_t *next) {
     const uint32_t half = fp3->store / 2;
-    if (!fp3->around || !fp3->record[0] || fp3->running[0] || objects > half >> fp3->record[0])
+    if (!fp3->around || !fp3->record[0] || fp3->running[0] || objects > half >> fp3->record[0] ||
+        (objects && !next))
         return FP3_E_ARGUMENT;
     const uint32_t room = objects << fp3->record[0];
     *n = (fp3_bare_neighbours){fp3, fp3->around, objects, next, 0, {room, half + room}, NULL};
@@ -77,19 +78,24 @@ static uint32_t take(fp3_bare_neighbours *n, uint32_t words) {
     return UINT32_MAX;
 }
 
-/* Tells each object where its list is, and how long; n->next is then where its next entry goes. */
+/* Tells each object where its list is, and how long; n->next is then where its next entry goes. A
+ * list that is refused takes no room. */
 static fp3_status place(fp3_bare_neighbours *n, const fp3_bare_shape *shape) {
+    const uint32_t low = n->free[0], high = n->free[1];
     fp3_status status = FP3_OK;
     for (uint32_t i = 0; !status && i < n->objects; i++) {
         const uint32_t length = n->next[i];
         n->failed = i;
-        if (length > MOST_ENTRIES)
-            return FP3_E_PROGRAM;
-        n->next[i] = take(n, length * (1 + shape->fields));
-        if (n->next[i] == UINT32_MAX)
-            return FP3_E_PROGRAM;
-        status = put_store(n->fp3, (i << n->fp3->record[0]) + shape->reg,
-                           length << FP3_OBJECTS_LENGTH_LO | n->next[i] << FP3_OBJECTS_PLACE_LO);
+        n->next[i] = length > MOST_ENTRIES ? UINT32_MAX : take(n, length * (1 + shape->fields));
+        status =
+            n->next[i] == UINT32_MAX
+                ? FP3_E_PROGRAM
+                : put_store(n->fp3, (i << n->fp3->record[0]) + shape->reg,
+                            length << FP3_OBJECTS_LENGTH_LO | n->next[i] << FP3_OBJECTS_PLACE_LO);
+    }
+    if (status) {
+        n->free[0] = low;
+        n->free[1] = high;
     }
     return status;
 }
@@ -105,7 +111,7 @@ static fp3_status enter(fp3_bare_neighbours *n, uint32_t object, uint32_t other,
 fp3_status fp3_bare_links(fp3_bare_neighbours *n, uint32_t list, const fp3_bare_link *links,
                           uint32_t count, const uint32_t *fields) {
     const fp3_bare_shape *shape = begin(n, list);
-    if (!shape || (shape->fields && !fields && count))
+    if (!shape || (count && (!links || (shape->fields && !fields))))
         return FP3_E_ARGUMENT;
     for (uint32_t i = 0; i < count; i++) {
         const fp3_bare_link *link = &links[i];
@@ -166,7 +172,8 @@ fp3_status fp3_bare_near_add(fp3_bare_neighbours *n, fp3_bare_near *near) {
     const fp3_bare_shape *shape = begin(n, near->list);
     int32_t reach = 0, skin = 0;
     if (!shape || shape->fields || n->fp3->missing != bit_of(n, shape) || near->dimensions < 1 ||
-        near->dimensions > 3 || near->cells < 1 || near->reach >> 31 || near->skin >> 31 ||
+        near->dimensions > 3 || near->cells < 1 || !near->first ||
+        (n->objects && (!near->made || !near->order)) || near->reach >> 31 || near->skin >> 31 ||
         exponent_of(near->reach) < BIAS - 50 || exponent_of(near->reach) > BIAS + 62)
         return FP3_E_ARGUMENT;
     for (uint32_t k = 0; k < near->dimensions; k++)
@@ -346,6 +353,8 @@ static fp3_status run_phase(fp3_bare_neighbours *n, uint32_t phase, uint32_t clo
     fp3->missing = 0; /* for this phase; later the list may be stale */
     status = fp3_bare_start(fp3, 0, 1, 1, clock);
     fp3->missing = missing;
+    if (!status)
+        *outcome = FP3_BARE_RUNNING; /* also if nobody polls */
     return status ? status : fp3_bare_wait(fp3, 0, polls, outcome);
 }
 

@@ -149,6 +149,14 @@ fp3_status fp3_image_header(const fp3_image *image, const char *name, char **tex
         status = fp3_fail(error, FP3_E_PROGRAM,
                           "the program compares a word of all objects between phases: sw/bare "
                           "does not");
+    if (!status && fp3_image_rest(image) >= 0)
+        status = fp3_fail(error, FP3_E_PROGRAM,
+                          "the program's objects may rest: the host decides after each step who "
+                          "sleeps and who wakes, and sw/bare does not");
+    if (!status && around.list_count && fp3_image_removed(image) >= 0)
+        status = fp3_fail(error, FP3_E_PROGRAM,
+                          "the program removes objects that others see: lists change with it, and "
+                          "sw/bare does not look");
     if (!status)
         status = fp3_visit_make(image, &visit, error);
     if (status)

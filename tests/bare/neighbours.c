@@ -89,6 +89,7 @@ static void refuse_lists(void) {
     EXPECT(fp3_bare_write(&fp3, 0, CLOTH_OBJECTS, 0, 0) == FP3_E_ARGUMENT);
     EXPECT(fp3_bare_list(&fp3, 0, CLOTH_OBJECTS - 1) == FP3_E_ARGUMENT);
     EXPECT(fp3_bare_neighbours_open(&around, &fp3, room + 1, many) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_neighbours_open(&around, &fp3, 1, NULL) == FP3_E_ARGUMENT);
     p.loads = 1;
     EXPECT(fp3_bare_load(&fp3, 0, &p) == FP3_E_PROGRAM);
     fp3.features_more &= ~(1u << FP3_FEATURES_MORE_NEIGHBOURS_LO);
@@ -106,6 +107,7 @@ static void refuse_lists(void) {
     links[1] = itself;
     EXPECT(fp3_bare_links(&around, cloth_list_springs, links, 2, fields) == FP3_E_ARGUMENT);
     EXPECT(fp3_bare_links(&around, cloth_list_springs, links, 1, NULL) == FP3_E_ARGUMENT);
+    EXPECT(fp3_bare_links(&around, cloth_list_springs, NULL, 1, fields) == FP3_E_ARGUMENT);
     EXPECT(fp3_bare_all(&around, cloth_list_springs) == FP3_E_ARGUMENT); /* it has fields */
     EXPECT(fp3_bare_links(&around, cloth_list_springs + 1, links, 1, fields) == FP3_E_ARGUMENT);
     /* As many objects as there is room for; all see all up to 120; the longest list. */
@@ -116,6 +118,10 @@ static void refuse_lists(void) {
     EXPECT(!fp3_bare_all(&around, stars_list_others) && !fp3.missing);
     EXPECT(!fp3_bare_neighbours_open(&around, &fp3, 121, many));
     EXPECT(fp3_bare_all(&around, stars_list_others) == FP3_E_PROGRAM && around.failed == 120);
+    /* What was refused has taken no room: a list that leaves little is given behind it. */
+    for (uint32_t i = 0; i < 4096; i++)
+        links[i] = (fp3_bare_link){i % 120, 120};
+    EXPECT(!fp3_bare_links(&around, stars_list_others, links, 4095, NULL));
     for (uint32_t i = 0; i < 4096; i++)
         links[i] = (fp3_bare_link){0, 1};
     EXPECT(!fp3_bare_neighbours_open(&around, &fp3, 2, many));
@@ -139,6 +145,9 @@ static void refuse_near(void) {
     REFUSE(near.dimensions = 4);
     REFUSE(near.cells = 0);
     REFUSE(near.list++);
+    REFUSE(near.made = NULL);
+    REFUSE(near.order = NULL);
+    REFUSE(near.first = NULL);
     REFUSE(near.position[1] = 1u << balls_program.record);
     REFUSE(near.reach = 0);
     REFUSE(near.reach = fp3_bare_bits(-0.1f));
@@ -188,6 +197,8 @@ static void lose_balls(void) {
     /* A phase that takes longer than one look. */
     fp3_bare_outcome outcome;
     EXPECT(!set(BALLS) && fp3_bare_near_run(&around, 1, 0, 1, &outcome) == FP3_E_LIMIT);
+    EXPECT(outcome == FP3_BARE_RUNNING && !fp3_bare_wait(&fp3, 0, POLLS, &outcome));
+    EXPECT(!set(BALLS) && fp3_bare_near_run(&around, 1, 0, 0, &outcome) == FP3_E_LIMIT);
     EXPECT(outcome == FP3_BARE_RUNNING && !fp3_bare_wait(&fp3, 0, POLLS, &outcome));
     EXPECT(!set(BALLS) &&
            fp3_bare_near_run(&around, 2, UINT32_MAX - 1, 1, &outcome) == FP3_E_ARGUMENT);

@@ -189,6 +189,14 @@ def test_a_header_of_what_the_driver_cannot_run_is_refused(fp3, tmp_path):
     assert done.returncode == 2 and "compares a word of all objects between phases" in done.stderr and not (tmp_path / "w.h").exists()
 
 
+@pytest.mark.parametrize("line, said", [("rest when abs(x) < 0.05 for 0.125", "objects may rest"), ("when x > 1: remove", "removes objects that others see")])
+def test_a_header_of_what_the_host_decides_after_each_step_is_refused(fp3, tmp_path, line, said):
+    (tmp_path / "p.ode").write_text(f"state x = 0\nlinks ties\nstep 0.125\nx' = sum(o in ties: o.x - x)\n{line}\n")
+    succeeds(fp3, "compile", tmp_path / "p.ode", "-c", "world", "--image", tmp_path / "p.fp3")
+    done = subprocess.run([fp3, "dis", tmp_path / "p.fp3", "--header", tmp_path / "p.h"], capture_output=True, text=True)
+    assert done.returncode == 2 and said in done.stderr and not (tmp_path / "p.h").exists(), done.stderr
+
+
 def test_alone_measures_loads_and_chunks(root, build, tmp_path):
     """The quick form of `make alone`: words moved once, and the words of the engine fast from chunks; else it fails."""
     succeeds(sys.executable, root / "tools/alone.py", "--quick", "--output", tmp_path / "alone.json")

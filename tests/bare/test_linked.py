@@ -66,3 +66,17 @@ def test_what_chunks_cannot_do_is_refused(linked, root, tmp_path, scene, said):
 def test_other_hardware_and_other_steps_are_refused(linked, config, steps, said):
     done = linked(NET.replace("INTEGRATOR", "semi_implicit_euler"), steps, config)
     assert done.returncode == 1 and said in done.stderr and not done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("objects, ties", [(1, ""), (2, "0,1\n"), (1100, "")])
+@pytest.mark.parametrize("steps", [1, 3])
+def test_few_links_or_none(linked, tmp_path, objects, ties, steps):
+    (tmp_path / "ties.csv").write_text("a,b\n" + ties, encoding="utf-8")
+    (tmp_path / "far.csv").write_text("a,b\n", encoding="utf-8")
+    done = linked(f'program = "web.ode"; objects = {objects}; links = ( {{ relation = "ties"; file = "ties.csv"; }}, {{ relation = "far"; file = "far.csv"; }} );', steps)
+    assert done.returncode == 0 and json.loads(done.stdout)["ghosts"] == 0, done.stderr
+
+
+def test_memory_that_gives_no_word_is_refused(root, build):
+    done = subprocess.run([build / "bench/alone", "linked", "world_memory", root / "bench/alone/cloth.scene", "1", "0", "20"], capture_output=True, text=True, timeout=20)
+    assert done.returncode == 2 and "RATE: expected 1 or more" in done.stderr
