@@ -12,6 +12,8 @@
 #include <inttypes.h>
 #include <string.h>
 
+#define AT 0x1000 /* where memory has them: not at its first word, so that each address counts */
+
 /* Objects of one run: those in these places of an order. */
 typedef struct {
     const fp3_lists *lists;
@@ -104,17 +106,17 @@ void measure_linked(const char *config, const char *path, uint32_t steps, uint32
     told(fp3_scene_load(scene, fast, &error), &error);
     const fp3_config *hardware = fp3_config_find(config);
     NEED(hardware);
-    told(fp3_chunks_make(fast, hardware, 0, steps, &chunks, &error), &error);
-    const fp3_rtl_memory shape = {chunks->words, rate, latency};
+    told(fp3_chunks_make(fast, hardware, AT, steps, &chunks, &error), &error);
+    const fp3_rtl_memory shape = {AT / 4 + chunks->words, rate, latency};
     alone_open(&a, config, &shape, 0);
-    memcpy(a.memory, chunks->memory, chunks->words * sizeof *a.memory);
+    memcpy(a.memory + AT / 4, chunks->memory, chunks->words * sizeof *a.memory);
     const uint64_t begin = alone_now(&a);
     NEED(!fp3_bare_move_list(&a.fp3, chunks->list));
     const uint64_t accesses = a.accesses;
     NEED(!fp3_bare_move_wait(&a.fp3, POLLS, &how) && how == FP3_BARE_MOVED);
     const double cycles = (double)(alone_now(&a) - begin) / steps;
     const uint64_t between = a.accesses - accesses;
-    const uint64_t hash = hash_of(fast, chunks, a.memory);
+    const uint64_t hash = hash_of(fast, chunks, a.memory + AT / 4);
     const fp3_members *group = &fp3_engine_layout(fast)->groups[0];
     const stood all = {&group->lists, NULL, 0};
     const double objects = chunks->cut.objects;

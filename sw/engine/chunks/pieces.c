@@ -118,8 +118,8 @@ static fp3_status divide(fp3_pieces *cut, sights *s) {
         *piece = (fp3_piece){{before(cut, p), before(cut, p + 1) - before(cut, p)}, 0, range, 0};
         for (; next < s->count && s->keys[next] >> 32 == p; next++, piece->ghosts++) {
             const uint32_t place = (uint32_t)s->keys[next];
-            fp3_stretch *last = &cut->ranges[range - 1];
-            if (piece->range_count && last->first + last->count == place)
+            fp3_stretch *last = piece->range_count ? &cut->ranges[range - 1] : NULL;
+            if (last && last->first + last->count == place)
                 last->count++;
             else {
                 cut->ranges[range++] = (fp3_stretch){place, 1};
