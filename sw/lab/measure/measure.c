@@ -27,7 +27,7 @@ fp3_measure_options fp3_measure_default(const char *engine, int is_quick) {
                              .has_times = 1,
                              .objects = 16384,
                              .object_steps = 1 << 20,
-                             .most_rungs = 18,
+                             .most_rungs = 19,
                              .fewest_digits = 2,
                              .most_digits = 10,
                              .digits_apart = 1,
