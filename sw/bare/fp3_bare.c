@@ -378,8 +378,9 @@ fp3_status fp3_bare_start(fp3_bare *fp3, uint32_t scheduler, uint32_t steps, uin
         status = put(fp3, scheduler, FP3_ADDR_STEPS, steps);
     if (!status)
         status = put(fp3, scheduler, FP3_ADDR_CONTROL, BIT(CONTROL_START));
+    /* A run of no steps ends at once, and leaves register `half` as the run before did. */
     for (uint32_t i = first_of(scheduler); !status && i < end_of(fp3, scheduler); i++)
-        fp3->running[i] = 1;
+        fp3->running[i] = !fp3->around || steps > 0;
     return status;
 }
 
@@ -396,12 +397,13 @@ fp3_status fp3_bare_poll(fp3_bare *fp3, uint32_t scheduler, fp3_bare_outcome *ou
     if (!is_there(fp3, scheduler))
         return FP3_E_ARGUMENT;
     fp3_status status = get(fp3, scheduler, FP3_ADDR_STATUS, &word);
-    if (!status && fp3->around && outcome_of(word) != FP3_BARE_RUNNING)
+    const int has_moved = fp3->around && fp3->running[0] && outcome_of(word) != FP3_BARE_RUNNING;
+    if (!status && has_moved)
         status = get(fp3, scheduler, FP3_ADDR_HALF, &half);
     if (status)
         return status;
     *outcome = outcome_of(word);
-    if (*outcome != FP3_BARE_RUNNING)
+    if (has_moved)
         fp3->half = half ? fp3->store / 2 : 0;
     for (uint32_t i = first_of(scheduler);
          *outcome != FP3_BARE_RUNNING && i < end_of(fp3, scheduler); i++)

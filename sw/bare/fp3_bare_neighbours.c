@@ -364,6 +364,8 @@ fp3_status fp3_bare_near_run(fp3_bare_neighbours *n, uint32_t steps, uint32_t cl
     *outcome = FP3_BARE_NONE;
     if (!n->near || !is_open(n) || clock > UINT32_MAX - steps)
         return FP3_E_ARGUMENT;
+    if (!steps)
+        *outcome = FP3_BARE_DONE;
     for (uint32_t made = 0; made < steps; made++)
         for (uint32_t phase = 0; phase < n->program->phase_count; phase++) {
             status = run_phase(n, phase, clock + made, polls, outcome);

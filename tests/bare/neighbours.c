@@ -206,6 +206,19 @@ static void lose_balls(void) {
     EXPECT(!set(BALLS) && !fp3_bare_load(&fp3, 0, &cloth_program) && run(1) == FP3_E_ARGUMENT);
 }
 
+/* What objects publish is where it was, whatever the run of another program has left behind: after
+ * a look without a run, and a run of no steps. */
+static void stand_still(void) {
+    const uint32_t reg = cloth_state_x_y;
+    fp3_bare_outcome outcome = FP3_BARE_NONE;
+    uint32_t bits = 0;
+    EXPECT(!set(CLOTH) && !run(1) && fp3.half); /* one phase */
+    EXPECT(!set(CLOTH) && !fp3_bare_poll(&fp3, 0, &outcome));
+    EXPECT(!fp3_bare_read(&fp3, 0, 7, reg, &bits) && bits == fp3_bare_bits(2.0f));
+    EXPECT(!run(0) && !fp3_bare_read(&fp3, 0, 7, reg, &bits) && bits == fp3_bare_bits(2.0f));
+    EXPECT(!set(BALLS) && !run(0) && !touch.lists);
+}
+
 /* Whichever transfer fails: it is told. The balls are the first few, so that there are not many. */
 static fp3_status run_few(void) {
     scene s = *BALLS;
@@ -253,6 +266,7 @@ int main(int argc, char **argv) {
             refuse_lists();
             refuse_near();
             lose_balls();
+            stand_still();
         }
     }
     board.ops->close(board.rtl);
