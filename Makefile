@@ -369,7 +369,7 @@ $(BUILD)/obj/verilator/%.o: $(BUILD)/flags | $(BUILD)/ready
 	@$(CCACHE) g++ -std=c++17 -O2 $(SHARED) -isystem $(VL_INC) -isystem $(VL_INC)/vltstd -c -o $@ $(VL_INC)/$*.cpp
 
 # How many parts a configuration's trace has: schedulers, and lanes of them all.
-parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.MULTIPLY_ADD/ {d=$$2==3} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d}' $(BUILD)/rtl/fp3_$(1).v)
+parts = $(shell awk -F'[()]' '/\.TILES/ {t=$$2} /\.SCHEDULERS/ {s=$$2} /\.LANES/ {l=$$2} /\.MULTIPLY_ADD/ {d=$$2==3} /\.MASTER/ && $$2 {m=" -DFP3_MASTER"} END {print "-DFP3_SCHEDULERS=" t*s " -DFP3_LANES=" t*s*l " -DFP3_STREAMS=" 1+d m}' $(BUILD)/rtl/fp3_$(1).v)
 
 # The second simulator replays what a host sent (sim/replay.v). -Wno-timescale: only the bench has one.
 $(BUILD)/icarus/replay_%.vvp: sim/replay.v $(BUILD)/rtl/fp3_%.v $(RTL) rtl/fp3.f

@@ -74,6 +74,10 @@ module replay;
         .s_axi_araddr(araddr[ADDRESS_W-1:0]), .s_axi_arprot(3'b000), .s_axi_arvalid(arvalid), .s_axi_arready(arready),
         .s_axi_rdata(rdata), .s_axi_rresp(rresp), .s_axi_rvalid(rvalid), .s_axi_rready(rready),
         .irq(irq),
+`ifdef FP3_MASTER           // memory that never answers: nothing is moved in a session
+        .m_axi_awready(1'b0), .m_axi_wready(1'b0), .m_axi_bid(1'b0), .m_axi_bresp(2'b00), .m_axi_bvalid(1'b0),
+        .m_axi_arready(1'b0), .m_axi_rid(1'b0), .m_axi_rdata(32'd0), .m_axi_rresp(2'b00), .m_axi_rlast(1'b0), .m_axi_rvalid(1'b0),
+`endif
         .issue_valid_o(issue_valid), .issue_pc_o(issue_pc), .issue_context_o(issue_context),
         .issue_word_o(issue_word),
         .retire_valid_o(retire_valid), .retire_context_o(retire_context),
