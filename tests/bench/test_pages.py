@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-SIZE_MOST = 2.5e6
+SIZE_MOST = 3.5e6
 
 
 @pytest.fixture(scope="module")

@@ -39,7 +39,7 @@ def register_fields(row, regs, revision):
             yield field(["sw = rw;", "onwrite = woclr;", "hw = w;", "level intr;"], name, pair, 0)
         else:
             hw = "w" if row["access"] == "ro" else "r"
-            yield field([f"sw = {SW[row['access']]};", f"hw = {hw};"] + ["singlepulse;"] * pulses, name, pair, row.get("reset", 0))
+            yield field([f"sw = {SW[row['access']]};", f"hw = {hw};"] + ["singlepulse;"] * (pulses and pair[0] == pair[1]), name, pair, row.get("reset", 0))
     for name, enable in interrupts.items():
         yield f"{name}->enable = {enable};"
 
