@@ -16,8 +16,8 @@
 #include <string.h>
 
 #define PATH_SIZE 4096
-/* Half a second of engine fast interpreting in its slowest arithmetic. */
-#define WORK_WITHOUT_TIMES 5e7
+/* A second of engine fast interpreting in its slowest arithmetic. */
+#define WORK_WITHOUT_TIMES 1e8
 
 /* ---- a table: of each way to run, what no faster point of it is as accurate as ---- */
 
