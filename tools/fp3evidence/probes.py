@@ -52,6 +52,11 @@ def words_of_models():
     return asked
 
 
+def words_of_model(model):
+    """Of one model, by an integrator of each kind."""
+    return [(f"programs/{model}.ode", "-c", "many_full", *way, *by) for way in WAYS for by in ((), ("-i", "dopri5"), ("-i", "leapfrog"))]
+
+
 def words_of_scenes():
     """What scenes of programs/world run, and the laws of bodies."""
     asked = set()
@@ -152,7 +157,9 @@ PROBES = {
     "words of scenes": (compiled(words_of_scenes), ("programs/world/*", "programs/bodies/*.ode")),
     "hashes everywhere": (hashes_everywhere, ("programs/**/*", "tests/everywhere/*", "tools/everywhere.py")),
     "hashes of bodies": (hashes_of_bodies, ("tools/fp3bodies/*.py",)),
-} | {f"hardware {name}": hardware(name) for name in CONFIGS}
+} | {f"hardware {name}": hardware(name) for name in CONFIGS} \
+  | {f"words of {model}": (compiled(functools.partial(words_of_model, model)), (f"programs/{model}.ode", "programs/integrators/*"))
+     for model in (path.stem for path in ROOT.glob("programs/*.ode"))}
 
 
 def key(fp3, patterns):
