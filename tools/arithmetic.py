@@ -127,7 +127,10 @@ def relative(rows, base, target):
 
 def best_error(rows):
     best = min(rows, key=lambda row: row["error_median"], default=None)
-    return f"{best['error_median']:.1e} ({best['error_worst']:.1e})" if best else "–"
+    if not best:
+        return "–"
+    worst = "∞" if best["error_worst"] is None else f"{best['error_worst']:.1e}"
+    return f"{best['error_median']:.1e} ({worst})"
 
 
 def median_cost(by, models_of, name, target):
