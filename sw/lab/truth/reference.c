@@ -116,8 +116,8 @@ static double number_of(const runner *r, value x) {
                                 : (double)fp3_format_value(r->config, x.word);
 }
 
-/* Most of a step is made of five operations. They are written out, and not as a switch: a call of
- * each takes three times as long, the jumps of a table twice. */
+/* Most of a step is sums and products. They are written out, and not as a switch: a call of each
+ * takes three times as long, the jumps of a table twice. */
 static void evaluate_numbers(value *v, const operation *o, const operation *end) {
     for (; o < end; o++) {
         const double a = v[o->a].number, b = v[o->b].number, c = v[o->c].number;
