@@ -119,12 +119,13 @@ static const fp3_chunks_run *run_of(const fp3_chunks *chunks, uint32_t number) {
 /* ---- lists ---- */
 
 /* Words of the store for lists behind the records: the first words of half 0, then of half 1, as
- * lists come; a list is in one half. Returns 0 if there is no room. */
+ * lists come; a list is in one half. */
 typedef struct {
     uint32_t next[2], end[2];
     int half;
 } room;
 
+/* Returns 0 if there is no room. */
 static int take(room *r, uint32_t words, uint32_t *place) {
     for (; r->half < 2; r->half++)
         if (r->end[r->half] - r->next[r->half] >= words) {
