@@ -4,6 +4,7 @@ import collections
 import os
 import pathlib
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -38,6 +39,23 @@ def pytest_collection_modifyitems(config, items):
         out = [item for item in items if item.get_closest_marker("long")]
         items[:] = [item for item in items if item not in out]
         config.hook.pytest_deselected(items=out)
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Remembers what failed, for `tmp_path`."""
+    report = (yield).get_result()
+    item.fp3_failed = getattr(item, "fp3_failed", False) or report.failed
+
+
+@pytest.fixture
+def tmp_path(tmp_path, request):
+    """A directory of the test's own. It is emptied after a test that passes: all of a run together are 100,000 files, and pytest keeps three runs.
+    It stays there, so that no other test has one of the same name."""
+    yield tmp_path
+    if not getattr(request.node, "fp3_failed", False):
+        shutil.rmtree(tmp_path, ignore_errors=True)
+        tmp_path.mkdir(exist_ok=True)
 
 
 @pytest.fixture(scope="session")

@@ -103,7 +103,8 @@ def test_the_closing_line_counts_errors_as_failures(root, tmp_path, run, workers
     for name in ("conftest.py", "pytest.ini"):
         shutil.copy(root / "tests" / name, tests)
     (tests / "test_it.py").write_text(text)
-    done = subprocess.run([sys.executable, "-m", "pytest", "-n", workers, "tests"], cwd=tmp_path,
+    # A directory of its own: without it this run would first remove those of earlier runs, which may take minutes.
+    done = subprocess.run([sys.executable, "-m", "pytest", "-n", workers, f"--basetemp={tmp_path / 'base'}", "tests"], cwd=tmp_path,
                           capture_output=True, text=True, timeout=120)
     assert done.stdout.endswith(f"\n{line}\n"), done.stdout
     assert (done.returncode == 0) == success
