@@ -1,5 +1,6 @@
 """Figures of the pages: those that are exact are not out of date without a word, and pages say of each how it stands."""
 
+import functools
 import pathlib
 import resource
 import shutil
@@ -16,6 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 from fp3evidence import figures as fig  # noqa: E402
 from fp3evidence import inputs, measure, probes, told  # noqa: E402
+from fp3gen.read import load  # noqa: E402
 import pages  # noqa: E402
 
 
@@ -81,6 +83,9 @@ def test_an_input_that_changed_is_named():
     assert fig.changed(figure, recorded(heyoka=None), now | {"heyoka": "1.0"}) == [], "who was not there then cannot have changed"
     assert fig.changed(figure, recorded(heyoka="0.9"), now | {"heyoka": None}) == [], "who is not here cannot be asked"
     assert fig.changed(figure, recorded(heyoka="0.9"), now | {"heyoka": "1.0"}) == ["heyoka"]
+    assert fig.changed(figure, recorded(h="5.0 ab"), now | {"h": "5.0 cd"}) == ["h"]
+    assert fig.changed(figure, recorded(h="5.0 ab"), now | {"h": "5.1 cd"}) == [], "another tool says it in other words"
+    assert fig.changed(figure, recorded(h="ab"), now | {"h": "5.0 cd"}) == ["h"]
     peers = fig.read(TEXT + 'peers = ["heyoka"]\n')
     assert fig.anywhere(peers, {"a.x": ["tools", "heyoka"], "a.y": ["heyoka"]}) == {"a.x": ["tools"], "a.y": []}
 
@@ -118,23 +123,19 @@ def test_work_counts_until_it_is_known_to_be_ours():
     assert ours() > mine + 0.9 and measure.busy() + ours() > before + 0.9
 
 
-@pytest.mark.parametrize("config, module, counts", [("single", "rtl/lane/fp3_lists.v", False), ("world", "rtl/lane/fp3_lists.v", True),
-                                                    ("single", "rtl/solo/fp3_solo.v", True), ("single", "rtl/gen/isa.vh", True), ("many", "rtl/gen/lns_curves.vh", False)])
-def test_a_configuration_is_what_its_top_reaches(config, module, counts, monkeypatch):
-    def texts():
-        return probes.hardware(config)[0]("")
-    before, name = texts(), pathlib.Path(module).name
-    assert any(text.startswith(f"{name} ") for text in before) == counts
-    assert any(text.startswith("fp3.v ") for text in before) and f"fp3_{config}.v" in before[0]
-    bare = inputs.bare
-    monkeypatch.setattr(inputs, "bare", lambda of, text: bare(of, text) + ("wire more;" if of == name else ""))
-    assert (texts() != before) == counts
-
-
-def test_a_constant_counts_where_it_is_named():
-    header = "localparam [15:0] ADDR_A = 1; // one\nlocalparam B = 2;\nlocalparam C_HI = B;\n"
-    assert probes.without_unused([header, "assign x = ADDR_A;"]) == ["localparam [15:0] ADDR_A = 1; // one\nlocalparam B = 2;\n", "assign x = ADDR_A;"]
-    assert probes.without_unused([header, "assign x = ADDR_A + C_HI;"])[0] == header
+def test_hardware_is_what_is_left_of_its_text(root, tmp_path, monkeypatch):
+    """A comment, and a part that no configuration has, change nothing; a sum changes those that have it."""
+    shutil.copytree(root / "rtl", tmp_path / "rtl")
+    monkeypatch.setattr(probes, "described", functools.partial(load, root))
+    monkeypatch.setattr(probes, "ROOT", tmp_path)
+    lists, before = tmp_path / "rtl/lane/fp3_lists.v", probes.hardware("single", "world")[0]("")
+    text = lists.read_text()
+    lists.write_text(text.replace("localparam LIST_W", "localparam NONE = 0; // none\n    reg q; always @(posedge clk_i) q <= rst_i;\n    localparam LIST_W")
+                     .replace("sum_q   <= base_q +", "sum_q   <= (NONE ? {STORE_W{q}} : base_q) +"))
+    assert "NONE ?" in lists.read_text() and probes.hardware("single", "world")[0]("") == before
+    lists.write_text(text.replace("sum_q   <= base_q +", "sum_q   <= base_q -"))
+    after = probes.hardware("single", "world")[0]("")
+    assert [one.split()[0] for one, other in zip(after, before) if one != other] == ["world"]
 
 
 @pytest.mark.parametrize("wrong, said", [

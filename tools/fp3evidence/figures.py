@@ -96,12 +96,18 @@ def drop_old(names):
     write(DESCRIBED, "\n[[figure]]\n".join(entries))
 
 
+def differ(before, found):
+    """Whether an input is not what it was. What another version of a tool has said cannot be compared."""
+    *by, _ = (before or "").split(" ")
+    return before != found and not (by and by != found.split(" ")[:-1])
+
+
 def changed(figure, known, now):
     """The inputs that are not what they were. What cannot be asked here is not among them. Of times also that they were no idle machine's."""
     if not known or not known["inputs"]:
         return [UNKNOWN]
     before = known["inputs"]
-    return [name for name, found in now.items() if found is not None and before.get(name, "") is not None and before.get(name) != found] + \
+    return [name for name, found in now.items() if found is not None and before.get(name, "") is not None and differ(before.get(name), found)] + \
            [BUSY] * (figure.kind == "time" and (known.get("load") or 0) > IDLE)
 
 

@@ -4,7 +4,6 @@ A source may change and its program not. So a figure about a program depends on 
 probe said is kept in build/evidence/ for as long as the command and the probed files are the same.
 """
 
-import collections
 import concurrent.futures
 import functools
 import hashlib
@@ -22,7 +21,6 @@ KEPT = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build")) / "evidence/pro
 WAYS = ((), ("-k",), ("--double-single",))
 LISTED = ROOT / "isa/configs.toml"
 CONFIGS = [row["name"] for row in tomllib.loads(LISTED.read_text(encoding="utf-8"))["config"]] if LISTED.exists() else []
-CONSTANT = re.compile(r"^localparam +(?:\[\S+\] +)?(\w+) *=[^;\n]*;[^\n]*\n", re.M)
 THOROUGH = ("kepler", "oscillator")         # whose tables have a row for each integrator
 
 
@@ -99,31 +97,12 @@ def compiled(listed):
     return probe
 
 
-def modules_of(top):
-    """The modules that are left of a top once its parameters are known, by Icarus Verilog."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = pathlib.Path(folder) / "x.vvp"
-        done = subprocess.run(["iverilog", "-g2012", "-c", "rtl/fp3.f", "-s", top.stem, "-o", path, top], cwd=ROOT, capture_output=True, text=True)
-        if done.returncode:
-            raise Failed(f"iverilog {top}: {done.stderr.strip()}")
-        return set(re.findall(r'^S_\w+ \.scope module, "[^"]*" "(\w+)"', path.read_text(encoding="utf-8"), re.M)) - {top.stem}
-
-
-def with_headers(paths):
-    """Sources, and what they include, and so on."""
-    found, left = set(), set(paths)
-    headers = {path.name: path for path in ROOT.glob("rtl/**/*.vh")}
-    while left:
-        found |= left
-        named = {name for path in left for name in re.findall(r'^\s*`include\s+"(?:[^"]*/)?(\w+\.vh)"', path.read_text(encoding="utf-8"), re.M)}
-        left = {headers[name] for name in named} - found
-    return sorted(found)
-
-
-def without_unused(texts):
-    """Without the constants of headers that are named nowhere else: those of parts that a configuration does not have."""
-    count = collections.Counter(word for text in texts for word in re.findall(r"\w+", text))
-    return [CONSTANT.sub(lambda line: "" if count[line[1]] == 1 else line[0], text) for text in texts]
+@functools.cache
+def verilator():
+    """Its version. None: it is not installed."""
+    if not shutil.which("verilator"):
+        return None
+    return subprocess.run(["verilator", "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
 
 
 @functools.cache
@@ -132,32 +111,39 @@ def described():
     return load(ROOT)
 
 
-def hardware(config):
-    """The sources that a configuration is made of, and no others: another one's parts may change."""
-    def probe(_):
-        if not shutil.which("iverilog"):
-            return None
+def hardware(*configs):
+    """What Verilator makes of configurations: comments, layout, and parts that a configuration does not have are not in it. Another version
+    makes something else of them, so the version is said as well."""
+    def made(config):
         import tops
-        from fp3evidence import inputs
         machine = described()
         row = next(row for row in machine.configs if row["name"] == config)
-        with tempfile.TemporaryDirectory() as made:
-            top = tops.write(row, machine, pathlib.Path(made))
-            modules = modules_of(top)
-            folders = re.findall(r"^-y (\S+)", (ROOT / "rtl/fp3.f").read_text(encoding="utf-8"), re.M)
-            files = with_headers(path for folder in folders for path in (ROOT / folder).glob("*.v") if path.stem in modules)
-            texts = [path.read_text(encoding="utf-8") for path in (top, *files)]
-            return [f"{path.name} {inputs.bare(path.name, text)}" for path, text in zip((top, *files), without_unused(texts))]
-    return probe, ("rtl/**/*.v", "rtl/**/*.vh", "rtl/fp3.f", "isa/*.toml", "tools/tops.py", "tools/fp3gen/*.py")
+        with tempfile.TemporaryDirectory() as folder:
+            top, model = tops.write(row, machine, pathlib.Path(folder)), pathlib.Path(folder) / "model"
+            done = subprocess.run(["verilator", "-f", "rtl/fp3.f", "-O3", "--cc", "--prefix", "V", "--top-module", top.stem, "--Mdir", model, top],
+                                  cwd=ROOT, capture_output=True, text=True)
+            if done.returncode:
+                raise Failed(f"verilator {top.name}: {done.stderr.strip()}")
+            found = hashlib.sha256()
+            for path in sorted([*model.glob("*.cpp"), *model.glob("*.h")]):
+                found.update(path.read_bytes().replace(os.fsencode(folder), b""))
+            return f"{config} {found.hexdigest()}"
+
+    def probe(_):
+        if not verilator():
+            return None
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            return list(pool.map(made, configs))
+    return probe, ("rtl/**/*.v", "rtl/**/*.vh", "rtl/fp3.f", "isa/*.toml", "tools/tops.py", "tools/fp3gen/*.py"), verilator
 
 
-# Name, what it does, and the files that it reads beside the command.
+# Name, what it does, the files that it reads beside the command, and, if what it says comes from a tool, the tool's version.
 PROBES = {
     "words of models": (compiled(words_of_models), ("programs/*.ode", "programs/integrators/*")),
     "words of scenes": (compiled(words_of_scenes), ("programs/world/*", "programs/bodies/*.ode")),
     "hashes everywhere": (hashes_everywhere, ("programs/**/*", "tests/everywhere/*", "tools/everywhere.py")),
     "hashes of bodies": (hashes_of_bodies, ("tools/fp3bodies/*.py",)),
-} | {f"hardware {name}": hardware(name) for name in CONFIGS} \
+} | {"hardware": hardware(*CONFIGS)} | {f"hardware {name}": hardware(name) for name in CONFIGS} \
   | {f"words of {model}": (compiled(functools.partial(words_of_model, model)), (f"programs/{model}.ode", "programs/integrators/*"))
      for model in (path.stem for path in ROOT.glob("programs/*.ode"))}
 
@@ -176,17 +162,18 @@ def ask(name, fp3):
     """The hash of what a probe says. None: nothing is built that could be asked, or whom it asks is not installed."""
     if not pathlib.Path(fp3).exists():
         return None
-    probe, patterns = PROBES[name]
+    probe, patterns, *version = PROBES[name]
+    by = f"{version[0]()} " if version else ""
     try:
         kept = json.loads(KEPT.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         kept = {}
-    of = key(fp3, patterns)
+    of = by + key(fp3, patterns)
     if kept.get(name, {}).get("of") != of:
         said = probe(fp3)
         if said is None:
             return None
-        kept[name] = {"of": of, "said": hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]}
+        kept[name] = {"of": of, "said": by + hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]}
         KEPT.parent.mkdir(parents=True, exist_ok=True)
         temporary = KEPT.with_name(f"{KEPT.name}.{os.getpid()}")
         temporary.write_text(json.dumps(kept), encoding="utf-8")
