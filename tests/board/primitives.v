@@ -6,11 +6,19 @@
 // verilator lint_off UNUSEDSIGNAL
 module EHXPLLL #(
     parameter CLKI_DIV = 1, CLKFB_DIV = 1, FEEDBK_PATH = "CLKOP", CLKOP_ENABLE = "ENABLED", CLKOP_DIV = 8, CLKOP_CPHASE = 0,
-              CLKOP_FPHASE = 0
+              CLKOP_FPHASE = 0, CLKOS_ENABLE = "DISABLED", CLKOS_DIV = 8, CLKOS_CPHASE = 0, CLKOS_FPHASE = 0
 ) (
+`ifdef FP3_PICTURES
+    output wire CLKOS,
+`endif
     input wire CLKI, CLKFB, RST, STDBY, PLLWAKESYNC, PHASESEL1, PHASESEL0, PHASEDIR, PHASESTEP, PHASELOADREG, ENCLKOP, ENCLKOS,
                ENCLKOS2, ENCLKOS3,
     output wire CLKOP, LOCK
+);
+endmodule
+module ODDRX1F (
+    input  wire SCLK, RST, D0, D1,
+    output wire Q
 );
 endmodule
 module LUT4 #(

@@ -20,20 +20,23 @@ from fp3gen.read import load  # noqa: E402
 BOARDS = bitstream.read_boards()
 CONFIGS = {row["name"]: row for row in load(ROOT).configs}
 PORTS = {"clk_pin", "uart_rxd", "uart_txd", "light"}
+TOPS = {"board/fp3_board_top": PORTS, "video/fp3_pictures_top": PORTS | {f"gpdi_{name}" for name in ("blue", "green", "red", "clock")}}
 PIN = {"ecp5": r'^LOCATE COMP "(\w+)" SITE "(\w+)";$', "ice40": r"^set_io (?:-pullup yes )?(\w+) (\w+)$", "gowin": r'^IO_LOC "(\w+)" (\w+);$'}
 CLOCKS = {"ecp5": "EHXPLLL", "ice40": "SB_PLL40_PAD", "gowin": "rPLL"}
 
 
-def test_the_top_has_these_ports():
-    text = re.sub(r"//.*", "", (ROOT / "rtl/board/fp3_board_top.v").read_text())
-    assert set(re.findall(r"^    (?:in|out)put +wire +(\w+)", text, re.M)) == PORTS
+@pytest.mark.parametrize("top", TOPS)
+def test_the_top_has_these_ports(top):
+    text = re.sub(r"//.*", "", (ROOT / f"rtl/{top}.v").read_text())
+    assert set(re.findall(r"^    (?:in|out)put +wire +(\w+)", text, re.M)) == TOPS[top]
 
 
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_port_has_a_pin_of_its_own(name):
     text = (ROOT / "boards" / BOARDS[name]["constraints"]).read_text()
     pins = re.findall(PIN[bitstream.family_of(BOARDS[name])], text, re.M)
-    assert {port for port, _ in pins} == PORTS and len(pins) == len({pin for _, pin in pins}) == len(PORTS)
+    ports = next(ports for top, ports in TOPS.items() if top.endswith(f"/{BOARDS[name]['top']}"))
+    assert {port for port, _ in pins} == ports and len(pins) == len({pin for _, pin in pins}) == len(ports)
 
 
 @pytest.mark.parametrize("change, message", [
@@ -41,6 +44,7 @@ def test_every_port_has_a_pin_of_its_own(name):
     ({"grade": 6}, "'grade' is to be one of 0"),
     ({"colour": 1}, "unknown key 'colour'"),
     ({"baud": "fast"}, "'baud' is missing, or no int"),
+    ({"top": "fp3_top"}, "'top' is to be one of fp3_board_top, fp3_pictures_top"),
     ({"light_low": 2}, "'light_low' is to be 0 or 1"),
     ({"oscillator_hz": 0}, "'oscillator_hz' is to be more than 0"),
     ({"constraints": "none.pcf"}, "there is no none.pcf"),
@@ -67,9 +71,9 @@ def lint(name):
     row = BOARDS[name] | {"config": "small"}
     given = [f"-G{key}={value}" for key, value in bitstream.parameters(row, CONFIGS[row["config"]]).items()]
     files = bitstream.sources(row, CONFIGS[row["config"]])
-    return subprocess.run(["verilator", "--lint-only", "-Wall", "-Irtl", f"-DFP3_TOP=fp3_{row['config']}", *given, "--top-module", "fp3_board_top",
-                           *files, "tests/board/primitives.v"],
-                          cwd=ROOT, capture_output=True, text=True)
+    given += ["-DFP3_PICTURES"] if row["top"] == "fp3_pictures_top" else []
+    return subprocess.run(["verilator", "--lint-only", "-Wall", "-Irtl", f"-DFP3_TOP=fp3_{row['config']}", *given, "--top-module", row["top"], *files,
+                           "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
 
 
 @pytest.mark.parametrize("name", BOARDS)
@@ -78,11 +82,12 @@ def test_lint(name):
     assert done.returncode == 0 and not done.stderr, done.stderr
 
 
-@pytest.mark.parametrize("name, hz", [("ulx3s", 900000000), ("icebreaker", 13000000), ("tangnano20k", 700000000)])
+@pytest.mark.parametrize("name, hz", [("ulx3s", 900000000), ("ulx3s_pictures", 60000000), ("icebreaker", 13000000), ("tangnano20k", 700000000)])
 def test_a_clock_that_the_pll_cannot_make_ends_elaboration(name, hz):
     row = BOARDS[name]
-    done = subprocess.run(["verilator", "--lint-only", f"-GPIN_HZ={row['oscillator_hz']}", f"-GCLOCK_HZ={hz}", "--top-module", "fp3_board_clock",
-                           f"rtl/fpga/{bitstream.family_of(row)}/fp3_board_clock.v", "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
+    clock = row["top"].replace("top", "clock")
+    done = subprocess.run(["verilator", "--lint-only", f"-GPIN_HZ={row['oscillator_hz']}", f"-GCLOCK_HZ={hz}", "--top-module", clock, "-DFP3_PICTURES",
+                           f"rtl/fpga/{bitstream.family_of(row)}/{clock}.v", "tests/board/primitives.v"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode and re.search("the_PLL_of_\\w+_cannot_make_CLOCK_HZ_from_PIN_HZ", done.stderr)
 
 
@@ -130,6 +135,28 @@ def test_the_pll_makes_the_clock_within_its_ranges(build, family, oscillator, cl
     assert out == clock
 
 
+PLL = """module EHXPLLL (input wire CLKI, CLKFB, RST, STDBY, PLLWAKESYNC, PHASESEL1, PHASESEL0, PHASEDIR, PHASESTEP, PHASELOADREG, ENCLKOP, ENCLKOS, ENCLKOS2,
+    ENCLKOS3, output wire CLKOP, CLKOS, LOCK);
+    parameter CLKI_DIV = 0, CLKFB_DIV = 0, FEEDBK_PATH = "", CLKOP_ENABLE = "", CLKOP_DIV = 0, CLKOP_CPHASE = 0, CLKOP_FPHASE = 0,
+              CLKOS_ENABLE = "", CLKOS_DIV = 0, CLKOS_CPHASE = 0, CLKOS_FPHASE = 0;
+    initial $display("%0d %0d %0d %0d %0d %0d", CLKI_DIV, CLKFB_DIV, CLKOP_DIV, CLKOS_DIV, CLKOP_CPHASE, CLKOS_CPHASE);
+endmodule
+"""
+
+
+def test_the_pll_of_a_picture_makes_both_clocks(tmp_path):
+    """Ten bits in a pixel, two in a cycle; a phase is counted in periods of the PLL's oscillator, from the last one of a clock's period."""
+    row = BOARDS["ulx3s_pictures"]
+    (tmp_path / "pll.v").write_text(PLL)
+    subprocess.run(["iverilog", "-g2005", "-o", tmp_path / "pll.vvp", f"-Pfp3_pictures_clock.PIN_HZ={row['oscillator_hz']}", "-s", "fp3_pictures_clock",
+                    f"-Pfp3_pictures_clock.CLOCK_HZ={row['clock_hz']}", tmp_path / "pll.v", "rtl/fpga/ecp5/fp3_pictures_clock.v"], cwd=ROOT, check=True)
+    said = subprocess.run(["vvp", "-n", tmp_path / "pll.vvp"], capture_output=True, text=True, check=True).stdout
+    detector, feedback, fast, slow, *phases = map(int, said.split())
+    clock = row["oscillator_hz"] / detector * feedback
+    assert clock == 5 * row["oscillator_hz"] and 400e6 <= clock * fast <= 800e6
+    assert clock * fast / slow == row["clock_hz"] and phases == [fast - 1, slow - 1]
+
+
 # ---- the command ----------------------------------------------------------------------------------
 
 def command(*arguments):
@@ -137,8 +164,8 @@ def command(*arguments):
 
 
 @pytest.mark.parametrize("arguments, message", [
-    ([], "which board? BOARD= is one of ulx3s, icebreaker, tangnano20k"),
-    (["ulx4s"], "no board 'ulx4s': there are ulx3s, icebreaker, tangnano20k"),
+    ([], "which board? BOARD= is one of ulx3s, ulx3s_pictures, icebreaker, tangnano20k"),
+    (["ulx4s"], "no board 'ulx4s': there are ulx3s, ulx3s_pictures, icebreaker, tangnano20k"),
     (["ulx3s", "--config", "may"], "no configuration 'may': there are paper, "),
     (["icebreaker", "--config", "single"], "has no registers around its multipliers"),
     (["ulx3s", "--tools", "/nowhere"], "there is no /nowhere/yosys: run make setup-boards"),
@@ -178,6 +205,13 @@ def bitstreams(monkeypatch, tmp_path_factory):
 
 def make(tools):
     return bitstream.make("icebreaker", BOARDS["icebreaker"], CONFIGS["small"], 1, tools)
+
+
+def test_each_clock_has_its_own_limit():
+    report = lambda fast: {"fmax": {"slow": {"achieved": 60.0, "constraint": 50.0}, "fast": {"achieved": fast, "constraint": 125.0}}, "utilization": {}}
+    assert bitstream.clock_of(report(140.0), BOARDS["ulx3s_pictures"]) == (56.0, {})
+    with pytest.raises(bitstream.Failed, match="48.00 MHz is possible, 50 MHz is wanted"):
+        bitstream.clock_of(report(120.0), BOARDS["ulx3s_pictures"])
 
 
 def test_timing_that_is_met_leaves_a_bitstream(tools, bitstreams):

@@ -32,6 +32,7 @@ EXCEPTIONS = [
     (r"build/fp3 run tests/ode/adaptive/van_der_pol_10\.ode .* -e rtl", "takes seconds for a row of a table; tests/ode compares the engines, and a shorter run is printed, too"),
     (r"build/tests/double_functions", "tests/ode runs it on fewer numbers"),
     (r"build/fp3 board |.*--port /dev/", "needs the port that the first command names; tests/board runs the two together"),
+    (r"python3 examples/pictures\.py /dev/", "needs a board; tests/video has a line that answers as one"),
     (r"tools/chip\.py --run", "builds a simulator of 38 lanes, which takes minutes"),
     (r"python3 tests/formal/prove\.py", "takes minutes; tests/formal proves what fits into `make test`"),
 ]

@@ -61,7 +61,7 @@ def copy(root, tmp_path):
     for name in ("tools/lint.sh", "tools/slang.py", "rtl/fp3.f", ".clang-format"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(root / name, tmp_path / name)
-    for name in ("sw/base", "sim", "tests", "rtl/board", "rtl/bus", "rtl/lib", "rtl/lns", "rtl/config", "rtl/fp", "rtl/front", "rtl/gen", "rtl/host", "rtl/lane", "rtl/sequence", "rtl/solo", "rtl/unit"):
+    for name in ("sw/base", "sim", "tests", "rtl/board", "rtl/bus", "rtl/lib", "rtl/lns", "rtl/config", "rtl/fp", "rtl/front", "rtl/gen", "rtl/host", "rtl/lane", "rtl/sequence", "rtl/solo", "rtl/unit", "rtl/video"):
         (tmp_path / name).mkdir(parents=True, exist_ok=True)
     (tmp_path / "rtl/gen/files.f").write_text("")
     (tmp_path / ".venv").symlink_to(root / ".venv")

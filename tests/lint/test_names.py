@@ -52,7 +52,7 @@ def test_our_list_goes_beside_a_design_with_the_usual_names(root, tmp_path, tool
     shutil.copytree(root / "rtl", tmp_path / "rtl")        # yosys sees only the directory in which it runs
     stranger(root, tmp_path)
     listed = [line for line in (root / "rtl/gen/files.f").read_text().splitlines() if line.startswith("rtl/")]
-    files = ["before.v", *listed, *(f"rtl/board/{path.name}" for path in sorted((root / "rtl/board").glob("*.v"))), "behind.v"]
+    files = ["before.v", *listed, *(f"rtl/{name}/{path.name}" for name in ("board", "video") for path in sorted((root / "rtl" / name).glob("*.v"))), "behind.v"]
     command = {
         "icarus": ["iverilog", "-g2005", "-t", "null", "-Irtl", "-s", "stranger", *files],
         "verilator": ["verilator", "--lint-only", "-Wno-lint", "-Wno-PINMISSING", "+incdir+rtl", "--top-module", "stranger", *files],

@@ -9,7 +9,7 @@ SESSION = "ship.single.session"
 def rtl_sources(root, pattern):
     """The files of rtl/ and its rooms, those left out that are generated, a vendor's, or around the processor."""
     return sorted(path.relative_to(root / "rtl").as_posix() for depth in ("", "*/")
-                  for path in (root / "rtl").glob(depth + pattern) if path.parent.name not in ("gen", "board"))
+                  for path in (root / "rtl").glob(depth + pattern) if path.parent.name not in ("gen", "board", "video"))
 
 
 def headers(root):

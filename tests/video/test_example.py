@@ -1,0 +1,111 @@
+"""examples/pictures.py against a board that answers as docs/board.md says: each word is written once and in order, and what gets no answer is
+sent again. And a whole board, as its line sees it."""
+
+import os
+import pathlib
+import pty
+import subprocess
+import sys
+import threading
+import tty
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "board"))
+from bridge_model import checked, escaped, request, unescaped  # noqa: E402
+
+import picture  # noqa: E402
+
+WINDOW = 1 << 18
+
+
+class Board(threading.Thread):
+    """The end of a line with a picture behind it: what was written, by address."""
+
+    def __init__(self, line, refuses=(), loses=0, ident_word=0x46505630):
+        super().__init__(daemon=True)
+        self.line, self.refuses, self.loses, self.ident_word, self.written, self.kept = line, refuses, loses, ident_word, [], None
+        self.start()
+
+    def run(self):
+        data = b""
+        while True:
+            try:
+                data += os.read(self.line, 1000)
+            except OSError:
+                return
+            *packets, data = data.split(b"\xc0")
+            for packet in packets:
+                body = unescaped(packet)
+                if body and body == checked(body[:-4]):
+                    self.obey(body[:-4])
+
+    def obey(self, body):
+        address, write = int.from_bytes(body[2:6], "little"), body[1] >= 0x80
+        refused = address in self.refuses
+        if write and self.kept != body[0] and not refused:
+            self.written.append((address, int.from_bytes(body[6:10], "little")))
+        self.kept = body[0] if write else None
+        if self.loses and write:
+            self.loses -= 1
+            return
+        words = b"" if write or refused else self.ident_word.to_bytes(4, "little")
+        os.write(self.line, b"\xc0" + escaped(checked(bytes([body[0], refused]) + words)) + b"\xc0")
+
+
+def start(root, *arguments, **board):
+    line, end = pty.openpty()
+    tty.setraw(end)
+    try:
+        board = Board(line, **board)
+        return board, subprocess.run([sys.executable, root / "examples/pictures.py", os.ttyname(end), *arguments], capture_output=True, text=True, timeout=60)
+    finally:
+        os.close(end)
+        os.close(line)
+
+
+def test_words_are_written(root):
+    """An address and a word with bytes that are escaped, too."""
+    board, done = start(root, "x=0x200c0", "objects=300", "across=-5,9", "down=440,-3", "disc=7", "background=0xc0dbdc", "on", loses=1)
+    assert done.returncode == 0, done.stderr
+    colours = [(picture.COLOURS + 4 * i, colour) for i, colour in enumerate(picture.PALETTE)]
+    wanted = [("control", 0), *colours, ("x", 0x200c0), ("objects", 300), ("across", 0x9fffb), ("down", 0xfd01b8), ("shape", 0x35677888),
+              ("background", 0xc0dbdc), ("control", 1)]
+    assert board.written == [(WINDOW + (picture.REGISTERS[at] if isinstance(at, str) else at), value) for at, value in wanted]
+
+
+@pytest.mark.parametrize("arguments, board, code, said", [
+    (["z=1"], {}, 2, "'z=1': expected on, off"), (["disc=8"], {}, 2, "'disc=8'"), (["across=3000,0"], {}, 2, "'across=3000,0'"),
+    (["frames=1"], {}, 2, "'frames=1'"),
+    (["step=3"], {"refuses": [WINDOW + 0x14]}, 1, "the board refused address 0x40014 = 0x3"), ([], {"ident_word": 5}, 1, "there is no picture at address 0x40000"),
+    ([], {"loses": 9}, 1, "no answer"), (["--baud", "7"], {}, 1, "no rate of 7 baud here"),
+])
+def test_what_is_wrong_is_told(root, arguments, board, code, said):
+    _, done = start(root, *arguments, **board)
+    assert done.returncode == code and said in done.stderr and "Traceback" not in done.stderr, done.stderr
+
+
+def test_a_port_that_is_not_there(root):
+    done = subprocess.run([sys.executable, root / "examples/pictures.py", "/nowhere"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and "/nowhere" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_a_whole_board(root, build, tmp_path):
+    """The processor and the picture behind one line, and words of DVI; the first ones are of the blanking, in which no sync is on."""
+    bench, sent = tmp_path / "board.vvp", tmp_path / "in"
+    rooms = [word for name in ("board", "video") for word in ("-y", f"rtl/{name}")]
+    said = subprocess.run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", "-DFP3_TOP=fp3_single", "-s", "board_bench", "-o", bench, "-c", "rtl/fp3.f",
+                           *rooms, "-y", build / "rtl", "tests/video/board_bench.v"], cwd=root, capture_output=True, text=True)
+    assert said.returncode == 0 and not said.stderr, said.stderr
+    steps, ours = 0x20, WINDOW + picture.REGISTERS["shape"]
+    packets = [request(0, WINDOW, count=1), request(1, 0, count=1), request(2, steps, words=[1234]), request(3, ours, words=[0x12345678]),
+               request(4, steps, count=1), request(5, ours, count=2), request(6, 2 * WINDOW, count=1), request(7, 0x7c, count=1)]
+    sent.write_text("".join(f"{byte:02x}\n" for packet in packets for byte in [*escaped(checked(packet)), 0xc0]))
+    out = subprocess.run(["vvp", "-n", bench, f"+in={sent}"], capture_output=True, text=True, timeout=100, check=True).stdout.split("\n")
+    data = bytes(int(line[2:], 16) for line in out if line.startswith("b "))
+    answers = [unescaped(packet)[:-4] for packet in data.split(b"\xc0") if packet]
+    words = [(answer[0], answer[1], [int.from_bytes(answer[i:i + 4], "little") for i in range(2, len(answer), 4)]) for answer in answers]
+    fp3 = words[1][2][0]
+    assert words == [(0, 0, [0x46505630]), (1, 0, [fp3]), (2, 0, []), (3, 0, []), (4, 0, [1234]), (5, 0, [0x12345678, 0]), (6, 1, []), (7, 1, [])]
+    assert fp3 >> 8 == 0x465033
+    assert [line[2:] for line in out if line.startswith("w ")] == ["1101010100" * 2 + "1010101011"] * 3
