@@ -4,7 +4,8 @@
     examples/pictures.py PORT [--baud 115200] [--bits 18] WORD...
 
 A WORD is NAME=VALUE for a register, in the order in which they are written; across and down take ORIGIN,SCALE. `disc=R` writes the shape of a
-disc of radius R, up to 7; `on` and `off` write control, and each session begins with `off` and 16 colours. --bits: address bits of the processor.
+disc of radius R, up to 7; `on`, `off` and `hold` write control. If there is a register to write, `off` and 16 colours come first. --bits: address
+bits of the processor.
 """
 
 import argparse
@@ -22,6 +23,7 @@ NAMES = ("id", "control", "x", "y", "upper", "step", "objects", "across", "down"
 REGISTERS = {name: 4 * at for at, name in enumerate(NAMES)}
 COLOURS, ID = 0x80, 0x46505630
 PALETTE = (0xf4a261, 0xe9c46a, 0x2a9d8f, 0x8ab17d, 0x61a5c2, 0xa9d6e5, 0xb5838d, 0xe5989b, 0xffcdb2, 0x90be6d, 0x43aa8b, 0x577590, 0xf9c74f, 0xf3722c, 0xb8c0ff, 0xffd6ff)
+CONTROLS = {"off": 0, "on": 1, "hold": 3}
 TRIES, SECONDS = 5, 0.5
 
 
@@ -34,8 +36,8 @@ def word(text):
     """The name of a register and its word."""
     name, _, value = text.partition("=")
     try:
-        if text in ("on", "off"):
-            return "control", int(text == "on")
+        if text in CONTROLS:
+            return "control", CONTROLS[text]
         if name in ("across", "down"):
             origin, scale = (int(part, 0) for part in value.split(","))
             if -2048 <= origin < 2048 and -128 <= scale < 128:
@@ -46,7 +48,7 @@ def word(text):
             return name, int(value, 0)
     except ValueError:
         pass
-    raise argparse.ArgumentTypeError(f"'{text}': expected on, off, disc=0 to 7, across=ORIGIN,SCALE, down=ORIGIN,SCALE, or a register and its word")
+    raise argparse.ArgumentTypeError(f"'{text}': expected on, off, hold, disc=0 to 7, across=ORIGIN,SCALE, down=ORIGIN,SCALE, or a register and its word")
 
 
 class Line:
@@ -104,8 +106,9 @@ def main():
         line = Line(args.port, args.baud)
         if line.ask(window) != ID:
             raise OSError(f"{args.port}: there is no picture at address 0x{window:x}: is it a board with a picture, and are --bits right?")
-        for address, value in [(REGISTERS["control"], 0), *((COLOURS + 4 * i, colour) for i, colour in enumerate(PALETTE)),
-                               *((REGISTERS[name], value) for name, value in args.words)]:
+        first = [(REGISTERS["control"], 0), *((COLOURS + 4 * i, colour) for i, colour in enumerate(PALETTE))]
+        writes = [(REGISTERS[name], value) for name, value in args.words]
+        for address, value in writes if all(name == "control" for name, _ in args.words) else first + writes:
             line.ask(window + address, value)
     except OSError as error:
         sys.exit(f"pictures.py: {error}")

@@ -11,8 +11,8 @@
 //           video_timing ──────────────────────────► video_rows ──► video_lines ──► pixels
 //
 // Window    Addresses of s_axi have a bit more than the processor's: 1 for the registers here.
-// Latency   Three or four cycles more than the processor's bus for a host's access, and while
-//           positions are read as long as that takes. A pixel leaves two cycles after video_timing
+// Latency   Three cycles more than the processor's bus for a host's access, and while positions are
+//           read as long as that takes. A pixel leaves two cycles after video_timing
 //           has it.
 // Promise   As axi_lite for the host, whose accesses are one at a time; a run begins before or after
 //           positions are read. A row in which not all objects are drawn has the colour of warnings
@@ -98,7 +98,7 @@ module fp3_pictures #(
     assign host_ready = ours || hub_ready;
 
     // ---- settings ----
-    wire                  on, busy, shows, taken;
+    wire                  on, hold, busy, shows, taken;
     wire [ADDRESS_W-1:0]  x, y, upper;
     wire [15:0]           step;
     wire [OBJECTS_W:0]    objects, outside, numberless;
@@ -114,7 +114,7 @@ module fp3_pictures #(
     fp3_video_registers #(.ADDRESS_W(ADDRESS_W), .OBJECTS_W(OBJECTS_W)) u_registers (.clk_i(clk_i), .rst_i(rst_i),
         .ask_i(host_valid && ours), .ask_write_i(host_write), .ask_addr_i(host_addr[ADDRESS_W-1:0]), .ask_wdata_i(host_wdata),
         .told_o(told), .told_write_o(told_write), .told_error_o(told_error), .told_rdata_o(told_rdata),
-        .on_o(on), .x_o(x), .y_o(y), .upper_o(upper), .step_o(step), .objects_o(objects), .shift_o(shift),
+        .on_o(on), .hold_o(hold), .x_o(x), .y_o(y), .upper_o(upper), .step_o(step), .objects_o(objects), .shift_o(shift),
         .x_origin_o(x_origin), .y_origin_o(y_origin), .x_scale_o(x_scale), .y_scale_o(y_scale), .shape_o(shape),
         .background_o(background), .warning_o(warning),
         .colour_o(paint), .colour_number_o(paint_number), .colour_value_o(paint_value),
@@ -131,7 +131,7 @@ module fp3_pictures #(
     reg                   old_q;                 // positions have not been read in this blanking
     wire                  blank = next >= HEIGHT[9:0] && next < LATEST[9:0];
     fp3_video_reader #(.ADDRESS_W(ADDRESS_W), .OBJECTS_W(OBJECTS_W), .WIDTH(WIDTH), .HEIGHT(HEIGHT)) u_reader (.clk_i(clk_i), .rst_i(rst_i),
-        .on_i(on), .begin_i(ends && blank && (old_q || next == HEIGHT[9:0])), .busy_o(busy), .shows_o(shows), .taken_o(taken),
+        .on_i(on), .begin_i(ends && blank && !hold && (old_q || next == HEIGHT[9:0])), .busy_o(busy), .shows_o(shows), .taken_o(taken),
         .x_i(x), .y_i(y), .upper_i(upper), .step_i(step), .objects_i(objects),
         .x_origin_i(x_origin), .y_origin_i(y_origin), .x_scale_i(x_scale), .y_scale_i(y_scale),
         .outside_o(outside), .numberless_o(numberless),

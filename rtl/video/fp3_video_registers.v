@@ -22,6 +22,7 @@ module fp3_video_registers #(
     output wire [31:0]          told_rdata_o,
     // Settings
     output wire                 on_o,
+    output wire                 hold_o,          // positions stay as they are
     output wire [ADDRESS_W-1:0] x_o, y_o, upper_o,
     output wire [15:0]          step_o,
     output wire [OBJECTS_W:0]   objects_o,
@@ -46,7 +47,7 @@ module fp3_video_registers #(
         UNFINISHED = 5'd17;
     localparam [OBJECTS_W:0] MOST = {1'b1, {OBJECTS_W{1'b0}}};
 
-    reg                 on_q;
+    reg                 on_q, hold_q;
     reg [ADDRESS_W-1:0] x_q, y_q, upper_q;
     reg [15:0]          step_q;
     reg [OBJECTS_W:0]   objects_q;
@@ -69,7 +70,7 @@ module fp3_video_registers #(
     reg         takes;
     always @* begin
         case (at)
-        CONTROL:             takes = value[31:1] == 31'd0;
+        CONTROL:             takes = value[31:2] == 30'd0;
         X, Y, UPPER:         takes = place;
         STEP:                takes = value[31:16] == 16'd0 && value[1:0] == 2'd0;
         OBJECTS:             takes = number;
@@ -85,7 +86,7 @@ module fp3_video_registers #(
     wire        paints  = ask_i && ask_write_i && colours && colour;
     always @(posedge clk_i)
         if (rst_i) begin
-            on_q <= 1'b0;
+            {hold_q, on_q} <= 2'd0;
             {x_q, y_q, upper_q} <= {3*ADDRESS_W{1'b0}};
             {step_q, objects_q, shift_q} <= {OBJECTS_W+21{1'b0}};
             {x_origin_q, y_origin_q, x_scale_q, y_scale_q} <= 40'd0;
@@ -93,7 +94,7 @@ module fp3_video_registers #(
             {background_q, warning_q} <= {24'h000000, 24'hff0000};
         end else if (sets)
             case (at)
-            CONTROL:    on_q       <= value[0];
+            CONTROL:    {hold_q, on_q} <= value[1:0];
             X:          x_q        <= value[ADDRESS_W-1:0];
             Y:          y_q        <= value[ADDRESS_W-1:0];
             UPPER:      upper_q    <= value[ADDRESS_W-1:0];
@@ -105,7 +106,7 @@ module fp3_video_registers #(
             BACKGROUND: background_q <= value[23:0];
             default:    warning_q  <= value[23:0];
             endcase
-    assign on_o = on_q;
+    assign {hold_o, on_o} = {hold_q, on_q};
     assign {x_o, y_o, upper_o} = {x_q, y_q, upper_q};
     assign {step_o, objects_o, shift_o} = {step_q, objects_q, shift_q};
     assign {x_origin_o, y_origin_o, x_scale_o, y_scale_o} = {x_origin_q, y_origin_q, x_scale_q, y_scale_q};
@@ -122,7 +123,7 @@ module fp3_video_registers #(
         has = known;
         case (at)
         ID_AT:      rdata = ID;
-        CONTROL:    rdata = {31'd0, on_q};
+        CONTROL:    rdata = {30'd0, hold_q, on_q};
         X:          rdata = {{32-ADDRESS_W{1'b0}}, x_q};
         Y:          rdata = {{32-ADDRESS_W{1'b0}}, y_q};
         UPPER:      rdata = {{32-ADDRESS_W{1'b0}}, upper_q};

@@ -74,11 +74,16 @@ def test_words_are_written(root):
     assert board.written == [(WINDOW + (picture.REGISTERS[at] if isinstance(at, str) else at), value) for at, value in wanted]
 
 
+def test_a_picture_is_held(root):
+    board, done = start(root, "hold")
+    assert done.returncode == 0 and board.written == [(WINDOW + 4, 3)], done.stderr
+
+
 @pytest.mark.parametrize("arguments, board, code, said", [
     (["z=1"], {}, 2, "'z=1': expected on, off"), (["disc=8"], {}, 2, "'disc=8'"), (["across=3000,0"], {}, 2, "'across=3000,0'"),
     (["frames=1"], {}, 2, "'frames=1'"),
     (["step=3"], {"refuses": [WINDOW + 0x14]}, 1, "the board refused address 0x40014 = 0x3"), ([], {"ident_word": 5}, 1, "there is no picture at address 0x40000"),
-    ([], {"loses": 9}, 1, "no answer"), (["--baud", "7"], {}, 1, "no rate of 7 baud here"),
+    (["off"], {"loses": 9}, 1, "no answer"), (["--baud", "7"], {}, 1, "no rate of 7 baud here"),
 ])
 def test_what_is_wrong_is_told(root, arguments, board, code, said):
     _, done = start(root, *arguments, **board)

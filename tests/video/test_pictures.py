@@ -307,6 +307,11 @@ def check_runs(command, folder):
     wanted[session.frames(1)] = expected(view, SMALL, after)
     session.do(f"m {STATUS:x} 2")
     wanted[session.frames(2)] = expected(view, SMALL, [*after[:29], (bits(3.0), after[29][1])])
+    session.write("control", 3)                        # the picture is held
+    put(session, before)
+    wanted[session.frames(2)] = expected(view, SMALL, [*after[:29], (bits(3.0), after[29][1])])
+    session.write("control", 1)
+    wanted[session.frames(2)] = expected(view, SMALL, before)
     session.do(f"x {OBJECTS + STEP * 7:x}")            # refused
     wanted[session.frames(2)] = blind
     session.read("status", 0)
@@ -328,7 +333,7 @@ def test_registers_take_what_is_possible(small, tmp_path):
     ends = {"x": ((0, 0x3fffc), (2, 0x40000, 0xfffffffc)), "y": ((0x3fffc,), (1, 0x40000)), "upper": ((0x3fffc,), (0x40000,)),
             "step": ((0, 0xfffc), (3, 0x10000)), "objects": ((0, 64, 0xf0040), (65, 0x8000, 0x100000)),
             "across": ((0xff07ff, 0x80f800), (0x800, 0xf7ff, 0x1000000)), "down": ((0x7f07ff,), (0x7f0800,)), "shape": ((0xffffffff,), ()),
-            "background": ((0xffffff,), (0x1000000,)), "warning": ((0,), (0xff000000,)), "control": ((0,), (2,))}
+            "background": ((0xffffff,), (0x1000000,)), "warning": ((0,), (0xff000000,)), "control": ((3, 0), (4,))}
     for name, (takes, refuses) in ends.items():
         for value in takes:
             session.write(name, value)
@@ -372,6 +377,7 @@ BUGS = [
     Bug("infinite is a place", "fp3_video_pixel.v", "exponent != 8'd255", "1'b1"),
     Bug("the lower half always", "fp3_video_reader.v", "upper_q <= answer_rdata_i[HALF_UPPER_LO]", "upper_q <= 1'b0"),
     Bug("positions are read in a run", "fp3_video_reader.v", "answer_rdata_i[STATUS_RUNNING_LO]", "1'b0"),
+    Bug("a picture is not held", "fp3_pictures.v", "blank && !hold &&", "blank &&"),
     Bug("a refused position is one", "fp3_video_reader.v", "failed_q <= 1'b1", "failed_q <= 1'b0"),
     Bug("who stands beside the picture is not in it", "fp3_video_reader.v", "column >= -14'sd14 &&", "column >= 14'sd0 &&"),
     Bug("the host comes in between", "fp3_pictures.v", "&& !(moves && move_valid)", ""),
