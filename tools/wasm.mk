@@ -7,7 +7,7 @@ WASM_CC   = $(ZIG) cc -target wasm32-wasi -msimd128
 WASM_NOT := sw/engine/board/port.c $(wildcard sw/engine/fast/cache.c sw/engine/fast/native.c sw/engine/fast/text.c sw/engine/fast/write*.c) sw/base/cc.c sw/base/child.c sw/base/temporary.c \
     $(wildcard sw/engine/cluster/*.c) sw/cli/run_ranks.c sw/engine/common/library.c sw/record/figure.c sw/record/gnuplot.c sw/record/plot.c \
     $(foreach c,bench_% board cmd_bench cmd_board cmd_compare cmd_doctor processor cmd_stress cmd_tune cmd_view compare_% json tune_% view_%,sw/cli/$(c).c)
-WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/lab/check/*.c sw/cli/wasm/*.c)
+WASM_C   := $(filter-out $(WASM_NOT),$(LIB_C) $(CLI_C)) $(wildcard sw/lab/check/*.c sw/lab/scene/*.c sw/cli/wasm/*.c)
 WASM_O   := $(WASM_C:%.c=$(WASM)/obj/%.o)
 WASM_TESTS := $(WASM)/obj/tests/everywhere/operations.o $(WASM)/obj/tests/bodies/stepped.o
 WASM_SWEEPS := $(addprefix $(WASM)/obj/sw/engine/fast/sweep_,flushed.o cut.o flushed_cut.o finite.o words.o)

@@ -127,3 +127,22 @@ def test_a_goal_builds_the_hardware_that_it_runs(root, goal, wanted, count):
     done = subprocess.run(["make", "-n", "-B", *goal], cwd=root, env=env, capture_output=True, text=True, timeout=120)
     built = set(re.findall(r"RTL +fp3_(\w+)", done.stdout)) - {"board_top"}
     assert done.returncode == 0 and wanted in built and len(built) == count, (built, done.stderr[-2000:])
+
+
+ELSEWHERE = r"fp3_(sweep_|solver\d_v\d|library_is_there)"          # of other rules of tools/wasm.mk, or called on other processors alone
+
+
+def test_what_webassembly_leaves_out_is_not_needed(root, build, tmp_path):
+    """Every function of ours that a file of the command for WebAssembly calls is in one of these files: by the symbols of the objects built here."""
+    (tmp_path / "show.mk").write_text("include Makefile\nshow: ; @echo $(WASM_C)\n")
+    env = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    files = subprocess.run(["make", "-s", "-f", tmp_path / "show.mk", "show"], cwd=root, env=env, capture_output=True, text=True, check=True, timeout=60).stdout.split()
+    own = [file for file in files if file.startswith("sw/cli/wasm/")]
+    subprocess.run(["gcc", "-std=c11", "-D_GNU_SOURCE", "-w", *(f"-I{root / folder}" for folder in ("sw", "sw/include")), "-c", *(root / file for file in own)],
+                   cwd=tmp_path, check=True, timeout=60)
+    objects = [*tmp_path.glob("*.o"), *((build / "obj" / file).with_suffix(".o") for file in files if file not in own)]
+    said = subprocess.run(["nm", "-A", *objects], capture_output=True, text=True, check=True, timeout=60).stdout
+    symbols = re.findall(r"^(\S+?):\S* +(\w) (fp3_\w+)$", said, re.M)
+    there = {name for _, kind, name in symbols if kind in "TDRBV"}
+    lacking = {(os.path.basename(path), name) for path, kind, name in symbols if kind == "U" and name not in there and not re.match(ELSEWHERE, name)}
+    assert len(there) > 500 and lacking == set()

@@ -140,13 +140,18 @@ fp3_status fp3_sight_open(fp3_crowd *crowd, fp3_error *error) {
     return status;
 }
 
+typedef struct {
+    double place; /* on the axis */
+    size_t object;
+} stand;
+
 /* What a relation of near objects looks at. */
 typedef struct {
     const fp3_relation *r;
     fp3_crowd_sight *s;
     const fp3_crowd_group *g, *other;
     const double *own[3], *theirs[3], *radius, *their_radius; /* radii: NULL: none */
-    size_t *order;                                            /* of the others along the axis */
+    stand *order;                                             /* of the others along the axis */
     unsigned axis;
     double far; /* the largest radius of the others */
 } look;
@@ -191,8 +196,8 @@ static int is_stale(const look *l) {
             has_moved(l->other->objects, l->r->dimensions, l->theirs, l->s->theirs, way));
 }
 
-static int by_place(const void *a, const void *b, void *user) {
-    const double *x = user, p = x[*(const size_t *)a], q = x[*(const size_t *)b];
+static int by_place(const void *a, const void *b) {
+    const double p = ((const stand *)a)->place, q = ((const stand *)b)->place;
     return (p > q) - (p < q);
 }
 
@@ -220,8 +225,8 @@ static fp3_status sort(look *l, fp3_error *error) {
         }
     }
     for (size_t j = 0; j < n; j++)
-        l->order[j] = j;
-    qsort_r(l->order, n, sizeof *l->order, by_place, (void *)(uintptr_t)l->theirs[l->axis]);
+        l->order[j] = (stand){l->theirs[l->axis][j], j};
+    qsort(l->order, n, sizeof *l->order, by_place);
     return FP3_OK;
 }
 
@@ -275,16 +280,15 @@ static fp3_status gather(const look *l, size_t i, const size_t *old_begin, const
     fp3_status status = FP3_OK;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (l->theirs[l->axis][l->order[middle]] < x - way)
+        if (l->order[middle].place < x - way)
             low = middle + 1;
         else
             high = middle;
     }
     const size_t first = *at;
-    for (; !status && low < l->other->objects && l->theirs[l->axis][l->order[low]] <= x + way;
-         low++)
-        if (is_candidate(l, i, l->order[low])) {
-            status = append(l->s, *at, l->order[low], error);
+    for (; !status && low < l->other->objects && l->order[low].place <= x + way; low++)
+        if (is_candidate(l, i, l->order[low].object)) {
+            status = append(l->s, *at, l->order[low].object, error);
             *at += !status;
         }
     if (!status)
