@@ -24,7 +24,7 @@ REGISTERS = {name: 4 * at for at, name in enumerate(NAMES)}
 COLOURS, ID = 0x80, 0x46505630
 PALETTE = (0xf4a261, 0xe9c46a, 0x2a9d8f, 0x8ab17d, 0x61a5c2, 0xa9d6e5, 0xb5838d, 0xe5989b, 0xffcdb2, 0x90be6d, 0x43aa8b, 0x577590, 0xf9c74f, 0xf3722c, 0xb8c0ff, 0xffd6ff)
 CONTROLS = {"off": 0, "on": 1, "hold": 3}
-TRIES, SECONDS = 5, 0.5
+TRIES, SECONDS = 5, 0.2
 
 
 def disc(radius):

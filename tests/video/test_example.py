@@ -4,6 +4,7 @@ sent again. And a whole board, as its line sees it."""
 import os
 import pathlib
 import pty
+import shutil
 import subprocess
 import sys
 import threading
@@ -15,6 +16,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "board"))
 from bridge_model import checked, escaped, request, unescaped  # noqa: E402
 
 import picture  # noqa: E402
+import pictures  # noqa: E402
+import simulated_board  # noqa: E402
 
 WINDOW = 1 << 18
 
@@ -82,7 +85,8 @@ def test_a_picture_is_held(root):
 @pytest.mark.parametrize("arguments, board, code, said", [
     (["z=1"], {}, 2, "'z=1': expected on, off"), (["disc=8"], {}, 2, "'disc=8'"), (["across=3000,0"], {}, 2, "'across=3000,0'"),
     (["frames=1"], {}, 2, "'frames=1'"),
-    (["step=3"], {"refuses": [WINDOW + 0x14]}, 1, "the board refused address 0x40014 = 0x3"), ([], {"ident_word": 5}, 1, "there is no picture at address 0x40000"),
+    (["step=3"], {"refuses": [WINDOW + 0x14]}, 1, "the board refused address 0x40014 = 0x3"),
+    ([], {"ident_word": 5}, 1, "there is no picture at address 0x40000"),
     (["off"], {"loses": 9}, 1, "no answer"), (["--baud", "7"], {}, 1, "no rate of 7 baud here"),
 ])
 def test_what_is_wrong_is_told(root, arguments, board, code, said):
@@ -114,3 +118,47 @@ def test_a_whole_board(root, build, tmp_path):
     assert words == [(0, 0, [0x46505630]), (1, 0, [fp3]), (2, 0, []), (3, 0, []), (4, 0, [1234]), (5, 0, [0x12345678, 0]), (6, 1, []), (7, 1, [])]
     assert fp3 >> 8 == 0x465033
     assert [line[2:] for line in out if line.startswith("w ")] == ["1101010100" * 2 + "1010101011"] * 3
+
+
+DEVICE = """module fp3_pictures_clock #(parameter PIN_HZ = 4, CLOCK_HZ = 4) (input wire clk_pin, output wire clk_o, bit_clk_o, good_o);
+    reg [1:0] good_q = 2'd0;
+    always @(posedge clk_pin) if (!good_q[1]) good_q <= good_q + 2'd1;
+    assign {clk_o, bit_clk_o, good_o} = {clk_pin, clk_pin, good_q[1]};
+endmodule
+module fp3_pictures_serial (input wire clk_i, rst_i, word_i, bit_clk_i, input wire [39:0] words_i, output wire [3:0] lines_o);
+    assign lines_o = words_i[3:0];
+endmodule
+"""
+
+
+@pytest.mark.long
+def test_fp3_run_on_a_board_with_a_picture(root, build, fp3, tmp_path):
+    """fp3_pictures_top in the place of the board that fp3 board simulates: objects have the words of the engine `fast`, and positions are read."""
+    made, installed = tmp_path / "made", tmp_path / "fp3/lib/fp3"
+    (tmp_path / "device.v").write_text(DEVICE)
+    installed.mkdir(parents=True)
+    for path in (build / "lib/fp3").glob("*.so"):
+        (installed / path.name).symlink_to(path)
+    (installed / "fp3_board_world.so").unlink()
+    (tmp_path / "fp3/bin").mkdir()
+    shutil.copy(build / "bin/fp3", tmp_path / "fp3/bin/fp3")
+    include = subprocess.run(["verilator", "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=True).stdout.strip() + "/include"
+    rooms = [word for name in ("rtl/board", "rtl/video", build / "rtl") for word in ("-y", name)]
+    subprocess.run(["verilator", "-f", "rtl/fp3.f", "-Wno-fatal", "-O3", "--x-assign", "fast", "--x-initial", "unique", "--cc", "--prefix", "Vfp3_board_top",
+                    "--top-module", "fp3_pictures_top", "--Mdir", made, "-DFP3_TOP=fp3_world", "-GPIN_HZ=4", "-GCLOCK_HZ=4", "-GBAUD=1", *rooms,
+                    "rtl/video/fp3_pictures_top.v", tmp_path / "device.v"], cwd=root, check=True, capture_output=True)
+    (made / "all.cpp").write_text("".join(f'#include "{path.name}"\n' for path in sorted(made.glob("V*.cpp"))))
+    subprocess.run(["g++", "-std=c++17", "-O1", "-fPIC", "-shared", "-DFP3_DIVISOR=4", *(f"-I{root / name}" for name in ("sim", "sw", "sw/include")),
+                    "-isystem", made, "-isystem", include, "-isystem", f"{include}/vltstd", "-o", installed / "fp3_board_world.so", made / "all.cpp",
+                    root / "sim/board_shim.cpp", *(build / f"obj/verilator/{name}.o" for name in ("verilated", "verilated_threads"))], check=True)
+    with simulated_board.board(tmp_path / "fp3/bin/fp3", "--config", "world") as (_, port):
+        words = ["x=0x20000", "y=0x20004", "upper=0x8000", "step=32", "objects=250", "across=140,5", "down=440,5", "disc=7", "on"]
+        subprocess.run([sys.executable, root / "examples/pictures.py", port, *words], check=True, timeout=60)
+        taken = [pictures.Line(port, 115200).ask(WINDOW + picture.REGISTERS["taken"])]
+        for name in ("chain", "bridge"):
+            run = [fp3, "run", "--scene", root / f"programs/world/{name}.scene", "--steps", "3", "--output"]
+            subprocess.run([*run, tmp_path / "board.csv", "--engine", "board", "--port", port], check=True, capture_output=True, timeout=300)
+            subprocess.run([*run, tmp_path / "fast.csv", "--engine", "fast", "--config", "world"], check=True, capture_output=True, timeout=60)
+            assert (tmp_path / "board.csv").read_bytes() == (tmp_path / "fast.csv").read_bytes(), name
+            taken.append(pictures.Line(port, 115200).ask(WINDOW + picture.REGISTERS["taken"]))
+    assert taken[0] < taken[1] < taken[2]
