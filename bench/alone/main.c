@@ -4,6 +4,7 @@
  *     alone load CONFIG OBJECTS RATE LATENCY WAITS
  *     alone chunks CONFIG IMAGE OBJECTS STEPS RATE LATENCY
  *     alone linked CONFIG SCENE STEPS RATE LATENCY
+ *     alone image CONFIG SCENE STEPS ADDRESS FILE
  *
  * RATE: words of memory in 1,000 cycles, at least 1. WAITS: a seed for waits on each channel; 0:
  * none. */
@@ -47,8 +48,12 @@ int main(int argc, char **argv) {
         measure_linked(argv[2], argv[3], number(argv[4]), rate(argv[5]), number(argv[6]));
         return 0;
     }
+    if (argc == 7 && !strcmp(argv[1], "image")) {
+        image_linked(argv[2], argv[3], number(argv[4]), number(argv[5]), argv[6]);
+        return 0;
+    }
     fprintf(stderr, "usage: alone load CONFIG OBJECTS RATE LATENCY WAITS | alone chunks CONFIG "
                     "IMAGE OBJECTS STEPS RATE LATENCY | alone linked CONFIG SCENE STEPS RATE "
-                    "LATENCY\n");
+                    "LATENCY | alone image CONFIG SCENE STEPS ADDRESS FILE\n");
     return 2;
 }

@@ -19,4 +19,11 @@ void measure_chunks(const char *config, const char *image, uint32_t objects, uin
 void measure_linked(const char *config, const char *scene, uint32_t steps, uint32_t rate,
                     uint32_t latency);
 
+/* Writes what memory has to be from byte address `at` on, words of 32 bits, low byte first; no
+ * hardware is needed. The row has the rest: `list`, where the list of transfers begins; `runs`, of
+ * words that steps store where they begin before and after, and how many an object has; `places`,
+ * where each object is within them; hashes of these words before and after the steps. */
+void image_linked(const char *config, const char *scene, uint32_t steps, uint32_t at,
+                  const char *image);
+
 #endif

@@ -5,6 +5,9 @@
 #include <generated/soc.h>
 #include <irq.h>
 #include <system.h>
+#ifdef CSR_SDRAM_BASE
+#include <generated/sdram_phy.h>
+#endif
 
 #define END_OF_TRANSMISSION 4
 #define MEIE (1u << 11)
@@ -34,6 +37,30 @@ static int write_word(void *user, uint32_t address, uint32_t word) {
 }
 
 const fp3_bare_bus machine_bus = {read_word, write_word, 0};
+
+/* ---- memory ---- */
+
+#ifdef CSR_SDRAM_BASE
+/* As LiteX's BIOS begins with an SDRAM. What the memory held stays. */
+static void start_memory(void) {
+    sdram_dfii_control_write(DFII_CONTROL_CKE | DFII_CONTROL_ODT | DFII_CONTROL_RESET_N);
+    init_sequence();
+    sdram_dfii_control_write(DFII_CONTROL_SEL);
+}
+
+volatile uint32_t *machine_memory(uint32_t address) {
+    return (volatile uint32_t *)(uintptr_t)address;
+}
+
+/* VexRiscv's cache writes through, so there is nothing else to do; no other cache is before memory:
+ * add_fp3() refuses one. */
+void machine_forget(void) { flush_cpu_dcache(); }
+
+uint64_t machine_cycles(void) {
+    timer0_uptime_latch_write(1);
+    return timer0_uptime_cycles_read();
+}
+#endif
 
 /* ---- the UART ---- */
 
@@ -96,6 +123,9 @@ void machine_main(void) {
     csrw(mtvec, trap);
     irq_setmask(1u << FP3_INTERRUPT | 1u << TIMER0_INTERRUPT);
     csrw(mie, MEIE);
+#ifdef CSR_SDRAM_BASE
+    start_memory();
+#endif
     program();
     end();
 }

@@ -13,7 +13,15 @@ int machine_wait(int (*is_over)(void), uint32_t cycles);
 
 void machine_print(const char *text);
 
-/* ships.c, or scenes.c. FP3's interrupt is high: takes it back. */
+/* The memory that FP3's second port sees, word by word, from this byte address on. A word that is
+ * written here is in memory at once. */
+volatile uint32_t *machine_memory(uint32_t address);
+/* Later reads of memory get what FP3 has written: the cache forgets all words. */
+void machine_forget(void);
+/* Cycles since reset. */
+uint64_t machine_cycles(void);
+
+/* ships.c, scenes.c or memory.c. FP3's interrupt is high: takes it back. */
 void program_interrupt(void);
 /* 0: all went well. */
 int program(void);

@@ -49,8 +49,9 @@ fp3_status fp3_bare_move_start(fp3_bare *fp3, const fp3_bare_move *move);
 fp3_status fp3_bare_move_rows(fp3_bare *fp3, fp3_bare_direction direction, uint32_t scheduler,
                               uint32_t lane, uint32_t row, uint32_t rows, uint32_t memory);
 /* A list of transfers in memory, which begins at this address (docs/memory.md). Runs that it starts
- * are its own: this driver knows of none, and the caller starts none meanwhile. FP3_E_ARGUMENT: a
- * scheduler runs. */
+ * are its own: this driver knows of none, and the caller starts none meanwhile. A list of
+ * sw/engine/chunks ends with an interrupt, if fp3_bare_interrupt has switched it off before; to
+ * take it back, switch it off again. FP3_E_ARGUMENT: a scheduler runs. */
 fp3_status fp3_bare_move_list(fp3_bare *fp3, uint32_t memory);
 /* Reads the status once; or until nothing moves, polls times at most: FP3_E_LIMIT: it still does.
  * FP3_E_SYSTEM: *how says of which side, failed_at where. */

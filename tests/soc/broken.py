@@ -1,4 +1,4 @@
-"""The example SoC with something broken: broken.py WHAT FP3 FOLDER; WHAT is a function below."""
+"""The example SoC with something broken: broken.py WHAT FP3 FOLDER [OPTIONS]; WHAT is a function below, OPTIONS are those of soc.py."""
 
 import pathlib
 import re
@@ -50,6 +50,34 @@ def program():
     sane_start, soc.start = soc.start, start
 
 
+def cache():
+    """The processor keeps in its cache what memory had before. Of this scene all states fit in it."""
+    soc.memory_data.SCENE = soc.ROOT / "programs/world/rope.scene"
+    def write_headers(chip, folder):
+        sane_headers(chip, folder)
+        replace(folder / "generated/soc.h", "#define CONFIG_CPU_HAS_DCACHE", "// ")
+    soc.write_headers = write_headers
+
+
+def bounds():
+    """The SDRAM takes each address, as LiteDRAM does: the low bits count."""
+    class Bounds(fp3_litex.Bounds):
+        def __init__(self, origin, size):
+            super().__init__(0, 1 << 31)
+    fp3_litex.Bounds = Bounds
+
+
+def sdram():
+    """FP3 has a port to memory, and there is no SDRAM."""
+    soc.memory_data.words_of = lambda image: None
+
+
+def l2():
+    """LiteX's cache is between the processor and the SDRAM."""
+    sane_sdram = soc.SoC.add_sdram
+    soc.SoC.add_sdram = lambda chip, *args, **options: sane_sdram(chip, *args, **{**options, "l2_cache_size": 8192})
+
+
 def silence():
     """The processor does nothing."""
     def compile_program(*args):
@@ -58,5 +86,5 @@ def silence():
 
 
 globals()[sys.argv[1]]()
-sys.argv = ["soc.py", "--fp3", sys.argv[2], "--output", sys.argv[3]]
+sys.argv = ["soc.py", "--fp3", sys.argv[2], "--output", *sys.argv[3:]]
 soc.main()

@@ -1,10 +1,15 @@
 """The example SoC (examples/litex): its program on the simulated hardware alone, and (in full) the whole SoC, whole and broken."""
 
+import pathlib
 import re
 import subprocess
 import sys
 
 import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples/litex"))
+
+import memory_data  # noqa: E402
 
 WARN = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 STEPS = 20
@@ -78,6 +83,42 @@ def test_an_error_of_the_bus_is_told(simulated):
         assert "done" not in done.stdout
 
 
+AT, BYTES = 0x1000, 1 << 20                # where a scene begins in simulated memory, and how much there is
+
+
+@pytest.fixture(scope="module")
+def memory(root, build, tmp_path_factory):
+    """memory.c with three steps of the flag: their hashes by the engine fast, and what starts it."""
+    folder = tmp_path_factory.mktemp("memory")
+    row = memory_data.make(build / "bench/alone", folder, memory_data.SCENE, 3, AT, BYTES)
+    sanitize = ["-fsanitize=address,undefined"] if build.name.endswith("-san") else []
+    succeeds("gcc", *WARN, "-D_GNU_SOURCE", "-g", *sanitize, "-DTICK=30000u",
+             *[word for name in (root / "examples/litex", root / "sw", root / "sw/bare", root / "sw/include", root / "sim", folder) for word in ("-I", name)],
+             root / "tests/soc/simulated.c", root / "examples/litex/memory.c", root / "sw/bare/fp3_bare.c", root / "sw/bare/fp3_bare_moves.c",
+             "-ldl", "-o", folder / "memory")
+    return row, lambda mode: starts(folder / "memory", build / "lib/fp3/fp3_world_memory.so", mode, folder / "memory.image", AT, BYTES)
+
+
+def test_objects_in_memory_have_the_hash_of_fast(memory):
+    """An interrupt ends the list; addresses outside of memory are told; the list takes more cycles than the steps alone."""
+    row, simulated = memory
+    done = simulated("well")
+    hashes = [f"flag begins {row['begins']}", f"flag ends {row['ends']}"]
+    *got, load, store, end = done.stdout.splitlines()
+    cycles = int(got.pop(2).removeprefix("list ").removesuffix(" cycles"))
+    assert done.returncode == 0 and end == "done" and row["begins"] != row["ends"], done.stdout
+    assert got == [*hashes, f"list outside {BYTES:08x}", f"store outside {BYTES:08x}"]
+    assert row["in_store"] < cycles / row["objects"] / row["steps"] < 1.3 * row["in_store"]
+    assert all(re.fullmatch(rf"{name} (8[2-5]\d\d) cycles", line) for name, line in (("load", load), ("store", store))), (load, store)
+
+
+@pytest.mark.parametrize("mode, says", [("gone", "error: open: status "), ("9", "error: list: status 00000004, the bus of the processor answered with an error, at 00000044"),
+                                        ("deaf", "error: the list has ended, but no interrupt came")])
+def test_a_broken_way_to_memory_is_told(memory, mode, says):
+    done = memory[1](mode)
+    assert done.returncode == 1 and says in done.stdout and "done" not in done.stdout, done.stdout
+
+
 def test_without_litex_it_says_what_to_install(root):
     done = starts(sys.executable, "-S", root / "examples/litex/soc.py")
     assert done.returncode == 1 and done.stderr.endswith(": run make setup-soc, and this with .venv/bin/python\n")
@@ -86,7 +127,7 @@ def test_without_litex_it_says_what_to_install(root):
 @pytest.fixture
 def python(root):
     python = root / ".venv/bin/python"
-    if starts(python, "-c", "import litex, pythondata_cpu_vexriscv").returncode:
+    if starts(python, "-c", "import litedram, litex, pythondata_cpu_vexriscv").returncode:
         pytest.skip("no LiteX: make setup-soc installs it")
     return python
 
@@ -104,16 +145,30 @@ def test_the_soc_moves_objects_that_see_each_other(root, fp3, python, tmp_path):
     assert text.endswith("world on wishbone: cloth, stars, balls: the bits of the engine fast\n")
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("sdram, bus", [("MT48LC16M16", "wishbone"), ("M12L64322A", "axi-lite")])
+def test_the_soc_moves_objects_in_an_sdram(root, fp3, build, python, tmp_path, sdram, bus):
+    text = succeeds(python, root / "examples/litex/soc.py", "--fp3", fp3, "--alone", build / "bench/alone", "--program", "memory", "--sdram", sdram,
+                    "--bus", bus, "--steps", "4", "--output", tmp_path)
+    assert text.endswith(f"world_memory on {bus}: flag.scene: the bits of the engine fast\n")
+
+
 # What is broken, what is said, and by whom: the program, or the comparison.
 BROKEN = [("address", "error: open: there is no FP3 at this address, or it has another instruction set"),
           ("interrupt", "error: the run has ended, but no interrupt came"),
           ("hole", "error: load: the bus answered with an error, at 00020000"),
           ("program", "soc.py: the engine isa has other bits:"),
+          ("cache", "soc.py: the engine fast has other bits"),
+          ("bounds", "error: memory took an address that it has not"),
+          ("sdram", "soc.py: fp3 has a port to memory, and the SoC no SDRAM"),
+          ("l2", "soc.py: fp3 has a port to memory, and the SDRAM a cache"),
           ("silence", "no end within 2000000 cycles")]
+OF_MEMORY = {"cache", "bounds", "sdram", "l2"}
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("what, says", BROKEN)
-def test_a_broken_soc_is_told(root, fp3, python, tmp_path, what, says):
-    done = starts(python, root / "tests/soc/broken.py", what, fp3, tmp_path)
+def test_a_broken_soc_is_told(root, fp3, build, python, tmp_path, what, says):
+    options = ["--program", "memory", "--steps", "2", "--alone", build / "bench/alone"] if what in OF_MEMORY else []
+    done = starts(python, root / "tests/soc/broken.py", what, fp3, tmp_path, *options)
     assert done.returncode == 1 and says in done.stdout + done.stderr, done.stdout + done.stderr

@@ -38,7 +38,7 @@ typedef struct {
     int is_full;   /* of host memory, or of addresses */
     chunk_data *data;
     phase_data *phases;
-    uint32_t phase_count, start, half;
+    uint32_t phase_count, start, half, enable;
     uint32_t constants, settings; /* words of memory: what the list loads once */
     int counts;                   /* descriptors are those of the first step */
     fp3_error *error;
@@ -352,6 +352,7 @@ static void make_list(maker *m, uint32_t steps) {
     if (steps % once)
         from = make_step(m, from);
     chunks->is_second = from;
+    set(m, m->enable, FP3_ADDR_INTERRUPT, 1);
     if (!m->is_full)
         chunks->memory[chunks->words - 1] |= FLAG(LAST);
 }
@@ -393,6 +394,7 @@ static fp3_status put_settings(maker *m) {
     m->settings = put(m, settings, sizeof settings / sizeof *settings);
     m->start = put_word(m, 1u << FP3_CONTROL_START_LO);
     m->half = put_word(m, 0);
+    m->enable = put_word(m, 1u << FP3_INTERRUPT_ENABLE_LO);
     put_phases(m);
     return status;
 }

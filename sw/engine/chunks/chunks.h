@@ -14,7 +14,8 @@
  * to them; it runs, and what it publishes goes to the other of two places, so each chunk reads what
  * held when the phase began. What one object alone has is in a single place. docs/memory.md has the
  * words of a step. Each start clears `flags`, so after the list it tells of the last chunk's phase
- * alone.
+ * alone. The last transfer enables the interrupt, whose `ended` the last run has set: `irq` rises
+ * when all steps are made, if it was disabled before. After an error of the list it does not.
  */
 #ifndef FP3_CHUNKS_H
 #define FP3_CHUNKS_H
