@@ -716,7 +716,7 @@ ipxact: | need-ipxact ## IP-XACT components of the configurations: build/ipxact/
 # ---- a system around it -------------------------------------------------------------------------
 
 .PHONY: soc
-soc: $(BUILD)/bin/fp3 $(if $(filter memory,$(SOC)),$(BUILD)/bench/alone) | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone; or SOC=scenes; or SOC=memory, SDRAM=MT48LC16M16, STEPS=10
+soc: $(BUILD)/bin/fp3 $(if $(filter memory,$(SOC)),$(BUILD)/bench/alone) | need-soc ## Simulate a SoC of LiteX, VexRiscv and FP3, and compare its results; CONFIG=single, SHIPS=1, BUS=wishbone; or SOC=scenes; or SOC=memory, SDRAM=MT48LC16M16|M12L64322A|MT41K128M16, STEPS=10
 	@.venv/bin/python examples/litex/soc.py --fp3 $< --alone $(BUILD)/bench/alone --output $(BUILD)/soc $(if $(SOC),--program $(SOC)) $(if $(CONFIG),--config $(CONFIG)) \
 	    $(if $(SHIPS),--ships $(SHIPS)) $(if $(BUS),--bus $(BUS)) $(if $(SDRAM),--sdram $(SDRAM)) $(if $(STEPS),--steps $(STEPS))
 

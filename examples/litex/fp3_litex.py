@@ -117,6 +117,23 @@ class FP3(LiteXModule):
         platform.add_source(str(top))
 
 
+class Later(LiteXModule):
+    """A gate before a port of LiteDRAM: no data of a write go through before their command.
+
+    LiteDRAM's converter to a wider controller takes data at once. Its AXI bridge counts commands without data, and asks for nothing more when
+    that number falls below 0.
+    """
+
+    def __init__(self, inner):
+        from litedram.common import LiteDRAMNativePort
+        self.port = port = LiteDRAMNativePort("both", inner.address_width, inner.data_width)
+        owed = Signal(8)
+        passes = owed != 0
+        self.comb += [port.cmd.connect(inner.cmd), inner.rdata.connect(port.rdata), port.wdata.connect(inner.wdata, omit={"valid", "ready"}),
+                      inner.wdata.valid.eq(port.wdata.valid & passes), port.wdata.ready.eq(inner.wdata.ready & passes)]
+        self.sync += owed.eq(owed + (port.cmd.valid & port.cmd.ready & port.cmd.we) - (port.wdata.valid & port.wdata.ready))
+
+
 def connect_memory(soc, name, fp3):
     """A port of the SDRAM's controller of its own: not over the bus of the SoC, which takes many cycles a word."""
     if not hasattr(soc, "sdram"):
@@ -128,7 +145,9 @@ def connect_memory(soc, name, fp3):
     bounds = Bounds(region.origin, region.size)
     soc.add_module(f"{name}_bounds", bounds)
     soc.comb += axi.connect_axi(fp3.memory, bounds.master)
-    soc.add_module(f"{name}_memory", LiteDRAMAXI2Native(bounds.memory, soc.sdram.crossbar.get_port(data_width=32), base_address=region.origin))
+    later = Later(soc.sdram.crossbar.get_port(data_width=32))
+    soc.add_module(f"{name}_later", later)
+    soc.add_module(f"{name}_memory", LiteDRAMAXI2Native(bounds.memory, later.port, base_address=region.origin))
 
 
 def add_fp3(soc, name="fp3", config="single", origin=None):

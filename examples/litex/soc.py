@@ -26,7 +26,7 @@ try:
     import litedram.modules
     import litex
     from litedram.init import get_sdram_phy_c_header
-    from litedram.phy.model import SDRAMPHYModel
+    from litedram.phy.model import SDRAMPHYModel, sdram_module_nphases
     from litex.build.generic_platform import Pins, Subsignal
     from litex.build.io import CRG
     from litex.build.sim import SimPlatform
@@ -48,7 +48,7 @@ LIMIT = {"ships": 2_000_000, "scenes": 60_000_000, "memory": 100_000_000}       
 CONFIG = {"ships": "single", "scenes": scenes_data.CONFIG, "memory": memory_data.CONFIG}
 CLOCK = 100_000_000
 STEPS = 1000
-SDRAMS = {"MT48LC16M16": 16, "M12L64322A": 32}     # chips, and their bits of data: the former is on a ULX3S, the latter on a Colorlight i5
+SDRAMS = {"MT48LC16M16": 16, "M12L64322A": 32, "MT41K128M16": 16}   # chips, as on a ULX3S, a Colorlight i5 and an Arty A7, and their bits of data
 SDRAM = next(iter(SDRAMS))
 SERIAL = [Subsignal(f"{way}_{name}", Pins(width)) for way in ("source", "sink") for name, width in (("valid", 1), ("ready", 1), ("data", 8))]
 
@@ -58,7 +58,8 @@ class Failed(Exception):
 
 
 def chip_of(sdram):
-    return getattr(litedram.modules, sdram)(CLOCK, "1:1")
+    kind = getattr(litedram.modules, sdram)
+    return kind(CLOCK, f"1:{sdram_module_nphases[kind.memtype]}")
 
 
 class SoC(SoCCore):

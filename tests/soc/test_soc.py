@@ -146,7 +146,7 @@ def test_the_soc_moves_objects_that_see_each_other(root, fp3, python, tmp_path):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("sdram, bus", [("MT48LC16M16", "wishbone"), ("M12L64322A", "axi-lite")])
+@pytest.mark.parametrize("sdram, bus", [("MT48LC16M16", "wishbone"), ("M12L64322A", "axi-lite"), ("MT41K128M16", "wishbone")])
 def test_the_soc_moves_objects_in_an_sdram(root, fp3, build, python, tmp_path, sdram, bus):
     text = succeeds(python, root / "examples/litex/soc.py", "--fp3", fp3, "--alone", build / "bench/alone", "--program", "memory", "--sdram", sdram,
                     "--bus", bus, "--steps", "4", "--output", tmp_path)
