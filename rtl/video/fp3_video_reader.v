@@ -114,31 +114,34 @@ module fp3_video_reader #(
     assign req_addr_o    = state_q == STATUS ? {{ADDRESS_W-16{1'b0}}, ADDR_STATUS} : state_q == HALF ? {{ADDRESS_W-16{1'b0}}, ADDR_HALF} :
                            |bytes[31:ADDRESS_W] ? NOWHERE : bytes[ADDRESS_W-1:0];
 
-    // ---- words become pixels ----
-    reg                 word_q, down_q, left_number_q, left_far_q, from_second_q;
+    // ---- words become pixels, and those places ----
+    reg                 word_q, second_word_q, shifts_q, second_shifts_q, from_second_q;
     reg  [31:0]         value_q;
-    reg  [13:0]         left_q;
-    reg  [OBJECTS_W:0]  placed_q, outside_q, numberless_q;
     wire                number, far;
     wire signed [13:0]  pixel;
-    fp3_video_pixel u_pixel (.word_i(value_q), .scale_i(down_q ? y_scale_i : x_scale_i), .origin_i(down_q ? y_origin_i : x_origin_i),
-        .down_i(down_q), .number_o(number), .far_o(far), .pixel_o(pixel));
+    fp3_video_pixel u_pixel (.clk_i(clk_i), .word_i(value_q), .scale_i(second_word_q ? y_scale_i : x_scale_i),
+        .origin_i(second_shifts_q ? y_origin_i : x_origin_i), .down_i(second_shifts_q), .number_o(number), .far_o(far), .pixel_o(pixel));
+    reg                 pixel_q, down_q, number_found_q, far_q, left_number_q, left_far_q;
+    reg  signed [13:0]  row_q, column_q;
+    reg  [OBJECTS_W:0]  placed_q, outside_q, numberless_q;
 
     localparam signed [13:0] RIGHT = WIDTH[13:0], BELOW = HEIGHT[13:0];
-    wire signed [13:0] column = $signed(left_q);
-    wire        numbers = left_number_q && number;
-    wire        near    = numbers && !left_far_q && !far;
+    wire        numbers = left_number_q && number_found_q;
+    wire        near    = numbers && !left_far_q && !far_q;
     // As far as the largest shape reaches: 14 columns and 7 rows.
-    wire        reaches = near && column >= -14'sd14 && column < RIGHT + 14'sd14 && pixel >= -14'sd7 && pixel < BELOW + 14'sd7;
-    wire        centred  = near && column >= 14'sd0 && column < RIGHT && pixel >= 14'sd0 && pixel < BELOW;
-    wire        place   = word_q && down_q;
-    wire [13:0] right32 = left_q + 14'd32, down8 = pixel + 14'd8;
+    wire        reaches = near && column_q >= -14'sd14 && column_q < RIGHT + 14'sd14 && row_q >= -14'sd7 && row_q < BELOW + 14'sd7;
+    wire        centred = near && column_q >= 14'sd0 && column_q < RIGHT && row_q >= 14'sd0 && row_q < BELOW;
+    wire        place   = pixel_q && down_q;
+    wire [13:0] right32 = column_q + 14'd32, down8 = row_q + 14'd8;
     always @(posedge clk_i) begin
-        word_q <= word && !rst_i;
-        if (word) {down_q, value_q} <= {from_second_q, answer_rdata_i};
+        word_q  <= word && !rst_i;
+        {shifts_q, second_shifts_q} <= {word_q && !rst_i, second_word_q};
+        pixel_q <= shifts_q && !rst_i;
+        if (word) {second_word_q, value_q} <= {from_second_q, answer_rdata_i};
         if (begins)    from_second_q <= 1'b0;
         else if (word) from_second_q <= !from_second_q;
-        if (word_q && !down_q) {left_number_q, left_far_q, left_q} <= {number, far, pixel};
+        {down_q, number_found_q, far_q, row_q} <= {second_shifts_q, number, far, pixel};
+        if (pixel_q && !down_q) {left_number_q, left_far_q, column_q} <= {number_found_q, far_q, row_q};
         if (begins) begin
             {placed_q, outside_q, numberless_q} <= {3*OBJECTS_W+3{1'b0}};
         end else if (place) begin

@@ -43,10 +43,12 @@ module fp3_video_rows #(
 
     reg                 draws_q, blind_q, unfinished_q;
     reg  [8:0]          row_q;
-    // The object whose place is read
+    // An object goes through two stages: its place is read; it is known whether it has pixels here.
     reg  [OBJECTS_W:0]  next_q;
-    reg                 have_q;
-    reg  [OBJECTS_W-1:0] number_q;
+    reg                 read_q, known_q, hit_q;
+    reg  [OBJECTS_W-1:0] read_number_q;
+    reg  [3:0]          half_q, known_colour_q;
+    reg  [9:0]          known_x_q;
     // The pixels that are drawn
     reg                 runs_q;
     reg  [9:0]          x_q;
@@ -55,31 +57,28 @@ module fp3_video_rows #(
 
     wire signed [9:0]   below = $signed({1'b0, row_q}) + 10'sd8 - $signed({1'b0, place_i[18:10]});
     wire [9:0]          away  = below[9] ? -below : below;
-    wire [3:0]          half  = shape_i[{away[2:0], 2'd0} +: 4];
-    wire                hit   = have_q && away[9:3] == 7'd0 && half != 4'd0;
-    wire                starts = hit && (!runs_q || left_q == 5'd1);
-    wire                more  = next_q != objects_i;
-    wire                fetch = draws_q && !blind_q && !busy_i && more && (!hit || starts);
-    wire                over  = !more && !have_q && !runs_q;
-    wire [OBJECTS_W+15:0] colours = {16'd0, number_q} >> shift_i;
+    wire [3:0]          half  = away[9:3] == 7'd0 ? shape_i[{away[2:0], 2'd0} +: 4] : 4'd0;
+    wire [OBJECTS_W+15:0] colours = {16'd0, read_number_q} >> shift_i;
+
+    wire                starts = known_q && hit_q && (!runs_q || left_q == 5'd1);
+    wire                free   = !known_q || !hit_q || starts;            // of the second stage
+    wire                more   = next_q != objects_i;
+    wire                fetch  = draws_q && !blind_q && !busy_i && more && (!read_q || free);
+    wire                over   = !more && !read_q && !known_q && !runs_q;
     always @(posedge clk_i) begin
         if (rst_i || ends_i) begin
-            {have_q, runs_q} <= 2'd0;
-            next_q           <= {OBJECTS_W+1{1'b0}};
+            {read_q, known_q, runs_q} <= 3'd0;
+            next_q <= {OBJECTS_W+1{1'b0}};
         end else begin
-            have_q <= fetch || (have_q && hit && !starts);
-            runs_q <= starts || (runs_q && left_q != 5'd1);
+            read_q  <= fetch || (read_q && !free);
+            known_q <= free ? read_q : known_q;
+            runs_q  <= starts || (runs_q && left_q != 5'd1);
             if (fetch) next_q <= next_q + 1'b1;
         end
-        if (fetch) number_q <= next_q[OBJECTS_W-1:0];
-        if (starts) begin
-            x_q      <= place_i[9:0] - {6'd0, half} + 10'd1;
-            left_q   <= {half, 1'b0} - 5'd1;
-            colour_q <= colours[3:0];
-        end else begin
-            x_q      <= x_q + 10'd1;
-            left_q   <= left_q - 5'd1;
-        end
+        if (fetch) read_number_q <= next_q[OBJECTS_W-1:0];
+        if (free)  {hit_q, half_q, known_x_q, known_colour_q} <= {half != 4'd0, half, place_i[9:0], colours[3:0]};
+        if (starts) {x_q, left_q, colour_q} <= {known_x_q - {6'd0, half_q} + 10'd1, {half_q, 1'b0} - 5'd1, known_colour_q};
+        else        {x_q, left_q} <= {x_q + 10'd1, left_q - 5'd1};
         if (rst_i) begin
             {draws_q, blind_q, unfinished_q} <= 3'd0;
         end else if (ends_i) begin

@@ -372,19 +372,19 @@ def dataclass_with(view, **more):
 # ---- bugs ----
 
 BUGS = [
-    Bug("negative positions are cut, not rounded down", "fp3_video_pixel.v", "{12'd0, negative && lost}", "13'd0"),
-    Bug("far away is near", "fp3_video_pixel.v", "by < 10'sd0 || away[12]", "1'b0"),
+    Bug("negative positions are cut, not rounded down", "fp3_video_pixel.v", "{12'd0, negative_q && lost}", "13'd0"),
+    Bug("far away is near", "fp3_video_pixel.v", "by_q < 10'sd0 || away[12]", "1'b0"),
     Bug("infinite is a place", "fp3_video_pixel.v", "exponent != 8'd255", "1'b1"),
     Bug("the lower half always", "fp3_video_reader.v", "upper_q <= answer_rdata_i[HALF_UPPER_LO]", "upper_q <= 1'b0"),
     Bug("positions are read in a run", "fp3_video_reader.v", "answer_rdata_i[STATUS_RUNNING_LO]", "1'b0"),
     Bug("a picture is not held", "fp3_pictures.v", "blank && !hold &&", "blank &&"),
     Bug("a refused position is one", "fp3_video_reader.v", "failed_q <= 1'b1", "failed_q <= 1'b0"),
-    Bug("who stands beside the picture is not in it", "fp3_video_reader.v", "column >= -14'sd14 &&", "column >= 14'sd0 &&"),
+    Bug("who stands beside the picture is not in it", "fp3_video_reader.v", "column_q >= -14'sd14 &&", "column_q >= 14'sd0 &&"),
     Bug("the host comes in between", "fp3_pictures.v", "&& !(moves && move_valid)", ""),
     Bug("rows of the frame before stay", "fp3_video_lines.v", "shown ? clear_q : draw_i", "!shown && draw_i"),
     Bug("an unfinished row is not told", "fp3_video_rows.v", "draws_q && (blind_q || !over)", "draws_q && blind_q"),
     Bug("the last object is not drawn", "fp3_video_rows.v", "next_q != objects_i", "next_q + 1'b1 != objects_i"),
-    Bug("a shape is as wide to its right as it is high", "fp3_video_rows.v", "{half, 1'b0} - 5'd1", "{half, 1'b0} - 5'd2"),
+    Bug("a shape is as wide to its right as it is high", "fp3_video_rows.v", "{half_q, 1'b0} - 5'd1", "{half_q, 1'b0} - 5'd2"),
     Bug("the vertical sync is a line late", "fp3_video_timing.v", "DOWN = HEIGHT + V_FRONT - 1", "DOWN = HEIGHT + V_FRONT"),
     Bug("a line has a pixel more", "fp3_video_timing.v", "WIDTH + H_FRONT + H_SYNC + H_BACK, LINES", "WIDTH + H_FRONT + H_SYNC + H_BACK + 1, LINES"),
     Bug("red and blue", "fp3_pictures.v", "there ? painted", "there ? {painted[7:0], painted[15:8], painted[23:16]}"),
