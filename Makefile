@@ -648,9 +648,9 @@ WITH = $(if $(TOOLS),--tools $(TOOLS))
 need_tools = $(if $(TOOLS),,need-$(1))
 
 .PHONY: synth
-synth: | $(call need_tools,synth) ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=1,2,3, TOOLS=
+synth: | $(call need_tools,synth) ## Area and clock on ECP5; TOP=, CONFIG=, GRADES=6,8, SEEDS=1,2,3, UNPLACED=1 (cells alone, beside those of docs/synth.json), TOOLS=
 	@$(PYTHON) tools/synth.py $(WITH) --jobs $(JOBS) $(if $(TOP),--top $(TOP)) $(if $(CONFIG),--config $(CONFIG)) \
-	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS))
+	    $(if $(GRADES),--grades $(GRADES)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(UNPLACED),--unplaced)
 
 CHIP = $(if $(CONFIG),--config $(CONFIG)) $(if $(LANES),--lanes $(LANES)) $(foreach key,$(SET),--set $(key))
 .PHONY: chip chip-run

@@ -7,13 +7,15 @@ import subprocess
 from pathlib import Path
 
 
-class Done:
-    """What a bench said, and whether all of its tests passed."""
+FAILED = r"cocotb\.regression +(\w+) failed"
 
-    def __init__(self, done, results):
-        self.said = done.stdout + done.stderr
-        self.passed = done.returncode == 0 and "<testcase" in results and "<failure" not in results
-        self.failed = re.findall(r'<testcase name="(\w+)"[^>]*>\s*<failure', results)
+
+class Done:
+    """What a bench said, whether all of its tests passed, and which of them failed."""
+
+    def __init__(self, said, passed):
+        self.said, self.passed = said, passed
+        self.failed = re.findall(FAILED, said)
 
 
 def python(root):
@@ -66,13 +68,19 @@ def config(root, *arguments):
     return subprocess.run([python(root), "-m", "cocotb.config", *arguments], capture_output=True, text=True, check=True).stdout.strip()
 
 
-def cocotb(root, folder, bench, module, **environment):
-    """Runs the tests of a Python module on what was compiled; `environment` is for them."""
+def cocotb(root, folder, bench, module, whole=True, **environment):
+    """Runs the tests of a Python module on what was compiled; `environment` is for them. Not `whole`: up to the first that fails."""
     results = folder / "results.xml"
     results.unlink(missing_ok=True)
     own = {"MODULE": module.stem, "TOPLEVEL": bench.stem, "TOPLEVEL_LANG": "verilog", "PYTHONPATH": str(module.parent),
            "LIBPYTHON_LOC": config(root, "--libpython"), "VIRTUAL_ENV": str(root / ".venv"), "COCOTB_RESULTS_FILE": str(results),
            "PYTHONDONTWRITEBYTECODE": "1", **{name: str(value) for name, value in environment.items()}}
-    done = subprocess.run(["vvp", "-n", "-M", config(root, "--lib-dir"), "-m", config(root, "--lib-name", "vpi", "icarus"), bench], cwd=folder,
-                          env={**os.environ, **own}, capture_output=True, text=True)
-    return Done(done, results.read_text() if results.exists() else "")
+    said = []
+    with subprocess.Popen(["vvp", "-n", "-M", config(root, "--lib-dir"), "-m", config(root, "--lib-name", "vpi", "icarus"), bench], cwd=folder,
+                          env={**os.environ, **own}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        for line in process.stdout:
+            said.append(line)
+            if not whole and re.search(FAILED, line):
+                process.kill()
+    found = results.read_text() if results.exists() else ""
+    return Done("".join(said), process.returncode == 0 and "<testcase" in found and "<failure" not in found)

@@ -16,11 +16,13 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 CONFIG = "many_memory"
+LANES = "lanes_memory"
 WORLD = "world_memory"
 LATENCY = 20                              # cycles of memory
 RATES = (1000, 400, 3000)                 # words of memory in 1,000 cycles
 GOAL = 1.1                                # cycles a word that memory can give in each
-STEPS = {3000: 16, 400: 32}               # of a visit of a chunk, by the rate of memory
+STEPS = {CONFIG: {3000: 16, 400: 32}, LANES: {3000: 96, 400: 256}}     # of a visit of a chunk, by the rate of memory: the word's cycles are a lane's
+OBJECTS = {CONFIG: 100_000, LANES: 10_000}
 SLOWER = 1.02                             # goal: cycles of chunks over those of objects in the store
 LINKED = {"programs/gallery/flag.scene": (400, 3000), "bench/alone/cloth.scene": (3000,)}   # scenes of objects with links, and the rates of memory
 LINKED_SLOWER = 1.3                       # goal: likewise, with a memory that gives a word in each cycle
@@ -44,7 +46,8 @@ def chunks(build, objects, steps):
     image.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run([build / "bin/fp3", "compile", ROOT / "programs/kepler.ode", "-i", "rk4", "-c", CONFIG, "--image", image, "--params", image.with_suffix(".cfg")],
                    check=True, stdout=subprocess.DEVNULL)
-    return [alone(build, "chunks", CONFIG, image, objects, steps or of, rate, LATENCY) for rate, of in STEPS.items()]
+    return [alone(build, "chunks", config, image, objects or OBJECTS[config], steps or of, rate, LATENCY)
+            for config, visits in STEPS.items() for rate, of in visits.items()]
 
 
 def linked(build, scenes, steps):
@@ -68,7 +71,7 @@ def misses(row):
     if "chunks" in row:
         return row["memory"] >= 1 and row["cycles_per_object_step"] > LINKED_SLOWER * row["in_store"]
     if "cycles_per_word" not in row:
-        return row["visit"] >= min(STEPS.values()) and row["cycles_per_object_step"] > SLOWER * row["in_store"]
+        return row["visit"] >= min(STEPS[row["config"]].values()) and row["cycles_per_object_step"] > SLOWER * row["in_store"]
     return max(row["cycles_per_word"], row["back"]) > GOAL * max(1, 1 / row["memory"])
 
 
@@ -79,7 +82,7 @@ def main():
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build/results/alone.json", help="where rows go (%(default)s)")
     args = parser.parse_args()
     build = pathlib.Path(os.environ.get("FP3_BUILD", ROOT / "build"))
-    made = {"loads": lambda: loads(build, 2500 if args.quick else 10_000), "chunks": lambda: chunks(build, *((2100, 2) if args.quick else (100_000, None))),
+    made = {"loads": lambda: loads(build, 2500 if args.quick else 10_000), "chunks": lambda: chunks(build, *((2100, 2) if args.quick else (None, None))),
             "linked": lambda: linked(build, *((list(LINKED)[:1], 2) if args.quick else (LINKED, 100)))}
     rows = [row for part in made if part in args.parts for row in made[part]()]
     for row in rows:

@@ -11,6 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 HERE = ROOT / "build/results/synth.json"
 KEPT = ROOT / "docs/synth.json"
 DEVICE, GRADE = "LFE5U-85F", 6       # where a configuration has its clock
+CELLS = ("lut4", "carry", "ff", "dsp", "ebr")
 RUNS = [ROOT / "build/results" / name for name in ("sim.json", "chip.json")]    # of a bench, of `make chip-run`
 
 
@@ -31,14 +32,22 @@ def write(path, rows, trims):
     path.with_suffix(".tmp").replace(path)
 
 
+def key(row):
+    return row["top"], row["config"], row["device"], row["grade"]
+
+
+def changes(before, row):
+    """The figures of cells that differ, as text."""
+    return [f"{figure} {before[figure]} is {row[figure]}" for figure in CELLS if before[figure] != row[figure]]
+
+
 def merged(old, new):
     """Results with rows in place of those of the same top, configuration, device and grade; trims in place of all. A row whose cycles
-    are not known here has those of before."""
-    def key(row):
-        return row["top"], row["config"], row["device"], row["grade"]
-
+    are not known here has those of before. One that was only synthesised, to the cells that were placed before, leaves that row."""
     rows = {key(row): row for row in old["rows"]}
     for row in new["rows"]:
+        if not row["seeds"] and (before := rows.get(key(row))) and not changes(before, row):
+            continue
         rows[key(row)] = row if row["cycles"] else timed(row, rows.get(key(row), {}).get("cycles"))
     return {"rows": [rows[k] for k in sorted(rows)], "trims": new["trims"] or old["trims"]}
 

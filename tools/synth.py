@@ -18,7 +18,7 @@ says so. Where a device has fewer pins than a top has ports, inputs are shifted 
 their parity; on the others the ports are registers. A family that has no open placer is only synthesised.
 
 Results go to build/results/synth.json, an object with an array `rows`; a run replaces the rows of the same top, config, device and grade and keeps the
-others. The pages of docs/ come from docs/synth.json (tools/measured.py). Netlists and logs go to build/synth/, and are made again if files or command change.
+others. With --unplaced it says which rows of docs/synth.json have other cells now; where they are the same, what was placed holds. The pages of docs/ come from docs/synth.json (tools/measured.py). Netlists and logs go to build/synth/, and are made again if files or command change.
 
   lut4          LUTs of the netlist, logic alone: of 4 inputs, on 7-series of at most 6, on Cyclone V ALUTs
   carry         carry cells of the netlist
@@ -466,6 +466,16 @@ def measure(args, pool, wanted, trims):
     return rows, failed
 
 
+def compare(rows):
+    """Says which of the kept rows these cells are not those of."""
+    kept = {measured.key(row): row for row in measured.read(measured.KEPT)["rows"]}
+    known = [row for row in rows if measured.key(row) in kept]
+    others = [(row, changes) for row in known if (changes := measured.changes(kept[measured.key(row)], row))]
+    for row, changes in others:
+        print(f"{row['top']} {row['config']}, {row['device']} grade {row['grade']}: {', '.join(changes)}")
+    print(f"{len(known) - len(others)} of {len(known)} rows have the cells that docs/synth.json says")
+
+
 def main():
     try:
         configs = load(ROOT).configs
@@ -492,6 +502,8 @@ def main():
     heads = ["top", "config", "device", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
     print("\n".join(columns([heads, *(["-" if row[h] is None else str(row[h]) for h in heads] for row in rows)], 2)))
     print("Written to build/results/synth.json")
+    if args.unplaced:
+        compare(rows)
     if failed:
         sys.exit("\n".join(f"synth.py: {error}" for error in failed))
 

@@ -22,8 +22,9 @@ typedef struct {
     fp3_image *image;
     fp3_visit *visit;
     fp3_engine *fast;
-    uint32_t record;                /* the binary logarithm of the words of one */
-    uint32_t objects, chunks, rows; /* rows: of a chunk; the last ones may be twice the same */
+    uint32_t record; /* the binary logarithm of the words of one */
+    uint32_t objects, chunks;
+    uint32_t lanes, rows; /* of a chunk, rows of each lane; the last ones may be the same object */
 } scene;
 
 static uint32_t bits_of(float value) {
@@ -37,7 +38,7 @@ static void open_scene(scene *s, const char *path, uint32_t objects) {
     fp3_error error;
     fp3_engine_def def = fp3_engine_default();
     def.engine = "fast";
-    def.config = "many_full";
+    def.config = "many_full"; /* the arithmetic of every such configuration */
     def.objects = objects;
     def.error = &error;
     NEED(!fp3_image_load(path, &s->image, &error) && !fp3_visit_make(s->image, &s->visit, &error));
@@ -53,10 +54,13 @@ static void open_scene(scene *s, const char *path, uint32_t objects) {
     }
 }
 
+/* Objects of a chunk. In memory those of a lane stand together, lane behind lane. */
+static uint32_t chunk_of(const scene *s) { return s->lanes * s->rows; }
+
 /* The words of the objects as they are in fast, as records. */
 static void put_records(const scene *s, uint32_t *records) {
     const uint32_t words = 1u << s->record;
-    for (uint32_t i = 0; i < s->chunks * s->rows; i++)
+    for (uint32_t i = 0; i < s->chunks * chunk_of(s); i++)
         for (uint32_t r = 0; r < words; r++)
             if (s->visit->kept >> r & 1) {
                 float value;
@@ -104,47 +108,50 @@ static void load_program(const scene *s, fp3_bare *fp3) {
         NEED(symbol && !fp3_engine_get(s->fast, 0, names[i], &value));
         NEED(!fp3_bare_write_shared(fp3, 0, symbol->index, bits_of(value)));
     }
-    NEED(!fp3_bare_list(fp3, 0, s->rows));
+    NEED(!fp3_bare_list(fp3, 0, chunk_of(s)));
+}
+
+static void descriptor(uint32_t **at, uint32_t memory, uint32_t place, uint32_t words,
+                       uint32_t control) {
+    const uint32_t row[] = {memory, place, words, control};
+    memcpy(*at, row, sizeof row);
+    *at += 4;
+}
+
+/* All lanes of a chunk: one range of the store for each. */
+static void move_lanes(const alone *a, const scene *s, uint32_t chunk, uint32_t control,
+                       uint32_t **at) {
+    const uint32_t words = s->rows << s->record;
+    for (uint32_t lane = 0; lane < s->lanes; lane++)
+        descriptor(at, 4 * (OBJECTS + (chunk * s->lanes + lane) * words),
+                   FP3_ADDRESS_IN(a->fp3.space_bit, FP3_SPACE_OBJECTS, lane * a->fp3.store), words,
+                   control);
 }
 
 static void describe(const alone *a, const scene *s) {
-    const uint32_t words = s->rows << s->record;
-    const uint32_t place = FP3_ADDRESS_IN(a->fp3.space_bit, FP3_SPACE_OBJECTS, 0);
     uint32_t *at = a->memory + LIST_AT;
-    NEED(4 * s->chunks <= DESCRIPTORS_MOST);
+    NEED(s->chunks * (2 * s->lanes + 2) <= DESCRIPTORS_MOST);
     a->memory[START] = 1u << FP3_CONTROL_START_LO;
-    for (uint32_t chunk = 0; chunk < s->chunks; chunk++, at += 16) {
-        const uint32_t memory = 4 * (OBJECTS + chunk * words);
-        const uint32_t last = chunk + 1 == s->chunks ? BIT(LAST) : 0;
-        const uint32_t rows[] = {memory,
-                                 place,
-                                 words,
-                                 BIT(LOAD),
-                                 4 * START,
-                                 FP3_ADDR_CONTROL,
-                                 1,
-                                 BIT(LOAD),
-                                 0,
-                                 FP3_ADDR_STATUS,
-                                 1u << FP3_STATUS_DONE_LO,
-                                 BIT(WAIT),
-                                 memory,
-                                 place,
-                                 words,
-                                 BIT(STORE) | last};
-        memcpy(at, rows, sizeof rows);
+    for (uint32_t chunk = 0; chunk < s->chunks; chunk++) {
+        move_lanes(a, s, chunk, BIT(LOAD), &at);
+        descriptor(&at, 4 * START, FP3_ADDR_CONTROL, 1, BIT(LOAD));
+        descriptor(&at, 0, FP3_ADDR_STATUS, 1u << FP3_STATUS_DONE_LO, BIT(WAIT));
+        move_lanes(a, s, chunk, BIT(STORE), &at);
     }
+    at[-1] |= BIT(LAST);
 }
 
 /* Cycles of one run of a chunk that is in the store already. */
 static double in_store(alone *a, const scene *s, uint32_t steps) {
     fp3_bare_outcome outcome;
     uint64_t cycles = 0;
-    alone_move(a, FP3_BARE_TO_PROCESSOR, 0, 0, s->rows, 4 * OBJECTS);
+    for (uint32_t lane = 0; lane < s->lanes; lane++)
+        alone_move(a, FP3_BARE_TO_PROCESSOR, lane, 0, s->rows,
+                   4 * (OBJECTS + (lane * s->rows << s->record)));
     NEED(!fp3_bare_start(&a->fp3, 0, steps, steps, 0));
     NEED(!fp3_bare_wait(&a->fp3, 0, POLLS, &outcome) && outcome == FP3_BARE_DONE);
     NEED(!fp3_bare_counter(&a->fp3, 0, FP3_ADDR_COUNTER_CYCLES, &cycles));
-    return (double)cycles / s->rows / steps;
+    return (double)cycles / chunk_of(s) / steps;
 }
 
 void measure_chunks(const char *config, const char *image, uint32_t objects, uint32_t steps,
@@ -156,10 +163,11 @@ void measure_chunks(const char *config, const char *image, uint32_t objects, uin
     open_scene(&s, image, objects);
     const fp3_rtl_memory none = {0, 1, 0};
     alone_open(&a, config, &none, 0);
-    const uint32_t most = a.fp3.store >> s.record;
+    s.lanes = a.fp3.lanes;
+    const uint32_t most = (a.fp3.store >> s.record) * s.lanes;
     s.chunks = (objects + most - 1) / most;
-    s.rows = (objects + s.chunks - 1) / s.chunks;
-    const uint32_t words = s.chunks * s.rows << s.record;
+    s.rows = (objects + s.chunks * s.lanes - 1) / (s.chunks * s.lanes);
+    const uint32_t words = s.chunks * chunk_of(&s) << s.record;
     const fp3_rtl_memory shape = {OBJECTS + words, rate, latency};
     a.shape = shape;
     NEED(a.memory = a.hardware.ops->memory(a.rtl, &shape));

@@ -202,6 +202,6 @@ def test_alone_measures_loads_and_chunks(root, build, tmp_path):
     succeeds(sys.executable, root / "tools/alone.py", "--quick", "--output", tmp_path / "alone.json")
     rows = json.loads((tmp_path / "alone.json").read_text())["rows"]
     assert all(row["cycles_per_word"] < 1.1 * max(1, 1 / row["memory"]) for row in rows if row["scene"] == "load")
-    assert len({row["hash"] for row in rows if row["scene"] == "kepler rk4"}) == 1 and len(rows) == 7
+    assert len({row["hash"] for row in rows if row["scene"] == "kepler rk4"}) == 1 and len(rows) == 9
     flags = [row for row in rows if row["scene"] == "flag.scene"]
     assert len({row["hash"] for row in flags}) == 1 and all(row["chunks"] > 1 and row["host_accesses_between_steps"] == 0 for row in flags)

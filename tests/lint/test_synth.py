@@ -121,6 +121,18 @@ def test_runs_accumulate_and_replace(tree):
         ("fp_mul", "single", 6): 65, ("fp_mul", "single", 8): 81}
 
 
+def test_what_was_placed_holds_while_its_cells_are_the_same(tree):
+    wanted = ["--top", "fp_mul", "--config", "single", "--grades", "6"]
+    synth(tree, *wanted, "--seeds", "1")
+    (tree / "docs").mkdir()
+    kept = (tree / "build/results/synth.json").read_text()
+    for lut4, said, clocks in ((620, "1 of 1 rows have the cells that docs/synth.json says", [61]), (619, "fp_mul single, LFE5U-85F grade 6: lut4 619 is 620", [])):
+        for path in ("docs/synth.json", "build/results/synth.json"):
+            (tree / path).write_text(kept.replace('"lut4": 620', f'"lut4": {lut4}'))
+        done, rows = synth(tree, *wanted, "--unplaced")
+        assert said in done.stdout and rows["fp_mul", "single", 6]["fmax_all"] == clocks, done.stdout + done.stderr
+
+
 def test_equal_designs_are_placed_once(tree):
     _, rows = synth(tree, "--top", "fp_mul", "--config", "walk_slot", "--config", "walk_bypass", "--grades", "6",
                     "--seeds", "1")
