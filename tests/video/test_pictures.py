@@ -1,6 +1,7 @@
 """Pictures from the chip (rtl/video): frames are those that picture.py computes from the words of the engine fast, pixel by pixel; syncs, edges, counts, and
 what happens when there is too much to draw; seeded bugs. The host, the processor and its bus are real: pictures.c."""
 
+import pathlib
 import random
 import re
 import struct
@@ -10,6 +11,7 @@ import sys
 import pytest
 
 import picture
+import pictures
 from bugs import Bug, few, tree
 from picture import Frame, View, disc
 
@@ -61,7 +63,7 @@ def chip(root, build, host, folder, frame, optimise="-O1"):
              "+incdir+rtl", *(word for name in ("bus", "lib", "video") for word in ("-y", f"rtl/{name}")), "+libext+.v",
              *(f"-G{key}={value}" for key, value in frame.parameters().items()), "--top-module", "fp3_pictures", "rtl/video/fp3_pictures.v", cwd=root)
     include = succeeds("verilator", "--getenv", "VERILATOR_ROOT").strip() + "/include"
-    tests = build.parent / "tests/video"
+    tests = pathlib.Path(__file__).parent
     (made / "all.cpp").write_text("".join(f'#include "{path}"\n' for path in [*sorted(made.glob("V*.cpp")), tests / "pictures_shim.cpp"]))
     runtime = [build / f"obj/verilator/{name}.o" for name in ("verilated", "verilated_threads")]
     succeeds("g++", "-std=c++17", optimise, "-isystem", made, "-isystem", include, "-isystem", f"{include}/vltstd", "-I", tests, made / "all.cpp", *host,
@@ -192,6 +194,14 @@ def test_the_page_shows_the_same(root, build, looked, name):
     assert (root / "docs" / file).read_bytes() == made, f"docs/{file} is another picture: see build/tests/{file}"
     page = (root / "docs/pictures.md").read_text()
     assert f"after {LOOKS[name][0]} steps" in page and f"| {LOOKS[name][4]:#010x} |" in page
+
+
+def test_the_command_of_the_page_is_of_its_picture(root, looked):
+    """The upper half, too, where words are only after an odd number of phases."""
+    said = re.search(r"pictures\.py /dev/\S+ (.+)", (root / "docs/pictures.md").read_text())[1].split()
+    words = dict(pictures.word(text) for text in said)
+    wanted = looked("balls", 6)[0].words() | {"control": 1}
+    assert len(words) == 9 and words == {name: wanted[name] for name in words}
 
 
 # ---- small pictures, of words in a memory ----
@@ -325,6 +335,32 @@ def check_runs(command, folder):
 
 def test_a_run_is_not_disturbed(small, tmp_path):
     check_runs(small, tmp_path)
+
+
+def test_taken_tells_of_what_a_run_left(small, tmp_path):
+    """A host starts a run, reads `taken`, and waits for another value, as the page says: until the run has ended there is none, also where positions
+    were being read when the host came; a value from before the start would change for these."""
+    words, stale = [[(bits(x + i % 8), bits(10 + i)) for i in range(30)] for x in (10, 40)], 0
+    for late in range(0, 240, 12):
+        view, session = view_of(words[0], y_origin=45), Session(SMALL)
+        put(session, words[0])
+        session.show(view)
+        session.frames(2)
+        session.do(f"go {SMALL.ticks * sum(SMALL.across) * SMALL.down[0] + late}")
+        session.read("taken", None)
+        session.do(f"w {STATUS:x} 1", "ok")
+        session.read("taken", None)
+        put(session, words[1])
+        session.do("go 300")
+        session.read("taken", None)
+        session.do(f"w {STATUS:x} 2", "ok")
+        last = session.frames(2)
+        session.read("taken", None)
+        got = plays(small, tmp_path, session)[last]
+        before, started, ended, after = (session.number(look) for look in (-7, -5, -4, -1))
+        stale += before != started
+        assert started == ended < after and got == expected(view, SMALL, words[1]), f"{late} cycles late"
+    assert stale
 
 
 def test_registers_take_what_is_possible(small, tmp_path):
