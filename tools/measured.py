@@ -68,6 +68,15 @@ def known():
     return merged(read(KEPT), read(HERE))
 
 
+def compared(rows):
+    """Lines on the kept rows that these cells are not those of, and how many are."""
+    kept = {key(row): row for row in read(KEPT)["rows"]}
+    known = [row for row in rows if key(row) in kept]
+    others = [(row, found) for row in known if (found := changes(kept[key(row)], row))]
+    yield from (f"{row['top']} {row['config']}, {row['device']} grade {row['grade']}: {', '.join(found)}" for row, found in others)
+    yield f"{len(known) - len(others)} of {len(known)} rows have the cells that docs/synth.json says"
+
+
 def keep():
     """Puts all there is into docs/synth.json."""
     if HERE.exists():

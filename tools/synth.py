@@ -466,16 +466,6 @@ def measure(args, pool, wanted, trims):
     return rows, failed
 
 
-def compare(rows):
-    """Says which of the kept rows these cells are not those of."""
-    kept = {measured.key(row): row for row in measured.read(measured.KEPT)["rows"]}
-    known = [row for row in rows if measured.key(row) in kept]
-    others = [(row, changes) for row in known if (changes := measured.changes(kept[measured.key(row)], row))]
-    for row, changes in others:
-        print(f"{row['top']} {row['config']}, {row['device']} grade {row['grade']}: {', '.join(changes)}")
-    print(f"{len(known) - len(others)} of {len(known)} rows have the cells that docs/synth.json says")
-
-
 def main():
     try:
         configs = load(ROOT).configs
@@ -500,10 +490,8 @@ def main():
             sys.exit(f"synth.py: {error}")
 
     heads = ["top", "config", "device", "grade", "lut4", "comb", "ff", "dsp", "ebr", "cuts", "fmax_median", "fmax_best", "latency_ns"]
-    print("\n".join(columns([heads, *(["-" if row[h] is None else str(row[h]) for h in heads] for row in rows)], 2)))
-    print("Written to build/results/synth.json")
-    if args.unplaced:
-        compare(rows)
+    print("\n".join([*columns([heads, *(["-" if row[h] is None else str(row[h]) for h in heads] for row in rows)], 2), "Written to build/results/synth.json",
+                     *(measured.compared(rows) if args.unplaced else [])]))
     if failed:
         sys.exit("\n".join(f"synth.py: {error}" for error in failed))
 
