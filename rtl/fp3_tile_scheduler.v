@@ -47,7 +47,7 @@ module fp3_tile_scheduler #(
 `include "host/lane_host.vh"
 
     // The host -------------------------------------------------------------------------------
-    wire                 start, stop, running, illegal, half, overfull, program_write, access, host_write;
+    wire                 start, stop, running, illegal, half, overfull, no_room, program_write, access, host_write;
     wire [31:0]          host_wdata, word;
     wire [`FP3_SETTINGS_W-1:0] settings;
     wire [`FP3_EVENTS_W-1:0]   events;
@@ -62,7 +62,7 @@ module fp3_tile_scheduler #(
         .answer_o(answer_o), .irq_o(irq_o),
         .start_o(start), .stop_o(stop), .settings_o(settings),
         .running_i(running), .illegal_i(illegal), .illegal_pc_i(illegal_pc), .half_i(half), .overfull_i(overfull),
-        .flags_i(flags), .events_i(events),
+        .no_room_i(no_room), .flags_i(flags), .events_i(events),
         .program_write_o(program_write), .program_addr_o(program_addr),
         .access_o(access), .write_o(host_write), .space_o(space), .addr_o(address),
         .wdata_o(host_wdata), .rdata_i(word));
@@ -130,14 +130,14 @@ module fp3_tile_scheduler #(
     wire [DRAW_W*(GROUPS+1)-1:0]    draws;
     wire [`FP3_REPORT_W*(GROUPS+1)-1:0] reports;
     wire [31:0]                    step_number;
-    wire                           copy, abort, copied;
+    wire                           copy, abort, copied, settled, held;
     wire [REACHES_W-1:0]           reach;
     assign running_o = running;
     fp3_sequencer #(.CONFIG(CONFIG)) u_sequencer (
         .clk_i(clk_i), .rst_i(rst_i),
         .start_i(start), .stop_i(stop), .settings_i(settings),
         .running_o(running), .illegal_o(illegal), .illegal_pc_o(illegal_pc), .half_o(half),
-        .copy_o(copy), .abort_o(abort), .copied_i(copied),
+        .settled_o(settled), .held_o(held), .copy_o(copy), .abort_o(abort), .copied_i(copied),
         .program_write_i(program_write), .program_addr_i(program_addr), .program_word_i(host_wdata),
         .adds_o(adds_o), .muls_o(muls_o), .sweep_end_o(sweep_end_o), .grant_i(grant_i),
         .reach_o(reach), .issue_o(issues[0 +: ISSUES_W]), .retire_o(retires[0 +: RETIRES_W]), .step_o(step_number),
@@ -173,8 +173,21 @@ module fp3_tile_scheduler #(
     `FP3_REPORT_FIELDS
     assign reports[0 +: `FP3_REPORT_W] = `FP3_REPORT_NONE;
     assign `FP3_REPORT                 = reports[`FP3_REPORT_W*GROUPS +: `FP3_REPORT_W];
-    assign flags                   = report_flags;
+    generate
+        if (KEEP != 0) begin : g_of_round
+            // Those of a round count when it is over, unless it ended with `hold`: it is no part of
+            // what the program computes.
+            reg  [4:0] of_round_q;
+            wire [4:0] of_round = of_round_q | report_flags;
+            always @(posedge clk_i) of_round_q <= rst_i || settled ? 5'd0 : of_round;
+            assign flags = of_round & {5{settled && !held}};
+        end else begin : g_at_once
+            assign flags = report_flags;
+            wire unused_held = &{settled, held};
+        end
+    endgenerate
     assign overfull                = SLEEP != 0 && report_count[ROW_W] && report_count[0];       // the only count beyond
+    assign no_room                 = report_no_room;
     assign lanes_answer            = report_answer;
 
     wire [`FP3_WRITTEN_W*STREAMS*LANES-1:0] written;

@@ -43,6 +43,9 @@ module fp3_config_rules #(
         if (STORAGE != 0 && ADD_LATENCY + MUL_LATENCY < 8) begin : g_storage_latency
             STORAGE_needs_latencies_of_8_in_all u_error ();
         end
+        if (KEEP != 0 && ADD_LATENCY + MUL_LATENCY < 4) begin : g_keep_latency
+            KEEP_needs_latencies_of_4_in_all u_error ();
+        end
         if (NEIGHBOURS != 0 && SCHEDULERS != 1) begin : g_neighbours_shape
             NEIGHBOURS_needs_one_SCHEDULER u_error ();
         end

@@ -45,10 +45,13 @@ module fp3_decode #(
     assign next      = is_more && more == OP_NEXT;
     assign repeats   = is_more && more == OP_REPEAT;
     assign returns   = is_more && more == OP_AGAIN;
-    assign phase     = (is_more && more == OP_PHASE) || repeats || returns;
+    assign keeps     = KEEP != 0 && is_more && more == OP_KEEP;
+    assign raises    = KEEP != 0 && is_more && more == OP_RAISE;
+    assign holds     = KEEP != 0 && is_more && more == OP_HOLD;
+    assign phase     = (is_more && more == OP_PHASE) || repeats || returns || holds;
     assign takes     = takes_word || takes_field;
     assign flips     = is_more && (more == OP_RSBN || more == OP_RSBL);
-    assign ldn       = loads_word || takes_word;
+    assign ldn       = loads_word || takes_word || keeps;
     assign ldl       = loads_field || takes_field;
 
     // Where it goes
@@ -67,7 +70,7 @@ module fp3_decode #(
     assign st        = plain_st || stl;
     assign lds       = INTERLEAVE != 0 && SLEEP != 0 && op == OP_LDS;
     wire plain_memory = plain_st || lds || (INTERLEAVE != 0 && op == OP_LD);
-    assign to_memory  = plain_memory || stl || each || next || loads_word || loads_field;
+    assign to_memory  = plain_memory || stl || each || next || loads_word || loads_field || keeps || raises;
 
     // Sums and products apart: each writes its bank, and reads at most one register of each bank. A
     // scaled operand is b, which is then not in the bank of sums. What fp_value makes is made in a
@@ -89,8 +92,8 @@ module fp3_decode #(
     generate
         if (NEIGHBOURS != 0) begin : g_looped
             wire plain   = plain_add || op == OP_MUL || to_chain || to_sleep || plain_memory;
-            wire looped  = takes || ((loads_word || stl || field_a == 7'd0) && field_b == 7'd0
-                                     && (each || next || loads_word || loads_field || stl || phase));
+            wire looped  = takes || keeps || ((loads_word || stl || field_a == 7'd0) && field_b == 7'd0
+                                     && (each || next || loads_word || loads_field || stl || phase || raises));
             assign legal = in_range && ((plain && !extra) || looped);
             wire unused  = banked;
         end else begin : g_plain
@@ -104,7 +107,7 @@ module fp3_decode #(
     wire [REGISTER_W:0] third  = {field_c[6], field_c[REGISTER_W-1:0]};
     assign d = field_d[REGISTER_W-1:0];
     assign a = choice == CHOICE_SEL ? third : first;
-    assign b = has_b(op) || takes ? second : first;
+    assign b = has_b(op) || takes || keeps ? second : first;
     assign c = (FUSED != 0 && INTERLEAVE == 0 ? !to_chain : valued) ? first : third;
 endmodule
 `default_nettype wire

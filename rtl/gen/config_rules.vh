@@ -100,6 +100,15 @@ end
 if (NEIGHBOURS > 0 && STATUS != 0) begin : g_neighbours_excludes_exceptions_object
     NEIGHBOURS_excludes_EXCEPTIONS_OBJECT u_error ();
 end
+if (KEEP < 0 || KEEP > 1) begin : g_keep_must_be_0_to_1
+    KEEP_must_be_0_to_1 u_error ();
+end
+if (KEEP > 0 && NEIGHBOURS == 0) begin : g_keep_needs_neighbours
+    KEEP_needs_NEIGHBOURS u_error ();
+end
+if (KEEP > 0 && SELECT == 0) begin : g_keep_needs_select
+    KEEP_needs_SELECT u_error ();
+end
 if (EXCEPTIONS < 0 || EXCEPTIONS > 2) begin : g_exceptions_must_be_0_to_2
     EXCEPTIONS_must_be_0_to_2 u_error ();
 end

@@ -39,6 +39,7 @@ rtl/host/fp3_host_port.v
 rtl/host/fp3_hub.v
 rtl/lane/fp3_dual_end.v
 rtl/lane/fp3_dual_operands.v
+rtl/lane/fp3_keep.v
 rtl/lane/fp3_lane.v
 rtl/lane/fp3_lane_end.v
 rtl/lane/fp3_lane_group.v

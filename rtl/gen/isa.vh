@@ -73,5 +73,8 @@ localparam [7:0] OP_SUBL   = 8'd138;
 localparam [7:0] OP_RSBL   = 8'd139;
 localparam [7:0] OP_MULL   = 8'd140;
 localparam [7:0] OP_STL    = 8'd141;
+localparam [7:0] OP_KEEP   = 8'd144;
+localparam [7:0] OP_RAISE  = 8'd145;
+localparam [7:0] OP_HOLD   = 8'd146;
 
 // verilator lint_on UNUSEDPARAM

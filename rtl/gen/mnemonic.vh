@@ -45,6 +45,9 @@ function [8*6-1:0] mnemonic(input [7:0] code);
         8'd139:  mnemonic = "rsbl  ";
         8'd140:  mnemonic = "mull  ";
         8'd141:  mnemonic = "stl   ";
+        8'd144:  mnemonic = "keep  ";
+        8'd145:  mnemonic = "raise ";
+        8'd146:  mnemonic = "hold  ";
         default: mnemonic = "?     ";
     endcase
 endfunction

@@ -49,6 +49,7 @@ module fp3_host_port #(
     input  wire [PROGRAM_W-1:0]   illegal_pc_i,
     input  wire                   half_i,                 // of the store: it has the published words
     input  wire                   overfull_i,             // a lane's list was to get more than it has room for
+    input  wire                   no_room_i,              // a list that is made has no room: the run will end
     input  wire [4:0]             flags_i,                // raised in this cycle
     input  wire [`FP3_EVENTS_W-1:0]   events_i,
     // Its memories
@@ -105,7 +106,7 @@ module fp3_host_port #(
     `FP3_SETTINGS_FIELDS
     assign `FP3_SETTINGS  = settings;
     assign settings_o = settings;
-    reg                 done_q, illegal_q, stopped_q, was_running_q;
+    reg                 done_q, illegal_q, stopped_q, no_room_q, was_running_q;
     reg [PROGRAM_W-1:0] fault_q;
     reg [4:0]           flags_q;
     reg                 irq_enable_q, ended_q;
@@ -177,6 +178,7 @@ module fp3_host_port #(
         words[8*ADDR_STATUS + STATUS_DONE_LO +: 1]      = done_q && !busy;
         words[8*ADDR_STATUS + STATUS_ILLEGAL_LO +: 1]   = illegal_q && !busy;
         words[8*ADDR_STATUS + STATUS_STOPPED_LO +: 1]   = stopped_q && !busy;
+        words[8*ADDR_STATUS + STATUS_NO_ROOM_LO +: 1]   = no_room_q && !busy;
         words[8*ADDR_FAULT +: PROGRAM_W]                = fault_q;
         words[8*ADDR_FLAGS +: 5]                        = flags_q;
         if (NEIGHBOURS != 0) words[8*ADDR_HALF + HALF_UPPER_LO +: 1] = half_i;
@@ -261,20 +263,21 @@ module fp3_host_port #(
 
     always @(posedge clk_i)
         if (rst_i) begin
-            {done_q, illegal_q, stopped_q, was_running_q, flags_q, irq_enable_q, ended_q} <= 11'd0;
+            {done_q, illegal_q, stopped_q, no_room_q, was_running_q, flags_q, irq_enable_q, ended_q} <= 12'd0;
             fault_q <= {PROGRAM_W{1'b0}};
         end else begin
             was_running_q <= running_i;
             if (start) begin
-                {illegal_q, stopped_q, flags_q} <= 7'd0;
+                {illegal_q, stopped_q, no_room_q, flags_q} <= 8'd0;
                 fault_q <= {PROGRAM_W{1'b0}};
                 {done_q, ended_q} <= {2{no_steps_q}};
             end else begin
                 // The first reason to end is the one that counts.
-                if (stop_o && !illegal_i && !illegal_q) stopped_q <= 1'b1;
-                if (illegal_i && !stopped_q) {illegal_q, fault_q} <= {1'b1, illegal_pc_i};
+                if (stop_o && !illegal_i && !illegal_q && !no_room_q) stopped_q <= 1'b1;
+                if (illegal_i && !stopped_q && !no_room_q) {illegal_q, fault_q} <= {1'b1, illegal_pc_i};
+                if (KEEP != 0 && no_room_i && !illegal_q && !stopped_q && !illegal_i && !stop_o) no_room_q <= 1'b1;
                 flags_q <= flags_q | flags_i;
-                if (was_running_q && !running_i) {ended_q, done_q} <= {1'b1, !illegal_q && !stopped_q};
+                if (was_running_q && !running_i) {ended_q, done_q} <= {1'b1, !illegal_q && !stopped_q && !no_room_q};
                 else if (to_interrupt && wdata_q[INTERRUPT_ENDED_LO]) ended_q <= 1'b0;
             end
             if (to_interrupt) irq_enable_q <= wdata_q[INTERRUPT_ENABLE_LO];

@@ -62,6 +62,8 @@
 //     twice, halve, one, zero     x is 2, 1/2 or 1 instead of a register; z is -0
 //     st, in_last                 a store; in the last part of a visit
 //     each, first                 a loop over neighbours begins: x is where the list is; the first of these
+//     keep, raise                 the neighbour's row goes to the list that x says (first: which it begins), if z is negative and y
+//                                 leaves room; a flag is raised if x is negative
 //     upper                       of a published word: it is stored in the upper half
 //     whole                       of a store: all 32 bits, with STORAGE
 //     given, minus                y is a word of the store (REACH) instead of a register; z has the other sign
@@ -71,18 +73,18 @@
 //     row                         the store's row of the context's object, without SLEEP
 //
 // zero, minus and z are about the instruction of Z_LATE cycles ago.
-`define FP3_ISSUE_W (CHOICE_W + 15 + 4*REG_W + ROW_W)
+`define FP3_ISSUE_W (CHOICE_W + 17 + 4*REG_W + ROW_W)
 `define FP3_ISSUE_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire [CHOICE_W-1:0] issue_choice; \
     wire issue_subtract, issue_twice, issue_halve, issue_one, issue_zero, issue_st, issue_in_last; \
-    wire issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus; \
+    wire issue_each, issue_first, issue_keep, issue_raise, issue_upper, issue_whole, issue_given, issue_minus; \
     wire [1:0] issue_record_shift; \
     wire [CONTEXT_W-1:0] issue_context; \
     wire [REGISTER_W-1:0] issue_register; \
     wire [REG_W-1:0] issue_x, issue_y, issue_z; \
     wire [ROW_W-1:0] issue_row; /* verilator lint_on UNUSEDSIGNAL */
 `define FP3_ISSUE {issue_choice, issue_subtract, issue_twice, issue_halve, issue_one, issue_zero, issue_st, \
-    issue_in_last, issue_each, issue_first, issue_upper, issue_whole, issue_given, issue_minus, \
+    issue_in_last, issue_each, issue_first, issue_keep, issue_raise, issue_upper, issue_whole, issue_given, issue_minus, \
     issue_record_shift, issue_context, issue_register, issue_x, issue_y, issue_z, issue_row}
 
 // RETIRE, TO_END cycles after ISSUE: the end of an instruction.
@@ -124,23 +126,25 @@
 //     count                       the most objects that a lane will visit
 //     longest                     list of neighbours of the contexts of a loop that begins
 //     flags                       exceptions raised in this cycle
+//     raised, no_room             an object has raised; a list has no room
 //     answer                      to the host
 //     valid                       asleep is news: of this context, in this batch
 //     asleep                      no lane has this context awake
-`define FP3_REPORT_W (41 + ROW_W + CONTEXT_W + LENGTH_W)
+`define FP3_REPORT_W (43 + ROW_W + CONTEXT_W + LENGTH_W)
 `define FP3_REPORT_FIELDS /* verilator lint_off UNUSEDSIGNAL */ \
     wire [ROW_W:0] report_count; \
     wire [LENGTH_W-1:0] report_longest; \
     wire [4:0] report_flags; \
+    wire report_raised, report_no_room; \
     wire [31:0] report_answer; \
     wire report_valid, report_asleep, report_batch; \
     wire [CONTEXT_W-1:0] report_context; /* verilator lint_on UNUSEDSIGNAL */
-`define FP3_REPORT_OF(count, longest, flags, answer, valid, asleep, batch, number) \
-    {count, longest, flags, answer, valid, asleep, batch, number}
-`define FP3_REPORT `FP3_REPORT_OF(report_count, report_longest, report_flags, report_answer, \
-    report_valid, report_asleep, report_batch, report_context)
+`define FP3_REPORT_OF(count, longest, flags, raised, no_room, answer, valid, asleep, batch, number) \
+    {count, longest, flags, raised, no_room, answer, valid, asleep, batch, number}
+`define FP3_REPORT `FP3_REPORT_OF(report_count, report_longest, report_flags, report_raised, report_no_room, \
+    report_answer, report_valid, report_asleep, report_batch, report_context)
 // In front of the first lane: no object, no flag, none awake.
-`define FP3_REPORT_NONE `FP3_REPORT_OF({ROW_W+1{1'b0}}, {LENGTH_W{1'b0}}, 5'd0, 32'd0, \
+`define FP3_REPORT_NONE `FP3_REPORT_OF({ROW_W+1{1'b0}}, {LENGTH_W{1'b0}}, 5'd0, 1'b0, 1'b0, 32'd0, \
     1'b0, 1'b1, 1'b0, {CONTEXT_W{1'b0}})
 
 // DUAL_ISSUE, where a sum and a product may issue at once: the operands of both, each for a context

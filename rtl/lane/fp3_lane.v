@@ -137,19 +137,49 @@ module fp3_lane #(
         end
     endgenerate
 
+    // A list that is made: its word is the result
+    // ------------------------------------------------------------------------------
+    wire               keep_i3, keeps_i4, raises_now, no_room;
+    wire [STORE_W-1:0] keep_place_i3;
+    wire [ROW_W-1:0]   keep_row_i3;
+    wire [31:0]        list_i4;
+    generate
+        if (KEEP != 0) begin : g_keep
+            `FP3_ISSUE_FIELDS
+            `FP3_OPERANDS_FIELDS
+            assign `FP3_ISSUE    = issue_i;
+            assign `FP3_OPERANDS = operands_o;
+            fp3_keep #(.CONFIG(CONFIG)) u_keep (.clk_i(clk_i), .rst_i(rst_i),
+                .keep_i(issue_keep), .raise_i(issue_raise), .first_i(issue_first), .other_r3_i(move_load_row),
+                .own_i2_i(move_st_row), .away_i2_i(move_st_absent || move_st_ended),
+                .list_i3_i(st_value_i3), .room_i3_i(operands_y), .takes_i3_i(operands_z[31]),
+                .write_o(keep_i3), .place_o(keep_place_i3), .row_o(keep_row_i3),
+                .keeps_i4_o(keeps_i4), .list_i4_o(list_i4), .raised_o(raises_now), .no_room_o(no_room));
+        end else begin : g_no_keep
+            assign {keep_i3, keeps_i4, raises_now, no_room} = 4'd0;
+            assign {keep_place_i3, keep_row_i3, list_i4} = {STORE_W+ROW_W+32{1'b0}};
+        end
+    endgenerate
+
     fp3_lane_store #(.CONFIG(CONFIG)) u_store (.clk_i(clk_i), .rst_i(rst_i), .index_i(index_i), .move_i(move),
-        .value_i3_i(st_value_i3),
+        .value_i3_i(st_value_i3), .keep_i3_i(keep_i3), .keep_place_i3_i(keep_place_i3), .keep_row_i3_i(keep_row_i3),
         .draw_i(draw_i), .word_o(word), .over_o(over),
         .host_i(access_valid), .host_read_i(reads), .host_write_i(to_store), .host_address_i(access_address),
         .host_whole_i(access_whole), .host_word_i(data_i));
 
     // Before the operands it is too early for the loaded word.
     generate
-        if (NEIGHBOURS != 0) begin : g_early
+        if (KEEP != 0) begin : g_early_or_kept
+            wire [31:0] word_i4;
+            fp3_delay #(.W(32), .N(2)) u_word (.clk_i(clk_i), .rst_i(1'b0), .d_i(word), .q_o(word_i4));
+            fp3_delay_ram #(.W(32), .N(TO_RESULT-4)) u_loaded (.clk_i(clk_i), .rst_i(rst_i),
+                .d_i(keeps_i4 ? list_i4 : word_i4), .q_o(loaded));
+        end else if (NEIGHBOURS != 0) begin : g_early
+            wire unused_kept = &{keeps_i4, list_i4};
             fp3_delay_ram #(.W(32), .N(TO_RESULT-2)) u_loaded (.clk_i(clk_i), .rst_i(rst_i), .d_i(word), .q_o(loaded));
         end else begin : g_in_time
             assign loaded = word;
-            wire unused_reach = &reach_i;
+            wire unused_reach = &{reach_i, keeps_i4, list_i4};
         end
     endgenerate
 
@@ -183,7 +213,8 @@ module fp3_lane #(
         .host_i(access_valid), .host_write_i(write && access_space == HOST_STATUS),
         .host_row_i(access_address[ROW_W-1:0]), .host_word_i(data_i));
     fp3_lane_report #(.CONFIG(CONFIG)) u_report (.clk_i(clk_i), .rst_i(rst_i), .report_i(report_i),
-        .count_i(count), .longest_i(longest), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .asleep_i(asleep),
+        .count_i(count), .longest_i(longest), .flags_i(flags[4:0] | flags[5*S-1 -: 5]), .raised_i(raises_now), .no_room_i(no_room),
+        .asleep_i(asleep),
         .valid_i(sleeps), .batch_i(batch), .context_i(context_number),
         .mine_i(EXCHANGE != 0 ? mine && reads : mine), .space_i(access_space), .copied_i(copied), .stored_i(word),
         .status_i(status), .report_o(report_o));

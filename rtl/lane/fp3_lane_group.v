@@ -86,13 +86,14 @@ module fp3_lane_group #(
     assign `FP3_REPORT = reports[`FP3_REPORT_W*N +: `FP3_REPORT_W];
     reg [4:0]           flags_q;
     reg [31:0]          answer_q;
-    reg                 valid_q, asleep_q, batch_q;
+    reg                 valid_q, asleep_q, batch_q, raised_q, no_room_q;
     reg [CONTEXT_W-1:0] context_q;
     always @(posedge clk_i) begin
         {flags_q, valid_q} <= {report_flags, report_valid} & {6{!rst_q}};
+        {raised_q, no_room_q} <= {report_raised, report_no_room} & {2{!rst_q}};
         {answer_q, asleep_q, batch_q, context_q} <= {report_answer, report_asleep, report_batch, report_context};
     end
-    assign report_o = `FP3_REPORT_OF(report_count, report_longest, flags_q, answer_q, valid_q, asleep_q, batch_q, context_q);
+    assign report_o = `FP3_REPORT_OF(report_count, report_longest, flags_q, raised_q, no_room_q, answer_q, valid_q, asleep_q, batch_q, context_q);
 endmodule
 `default_nettype wire
 `include "config/undefine.vh"

@@ -22,6 +22,8 @@ module fp3_lane_report #(
     input  wire [ROW_W:0]       count_i,
     input  wire [LENGTH_W-1:0]  longest_i,
     input  wire [4:0]           flags_i,
+    input  wire                 raised_i,
+    input  wire                 no_room_i,
     input  wire                 valid_i,
     input  wire                 batch_i,
     input  wire [CONTEXT_W-1:0] context_i,
@@ -51,8 +53,8 @@ module fp3_lane_report #(
     wire [31:0] status;
     fp3_delay #(.W(32), .N(WIDENED)) u_status (.clk_i(clk_i), .rst_i(1'b0), .d_i(status_i), .q_o(status));
     wire [31:0] answer = copied_i || space == HOST_OBJECT ? stored_i : space == HOST_STATUS ? status : {{31-ROW_W{1'b0}}, count_i};
-    assign report_o = `FP3_REPORT_OF(count_q, longest_q, report_flags | flags_i, report_answer | (answer & {32{mine || copied_i}}),
-                                 valid, report_asleep && asleep_i, batch, context_number);
+    assign report_o = `FP3_REPORT_OF(count_q, longest_q, report_flags | flags_i, report_raised || raised_i, report_no_room || no_room_i,
+                                 report_answer | (answer & {32{mine || copied_i}}), valid, report_asleep && asleep_i, batch, context_number);
 
 `ifdef FP3_CHECK
     // The lanes are in step: the lanes before have reported the same instruction.

@@ -31,6 +31,9 @@ module fp3_lane_store #(
     input  wire [LANE_W-1:0]     index_i,        // the lane's number; does not change
     input  wire [`FP3_MOVE_W-1:0]    move_i,
     input  wire [31:0]           value_i3_i,     // of a store
+    input  wire                  keep_i3_i,      // not a store, but a row of a list, at ...
+    input  wire [STORE_W-1:0]    keep_place_i3_i,
+    input  wire [ROW_W-1:0]      keep_row_i3_i,
     input  wire [DRAW_W-1:0]     draw_i,         // TIMING_MIX + 1: how it is rounded
     output wire [31:0]           word_o,         // of a load
     output wire                  over_o,         // W: a store made a finite number infinite
@@ -142,7 +145,7 @@ module fp3_lane_store #(
                 assign {loaded_whole, high_word} = 17'd0;
                 wire unused_whole = &{host_whole_i, host_word_i[31:16], value_late};
             end
-            wire unused_random = &random[31:16];
+            wire unused_random = &{random[31:16], keep_i3_i, keep_place_i3_i, keep_row_i3_i};
 
             // The object's number: which row it has is known in cycle 2.
             if (SLEEP != 0) begin : g_object
@@ -158,7 +161,14 @@ module fp3_lane_store #(
                 assign object = {{32-LANE_W{1'b0}}, index_i};
             end
         end else begin : g_words
-            assign {stored, stored_address, stored_word} = {st_q, st_address_q, value_i3_i};
+            if (KEEP != 0) begin : g_keep
+                assign stored         = st_q || keep_i3_i;
+                assign stored_address = keep_i3_i ? keep_place_i3_i : st_address_q;
+                assign stored_word    = keep_i3_i ? {{32-ROW_W{1'b0}}, keep_row_i3_i} : value_i3_i;
+            end else begin : g_no_keep
+                wire unused_keep = &{keep_i3_i, keep_place_i3_i, keep_row_i3_i};
+                assign {stored, stored_address, stored_word} = {st_q, st_address_q, value_i3_i};
+            end
             assign {word_o, over_o} = {read_word, 1'b0};
             wire unused_draw = &{index_i, draw_i, host_whole_i};
         end

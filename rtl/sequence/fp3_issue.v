@@ -4,10 +4,11 @@
 //
 // Purpose   Makes operand addresses (ISSUE) of the instruction and of the context that sweep shows,
 //           and some cycles later the fields of the instruction's end (RETIRE, and the number of
-//           its step). Operands: x is a or the word to store, y is b or a neighbour's word, z is c,
-//           or a of a sum. With NEIGHBOURS the read of the store (REACH) comes first, and everything else
-//           AHEAD cycles later than without. `each` reads its register before it finds an entry, so
-//           its REACH waits until the lane's lists have the register's word.
+//           its step). Operands: x is a or the word to store (of `keep` and `raise` d), y is b or a
+//           neighbour's word, z is c, or a of a sum and of `keep`. With NEIGHBOURS the read of the
+//           store (REACH) comes first, and everything else AHEAD cycles later than without. `each`
+//           reads its register before it finds an entry, so its REACH waits until the lane's lists
+//           have the register's word.
 //
 // Latency   reach_o one cycle after issue_i, issue_o AHEAD cycles later; z, minus and zero in
 //           issue_o are Z_LATE cycles later still. retire_o TO_END cycles after issue_o, step_o
@@ -69,7 +70,7 @@ module fp3_issue #(
 
     reg                  valid_q, first_q, batch_q, begins_q, ends_q, newstep_q, in_last_q;
     reg                  lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q, one_q, zero_q, twice_q, halve_q;
-    reg                  each_q;
+    reg                  each_q, keep_q, raise_q;
     reg [CHOICE_W-1:0]   choice_q;
     reg [CONTEXTS-1:0]   current_q;
     reg [REGISTER_W-1:0] d_q;
@@ -77,16 +78,17 @@ module fp3_issue #(
     always @(posedge clk_i) begin
         {valid_q, first_q} <= {issue_i, issue_i && first_i} & {2{!rst_i}};
         {lds_q, sleep_q, load_q, arithmetic_q, st_q, subtract_q}
-            <= {lds, to_sleep, to_memory && !st && !each && !next, arithmetic, st, subtract}
+            <= {lds, to_sleep, to_memory && !st && !each && !next && !raises, arithmetic, st, subtract}
              & {6{issue_i && legal && !rst_i}};
         {begins_q, ends_q, newstep_q, in_last_q} <= {begins, ends, newstep, in_last};
         each_q   <= each && issue_i && legal && !rst_i;
+        {keep_q, raise_q} <= {keeps, raises} & {2{issue_i && legal && !rst_i}};
         {batch_q, current_q, choice_q} <= {batch_i, current_i, choice};
         {twice_q, halve_q} <= {twice, halve};
         one_q  <= to_add && !valued;        // a sum is z +/- 1 * y
         zero_q <= to_mul;                  // a product -0 + x * y
         d_q    <= d;
-        x_q    <= st || each ? {1'b0, d} : a;
+        x_q    <= st || each || keeps || raises ? {1'b0, d} : a;
         y_q    <= b;
         z_q    <= to_chain || valued ? c : a;
     end
@@ -129,20 +131,24 @@ module fp3_issue #(
     assign issue_st       = st_q;
     assign issue_in_last  = in_last_q;
     assign issue_each     = each_q;
-    assign issue_first    = each_q && first_q;
+    assign issue_keep     = keep_q;
+    assign issue_raise    = raise_q;
     wire minus;
     generate
         if (NEIGHBOURS != 0) begin : g_around
-            reg                 reads_q, takes_q, flips_q, upper_q;
+            reg                 reads_q, takes_q, flips_q, upper_q, begins_list_q;
             reg [AROUND_W-1:0]  around_q;
+            localparam [LENGTH_W-1:0] FIRST_TURN = 1;          // the next one, in a loop's first
             `FP3_AROUND_FIELDS
             assign `FP3_AROUND = around_i;
             always @(posedge clk_i) begin
                 {takes_q, flips_q, upper_q} <= {takes, flips, around_half};
-                reads_q  <= issue_i && legal && !rst_i && ((to_memory && !st && !each) || takes);
+                reads_q  <= issue_i && legal && !rst_i && ((to_memory && !st && !each && !keeps && !raises) || takes);
+                begins_list_q <= KEEP != 0 && keeps && around_turn == FIRST_TURN;
                 around_q <= around_i;
             end
             assign {issue_upper, issue_given, minus} = {upper_q, takes_q, flips_q};
+            assign issue_first = (each_q && first_q) || begins_list_q;
 
             // The place of a list is noted four cycles after issue_o, and read in the cycle after
             // reach_o.
@@ -170,7 +176,7 @@ module fp3_issue #(
                 end
 `endif
         end else begin : g_no_around
-            assign {issue_upper, issue_given, minus} = 3'd0;
+            assign {issue_upper, issue_given, minus, issue_first} = 4'd0;
             assign reach_o = 1'b0;
             wire unused_around = &around_i;
         end

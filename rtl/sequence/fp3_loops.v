@@ -10,7 +10,11 @@
 //           A phase is a round (rounds). At its end, which is a `phase` or the program's end, the
 //           next batch begins the same phase; after the last batch the next round begins behind the
 //           `phase`. `repeat` and `again` are such ends, too: after `again` the next round begins
-//           behind `repeat`, until its phases have been made as often as it says.
+//           behind `repeat`, until its phases have been made as often as it says. `hold` is such an
+//           end, too, of a phase that stores nothing published: the halves of the store stay as they
+//           are, and the words behind it, as many as it says, are left out unless an object has raised
+//           in this phase. An object says so some cycles after the phase is over, and before the next
+//           one opens.
 //
 //           An entry ends behind the last field that a turn has read or written, by `ldl` or by number.
 //
@@ -39,7 +43,9 @@ module fp3_loops #(
     input  wire                   start_i,       // a run starts
     input  wire                   abort_i,       // it ends early
     input  wire [`FP3_SETTINGS_W-1:0] settings_i,
+    input  wire                   open_i,        // a round begins
     input  wire                   round_end_i,   // a round has come to its end
+    input  wire                   raised_i,      // an object has raised in it
     // The word that is taken
     input  wire                   take_i,
     input  wire [`FP3_DECODED_W-1:0]  decoded_i,
@@ -58,6 +64,7 @@ module fp3_loops #(
     output wire [PROGRAM_W-1:0]   jump_pc_o,     // also where a round begins
     // The rounds
     output wire                   partial_o,     // the step has phases left
+    output wire                   held_o,        // the round has come to a `hold`; until the next one opens
     output wire                   half_o         // which half of the store has the published words
 );
     localparam [31:0] WAIT_32 = LANES + GROUPS + TIMING_LIST;
@@ -89,8 +96,10 @@ module fp3_loops #(
     wire back   = turns && !final_q;
     wire over   = take_i && ((legal && phase) || ends_i) && !back;
     wire round = over && !more_i;                      // all batches have ended the phase
+    wire [PROGRAM_W-1:0] left_out, there;              // words behind `hold`; where the words are that are left out, ...
+    wire returns_there;                                // ... which are made
     wire once_more = returns && left_q != {REGISTER_W{1'b0}};
-    wire [PROGRAM_W-1:0] ahead = once_more ? first_q : ends_i ? {PROGRAM_W{1'b0}} : behind;
+    wire [PROGRAM_W-1:0] ahead = once_more ? first_q : ends_i ? {PROGRAM_W{1'b0}} : behind + left_out;
     wire of_entry = ldl || stl;
     wire by_number = takes || stl;
     wire field  = take_i && legal && of_entry && !skips_q;
@@ -113,6 +122,8 @@ module fp3_loops #(
             if (back)                         target_q <= loop_q;
             else if (over && more_i)          target_q <= phase_q;
             else if (over)                    target_q <= ahead;
+            else if (returns_there)           target_q <= there;
+            if (returns_there) phase_q <= there;
             if (round) begin
                 phase_q   <= ahead;
                 partial_q <= once_more || !ends_i;
@@ -139,8 +150,34 @@ module fp3_loops #(
         if (round && repeats) {first_q, left_q} <= {behind, d - 1'b1};
         else if (round && returns) left_q <= left_q - 1'b1;
         if (start_i)          half_q <= setting_half;
-        else if (round_end_i) half_q <= !half_q;
+        else if (round_end_i && !held_o) half_q <= !half_q;
     end
+    // Between a `hold` and the next round: the words that it leaves out are made if an object has
+    // raised.
+    generate
+        if (KEEP != 0) begin : g_hold
+            reg                  held_q, chooses_q, raised_q;
+            reg  [PROGRAM_W-1:0] there_q;
+            wire [31:0]          words = {{32-REGISTER_W{1'b0}}, d};
+            always @(posedge clk_i) begin
+                if (rst_i || start_i || open_i) {held_q, chooses_q, raised_q} <= 3'd0;
+                else begin
+                    if (round && legal && holds) {held_q, chooses_q} <= {1'b1, !ends_i};
+                    raised_q <= raised_q || raised_i;
+                end
+                if (round) there_q <= behind;
+            end
+            assign left_out      = legal && holds ? words[PROGRAM_W-1:0] : {PROGRAM_W{1'b0}};
+            assign there         = there_q;
+            assign returns_there = chooses_q && raised_q;
+            assign held_o        = held_q;
+            wire   unused_words  = &words;
+        end else begin : g_no_hold
+            assign {left_out, there} = {2*PROGRAM_W{1'b0}};
+            assign {returns_there, held_o} = 2'd0;
+            wire   unused_raised = &{open_i, raised_i};
+        end
+    endgenerate
     assign drop_o = skips_q || (legal && (phase || (next && final_q)));
     assign hold_o = waits_q || knows_q || jump_q;
     assign {jump_o, jump_on_o, jump_begins_o, jump_pc_o} = {jump_q, on_q, begins_q, target_q};

@@ -30,6 +30,7 @@ module fp3_rounds #(
     input  wire           start_i,
     input  wire           stop_i,
     input  wire           illegal_i,   // an instruction that this build does not have: the run ends
+    input  wire           no_room_i,   // a list has no room: the run ends behind the round
     input  wire [`FP3_SETTINGS_W-1:0] settings_i,
     output wire           running_o,
     // The state of the run
@@ -44,6 +45,7 @@ module fp3_rounds #(
     output wire           begin_o,     // a round begins and is not aborted: fetch begins
     output wire           round_o,     // a round has begun
     output wire           closed_o,    // the round has come to its end
+    output wire           settled_o,   // every report about it has come
     output wire           abort_o,     // drop everything
     output wire [31:0]    steps_o,     // of this round
     output wire [31:0]    base_o,      // the number of the last step before the round
@@ -79,9 +81,10 @@ module fp3_rounds #(
             aborted_q <= 1'b0;
         end else begin
             aborted_q <= running_o && (aborted_q || abort_o);
+            if (KEEP != 0 && running_o && no_room_i) aborted_q <= 1'b1;
             case (state_q)
                 IDLE:    if (start_i) state_q <= WAIT;
-                WAIT:    if (settle_q == {SETTLE_W{1'b0}}) state_q <= over ? IDLE : EXCHANGE != 0 ? COPY : PLAN;
+                WAIT:    if (settled_o) state_q <= over ? IDLE : EXCHANGE != 0 ? COPY : PLAN;
                 PLAN:    state_q <= OPEN;
                 OPEN:    state_q <= RUN;
                 default: if (EXCHANGE != 0 && state_q == COPY) begin
@@ -108,7 +111,8 @@ module fp3_rounds #(
         all_q       <= no_visit_q || high_more_q || (high_same_q && low_more_q);
     end
     assign running_o = state_q != IDLE;
-    assign copy_o    = EXCHANGE != 0 && state_q == WAIT && settle_q == {SETTLE_W{1'b0}} && !over;
+    assign settled_o = state_q == WAIT && settle_q == {SETTLE_W{1'b0}};
+    assign copy_o    = EXCHANGE != 0 && settled_o && !over;
     assign open_o    = state_q == OPEN;
     assign begin_o   = open_o && !aborted_q;
     assign round_o   = state_q == RUN;

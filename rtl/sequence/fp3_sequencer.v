@@ -36,6 +36,8 @@ module fp3_sequencer #(
     output wire                 illegal_o,      // the word at illegal_pc_o ends the run
     output wire [PROGRAM_W-1:0] illegal_pc_o,
     output wire                 half_o,         // of the store: it has the published words
+    output wire                 settled_o,      // every report about a round has come ...
+    output wire                 held_o,         // ... which ended with `hold`
     // Copies from lane to lane (exchange)
     output wire                 copy_o,         // a round is about to begin
     output wire                 abort_o,        // there will be none
@@ -67,9 +69,9 @@ module fp3_sequencer #(
     wire [31:0] steps, base, end_step;
     reg         illegal_q;
     fp3_rounds #(.CONFIG(CONFIG)) u_rounds (.clk_i(clk_i), .rst_i(rst_i),
-        .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .settings_i(settings_i),
+        .start_i(start_i), .stop_i(stop_i), .illegal_i(illegal_q), .no_room_i(report_no_room), .settings_i(settings_i),
         .running_o(running_o), .count_i(report_count), .issuing_i(issuing), .storing_i(storing), .partial_i(partial),
-        .copied_i(copied_i), .copy_o(copy_o), .closed_o(closed),
+        .copied_i(copied_i), .copy_o(copy_o), .closed_o(closed), .settled_o(settled_o),
         .open_o(open), .begin_o(starts), .round_o(in_round), .abort_o(abort), .steps_o(steps), .base_o(base),
         .end_o(end_step));
 
@@ -177,14 +179,15 @@ module fp3_sequencer #(
     generate
         if (NEIGHBOURS != 0) begin : g_loops
             fp3_loops #(.CONFIG(CONFIG)) u_loops (.clk_i(clk_i), .rst_i(rst_i),
-                .start_i(start_i), .abort_i(abort), .settings_i(settings_i), .round_end_i(closed),
+                .start_i(start_i), .abort_i(abort), .settings_i(settings_i), .open_i(open), .round_end_i(closed),
+                .raised_i(report_raised),
                 .take_i(ready && fetched), .decoded_i(decoded), .pc_i(fetch_pc), .ends_i(ends), .more_i(more),
                 .drop_o(drop), .around_o(around), .hold_o(hold), .still_i(!valid_q && !busy),
                 .longest_i(report_longest),
                 .jump_o(jump), .jump_on_o(jump_on), .jump_begins_o(jump_begins), .jump_pc_o(jump_pc),
-                .partial_o(partial), .half_o(half_o));
+                .partial_o(partial), .held_o(held_o), .half_o(half_o));
         end else begin : g_no_loops
-            assign {hold, drop, jump, jump_on, jump_begins, partial, half_o} = 7'd0;
+            assign {hold, drop, jump, jump_on, jump_begins, partial, held_o, half_o} = 8'd0;
             assign jump_pc = {PROGRAM_W{1'b0}};
             assign around  = {AROUND_W{1'b0}};
             wire unused_loops = closed;

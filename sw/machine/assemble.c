@@ -100,14 +100,17 @@ static void check_slept(asm_source *a, fp3_token t, uint32_t operand) {
 /* Digits alone: it is no constant of the program. */
 static uint32_t number_in(asm_source *a, fp3_token t, const fp3_operation *of) {
     const int is_field = of->gives == FP3_GIVES_FIELD || of->takes_field;
+    const int is_from_0 = is_field || of->code == FP3_OP_HOLD;
     uint32_t number = 0;
     for (size_t i = 0; i < t.length && number < FP3_BANK_SHARED_BASE; i++)
         number = t.text[i] >= '0' && t.text[i] <= '9' ? 10 * number + (uint32_t)(t.text[i] - '0')
                                                       : FP3_BANK_SHARED_BASE;
-    if (number < FP3_BANK_SHARED_BASE && (is_field || number))
+    if (number < FP3_BANK_SHARED_BASE && (is_from_0 || number))
         return number;
     fp3_report_expected(&a->report, t,
-                        is_field ? "the number of a field, 0 to 63" : "a number of times, 1 to 63");
+                        is_field    ? "the number of a field, 0 to 63"
+                        : is_from_0 ? "a number of words, 0 to 63"
+                                    : "a number of times, 1 to 63");
     return ASM_NOWHERE;
 }
 

@@ -209,13 +209,25 @@ static fp3_status check_worst(const walk *w) {
                     reg);
 }
 
+/* The driver's own words. It has no image of the program that it makes of them. */
+static fp3_status check_kept(walk *w) {
+    for (w->at = 0; w->at < w->image->code_count; w->at++) {
+        const fp3_operation *of = w->image->decoded[w->at].of;
+        if (of && of->needs == FP3_KEY_KEEP)
+            return refuse(w, "'keep', 'raise' and 'hold' are words that the driver of the hardware "
+                             "adds to a program: an image has none");
+    }
+    return FP3_OK;
+}
+
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error) {
     walk w = {.image = image, .found = found, .error = error, .loop = -1, .stored_all = UINT64_MAX};
     fp3_status status = FP3_OK;
     *found = (fp3_neighbourhood){.is_any = uses_neighbours(image), .worst = find_worst(image)};
-    if (!found->is_any)
-        return check_worst(&w);
+    status = check_kept(&w);
+    if (status || !found->is_any)
+        return status ? status : check_worst(&w);
     if (image->step != 0 || image->last != image->code_count)
         return fp3_fail(
             error, FP3_E_PROGRAM,

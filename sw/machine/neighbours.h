@@ -46,7 +46,8 @@ uint32_t fp3_neighbourhood_behind(const struct fp3_decoded *decoded, uint32_t at
  * loop; a load behind a store of the same phase; a field read behind an `stl` of the same phase; a
  * phase that does not store a word which neighbours read and another phase stores; loops over one
  * list with different numbers of fields; more than FP3_LISTS_MAX lists, or FP3_FIELDS_MAX fields of
- * an entry; `sleep` beside all this; a `.worst` that no phase, or the last one, stores. */
+ * an entry; `sleep` beside all this; a word that makes lists, which is the driver's; a `.worst`
+ * that no phase, or the last one, stores. */
 fp3_status fp3_neighbourhood_find(const fp3_image *image, fp3_neighbourhood *found,
                                   fp3_error *error);
 

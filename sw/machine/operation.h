@@ -89,7 +89,7 @@ static inline int fp3_operation_counts(const fp3_operation *of, char letter) {
 /* Whether a phase ends with this word of the program. */
 static inline int fp3_ends_phase(const fp3_decoded *word) {
     return word->of && (word->in.op == FP3_OP_PHASE || word->in.op == FP3_OP_REPEAT ||
-                        word->in.op == FP3_OP_AGAIN);
+                        word->in.op == FP3_OP_AGAIN || word->in.op == FP3_OP_HOLD);
 }
 
 /* Of an operation that computes with what a neighbour gives: its operands a and b as those of

@@ -121,6 +121,9 @@ uint64_t fp3_phased_cycles(const fp3_config *config, const fp3_phased *program,
         begin = phase.end == program->count
                     ? program->count
                     : fp3_neighbourhood_behind(program->code, phase.end, &repetition);
+        if (phase.end < program->count && op_at(program, phase.end) == FP3_OP_HOLD &&
+            !run->raised(run->user))
+            begin += program->code[phase.end].in.d;
     }
     return cycles;
 }

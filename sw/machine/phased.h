@@ -41,8 +41,11 @@ typedef struct {
     uint32_t copies; /* from lane to lane before each phase ... */
     uint32_t words;  /* ... of so many published words */
     /* The longest of the lists of register reg that the objects in these rows have, in whichever
-     * lane. */
+     * lane. Asked in the order in which batches come to their loops. */
     uint32_t (*longest)(const void *user, uint32_t reg, uint32_t first, uint32_t rows);
+    /* At each `hold` that a step comes to: whether an object has raised in the phase that ends
+     * there. NULL: the program has none. */
+    int (*raised)(const void *user);
     const void *user;
 } fp3_phased_run;
 

@@ -72,6 +72,15 @@ def test_what_a_neighbour_gives_is_an_operand_on_all_engines(build, tmp_path, lo
         assert runs == 3 * programs and (native > 15) == is_native, out
 
 
+@pytest.mark.smoke
+def test_the_hardware_makes_lists_as_a_model_does(build, tmp_path, long):
+    """Programs by chance, against a model of the store: each word of it, flags, the half with the published words, the outcome and the cycles."""
+    for seed in range(1, 11 if long else 2):
+        out = start(build / "tests/kept", str(seed), "60", cwd=tmp_path)
+        made, full, left_out = map(int, re.fullmatch(r"60 programs, (\d+) lists made, (\d+) without room, (\d+) left out, 0 failed\n", out).groups())
+        assert made > 60 and full > 3 and left_out > 10, out
+
+
 @pytest.mark.parametrize("keys", [pytest.param({"mul_latency": 1, "add_latency": 2, "mul_cuts": 0, "add_cuts": 2}, id="the least latency"),
                                   pytest.param({"select": 0, "reciprocal": "none", "round": 0}, id="z comes late", marks=pytest.mark.long)])
 def test_an_operand_is_there_in_time(root, build, tmp_path, monkeypatch, keys):

@@ -13,11 +13,11 @@ import cocotb
 from cocotb.triggers import Timer
 
 ISA = tomllib.loads(Path(os.environ["FP3_ISA"]).read_text())
-KEYS = {"interleave": 0, "dual": 0, "chain": 0, "fused": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, "neighbours": 0,
+KEYS = {"interleave": 0, "dual": 0, "chain": 0, "fused": 0, "scale": 0, "select": 0, "estimate": 0, "round": 0, "sleep": 0, "neighbours": 0, "keep": 0,
         **json.loads(os.environ["FP3_KEYS"])}
 ROWS = {row["code"]: row for row in ISA["op"]}
 SINGLE = ("legal", "to_add", "to_mul", "to_chain", "to_sleep", "to_memory", "subtract", "st", "lds", "each", "next", "ldn", "ldl", "stl", "takes",
-          "flips", "phase", "repeats", "returns", "twice", "halve")
+          "flips", "phase", "repeats", "returns", "keeps", "raises", "holds", "twice", "halve")
 MORE = 31                                                  # as op: the code is 128 and field c
 
 
@@ -56,11 +56,12 @@ def expected(word):
     name, path, gives, takes = row["name"], row["path"], row.get("gives"), row.get("computes")
     path = ["multiplier"] if KEYS["dual"] and path == ["value", "adder"] else path         # made in a product's place
     return {"legal": 1, "to_add": int(path in (["adder"], ["value", "adder"], ["store", "adder"])), "to_mul": int(path in (["multiplier"], ["store", "multiplier"])),
-            "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next")),
+            "to_chain": int(path == ["multiplier", "adder"]), "to_sleep": int(path == ["comparison"]), "to_memory": int(path == ["store"] or name in ("each", "next", "raise")),
             "subtract": int(name in ("sub", "msub", "fmsub", "subh", "subt", "subn", "subl")), "st": int(name in ("st", "stl")), "lds": int(name == "lds"),
             **{other: int(name == other) for other in ("each", "next", "stl")},
-            "phase": int(name in ("phase", "repeat", "again")), "repeats": int(name == "repeat"), "returns": int(name == "again"),
-            "ldn": int(gives == "word"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
+            "phase": int(name in ("phase", "repeat", "again", "hold")), "repeats": int(name == "repeat"), "returns": int(name == "again"),
+            "keeps": int(name == "keep"), "raises": int(name == "raise"), "holds": int(name == "hold"),
+            "ldn": int(gives == "word" or name == "keep"), "ldl": int(gives == "field"), "takes": int(takes is not None), "flips": int(name in ("rsbn", "rsbl")),
             "twice": int(name in ("addt", "subt")), "halve": int(name in ("addh", "subh")), "d": d,
             **({"a": a, "b": b, "c": c} if name == "sel" else {x: value for x, value in zip("abc", (a, b, c)) if x in row["operands"] and
                                                                 path[0] != "value"}), **({"c": a} if repeats else {})}
@@ -83,7 +84,7 @@ async def decode_says_what_is_legal(dut):
     chance = random.Random(1)
     legal = set()
     for _ in range(int(os.environ["FP3_WORDS"])):
-        code = chance.choice((chance.randrange(MORE), 128 + chance.randrange(16)))
+        code = chance.choice((chance.randrange(MORE), 128 + chance.randrange(20)))
         row, word = ROWS.get(code), min(code, MORE) << ISA["field"]["op"][1]
         for name in "dabc":
             if row and name not in row["operands"] and chance.random() < 0.95:

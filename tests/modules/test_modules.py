@@ -11,6 +11,7 @@ BENCHES = {
     "rounds": {**TILE, "LANES": 2},
     "lane_report": {**TILE, "LANES": 3},
     "issue": {**TILE, "MULTIPLY_ADD": 1},
+    "keep": {**TILE, "MULTIPLY_ADD": 1, "NEIGHBOURS": 1, "SELECT": 1, "KEEP": 1},
     "exchange": {**TILE, "LANES": 6, "ADD_LATENCY": 4, "MUL_LATENCY": 4, "NEIGHBOURS": 1},
     "lane": {**TILE, "MULTIPLY_ADD": 1, "LANES": 2, "EXCEPTIONS": 2, "CONTEXTS": 2, "STORE_WORDS": 64, "REGISTERS": 4},
 }
@@ -94,7 +95,7 @@ BUGS = {
     ],
     "issue_names_operands_and_ends_of_each_instruction": [
         Bug("a constant is the object's register", "fp3_issue.v", "{x_q[REGISTER_W] ? SHARED : issue_context, x_q", "{issue_context, x_q"),
-        Bug("a store of another register", "fp3_issue.v", "x_q    <= st || each ? {1'b0, d} : a;", "x_q    <= a;"),
+        Bug("a store of another register", "fp3_issue.v", "x_q    <= st || each || keeps || raises ? {1'b0, d} : a;", "x_q    <= a;"),
         Bug("a chain adds what it multiplies", "fp3_issue.v", "z_q    <= to_chain || valued ? c : a;", "z_q    <= valued ? c : a;"),
         Bug("a value is multiplied with one", "fp3_issue.v", "to_add && !valued", "to_add"),
         Bug("a product is added to a register", "fp3_issue.v", "zero_q <= to_mul;", "zero_q <= 1'b0;"),
@@ -116,6 +117,23 @@ BUGS = {
         Bug("the next batch goes on counting", "fp3_issue.v", "(late_begins ? base_i : step_q)", "step_q"),
         Bug("a last part has the number of its step", "fp3_issue.v", "late_in_last ? end_i\n", "1'b0 ? end_i\n"),
         Bug("the number is a cycle late", "fp3_issue.v", ".N(AHEAD+TO_RESULT-1)) u_late", ".N(AHEAD+TO_RESULT)) u_late"),
+    ],
+    "keep_writes_the_rows_of_others": [
+        Bug("an object is its own neighbour", "fp3_keep.v", "!away_q && other_i3 != own_q", "!away_q"),
+        Bug("an object without a neighbour has one", "fp3_keep.v", "!away_q && other_i3 != own_q", "other_i3 != own_q"),
+        Bug("everybody is near", "fp3_keep.v", "keep_i3 && takes_i3_i", "keep_i3"),
+        Bug("the neighbour of the instruction before", "fp3_keep.v", ".N(AHEAD)) u_other", ".N(AHEAD+1)) u_other"),
+        Bug("the list is not begun anew", "fp3_keep.v", "& {LENGTH_W{!first_i3}}", "& {LENGTH_W{1'b1}}"),
+        Bug("an entry beyond its room", "fp3_keep.v", "write_o = takes && !full", "write_o = takes"),
+        Bug("room for one less", "fp3_keep.v", "length >= room_i3_i[LENGTH_W-1:0]", "length + 1'b1 >= room_i3_i[LENGTH_W-1:0]"),
+        Bug("all bits of the room count", "fp3_keep.v", "length >= room_i3_i[LENGTH_W-1:0]", "{20'd0, length} >= room_i3_i"),
+    ],
+    "keep_counts_the_entries": [
+        Bug("who is not near is counted", "fp3_keep.v", "length + {{LENGTH_W-1{1'b0}}, takes}", "length + 1'b1"),
+        Bug("a list without room has its length", "fp3_keep.v", "takes && full ? {LENGTH_W{1'b1}} :", ""),
+        Bug("no room for whom nobody wants", "fp3_keep.v", "no_room_q <= !rst_i && takes && full", "no_room_q <= !rst_i && keep_i3 && full"),
+        Bug("an absent object raises", "fp3_keep.v", "raise_i3 && !away_q && list_i3_i[31]", "raise_i3 && list_i3_i[31]"),
+        Bug("all raise", "fp3_keep.v", "raise_i3 && !away_q && list_i3_i[31]", "raise_i3 && !away_q"),
     ],
     "exchange_copies_each_published_word_of_the_list": [
         Bug("the first copy of a list alone", "fp3_exchange.v", "if (index_q == end_index_q) state_q <= LOW", "state_q <= LOW"),

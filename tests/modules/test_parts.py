@@ -25,7 +25,7 @@ class Part(NamedTuple):
 
 
 def decode(keys, words):
-    known = dict.fromkeys(("interleave", "dual", "chain", "fused", "scale", "select", "estimate", "round", "sleep", "neighbours"), 0)
+    known = dict.fromkeys(("interleave", "dual", "chain", "fused", "scale", "select", "estimate", "round", "sleep", "neighbours", "keep"), 0)
     return Part("decode", "decode", {key.upper(): value for key, value in {**known, **keys}.items()},
                 {"FP3_KEYS": json.dumps(keys), "FP3_WORDS": words})
 
@@ -52,6 +52,7 @@ PARTS = {
     "decode, multiply-add rounded once": decode({**FULL, "chain": 0, "scale": 0, "fused": 1}, 3000),
     "decode, multiply-add rounded once for one object": decode({**PLAIN, "fused": 1, "select": 1, "estimate": 1, "round": 1}, 2000),
     "decode, neighbours": decode({"registers": 32, "interleave": 1, "neighbours": 1}, 3000),
+    "decode, lists that are made": decode({"registers": 32, "interleave": 1, "select": 1, "neighbours": 1, "keep": 1}, 3000),
     "tile, batches": tile("tile_steps_each_object_of_each_batch", LANES=2),
     "tile, batches of sums and products": tile("tile_steps_each_object_of_each_batch", LANES=2, MULTIPLY_ADD=3),
     "tile, sums and products at once": tile("tile_steps_each_object_of_each_batch", MULTIPLY_ADD=3, CONTEXTS=9, ADD_LATENCY=1, MUL_LATENCY=1, STORE_WORDS=256),

@@ -115,7 +115,7 @@ def test_features_go_on_in_a_second_word(root, copy, value):
                           capture_output=True, text=True, timeout=120)
     fields = {name: {field[0]: field[4] for field in fields} for name, _, fields in json.loads(done.stdout)["fp3_single"]["registers"]}
     assert fields["0.features_more"] == {"neighbours": 0, "exchange": 0, "finite": 0, "fused": 0, "logarithmic": 0, "fraction": 0, "storage": 0, "mixed": 0,
-                                         "counters": 0, "master": 0, "extra": value}
+                                         "counters": 0, "master": 0, "keep": 0, "extra": value}
     assert fields["0.features"]["more"] == (value != 0)
     (copy / "words.c").write_text('#include "machine/config.h"\n#include "gen/registers.h"\n#include <stdio.h>\n#include <string.h>\n'
                                   "const fp3_config c[] = {FP3_CONFIG_ROWS};\n"

@@ -123,8 +123,8 @@ BUGS = {
     "a response without reset": ("single", "", ("bus/fp3_responses.v", "{gone_q, filled_q, taken_q} <= {3*(DEPTH_W+1){1'b0}}",
                                                 "{gone_q, taken_q} <= {2*(DEPTH_W+1){1'b0}}"), "the bus or the interrupt is unknown"),
     "a flag without reset": ("single", "", ("solo/fp3_scoreboard.v", "if (rst_i) busy_q <=", "if (1'b0) busy_q <="), "something unknown issues or retires"),
-    "an enable without reset": ("single", "", ("host/fp3_host_port.v", "was_running_q, flags_q, irq_enable_q, ended_q} <= 11'd0",
-                                              "was_running_q, flags_q, ended_q} <= 10'd0"), "the bus or the interrupt is unknown"),
+    "an enable without reset": ("single", "", ("host/fp3_host_port.v", "was_running_q, flags_q, irq_enable_q, ended_q} <= 12'd0",
+                                              "was_running_q, flags_q, ended_q} <= 11'd0"), "the bus or the interrupt is unknown"),
 }
 
 

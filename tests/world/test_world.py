@@ -700,6 +700,10 @@ step:
     ("st x\n repeat 64\n ld x\n st x\n again", "expected a number of times, 1 to 63"),
     ("st x\n repeat x\n ld x\n st x\n again", "expected a number of times, 1 to 63"),
     ("each list\n mull d, d, 64\n next\n st x", "expected the number of a field, 0 to 63"),
+    ("each list\n keep d, x, k0\n next\n st x", "code word 3: 'keep', 'raise' and 'hold' are words that the driver of the hardware adds to a program: an image has none"),
+    ("raise x\n st x", "code word 2: 'keep', 'raise' and 'hold' are words"),
+    ("st x\n hold 0\n ld x\n st x", "code word 3: 'keep', 'raise' and 'hold' are words"),
+    ("st x\n hold 64\n ld x\n st x", "expected a number of words, 0 to 63"),
     ("each list\n mull d, d, x\n next\n st x", "expected the number of a field, 0 to 63")])
 def test_programs_that_cannot_be(fp3, tmp_path, body, expected):
     (tmp_path / "p.s").write_text(ASSEMBLY.format(body=body))

@@ -7,7 +7,7 @@ from .check import NAME, Bad, keys, named, need
 MASK_BITS = 7  # positions in a cut mask, as the parameters of rtl/fp3.v count them
 FILE = "configs.toml"
 # What the checks below speak of. Every other key is checked by what its own table says.
-EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts", "store_words", "storage", "dual", "logarithmic", "mixed",
+EXPECTED = ("interleave", "tiles", "schedulers", "lanes", "registers", "contexts", "store_words", "storage", "keep", "dual", "logarithmic", "mixed",
             "add_latency", "mul_latency", "add_cuts", "mul_cuts")
 
 
@@ -186,6 +186,8 @@ def check_interleaved(row, where, words):
          f"{where}: add_latency + mul_latency must be at least 3 where contexts are interleaved")
     need(not row["storage"] or row["add_latency"] + row["mul_latency"] >= 8, FILE,
          f"{where}: with storage add_latency + mul_latency must be at least 8, so that a word is rounded before its store ends")
+    need(not row["keep"] or row["add_latency"] + row["mul_latency"] >= 4, FILE,
+         f"{where}: with keep add_latency + mul_latency must be at least 4")
     if row["dual"]:
         need(row["schedulers"] == 1, FILE, f"{where}: with multiply_add = dual a tile has one scheduler")
         need(row["registers"] >= 4, FILE, f"{where}: with multiply_add = dual there are at least 4 registers")

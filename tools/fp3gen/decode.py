@@ -11,8 +11,8 @@ def choices(isa):
 
 
 def operands_verilog(isa):
-    """An instruction's code, and for each operand, whether the instruction has it. Of what takes a neighbour's word, or gives one,
-    decode knows it, so that a build without neighbours compares no code for it."""
+    """An instruction's code, and for each operand, whether the instruction has it. Of what takes a neighbour's word, or gives one, and
+    of what makes lists, decode knows it, so that a build without compares no code for it."""
     out = [f"// {MARK.format(source='isa/isa.toml')}", "// Included inside a module that includes isa.vh."]
     more = code_bits(isa) > 5
     code = "{1'b1, code_word[C_HI:C_LO]}", "{3'd0, code_word[OP_HI:OP_LO]}"
@@ -22,7 +22,7 @@ def operands_verilog(isa):
             f"    code_of = {f'more_code(code_word) ? {code[0]} : {code[1]}' if more else 'code_word[OP_HI:OP_LO]'};", "endfunction",
             "// verilator lint_on UNUSEDSIGNAL"]
     for letter in "abc":
-        codes = [f"op == OP_{op['name'].upper()}" for op in isa["op"] if letter in op["operands"] and not {"computes", "takes"} & op.keys()]
+        codes = [f"op == OP_{op['name'].upper()}" for op in isa["op"] if letter in op["operands"] and not {"computes", "takes"} & op.keys() and op.get("needs") != "keep"]
         out += [f"function has_{letter}(input [CODE_W-1:0] op);", f"    has_{letter} =",
                 " ||\n".join(f"        {code}" for code in codes) + ";", "endfunction"]
     return out

@@ -152,10 +152,10 @@ def vectors(found, name):
 
 def worlds():
     """The configurations whose objects may see each other, and have the same words: not those with another arithmetic, and no second time
-    those with a port to memory, whose lanes are the same."""
+    those with a port to memory or with lists of their own, whose lanes are the same."""
     found = tomllib.loads((ROOT / "isa/configs.toml").read_text(encoding="utf-8"))["config"]
     ieee = {"arithmetic": "ieee", "reciprocal": "estimate", "fraction": 23}
-    return [keys["name"] for keys in found if keys.get("neighbours") and not keys.get("master") and all(keys.get(name, value) == value for name, value in ieee.items())]
+    return [keys["name"] for keys in found if keys.get("neighbours") and not keys.get("master") and not keys.get("keep") and all(keys.get(name, value) == value for name, value in ieee.items())]
 
 
 def kinds():

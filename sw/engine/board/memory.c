@@ -41,6 +41,11 @@ fp3_status fp3_memory_load_phase(fp3_engine *engine, uint32_t first, uint32_t en
     return put_program(engine, 0, p->code + first, 0, end - first, end - first);
 }
 
+fp3_status fp3_memory_load_words(fp3_engine *engine, const uint32_t *code, uint32_t count) {
+    ((fp3_driver *)engine->self)->first = 0;
+    return put_program(engine, 0, code, 0, count, count);
+}
+
 static fp3_status load_group(fp3_engine *engine, uint32_t number) {
     const fp3_members *group = &engine->layout.groups[number];
     const fp3_code *p = &group->program;

@@ -8,6 +8,8 @@
 fp3_status fp3_memory_load(fp3_engine *engine);
 /* Of the only group, words first .. end-1 as a program of their own, until the next load. */
 fp3_status fp3_memory_load_phase(fp3_engine *engine, uint32_t first, uint32_t end);
+/* Likewise, words that the caller has made. */
+fp3_status fp3_memory_load_words(fp3_engine *engine, const uint32_t *code, uint32_t count);
 /* After a load: 0 into what engine.h promises to be 0 at first. Hardware that was used before holds
  * something else. */
 fp3_status fp3_memory_clear(fp3_engine *engine);

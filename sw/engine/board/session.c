@@ -20,8 +20,9 @@
 /* What the hardware does between a start and an end. */
 typedef struct {
     uint32_t steps, visit, clock;
-    uint64_t limit; /* of its cycles; 0: there is none */
-    int has_half;   /* the register `half` is there, and says where to begin */
+    uint64_t limit;           /* of its cycles; 0: there is none */
+    int has_half;             /* the register `half` is there, and says where to begin */
+    const fp3_own_list *kept; /* the hardware makes a list; NULL: none */
 } part;
 
 static fp3_status start(fp3_engine *engine, const part *p) {
@@ -139,7 +140,7 @@ static fp3_status ask_scheduler(fp3_engine *engine, uint32_t scheduler, uint32_t
             status = check_counters(engine, scheduler, counter, *outcome == BIT(STATUS_DONE));
     }
     if (!status && *outcome != BIT(STATUS_DONE) && *outcome != BIT(STATUS_ILLEGAL) &&
-        *outcome != BIT(STATUS_STOPPED))
+        *outcome != BIT(STATUS_STOPPED) && *outcome != BIT(STATUS_NO_ROOM))
         status = fp3_fail(engine->def.error, FP3_E_SYSTEM,
                           "scheduler %" PRIu32 " ended a run with status 0x%08" PRIx32, scheduler,
                           *outcome);
@@ -187,6 +188,10 @@ static fp3_status run_part(fp3_engine *engine, const part *p, fp3_stats *stats) 
         status = end_run(engine);
     if (status)
         return status;
+    if (FIELD(all, STATUS_NO_ROOM))
+        return p->kept ? fp3_kept_no_room(engine, p->kept)
+                       : fp3_fail(engine->def.error, FP3_E_SYSTEM,
+                                  "the hardware has made a list that nobody has asked for");
     if (illegal == fp3_config_schedulers(engine->config))
         return FIELD(all, STATUS_STOPPED) ? fp3_engine_limit(engine) : FP3_OK;
     const uint32_t group = engine->layout.duty[illegal].group;
@@ -215,7 +220,8 @@ static fp3_status run_phases(fp3_engine *engine, fp3_store_lists *lists, uint32_
         status = fp3_engine_limit(engine);
     if (status)
         return status;
-    status = run_part(engine, &(part){steps, 1, clock, limit ? limit - cycles : 0, 1}, stats);
+    status = run_part(engine, &(part){steps, 1, clock, limit ? limit - cycles : 0, 1, lists->kept},
+                      stats);
     add_counters(engine, sums);
     fp3_status looked = fp3_store_lists_look(engine);
     if (!looked)
@@ -246,14 +252,18 @@ static fp3_status run_step(fp3_engine *engine, fp3_store_lists *lists, uint32_t 
 
 /* Objects that see each other: a visit is a step. */
 static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stats) {
-    const int is_by_phase = fp3_store_lists_is_by_phase(engine);
     uint64_t sums[FP3_COUNTER_COUNT] = {0};
     fp3_store_lists lists;
+    fp3_own_list kept = {0};
     fp3_status status =
         engine->def.cycle_limit ? fp3_engine_need_counters(engine, engine->def.error) : FP3_OK;
     if (status)
         return status;
     status = fp3_store_lists_begin(engine, &lists);
+    if (!status)
+        status = fp3_kept_begin(engine, &kept);
+    lists.kept = kept.list ? &kept : NULL;
+    const int is_by_phase = !kept.list && fp3_store_lists_is_by_phase(engine);
     for (uint32_t made = 0; !status && is_by_phase && made < steps; made++)
         status = run_step(engine, &lists, engine->clock + made, sums, stats);
     if (!status && !is_by_phase)
@@ -262,6 +272,8 @@ static fp3_status run_around(fp3_engine *engine, uint32_t steps, fp3_stats *stat
         is_by_phase && !engine->only && engine->layout.groups[0].lists.shape.phases > 1;
     const fp3_error why = engine->def.error ? *engine->def.error : (fp3_error){.text = ""};
     fp3_status ended = fp3_store_lists_end(engine, &lists);
+    const fp3_status left = fp3_kept_end(engine, &kept);
+    ended = ended ? ended : left;
     if (!ended && is_divided)
         ended = fp3_memory_load(engine);
     if (status && engine->def.error)
@@ -273,7 +285,7 @@ fp3_status fp3_session_run(fp3_engine *engine, uint32_t steps, fp3_stats *stats)
     if (steps && engine->layout.groups[0].lists.shape.is_any)
         return run_around(engine, steps, stats);
     const uint32_t visit = engine->layout.groups[0].lists.shape.is_any ? 1 : engine->def.visit;
-    return run_part(engine, &(part){steps, visit, engine->clock, engine->def.cycle_limit, 0},
+    return run_part(engine, &(part){steps, visit, engine->clock, engine->def.cycle_limit, 0, NULL},
                     stats);
 }
 

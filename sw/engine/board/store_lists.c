@@ -238,8 +238,11 @@ static fp3_status write_lists(fp3_engine *engine, const fp3_store_lists *to) {
         status = open_room(engine, &ghosts, lane, &r);
         r.place = to->place;
         for (uint32_t i = 0; !status && i < lists->shape.list_count; i++)
-            status = write_list(&r, &lists->lists[i]);
+            if (!to->kept || &lists->lists[i] != to->kept->list)
+                status = write_list(&r, &lists->lists[i]);
     }
+    if (!status && to->kept)
+        status = fp3_kept_install(engine, to->kept);
     if (!status)
         status = write_ghosts(engine, &ghosts, to->words);
     fp3_ghosts_free(&ghosts);

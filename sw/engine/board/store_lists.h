@@ -8,7 +8,7 @@
 #ifndef FP3_STORE_LISTS_H
 #define FP3_STORE_LISTS_H
 
-#include "engine/common/backend.h"
+#include "kept.h"
 
 typedef struct {
     uint32_t *saved; /* what the registers of lists hold between runs, list by list; NULL: there are
@@ -16,6 +16,7 @@ typedef struct {
     uint32_t *words; /* of one register of all objects */
     uint32_t *place; /* of each object's list, likewise: the word of its lane's store where it is */
     int is_written;  /* the lists are in the store */
+    const fp3_own_list *kept; /* of which the hardware makes one; NULL: none */
 } fp3_store_lists;
 
 /* See fp3_backend.check. FP3_E_PROGRAM: the hardware cannot run such a program. */

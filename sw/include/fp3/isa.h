@@ -77,6 +77,9 @@ enum fp3_opcode {
     FP3_OP_RSBL   = 139,
     FP3_OP_MULL   = 140,
     FP3_OP_STL    = 141,
+    FP3_OP_KEEP   = 144,
+    FP3_OP_RAISE  = 145,
+    FP3_OP_HOLD   = 146,
 };
 
 /* The hardware's counters: docs/registers.md. */

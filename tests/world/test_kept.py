@@ -1,0 +1,71 @@
+"""Lists of near objects that the hardware makes itself: the words and flags of the engine isa, no host between steps, and what is too much."""
+
+import re
+import subprocess
+
+import pytest
+from test_world import BALLS, PILE, balls, fliers, script  # noqa: F401, pylint: disable=unused-import
+
+STATES = "x_x x_y x_z v_x v_y v_z"
+# Two lists, one of them given; and a position in a plane.
+TIED = """
+state x[2] = (0, 0)
+state v[2] = (0, 0)
+near touch(x, 0.1)
+links ties(k = 1)
+step 0.01
+F = sum(o in touch: (norm(o.x - x) - 0.1)/norm(o.x - x)*(o.x - x)) + sum(o in ties: 0.1*o.k*(o.x - x))
+x' = v
+v' = F
+"""
+
+
+def tied(n):
+    return [f"objects {n}", "state x_x " + " ".join(repr(0.09 * (i % 7)) for i in range(n)), "state x_y " + " ".join(repr(0.08 * (i // 7)) for i in range(n)),
+            "state v_x " + " ".join(repr(0.3 * ((i * 5) % 11 - 5)) for i in range(n)), "near touch 0.1 0.02 x_x x_y",
+            *(f"links ties {i} {(i + 3) % n} 1" for i in range(n))]
+
+
+@pytest.mark.parametrize("model, start, states, integrators", [(BALLS, balls, STATES, ("euler", "leapfrog")), (BALLS, fliers, STATES, ("leapfrog", "rk4")),
+                                                               (PILE, balls, STATES, ("leapfrog",)), (TIED, tied, "x_x x_y v_x", ("leapfrog",))],
+                         ids=["balls", "fliers", "pile", "tied"])
+def test_lists_made_by_the_hardware_change_no_bit(script, model, start, states, integrators):  # noqa: F811
+    for integrator in integrators:
+        lines = [*start(60), "flags 1", "flags 30", f"print {states}", "flags 9", f"print {states}", "failure"]
+        assert script(model, lines, "rtl@world_keep", integrator) == script(model, lines, "isa@world_keep", integrator), integrator
+
+
+def test_a_skin_of_nothing_has_lists_made_in_each_step(script):  # noqa: F811
+    lines = [*fliers(30, 0), "flags 20", f"print {STATES}"]
+    assert script(BALLS, lines, "rtl@world_keep") == script(BALLS, lines, "isa@world_keep")
+
+
+SCENE = """
+steps = 10;
+groups = ( { program = "m.ode"; integrator = "semi_implicit_euler"; objects = 40;
+             random = { position = "x"; from = [0.05, 0.05, 0.05]; to = [0.5, 0.5, 0.5]; apart = 0.09; seed = 1; }; } );
+"""
+
+
+def test_the_host_has_nothing_to_do_between_steps(fp3, tmp_path):
+    (tmp_path / "m.ode").write_text(BALLS)
+    (tmp_path / "m.scene").write_text(SCENE)
+
+    def said(config, steps):
+        done = subprocess.run([fp3, "run", "--scene", "m.scene", "-c", config, "--engine", "rtl", "--steps", str(steps), "--clock", "100MHz"], cwd=tmp_path, capture_output=True,
+                              text=True, timeout=120)
+        assert done.returncode == 0, done.stderr
+        return int(re.search(r"([\d,]+) transfers", done.stdout)[1].replace(",", ""))
+    assert abs(said("world_keep", 12) - said("world_keep", 6)) < 4        # it asks whether the run is over
+    assert said("world", 12) > said("world", 6) + 6 * 40
+
+
+@pytest.mark.parametrize("steps, message", [(1, "object 0 has more than"), (40, "has more than")])
+def test_a_list_without_room_is_told(script, steps, message):  # noqa: F811
+    """120 records of 16 words leave room for 103 entries of each, and all fall together: in the first list already, or in one that the hardware makes."""
+    n = 120
+    far, near = [0.2 * i for i in range(n)], [0.0005 * i for i in range(n)]
+    lines = [f"objects {n}", "state x_x " + " ".join(map(repr, near if steps == 1 else far)), "state v_x " + " ".join(repr(-x / 0.03) for x in far),
+             "near touch 0.1 0.02 x_x x_y x_z", f"go {steps}"]
+    said = script(BALLS, lines, "rtl@world_keep", "euler")
+    assert message in said[0] and "neighbours in a list: the store of configuration 'world_keep' has room for so many" in said[0], said
