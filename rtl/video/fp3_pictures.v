@@ -22,8 +22,8 @@ module fp3_pictures #(
     parameter ADDRESS_W = 18,          // of the processor, 18 to 26
     parameter TICKS     = 2,           // clock cycles in a pixel
     parameter OBJECTS_W = 10,          // 2^OBJECTS_W objects at most
-    parameter WIDTH     = 640, H_FRONT = 16, H_SYNC = 96, H_BACK = 48,
-    parameter HEIGHT    = 480, V_FRONT = 10, V_SYNC = 2,  V_BACK = 33,  // HEIGHT at most 495
+    parameter WIDTH     = 640, H_FRONT = 16, H_SYNC = 96, H_BACK = 48,  // WIDTH at most 978, and 1,023 in all
+    parameter HEIGHT    = 480, V_FRONT = 10, V_SYNC = 2,  V_BACK = 33,  // HEIGHT at most 495, and 1,023 in all
     parameter SPARE     = 10           // lines before the picture in which reading does not begin
 ) (
     input  wire                 clk_i,
@@ -218,5 +218,14 @@ module fp3_pictures #(
     assign vsync_o   = !vsync_q2;
     assign rgb_o     = rgb_q;
     wire unused = &open_unused;
+
+    generate
+        if (WIDTH > 978 || HEIGHT > 495 || WIDTH + H_FRONT + H_SYNC + H_BACK > 1023 || LINES > 1023) begin : g_format
+            WIDTH_is_978_and_HEIGHT_495_at_most_and_a_line_1023_pixels_and_a_frame_1023_lines u_error ();
+        end
+        if (SPARE < 0 || LATEST <= HEIGHT) begin : g_spare
+            SPARE_leaves_no_line_in_which_reading_begins u_error ();
+        end
+    endgenerate
 endmodule
 `default_nettype wire

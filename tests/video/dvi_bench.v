@@ -2,6 +2,7 @@
 //
 //     p VISIBLE SYNCS RGB      a pixel
 //     b CRGB                   one bit of each line: clock, red, green, blue
+//     a NS                     how long words have stood when the shift registers take them
 `timescale 1ns/1ps
 `default_nettype none
 // The lower bit goes out while the clock is high.
@@ -21,7 +22,7 @@ module dvi_bench;
     wire        word;
     wire [29:0] words;
     wire [3:0]  lines;
-    integer     i, seed = 1, left = 0;
+    integer     i, seed = 1, left = 0, came = 0, taken = 0;
     fp3_video_dvi u_dvi (.clk_i(clk), .rst_i(rst), .pixel_i(pixel), .visible_i(visible), .hsync_i(hsync), .vsync_i(vsync), .rgb_i(rgb),
         .word_o(word), .words_o(words));
     fp3_pictures_serial u_serial (.clk_i(clk), .rst_i(rst), .word_i(word), .words_i({10'b0000011111, words}), .bit_clk_i(bit_clk), .lines_o(lines));
@@ -35,9 +36,18 @@ module dvi_bench;
         #2 if (!rst) $display("b %b", lines);
     end
 
+    always @(u_serial.toggle_q) came = $time;
+    always @(posedge bit_clk)
+        if (came != 0 && u_serial.cycle_q == 3'd4) begin
+            taken = taken + 1;
+            if (taken > 3) $display("a %0d", $time - came);
+        end
+
+    // As in fp3_pictures_top, where the first words leave four cycles after the reset.
     initial begin
-        repeat (8) @(negedge clk);
-        rst = 1'b0;
+        repeat (8) @(posedge clk);
+        rst <= 1'b0;
+        repeat (3) @(negedge clk);
         for (i = 0; i < 2200; i = i + 1) begin
             if (left == 0) begin
                 visible = !visible;

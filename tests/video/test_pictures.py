@@ -435,6 +435,20 @@ def test_a_bug_is_seen(root, build, host, tmp_path, bug):
             check(command, tmp_path)
 
 
+# ---- formats ----
+
+@pytest.mark.parametrize("given, said", [
+    ({}, None), ({"WIDTH": 978, "H_SYNC": 10, "H_BACK": 19}, None), ({"HEIGHT": 495}, None), ({"SPARE": 44}, None),
+    ({"WIDTH": 979, "H_SYNC": 10, "H_BACK": 10}, "WIDTH_is_978"), ({"HEIGHT": 496}, "WIDTH_is_978"), ({"H_BACK": 272}, "WIDTH_is_978"),
+    ({"V_BACK": 532}, "WIDTH_is_978"), ({"SPARE": 45}, "SPARE_leaves"), ({"SPARE": -1}, "SPARE_leaves")])
+def test_a_format_that_has_no_room_ends_elaboration(root, given, said):
+    done = subprocess.run(["verilator", "--lint-only", "-Wno-lint", "-Wno-style", "+incdir+rtl", "+libext+.v",
+                           *(word for name in ("bus", "lib", "video") for word in ("-y", f"rtl/{name}")),
+                           *(f"-G{key}={value}" for key, value in given.items()), "--top-module", "fp3_pictures", "rtl/video/fp3_pictures.v"],
+                          cwd=root, capture_output=True, text=True)
+    assert (done.returncode == 0) == (said is None) and (said or "") in done.stderr, done.stderr
+
+
 # ---- the channels of DVI ----
 
 CONTROLS = {0b1101010100: 0, 0b0010101011: 1, 0b0101010100: 2, 0b1010101011: 3}
@@ -449,8 +463,8 @@ def decoded(word):
 
 @pytest.mark.parametrize("late", [0, 1, 3, 5, 7])
 def test_the_bits_of_dvi_are_the_pixels(root, tmp_path, late):
-    """Through the encoders and the shift registers, whose clock is early by `late` ns of 8: each word once, and about as many ones as zeros on
-    each line."""
+    """Through the encoders and the shift registers, whose clock is early by `late` ns of 8: each word once, when it has stood for one to two of its
+    cycles, and about as many ones as zeros on each line."""
     bench = tmp_path / "dvi.vvp"
     said = subprocess.run(["iverilog", "-g2012", "-Wall", "-Wno-timescale", f"-Pdvi_bench.LATE={late}", "-s", "dvi_bench", "-o", bench, "-y", "rtl/video",
                            "rtl/fpga/ecp5/fp3_pictures_serial.v", "tests/video/dvi_bench.v"], cwd=root, capture_output=True, text=True)
@@ -458,6 +472,8 @@ def test_the_bits_of_dvi_are_the_pixels(root, tmp_path, late):
     out = succeeds("vvp", "-n", bench).splitlines()
     pixels = [tuple(int(word, 16) for word in line.split()[1:]) for line in out if line.startswith("p ")]
     lines = [line.split()[1] for line in out if line.startswith("b ")]
+    ages = {int(line.split()[1]) for line in out if line.startswith("a ")}
+    assert ages and 8 <= min(ages) and max(ages) <= 16
     at = next(i for i in range(len(lines)) if [line[0] for line in lines[i:i + 10]] == list("1111100000"))
     words = [[sum(int(lines[k + i][3 - c]) << i for i in range(10)) for c in range(4)] for k in range(at, len(lines) - 9, 10)]
     assert len(pixels) > 2000 and all(word[3] == 0b0000011111 for word in words)

@@ -6,9 +6,11 @@
 //           words ─► words_q ─► shift (bit_clk_i) ─► ODDRX1F ─► lines
 //
 // Crossing  Words stand for five cycles of bit_clk_i. A toggle that comes with them passes two
-//           flip-flops, so it is seen two to three cycles later; words are taken two to three cycles
+//           flip-flops, so it is seen two to three cycles later; words are taken one to two cycles
 //           after they came, four cycles after the toggle of the words before was seen. Cycles are
-//           counted; the toggle sets the counter only where it is off by more than one.
+//           counted from the reset, and the first toggle is seen in cycle 0: words begin four cycles
+//           of clk_i after it, which are whole words. The toggle sets the counter only where it is off by
+//           more than one, so that what a flip-flop decides at an edge does not move the words.
 `default_nettype none
 module fp3_pictures_serial (
     input  wire        clk_i,
