@@ -70,7 +70,7 @@ struct pictures {
         if (top.m_axi_awvalid && top.m_axi_awready)
             at = top.m_axi_awaddr, has_at = true;
         if (top.m_axi_wvalid && top.m_axi_wready)
-            word = top.m_axi_wdata, has_word = true;
+            word = top.m_axi_wstrb == 15 ? top.m_axi_wdata : ~top.m_axi_wdata, has_word = true;
         if (has_at && has_word) {
             has_at = has_word = false;
             ask(true, at, word);

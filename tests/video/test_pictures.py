@@ -337,6 +337,76 @@ def test_a_run_is_not_disturbed(small, tmp_path):
     check_runs(small, tmp_path)
 
 
+LINE = SMALL.ticks * sum(SMALL.across)
+
+
+def check_told(command, folder):
+    """When positions are read, and what registers say of it: once in a frame; a line after a run has ended, but not in the last lines of the blanking;
+    not at all if the processor refuses. `off` takes settings when reading is over, and forgets what was read."""
+    inside, outside = [[(bits(x + i % 8), bits(10 + i)) for i in range(30)] for x in (10, 1000)]
+    view, session, last = view_of(inside, y_origin=45), Session(SMALL), SMALL.down[0] + SMALL.down[1] + SMALL.down[2] + SMALL.down[3] - SMALL.spare
+
+    def taken():
+        session.read("taken", None)
+        return len(session.looks) - 1
+    put(session, inside)
+    session.show(view)
+    session.frames(2)
+    session.read("frames", None)
+    begin = [len(session.looks) - 1, taken()]
+    session.frames(4)
+    session.read("frames", None)
+    end = [len(session.looks) - 1, taken()]
+    late = []
+    for line in (last - 3, last + 2):                  # a run ends there
+        session.do(f"m {STATUS:x} 1")
+        session.do(f"go {LINE * line}")
+        session.do(f"m {STATUS:x} 2")
+        before = taken()
+        session.do(f"go {LINE * SMALL.spare}")
+        late.append((before, taken()))
+        session.frames(1)
+    session.do(f"go {LINE * SMALL.down[0] + 60}")      # positions are being read
+    session.write("control", 0)
+    session.write("x", view.x, "refused")
+    session.read("status", 2)
+    session.do("go 800")
+    session.write("x", view.x)
+    session.do(f"m {STATUS:x} 1")
+    session.write("control", 1)
+    session.read("status", 0)
+    session.do(f"m {STATUS:x} 2")
+    session.frames(2)
+    session.read("outside", 0)
+    put(session, outside)
+    session.do(f"x {OBJECTS + STEP * 7:x}")
+    refused = [taken()]
+    session.frames(2)
+    session.read("outside", 0)
+    refused.append(taken())
+    session.play(command, "memory", folder)
+    number = session.number
+    assert [number(b) - number(a) for a, b in zip(begin, end)] == [5, 5]
+    assert [number(b) - number(a) for a, b in late] == [1, 0]
+    assert number(refused[0]) == number(refused[1])
+
+
+def check_status_that_is_refused(command, folder):
+    """Nobody knows whether a run is under way, so nothing is read."""
+    view, session = view_of([(0, 0)] * 3), Session(SMALL)
+    session.do(f"x {STATUS:x}")
+    session.show(view)
+    session.frames(2)
+    session.read("taken", 0)
+    session.read("status", 0)
+    session.play(command, "memory", folder)
+
+
+def test_registers_tell_what_was_read(small, tmp_path):
+    check_told(small, tmp_path)
+    check_status_that_is_refused(small, tmp_path)
+
+
 def test_taken_tells_of_what_a_run_left(small, tmp_path):
     """A host starts a run, reads `taken`, and waits for another value, as the page says: until the run has ended there is none, also where positions
     were being read when the host came; a value from before the start would change for these."""
@@ -424,6 +494,15 @@ BUGS = [
     Bug("the vertical sync is a line late", "fp3_video_timing.v", "DOWN = HEIGHT + V_FRONT - 1", "DOWN = HEIGHT + V_FRONT"),
     Bug("a line has a pixel more", "fp3_video_timing.v", "WIDTH + H_FRONT + H_SYNC + H_BACK, LINES", "WIDTH + H_FRONT + H_SYNC + H_BACK + 1, LINES"),
     Bug("red and blue", "fp3_pictures.v", "there ? painted", "there ? {painted[7:0], painted[15:8], painted[23:16]}"),
+    Bug("positions are read again in each line", "fp3_pictures.v", "(old_q || next == HEIGHT[9:0])", "1'b1"),
+    Bug("who misses the first line waits for a frame", "fp3_pictures.v", "(old_q || next == HEIGHT[9:0])", "next == HEIGHT[9:0]"),
+    Bug("reading begins too late", "fp3_pictures.v", "LATEST = LINES - SPARE", "LATEST = LINES"),
+    Bug("settings move while positions are read", "fp3_video_registers.v", "(on_q || busy_i)", "on_q"),
+    Bug("a refused status is no run", "fp3_video_reader.v", "(answer_error_i || answer_rdata_i", "(answer_rdata_i"),
+    Bug("what was read outlives off", "fp3_video_reader.v", "if (rst_i || !on_i) shows_q", "if (rst_i) shows_q"),
+    Bug("refused positions count", "fp3_video_reader.v", "taken_q <= drained && !failed_q", "taken_q <= drained"),
+    Bug("refused positions are outside", "fp3_video_reader.v", "else if (drained && !failed_q) {outside", "else if (drained) {outside"),
+    Bug("three bytes are written", "fp3_video_port.v", "{6'd0, 4'b1111}", "{6'd0, 4'b0111}"),
 ]
 
 
@@ -431,7 +510,7 @@ BUGS = [
 def test_a_bug_is_seen(root, build, host, tmp_path, bug):
     command = chip(tree(root, tmp_path, bug), build, host, tmp_path, SMALL, "-O0")
     with pytest.raises(AssertionError):
-        for check in (check_positions, check_too_much, check_runs):
+        for check in (check_positions, check_too_much, check_runs, check_told, check_status_that_is_refused, test_registers_take_what_is_possible):
             check(command, tmp_path)
 
 
