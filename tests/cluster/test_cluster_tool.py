@@ -98,6 +98,8 @@ def test_the_model_finds_its_constants(tool):
 def test_the_page_is_made_of_it(tool, measured, root):
     text = tool("fp3cluster.report").page((root / "docs/cluster_results.md").read_text(encoding="utf-8"), measured)
     assert f"| cloth | links | 8 | `{measured['hashes'][0]['hash'][:12]}` | – | 1, 2, 3 | – |\n" in text
+    noisy = tool("fp3cluster.report").page(text, measured | {"constants": measured["constants"] | {"object_us": 0}})
+    assert "cloth, 1,000,000, nodes" not in noisy and "cloth, 256 a board" in noisy
     with pytest.raises(SystemExit, match="the page has no <!-- kills -->"):
         tool("fp3cluster.report").page(text.replace("<!-- kills -->", ""), measured)
 
