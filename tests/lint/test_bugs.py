@@ -43,7 +43,7 @@ LISTS = {
     "tests/fpga/test_ice40.py": lambda root, at: named(root, [(name, (f"fpga/ice40/fp3_{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
     "tests/board/test_bridge.py": lambda root, at: named(root, [(name, (f"board/fp3_{bug[0]}.v", bug[1])) for name, bug in at.BUGS.items()]),
     "tests/replay/test_checks.py": lambda root, at: named(root, at.BUGS.items()),
-    "tests/video/test_pictures.py": lambda root, at: formal(root, at.BUGS),
+    "tests/video/test_frames.py": lambda root, at: formal(root, at.BUGS),
     "tests/replay/test_unknown.py": lambda root, at: named(root, [(name, bug[2]) for name, bug in at.BUGS.items()]),
 }
 

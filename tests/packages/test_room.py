@@ -98,7 +98,7 @@ def test_a_setting_that_needs_a_store_is_not_there_without(copy):
 KEY = """[key.extra]
 range    = [0, 15]
 default  = 0
-feature  = [50, 47]
+feature  = [51, 48]
 meaning  = "a key of the second word"
 
 [key.add_latency]"""
@@ -108,7 +108,7 @@ meaning  = "a key of the second word"
 def test_features_go_on_in_a_second_word(root, copy, value):
     replace(copy / "isa/configs.toml", ("[key.add_latency]", KEY), ('name = "single"\n', f'name = "single"\nextra = {value}\n'))
     features, more = shown(run(copy, "single", ["s c 0", "s 48 0"]))
-    assert features == 0x0402021b | (value != 0) << 7 and more == value << 15
+    assert features == 0x0402021b | (value != 0) << 7 and more == value << 16
     assert changed(root, copy) == {"isa/configs.toml"}
     # The map of SystemRDL has them, and the software expects these words.
     done = subprocess.run([root / ".venv/bin/python", root / "tests/packages/read_map.py", "rdl", copy / "rtl/gen/fp3.rdl", "fp3_single"],
@@ -125,7 +125,7 @@ def test_features_go_on_in_a_second_word(root, copy, value):
     shutil.copytree(root / "sw/base", copy / "sw/base")
     subprocess.run(["gcc", "-std=c11", "-Wno-unused", f"-I{copy}/sw", f"-I{copy}/sw/include", "words.c", "-o", "words"], cwd=copy, check=True)
     words = [int(word, 16) for word in subprocess.run([copy / "words"], capture_output=True, text=True, check=True).stdout.split()]
-    assert words[-1] == value << 15 and (words[-4] >> 7 & 1) == (value != 0)
+    assert words[-1] == value << 16 and (words[-4] >> 7 & 1) == (value != 0)
 
 
 OWN = """[key.own]
@@ -203,7 +203,7 @@ meaning  = "d = a + b"
 """
 
 
-@pytest.mark.parametrize("code", [144, 145, 255])
+@pytest.mark.parametrize("code", [148, 149, 255])
 def test_an_instruction_may_have_its_code_in_field_c(root, copy, code):
     with open(copy / "isa/isa.toml", "a", encoding="utf-8") as file:
         file.write(OP.format(code=code))

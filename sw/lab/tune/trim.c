@@ -19,7 +19,7 @@ static const struct {
     fp3_key key;
     int luts;
 } known_savings[] = {
-    {FP3_KEY_CHAIN, -54}, {FP3_KEY_SLEEP, -188}, {FP3_KEY_SELECT, -83}, {FP3_KEY_ESTIMATE, -48}};
+    {FP3_KEY_CHAIN, -49}, {FP3_KEY_SLEEP, -285}, {FP3_KEY_SELECT, -66}, {FP3_KEY_ESTIMATE, -77}};
 #define KNOWN(list) (sizeof(list) / sizeof *(list))
 
 /* Keys of instructions that a program can do without, and what instructions then do not need. */
