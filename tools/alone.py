@@ -21,7 +21,8 @@ WORLD = "world_memory"
 LATENCY = 20                              # cycles of memory
 RATES = (1000, 400, 3000)                 # words of memory in 1,000 cycles
 GOAL = 1.1                                # cycles a word that memory can give in each
-STEPS = {CONFIG: {3000: 16, 400: 32}, LANES: {3000: 96, 400: 256}}     # of a visit of a chunk, by the rate of memory: the word's cycles are a lane's
+# Steps of a visit of a chunk, by the rate of memory. Eight lanes compute faster and share one port, so their visits are longer.
+STEPS = {CONFIG: {3000: 16, 400: 32}, LANES: {3000: 96, 400: 256}}
 OBJECTS = {CONFIG: 100_000, LANES: 10_000}
 SLOWER = 1.02                             # goal: cycles of chunks over those of objects in the store
 LINKED = {"programs/gallery/flag.scene": (400, 3000), "bench/alone/cloth.scene": (3000,)}   # scenes of objects with links, and the rates of memory

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* kept.h - a driver's side of lists of near objects that the hardware makes itself.
  *
- * Before each phase that goes through the list stand two more: a check, in which objects raise a
- * flag that have moved by more than half the skin since the list was made, and a phase that makes
- * it, which is left out if nobody has. So a run of many steps needs no host in between. The list
- * has every pair within the reach, in the order of the objects' numbers, as the host's has: results
- * are the same.
+ * The driver adds two phases before each phase that goes through the list. In the first, the check,
+ * an object raises a flag if it has moved by more than half the skin since the list was made. The
+ * second makes the list; it is left out if no object has raised the flag. So a run of many steps
+ * needs no host in between. The list has every pair within the reach, in the order of the objects'
+ * numbers, as the host's has: results are the same.
  */
 #ifndef FP3_KEPT_H
 #define FP3_KEPT_H
